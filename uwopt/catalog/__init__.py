@@ -1,0 +1,1 @@
+"""What can be bought: records, loading, estimates, compatibility, generic parts."""
