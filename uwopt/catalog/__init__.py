@@ -1,1 +1,1 @@
-"""What can be bought: records, loading, estimates, compatibility, generic parts."""
+"""What can be bought: parts as records, loading, class estimates, choice, compatibility, spectra."""

@@ -1,0 +1,129 @@
+"""Which parts a mission lets into the search."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from uwopt.catalog.catalogue import Catalog, Exclusion
+from uwopt.catalog.choose import Choice, matches, select
+from uwopt.catalog.money import cost_of
+from uwopt.catalog.records import Camera, Lens, Light, Port, Quantity, exact
+from uwopt.errors import CatalogError
+
+CATALOG = Catalog(
+    cameras=(
+        Camera(id="flir-bfs-1", manufacturer="Teledyne FLIR", colour="mono", price=exact(800.0)),
+        Camera(id="avt-1800", manufacturer="Allied Vision", colour="colour", price=exact(700.0)),
+        Camera(id="basler-aca", manufacturer="Basler", shutter="rolling", price=Quantity(500, 300, 900, "estimated")),
+        Camera(id="seed-imx250m", manufacturer="Paper's tool", availability="not_a_product"),
+    ),
+    lenses=(Lens(id="kowa-8", manufacturer="Kowa", price=exact(200.0)), Lens(id="kowa-no-mount", manufacturer="Kowa")),
+    ports=(
+        Port(id="dome-100", depth_rating_m=100.0),
+        Port(id="dome-unrated"),
+        Port(id="generic-dome", generic=True, depth_rating_m=6000.0),
+    ),
+    lights=(
+        Light(id="lamp-300", depth_rating_m=300.0, price=exact(100.0)),
+        Light(id="generic-lamp", generic=True, depth_rating_m=6000.0),
+    ),
+    exclusions=(
+        Exclusion("seed-imx250m", "camera", "availability", "no product"),
+        Exclusion("kowa-no-mount", "lens", "vital facts", "no mount stated"),
+    ),
+)
+
+
+def rules_of(selection):
+    return {exclusion.part_id: exclusion.rule for exclusion in selection.excluded}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "hit"),
+    [("flir", True), ("FLIR", True), ("teledyne-flir", True), ("flir_bfs", True), ("flir bfs*", True),
+     ("allied*", False), ("*", True), ("bfs-?", False), ("*bfs-?", True), ("", False)],
+)  # fmt: skip
+def test_pattern_looks_at_id_and_manufacturer(pattern, hit):
+    assert matches(pattern, CATALOG.cameras[0]) == hit
+
+
+def test_without_wishes_everything_sound_is_searched_and_generic_parts_wait():
+    selection = select(CATALOG)
+    assert selection.indices == {"camera": (0, 1, 2), "lens": (0,), "port": (0, 1), "light": (0,)}
+    assert rules_of(selection) == {
+        "seed-imx250m": "availability",
+        "kowa-no-mount": "vital facts",
+        "generic-dome": "generic",
+        "generic-lamp": "generic",
+    }
+
+
+def test_every_part_is_selected_or_counted_once():
+    selection = select(CATALOG, {"cameras": ["flir"], "exclude": ["lamp*"]}, required_depth_m=200.0, colour="colour")
+    for kind, parts in (("camera", 4), ("lens", 2), ("port", 3), ("light", 2)):
+        assert len(selection.indices[kind]) + sum(selection.counts[kind].values()) == parts
+
+
+def test_a_part_that_is_no_product_is_searched_when_its_id_stands_there():
+    assert select(CATALOG, Choice(cameras=["SEED_IMX250M"])).indices["camera"] == (3,)
+    assert select(CATALOG, Choice(cameras=["seed"])).indices["camera"] == ()
+
+
+def test_missing_vital_facts_stay_out_even_when_named():
+    assert select(CATALOG, Choice(lenses=["kowa-no-mount"])).indices["lens"] == ()
+
+
+def test_first_rule_counts():
+    # the Basler is both excluded and rolling; `exclude` stands before `shutter`
+    selection = select(CATALOG, SimpleNamespace(exclude=["basler"]), shutter="global")
+    assert rules_of(selection)["basler-aca"] == "exclude"
+
+
+def test_colour_and_shutter_filter_cameras():
+    assert select(CATALOG, colour="colour").indices["camera"] == (1,)
+    assert select(CATALOG, shutter="rolling").indices["camera"] == (2,)
+
+
+def test_unknown_depth_rating_never_passes_unless_accepted():
+    assert select(CATALOG, required_depth_m=50.0).indices["port"] == (0,)
+    accepting = select(CATALOG, Choice(accept_unrated=["dome_unrated"]), required_depth_m=50.0)
+    assert accepting.indices["port"] == (0, 1)
+
+
+def test_generic_parts_step_in_where_no_real_part_is_left():
+    selection = select(CATALOG, required_depth_m=1000.0)
+    assert selection.indices["port"] == (2,)
+    assert selection.indices["light"] == (1,)
+
+
+def test_generic_parts_can_be_wanted_or_forbidden():
+    assert select(CATALOG, Choice(generic="allow")).indices["light"] == (0, 1)
+    assert select(CATALOG, Choice(generic="never"), required_depth_m=1000.0).indices["light"] == ()
+
+
+def test_estimated_price_does_not_count_as_verified():
+    selection = select(CATALOG, Choice(verified=["price"]))
+    assert selection.indices["camera"] == (0, 1)
+    assert rules_of(selection)["basler-aca"] == "verified"
+
+
+def test_pattern_without_match_warns_with_near_names():
+    (warning,) = select(CATALOG, Choice(cameras=["basller"])).warnings
+    assert "basller" in warning and "Basler" in warning
+
+
+def test_owned_camera_costs_nothing():
+    selection = select(CATALOG, Choice(owned=[{"id": "flir-bfs-1", "quantity": 1}]))
+    assert selection.cameras[0].price == exact(0.0, "user", "owned")
+    assert select(CATALOG, Choice(owned=[{"id": "flir-bfs-1"}]), camera_count=2).cameras[0].price == exact(800.0)
+
+
+def test_owned_lights_are_free_up_to_their_number():
+    selection = select(CATALOG, Choice(owned=[{"id": "lamp-300", "quantity": 2}]))
+    price = cost_of(selection.lights[0], 3, owned=selection.owned["lamp-300"])
+    assert price is not None and price.value == 100.0
+
+
+def test_owned_part_that_does_not_exist_is_a_fault_with_near_ids():
+    with pytest.raises(CatalogError, match=r"did you mean.*lamp-300"):
+        select(CATALOG, Choice(owned=[{"id": "lamp-30"}]))

@@ -1,0 +1,153 @@
+"""`uwopt catalog check` and `template`: is a user's file right, and what would a right one look like?"""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from uwopt.catalog.columns import COLUMNS, KINDS, Kind
+from uwopt.catalog.tables import parse_table, read_text
+from uwopt.catalog.usercurves import check_curves, is_curve_table
+from uwopt.catalog.userparts import PriceQuote, check_parts, check_prices, is_price_table
+from uwopt.errors import CatalogError
+
+Content = Literal["parts", "prices", "curve", "unreadable"]
+
+
+@dataclass(frozen=True, slots=True)
+class FileReport:
+    """What a file holds and what is wrong with it; `notes` tells what will be estimated or left out."""
+
+    path: Path
+    content: Content
+    n_rows: int
+    faults: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def ok(self) -> bool:
+        """Whether the file can be used as it stands."""
+        return not self.faults
+
+
+def check_file(path: Path) -> FileReport:
+    """Check a parts file, a price list or a curve; never raises for what the file holds."""
+    try:
+        return _checked(path)
+    except CatalogError as fault:
+        return FileReport(path, "unreadable", 0, tuple(fault.faults))
+
+
+def _checked(path: Path) -> FileReport:
+    if path.suffix.casefold() not in (".yaml", ".yml"):
+        table = parse_table(read_text(path), path.name)
+        if is_curve_table(table):
+            curve = check_curves(table)
+            return FileReport(path, "curve", len(table.rows), curve.faults)
+        if is_price_table(table):
+            quotes, faults = check_prices(table)
+            return FileReport(path, "prices", len(quotes), tuple(faults), tuple(_unknown_ids(quotes)))
+    rows, faults = check_parts(path)
+    if faults:
+        return FileReport(path, "parts", len(rows), tuple(faults))
+    return FileReport(path, "parts", len(rows), *_built(path))
+
+
+def _built(path: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Faults that only show when the parts are built, and what is estimated or missing."""
+    from uwopt.catalog.listing import estimated_fields
+    from uwopt.catalog.load import load_catalog
+
+    try:
+        catalog = load_catalog([path])
+    except CatalogError as fault:
+        return tuple(fault.faults), ()
+    rows, _ = check_parts(path)
+    notes = []
+    for row in rows:
+        part = catalog.part(row.text("id"))
+        notes += [f"{part.id}: not searched, {e.rule}: {e.reason}." for e in catalog.exclusions_of(part.id)]
+        estimated = estimated_fields(part)
+        if estimated:
+            notes.append(f"{part.id}: estimated by class: {', '.join(estimated)}.")
+    return (), tuple(notes)
+
+
+def _unknown_ids(quotes: list[PriceQuote]) -> list[str]:
+    from uwopt.catalog.catalogue import unknown_part
+    from uwopt.catalog.load import load_catalog
+
+    catalog = load_catalog()
+    known = {part_id.casefold() for part_id in catalog.ids()}
+    return [
+        f"{quote.where}: {unknown_part(quote.part_id, catalog.ids())}"
+        for quote in quotes
+        if quote.part_id.casefold() not in known
+    ]
+
+
+EXAMPLES: dict[Kind, dict[str, str]] = {
+    "camera": {
+        "id": "acme-cam-5m", "manufacturer": "Acme", "model": "Cam 5M", "availability": "current", "chip": "IMX250",
+        "colour": "mono", "resolution_x_px": "2448", "resolution_y_px": "2048", "pixel_pitch_um": "3.45",
+        "shutter": "global", "mounts": "C", "interface": "USB3", "max_frame_rate_hz": "75", "bit_depth": "12",
+        "read_noise_e": "2.4", "saturation_e": "10500", "power_w": "3", "mass_g": "60", "price": "1200",
+        "currency": "USD", "price_date": "2026-11-01",
+    },
+    "lens": {
+        "id": "acme-lens-8", "manufacturer": "Acme", "model": "8 mm", "availability": "current", "focal_length_mm": "8",
+        "f_number_min": "1.8", "f_number_max": "16", "aperture_control": "manual", "optical_format_in": "2/3",
+        "mounts": "C", "rated_pixel_pitch_um": "3.45", "min_object_distance_m": "0.1", "mass_g": "80",
+        "price": "300", "currency": "USD",
+    },
+    "port": {
+        "id": "acme-dome-75", "manufacturer": "Acme", "model": "dome", "availability": "current", "geometry": "dome",
+        "material": "acrylic", "glass": "pmma", "outer_radius_mm": "75", "thickness_mm": "8", "depth_rating_m": "300",
+        "mass_g": "600", "price": "350", "currency": "USD",
+    },
+    "light": {
+        "id": "acme-lamp-5000", "manufacturer": "Acme", "model": "Lamp 5000", "availability": "current",
+        "kind": "continuous", "flux_lm": "5000", "power_w": "50", "beam": "cosine-power", "beam_angle_deg": "90",
+        "beam_medium": "water", "dim_levels": "1|0.5|0.25", "depth_rating_m": "300", "mass_g": "500",
+        "price": "700", "currency": "USD",
+    },
+}  # fmt: skip
+
+OTHER_TEMPLATES = {
+    "prices": "# Your own quotes; they replace the catalogue's prices. id: as in `uwopt catalog list`.\n"
+    "id,price,currency,date\nflir-bfs-u3-51s5m,1304,USD,2026-08-14\n",
+    "light-spectrum": "# Relative power per nm against wavelength (nm, increasing); must cover 400-700 nm.\n"
+    "wavelength_nm,relative_power\n400,0.1\n450,1.0\n550,0.8\n700,0.2\n",
+    "seafloor": "# Reflectance 0..1 against wavelength (nm, increasing); must cover 400-700 nm.\n"
+    "wavelength_nm,reflectance\n400,0.08\n550,0.20\n700,0.28\n",
+    "water": "# Absorption and scattering in 1/m (base e) against wavelength (nm, increasing); must cover 400-700 nm.\n"
+    "# attenuation_per_m may stand for a_per_m + b_per_m; kd_per_m may be added.\n"
+    "wavelength_nm,a_per_m,b_per_m\n400,0.05,0.30\n550,0.08,0.25\n700,0.65,0.20\n",
+    "beam": "# Intensity (relative) against the angle from the axis (deg, increasing).\n"
+    "angle_deg,intensity\n0,1.0\n30,0.9\n45,0.5\n60,0.1\n90,0.0\n",
+}
+
+TEMPLATE_KINDS = (*KINDS, *OTHER_TEMPLATES)
+
+
+def template(kind: str) -> str:
+    """CSV text to start from: a comment on every column, the header and one example row."""
+    if kind in OTHER_TEMPLATES:
+        return OTHER_TEMPLATES[kind]
+    found = next((known for known in KINDS if known == kind), None)
+    if found is None:
+        raise CatalogError(f"no template for {kind!r}; there are {', '.join(TEMPLATE_KINDS)}.")
+    columns = [column for name, column in COLUMNS[found].items() if name not in ("part", "correction")]
+    text = io.StringIO()
+    text.write(
+        f"# Your own parts of kind {found}. Leave a cell empty if it is unknown (never 0); drop columns freely.\n"
+    )
+    for column in columns:
+        text.write(f"# {column.name}: {column.allowed()}{'; ' + column.meaning if column.meaning else ''}\n")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([column.name for column in columns])
+    writer.writerow([EXAMPLES[found].get(column.name, "") for column in columns])
+    return text.getvalue()

@@ -1,0 +1,277 @@
+"""Which parts a mission lets into the search, and which rule keeps each other part out.
+
+The rules stand in one order, and a part is counted at the first rule that discards it, so the counts
+add up to the parts loaded.
+"""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+from uwopt.catalog.catalogue import Catalog, Exclusion, near_names, plain_name, unknown_part
+from uwopt.catalog.columns import KINDS, Kind
+from uwopt.catalog.records import Camera, Lens, Light, Part, Port, Quantity, exact
+from uwopt.errors import CatalogError
+
+RULES = (
+    "availability",
+    "vital facts",
+    "pattern",
+    "exclude",
+    "verified",
+    "colour",
+    "shutter",
+    "depth rating",
+    "generic",
+)
+
+PATTERN_KEYS: dict[Kind, str] = {"camera": "cameras", "lens": "lenses", "port": "ports", "light": "lights"}
+SOURCED = ("published", "measured", "derived", "quoted", "user")
+GLOB_SIGNS = "*?["
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The `catalog` section of a mission; any object or mapping with these names also does."""
+
+    cameras: Sequence[str] = ()
+    lenses: Sequence[str] = ()
+    ports: Sequence[str] = ()
+    lights: Sequence[str] = ()
+    exclude: Sequence[str] = ()
+    owned: Sequence[Any] = ()  # {id, quantity}
+    generic: Literal["fallback", "allow", "never"] = "fallback"
+    verified: Sequence[str] = ()
+    accept_unrated: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What may be searched: indices into the catalogue's tuples, and the account of the rest."""
+
+    catalog: Catalog
+    indices: dict[Kind, tuple[int, ...]]
+    excluded: tuple[Exclusion, ...]
+    counts: dict[Kind, dict[str, int]]  # rule -> parts discarded, in rule order
+    warnings: tuple[str, ...]
+    owned: dict[str, int]  # id -> pieces that cost nothing
+
+    @property
+    def cameras(self) -> tuple[Camera, ...]:
+        """The cameras to search; owned ones cost nothing."""
+        return tuple(self.catalog.cameras[i] for i in self.indices["camera"])
+
+    @property
+    def lenses(self) -> tuple[Lens, ...]:
+        """The lenses to search."""
+        return tuple(self.catalog.lenses[i] for i in self.indices["lens"])
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        """The ports to search."""
+        return tuple(self.catalog.ports[i] for i in self.indices["port"])
+
+    @property
+    def lights(self) -> tuple[Light, ...]:
+        """The lights to search; owned ones keep their price, `owned` says how many are free."""
+        return tuple(self.catalog.lights[i] for i in self.indices["light"])
+
+
+def select(
+    catalog: Catalog,
+    choice: Any = None,
+    *,
+    required_depth_m: float | None = None,
+    colour: str = "any",
+    shutter: str = "any",
+    camera_count: int = 1,
+) -> Selection:
+    """Apply a mission's choice to a catalogue.
+
+    An owned camera, lens or port costs nothing if there are `camera_count` of it; owned lights keep their
+    price in the record, because only the first `owned[id]` of them are free (`money.cost_of`).
+    """
+    wish = _as_choice(choice)
+    owned = _owned_quantities(wish.owned)
+    _require_known((*owned, *wish.accept_unrated), catalog)
+    excluded: list[Exclusion] = []
+    indices: dict[Kind, tuple[int, ...]] = {}
+    owned_keys = frozenset(plain_name(name) for name in owned)
+    filters = _Filters(wish, owned_keys, required_depth_m, colour, shutter, _by_part(catalog.exclusions))
+    for kind in KINDS:
+        kept = []
+        for index, part in enumerate(catalog.parts(kind)):
+            verdict = filters.first_verdict(kind, part)
+            if verdict is None:
+                kept.append(index)
+            else:
+                excluded.append(Exclusion(part.id, kind, *verdict))
+        kept, fallen = _without_needless_generic(kind, catalog.parts(kind), kept, wish.generic)
+        excluded += fallen
+        indices[kind] = tuple(kept)
+    counts = {kind: _counts(kind, excluded) for kind in KINDS}
+    priced = _with_owned_prices(catalog, owned, camera_count)
+    return Selection(priced, indices, tuple(excluded), counts, tuple(_pattern_warnings(catalog, wish)), owned)
+
+
+def matches(pattern: str, part: Part) -> bool:
+    """Whether a pattern names a part: a glob or a plain piece of its id or manufacturer."""
+    wanted = plain_name(pattern)
+    names = (plain_name(part.id), plain_name(part.manufacturer))
+    if any(sign in wanted for sign in GLOB_SIGNS):
+        return any(fnmatch.fnmatchcase(name, wanted) for name in names)
+    return bool(wanted) and any(wanted in name for name in names)
+
+
+def is_sourced(part: Part, field_name: str) -> bool:
+    """Whether a field's value rests on a source rather than on a class or on nothing."""
+    status_name = {"bit_depth": "bit_depth_status", "image_circle_mm": "image_circle_status"}.get(field_name)
+    value = getattr(part, field_name)
+    if value is None or value == "" or value == ():
+        return False
+    if status_name is not None:
+        return getattr(part, status_name) in SOURCED
+    return value.status in SOURCED if isinstance(value, Quantity) else True
+
+
+@dataclass(frozen=True)
+class _Filters:
+    """The rules for single parts, ready to be asked part by part."""
+
+    wish: Choice
+    owned_keys: frozenset[str]
+    required_depth_m: float | None
+    colour: str
+    shutter: str
+    standing: Mapping[str, Sequence[Exclusion]]  # by part id, in rule order
+
+    def first_verdict(self, kind: Kind, part: Part) -> tuple[str, str] | None:
+        """Rule and reason of the first rule that discards a part; None when it may be searched."""
+        patterns = getattr(self.wish, PATTERN_KEYS[kind])
+        named = any(plain_name(pattern) == plain_name(part.id) for pattern in patterns)
+        for exclusion in self.standing.get(part.id, ()):
+            if exclusion.rule == "availability" and (named or plain_name(part.id) in self.owned_keys):
+                continue
+            return exclusion.rule, exclusion.reason
+        if patterns and not any(matches(pattern, part) for pattern in patterns):
+            return "pattern", f"not among {', '.join(patterns)}"
+        for pattern in self.wish.exclude:
+            if matches(pattern, part):
+                return "exclude", f"excluded by {pattern!r}"
+        return self._unverified(part) or self._wrong_sensor(part) or self._too_shallow(part)
+
+    def _unverified(self, part: Part) -> tuple[str, str] | None:
+        for field_name in self.wish.verified:
+            if hasattr(part, field_name) and not is_sourced(part, field_name):
+                return "verified", f"{field_name} has no source"
+        return None
+
+    def _wrong_sensor(self, part: Part) -> tuple[str, str] | None:
+        if not isinstance(part, Camera):
+            return None
+        if self.colour not in ("any", part.colour):
+            return "colour", f"{part.colour} sensor, {self.colour} is wanted"
+        if self.shutter not in ("any", part.shutter):
+            return "shutter", f"{part.shutter} shutter, {self.shutter} is wanted"
+        return None
+
+    def _too_shallow(self, part: Part) -> tuple[str, str] | None:
+        if self.required_depth_m is None or not isinstance(part, Port | Light):
+            return None
+        if part.depth_rating_m is None:
+            accepted = {plain_name(name) for name in self.wish.accept_unrated}
+            if plain_name(part.id) in accepted:
+                return None
+            return "depth rating", f"depth rating unknown, {self.required_depth_m:g} m needed"
+        if part.depth_rating_m < self.required_depth_m:
+            return "depth rating", f"rated to {part.depth_rating_m:g} m, {self.required_depth_m:g} m needed"
+        return None
+
+
+def _by_part(exclusions: Iterable[Exclusion]) -> dict[str, list[Exclusion]]:
+    grouped: dict[str, list[Exclusion]] = {}
+    for exclusion in sorted(exclusions, key=lambda e: RULES.index(e.rule)):
+        grouped.setdefault(exclusion.part_id, []).append(exclusion)
+    return grouped
+
+
+def _as_choice(choice: Any) -> Choice:
+    if isinstance(choice, Choice):
+        return choice
+    names = Choice.__dataclass_fields__
+    if choice is None:
+        return Choice()
+    read = choice.get if isinstance(choice, Mapping) else lambda name, default: getattr(choice, name, default)
+    values = {name: read(name, None) for name in names}
+    return Choice(**{name: value for name, value in values.items() if value is not None})
+
+
+def _owned_quantities(owned: Iterable[Any]) -> dict[str, int]:
+    quantities: dict[str, int] = {}
+    for item in owned:
+        if isinstance(item, str):
+            part_id, quantity = item, 1
+        elif isinstance(item, Mapping):
+            part_id, quantity = item["id"], int(item.get("quantity") or 1)
+        else:
+            part_id, quantity = item.id, int(getattr(item, "quantity", None) or 1)
+        quantities[part_id] = quantities.get(part_id, 0) + quantity
+    return quantities
+
+
+def _require_known(part_ids: Iterable[str], catalog: Catalog) -> None:
+    known = {plain_name(part_id) for part_id in catalog.ids()}
+    faults = [unknown_part(name, catalog.ids()) for name in part_ids if plain_name(name) not in known]
+    if faults:
+        raise CatalogError(faults)
+
+
+def _without_needless_generic(
+    kind: Kind, parts: Sequence[Part], kept: list[int], rule: str
+) -> tuple[list[int], list[Exclusion]]:
+    """Drop generic parts where the mission forbids them, or real parts of the kind are left (`fallback`)."""
+    real = [index for index in kept if not parts[index].generic]
+    if rule == "allow" or (rule == "fallback" and not real):
+        return kept, []
+    reason = "generic parts are not wanted" if rule == "never" else f"{len(real)} real parts are left"
+    fallen = [Exclusion(parts[i].id, kind, "generic", reason) for i in kept if parts[i].generic]
+    return real, fallen
+
+
+def _counts(kind: Kind, excluded: Iterable[Exclusion]) -> dict[str, int]:
+    rules = [exclusion.rule for exclusion in excluded if exclusion.kind == kind]
+    return {rule: rules.count(rule) for rule in RULES if rule in rules}
+
+
+def _with_owned_prices(catalog: Catalog, owned: Mapping[str, int], camera_count: int) -> Catalog:
+    free = {catalog.part(name).id for name, quantity in owned.items() if quantity >= camera_count}
+    if not free:
+        return catalog
+    nothing = exact(0.0, "user", "owned")
+    return replace(
+        catalog,
+        cameras=tuple(replace(p, price=nothing) if p.id in free else p for p in catalog.cameras),
+        lenses=tuple(replace(p, price=nothing) if p.id in free else p for p in catalog.lenses),
+        ports=tuple(replace(p, price=nothing) if p.id in free else p for p in catalog.ports),
+    )
+
+
+def _pattern_warnings(catalog: Catalog, wish: Choice) -> Iterable[str]:
+    """Patterns that match no part, with near names."""
+    for kind in KINDS:
+        for pattern in getattr(wish, PATTERN_KEYS[kind]):
+            yield from _warn_if_idle(pattern, catalog.parts(kind), f"catalog.{PATTERN_KEYS[kind]}")
+    everything = [part for kind in KINDS for part in catalog.parts(kind)]
+    for pattern in wish.exclude:
+        yield from _warn_if_idle(pattern, everything, "catalog.exclude")
+
+
+def _warn_if_idle(pattern: str, parts: Sequence[Part], key: str) -> Iterable[str]:
+    if any(matches(pattern, part) for part in parts):
+        return
+    near = near_names(pattern, (name for part in parts for name in (part.manufacturer, part.id)))
+    hint = f"; near ones: {', '.join(near)}" if near else ""
+    yield f"{key}: pattern {pattern!r} matches no part{hint}"

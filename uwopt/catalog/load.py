@@ -1,0 +1,175 @@
+"""From files to the catalogue: built-in parts, generic parts, users' parts and prices."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import TypeVar
+
+from uwopt.catalog.build import Built, Origin
+from uwopt.catalog.build_camera import build_camera
+from uwopt.catalog.build_lens import build_lens
+from uwopt.catalog.build_light import build_light
+from uwopt.catalog.build_port import build_port
+from uwopt.catalog.catalogue import Catalog, Exclusion, plain_name, unknown_part
+from uwopt.catalog.columns import KINDS, Kind
+from uwopt.catalog.generic import GENERIC_FILES
+from uwopt.catalog.records import Camera, Lens, Light, Part, Port, Quantity
+from uwopt.catalog.tables import DATA_DIR, read_table
+from uwopt.catalog.userparts import PartRow, PriceQuote, read_parts, read_prices, typed_rows
+from uwopt.errors import CatalogError
+
+BUILT_IN_FILES: dict[Kind, str] = {
+    "camera": "cameras.csv",
+    "lens": "lenses.csv",
+    "port": "ports.csv",
+    "light": "lights.csv",
+}
+BUILDERS: dict[Kind, Callable[[PartRow, Origin], Built]] = {
+    "camera": build_camera,
+    "lens": build_lens,
+    "port": build_port,
+    "light": build_light,
+}
+PathLike = str | Path
+P = TypeVar("P", bound=Part)
+
+
+def load_catalog(
+    user_files: Sequence[PathLike] = (), prices: PathLike | None = None, base_dir: PathLike | None = None
+) -> Catalog:
+    """The whole catalogue; users' files are looked for in `base_dir` (the mission file's folder).
+
+    Raises one CatalogError with every fault of every file.
+    """
+    catalog = built_in_catalog()
+    if not user_files and prices is None:
+        return catalog
+    base = Path(base_dir) if base_dir is not None else Path()
+    faults: list[str] = []
+    rows: list[PartRow] = []
+    for file in user_files:
+        try:
+            rows += read_parts(_resolved(file, base))
+        except CatalogError as fault:
+            faults += fault.faults
+    faults += _taken_ids(rows, catalog)
+    if not faults:
+        try:
+            catalog = _with_user_parts(catalog, rows, tuple(str(file) for file in user_files))
+        except CatalogError as fault:
+            faults += fault.faults
+    if prices is not None:
+        try:
+            catalog = with_prices(catalog, read_prices(_resolved(prices, base)))
+        except CatalogError as fault:
+            faults += fault.faults
+    if faults:
+        raise CatalogError(faults)
+    return catalog
+
+
+@cache
+def built_in_catalog() -> Catalog:
+    """Built-in and generic parts, read once per process."""
+    built: list[tuple[Kind, Built]] = []
+    for origin, files in (("published", BUILT_IN_FILES), ("generic", GENERIC_FILES)):
+        for kind, file in files.items():
+            built += build_rows(_built_in(file, kind), "generic" if origin == "generic" else "published")
+    return assembled(built)
+
+
+def build_rows(rows: Iterable[PartRow], origin: Origin) -> list[tuple[Kind, Built]]:
+    """Records of rows; raises once with every fault."""
+    faults: list[str] = []
+    built = []
+    for row in rows:
+        try:
+            built.append((row.kind, BUILDERS[row.kind](row, origin)))
+        except CatalogError as fault:
+            faults += fault.faults
+    if faults:
+        raise CatalogError(faults)
+    return built
+
+
+def assembled(built: Iterable[tuple[Kind, Built]]) -> Catalog:
+    """A catalogue of built parts, in their order."""
+    parts: dict[Kind, list[Part]] = {kind: [] for kind in KINDS}
+    exclusions: list[Exclusion] = []
+    for kind, item in built:
+        parts[kind].append(item.part)
+        exclusions += item.exclusions(kind)
+    return Catalog(
+        cameras=tuple(part for part in parts["camera"] if isinstance(part, Camera)),
+        lenses=tuple(part for part in parts["lens"] if isinstance(part, Lens)),
+        ports=tuple(part for part in parts["port"] if isinstance(part, Port)),
+        lights=tuple(part for part in parts["light"] if isinstance(part, Light)),
+        exclusions=tuple(exclusions),
+    )
+
+
+def with_prices(catalog: Catalog, quotes: Sequence[PriceQuote]) -> Catalog:
+    """The catalogue with a user's quotes in place of its own prices."""
+    known = {plain_name(part_id) for part_id in catalog.ids()}
+    faults = [
+        f"{quote.where}: {unknown_part(quote.part_id, catalog.ids())}"
+        for quote in quotes
+        if plain_name(quote.part_id) not in known
+    ]
+    if faults:
+        raise CatalogError(faults)
+    by_key = {plain_name(quote.part_id): quote for quote in quotes}
+    return replace(
+        catalog,
+        cameras=tuple(_priced(part, by_key) for part in catalog.cameras),
+        lenses=tuple(_priced(part, by_key) for part in catalog.lenses),
+        ports=tuple(_priced(part, by_key) for part in catalog.ports),
+        lights=tuple(_priced(part, by_key) for part in catalog.lights),
+    )
+
+
+def _priced(part: P, by_key: dict[str, PriceQuote]) -> P:
+    quote = by_key.get(plain_name(part.id))
+    if quote is None:
+        return part
+    price = Quantity(quote.price, quote.low, quote.high, "user", quote.where)
+    return replace(part, price=price, currency=quote.currency, price_date=quote.date)
+
+
+def _built_in(file: str, kind: Kind) -> list[PartRow]:
+    rows, faults = typed_rows(read_table(DATA_DIR / file), kind, DATA_DIR, built_in=True)
+    if faults:
+        raise CatalogError(faults)
+    return rows
+
+
+def _taken_ids(rows: Iterable[PartRow], catalog: Catalog) -> list[str]:
+    taken = {plain_name(part_id): "of the built-in catalogue" for part_id in catalog.ids()}
+    faults = []
+    for row in rows:
+        key = plain_name(row.text("id"))
+        if key in taken:
+            faults.append(f"{row.where}: id is already that of a part {taken[key]}; choose another.")
+        elif key:
+            taken[key] = f"in {row.where}"
+    return faults
+
+
+def _with_user_parts(catalog: Catalog, rows: Iterable[PartRow], files: tuple[str, ...]) -> Catalog:
+    own = assembled(build_rows(rows, "user"))
+    return Catalog(
+        catalog.cameras + own.cameras,
+        catalog.lenses + own.lenses,
+        catalog.ports + own.ports,
+        catalog.lights + own.lights,
+        catalog.exclusions + own.exclusions,
+        files,
+    )
+
+
+def _resolved(file: PathLike, base: Path) -> Path:
+    path = Path(file).expanduser()
+    return path if path.is_absolute() else base / path

@@ -1,0 +1,157 @@
+"""Users' own spectra and profiles: CSV columns against wavelength or angle, checked as a whole."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.columns import CellFault, Column, parse_number
+from uwopt.catalog.records import Curve
+from uwopt.catalog.tables import Table, read_table
+from uwopt.errors import CatalogError
+
+FloatArray = NDArray[np.float64]
+
+VISIBLE_NM = (400.0, 700.0)  # what a spectrum must cover
+
+WAVELENGTH = Column("wavelength_nm", low=200, high=2500, meaning="in vacuum, increasing")
+ANGLE = Column("angle_deg", low=0, high=180, meaning="from the axis, increasing from 0")
+CHANNELS = ("mono", "red", "green", "blue")
+
+VALUE_COLUMNS = {
+    column.name: column
+    for column in (
+        Column("relative_power", low=0),
+        Column("reflectance", low=0, high=1),
+        Column("attenuation_per_m", low=0),
+        Column("a_per_m", low=0),
+        Column("b_per_m", low=0),
+        Column("kd_per_m", low=0),
+        Column("qe", low=0, high=1),
+        Column("intensity", low=0, meaning="relative, or in candela"),
+    )
+}
+
+
+@dataclass(frozen=True, slots=True)
+class CurveFile:
+    """Columns of a curve file by channel ("" where it has none), and what is wrong with it."""
+
+    abscissa: str
+    columns: dict[str, dict[str, FloatArray]]
+    faults: tuple[str, ...]
+
+
+def is_curve_table(table: Table) -> bool:
+    """Whether a CSV is a spectrum or a profile, by its header."""
+    return "wavelength_nm" in table.header or "angle_deg" in table.header
+
+
+def read_columns(path: Path, wanted: tuple[str, ...]) -> dict[str, FloatArray]:
+    """Wavelengths and those of the wanted columns that the file has; raises with every fault."""
+    curve_file = check_curves(read_table(path))
+    faults = list(curve_file.faults)
+    columns = curve_file.columns.get("", next(iter(curve_file.columns.values()), {}))
+    if not faults and not any(name in columns for name in wanted):
+        faults.append(f"{path.name}: has none of the columns {', '.join(wanted)}.")
+    if faults:
+        raise CatalogError(faults)
+    return columns
+
+
+def read_channels(path: Path, value: str) -> dict[str, Curve]:
+    """One curve per channel ("mono" where the file names none) of a quantum-efficiency file."""
+    curve_file = check_curves(read_table(path))
+    faults = list(curve_file.faults)
+    if not faults and not all(value in columns for columns in curve_file.columns.values()):
+        faults.append(f"{path.name}: needs the columns {curve_file.abscissa}, {value}.")
+    if faults:
+        raise CatalogError(faults)
+    return {
+        channel or "mono": Curve(tuple(columns[curve_file.abscissa].tolist()), tuple(columns[value].tolist()))
+        for channel, columns in curve_file.columns.items()
+    }
+
+
+def check_curves(table: Table) -> CurveFile:
+    """Every value checked: numbers, ranges, increasing abscissa, visible range covered."""
+    faults = list(table.faults)
+    abscissa = ANGLE if "angle_deg" in table.header else WAVELENGTH
+    known = {abscissa.name, "channel", *VALUE_COLUMNS}
+    faults += [
+        f"{table.file}: column {name!r} is unknown; allowed are {', '.join(sorted(known))}."
+        for name in table.header
+        if name and name not in known
+    ]
+    names = [name for name in table.header if name in VALUE_COLUMNS]
+    if abscissa.name not in table.header or not names:
+        faults.append(
+            f"{table.file}: needs wavelength_nm or angle_deg, and one of {', '.join(VALUE_COLUMNS)}."
+        )
+        return CurveFile(abscissa.name, {}, tuple(faults))
+    columns: dict[str, dict[str, list[float]]] = {}
+    last_line: dict[str, float] = {}
+    for row in table.rows:
+        channel = row.cells.get("channel", "")
+        if channel and channel not in CHANNELS:
+            faults.append(f"{row.where()}: channel = {channel!r} is not one of {', '.join(CHANNELS)}.")
+            continue
+        store = columns.setdefault(channel, {name: [] for name in (abscissa.name, *names)})
+        for column in (abscissa, *(VALUE_COLUMNS[name] for name in names)):
+            value, fault = _number(column, row.cells.get(column.name, ""))
+            store[column.name].append(value)
+            if fault:
+                faults.append(f"{row.where()}: {fault}.")
+        x = store[abscissa.name][-1]
+        before = last_line.get(channel, -math.inf)
+        if x <= before:
+            faults.append(
+                f"{row.where()}: {abscissa.name} = {x:g} does not increase (before it {before:g}); sort the rows."
+            )
+        if math.isfinite(x):
+            last_line[channel] = max(before, x)
+    arrays = {c: {name: np.array(values) for name, values in store.items()} for c, store in columns.items()}
+    faults += _coverage_faults(table.file, abscissa, arrays)
+    return CurveFile(abscissa.name, arrays, tuple(faults))
+
+
+def _number(column: Column, text: str) -> tuple[float, str]:
+    if text == "":
+        return math.nan, f"{column.name} is empty; a curve has no gaps"
+    try:
+        return parse_number(column, text), ""
+    except CellFault as fault:
+        return math.nan, str(fault)
+
+
+def _coverage_faults(file: str, abscissa: Column, columns: dict[str, dict[str, FloatArray]]) -> list[str]:
+    if not columns:
+        return [f"{file}: holds no rows below its header."]
+    faults = []
+    for channel, store in columns.items():
+        x = store[abscissa.name]
+        x = x[np.isfinite(x)]
+        name = f"{file}, channel {channel}" if channel else file
+        if x.size < 2:
+            faults.append(f"{name}: has {x.size} usable row(s); a curve needs two or more.")
+        elif abscissa is WAVELENGTH:
+            faults += [f"{name}: covers {x.min():g}-{x.max():g} nm; {gap}." for gap in _visible_gaps(x)]
+    return faults
+
+
+def _visible_gaps(wavelength_nm: FloatArray) -> list[str]:
+    low_nm, high_nm = VISIBLE_NM
+    gaps = []
+    if wavelength_nm.min() > low_nm:
+        gaps.append(
+            f"{low_nm:g}-{min(wavelength_nm.min(), high_nm):g} nm of the visible range {low_nm:g}-{high_nm:g} nm is missing"
+        )
+    if wavelength_nm.max() < high_nm:
+        gaps.append(
+            f"{max(wavelength_nm.max(), low_nm):g}-{high_nm:g} nm of the visible range {low_nm:g}-{high_nm:g} nm is missing"
+        )
+    return gaps

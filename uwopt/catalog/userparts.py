@@ -1,0 +1,319 @@
+"""Users' own parts (CSV or YAML) and prices (CSV): read, checked as a whole, faults told once.
+
+The built-in files have the same columns, so a row is checked and built in one way for both.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from uwopt.catalog.columns import COLUMNS, KINDS, REQUIRED, Cell, CellFault, Column, Kind, parse_cell
+from uwopt.catalog.tables import Row, Table, parse_table, read_text
+from uwopt.errors import CatalogError
+
+if TYPE_CHECKING:
+    import yaml
+
+PRICE_COLUMNS = {
+    column.name: column
+    for column in (
+        Column("id", "text"),
+        Column("price", low=0.0),
+        Column("price_low", low=0.0),
+        Column("price_high", low=0.0),
+        Column("currency", "text", meaning="three letters, e.g. USD"),
+        Column("date", "text", meaning="YYYY-MM-DD"),
+        Column("note", "text"),
+    )
+}
+
+#: Columns whose mere presence tells the kind of part.
+TELLTALE: dict[str, Kind] = {
+    "resolution_x_px": "camera",
+    "focal_length_mm": "lens",
+    "geometry": "port",
+    "flux_lm": "light",
+    "guide_number_m": "light",
+}
+
+#: (smaller, larger) pairs of columns.
+ORDERED_PAIRS = (
+    ("f_number_min", "f_number_max"),
+    ("min_exposure_us", "max_exposure_us"),
+    ("min_pulse_us", "max_pulse_us"),
+    ("price_low", "price"),
+    ("price", "price_high"),
+    ("mass_low_g", "mass_g"),
+    ("mass_g", "mass_high_g"),
+    ("supply_v_min", "supply_v_max"),
+    ("thickness_mm", "outer_radius_mm"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class PartRow:
+    """One part as typed cells, before anything is estimated."""
+
+    kind: Kind
+    where: str
+    cells: dict[str, Cell]
+    base_dir: Path | None = None  # where the curve files it names are looked for
+
+    def number(self, name: str) -> float | None:
+        """A number cell; None when empty."""
+        value = self.cells.get(name)
+        return value if isinstance(value, float) else None
+
+    def text(self, name: str) -> str:
+        """A text cell; "" when empty."""
+        value = self.cells.get(name)
+        return value if isinstance(value, str) else ""
+
+    def items(self, name: str) -> tuple[str, ...]:
+        """A list cell; () when empty."""
+        value = self.cells.get(name)
+        return value if isinstance(value, tuple) else ()
+
+    def flag(self, name: str) -> bool:
+        """A yes-or-no cell; False when empty."""
+        return self.cells.get(name) is True
+
+
+@dataclass(frozen=True, slots=True)
+class PriceQuote:
+    """A user's own price for a part."""
+
+    part_id: str
+    price: float
+    low: float
+    high: float
+    currency: str
+    date: str
+    where: str
+
+
+def read_parts(path: Path) -> list[PartRow]:
+    """All parts of a user's CSV or YAML file; raises once with every fault."""
+    rows, faults = check_parts(path)
+    if faults:
+        raise CatalogError(faults)
+    return rows
+
+
+def check_parts(path: Path) -> tuple[list[PartRow], list[str]]:
+    """Parts of a file that could be read, and every fault."""
+    text = read_text(path)
+    if path.suffix.casefold() in (".yaml", ".yml"):
+        table = yaml_table(text, path.name)
+    else:
+        table = parse_table(text, path.name)
+    return typed_rows(table, base_dir=path.parent)
+
+
+def typed_rows(
+    table: Table, kind: Kind | None = None, base_dir: Path | None = None, *, built_in: bool = False
+) -> tuple[list[PartRow], list[str]]:
+    """Rows with typed cells; `kind` where the caller knows it, else told by row, file name or header.
+
+    A built-in row may lack a required cell: such a part stays in the catalogue and out of the search.
+    """
+    faults = list(table.faults)
+    told = kind or kind_of_table(table)
+    known = set().union(*(COLUMNS[k] for k in ((told,) if told else KINDS)))
+    faults += [
+        _unknown_column(table.file, name, known) for name in table.header if name and name not in known
+    ]
+    rows: list[PartRow] = []
+    seen: dict[str, int] = {}
+    for row in table.rows:
+        row_kind = _kind_of_row(row, told)
+        if row_kind is None:
+            faults.append(f"{row.where()}: which kind of part? Add a column part = {', '.join(KINDS)}.")
+            continue
+        cells, row_faults = _typed_cells(row, row_kind, ("id",) if built_in else REQUIRED[row_kind])
+        part_id = row.cells.get("id", "")
+        if part_id in seen:
+            row_faults.append(f"id stands already in row {seen[part_id]}; ids are unique")
+        elif part_id:
+            seen[part_id] = row.line
+        faults += [f"{row.where()}: {fault}." for fault in row_faults]
+        rows.append(PartRow(row_kind, row.where(), cells, base_dir))
+    if not table.rows and not faults:
+        faults.append(f"{table.file}: holds no parts below its header.")
+    return rows, faults
+
+
+def kind_of_table(table: Table) -> Kind | None:
+    """The kind of all parts in a file, where one column or the file's name tells it."""
+    if "part" in table.header:
+        return None
+    for name, kind in TELLTALE.items():
+        if name in table.header:
+            return kind
+    stem = Path(table.file).stem.casefold()
+    named: list[Kind] = [kind for kind in KINDS if kind in stem or f"{kind}es" in stem]
+    return named[0] if len(named) == 1 else None
+
+
+def _kind_of_row(row: Row, told: Kind | None) -> Kind | None:
+    for kind in KINDS:
+        if kind in (row.cells.get("part"), row.cells.get("kind")):
+            return kind
+    return told
+
+
+def _typed_cells(row: Row, kind: Kind, required: tuple[str, ...]) -> tuple[dict[str, Cell], list[str]]:
+    cells: dict[str, Cell] = {}
+    faults = []
+    for name, text in row.cells.items():
+        column = COLUMNS[kind].get(name)
+        if column is None:
+            if text and any(name in COLUMNS[other] for other in KINDS):
+                faults.append(f"{name} is no column of a {kind}")
+            continue
+        try:
+            cells[name] = parse_cell(column, text)
+        except CellFault as fault:
+            faults.append(str(fault))
+    faults += [f"{name} is empty; a {kind} needs it" for name in required if not row.cells.get(name)]
+    return cells, faults + _cross_faults(cells)
+
+
+def _cross_faults(cells: dict[str, Cell]) -> list[str]:
+    faults = []
+    for smaller, larger in ORDERED_PAIRS:
+        low, high = cells.get(smaller), cells.get(larger)
+        if isinstance(low, float) and isinstance(high, float) and low > high:
+            faults.append(f"{smaller} = {low:g} is above {larger} = {high:g}; swap or correct them")
+    levels = cells.get("dim_levels")
+    if isinstance(levels, str):
+        try:
+            parse_dim_levels(levels)
+        except CellFault as fault:
+            faults.append(str(fault))
+    return faults
+
+
+def parse_dim_levels(text: str) -> tuple[float, ...] | None:
+    """Shares of full, brightest first; None for continuous dimming, (1,) for a lamp that cannot dim."""
+    if text == "continuous":
+        return None
+    if text == "none":
+        return (1.0,)
+    try:
+        levels = sorted({float(item) for item in text.split("|")}, reverse=True)
+    except ValueError:
+        levels = []
+    if not levels or levels[0] != 1.0 or levels[-1] <= 0.0:
+        raise CellFault(
+            f"dim_levels = {text!r} must be shares of full with 1 among them, such as 1|0.5|0.25, "
+            "or continuous, or none"
+        )
+    return tuple(levels)
+
+
+def _unknown_column(file: str, name: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.5)
+    hint = f"did you mean {near[0]!r}?" if near else "`uwopt catalog template` prints the known ones."
+    return f"{file}: column {name!r} is unknown; {hint}"
+
+
+def yaml_table(text: str, file: str) -> Table:
+    """A YAML list of parts as a table, so that both forms are checked alike; cells keep their lines."""
+    import yaml  # slow to import, and most runs have no YAML parts
+
+    try:
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
+    except yaml.MarkedYAMLError as fault:
+        line = fault.problem_mark.line + 1 if fault.problem_mark else 1
+        return Table(file, (), (), (f"{file} line {line}: is not YAML: {fault.problem}.",))
+    if isinstance(root, yaml.MappingNode) and len(root.value) == 1 and root.value[0][0].value == "parts":
+        root = root.value[0][1]
+    if not isinstance(root, yaml.SequenceNode):
+        return Table(
+            file, (), (), (f"{file}: must be a list of parts, each beginning with `- part: camera`.",)
+        )
+    rows, faults = [], []
+    for node in root.value:
+        line = node.start_mark.line + 1
+        if not isinstance(node, yaml.MappingNode):
+            faults.append(f"{file} row {line}: is not a part; write keys and values.")
+            continue
+        cells: dict[str, str] = {}
+        for key, value in node.value:
+            if key.value in cells:
+                faults.append(f"{file} row {key.start_mark.line + 1}: {key.value} stands twice.")
+            cells[key.value] = _yaml_text(value)
+        rows.append(Row(file, line, cells))
+    header = tuple(dict.fromkeys(name for row in rows for name in row.cells))
+    return Table(file, header, tuple(rows), tuple(faults))
+
+
+def _yaml_text(node: yaml.Node) -> str:
+    if node.id == "sequence":
+        return "|".join(_yaml_text(item) for item in node.value)
+    if node.id == "scalar":
+        return "" if node.tag == "tag:yaml.org,2002:null" else str(node.value).strip()
+    return "{...}"
+
+
+def read_prices(path: Path) -> list[PriceQuote]:
+    """A user's price list; raises once with every fault."""
+    quotes, faults = check_prices(parse_table(read_text(path), path.name))
+    if faults:
+        raise CatalogError(faults)
+    return quotes
+
+
+def is_price_table(table: Table) -> bool:
+    """Whether a CSV is a price list: ids and prices, no column that describes a part."""
+    return {"id", "price"} <= set(table.header) <= set(PRICE_COLUMNS)
+
+
+def check_prices(table: Table) -> tuple[list[PriceQuote], list[str]]:
+    """Quotes that could be read, and every fault."""
+    faults = list(table.faults)
+    faults += [
+        f"{table.file}: column {name!r} is unknown; allowed are {', '.join(PRICE_COLUMNS)}."
+        for name in table.header
+        if name and name not in PRICE_COLUMNS
+    ]
+    quotes: list[PriceQuote] = []
+    seen: dict[str, int] = {}
+    for row in table.rows:
+        cells: dict[str, Cell] = {}
+        row_faults = []
+        for name, column in PRICE_COLUMNS.items():
+            try:
+                cells[name] = parse_cell(column, row.cells.get(name, ""))
+            except CellFault as fault:
+                row_faults.append(str(fault))
+        row_faults += [f"{name} is empty" for name in ("id", "price") if not row.cells.get(name)]
+        row_faults += _cross_faults(cells)
+        part_id = row.cells.get("id", "")
+        if part_id in seen:
+            row_faults.append(f"id stands already in row {seen[part_id]}")
+        seen.setdefault(part_id, row.line)
+        faults += [f"{row.where()}: {fault}." for fault in row_faults]
+        if not row_faults:
+            quotes.append(_quote(cells, row.where()))
+    return quotes, faults
+
+
+def _quote(cells: dict[str, Cell], where: str) -> PriceQuote:
+    price = cells["price"]
+    assert isinstance(price, float)
+    low, high = cells.get("price_low"), cells.get("price_high")
+    return PriceQuote(
+        str(cells["id"]),
+        price,
+        low if isinstance(low, float) else price,
+        high if isinstance(high, float) else price,
+        str(cells.get("currency") or "USD").upper(),
+        str(cells.get("date") or ""),
+        where,
+    )

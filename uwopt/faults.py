@@ -1,0 +1,47 @@
+"""Words for faults: paths of keys, values shortened, and the nearest known word."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+
+KeyPath = tuple[str | int, ...]
+
+
+def path_text(path: KeyPath) -> str:
+    """A path as a person writes it: `scenes[1].vehicle.speed_m_s`."""
+    text = ""
+    for step in path:
+        if isinstance(step, int):
+            text += f"[{step}]"
+        else:
+            text += ("." if text else "") + _printable_key(step)
+    return text
+
+
+def show(value: object, limit: int = 60) -> str:
+    """A value for a message, shortened."""
+    if isinstance(value, Mapping):
+        return "{...}" if value else "{}"
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    try:
+        text = "[" + ", ".join(map(show, value)) + "]" if isinstance(value, (list, tuple)) else repr(value)
+    except Exception:  # whatever a caller's object does in its repr, the fault must be told
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+def nearest(word: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
+    """The known word most like this one; None when none is near."""
+    by_plain = {name.casefold().replace("-", "_").replace(" ", "_"): name for name in known}
+    plain = word.casefold().replace("-", "_").replace(" ", "_")[:80]
+    found = difflib.get_close_matches(plain, by_plain, n=1, cutoff=cutoff)
+    return by_plain[found[0]] if found else None
+
+
+def _printable_key(key: str) -> str:
+    plain = key.isprintable() and key.strip() == key and key != ""
+    return key if plain and len(key) <= 60 else show(key)

@@ -1,0 +1,267 @@
+"""The stages put in a row: what one lumen second at the lamps becomes in the pixels.
+
+For given hardware and scene the mean signal of the image is
+
+    mu_e = C * X,      X = light * time / N_w^2   [lm s]
+
+with C [electrons / (lm s)] free of the settings: the spectrum contracted once, times the mean over
+the image of geometry and water's loss. C is what a search tabulates; X is what settings choose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.model import beam as beams
+from uwopt.model import lens, light, port, seafloor, sensor
+from uwopt.model.spectrum import trapezoid_weights_nm
+from uwopt.model.water import PathTable, log_mean_transmission
+
+Array = NDArray[Any]
+
+SMOOTH_ORDER = 14  # Gauss-Legendre nodes a side for beams without an edge
+EDGE_CELLS = 64  # midpoint cells a side, with the edge's share of each cell, for beams that end sharply
+MAX_NODES_AT_ONCE = 400_000
+
+
+class PortShape(NamedTuple):
+    """One port and the water in front of it, as scalars in SI."""
+
+    is_dome: bool
+    outer_radius_m: float
+    thickness_m: float
+    n_glass: float
+    gap_m: float
+    n_water: float
+
+
+@dataclass(frozen=True)
+class Lamps:
+    """Where lamps stand and aim in the vehicle frame, and the share of the total light each gives.
+
+    Arrays of equal length; aims are unit vectors, z down; shares add up to 1.
+    """
+
+    x_m: tuple[float, ...]
+    y_m: tuple[float, ...]
+    z_m: tuple[float, ...]
+    aim: tuple[tuple[float, float, float], ...]
+    share: tuple[float, ...]
+
+
+def signal_weight(
+    relative_spectrum: Array,
+    *,
+    wavelength_nm: Array,
+    photopic: Array,
+    reflectance: Array,
+    quantum_efficiency: Array,
+    n_water: Array | float,
+) -> Array:
+    """Electrons per (lm s) and m^2 of pixel, by wavelength, for 1 lm/m^2 on the floor and N_w = 1.
+
+        w(lambda) = Phi(lambda)/lm * M/pi * 1/n_w^2 * pi/4 * eta lambda/(h c) * d lambda
+
+    The stages (1), (2), the radiance theorem, (4) and (5), with trapezoid weights in place of the
+    integral, so that the sum over wavelengths is the integral and water can be put in between.
+
+    Returns
+    -------
+    (n_wavelength,) [electrons m^-2 (lm s m^-2)^-1], not negative
+
+    References
+    ----------
+    Physics page, sections 1 to 6; Billings et al. 2020, equations (1) to (5).
+    """
+    flux = light.spectral_flux_w_nm(
+        1.0, relative_spectrum=relative_spectrum, wavelength_nm=wavelength_nm, photopic=photopic
+    )
+    radiance_in_air = seafloor.lambertian_radiance(flux, reflectance=reflectance) / np.square(n_water)
+    irradiance = lens.image_irradiance(radiance_in_air, transmission=1.0, working_f_number=1.0)
+    density = sensor.electron_rate_per_m2_s_nm(
+        irradiance, wavelength_nm=wavelength_nm, quantum_efficiency=quantum_efficiency
+    )
+    return np.asarray(density * trapezoid_weights_nm(wavelength_nm))
+
+
+def floor_point(tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float) -> tuple[Array, Array, Array]:
+    """Where the ray of a field point meets the floor, and its path in water.
+
+    Field points are tangents of the angle in air along and across the motion; the floor is flat,
+    `range_m` below the port. Dome: x = (d + R) tan; flat: exact Snell ray (section 4).
+
+    Returns
+    -------
+    x_m (forward), y_m (starboard), path_m from the port's face to the floor
+    """
+    square = np.square(tan_along) + np.square(tan_across)
+    if shape.is_dome:
+        reach_m = range_m + shape.outer_radius_m
+        return (
+            reach_m * tan_along,
+            reach_m * tan_across,
+            reach_m * np.sqrt(1.0 + square) - shape.outer_radius_m,
+        )
+    radius = np.sqrt(square)
+    slope = flat_slope_m(radius, shape=shape, range_m=range_m)
+    water_tangent = port.water_tangent(radius, n=shape.n_water)
+    return slope * tan_along, slope * tan_across, range_m * np.sqrt(1.0 + np.square(water_tangent))
+
+
+def flat_slope_m(tan_air: Array, *, shape: PortShape, range_m: float | Array) -> Array:
+    """Floor distance over tangent in air, behind a flat port; finite on the axis."""
+    safe = np.maximum(tan_air, 1e-9)
+    distance = port.flat_floor_distance_m(
+        safe,
+        gap_m=shape.gap_m,
+        thickness_m=shape.thickness_m,
+        n_glass=shape.n_glass,
+        n_water=shape.n_water,
+        range_m=range_m,
+    )
+    return np.asarray(distance / safe)
+
+
+def lamp_light(
+    x_m: Array, y_m: Array, *, lamps: Lamps, index: int, beam: beams.Beam, range_m: float
+) -> tuple[Array, Array, Array]:
+    """Illuminance per lumen [1/m^2] that one lamp would give in vacuum, range and cos of beam angle."""
+    range_lamp, cos_beam, cos_incidence = beams.lamp_rays(
+        x_m,
+        y_m,
+        lamp_x_m=lamps.x_m[index],
+        lamp_y_m=lamps.y_m[index],
+        lamp_height_m=range_m - lamps.z_m[index],
+        aim_x=lamps.aim[index][0],
+        aim_y=lamps.aim[index][1],
+        aim_z=lamps.aim[index][2],
+    )
+    intensity = beams.intensity_per_sr(cos_beam, beam)
+    return intensity * cos_incidence / np.square(range_lamp), range_lamp, cos_beam
+
+
+def local_gain(
+    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    table: PathTable, edge_share: bool = False,
+) -> Array:  # fmt: skip
+    """cos^4 times illuminance per lumen times water's loss at each field point [1/m^2].
+
+    The loss is relative to `signal_weight` summed over wavelengths. With `edge_share`, points are
+    cells of a regular grid and a beam that ends sharply counts by the share of the cell it covers.
+    """
+    x_m, y_m, path_m = floor_point(tan_along, tan_across, shape=shape, range_m=range_m)
+    total = np.zeros(np.broadcast(x_m, y_m).shape)
+    for index, share in enumerate(lamps.share):
+        if edge_share:
+            open_beam = beams.without_edge(beam)
+            vacuum, range_lamp, cos_beam = lamp_light(
+                x_m, y_m, lamps=lamps, index=index, beam=open_beam, range_m=range_m
+            )
+            vacuum = vacuum * covered_share(cos_beam, np.cos(beams.edge_half_angle_rad(beam)))
+        else:
+            vacuum, range_lamp, _ = lamp_light(x_m, y_m, lamps=lamps, index=index, beam=beam, range_m=range_m)
+        total += share * vacuum * np.exp(log_mean_transmission(table, range_lamp, path_m))
+    return np.asarray(total * lens.cos4_field(tan_along, tan_across))
+
+
+def covered_share(level: Array, edge: float) -> Array:
+    """Share of each cell of a regular grid (last two axes) where a smooth level lies above an edge.
+
+    The level is taken as linear within a cell: share = clip(1/2 + (level - edge) / (|d_u| + |d_v|)),
+    d_u and d_v the change across one cell. Second order in the cell's size.
+    """
+    d_u = np.abs(np.gradient(level, axis=-2))
+    d_v = np.abs(np.gradient(level, axis=-1))
+    return np.clip(0.5 + (level - edge) / np.maximum(d_u + d_v, 1e-12), 0.0, 1.0)
+
+
+def field_mean(
+    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    table: PathTable, order: int | None = None,
+) -> Array:  # fmt: skip
+    """Mean over the image rectangle of `local_gain`, for many images at once [1/m^2].
+
+    Parameters
+    ----------
+    tan_along, tan_across : (n,) tangents in air of the half angles of view along and across the motion
+    order : nodes (smooth beams: Gauss-Legendre) or cells (sharp ones: midpoint) a side
+
+    Notes
+    -----
+    Images are symmetric about the axis, so lamps that mirror each other give the same mean.
+    When no lamp stands or leans along the motion, half of the image stands for the whole.
+    """
+    sharp = beams.has_sharp_edge(beam)
+    nodes, weights = cells(order or EDGE_CELLS) if sharp else gauss(order or SMOOTH_ORDER)
+    across_nodes, across_weights = nodes, weights
+    along_nodes, along_weights = nodes, weights
+    if not sharp and all(x == 0.0 for x in lamps.x_m) and all(aim[0] == 0.0 for aim in lamps.aim):
+        half = max(4, (order or SMOOTH_ORDER) // 2)
+        along_nodes, along_weights = gauss(half)
+        along_nodes = 0.5 * (along_nodes + 1.0)
+    mean = np.empty(len(tan_along))
+    step = max(1, MAX_NODES_AT_ONCE // (len(along_nodes) * len(across_nodes)))
+    for start in range(0, len(tan_along), step):
+        rows = slice(start, start + step)
+        along = tan_along[rows, None, None] * along_nodes[:, None]
+        across = tan_across[rows, None, None] * across_nodes
+        along, across = np.broadcast_arrays(along, across)
+        value = local_gain(
+            along, across, shape=shape, range_m=range_m, lamps=lamps, beam=beam, table=table, edge_share=sharp
+        )
+        mean[rows] = (value @ across_weights) @ along_weights
+    return mean
+
+
+def field_minimum(
+    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    table: PathTable, n_points: int = 17,
+) -> Array:  # fmt: skip
+    """Lowest `local_gain` over the image, corners and edges included [1/m^2].
+
+    Searched on a regular grid of n_points a side. With smooth beams the darkest point lies on the
+    image's border, mostly a corner, which the grid holds exactly.
+    """
+    nodes = np.linspace(-1.0, 1.0, n_points)
+    lowest = np.empty(len(tan_along))
+    step = max(1, MAX_NODES_AT_ONCE // n_points**2)
+    for start in range(0, len(tan_along), step):
+        rows = slice(start, start + step)
+        along, across = np.broadcast_arrays(
+            tan_along[rows, None, None] * nodes[:, None], tan_across[rows, None, None] * nodes
+        )
+        value = local_gain(along, across, shape=shape, range_m=range_m, lamps=lamps, beam=beam, table=table)
+        lowest[rows] = value.min(axis=(-2, -1))
+    return lowest
+
+
+def gauss(order: int) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes on [-1, 1] and weights of the mean."""
+    nodes, weights = np.polynomial.legendre.leggauss(order)
+    return nodes, weights / 2.0
+
+
+def cells(count: int) -> tuple[Array, Array]:
+    """Midpoints of equal cells on [-1, 1] and weights of the mean."""
+    return (np.arange(count) + 0.5) * (2.0 / count) - 1.0, np.full(count, 1.0 / count)
+
+
+def floor_illuminance_per_lm(
+    x_m: Array, y_m: Array, *, lamps: Lamps, beam: beams.Beam, range_m: float, table: PathTable | None
+) -> Array:
+    """Illuminance on the floor per lumen of all lamps [lx/lm = 1/m^2], water's loss on the lamp leg included.
+
+    The table must be contracted with V(lambda) times the lamp's spectrum and no loss on the camera's
+    leg; None leaves the water out.
+    """
+    total = np.zeros(np.broadcast(x_m, y_m).shape)
+    for index, share in enumerate(lamps.share):
+        vacuum, range_lamp, _ = lamp_light(x_m, y_m, lamps=lamps, index=index, beam=beam, range_m=range_m)
+        if table is not None:
+            vacuum = vacuum * np.exp(log_mean_transmission(table, range_lamp, np.zeros_like(range_lamp)))
+        total += share * vacuum
+    return total

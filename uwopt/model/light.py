@@ -1,0 +1,119 @@
+"""What a lamp emits and what it draws: spectral flux, electrical power, pulses and flashes.
+
+The functions for power and pulses take floats, arrays or CasADi symbols.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from uwopt.errors import RangeError
+from uwopt.model.spectrum import MAX_LUMINOUS_EFFICACY_LM_W, Symbolic, integrate_nm
+
+# From the flash makers' rule GN_ft^2 = 0.05 ISO (I t) at ISO 100: I t = GN_ft^2 / 5 = 10.764 GN_m^2 / 5.
+GUIDE_NUMBER_LIGHT_CD_S_PER_M2 = 2.15
+
+
+def spectral_flux_w_nm(
+    flux_lm: ArrayLike, *, relative_spectrum: ArrayLike, wavelength_nm: ArrayLike, photopic: ArrayLike
+) -> Any:
+    """Spectral radiant flux of a lamp of known luminous flux.
+
+        Phi_lambda = Phi_v S / (683.002 * integral of V S d lambda)
+
+    Parameters
+    ----------
+    flux_lm : (...,) [lm], leaving the lamp; lumen-seconds give energy instead of power
+    relative_spectrum : (n,) or (..., n) [any unit per nm], zero or more
+    wavelength_nm : (n,) [nm], increasing
+    photopic : (n,) [1], luminous efficiency V of the CIE on the same grid
+
+    Returns
+    -------
+    (..., n) [W nm^-1]
+
+    Notes
+    -----
+    Valid for photopic lumens. Trapezoid rule. Light beyond the grid counts neither as lumens nor as watts.
+    A spectrum without visible light has no lumens to scale by and raises RangeError.
+
+    References
+    ----------
+    CIE 018:2019. Physics page, section 1.
+    """
+    spectrum = np.asarray(relative_spectrum, dtype=float)
+    luminous = integrate_nm(np.asarray(photopic, dtype=float) * spectrum, wavelength_nm)
+    if not np.all(luminous > 0):
+        raise RangeError("a spectrum without visible light cannot be scaled to lumens")
+    lumens_per_unit = np.asarray(MAX_LUMINOUS_EFFICACY_LM_W * luminous)
+    return np.asarray(flux_lm, dtype=float)[..., None] * spectrum / lumens_per_unit[..., None]
+
+
+def continuous_power_w(level_frac: Symbolic, *, full_power_w: Symbolic, count: Symbolic) -> Symbolic:
+    """Mean (and peak) electrical power of lamps that burn all the time: u P count [W]."""
+    return level_frac * full_power_w * count
+
+
+def duty_frac(pulse_s: Symbolic, *, frame_rate_hz: Symbolic) -> Symbolic:
+    """Share of the time a lamp is on that pulses once a frame: min(1, t f)."""
+    return np.minimum(1.0, pulse_s * frame_rate_hz)
+
+
+def pulsed_led_power_w(
+    level_frac: Symbolic,
+    *,
+    full_power_w: Symbolic,
+    count: Symbolic,
+    pulse_s: Symbolic,
+    frame_rate_hz: Symbolic,
+) -> Symbolic:
+    """Mean electrical power of LEDs that are on for one pulse a frame: u P count min(1, t f) [W]."""
+    return level_frac * full_power_w * count * duty_frac(pulse_s, frame_rate_hz=frame_rate_hz)
+
+
+def flash_power_w(
+    energy_j: Symbolic, *, count: Symbolic, frame_rate_hz: Symbolic, charging_efficiency: Symbolic
+) -> Symbolic:
+    """Mean electrical power of flashes fired once a frame: W f count / charging efficiency [W]."""
+    return energy_j * frame_rate_hz * count / charging_efficiency
+
+
+def flash_light_lm_s(energy_j: Symbolic, *, efficacy_lm_s_per_j: Symbolic) -> Symbolic:
+    """Light of one flash from its electrical energy [lm s]; xenon tubes give 30-40 lm s per joule."""
+    return energy_j * efficacy_lm_s_per_j
+
+
+def flash_share(exposure_s: Symbolic, *, duration_s: Symbolic) -> Symbolic:
+    """Share of a flash's light that falls within the exposure: min(1, t / tau).
+
+    Takes the light as constant over the duration tau and the exposure as beginning with it.
+    """
+    return np.minimum(1.0, exposure_s / duration_s)
+
+
+def guide_number_light_cd_s(guide_number_m: Symbolic) -> Symbolic:
+    """On-axis light of a flash from its guide number.
+
+        I t = 2.15 GN^2
+
+    Parameters
+    ----------
+    guide_number_m : (...,) [m], range times f-number of a right exposure, on land, at ISO 100
+
+    Returns
+    -------
+    (...,) [cd s]
+
+    Notes
+    -----
+    The makers' rule GN = sqrt(0.05 ISO I t) with GN in feet, turned to metres at ISO 100; good to half a stop.
+    A guide number stated for use in water already holds the water's loss: not this one.
+
+    References
+    ----------
+    Physics page, section 1.
+    """
+    return GUIDE_NUMBER_LIGHT_CD_S_PER_M2 * guide_number_m**2

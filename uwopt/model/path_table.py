@@ -1,0 +1,344 @@
+"""A spectrum's mean transmission over two paths, lamp -> floor -> camera, contracted into a polynomial.
+
+A design's signal is an integral over wavelength of weight * exp(-K r_lamp - c r_camera). For one lamp, water
+and camera only the two path lengths change, so the logarithm of that integral is tabulated once as a
+polynomial of both (`PathTable`): tens of nanoseconds a design instead of a sum over the spectrum.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike
+
+from uwopt.errors import RangeError
+from uwopt.model.spectrum import FloatArray, trapezoid_weights_nm
+
+BLOCK = 2048  # points evaluated together: the powers of one block stay in the processor's cache
+PROBE_ORDER = 32  # of the one-dimensional trial fits that choose order and warp
+# How strongly the nodes crowd towards short ranges, where the spectrum changes most.
+WARPS = (0.0, 0.2, 0.4, 0.6, 0.8)
+RANGE_SLACK = 1e-9  # of the upper end: rounding of a range that was computed another way
+
+Box = tuple[float, float]
+Boxes = tuple[Box, Box]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathTable:
+    """The spectrally averaged transmission of two paths, as a polynomial of both lengths.
+
+    ln(mean transmission) = sum c_ij x^i y^j - lamp_slope r_lamp - camera_slope r_camera, with x and y the
+    ranges mapped to -1..1. Leading dimensions are those of the weight, e.g. the channels of a sensor.
+    """
+
+    lamp_range_m: tuple[float, float]
+    camera_range_m: tuple[float, float]
+    weight_integral: FloatArray  # (...,), the integral of the weight over wavelength
+    coefficients: FloatArray  # (..., order_lamp + 1, order_camera + 1)
+    lamp_slope_per_m: FloatArray  # (...,), attenuation at the far corner, taken out before fitting
+    camera_slope_per_m: FloatArray  # (...,)
+    lamp_warp: float
+    camera_warp: float
+    max_error_log: float  # found on a grid finer than the nodes, ends included
+    tolerance_log: float
+
+    @property
+    def order(self) -> tuple[int, int]:
+        """Degree of the polynomial along lamp and camera range."""
+        return self.coefficients.shape[-2] - 1, self.coefficients.shape[-1] - 1
+
+    @property
+    def meets_tolerance(self) -> bool:
+        """False when the order was capped first: narrow the ranges, or raise the cap."""
+        return self.max_error_log <= self.tolerance_log
+
+
+def build_path_table(
+    weight: ArrayLike,
+    *,
+    wavelength_nm: ArrayLike | None,
+    k_lamp_per_m: ArrayLike,
+    c_camera_per_m: ArrayLike,
+    lamp_range_m: tuple[float, float],
+    camera_range_m: tuple[float, float],
+    order: int | None = None,
+    max_order: int = 16,
+    tolerance_log: float = 1e-6,
+) -> PathTable:
+    """Tabulate the mean transmission of lamp -> floor -> camera for fast evaluation.
+
+        T(r_l, r_c) = integral of w exp(-K r_l - c r_c) d lambda / integral of w d lambda
+
+    Parameters
+    ----------
+    weight : (..., n) [any unit per nm], zero or more, e.g. S eta M lambda
+    wavelength_nm : (n,) [nm]; None when the weight already holds the steps of a quadrature
+    k_lamp_per_m, c_camera_per_m : (n,) [1/m]
+    lamp_range_m, camera_range_m : least and greatest range [m]; they may be equal
+    order : fixed degree along both ranges; None raises it until the tolerance is met or max_order reached
+    tolerance_log : wanted error of ln T, hence the relative error of T
+
+    Returns
+    -------
+    PathTable, with the achieved error on record
+
+    Notes
+    -----
+    Interpolates ln T at Chebyshev nodes of warped ranges. ln T is smooth, nearly linear, and bends most at
+    short range while the strongly absorbed colours die out: a linear part is taken out, nodes crowd there.
+    A weight that is zero throughout has no mean; the plain mean of the spectrum then keeps the result finite.
+
+    References
+    ----------
+    Trefethen (2013), Approximation Theory and Approximation Practice (conformal maps).
+    """
+    integrand = _Integrand(weight, wavelength_nm, k_lamp_per_m, c_camera_per_m)
+    boxes = (_checked_range(lamp_range_m, "lamp"), _checked_range(camera_range_m, "camera"))
+    orders, warps = _choose_orders(integrand, boxes, max_order, tolerance_log)
+    if order is not None:
+        orders = (order, order)
+    while True:
+        coefficients, error = _fit(integrand, boxes, orders, warps)
+        if order is not None or error <= tolerance_log or min(orders) >= max_order:
+            break
+        orders = (min(orders[0] + 2, max_order), min(orders[1] + 2, max_order))
+    batch = integrand.batch_shape
+    lamp_slope, camera_slope = integrand.slopes(boxes)
+    return PathTable(
+        lamp_range_m=boxes[0],
+        camera_range_m=boxes[1],
+        weight_integral=integrand.total.reshape(batch),
+        coefficients=coefficients.reshape(*batch, *coefficients.shape[-2:]),
+        lamp_slope_per_m=lamp_slope.reshape(batch),
+        camera_slope_per_m=camera_slope.reshape(batch),
+        lamp_warp=warps[0],
+        camera_warp=warps[1],
+        max_error_log=error,
+        tolerance_log=tolerance_log,
+    )
+
+
+def log_mean_transmission(table: PathTable, lamp_range_m: ArrayLike, camera_range_m: ArrayLike) -> Any:
+    """ln of the mean transmission of a table at given ranges.
+
+    Ranges broadcast to (...) [m]; returns (batch..., ...), batch the leading dimensions of the weight.
+    Ranges outside the table's raise RangeError.
+    """
+    lamp, camera = np.broadcast_arrays(
+        np.asarray(lamp_range_m, dtype=float), np.asarray(camera_range_m, dtype=float)
+    )
+    _require_inside(lamp, table.lamp_range_m, "lamp")
+    _require_inside(camera, table.camera_range_m, "camera")
+    batch = table.weight_integral.shape
+    n_lamp, n_camera = table.coefficients.shape[-2:]
+    by_camera = np.swapaxes(table.coefficients, -1, -2).reshape(-1, n_lamp)  # (batch * n_camera, n_lamp)
+    slopes = table.lamp_slope_per_m.reshape(-1, 1), table.camera_slope_per_m.reshape(-1, 1)
+    flat_lamp, flat_camera = lamp.reshape(-1), camera.reshape(-1)
+    result = np.empty((slopes[0].size, flat_lamp.size))
+    for start in range(0, flat_lamp.size, BLOCK):
+        r_lamp, r_camera = flat_lamp[start : start + BLOCK], flat_camera[start : start + BLOCK]
+        x = _to_unit(r_lamp, table.lamp_range_m, table.lamp_warp)
+        y = _to_unit(r_camera, table.camera_range_m, table.camera_warp)
+        rows = (by_camera @ _powers(x, n_lamp)).reshape(-1, n_camera, x.size)
+        value = rows[:, -1]
+        for j in range(n_camera - 2, -1, -1):
+            value *= y
+            value += rows[:, j]
+        result[:, start : start + BLOCK] = value - slopes[0] * r_lamp - slopes[1] * r_camera
+    return result.reshape(*batch, *lamp.shape)[()]
+
+
+def log_mean_transmission_direct(
+    weight: ArrayLike,
+    *,
+    wavelength_nm: ArrayLike | None,
+    k_lamp_per_m: ArrayLike,
+    c_camera_per_m: ArrayLike,
+    lamp_range_m: ArrayLike,
+    camera_range_m: ArrayLike,
+) -> Any:
+    """ln of the mean transmission by summing over the spectrum; what `PathTable` is measured against."""
+    integrand = _Integrand(weight, wavelength_nm, k_lamp_per_m, c_camera_per_m)
+    lamp, camera = np.broadcast_arrays(
+        np.asarray(lamp_range_m, dtype=float), np.asarray(camera_range_m, dtype=float)
+    )
+    return integrand.log_mean(lamp, camera).reshape(*integrand.batch_shape, *lamp.shape)[()]
+
+
+def mean_transmission_direct(
+    weight: ArrayLike,
+    *,
+    wavelength_nm: ArrayLike | None,
+    k_lamp_per_m: ArrayLike,
+    c_camera_per_m: ArrayLike,
+    lamp_range_m: ArrayLike,
+    camera_range_m: ArrayLike,
+) -> Any:
+    """Mean transmission by summing over the spectrum, 0 to 1; underflows to 0 in long paths."""
+    return np.exp(
+        log_mean_transmission_direct(
+            weight,
+            wavelength_nm=wavelength_nm,
+            k_lamp_per_m=k_lamp_per_m,
+            c_camera_per_m=c_camera_per_m,
+            lamp_range_m=lamp_range_m,
+            camera_range_m=camera_range_m,
+        )
+    )
+
+
+class _Integrand:
+    """The discretised integral: normalised weights (batch, n) and the two attenuations (n,)."""
+
+    def __init__(
+        self, weight: ArrayLike, wavelength_nm: ArrayLike | None, k_lamp: ArrayLike, c_camera: ArrayLike
+    ):
+        raw = np.asarray(weight, dtype=float)
+        steps = np.ones(raw.shape[-1:]) if wavelength_nm is None else trapezoid_weights_nm(wavelength_nm)
+        if raw.shape[-1:] != steps.shape or not (np.all(np.isfinite(raw)) and np.all(raw >= 0)):
+            raise RangeError("a spectral weight must be finite, not negative, and given for each wavelength")
+        self.batch_shape = raw.shape[:-1]
+        share = (raw * steps).reshape(-1, steps.size)
+        self.total = share.sum(axis=-1)
+        share = np.where(self.total[:, None] > 0, share, steps)
+        self.share = share / share.sum(axis=-1, keepdims=True)
+        self.k_lamp = np.broadcast_to(np.asarray(k_lamp, dtype=float), steps.shape)
+        self.c_camera = np.broadcast_to(np.asarray(c_camera, dtype=float), steps.shape)
+
+    def log_mean(self, lamp: FloatArray, camera: FloatArray) -> FloatArray:
+        """(batch, *shape of the ranges), by log-sum-exp: no underflow, however long the path."""
+        result = np.empty((self.share.shape[0], *lamp.shape))
+        for i, share in enumerate(self.share):
+            lit = share > 0
+            exponent = np.log(share[lit]) - np.multiply.outer(lamp, self.k_lamp[lit])
+            exponent -= np.multiply.outer(camera, self.c_camera[lit])
+            top = exponent.max(axis=-1, keepdims=True)
+            result[i] = np.log(np.exp(exponent - top).sum(axis=-1)) + top[..., 0]
+        return result
+
+    def slopes(self, boxes: Boxes) -> tuple[FloatArray, FloatArray]:
+        """Mean attenuations (batch,) of the light that is left at the far corner."""
+        with np.errstate(divide="ignore"):
+            exponent = np.log(self.share) - self.k_lamp * boxes[0][1] - self.c_camera * boxes[1][1]
+        left = np.exp(exponent - exponent.max(axis=-1, keepdims=True))
+        left /= left.sum(axis=-1, keepdims=True)
+        return left @ self.k_lamp, left @ self.c_camera
+
+    def remainder(self, boxes: Boxes, lamp: FloatArray, camera: FloatArray) -> FloatArray:
+        """ln of the mean transmission without its linear part: (batch, *shape of the ranges)."""
+        lamp_slope, camera_slope = self.slopes(boxes)
+        linear = np.multiply.outer(lamp_slope, lamp) + np.multiply.outer(camera_slope, camera)
+        return np.asarray(self.log_mean(lamp, camera) + linear)
+
+
+def _choose_orders(
+    integrand: _Integrand, boxes: Boxes, max_order: int, tolerance_log: float
+) -> tuple[tuple[int, int], tuple[float, float]]:
+    """Order and warp along each range, from one-dimensional fits where the other range is shortest."""
+    orders, warps = [], []
+    nodes = chebyshev.chebpts1(PROBE_ORDER + 1)
+    for axis in (0, 1):
+        lo, hi = boxes[axis]
+        if hi == lo:
+            orders.append(0)
+            warps.append(0.0)
+            continue
+        ranges = np.array([_from_unit(nodes, boxes[axis], warp) for warp in WARPS])
+        other = np.full_like(ranges, boxes[1 - axis][0])
+        pair = (ranges, other) if axis == 0 else (other, ranges)
+        series = np.abs(integrand.remainder(boxes, *pair) @ _to_series(PROBE_ORDER).T)
+        # tail[..., k]: sum of what is left out when the series ends at degree k
+        tail = np.cumsum(series[..., ::-1], axis=-1)[..., ::-1] - series
+        degree = np.argmax(tail.max(axis=0) <= tolerance_log / 8, axis=-1)
+        best = int(np.argmin(degree))
+        orders.append(min(int(degree[best]), max_order))
+        warps.append(WARPS[best])
+    return (orders[0], orders[1]), (warps[0], warps[1])
+
+
+def _fit(
+    integrand: _Integrand, boxes: Boxes, orders: tuple[int, int], warps: tuple[float, float]
+) -> tuple[FloatArray, float]:
+    """Coefficients (batch, n_lamp, n_camera) in powers, and the error on a finer grid."""
+    x, y = (chebyshev.chebpts1(n + 1) for n in orders)
+    values = integrand.remainder(boxes, *_ranges(x, y, boxes, warps))
+    series = _to_series(orders[0]) @ values @ _to_series(orders[1]).T
+    coefficients = _to_powers(orders[0]) @ series @ _to_powers(orders[1]).T
+    # Extrema of a higher Chebyshev polynomial: between the nodes, the ends included.
+    x, y = (np.cos(np.linspace(0, np.pi, 2 * n + 3)) for n in orders)
+    fitted = _powers(x, orders[0] + 1).T @ coefficients @ _powers(y, orders[1] + 1)
+    exact = integrand.remainder(boxes, *_ranges(x, y, boxes, warps))
+    return coefficients, float(np.abs(fitted - exact).max())
+
+
+def _ranges(
+    x: FloatArray, y: FloatArray, boxes: Boxes, warps: tuple[float, float]
+) -> tuple[FloatArray, FloatArray]:
+    lamp, camera = np.meshgrid(
+        _from_unit(x, boxes[0], warps[0]), _from_unit(y, boxes[1], warps[1]), indexing="ij"
+    )
+    return lamp, camera
+
+
+@functools.cache
+def _to_series(order: int) -> FloatArray:
+    """Matrix from values at Chebyshev nodes to coefficients of the Chebyshev series."""
+    nodes = chebyshev.chebpts1(order + 1)
+    matrix = 2.0 / (order + 1) * chebyshev.chebvander(nodes, order).T
+    matrix[0] /= 2
+    return np.asarray(matrix)
+
+
+@functools.cache
+def _to_powers(order: int) -> FloatArray:
+    """Matrix from a Chebyshev series to powers; harmless for the quickly falling series of these tables."""
+    matrix = np.zeros((order + 1, order + 1))
+    for k in range(order + 1):
+        matrix[: k + 1, k] = chebyshev.cheb2poly(np.eye(k + 1)[k])
+    return matrix
+
+
+def _powers(x: FloatArray, n: int) -> FloatArray:
+    rows = np.empty((n, x.size))
+    rows[0] = 1.0
+    for i in range(1, n):
+        np.multiply(rows[i - 1], x, out=rows[i])
+    return rows
+
+
+def _to_unit(range_m: FloatArray, box: Box, warp: float) -> FloatArray:
+    """Range to -1..1 by x = (s + warp)/(1 + warp s), s linear in range: short ranges are spread out."""
+    lo, hi = box
+    if hi == lo:
+        return np.zeros_like(range_m)
+    s = (2 * range_m - (hi + lo)) / (hi - lo)
+    return np.asarray((s + warp) / (1 + warp * s)) if warp else s
+
+
+def _from_unit(x: FloatArray, box: Box, warp: float) -> FloatArray:
+    s = (x - warp) / (1 - warp * x)
+    return np.asarray((box[0] + box[1] + s * (box[1] - box[0])) / 2)
+
+
+def _checked_range(range_m: tuple[float, float], which: str) -> Box:
+    lo, hi = float(range_m[0]), float(range_m[1])
+    if not 0 <= lo <= hi < np.inf:
+        raise RangeError(f"{which} range {lo:g}-{hi:g} m must be finite, ordered and not negative")
+    return lo, hi
+
+
+def _require_inside(range_m: FloatArray, box: Box, which: str) -> None:
+    if not range_m.size:
+        return
+    lo, hi = range_m.min(), range_m.max()
+    slack = RANGE_SLACK * max(box[1], 1e-300)
+    if not (lo >= box[0] - slack and hi <= box[1] + slack):
+        raise RangeError(
+            f"{which} range {lo:g}-{hi:g} m is outside the table's {box[0]:g}-{box[1]:g} m; "
+            "build a wider table"
+        )

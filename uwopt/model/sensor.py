@@ -1,0 +1,288 @@
+"""The sensor: from irradiance to electrons, digital numbers and signal-to-noise ratio (EMVA 1288).
+
+The linear model of the standard: every pixel counts photons with Poisson noise, adds read noise, and is
+digitised. Digital numbers (DN) are those of the transmitted bit depth. Functions marked [sym] also take
+CasADi scalars.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from uwopt.model.spectrum import integrate_nm
+
+Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
+
+PLANCK_J_S = 6.62607015e-34  # exact, SI 2019
+LIGHT_SPEED_M_S = 299_792_458.0  # exact, SI
+QUANTISATION_VARIANCE_DN2 = 1.0 / 12.0  # of a uniform error one DN wide
+
+
+# ---------------------------------------------------------------- electrons
+
+
+def photo_electrons(
+    irradiance_w_m2_nm: Numeric,
+    *,
+    wavelength_nm: Numeric,
+    quantum_efficiency: Numeric,
+    pixel_pitch_m: Numeric,
+    exposure_s: Numeric,
+) -> Numeric:
+    """Mean number of electrons that one pixel collects in one exposure.
+
+        mu_e = p^2 t / (h c) * integral of E(lambda) lambda eta(lambda) d lambda                     (5)
+
+    Parameters
+    ----------
+    irradiance_w_m2_nm : (..., n_wavelength) [W m^-2 nm^-1]
+        Arriving at the camera's window; what the window loses belongs to the efficiency.
+    wavelength_nm : (n_wavelength,) [nm], in vacuum, increasing
+    quantum_efficiency : (..., n_wavelength) or scalar [electrons per photon]
+        As EMVA 1288 measures it: fill factor and window are part of it.
+    pixel_pitch_m, exposure_s : broadcast with (...,) [m], [s]
+        The effective exposure: shutter setting plus exposure offset, or the light's pulse if shorter.
+
+    Returns
+    -------
+    (...,) [electrons], before dark current; not clipped at full well.
+
+    Notes
+    -----
+    Valid for: no smear, linear response. Trapezoid rule; exact for integrands linear between samples.
+
+    References
+    ----------
+    EMVA Standard 1288, signal model of the linear camera. Physics page, section 6.
+    """
+    energy_per_photon_j = PLANCK_J_S * LIGHT_SPEED_M_S / (np.asarray(wavelength_nm) * 1e-9)
+    electrons_per_m2_s_nm = irradiance_w_m2_nm * (quantum_efficiency / energy_per_photon_j)
+    rate_per_m2_s = integrate_nm(electrons_per_m2_s_nm, wavelength_nm)
+    return rate_per_m2_s * pixel_pitch_m**2 * exposure_s
+
+
+def colour_mean_efficiency(red: Numeric, *, green: Numeric, blue: Numeric) -> Numeric:
+    """Efficiency of a Bayer mosaic taken as one pixel: (R + 2 G + B) / 4 [sym]."""
+    return 0.25 * (red + 2.0 * green + blue)
+
+
+# ---------------------------------------------------------------- gain and digital numbers
+
+
+def gain_from_db(gain_db: Numeric) -> Numeric:
+    """Voltage gain factor of a setting in decibel, 10^(dB / 20) [sym]."""
+    return 10.0 ** (gain_db / 20.0)
+
+
+def gain_to_db(gain: Numeric) -> Numeric:
+    """Setting in decibel of a gain factor > 0, 20 log10 g [sym]."""
+    return 20.0 * np.log10(gain)
+
+
+def gain_dn_per_e(
+    table_gain_dn_per_e: Numeric, *, table_bits: Numeric, bits: Numeric, gain: Numeric = 1.0
+) -> Numeric:
+    """System gain in the transmitted image.
+
+        K = K_table 2^(bits - table_bits) g                                                          [sym]
+
+    Parameters
+    ----------
+    table_gain_dn_per_e : (...,) [DN per electron] at gain 1, in DN of table_bits
+    table_bits, bits : broadcast, bit depth of the table and of the transmitted image
+    gain : broadcast, factor >= 1, see `gain_from_db`
+
+    Returns
+    -------
+    (...,) [DN of the transmitted image per electron].
+
+    References
+    ----------
+    Physics page, section 6 (6).
+    """
+    return table_gain_dn_per_e * 2.0 ** (bits - table_bits) * gain
+
+
+def gain_for_full_scale(saturation_e: Numeric, *, bits: Numeric, offset_dn: Numeric = 0.0) -> Numeric:
+    """System gain [DN/e] of a camera whose gain nobody states: full scale at saturation [sym]."""
+    return (2.0**bits - 1.0 - offset_dn) / saturation_e
+
+
+def digital_mean_dn(
+    electrons_e: Numeric, *, gain_dn_per_e: Numeric, dark_e: Numeric = 0.0, offset_dn: Numeric = 0.0
+) -> Numeric:
+    """Mean digital number, mu_y = K (mu_d + mu_e) + offset, not clipped at full scale (6) [sym]."""
+    return gain_dn_per_e * (dark_e + electrons_e) + offset_dn
+
+
+def mean_level(
+    electrons_e: Numeric,
+    *,
+    gain_dn_per_e: Numeric,
+    bits: Numeric,
+    dark_e: Numeric = 0.0,
+    offset_dn: Numeric = 0.0,
+) -> Numeric:
+    """Mean digital number as a share of full scale, mu_y / (2^bits - 1); above 1 is clipped [sym].
+
+    electrons_e counts all light, veils included. Physics page, section 6.
+    """
+    mean_dn = digital_mean_dn(electrons_e, gain_dn_per_e=gain_dn_per_e, dark_e=dark_e, offset_dn=offset_dn)
+    return mean_dn / (2.0**bits - 1.0)
+
+
+def full_scale_electrons(gain_dn_per_e: Numeric, *, bits: Numeric, offset_dn: Numeric = 0.0) -> Numeric:
+    """Electrons at which the digital number reaches full scale, (2^bits - 1 - offset) / K [sym]."""
+    return (2.0**bits - 1.0 - offset_dn) / gain_dn_per_e
+
+
+def saturation_electrons(
+    full_well_e: Numeric, *, gain_dn_per_e: Numeric, bits: Numeric, offset_dn: Numeric = 0.0
+) -> Numeric:
+    """Electrons at which a pixel saturates: full well or full scale, whichever comes first.
+
+    full_well_e may be inf (unknown). Arguments broadcast. Physics page, section 6.
+    """
+    return np.minimum(full_well_e, full_scale_electrons(gain_dn_per_e, bits=bits, offset_dn=offset_dn))
+
+
+# ---------------------------------------------------------------- signal to noise
+
+
+def noise_variance_e2(
+    all_light_e: Numeric,
+    *,
+    read_noise_e: Numeric,
+    gain_dn_per_e: Numeric,
+    dark_e: Numeric = 0.0,
+    prnu_frac: Numeric = 0.0,
+) -> Numeric:
+    """Variance of one pixel [e^2]: sigma_d^2 + sigma_q^2/K^2 + dark + all + (PRNU all)^2 [sym]."""
+    floor_e2 = read_noise_e**2 + QUANTISATION_VARIANCE_DN2 / gain_dn_per_e**2 + dark_e
+    return floor_e2 + all_light_e + (prnu_frac * all_light_e) ** 2
+
+
+def snr(
+    signal_e: Numeric,
+    *,
+    read_noise_e: Numeric,
+    gain_dn_per_e: Numeric,
+    veil_e: Numeric = 0.0,
+    dark_e: Numeric = 0.0,
+    prnu_frac: Numeric = 0.0,
+) -> Numeric:
+    """Signal-to-noise ratio of one pixel.
+
+        SNR = mu / sqrt(sigma_d^2 + sigma_q^2/K^2 + mu_all + mu_dark + (PRNU mu_all)^2)              (7) [sym]
+
+    Parameters
+    ----------
+    signal_e : (...,) [e], mu, image-forming electrons
+    read_noise_e : broadcast [e], sigma_d, temporal dark noise
+    gain_dn_per_e : broadcast [DN/e], K in the transmitted image
+    veil_e : broadcast [e], light that forms no image; mu_all = mu + veil
+    dark_e : broadcast [e], of the dark current
+    prnu_frac : broadcast, photo response non-uniformity, left uncorrected
+
+    Returns
+    -------
+    (...,) a ratio of amplitudes, not decibel.
+
+    Notes
+    -----
+    With veil, dark and PRNU zero this is the paper's equation. sigma_q^2 = 1/12 DN^2.
+
+    References
+    ----------
+    EMVA Standard 1288. Physics page, section 6.
+    """
+    variance_e2 = noise_variance_e2(
+        signal_e + veil_e,
+        read_noise_e=read_noise_e,
+        gain_dn_per_e=gain_dn_per_e,
+        dark_e=dark_e,
+        prnu_frac=prnu_frac,
+    )
+    return signal_e / np.sqrt(variance_e2)
+
+
+def log_snr(
+    log_signal: Numeric,
+    *,
+    read_noise_e: Numeric,
+    gain_dn_per_e: Numeric,
+    veil_e: Numeric = 0.0,
+    dark_e: Numeric = 0.0,
+    prnu_frac: Numeric = 0.0,
+) -> Numeric:
+    """Natural logarithm of `snr` from the natural logarithm of the signal.
+
+    A signal of exp(-2000) electrons, which no float can hold, gives a finite logarithm; exp() of it is an
+    SNR of 0. log_signal : (...,), may be -inf; the rest as in `snr`. Returns (...,), never NaN for a read
+    noise > 0 or a finite gain. Physics page, section 0.
+    """
+    variance_e2 = noise_variance_e2(
+        np.exp(log_signal) + veil_e,
+        read_noise_e=read_noise_e,
+        gain_dn_per_e=gain_dn_per_e,
+        dark_e=dark_e,
+        prnu_frac=prnu_frac,
+    )
+    return log_signal - 0.5 * np.log(variance_e2)
+
+
+def to_db(snr: Numeric) -> Numeric:
+    """SNR in decibel, 20 log10; -inf (without a warning) where the SNR is 0."""
+    with np.errstate(divide="ignore"):
+        return 20.0 * np.log10(snr)
+
+
+def from_db(snr_db: Numeric) -> Numeric:
+    """SNR as a ratio, 10^(dB / 20); the inverse of `to_db` [sym]."""
+    return 10.0 ** (snr_db / 20.0)
+
+
+def electrons_for_snr(
+    snr: Numeric,
+    *,
+    noise_variance_e2: Numeric,
+    veil_ratio: Numeric = 0.0,
+    quantisation_frac: Numeric = 0.0,
+    prnu_frac: Numeric = 0.0,
+) -> Numeric:
+    """Fewest image-forming electrons that reach a wanted SNR, when veils grow with the signal.
+
+        mu^2 = S^2 (sigma^2 + (1 + kappa) mu + b mu^2),   b = q^2 + (PRNU (1 + kappa))^2
+        mu = [S^2 (1 + kappa) + sqrt(S^4 (1 + kappa)^2 + 4 S^2 sigma^2 (1 - S^2 b))] / (2 (1 - S^2 b))
+
+    Parameters
+    ----------
+    snr : (...,) S, a ratio
+    noise_variance_e2 : broadcast [e^2], sigma^2: read noise, quantisation at a fixed gain, dark current, and
+        light that does not scale with the lamps
+    veil_ratio : broadcast, kappa, veil over image-forming electrons
+    quantisation_frac : broadcast, q, when the gain follows the signal so that the image-forming electrons
+        always make T digital numbers: q = 1 / (T sqrt(12)), and quantisation is not in sigma^2
+    prnu_frac : broadcast
+
+    Returns
+    -------
+    (...,) [e]; inf where no amount of light is enough (S^2 b >= 1).
+
+    Notes
+    -----
+    PRNU acts on the lamps' light only: that of sun or other constant light belongs to sigma^2, where its
+    cross term with the signal is missing.
+
+    References
+    ----------
+    Physics page, section 6.
+    """
+    snr2 = snr**2
+    slope = snr2 * (1.0 + veil_ratio)
+    left = 1.0 - snr2 * (quantisation_frac**2 + (prnu_frac * (1.0 + veil_ratio)) ** 2)
+    reachable = np.where(left > 0.0, left, 1.0)
+    root = np.sqrt(slope**2 + 4.0 * snr2 * noise_variance_e2 * reachable)
+    return np.where(left > 0.0, 0.5 * (slope + root) / reachable, np.inf)[()]

@@ -1,0 +1,1 @@
+"""How good a design is: objectives, and requirements as margins."""

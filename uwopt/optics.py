@@ -1,0 +1,487 @@
+"""Imagers and their light: what hardware sees in a scene before any setting is chosen.
+
+An imager is camera x lens x port x orientation. Its view is geometry alone; its signal needs the
+lights' optics (beam and spectrum) and mounts. Both are arrays over many designs; a search and the
+evaluation of one system go through the same functions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog import spectra
+from uwopt.catalog.records import Curve, Light
+from uwopt.hardware import Cameras, Lenses, Ports, Rows, number
+from uwopt.mission import Requirements
+from uwopt.model import beam as beams
+from uwopt.model import imaging, lens, operation, port, sensor
+from uwopt.model.imaging import Lamps, PortShape
+from uwopt.model.spectrum import resample
+from uwopt.model.water import PathTable, build_path_table
+from uwopt.scene import PAPER_N_WATER, SceneOptics
+
+Array = NDArray[Any]
+PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
+
+
+# ---------------------------------------------------------------- what the camera sees
+
+
+@dataclass(frozen=True)
+class Views(Rows):
+    """Geometry of n imagers in one scene. [near, nominal, far] altitudes are the second axis (n, 3)."""
+
+    tan_along: Array  # tangent in air of the half angle of view along the motion
+    tan_across: Array
+    footprint_along_m: Array  # (n, 3) full width at the middle of the image's edges
+    footprint_across_m: Array
+    gsd_m: Array  # (n, 3) largest pixel
+    pixel_along_m: Array  # (n, 3) smallest pixel along the motion
+    pixel_across_m: Array
+    coc_m: Array  # circle of confusion
+    focal_length_m: Array  # effective
+    collecting_m2: Array  # p^2 * T_lens * T_port * QE scale
+
+
+def port_shape(ports: Ports, index: int, scene: SceneOptics) -> PortShape:
+    """One port as scalars, with the water in front of it."""
+    return PortShape(
+        bool(ports.is_dome[index]),
+        float(ports.outer_radius_m[index]),
+        float(ports.thickness_m[index]),
+        float(ports.refractive_index[index]),
+        float(ports.gap_m[index]),
+        scene.n_water,
+    )
+
+
+def views(
+    scene: SceneOptics, cameras: Cameras, lenses: Lenses, shape: PortShape, *, landscape: bool
+) -> Views:
+    """Geometry of imagers behind one port; camera and lens columns row by row."""
+    pitch, focal = cameras.pixel_pitch_m, lenses.focal_length_m
+    effective = focal * PAPER_N_WATER if scene.paper and not shape.is_dome else focal
+    half_x = cameras.resolution_x_px * pitch / (2.0 * effective)
+    half_y = cameras.resolution_y_px * pitch / (2.0 * effective)
+    along, across = (half_y, half_x) if landscape else (half_x, half_y)
+    ranges = altitudes_m(scene)
+    diagonal = np.hypot(cameras.resolution_x_px, cameras.resolution_y_px) * pitch
+    wanted_px = scene.view.requirements.circle_of_confusion_px
+    coc = diagonal * PAPER_COC_PER_DIAGONAL if scene.paper else wanted_px * pitch
+    transmission = lenses.transmission * (1.0 if scene.paper else port_transmission(shape))
+    pixel_along, pixel_across = smallest_pixels_m(scene, shape, along, across, pitch, effective, ranges)
+    return Views(
+        tan_along=along,
+        tan_across=across,
+        footprint_along_m=2.0 * edge_m(scene, shape, along, ranges),
+        footprint_across_m=2.0 * edge_m(scene, shape, across, ranges),
+        gsd_m=largest_pixel_m(scene, shape, pitch, effective, ranges),
+        pixel_along_m=pixel_along,
+        pixel_across_m=pixel_across,
+        coc_m=coc,
+        focal_length_m=effective,
+        collecting_m2=np.square(pitch) * transmission * cameras.qe_scale,
+    )
+
+
+def altitudes_m(scene: SceneOptics) -> Array:
+    """Near, nominal and far altitude."""
+    return np.array([scene.range_m[0], scene.range_m[scene.nominal], scene.range_m[-1]])
+
+
+def port_transmission(shape: PortShape) -> float:
+    """T_port at normal incidence, both faces."""
+    return float(port.normal_port_transmittance(n_water=shape.n_water, n_glass=shape.n_glass))
+
+
+def edge_m(scene: SceneOptics, shape: PortShape, tangent: Array, ranges: Array) -> Array:
+    """Distance on the floor from the axis to the middle of an image edge, (n, 3)."""
+    tangent = tangent[:, None]
+    if scene.paper:
+        return tangent * ranges
+    if shape.is_dome:
+        return np.asarray(
+            port.dome_floor_distance_m(tangent, outer_radius_m=shape.outer_radius_m, range_m=ranges)
+        )
+    return np.asarray(
+        port.flat_floor_distance_m(
+            tangent,
+            gap_m=shape.gap_m,
+            thickness_m=shape.thickness_m,
+            n_glass=shape.n_glass,
+            n_water=shape.n_water,
+            range_m=ranges,
+        )
+    )
+
+
+def largest_pixel_m(scene: SceneOptics, shape: PortShape, pitch: Array, focal: Array, ranges: Array) -> Array:
+    """Largest ground sample of the image, (n, 3): uniform behind a dome, at the centre behind a flat port."""
+    scale = (pitch / focal)[:, None]
+    if scene.paper:
+        return scale * ranges
+    if shape.is_dome:
+        return scale * (ranges + shape.outer_radius_m)
+    return np.asarray(
+        operation.flat_largest_pixel_m(
+            ranges,
+            pixel_pitch_m=pitch[:, None],
+            focal_length_m=focal[:, None],
+            gap_m=shape.gap_m,
+            thickness_m=shape.thickness_m,
+            n_glass=shape.n_glass,
+            n_water=shape.n_water,
+        )
+    )
+
+
+def smallest_pixels_m(
+    scene: SceneOptics, shape: PortShape, along: Array, across: Array, pitch: Array, focal: Array, ranges: Array
+) -> tuple[Array, Array]:
+    """Smallest ground samples along and across the motion, (n, 3) each."""
+    if scene.paper or shape.is_dome:
+        same = largest_pixel_m(scene, shape, pitch, focal, ranges)
+        return same, same
+    common = dict(
+        pixel_pitch_m=pitch[:, None],
+        focal_length_m=focal[:, None],
+        gap_m=shape.gap_m,
+        thickness_m=shape.thickness_m,
+        n_glass=shape.n_glass,
+        n_water=shape.n_water,
+        range_m=ranges,
+    )
+    one = operation.flat_smallest_pixel_along_m(along[:, None], tan_across_edge=across[:, None], **common)
+    other = operation.flat_smallest_pixel_along_m(across[:, None], tan_across_edge=along[:, None], **common)
+    return np.asarray(one), np.asarray(other)
+
+
+def focus_map(scene: SceneOptics, shape: PortShape) -> port.FocusMap:
+    """The port's map between distance in water and dioptre at the lens."""
+    if not shape.is_dome:
+        if scene.paper:
+            return port.identity_focus_map()
+        return port.flat_focus_map(
+            gap_m=shape.gap_m, thickness_m=shape.thickness_m, n_glass=shape.n_glass, n_water=shape.n_water
+        )
+    build = port.paper_dome_focus_map if scene.paper else port.dome_focus_map
+    return build(
+        outer_radius_m=shape.outer_radius_m,
+        thickness_m=shape.thickness_m,
+        n_glass=shape.n_glass,
+        n_water=shape.n_water,
+    )
+
+
+# ---------------------------------------------------------------- focus and depth of field
+
+
+@dataclass(frozen=True)
+class Focus:
+    """Common focus of an imager over its scenes, and the f-number its depth of field needs."""
+
+    dioptre_per_m: list[Array]  # by scene, at the lens
+    n_depth: Array  # smallest f-number that keeps the wanted depth sharp; 0 where none is wanted
+
+
+def place_focus(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap], seen: Sequence[Views]) -> Focus:
+    """Put the focus where the wanted depth needs the smallest f-number.
+
+    One focus serves all scenes, because behind a sealed port it cannot be touched: the interval from
+    the nearest near end to the farthest far end, in dioptres, with the focus in its middle. Physics
+    `paper` focuses at the altitude of its one scene.
+    """
+    count = len(seen[0].tan_along)
+    wanted = [scene.view.requirements.min_dof_m for scene in scenes]
+    if len(scenes) == 1 and (scenes[0].paper or wanted[0] is None):
+        return focus_at_altitude(scenes[0], maps[0], seen[0])
+    near, far = dioptre_interval(scenes, maps)
+    dioptre = np.full(count, lens.focus_for_interval(near, far_dioptre_per_m=far))
+    n_depth = np.zeros(count)
+    for scene, view in zip(scenes, seen, strict=True):
+        if scene.view.requirements.min_dof_m is not None:
+            n_depth = np.maximum(
+                n_depth,
+                lens.f_number_to_cover(
+                    near,
+                    far_dioptre_per_m=far,
+                    focal_length_m=view.focal_length_m,
+                    circle_of_confusion_m=view.coc_m,
+                ),
+            )
+    return Focus([dioptre] * len(scenes), n_depth)
+
+
+def dioptre_interval(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap]) -> tuple[float, float]:
+    """Dioptres at the lens of the nearest and the farthest distance that must be sharp in any scene."""
+    asking = [
+        (scene, at) for scene, at in zip(scenes, maps, strict=True) if scene.view.requirements.min_dof_m is not None
+    ] or list(zip(scenes, maps, strict=True))
+    near = max(float(port.lens_dioptre_per_m(scene.range_m[0], focus_map=at)) for scene, at in asking)
+    far = np.inf
+    for scene, at in asking:
+        start = float(port.water_distance_m(near, focus_map=at))
+        depth = scene.view.requirements.min_dof_m or 0.0
+        end = max(float(scene.range_m[-1]), start + depth)
+        far = min(far, float(port.lens_dioptre_per_m(end, focus_map=at)))
+    return near, far
+
+
+def focus_at_altitude(scene: SceneOptics, at: port.FocusMap, view: Views) -> Focus:
+    """Focus at the nominal altitude; the f-number that the wanted depth then needs."""
+    count = len(view.tan_along)
+    dioptre = np.full(count, float(port.lens_dioptre_per_m(scene.range_m[scene.nominal], focus_map=at)))
+    depth = scene.view.requirements.min_dof_m
+    if depth is None:
+        return Focus([dioptre], np.zeros(count))
+    n_depth = lens.f_number_for_interval(
+        dioptre,
+        near_m=float(scene.range_m[0]),
+        far_m=float(scene.range_m[-1]),
+        min_dof_m=depth,
+        focal_length_m=view.focal_length_m,
+        circle_of_confusion_m=view.coc_m,
+        focus_map=at,
+    )
+    return Focus([dioptre], np.asarray(n_depth))
+
+
+def working_factor(scene: SceneOptics, focal_length_m: Array, dioptre_per_m: Array) -> Array:
+    """N_w / N = 1 + m at the focus; 1 in physics `paper`."""
+    if scene.paper:
+        return np.ones(len(focal_length_m))
+    return np.asarray(
+        lens.working_f_number(1.0, focal_length_m=focal_length_m, object_distance_m=1.0 / dioptre_per_m)
+    )
+
+
+# ---------------------------------------------------------------- motion
+
+
+def blur_time_s(scene: SceneOptics, shape: PortShape, view: Views) -> Array:
+    """Longest light-collecting time within the allowed blur, worst over altitudes and both axes."""
+    limit_px = scene.view.requirements.max_blur_px
+    count = len(view.tan_along)
+    if limit_px is None:
+        return np.full(count, np.inf)
+    lever = altitudes_m(scene) + shape.outer_radius_m * (not scene.paper)
+    return np.asarray(
+        np.minimum(
+            operation.blur_exposure_s(limit_px, ground_sample_m=view.pixel_along_m, **motion_along(scene, lever)),
+            operation.blur_exposure_s(limit_px, ground_sample_m=view.pixel_across_m, **motion_across(scene, lever)),
+        ).min(axis=1)
+    )
+
+
+def shutter_skew_px(scene: SceneOptics, shape: PortShape, view: Views, readout_s: Array) -> Array:
+    """Skew of a rolling shutter along the motion, worst over altitudes."""
+    lever = altitudes_m(scene) + shape.outer_radius_m * (not scene.paper)
+    return np.asarray(
+        operation.skew_px(
+            readout_s[:, None], ground_sample_m=view.pixel_along_m, **motion_along(scene, lever)
+        ).max(axis=1)
+    )
+
+
+def motion_along(scene: SceneOptics, lever_m: Array) -> dict[str, Any]:
+    """What moves the floor through the image along the motion: speed and pitch."""
+    vehicle = scene.view.vehicle
+    return dict(
+        speed_m_s=vehicle.speed_m_s, rotation_rate_rad_s=np.deg2rad(vehicle.pitch_rate_deg_s), lever_m=lever_m
+    )
+
+
+def motion_across(scene: SceneOptics, lever_m: Array) -> dict[str, Any]:
+    """What moves the floor through the image across the motion: roll."""
+    vehicle = scene.view.vehicle
+    return dict(speed_m_s=0.0, rotation_rate_rad_s=np.deg2rad(vehicle.roll_rate_deg_s), lever_m=lever_m)
+
+
+def required_rate_hz(requirements: Requirements, speed_m_s: float, footprint_along_m: Array) -> Array:
+    """Frame rate that overlap or frame interval ask for; frames that just touch when neither is given."""
+    rate = operation.frame_rate_hz(speed_m_s, footprint_along_m=footprint_along_m, overlap=requirements.overlap or 0.0)
+    if requirements.overlap is None and requirements.frame_interval_s is not None:
+        rate = np.zeros_like(footprint_along_m)
+    if requirements.frame_interval_s is not None:
+        rate = np.maximum(rate, 1.0 / requirements.frame_interval_s)
+    return np.asarray(rate)
+
+
+# ---------------------------------------------------------------- light
+
+
+@dataclass(frozen=True)
+class LightOptics:
+    """What one lamp's light is like: beam in water and relative spectrum. Lights that share it share signals."""
+
+    beam: beams.Beam
+    spectrum_id: str
+    spectrum: Curve | None
+
+
+def light_optics(light: Light, *, n_water: float, end: str = "central") -> LightOptics:
+    """Beam and spectrum of a light; angles stated in air, or in no medium, are refracted into water."""
+    return LightOptics(light_beam(light, n_water=n_water, end=end), light.spectrum_id, light.spectrum)
+
+
+def light_beam(light: Light, *, n_water: float, end: str = "central") -> beams.Beam:
+    """The beam of a light in water, from its data sheet's angle or its measured profile."""
+    in_water = light.beam_medium == "water"
+    if light.beam == "tabulated" and light.beam_profile is not None:
+        angles = np.deg2rad(light.beam_profile.x)
+        values = np.asarray(light.beam_profile.y, float)
+        return beams.tabulated_beam(
+            angles, values, medium="water" if in_water else "air", n_w=n_water, total_flux=None
+        )
+    half = np.deg2rad(number(light.beam_angle_deg, 90.0, end, -1)) / 2.0  # type: ignore[arg-type]
+    if not in_water:
+        half = float(beams.half_angle_in_water_rad(half, n_w=n_water))
+    if light.beam == "disc":
+        return beams.disc_beam(half)
+    if light.beam == "cone":
+        return beams.cone_beam(half)
+    return beams.cosine_power_beam(2.0 * half)
+
+
+def lamp_set(count: int, *, baseline_m: float, tilt_rad: float) -> Lamps:
+    """n lamps across track, alternately at plus and minus the baseline, leaning outward (PHYSICS section 1)."""
+    right = (count + 1) // 2
+    sides = [(1.0, right / count)] + ([(-1.0, (count - right) / count)] if count > 1 else [])
+    places = [(side * baseline_m, share) for side, share in sides]
+    aims = [beams.lamp_aim(0.0, tilt_rad, lamp_x_m=0.0, lamp_y_m=side * max(baseline_m, 1e-12)) for side, _ in sides]
+    return Lamps(
+        x_m=tuple(0.0 for _ in places),
+        y_m=tuple(y for y, _ in places),
+        z_m=tuple(0.0 for _ in places),
+        aim=tuple((float(a[0]), float(a[1]), float(a[2])) for a in aims),
+        share=tuple(share for _, share in places),
+    )
+
+
+def mounted_lamps(mounts: Sequence[Any]) -> Lamps:
+    """Lamps where the mission or system puts them."""
+    aims = [
+        beams.lamp_aim(np.deg2rad(m.tilt_x_deg), np.deg2rad(m.tilt_y_deg), lamp_x_m=m.x_m, lamp_y_m=m.y_m)
+        for m in mounts
+    ]
+    return Lamps(
+        x_m=tuple(float(m.x_m) for m in mounts),
+        y_m=tuple(float(m.y_m) for m in mounts),
+        z_m=tuple(float(m.z_m) for m in mounts),
+        aim=tuple((float(a[0]), float(a[1]), float(a[2])) for a in aims),
+        share=tuple(1.0 / len(mounts) for _ in mounts),
+    )
+
+
+def one_side(lamps: Lamps) -> Lamps:
+    """The lamps that stand for all in the mean over a symmetric image: mirror images add nothing new."""
+    if len(lamps.x_m) == 2 and lamps.y_m[0] == -lamps.y_m[1] and not any(lamps.x_m) and lamps.z_m[0] == lamps.z_m[1]:
+        return Lamps(lamps.x_m[:1], lamps.y_m[:1], lamps.z_m[:1], lamps.aim[:1], (1.0,))
+    return lamps
+
+
+def efficiency_curve(curves: dict[str, Curve], wavelength_nm: Array, *, channel: str | None = None) -> Array:
+    """Quantum efficiency on the grid; a colour sensor counts as (R + 2G + B)/4 unless a channel is named."""
+    on_grid = {
+        name: resample(wavelength_nm, table_nm=np.array(curve.x), table_values=np.array(curve.y), outside="hold")
+        for name, curve in curves.items()
+    }
+    if channel is not None:
+        return np.asarray(on_grid.get(channel, on_grid.get("mono")))
+    if "mono" in on_grid:
+        return np.asarray(on_grid["mono"])
+    return np.asarray(sensor.colour_mean_efficiency(on_grid["red"], on_grid["green"], on_grid["blue"]))
+
+
+class Contraction:
+    """The spectrum of one scene, contracted once for every pair of light spectrum and efficiency curve.
+
+    `response(s, q)`: electrons per m^2 of pixel and lm s per m^2 on the floor, water apart.
+    `table(s, q)`: water's loss relative to it over both legs. Tables are built when first needed.
+    """
+
+    def __init__(self, scene: SceneOptics, optics: Sequence[LightOptics], efficiencies: Sequence[dict[str, Curve]]):
+        self.scene = scene
+        self.spectrum_names: list[tuple[str, Curve | None]] = []
+        self.spectrum_of = np.empty(len(optics), int)
+        for index, item in enumerate(optics):
+            key = (item.spectrum_id, item.spectrum)
+            if key not in self.spectrum_names:
+                self.spectrum_names.append(key)
+            self.spectrum_of[index] = self.spectrum_names.index(key)
+        self.efficiencies = list(efficiencies)
+        self._weights: dict[tuple[int, int, str | None], Array] = {}
+        self._tables: dict[tuple[int, int, str | None], PathTable] = {}
+        self._reach_m = (0.0, 0.0)
+
+    def weight(self, spectrum: int, efficiency: int, channel: str | None = None) -> Array:
+        """Signal weight by wavelength; see `imaging.signal_weight`."""
+        key = (spectrum, efficiency, channel)
+        if key not in self._weights:
+            scene = self.scene
+            self._weights[key] = imaging.signal_weight(
+                relative_spectrum(self.spectrum_names[spectrum], scene.wavelength_nm),
+                wavelength_nm=scene.wavelength_nm,
+                photopic=scene.photopic,
+                reflectance=scene.reflectance,
+                quantum_efficiency=efficiency_curve(
+                    self.efficiencies[efficiency], scene.wavelength_nm, channel=channel
+                ),
+                n_water=scene.radiance_index,
+            )
+        return self._weights[key]
+
+    def response(self, spectrum: int, efficiency: int, channel: str | None = None) -> float:
+        """Sum of the weight over wavelengths."""
+        return float(self.weight(spectrum, efficiency, channel).sum())
+
+    def straight_loss(self, spectrum: int, efficiency: int, channel: str | None = None) -> Array:
+        """Water's loss straight down and up, by altitude: the paper's equation (1) on the axis."""
+        scene = self.scene
+        weight = self.weight(spectrum, efficiency, channel)
+        optical = (scene.attenuation_per_m + scene.lamp_attenuation_per_m) * scene.range_m[:, None]
+        least = optical.min(axis=1, keepdims=True)
+        loss = (weight * np.exp(-(optical - least))).sum(axis=1) / weight.sum()
+        return np.asarray(loss * np.exp(-least[:, 0]))
+
+    def set_reach(self, lamp_reach_m: float, camera_reach_m: float) -> None:
+        """Longest paths that tables must cover; called before any table is built."""
+        self._reach_m = (lamp_reach_m, camera_reach_m)
+        self._tables.clear()
+
+    def table(self, spectrum: int, efficiency: int, channel: str | None = None, *, lowest_m: float = 0.0) -> PathTable:
+        """Loss over lamp leg and camera leg, as a table over both lengths."""
+        key = (spectrum, efficiency, channel)
+        if key not in self._tables:
+            scene = self.scene
+            near = float(scene.range_m[0])
+            self._tables[key] = build_path_table(
+                self.weight(*key),
+                wavelength_nm=scene.wavelength_nm,
+                k_lamp_per_m=scene.lamp_attenuation_per_m,
+                c_camera_per_m=scene.attenuation_per_m,
+                lamp_range_m=(min(lowest_m, near) * 0.999, max(self._reach_m[0], near) * 1.001),
+                camera_range_m=(near * 0.999, max(self._reach_m[1], near) * 1.001),
+            )
+        return self._tables[key]
+
+
+def relative_spectrum(key: tuple[str, Curve | None], wavelength_nm: Array) -> Array:
+    """A light's relative spectrum on the grid: the user's own curve, or a named one."""
+    name, curve = key
+    if curve is not None:
+        return np.asarray(
+            resample(wavelength_nm, table_nm=np.array(curve.x), table_values=np.array(curve.y), outside="zero")
+        )
+    known = spectra.light_spectrum(name)
+    return np.asarray(resample(wavelength_nm, table_nm=known.wavelength_nm, table_values=known.value, outside="zero"))
+
+
+def on_axis_gain(beam: beams.Beam, ranges: Array) -> Array:
+    """Illuminance per lumen on the axis of a lamp that stands at the camera (physics `paper`) [1/m^2]."""
+    return np.asarray(beams.intensity_per_sr(np.ones_like(ranges), beam) / np.square(ranges))

@@ -1,0 +1,317 @@
+"""A mission and its parts, tabulated: what evaluation and search both start from.
+
+Scenes, hardware columns, light optics, mounts and contracted spectra, built once for one end of
+the estimates (central, good, bad). A design is a row of indices into these tables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog import money
+from uwopt.catalog.records import Camera, Lens, Light, Port
+from uwopt.hardware import (
+    CONTINUOUS,
+    FLASH,
+    PULSED,
+    Cameras,
+    End,
+    Lenses,
+    Lights,
+    Ports,
+    camera_rows,
+    lens_rows,
+    light_rows,
+    port_rows,
+)
+from uwopt.mission import Mission
+from uwopt.model import imaging
+from uwopt.model.imaging import Lamps, PortShape
+from uwopt.optics import (
+    Contraction,
+    LightOptics,
+    Views,
+    lamp_set,
+    light_optics,
+    mounted_lamps,
+    on_axis_gain,
+    one_side,
+    port_shape,
+)
+from uwopt.rows import SceneRows
+from uwopt.scene import SceneOptics, glass_index, scene_optics
+
+Array = NDArray[Any]
+SHORTEST_TIME_S = 1e-9
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The parts that take part, as records."""
+
+    cameras: tuple[Camera, ...]
+    lenses: tuple[Lens, ...]
+    ports: tuple[Port, ...]
+    lights: tuple[Light, ...]
+
+
+@dataclass(frozen=True)
+class Mount:
+    """A place for the lights: explicit lamps, or a baseline and tilt for any number of them."""
+
+    baseline_m: float = 0.0
+    tilt_deg: float = 0.0
+    explicit: tuple[Any, ...] = ()
+
+    def lamps(self, count: int) -> Lamps:
+        """Where `count` lamps stand."""
+        if self.explicit:
+            return mounted_lamps(self.explicit)
+        return lamp_set(count, baseline_m=self.baseline_m, tilt_rad=float(np.deg2rad(self.tilt_deg)))
+
+
+@dataclass(frozen=True)
+class Focused:
+    """What an imager brings to one scene beside its view: focus, f-numbers, rate and longest times."""
+
+    dioptre_per_m: Array
+    working_factor: Array
+    n_low: Array
+    n_high: Array
+    rate_hz: Array
+    blur_time_s: Array
+    skew_px: Array  # of a rolling shutter under lamps that burn; 0 for a global one
+
+    def take(self, index: Array) -> Focused:
+        """These rows only."""
+        return Focused(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
+
+
+class Problem:
+    """Tables of one mission over chosen parts, at one end of the estimates."""
+
+    def __init__(
+        self,
+        mission: Mission,
+        parts: Parts,
+        *,
+        paper: bool,
+        end: End = "central",
+        owned_lights: dict[str, int] | None = None,
+        counts: tuple[int, int] | None = None,
+        mounts: Sequence[Mount] | None = None,
+        water_table: str | None = None,
+    ):
+        self.mission, self.parts, self.paper, self.end = mission, parts, paper, end
+        self.owned_lights = owned_lights or {}
+        self.count_range = counts or light_counts(mission)
+        self.mounts = list(mounts) if mounts is not None else mission_mounts(mission)
+        base_dir: Path | None = mission.base_dir
+        self.scenes: list[SceneOptics] = [
+            scene_optics(mission.scene_view(i), paper=paper, base_dir=base_dir, water_table=water_table)
+            for i in range(len(mission.scenes))
+        ]
+        self.cameras, self.efficiencies = camera_rows(parts.cameras, money=self.money, end=end, paper=paper)
+        self.lenses: Lenses = lens_rows(parts.lenses, money=self.money, end=end)
+        self.ports: Ports = port_rows(parts.ports, money=self.money, glass_index=glass_index, end=end)
+        self.optics, optics_index = distinct_optics(parts.lights, self.scenes[0].n_water, end)
+        self.lights: Lights = light_rows(
+            parts.lights, money=self.money, optics_index=optics_index, end=end, paper=paper
+        )
+        self.contractions = [Contraction(scene, self.optics, self.efficiencies) for scene in self.scenes]
+
+    def money(self, amount: float, currency: str) -> float:
+        """An amount in the mission's currency."""
+        limits = self.mission.limits
+        return money.to_currency(amount, currency, limits.currency, limits.rates)
+
+    @cached_property
+    def extras(self) -> tuple[float, float, float]:
+        """Cost, mass [kg] and power [W] of what every system carries beside the parts."""
+        items = self.mission.catalog.extras
+        return (
+            float(sum(item.cost or 0.0 for item in items)),
+            float(sum(item.mass_kg or 0.0 for item in items)),
+            float(sum(item.power_w or 0.0 for item in items)),
+        )
+
+    def shape(self, port_index: int, scene_index: int) -> PortShape:
+        """One port in one scene's water."""
+        return port_shape(self.ports, port_index, self.scenes[scene_index])
+
+    def light_cost(self, light: Array, count: Array) -> Array:
+        """What `count` lamps cost; owned ones are free."""
+        owned = np.array([self.owned_lights.get(part.id, 0) for part in self.parts.lights], float)
+        return self.lights.price[light] * np.maximum(count - owned[light], 0.0)
+
+    # ------------------------------------------------------------ signal
+
+    def field_gain(
+        self, scene_index: int, view: Views, *, port_index: int, optics: int, mount: Mount, efficiency: int,
+        count: int = 2, altitudes: Sequence[int] | None = None, darkest: bool = False, channel: str | None = None,
+    ) -> Array:  # fmt: skip
+        """Mean (or darkest) gain over the image [1/m^2], water included, (n, n_altitudes).
+
+        All rows of `view` share port, light optics, mount and efficiency curve.
+        """
+        scene, contraction = self.scenes[scene_index], self.contractions[scene_index]
+        chosen = range(len(scene.range_m)) if altitudes is None else altitudes
+        beam = self.optics[optics].beam
+        spectrum = int(contraction.spectrum_of[optics])
+        if self.paper:
+            loss = contraction.straight_loss(spectrum, efficiency, channel)
+            gain = on_axis_gain(beam, scene.range_m) * loss
+            return np.broadcast_to(gain[list(chosen)], (len(view.tan_along), len(list(chosen))))
+        shape = self.shape(port_index, scene_index)
+        lamps = mount.lamps(count)
+        table = self.table(scene_index, spectrum, efficiency, channel)
+        columns = []
+        for index in chosen:
+            common = dict(shape=shape, range_m=float(scene.range_m[index]), beam=beam, table=table)
+            if darkest:
+                columns.append(imaging.field_minimum(view.tan_along, view.tan_across, lamps=lamps, **common))
+            else:
+                columns.append(imaging.field_mean(view.tan_along, view.tan_across, lamps=one_side(lamps), **common))
+        return np.stack(columns, axis=1)
+
+    def table(self, scene_index: int, spectrum: int, efficiency: int, channel: str | None = None) -> Any:
+        """Water's loss table of one scene, light spectrum and efficiency curve."""
+        lowest = min(
+            [float(self.scenes[scene_index].range_m[0])]
+            + [float(self.scenes[scene_index].range_m[0]) - m.z_m for mount in self.mounts for m in mount.explicit]
+        )
+        return self.contractions[scene_index].table(spectrum, efficiency, channel, lowest_m=max(lowest, 1e-4))
+
+    def set_reach(self, scene_index: int, widest_m: float) -> None:
+        """Tell the water tables how far from the axis any image reaches."""
+        scene = self.scenes[scene_index]
+        spread = max([0.0] + [abs(m.baseline_m) for m in self.mounts])
+        spread = max([spread] + [float(np.hypot(e.x_m, e.y_m)) for m in self.mounts for e in m.explicit])
+        height = float(scene.range_m[-1]) + max([0.0] + [-e.z_m for m in self.mounts for e in m.explicit])
+        deepest = float(scene.range_m[-1]) + float(self.ports.outer_radius_m.max(initial=0.0))
+        self.contractions[scene_index].set_reach(
+            float(np.hypot(height, widest_m + spread)), float(np.hypot(deepest, widest_m))
+        )
+
+    # ------------------------------------------------------------ rows for the settings
+
+    def scene_rows(
+        self, scene_index: int, *, camera: Array, light: Array, count: Array, focused: Focused,
+        signal_e: Array, worst_e: Array | None,
+    ) -> SceneRows:  # fmt: skip
+        """What the settings of n designs depend on in one scene."""
+        scene = self.scenes[scene_index]
+        needs, limits = scene.view.requirements, self.mission.limits
+        cam, lamp = self.cameras.take(camera), self.lights.take(light)
+        flash = lamp.kind == FLASH
+        time_min, time_max, dark_time = light_times_s(cam, lamp, focused, limits.max_exposure_ms * 1e-3)
+        light_lm = np.where(flash, lamp.full_light / lamp.flash_duration_s, lamp.full_light) * count
+        full_power = lamp.full_power_w * count
+        pulse_energy = lamp.pulse_energy_j * count
+        peak_at_full = np.where(flash, pulse_energy * focused.rate_hz, full_power)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            max_level = np.minimum(1.0, (limits.peak_power_w or np.inf) / peak_at_full)
+        max_level = np.where(np.isnan(max_level), 1.0, max_level)
+        allowed = (focused.rate_hz <= lamp.max_rate_hz * (1 + 1e-12)) | (lamp.kind == CONTINUOUS)
+        if needs.max_skew_px is not None:
+            allowed &= (focused.skew_px <= needs.max_skew_px) | (lamp.kind != CONTINUOUS)
+        return SceneRows(
+            signal_e=signal_e * lamp.output_factor[:, None],
+            worst_e=None if worst_e is None else worst_e * lamp.output_factor[:, None],
+            nominal=scene.nominal,
+            read_noise_e=cam.read_noise_e,
+            gain_dn_per_e=cam.gain_dn_per_e,
+            full_scale_dn=2.0**cam.bits - 1.0,
+            black_level_dn=cam.black_level_dn,
+            max_gain=cam.max_gain,
+            well_e=cam.saturation_e,
+            prnu_frac=cam.prnu_frac,
+            dark_current_e_s=cam.dark_current_e_s,
+            dark_time_s=dark_time,
+            time_min_s=time_min,
+            time_max_s=np.where(allowed, time_max, -1.0),
+            rate_hz=focused.rate_hz,
+            kind=lamp.kind,
+            light_lm=light_lm,
+            full_power_w=full_power,
+            pulse_energy_j=pulse_energy,
+            levels=lamp.levels,
+            dims_freely=lamp.dims_freely,
+            min_level=lamp.min_level,
+            max_level=max_level,
+            working_factor=focused.working_factor,
+            n_low=focused.n_low,
+            n_high=focused.n_high,
+            min_snr=needs.snr_ratio or 0.0,
+            mean_level=needs.mean_level,
+            highlight_ratio=needs.highlight_ratio,
+        )
+
+
+def light_times_s(
+    camera: Cameras, light: Lights, focused: Focused, exposure_limit_s: float
+) -> tuple[Array, Array, Array]:
+    """Shortest and longest light-collecting time, and the longest exposure that dark current sees.
+
+    Continuous: exposure + t_0. Pulsed LED: the pulse, all rows open. Flash: its whole duration, or less
+    when a global shutter cuts it (exposure + t_0).
+    """
+    with np.errstate(divide="ignore"):
+        exposure = np.minimum(np.minimum(camera.max_exposure_s, exposure_limit_s), 1.0 / focused.rate_hz)
+        duty_time = light.max_duty / focused.rate_hz
+    offset = camera.exposure_offset_s
+    shortest = np.maximum(camera.min_exposure_s + offset, SHORTEST_TIME_S)
+    longest = np.minimum(exposure + offset, focused.blur_time_s)
+    open_time = exposure - camera.readout_s
+    pulse_max = np.minimum(np.minimum(light.max_pulse_s, duty_time), np.minimum(open_time, focused.blur_time_s))
+    pulse_min = np.maximum(light.min_pulse_s, SHORTEST_TIME_S)
+    cuts = camera.readout_s == 0.0
+    flash_min = np.where(cuts, np.minimum(shortest, light.flash_duration_s), light.flash_duration_s)
+    whole = np.where(open_time >= light.flash_duration_s, light.flash_duration_s, -1.0)
+    flash_max = np.where(cuts, np.minimum(longest, light.flash_duration_s), np.where(
+        whole <= focused.blur_time_s, whole, -1.0))  # fmt: skip
+    pulsed, flash = light.kind == PULSED, light.kind == FLASH
+    time_min = np.where(pulsed, pulse_min, np.where(flash, flash_min, shortest))
+    time_max = np.where(pulsed, pulse_max, np.where(flash, flash_max, longest))
+    time_max = np.where(camera.min_exposure_s > exposure * (1 + 1e-12), -1.0, time_max)
+    dark_time = np.where(pulsed | flash, time_max + camera.readout_s, time_max)
+    return time_min, time_max, np.maximum(dark_time, 0.0)
+
+
+def light_counts(mission: Mission) -> tuple[int, int]:
+    """Fewest and most lamps; explicit mounts say how many there are."""
+    if mission.vehicle.light_mounts:
+        count = len(mission.vehicle.light_mounts)
+        return count, count
+    low, high = mission.vehicle.light_count_range
+    return low, high
+
+
+def mission_mounts(mission: Mission) -> list[Mount]:
+    """The declared grid of mounts: explicit lamps, or baseline x tilt."""
+    vehicle = mission.vehicle
+    if vehicle.light_mounts:
+        return [Mount(explicit=tuple(vehicle.light_mounts))]
+    return [Mount(b, t) for b in vehicle.light_baseline_grid for t in vehicle.light_tilt_grid]
+
+
+def distinct_optics(lights: Sequence[Light], n_water: float, end: End) -> tuple[list[LightOptics], list[int]]:
+    """Distinct beams with spectra, and each light's index into them."""
+    found: dict[tuple[Any, ...], int] = {}
+    optics: list[LightOptics] = []
+    index = []
+    for part in lights:
+        item = light_optics(part, n_water=n_water, end=end)
+        key = (item.beam, item.spectrum_id, item.spectrum)
+        if key not in found:
+            found[key] = len(optics)
+            optics.append(item)
+        index.append(found[key])
+    return optics, index

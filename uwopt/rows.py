@@ -1,0 +1,61 @@
+"""What the settings of many designs depend on in one scene: the record that evaluation and solvers share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class SceneRows:
+    """What the settings of n designs depend on in one scene. Arrays (n,) or (n, n_altitudes), SI.
+
+    `signal_e`: electrons per lm s of nameplate light at N_w = 1, image mean, by altitude;
+    `worst_e`: the same at the darkest pixel, or None when the requirement holds for the mean.
+    Times are those that collect light: exposure plus offset, or the pulse.
+    """
+
+    signal_e: Array
+    worst_e: Array | None
+    nominal: int
+    read_noise_e: Array
+    gain_dn_per_e: Array
+    full_scale_dn: Array
+    black_level_dn: Array
+    max_gain: Array
+    well_e: Array
+    prnu_frac: Array
+    dark_current_e_s: Array
+    dark_time_s: Array  # the longest exposure that the design may use
+    time_min_s: Array
+    time_max_s: Array
+    rate_hz: Array
+    kind: Array
+    light_lm: Array  # all lamps at full level
+    full_power_w: Array  # all lamps burning at full level
+    pulse_energy_j: Array  # all flashes at full level, from the supply
+    levels: Array  # (n, n_levels), NaN-padded
+    dims_freely: Array
+    min_level: Array
+    max_level: Array  # by peak power
+    working_factor: Array  # N_w / N
+    n_low: Array
+    n_high: Array
+    min_snr: float
+    mean_level: float | None
+    highlight_ratio: float
+    optimistic: bool = False  # a bound: what can only hurt is left out
+
+    def take(self, index: Array) -> SceneRows:
+        """These rows only."""
+        picked = {
+            f.name: getattr(self, f.name)[index]
+            for f in fields(self)
+            if isinstance(getattr(self, f.name), np.ndarray)
+        }
+        return replace(self, **picked)

@@ -1,0 +1,164 @@
+"""A scene made ready for the model: water, floor and altitudes as arrays on one spectral grid.
+
+Physics `paper` and `full` differ here in the table of water, in how it is continued beyond its ends,
+and in how many altitudes stand for the tolerance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog import spectra
+from uwopt.errors import RangeError
+from uwopt.mission import SceneView
+from uwopt.model import water
+from uwopt.model.spectrum import resample, wavelength_grid_nm
+
+Array = NDArray[Any]
+
+PAPER_N_WATER = 1.33
+DESIGN_WAVELENGTH_NM = 550.0  # rays and virtual images are computed for green light
+PAPER_ALTITUDES = 3
+FULL_ALTITUDES = 5
+GRID_STEP_NM = 5.0
+
+
+@dataclass(frozen=True)
+class SceneOptics:
+    """Water, floor and altitudes of one scene; SI, spectra on `wavelength_nm`."""
+
+    view: SceneView
+    paper: bool
+    range_m: Array  # altitudes over which requirements hold, rising
+    nominal: int  # index of the altitude itself
+    wavelength_nm: Array
+    photopic: Array
+    attenuation_per_m: Array  # c: camera leg
+    lamp_attenuation_per_m: Array  # K: lamp leg
+    reflectance: Array
+    n_water: float  # at the design wavelength
+    n_water_spectrum: Array
+    water_table: str
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def name(self) -> str:
+        """Name of the scene."""
+        return self.view.name
+
+    @property
+    def radiance_index(self) -> Array | float:
+        """n_w of the radiance theorem; 1 in physics `paper`, which leaves it out."""
+        return 1.0 if self.paper else self.n_water_spectrum
+
+
+def scene_optics(
+    view: SceneView,
+    *,
+    paper: bool,
+    base_dir: Path | None = None,
+    water_table: str | None = None,
+    step_nm: float = GRID_STEP_NM,
+) -> SceneOptics:
+    """Tabulate one scene. `water_table` overrides the scene's own choice, to test a decision against it."""
+    scene = view.scene
+    grid = wavelength_grid_nm(step_nm)
+    table = water_table or scene.water_table or ("solonenko-mobley" if paper else None)
+    profile = spectra.water_profile(str(scene.water), table=table, base_dir=base_dir)  # type: ignore[arg-type]
+    if profile.a_per_m is not None and profile.b_per_m is not None:
+        a, b = absorption(profile, grid, paper=paper), resample(
+            grid, table_nm=profile.wavelength_nm, table_values=profile.b_per_m, outside="hold"
+        )
+        c = water.beam_attenuation_per_m(a, b)
+        lamp = c if paper else lamp_attenuation(profile, grid, a, b, scene.backscatter_ratio)
+    else:
+        c = resample(grid, table_nm=profile.wavelength_nm, table_values=profile.attenuation_per_m, outside="hold")
+        lamp = c
+        if not paper and profile.kd_per_m is not None and profile.kd_wavelength_nm is not None:
+            kd = resample(grid, table_nm=profile.kd_wavelength_nm, table_values=profile.kd_per_m, outside="hold")
+            lamp = np.minimum(kd, c)
+    floor = spectra.seafloor_reflectance(scene.seafloor, base_dir=base_dir)
+    photopic = spectra.photopic()
+    index = np.full_like(grid, PAPER_N_WATER) if paper else index_of_water(grid, scene)
+    tolerance = view.vehicle.altitude_tolerance_m
+    count = 1 if tolerance == 0 else (PAPER_ALTITUDES if paper else FULL_ALTITUDES)
+    altitude = view.vehicle.altitude_m
+    ranges = np.linspace(altitude - tolerance, altitude + tolerance, count)
+    if not np.all(ranges > 0):
+        raise RangeError(f"scene {view.name!r}: altitude minus tolerance is not above 0 m")
+    return SceneOptics(
+        view=view,
+        paper=paper,
+        range_m=ranges,
+        nominal=count // 2,
+        wavelength_nm=grid,
+        photopic=resample(
+            grid, table_nm=photopic.wavelength_nm, table_values=photopic.value, outside="zero"
+        ),
+        attenuation_per_m=c,
+        lamp_attenuation_per_m=lamp,
+        reflectance=resample(grid, table_nm=floor.wavelength_nm, table_values=floor.value, outside="hold"),
+        n_water=PAPER_N_WATER if paper else float(np.interp(DESIGN_WAVELENGTH_NM, grid, index)),
+        n_water_spectrum=index,
+        water_table=profile.table,
+        notes=profile.notes + floor.notes,
+    )
+
+
+def absorption(profile: spectra.WaterProfile, grid: Array, *, paper: bool) -> Array:
+    """a(lambda) on the grid; beyond the table held (paper) or continued with pure water (full)."""
+    assert profile.a_per_m is not None
+    if paper:
+        return np.asarray(resample(grid, table_nm=profile.wavelength_nm, table_values=profile.a_per_m, outside="hold"))
+    pure = spectra.pure_water()
+    return np.asarray(
+        water.extend_absorption_per_m(
+            grid,
+            table_nm=profile.wavelength_nm,
+            table_a_per_m=profile.a_per_m,
+            pure_water_nm=pure.wavelength_nm,
+            pure_water_a_per_m=pure.a_per_m,
+        )
+    )
+
+
+def lamp_attenuation(
+    profile: spectra.WaterProfile, grid: Array, a: Array, b: Array, backscatter_ratio: float
+) -> Array:
+    """K of the lamp leg: K_d held within a + b_b and c; c where the profile has no K_d."""
+    c = water.beam_attenuation_per_m(a, b)
+    if profile.kd_per_m is None or profile.kd_wavelength_nm is None:
+        return np.asarray(c)
+    kd = resample(grid, table_nm=profile.kd_wavelength_nm, table_values=profile.kd_per_m, outside="hold")
+    return np.asarray(
+        water.illumination_attenuation_per_m(a, b_per_m=b, kd_per_m=kd, backscatter_ratio=backscatter_ratio)
+    )
+
+
+def index_of_water(grid: Array, scene: Any) -> Array:
+    """n_w(lambda) at the scene's temperature and salinity (Quan and Fry 1995)."""
+    return np.asarray(
+        water.refractive_index_quan_fry(
+            grid,
+            temperature_c=scene.temperature_c,
+            salinity_psu=scene.salinity_psu,
+            coefficients=spectra.quan_fry_coefficients(),
+        )
+    )
+
+
+def glass_index(material: str) -> float:
+    """Index of a named glass at the design wavelength."""
+    from uwopt.model.port import refractive_index_dispersion
+
+    formula = spectra.glass_coefficients(material)
+    return float(
+        refractive_index_dispersion(
+            DESIGN_WAVELENGTH_NM, formula=formula.formula, coefficients=list(formula.coefficients)
+        )
+    )

@@ -1,0 +1,1 @@
+"""How to choose: exact search, continuous solvers on given hardware, explanations."""

@@ -1,0 +1,637 @@
+"""The exact search: best design of a catalogue with a proof that nothing better is in it.
+
+Designs are imagers under a lighting (light optics at a mount) with a number of lamps of one light.
+Every (imager, lighting) is a unit with a lower bound on the objective; units are taken best first,
+their signal is computed exactly, their lights and counts are solved in closed form, and the search
+stops when no bound beats the best. Each combination is counted once, by the first rule that discards
+it, so that the account adds up.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.hardware import CONTINUOUS, FLASH, PULSED
+from uwopt.model import sensor
+from uwopt.objectives.objective import Objective, Terms
+from uwopt.problem import Problem
+from uwopt.rows import SceneRows
+from uwopt.solvers import settings as closed_form
+from uwopt.solvers.fields import FieldTables, Lighting
+from uwopt.solvers.imagers import IMAGER_RULES, Imagers, enumerate_imagers
+
+Array = NDArray[Any]
+TIE = 1e-9
+ROUND = 1.0 + 1e-9
+FIRST_BATCH, LARGEST_BATCH = 32, 2048
+MOST_ROWS_AT_ONCE = 60_000
+UNIT_RULES = ("min_snr", "cost", "mass_kg", "power_w", "bound")
+RULES = (*IMAGER_RULES, *UNIT_RULES)
+
+
+@dataclass(frozen=True)
+class Found:
+    """One feasible design with its settings of least power, by indices into the problem's tables."""
+
+    imager: int
+    camera: int
+    lens: int
+    port: int
+    landscape: bool
+    light: int
+    count: int
+    lighting: Lighting
+    minimised: float
+    power_w: float
+    cost: float
+    mass_kg: float
+    snr_db: float
+    settings: list[dict[str, float]]  # by scene
+    pulse_s: float
+
+    def tie_key(self, ids: tuple[str, ...]) -> tuple[Any, ...]:
+        """What breaks ties: power, cost, mass, lamps, pulse, ids."""
+        return (self.power_w, self.cost, self.mass_kg, self.count, self.pulse_s, ids)
+
+
+@dataclass
+class Account:
+    """Where every combination went: evaluated, or discarded by the first rule that does."""
+
+    total: int = 0
+    evaluated: int = 0
+    discarded: dict[str, int] = field(default_factory=lambda: dict.fromkeys(RULES, 0))
+
+    def adds_up(self) -> bool:
+        """Whether every combination is accounted for once."""
+        return self.total == self.evaluated + sum(self.discarded.values())
+
+
+@dataclass
+class Outcome:
+    """What a search found and how far its proof reaches."""
+
+    best: list[Found]
+    account: Account
+    lower_bound: float
+    complete: bool
+    imagers: Imagers
+    tables: FieldTables
+    timing_s: dict[str, float]
+
+
+@dataclass(frozen=True)
+class LightTable:
+    """All (light, count) of one lighting, as columns."""
+
+    light: Array
+    count: Array
+    cost: Array
+    mass_kg: Array
+    effective: Array  # count * full light * output factor: lm, or lm s a pulse
+    power_per_light: Array  # electrical per unit of effective light
+    kind: Array
+
+
+def search(
+    problem: Problem,
+    objective: Objective,
+    *,
+    top: int = 5,
+    deadline_s: float | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> Outcome:
+    """The best designs and the certificate's numbers; see the module's docstring."""
+    return Search(problem, objective, top=top, deadline_s=deadline_s, progress=progress).run()
+
+
+class Search:
+    """State of one search."""
+
+    def __init__(
+        self, problem: Problem, objective: Objective, *, top: int, deadline_s: float | None,
+        progress: Callable[[float, str], None] | None,
+    ):  # fmt: skip
+        self.problem, self.objective, self.top = problem, objective, max(1, top)
+        self.deadline = None if deadline_s is None else time.perf_counter() + deadline_s
+        self.progress = progress or (lambda share, what: None)
+        self.best: list[Found] = []
+        self.account = Account()
+        self.limits = problem.mission.limits
+
+    # ------------------------------------------------------------ run
+
+    def run(self) -> Outcome:
+        """Enumerate, bound, evaluate best first."""
+        start = time.perf_counter()
+        self.progress(0.0, "imagers")
+        imagers = self.imagers = enumerate_imagers(self.problem)
+        self._start_account(imagers)
+        after_imagers = time.perf_counter()
+        self.tables = FieldTables(self.problem, imagers)
+        self.light_tables = [self._light_table(lighting) for lighting in self.tables.lightings]
+        self.progress(0.1, "bounds")
+        self.motorised = self.problem.lenses.motorised[imagers.lens] if len(imagers) else np.empty(0, bool)
+        bounds = [self._unit_bounds(k) for k in range(len(self.tables.lightings))]
+        after_bounds = time.perf_counter()
+        lower, complete = self._best_first(bounds)
+        self.progress(1.0, "done")
+        timing = {
+            "imagers": after_imagers - start,
+            "bounds": after_bounds - after_imagers,
+            "evaluation": time.perf_counter() - after_bounds,
+        }
+        return Outcome(self.best, self.account, lower, complete, imagers, self.tables, timing)
+
+    def _start_account(self, imagers: Imagers) -> None:
+        """Every combination of the parts in the search, and what the imagers' rules discard."""
+        problem = self.problem
+        low, high = problem.count_range
+        illuminators = len(problem.parts.lights) * (high - low + 1) * len(problem.mounts)
+        for rule, count in imagers.discarded.items():
+            self.account.discarded[rule] += count * illuminators
+        self.account.total = (len(imagers) + sum(imagers.discarded.values())) * illuminators
+
+    def _light_table(self, lighting: Lighting) -> LightTable:
+        """The lights of one lighting in every number."""
+        problem = self.problem
+        mine = np.nonzero(problem.lights.optics_index == lighting.optics)[0]
+        low, high = problem.count_range
+        light = np.repeat(mine, high - low + 1)
+        count = np.tile(np.arange(low, high + 1), len(mine))
+        rows = problem.lights.take(light)
+        effective = count * rows.full_light * rows.output_factor
+        with np.errstate(divide="ignore", invalid="ignore"):
+            drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j, rows.full_power_w)
+            per_light = drawn / (rows.full_light * rows.output_factor)
+        return LightTable(
+            light, count, problem.light_cost(light, count), rows.mass_kg * count, effective, per_light, rows.kind
+        )
+
+    # ------------------------------------------------------------ bounds
+
+    def _unit_bounds(self, k: int) -> UnitBounds:
+        """Bounds of every imager under one lighting, worst scene."""
+        imagers, lighting, table = self.imagers, self.tables.lightings[k], self.light_tables[k]
+        n = len(imagers)
+        bounds = UnitBounds.empty(n)
+        if n == 0 or len(table.light) == 0:
+            bounds.rule[:] = UNIT_RULES.index("min_snr")
+            return bounds
+        for kind in np.unique(table.kind):
+            own = table.kind == kind
+            bounds = bounds.better_of(self._kind_bounds(k, lighting, table, own, int(kind)))
+        return bounds
+
+    def _kind_bounds(self, k: int, lighting: Lighting, table: LightTable, own: Array, kind: int) -> UnitBounds:
+        """Bounds from the lights of one kind: what capable lights cost, weigh and draw at least."""
+        imagers = self.imagers
+        n = len(imagers)
+        power = np.zeros(n)
+        capacity_needed = np.zeros(n)
+        snr_db = np.full(n, np.inf)
+        effective = table.effective[own]
+        order = np.argsort(effective)
+        capacity = effective[order]
+        least_drawn = suffix_min(table.power_per_light[own][order])
+        for index, scene in enumerate(imagers.scenes):
+            signal = self._signal_bound(index, lighting)
+            need, snr_floor_e = self._electrons_needed(index)
+            focused = scene.focused
+            square = np.square(focused.n_low * focused.working_factor)
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+                light_time = np.where(need > 0, need * square / signal.min(axis=1), 0.0)
+                longest = self._longest_time_s(focused, kind)
+                wanted = light_time if kind == FLASH else light_time / longest
+            wanted = np.where(longest > 0, wanted, np.inf)
+            capacity_needed = np.maximum(capacity_needed, wanted)
+            at = np.searchsorted(capacity, wanted * (1 - 1e-12))
+            drawn = np.where(at < len(capacity), least_drawn[np.minimum(at, len(capacity) - 1)], np.inf)
+            with np.errstate(invalid="ignore"):
+                if kind == CONTINUOUS:
+                    scene_power = wanted * drawn
+                else:
+                    scene_power = light_time * drawn * focused.rate_hz
+            power = np.maximum(power, np.where(np.isfinite(wanted), np.nan_to_num(scene_power), np.inf))
+            if self.objective.weight("snr_db"):
+                most = capacity[-1] * (1.0 if kind == FLASH else longest) / square
+                snr_db = np.minimum(snr_db, self._snr_bound(index, signal[:, -1] * most))
+            del snr_floor_e
+        at = np.searchsorted(capacity, capacity_needed * (1 - 1e-12))
+        reachable = at < len(capacity)
+        pick = np.minimum(at, len(capacity) - 1)
+        cost = imagers.cost + np.where(reachable, suffix_min(table.cost[own][order])[pick], np.inf)
+        mass = imagers.mass_kg + np.where(reachable, suffix_min(table.mass_kg[own][order])[pick], np.inf)
+        total = imagers.camera_power_w + power
+        return self._judged(UnitBounds(np.zeros(n), total, cost, mass, snr_db, np.zeros(n, int)), reachable)
+
+    def _judged(self, bounds: UnitBounds, reachable: Array) -> UnitBounds:
+        """Objective of the bounds, infinite where a limit cannot be met, with the rule that says so."""
+        limits, rule = self.limits, np.full(len(reachable), -1)
+        checks = (
+            ("min_snr", reachable),
+            ("cost", bounds.cost <= (limits.cost or np.inf) * ROUND),
+            ("mass_kg", bounds.mass <= (limits.mass_kg or np.inf) * ROUND),
+            ("power_w", bounds.power <= (limits.power_w or np.inf) * ROUND),
+        )
+        for name, passes in checks:
+            rule = np.where((rule < 0) & ~passes, UNIT_RULES.index(name), rule)
+        terms = Terms(bounds.power, bounds.cost, bounds.mass, bounds.snr_db, self.imagers.gsd_mm)
+        with np.errstate(invalid="ignore"):
+            value = self.objective.cost_to_minimise(terms)
+        value = np.where(rule >= 0, np.inf, value)
+        return UnitBounds(value, bounds.power, bounds.cost, bounds.mass, bounds.snr_db, rule)
+
+    def _signal_bound(self, scene_index: int, lighting: Lighting) -> Array:
+        """Upper bounds of electrons per lm s at the farthest and the nominal altitude, (n, 2)."""
+        scene = self.problem.scenes[scene_index]
+        far = self.tables.bound(scene_index, lighting, len(scene.range_m) - 1)
+        if scene.nominal == len(scene.range_m) - 1:
+            return np.stack([far, far], axis=1)
+        return np.stack([far, self.tables.bound(scene_index, lighting, scene.nominal)], axis=1)
+
+    def _electrons_needed(self, scene_index: int) -> tuple[Array, Array]:
+        """Fewest electrons that the requirements ask for, with quantisation and dark current left out."""
+        scene = self.problem.scenes[scene_index]
+        cameras = self.problem.cameras.take(self.imagers.camera)
+        needs = scene.view.requirements
+        snr = needs.snr_ratio or 0.0
+        by_snr = sensor.electrons_for_snr(
+            snr, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
+        )
+        by_snr = np.where(snr > 0, by_snr, 0.0)
+        if needs.mean_level is None:
+            return by_snr, by_snr
+        wanted_dn = needs.mean_level * (2.0**cameras.bits - 1.0) - cameras.black_level_dn
+        by_gain = wanted_dn / (cameras.gain_dn_per_e * cameras.max_gain)
+        dark = cameras.dark_current_e_s * np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
+        return np.maximum(by_snr, np.maximum(by_gain - dark, 0.0)), by_snr
+
+    def _longest_time_s(self, focused: Any, kind: int) -> Array:
+        """An upper bound of the light-collecting time of any light of this kind."""
+        cameras = self.problem.cameras.take(self.imagers.camera)
+        with np.errstate(divide="ignore"):
+            exposure = np.minimum(
+                np.minimum(cameras.max_exposure_s, self.limits.max_exposure_ms * 1e-3), 1.0 / focused.rate_hz
+            )
+        del kind
+        return np.minimum(exposure + cameras.exposure_offset_s, focused.blur_time_s)
+
+    def _snr_bound(self, scene_index: int, electrons_e: Array) -> Array:
+        """Upper bound of the SNR in dB from the electrons that light and sensor allow at most."""
+        cameras = self.problem.cameras.take(self.imagers.camera)
+        needs = self.problem.scenes[scene_index].view.requirements
+        full_scale = 2.0**cameras.bits - 1.0
+        top = cameras.saturation_e / needs.highlight_ratio
+        level = (
+            full_scale / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full_scale
+        ) - cameras.black_level_dn
+        most = np.minimum(electrons_e, np.minimum(top, level / cameras.gain_dn_per_e))
+        with np.errstate(invalid="ignore"):
+            snr = sensor.snr(
+                most, read_noise_e=cameras.read_noise_e, gain_dn_per_e=np.inf, prnu_frac=cameras.prnu_frac
+            )
+        return np.asarray(sensor.to_db(np.maximum(snr, 1e-300)))
+
+    # ------------------------------------------------------------ best first
+
+    def _best_first(self, bounds: list[UnitBounds]) -> tuple[float, bool]:
+        """Take units in order of their bound until none can beat the best."""
+        n_imagers = len(self.imagers)
+        if n_imagers == 0:
+            return np.inf, True
+        value = np.concatenate([b.value for b in bounds])
+        power = np.concatenate([b.power for b in bounds])
+        rule = np.concatenate([b.rule for b in bounds])
+        size = np.repeat([len(t.light) for t in self.light_tables], n_imagers)
+        for index, name in enumerate(UNIT_RULES):
+            self.account.discarded[name] += int(size[rule == index].sum())
+        alive = np.nonzero(np.isfinite(value) & (rule < 0))[0]
+        order = alive[np.lexsort((power[alive], value[alive]))]
+        position, batch = 0, FIRST_BATCH
+        while position < len(order):
+            threshold = self._threshold()
+            ahead = order[position : position + batch]
+            ahead = ahead[value[ahead] <= threshold]
+            if len(ahead) == 0:
+                break
+            if self.deadline is not None and time.perf_counter() > self.deadline:
+                return self._stopped(value, size, order[position:])
+            tied = value[ahead] >= threshold - 2 * TIE * abs(threshold)
+            useful = ahead[~(tied & (power[ahead] > self._power_threshold()))]
+            self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
+            self._evaluate_units(useful // n_imagers, useful % n_imagers)
+            position += len(ahead)
+            batch = min(2 * batch, LARGEST_BATCH)
+            self.progress(0.1 + 0.9 * position / len(order), "evaluation")
+        self.account.discarded["bound"] += int(size[order[position:]].sum())
+        return (self.best[0].minimised if self.best else np.inf), True
+
+    def _stopped(self, value: Array, size: Array, rest: Array) -> tuple[float, bool]:
+        """Out of time: the lowest bound not yet looked at limits what is missed."""
+        self.account.discarded.setdefault("not_reached", 0)
+        self.account.discarded["not_reached"] += int(size[rest].sum())
+        lowest = float(value[rest].min())
+        best = self.best[0].minimised if self.best else np.inf
+        return min(lowest, best), False
+
+    def _threshold(self) -> float:
+        """The objective that a unit must not exceed to matter: that of the last runner-up, ties included."""
+        if len(self.best) < self.top:
+            return np.inf
+        worst = self.best[-1].minimised
+        return worst + TIE * abs(worst)
+
+    def _power_threshold(self) -> float:
+        """Among ties, the power that a unit must not exceed to matter."""
+        if len(self.best) < self.top:
+            return np.inf
+        worst = self.best[-1].minimised
+        return max(f.power_w for f in self.best if abs(f.minimised - worst) <= 2 * TIE * abs(worst)) * ROUND
+
+    def _evaluate_units(self, lighting_index: Array, imager: Array) -> None:
+        """Exact signal of these units, then all their lights and counts."""
+        for k in np.unique(lighting_index):
+            rows = imager[lighting_index == k]
+            lighting, table = self.tables.lightings[k], self.light_tables[k]
+            signals = [self.tables.exact(s, lighting, rows) for s in range(len(self.problem.scenes))]
+            step = max(1, MOST_ROWS_AT_ONCE // len(table.light))
+            for start in range(0, len(rows), step):
+                part = slice(start, start + step)
+                self._evaluate_pairs(rows[part], [s[part] for s in signals], lighting, table)
+
+    def _evaluate_pairs(self, imager: Array, signals: list[Array], lighting: Lighting, table: LightTable) -> None:
+        """Every (imager, light, count): drop what misses a limit or cannot win, solve the rest."""
+        n_light = len(table.light)
+        unit = np.repeat(np.arange(len(imager)), n_light)
+        item = np.tile(np.arange(n_light), len(imager))
+        imagers, limits = self.imagers, self.limits
+        cost = imagers.cost[imager[unit]] + table.cost[item]
+        mass = imagers.mass_kg[imager[unit]] + table.mass_kg[item]
+        rule = np.full(len(unit), -1)
+        rule = np.where(cost > (limits.cost or np.inf) * ROUND, UNIT_RULES.index("cost"), rule)
+        rule = np.where((rule < 0) & (mass > (limits.mass_kg or np.inf) * ROUND), UNIT_RULES.index("mass_kg"), rule)
+        floor = self.objective.cost_to_minimise(
+            Terms(
+                imagers.camera_power_w[imager[unit]], cost, mass, np.full(len(unit), self._snr_ceiling()),
+                imagers.gsd_mm[imager[unit]],
+            )
+        )  # fmt: skip
+        rule = np.where((rule < 0) & (floor > self._threshold()), UNIT_RULES.index("bound"), rule)
+        for index, name in enumerate(UNIT_RULES):
+            self.account.discarded[name] += int((rule == index).sum())
+        keep = np.nonzero(rule < 0)[0]
+        self.account.evaluated += len(keep)
+        if len(keep):
+            self._solve_pairs(imager[unit[keep]], unit[keep], item[keep], signals, lighting, table, cost[keep], mass[keep])
+
+    def _snr_ceiling(self) -> float:
+        """An SNR that no design exceeds, for quick bounds: that of a million electrons a pixel squared."""
+        return 200.0 if self.objective.weight("snr_db") else 0.0
+
+    def _solve_pairs(
+        self, imager: Array, unit: Array, item: Array, signals: list[Array], lighting: Lighting, table: LightTable,
+        cost: Array, mass: Array,
+    ) -> None:  # fmt: skip
+        """Closed-form settings of these designs, and their place among the best."""
+        rows = self.rows(imager, [s[unit] for s in signals], table.light[item], table.count[item], lighting)
+        motorised = self.motorised[imager]
+        camera_power = self.imagers.camera_power_w[imager]
+        chosen, feasible, snr_db = best_settings(
+            rows, motorised, self.objective, camera_power, self.limits.power_w or np.inf
+        )
+        light_power = np.max([c.light_power_w for c in chosen], axis=0)
+        power = camera_power + light_power
+        feasible &= power <= (self.limits.power_w or np.inf) * ROUND
+        terms = Terms(power, cost, mass, snr_db, self.imagers.gsd_mm[imager])
+        with np.errstate(invalid="ignore"):
+            value = self.objective.cost_to_minimise(terms)
+        value = np.where(feasible & np.isfinite(value), value, np.inf)
+        self._keep_best(imager, table.light[item], table.count[item], lighting, value, terms, chosen)
+
+    def rows(
+        self, imager: Array, signals: list[Array], light: Array, count: Array, lighting: Lighting
+    ) -> list[SceneRows]:
+        """The settings' view of these designs, by scene."""
+        result = []
+        for index, signal in enumerate(signals):
+            scene = self.problem.scenes[index]
+            worst = None
+            if scene.view.requirements.snr_at == "worst" and scene.view.requirements.snr_ratio and not self.problem.paper:
+                worst = self._darkest(index, imager, count, lighting)
+            result.append(
+                self.problem.scene_rows(
+                    index,
+                    camera=self.imagers.camera[imager],
+                    light=light,
+                    count=count,
+                    focused=self.imagers.scenes[index].focused.take(imager),
+                    signal_e=signal,
+                    worst_e=worst,
+                )
+            )
+        return result
+
+    def _darkest(self, scene_index: int, imager: Array, count: Array, lighting: Lighting) -> Array:
+        """Electrons per lm s at the darkest pixel; the share of lamps on each side depends on their number."""
+        unique, back = np.unique(np.stack([imager, count]), axis=1, return_inverse=True)
+        out = np.empty((unique.shape[1], len(self.problem.scenes[scene_index].range_m)))
+        for number in np.unique(unique[1]):
+            mine = unique[1] == number
+            out[mine] = self.tables.exact(scene_index, lighting, unique[0, mine], count=int(number), darkest=True)
+        return np.asarray(out[back.reshape(-1)])
+
+    def _keep_best(
+        self, imager: Array, light: Array, count: Array, lighting: Lighting, value: Array, terms: Terms, chosen: list[Any]
+    ) -> None:
+        """Merge designs into the list of the best with other hardware."""
+        threshold = self._threshold()
+        candidates = np.nonzero(value <= threshold)[0]
+        if len(candidates) > 64:  # the best of each hardware is all that can stay
+            candidates = candidates[self._first_of_hardware(imager[candidates], light[candidates], value[candidates],
+                                                            terms.power[candidates], terms.cost[candidates], count[candidates])]  # fmt: skip
+        for i in candidates:
+            self._insert(self._found(int(i), imager, light, count, lighting, value, terms, chosen))
+
+    def _first_of_hardware(
+        self, imager: Array, light: Array, value: Array, power: Array, cost: Array, count: Array
+    ) -> Array:
+        """Positions of the best design of each (camera, lens, port, light), the best few hardware only."""
+        order = np.lexsort((count, cost, power, np.round(value, 12)))
+        im = self.imagers
+        key = np.stack([im.camera[imager], im.lens[imager], im.port[imager], light])[:, order]
+        _, first = np.unique(key, axis=1, return_index=True)
+        first = np.sort(first)
+        limit = value[order[first[: self.top]]].max() if len(first) >= self.top else np.inf
+        wanted = first[value[order[first]] <= limit + TIE * abs(limit)]
+        near = np.nonzero(value[order] <= limit + TIE * abs(limit))[0]
+        ties = near[np.isin(near, wanted) | (value[order[near]] <= value.min() + TIE * abs(value.min()))]
+        return order[np.union1d(wanted, ties)[: 64 * self.top]]
+
+    def _found(
+        self, i: int, imager: Array, light: Array, count: Array, lighting: Lighting, value: Array, terms: Terms,
+        chosen: list[Any],
+    ) -> Found:  # fmt: skip
+        im, index = self.imagers, int(imager[i])
+        scenes = []
+        for scene_index, settings in enumerate(chosen):
+            numbers = {name: float(getattr(settings, name)[i]) for name in settings.__dataclass_fields__}
+            focused = im.scenes[scene_index].focused
+            numbers["dioptre_per_m"] = float(focused.dioptre_per_m[index])
+            numbers["rate_hz"] = float(focused.rate_hz[index])
+            scenes.append(numbers)
+        return Found(
+            imager=index, camera=int(im.camera[index]), lens=int(im.lens[index]), port=int(im.port[index]),
+            landscape=bool(im.landscape[index]), light=int(light[i]), count=int(count[i]), lighting=lighting,
+            minimised=float(value[i]), power_w=float(terms.power[i]), cost=float(terms.cost[i]),
+            mass_kg=float(terms.mass[i]), snr_db=float(terms.snr_db[i]), settings=scenes,
+            pulse_s=max(s["time_s"] for s in scenes),
+        )  # fmt: skip
+
+    def _insert(self, design: Found) -> None:
+        """Put a design in its place; of equal hardware only the better stays."""
+        parts = self.problem.parts
+
+        def ids(f: Found) -> tuple[str, ...]:
+            return (parts.cameras[f.camera].id, parts.lenses[f.lens].id, parts.ports[f.port].id, parts.lights[f.light].id)
+
+        def better(a: Found, b: Found) -> bool:
+            if abs(a.minimised - b.minimised) > TIE * max(abs(a.minimised), abs(b.minimised)):
+                return a.minimised < b.minimised
+            return a.tie_key(ids(a)) < b.tie_key(ids(b))
+
+        same = [f for f in self.best if ids(f) == ids(design)]
+        if same and not better(design, same[0]):
+            return
+        rest = [f for f in self.best if ids(f) != ids(design)]
+        place = next((n for n, f in enumerate(rest) if better(design, f)), len(rest))
+        rest.insert(place, design)
+        self.best = rest[: self.top]
+
+
+@dataclass
+class UnitBounds:
+    """Bounds of every imager under one lighting; `rule` names why a unit cannot be feasible, -1: it may be."""
+
+    value: Array
+    power: Array
+    cost: Array
+    mass: Array
+    snr_db: Array
+    rule: Array
+
+    @staticmethod
+    def empty(n: int) -> UnitBounds:
+        """No light yet: nothing can be reached."""
+        inf = np.full(n, np.inf)
+        return UnitBounds(inf, inf.copy(), inf.copy(), inf.copy(), np.full(n, -np.inf), np.zeros(n, int))
+
+    def better_of(self, other: UnitBounds) -> UnitBounds:
+        """The lower bound of two groups of lights; a unit fails only if both fail, by the later rule."""
+        take = other.value < self.value
+        both = (self.rule >= 0) & (other.rule >= 0)
+        rule = np.where(both, np.maximum(self.rule, other.rule), -1)
+        return UnitBounds(
+            np.where(take, other.value, self.value),
+            np.where(take, other.power, self.power),
+            np.where(take, other.cost, self.cost),
+            np.where(take, other.mass, self.mass),
+            np.where(take, other.snr_db, self.snr_db),
+            rule,
+        )
+
+
+def suffix_min(values: Array) -> Array:
+    """Least of each value and all after it."""
+    return np.minimum.accumulate(values[::-1])[::-1]
+
+
+def best_settings(
+    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float
+) -> tuple[list[closed_form.Chosen], Array, Array]:
+    """Settings that are best for an objective, whether they exist, and the worst scene's SNR in dB.
+
+    Without SNR in the objective least power is best for every term. With SNR alone the highest reachable
+    is found first, then the least power that reaches it. A weighted sum is convex along the SNR floor.
+    """
+    weight = objective.weight("snr_db")
+    if not weight:
+        chosen, feasible = closed_form.least_power(rows, motorised)
+    else:
+        top = closed_form.greatest_snr(rows, motorised, power_limit_w - camera_power_w)
+        goal = np.nan_to_num(top, nan=0.0) * (1 - 1e-12)
+        if objective.single is None and objective.weight("power"):
+            goal = weighted_goal(rows, motorised, goal, objective.weight("power"), weight)
+        chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=goal)
+        feasible &= np.isfinite(top)
+    snr = np.min([closed_form.nominal_snr(r, c.light_x) for r, c in zip(rows, chosen, strict=True)], axis=0)
+    with np.errstate(invalid="ignore"):
+        return chosen, feasible, np.asarray(sensor.to_db(np.where(snr > 0, snr, np.nan)))
+
+
+def weighted_goal(rows: list[SceneRows], motorised: Array, top: Array, power_weight: float, snr_weight: float) -> Array:
+    """SNR floor that minimises power_weight * power - snr_weight * SNR in dB, by golden section.
+
+    Between the requirement and the reachable top; power is convex in the SNR in dB for lamps that dim
+    freely. Lamps with steps are tried at the top of each step as well.
+    """
+    low = np.zeros_like(top)
+
+    def merit(snr: Array) -> Array:
+        chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=snr)
+        power = np.max([c.light_power_w for c in chosen], axis=0)
+        got = np.min([closed_form.nominal_snr(r, c.light_x) for r, c in zip(rows, chosen, strict=True)], axis=0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = power_weight * power - snr_weight * sensor.to_db(got)
+        return np.where(feasible, value, np.inf)
+
+    start, _ = closed_form.least_power(rows, motorised)
+    low = np.min([closed_form.nominal_snr(r, c.light_x) for r, c in zip(rows, start, strict=True)], axis=0)
+    low = np.where(np.isfinite(low) & (low > 0), np.minimum(low, top), top)
+    best, best_value = top.copy(), merit(top)
+    low_value = merit(low)
+    best, best_value = np.where(low_value < best_value, low, best), np.minimum(best_value, low_value)
+    a, b = np.log(np.maximum(low, 1e-300)), np.log(np.maximum(top, 1e-300))
+    ratio = (np.sqrt(5.0) - 1.0) / 2.0
+    c, d = b - ratio * (b - a), a + ratio * (b - a)
+    value_c, value_d = merit(np.exp(c)), merit(np.exp(d))
+    for _ in range(60):
+        left = value_c < value_d
+        b, a = np.where(left, d, b), np.where(left, a, c)
+        new_c, new_d = b - ratio * (b - a), a + ratio * (b - a)
+        value_c, value_d = merit(np.exp(new_c)), merit(np.exp(new_d))
+        c, d = new_c, new_d
+    for point, value in ((c, value_c), (d, value_d)):
+        best, best_value = np.where(value < best_value, np.exp(point), best), np.minimum(best_value, value)
+    for step in step_tops(rows, motorised, top):
+        value = merit(step)
+        best, best_value = np.where(value < best_value, step, best), np.minimum(best_value, value)
+    return best
+
+
+def step_tops(rows: list[SceneRows], motorised: Array, top: Array) -> list[Array]:
+    """SNR reached at the top of each step of each scene's light: where a staircase of power may be best."""
+    tops = []
+    for scene in rows:
+        for column in range(scene.levels.shape[1]):
+            level = scene.levels[:, column]
+            if np.isnan(level).all():
+                continue
+            capped = [
+                SceneRows(**{**{n: getattr(r, n) for n in r.__dataclass_fields__}, "max_level": np.fmin(r.max_level, level)})
+                if r is scene
+                else r
+                for r in rows
+            ]
+            snr = closed_form.greatest_snr(capped, motorised, np.full(len(top), np.inf))
+            tops.append(np.where(np.isfinite(snr), np.minimum(snr, top) * (1 - 1e-12), top))
+    return tops
+
+
+__all__ = ["CONTINUOUS", "PULSED", "RULES", "Account", "Found", "Outcome", "Search", "best_settings", "search"]

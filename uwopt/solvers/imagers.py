@@ -1,0 +1,260 @@
+"""All imagers that a mission allows: camera x lens x port x orientation, and the account of the rest.
+
+What is geometric belongs to the imager alone: view, ground sample, frame rate, longest exposure, the
+f-numbers that keep the wanted depth sharp. One vectorised pass per port and orientation; each rule
+counts what it discards first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.compatibility import image_circle_ok, mount_compatible
+from uwopt.optics import (
+    Views,
+    blur_time_s,
+    focus_map,
+    place_focus,
+    required_rate_hz,
+    shutter_skew_px,
+    views,
+    working_factor,
+)
+from uwopt.problem import Focused, Problem
+
+Array = NDArray[Any]
+ROUND = 1.0 + 1e-9  # a limit met to rounding is met
+
+IMAGER_RULES = (
+    "mount", "image_circle", "view", "focus", "max_gsd_mm", "min_swath_m", "frame_rate", "data_rate_mb_s",
+    "min_dof_m", "max_blur_px", "cost", "mass_kg", "power_w",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SceneImagers:
+    """Columns of all imagers in one scene."""
+
+    view: Views
+    focused: Focused
+
+
+@dataclass(frozen=True)
+class Imagers:
+    """All imagers that pass the rules without light, as rows of indices with their columns by scene."""
+
+    camera: Array
+    lens: Array
+    port: Array
+    landscape: Array
+    cost: Array
+    mass_kg: Array
+    camera_power_w: Array
+    gsd_mm: Array  # nominal, worst scene
+    scenes: list[SceneImagers]
+    discarded: dict[str, int]  # rule -> imagers it discards first
+
+    def __len__(self) -> int:
+        return len(self.camera)
+
+
+def enumerate_imagers(problem: Problem) -> Imagers:
+    """Every imager of the problem's parts; see the module's docstring."""
+    parts = problem.parts
+    n_camera, n_lens, n_port = len(parts.cameras), len(parts.lenses), len(parts.ports)
+    orientations = [o == "landscape" for o in problem.mission.vehicle.orientations]
+    discarded = dict.fromkeys(IMAGER_RULES, 0)
+    fits = mount_compatible([c.mounts for c in parts.cameras], [part.mounts for part in parts.lenses])
+    fits = fits.reshape(n_camera, n_lens)
+    circle = circles_ok(problem)
+    per_pair = n_port * len(orientations)
+    discarded["mount"] = int((~fits).sum()) * per_pair
+    discarded["image_circle"] = int((fits & ~circle).sum()) * per_pair
+    camera, lens = np.nonzero(fits & circle)
+    blocks = [
+        block
+        for port in range(n_port)
+        for landscape in orientations
+        for block in imagers_behind(problem, camera, lens, port, landscape, discarded)
+    ]
+    return joined(problem, blocks, discarded)
+
+
+def circles_ok(problem: Problem) -> Array:
+    """Whether each lens's image circle covers each sensor; inline parts are not checked for what they leave out."""
+    cameras, lenses = problem.cameras, problem.parts.lenses
+    diagonal_mm = np.hypot(cameras.resolution_x_px, cameras.resolution_y_px) * cameras.pixel_pitch_m * 1e3
+    circle_mm = np.array(
+        [part.image_circle_mm or (np.inf if part.inline else 0.0) for part in lenses], float
+    )
+    return np.asarray(image_circle_ok(diagonal_mm[:, None], circle_mm[None, :]))
+
+
+@dataclass(frozen=True)
+class Block:
+    """Imagers behind one port in one orientation."""
+
+    camera: Array
+    lens: Array
+    port: int
+    landscape: bool
+    scenes: list[SceneImagers]
+
+
+def imagers_behind(
+    problem: Problem, camera: Array, lens: Array, port: int, landscape: bool, discarded: dict[str, int]
+) -> Iterator[Block]:
+    """The imagers that pass every rule, and the count of those each rule discards."""
+    if len(camera) == 0:
+        return
+    cameras, lenses = problem.cameras.take(camera), problem.lenses.take(lens)
+    seen = []
+    for index, scene in enumerate(problem.scenes):
+        seen.append(views(scene, cameras, lenses, problem.shape(port, index), landscape=landscape))
+    maps = [focus_map(scene, problem.shape(port, i)) for i, scene in enumerate(problem.scenes)]
+    focus = place_focus(problem.scenes, maps, seen)
+    focused = []
+    for index, (scene, view) in enumerate(zip(problem.scenes, seen, strict=True)):
+        requirements, speed = scene.view.requirements, scene.view.vehicle.speed_m_s
+        dioptre = focus.dioptre_per_m[index]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factor = working_factor(scene, view.focal_length_m, dioptre)
+        focused.append(
+            Focused(
+                dioptre_per_m=dioptre,
+                working_factor=factor,
+                n_low=np.maximum(lenses.f_number_min, focus.n_depth),
+                n_high=lenses.f_number_max,
+                rate_hz=required_rate_hz(requirements, speed, view.footprint_along_m).max(axis=1),
+                blur_time_s=blur_time_s(scene, problem.shape(port, index), view),
+                skew_px=shutter_skew_px(scene, problem.shape(port, index), view, cameras.readout_s),
+            )
+        )
+    alive = np.ones(len(camera), bool)
+    for rule, passes in rules(problem, cameras, lenses, port, seen, focused, maps):
+        failed = alive & ~passes
+        discarded[rule] += int(failed.sum())
+        alive &= passes
+    if alive.any():
+        keep = np.nonzero(alive)[0]
+        scenes = [
+            SceneImagers(view.take(keep), extra.take(keep)) for view, extra in zip(seen, focused, strict=True)
+        ]
+        yield Block(camera[keep], lens[keep], port, landscape, scenes)
+
+
+def rules(
+    problem: Problem, cameras: Any, lenses: Any, port: int, seen: list[Views], focused: list[Focused], maps: list[Any]
+) -> Iterator[tuple[str, Array]]:
+    """Each rule in turn with the imagers that pass it."""
+    limits, count = problem.mission.limits, problem.mission.vehicle.camera_count
+    every = list(zip(problem.scenes, seen, focused, strict=True))
+    yield "view", all_of(view_clears(problem, port, view) for view in seen)
+    yield "focus", all_of(
+        focus_reached(scene, at, lenses, extra) for (scene, _, extra), at in zip(every, maps, strict=True)
+    )
+    yield "max_gsd_mm", all_of(
+        view.gsd_m.max(axis=1) * 1e3 <= (scene.view.requirements.max_gsd_mm or np.inf) * ROUND for scene, view, _ in every
+    )
+    yield "min_swath_m", all_of(
+        view.footprint_across_m.min(axis=1) * ROUND >= (scene.view.requirements.min_swath_m or 0.0) for scene, view, _ in every
+    )
+    yield "frame_rate", all_of(extra.rate_hz <= cameras.max_rate_hz * ROUND for extra in focused)
+    rate_limit = limits.data_rate_mb_s or np.inf
+    yield "data_rate_mb_s", all_of(extra.rate_hz * cameras.frame_mb * count <= rate_limit * ROUND for extra in focused)
+    yield "min_dof_m", common_f_number(lenses, focused)
+    yield "max_blur_px", all_of(
+        (extra.blur_time_s > 0) & (cameras.min_exposure_s <= limits.max_exposure_ms * 1e-3) for extra in focused
+    )
+    cost, mass, power = totals(problem, cameras, lenses, port)
+    yield "cost", cost <= (limits.cost or np.inf) * ROUND
+    yield "mass_kg", mass <= (limits.mass_kg or np.inf) * ROUND
+    yield "power_w", power <= (limits.power_w or np.inf) * ROUND
+
+
+def all_of(masks: Iterator[Array]) -> Array:
+    """Where every mask holds."""
+    result = next(masks)
+    for mask in masks:
+        result = result & mask
+    return np.asarray(result)
+
+
+def view_clears(problem: Problem, port: int, view: Views) -> Array:
+    """Whether the corner ray passes the port: its clear aperture where gap and diameter are known."""
+    if problem.paper:
+        return np.ones(len(view.tan_along), bool)
+    corner = np.hypot(view.tan_along, view.tan_across)
+    ports = problem.ports
+    if ports.is_dome[port]:
+        return np.asarray(np.isfinite(corner))
+    return np.asarray(corner * ports.gap_m[port] <= ports.clear_radius_m[port])
+
+
+def focus_reached(scene: Any, at: Any, lenses: Any, focused: Focused) -> Array:
+    """Whether the lens focuses on what it must: the virtual image lies beyond its nearest distance."""
+    del scene, at
+    with np.errstate(divide="ignore"):
+        distance = 1.0 / focused.dioptre_per_m
+    beyond_focal = distance > lenses.focal_length_m
+    return np.asarray(beyond_focal & (distance * ROUND >= lenses.min_object_distance_m))
+
+
+def common_f_number(lenses: Any, focused: list[Focused]) -> Array:
+    """Whether an f-number of the lens keeps the wanted depth sharp, the same in all scenes unless motorised."""
+    low = np.max([extra.n_low for extra in focused], axis=0)
+    return np.asarray(np.isfinite(low) & (low <= lenses.f_number_max * ROUND))
+
+
+def totals(problem: Problem, cameras: Any, lenses: Any, port: int | Array) -> tuple[Array, Array, Array]:
+    """Cost, mass and power of everything but the lights."""
+    count = problem.mission.vehicle.camera_count
+    extra_cost, extra_mass, extra_power = problem.extras
+    ports = problem.ports
+    cost = count * (cameras.price + lenses.price + ports.price[port]) + extra_cost
+    mass = count * (cameras.mass_kg + lenses.mass_kg + ports.mass_kg[port]) + extra_mass
+    return cost, mass, count * cameras.power_w + extra_power
+
+
+def joined(problem: Problem, blocks: list[Block], discarded: dict[str, int]) -> Imagers:
+    """All blocks as one table."""
+
+    def stack(arrays: list[Array]) -> Array:
+        return np.concatenate(arrays) if arrays else np.empty(0)
+
+    camera = stack([b.camera for b in blocks]).astype(int)
+    lens = stack([b.lens for b in blocks]).astype(int)
+    port = stack([np.full(len(b.camera), b.port) for b in blocks]).astype(int)
+    landscape = stack([np.full(len(b.camera), b.landscape) for b in blocks]).astype(bool)
+    cost, mass, power = totals(problem, problem.cameras.take(camera), problem.lenses.take(lens), port)
+    scenes = []
+    for index in range(len(problem.scenes)):
+        own = [b.scenes[index] for b in blocks]
+        if own:
+            scenes.append(joined_scene(own))
+    gsd = np.max([s.view.gsd_m[:, 1] for s in scenes], axis=0) * 1e3 if scenes else np.empty(0)
+    return Imagers(camera, lens, port, landscape, cost, mass, power, gsd, scenes, discarded)
+
+
+def joined_scene(own: list[SceneImagers]) -> SceneImagers:
+    """One scene's columns of all blocks."""
+    view = Views(*(np.concatenate([getattr(s.view, name) for s in own]) for name in Views.__dataclass_fields__))
+    focused = Focused(
+        *(np.concatenate([getattr(s.focused, name) for s in own]) for name in Focused.__dataclass_fields__)
+    )
+    return SceneImagers(view, focused)
+
+
+def focus_distance_m(dioptre_per_m: Array, at: Any) -> Array:
+    """Focus distance in water from the port."""
+    from uwopt.model.port import water_distance_m
+
+    return np.asarray(water_distance_m(dioptre_per_m, focus_map=at))
+
+
+__all__ = ["IMAGER_RULES", "Imagers", "SceneImagers", "enumerate_imagers", "totals"]

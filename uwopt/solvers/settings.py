@@ -1,0 +1,290 @@
+"""Best settings of given hardware, in closed form, for many designs at once.
+
+Signal is C X with X = light * level * time / N_w^2 [lm s]. Requirements put X into a window
+[low, high]; the f-number lies in [N_dof, N_max]; the level in a set. Least power is reached at the
+least level whose reach meets the window, at the smallest f-number that fits, then the shortest time
+(DESIGN: how the optimum is found, step 3). Scenes share the f-number unless the lens is motorised.
+
+Every kind of light is written as light [lm] times time [s]: a flash of Q lm s and duration tau gives
+Q / tau for at most tau. Kinds differ in what power they draw.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.hardware import CONTINUOUS, FLASH, PULSED
+from uwopt.model import sensor
+from uwopt.rows import SceneRows
+
+Array = NDArray[Any]
+SLACK = 1e-12  # relative, so that a window of one point is not lost to rounding
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """Settings of n designs in one scene; NaN where there are none."""
+
+    f_number: Array
+    level: Array
+    time_s: Array
+    gain: Array
+    light_x: Array  # X, lm s
+    light_power_w: Array
+    peak_power_w: Array
+
+
+def dark_e(rows: SceneRows) -> Array:
+    """Dark electrons in the longest exposure the design may use (an upper bound, almost always under 1)."""
+    return np.asarray(rows.dark_current_e_s * rows.dark_time_s)
+
+
+def window(rows: SceneRows, *, snr_floor: Array | float = 0.0) -> tuple[Array, Array]:
+    """Lowest and highest X that the requirements on SNR, level and saturation allow; inf: none does.
+
+    `snr_floor` is wanted at the nominal altitude beside the mission's own requirement over all.
+    """
+    signal = rows.signal_e
+    nominal = signal[:, rows.nominal]
+    dark = dark_e(rows)
+    brightest = signal.max(axis=1)
+    headroom_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        high = (rows.well_e / rows.highlight_ratio - dark) / brightest
+        low = np.zeros(len(nominal))
+        if rows.mean_level is None:
+            high = np.minimum(high, (headroom_dn / rows.gain_dn_per_e - dark) / brightest)
+        else:
+            wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
+            low = (wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - dark) / nominal
+            high = np.minimum(high, (wanted_dn / rows.gain_dn_per_e - dark) / nominal)
+            excess = wanted_dn * brightest - headroom_dn * nominal
+            glare = np.where(excess > SLACK * wanted_dn * brightest, dark * (headroom_dn - wanted_dn) / excess, np.inf)
+            high = np.minimum(high, glare)
+        for altitude in range(signal.shape[1]):
+            low = np.maximum(low, light_for_snr(rows, altitude, rows.min_snr, worst=rows.worst_e is not None))
+        low = np.maximum(low, light_for_snr(rows, rows.nominal, snr_floor, worst=False))
+    if rows.optimistic:
+        high = np.full_like(high, np.inf)
+    low = np.maximum(np.where(np.isnan(low), np.inf, low), 0.0)
+    return low, np.where(np.isnan(high), -np.inf, high)
+
+
+def light_for_snr(rows: SceneRows, altitude: int, snr: Array | float, *, worst: bool) -> Array:
+    """Least X that reaches an SNR at one altitude, with the gain at its best.
+
+    The gain lowers quantisation noise; it is as high as the wanted mean level or saturation lets it
+    be. Up to the X where the highest gain fills the range, that gain counts; beyond it the noise
+    follows the level. SNR grows with X throughout, so the larger of the two answers that apply holds.
+    """
+    pixel = rows.worst_e if worst and rows.worst_e is not None else rows.signal_e
+    signal = pixel[:, altitude]
+    dark = dark_e(rows)
+    common = dict(read_noise_e=rows.read_noise_e, dark_e=dark, prnu_frac=rows.prnu_frac)
+    if rows.optimistic:
+        return sensor.light_for_snr(snr, signal_per_light_e=signal, **common)
+    if rows.mean_level is not None:
+        wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
+        return sensor.light_for_snr(
+            snr, signal_per_light_e=signal, level_per_light_e=rows.signal_e[:, rows.nominal], level_dn=wanted_dn, **common
+        )
+    brightest = rows.signal_e.max(axis=1)
+    headroom_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
+    top_gain = rows.gain_dn_per_e * rows.max_gain
+    fills = (headroom_dn / top_gain - dark) / brightest
+    at_top_gain = sensor.light_for_snr(snr, signal_per_light_e=signal, gain_dn_per_e=top_gain, **common)
+    following = sensor.light_for_snr(
+        snr, signal_per_light_e=signal, level_per_light_e=brightest, level_dn=headroom_dn, **common
+    )
+    return np.where(at_top_gain <= fills, at_top_gain, np.maximum(following, fills))
+
+
+def reach(rows: SceneRows) -> tuple[Array, Array]:
+    """Least and greatest light * time [lm s] at each level, (n, n_levels); NaN where there is no level.
+
+    A lamp that dims freely has one entry from its least to its greatest level.
+    """
+    low_level = np.where(rows.dims_freely[:, None], np.nan, rows.levels)
+    high_level = np.where(low_level <= rows.max_level[:, None] * (1 + SLACK), low_level, np.nan)
+    low_level = np.where(np.isnan(high_level), np.nan, low_level)
+    free = rows.dims_freely & (rows.min_level <= rows.max_level)
+    low_level[:, 0] = np.where(free, rows.min_level, low_level[:, 0])
+    high_level[:, 0] = np.where(free, np.minimum(rows.max_level, 1.0), high_level[:, 0])
+    usable = rows.time_min_s <= rows.time_max_s * (1 + SLACK)
+    light = np.where(usable, rows.light_lm, np.nan)[:, None]
+    return low_level * light * rows.time_min_s[:, None], high_level * light * rows.time_max_s[:, None]
+
+
+def f_number_ranges(rows: SceneRows, low: Array, high: Array) -> tuple[Array, Array]:
+    """For each level the f-numbers at which its reach meets the window; from > to: none."""
+    least, greatest = reach(rows)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        start = np.sqrt(least / high[:, None]) / rows.working_factor[:, None]
+        end = np.sqrt(greatest / low[:, None]) / rows.working_factor[:, None]
+    end = np.where(low[:, None] == 0.0, np.inf, end)
+    start = np.where(high[:, None] > 0.0, start, np.inf)
+    closed = np.isnan(least) | (low > high * (1 + SLACK))[:, None] | ~np.isfinite(low)[:, None]
+    start = np.where(closed, np.inf, np.maximum(start, rows.n_low[:, None]))
+    end = np.where(closed, -np.inf, np.minimum(end, rows.n_high[:, None]))
+    return start, end
+
+
+def smallest_common_f_number(ranges: list[tuple[Array, Array]]) -> Array:
+    """The smallest f-number that lies in some range of every scene; NaN where there is none.
+
+    The smallest is the start of one of the ranges, so only those are tried.
+    """
+    tried = np.concatenate([start for start, _ in ranges], axis=1)
+    fits = np.isfinite(tried)
+    for start, end in ranges:
+        inside = (tried[:, :, None] >= start[:, None, :] * (1 - SLACK)) & (
+            tried[:, :, None] <= end[:, None, :] * (1 + SLACK)
+        )
+        fits &= inside.any(axis=2)
+    best = np.where(fits, tried, np.inf).min(axis=1)
+    return np.where(np.isfinite(best), best, np.nan)
+
+
+def settle(rows: SceneRows, f_number: Array, low: Array, high: Array) -> Chosen:
+    """Level, time and gain of least power at a given f-number."""
+    square = np.square(f_number * rows.working_factor)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        need = low * square / rows.light_lm  # level * time
+        cap = high * square / rows.light_lm
+        level = np.where(
+            rows.dims_freely, free_level(rows, need), stepped_level(rows, need, cap)
+        )
+        time = np.maximum(rows.time_min_s, need / level)
+        light_x = rows.light_lm * level * time / square
+    power = drawn_power_w(rows, level, time)
+    peak = np.where(rows.kind == FLASH, rows.pulse_energy_j * level * rows.rate_hz, rows.full_power_w * level)
+    return Chosen(f_number, level, time, best_gain(rows, light_x), light_x, power, peak)
+
+
+def free_level(rows: SceneRows, need: Array) -> Array:
+    """Least power of a lamp that dims freely: the longest time; for a pulsed LED the shortest pulse."""
+    top = np.minimum(rows.max_level, 1.0)
+    longest = np.clip(need / rows.time_max_s, rows.min_level, top)
+    shortest = np.clip(need / rows.time_min_s, rows.min_level, top)
+    return np.where(rows.kind == PULSED, shortest, longest)
+
+
+def stepped_level(rows: SceneRows, need: Array, cap: Array) -> Array:
+    """The step of least power; of a pulsed LED the one that wastes least, then the shortest pulse."""
+    levels = np.where(rows.levels <= rows.max_level[:, None] * (1 + SLACK), rows.levels, np.nan)
+    reaches = levels * rows.time_max_s[:, None] >= need[:, None] * (1 - SLACK)
+    fits = reaches & (levels * rows.time_min_s[:, None] <= cap[:, None] * (1 + SLACK))
+    energy = np.maximum(levels * rows.time_min_s[:, None], need[:, None])
+    pulsed = (rows.kind == PULSED)[:, None]
+    merit = np.where(pulsed, energy * (1.0 - 1e-13 * np.nan_to_num(levels)), levels)
+    merit = np.where(fits, merit, np.inf)
+    pick = merit.argmin(axis=1)
+    rows_index = np.arange(len(pick))
+    return np.where(np.isfinite(merit[rows_index, pick]), levels[rows_index, pick], np.nan)
+
+
+def drawn_power_w(rows: SceneRows, level: Array, time_s: Array) -> Array:
+    """Mean electrical power of all lights (PHYSICS section 1)."""
+    burning = rows.full_power_w * level
+    duty = np.minimum(1.0, time_s * rows.rate_hz)
+    flashing = rows.pulse_energy_j * level * rows.rate_hz
+    return np.where(rows.kind == CONTINUOUS, burning, np.where(rows.kind == PULSED, burning * duty, flashing))
+
+
+def best_gain(rows: SceneRows, light_x: Array) -> Array:
+    """The gain that gives the wanted mean level; without one, the highest that does not saturate."""
+    dark = dark_e(rows)
+    if rows.mean_level is not None:
+        level_e = rows.signal_e[:, rows.nominal] * light_x + dark
+        wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
+    else:
+        level_e = rows.signal_e.max(axis=1) * light_x + dark
+        wanted_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.clip(wanted_dn / (rows.gain_dn_per_e * level_e), 1.0, rows.max_gain)
+
+
+def least_power(
+    scenes: list[SceneRows], motorised: Array, *, snr_floor: Array | float = 0.0
+) -> tuple[list[Chosen], Array]:
+    """Settings of least power that meet every scene, and whether there are any.
+
+    The f-number is common to all scenes where the lens is not motorised.
+    """
+    windows = [window(rows, snr_floor=snr_floor) for rows in scenes]
+    ranges = [f_number_ranges(rows, low, high) for rows, (low, high) in zip(scenes, windows, strict=True)]
+    common = smallest_common_f_number(ranges)
+    chosen = []
+    feasible = np.ones(len(common), bool)
+    for rows, (low, high), own in zip(scenes, windows, ranges, strict=True):
+        f_number = common if len(scenes) == 1 else np.where(motorised, smallest_common_f_number([own]), common)
+        settings = settle(rows, f_number, low, high)
+        feasible &= np.isfinite(f_number) & np.isfinite(settings.level) & np.isfinite(settings.light_power_w)
+        chosen.append(settings)
+    return chosen, feasible
+
+
+def greatest_snr(scenes: list[SceneRows], motorised: Array, power_limit_w: Array) -> Array:
+    """Highest SNR at the nominal altitude that all scenes can reach within their light power.
+
+    The worst scene counts. More light helps as long as nothing saturates, and a smaller f-number
+    gives more of it, so the answer is at the smallest feasible f-number and the window's upper end.
+    """
+    windows = [window(rows) for rows in scenes]
+    ranges = [f_number_ranges(rows, low, high) for rows, (low, high) in zip(scenes, windows, strict=True)]
+    common = smallest_common_f_number(ranges)
+    best = np.full(len(common), np.inf)
+    for rows, (low, high), own in zip(scenes, windows, ranges, strict=True):
+        f_number = common if len(scenes) == 1 else np.where(motorised, smallest_common_f_number([own]), common)
+        light_x = most_light(rows, f_number, low, high, power_limit_w)
+        snr = nominal_snr(rows, light_x)
+        best = np.minimum(best, np.where(np.isfinite(light_x), snr, np.nan))
+    return best
+
+
+def most_light(rows: SceneRows, f_number: Array, low: Array, high: Array, power_limit_w: Array) -> Array:
+    """Greatest X in the window that the lights reach at this f-number within a mean power; NaN: none."""
+    square = np.square(f_number * rows.working_factor)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(
+            rows.kind == FLASH,
+            power_limit_w / (rows.pulse_energy_j * rows.rate_hz),
+            power_limit_w / rows.full_power_w,
+        )
+        share = np.where(np.isnan(share), np.inf, share)
+        energy_cap = np.where(rows.kind == PULSED, share / rows.rate_hz, np.inf)
+        level_cap = np.where(rows.kind == PULSED, np.inf, share)
+        energy_cap = np.where(np.isnan(energy_cap), np.inf, energy_cap)
+    top = np.minimum(np.minimum(level_cap, rows.max_level), 1.0)
+    levels = np.where(rows.dims_freely[:, None], np.nan, rows.levels)
+    levels = np.where(levels <= top[:, None] * (1 + SLACK), levels, np.nan)
+    levels[:, 0] = np.where(rows.dims_freely, np.where(top >= rows.min_level, top, np.nan), levels[:, 0])
+    floor_level = np.where(rows.dims_freely[:, None], rows.min_level[:, None], levels)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        most = np.minimum(levels * rows.time_max_s[:, None], energy_cap[:, None])
+        least = floor_level * rows.time_min_s[:, None]
+        scale = (rows.light_lm / square)[:, None]
+        light_x = np.minimum(most * scale, high[:, None])
+        fits = (least * scale <= high[:, None] * (1 + SLACK)) & (light_x >= low[:, None] * (1 - SLACK)) & (
+            least <= most * (1 + SLACK)
+        )
+    best = np.where(fits, light_x, -np.inf).max(axis=1)
+    return np.where(np.isfinite(best), best, np.nan)
+
+
+def nominal_snr(rows: SceneRows, light_x: Array) -> Array:
+    """SNR of the image mean at the nominal altitude with the gain at its best."""
+    gain = rows.gain_dn_per_e * best_gain(rows, light_x)
+    return np.asarray(
+        sensor.snr(
+            rows.signal_e[:, rows.nominal] * light_x,
+            read_noise_e=rows.read_noise_e,
+            gain_dn_per_e=np.inf if rows.optimistic else gain,
+            dark_e=dark_e(rows),
+            prnu_frac=rows.prnu_frac,
+        )
+    )

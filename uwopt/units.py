@@ -1,0 +1,203 @@
+"""Units: the suffixes a name may carry, conversions at the door, and numbers for people.
+
+Inside the model everything is in m, s, W, rad and electrons; files use the field's units. Each
+conversion happens once, where a file becomes numbers, with one of the functions below.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+
+#: Every unit that a public name may end in, longest first where one is the tail of another.
+UNIT_SUFFIXES: tuple[str, ...] = (
+    "_w_m2_sr_nm", "_w_m2_nm", "_w_m2", "_cyc_per_px", "_bit_per_m2", "_lp_per_mm", "_lm_s_per_j",
+    "_dn_per_e", "_deg_s", "_e_s", "_m_s", "_mb_s", "_per_m", "_per_s",
+    "_m", "_mm", "_um", "_nm", "_m2", "_s", "_ms", "_us", "_hz", "_rad", "_deg", "_w", "_j", "_k",
+    "_c", "_psu", "_lm", "_lx", "_lux", "_kg", "_g", "_e", "_dn", "_px", "_db", "_in", "_frac", "_pct",
+)  # fmt: skip
+
+#: How a unit is printed, by its suffix without the underscore.
+SYMBOLS: Mapping[str, str] = MappingProxyType(
+    {
+        "um": "µm", "us": "µs", "hz": "Hz", "deg": "°", "w": "W", "j": "J", "k": "K", "c": "°C", "psu": "PSU",
+        "lux": "lx", "e": "e⁻", "dn": "DN", "db": "dB", "in": "in", "pct": "%", "frac": "", "m2": "m²",
+        "m_s": "m/s", "mb_s": "MB/s", "deg_s": "°/s", "e_s": "e⁻/s", "per_m": "1/m", "per_s": "1/s",
+        "w_m2": "W/m²", "w_m2_nm": "W/(m² nm)", "w_m2_sr_nm": "W/(m² sr nm)", "cyc_per_px": "cycles/px",
+        "bit_per_m2": "bit/m²", "lp_per_mm": "lp/mm", "lm_s_per_j": "lm s/J", "dn_per_e": "DN/e⁻",
+    }
+)  # fmt: skip
+
+#: A unit in words, for sentences such as "give the altitude in metres".
+WORDS: Mapping[str, str] = MappingProxyType(
+    {
+        "m": "metres", "mm": "millimetres", "um": "micrometres", "nm": "nanometres", "s": "seconds",
+        "ms": "milliseconds", "us": "microseconds", "hz": "hertz", "deg": "degrees", "rad": "radians",
+        "w": "watts", "j": "joules", "k": "kelvin", "c": "degrees Celsius", "psu": "practical salinity units",
+        "lm": "lumens", "lx": "lux", "lux": "lux", "kg": "kilograms", "g": "grams", "px": "pixels",
+        "db": "decibels", "m_s": "metres per second", "deg_s": "degrees per second",
+        "mb_s": "megabytes (10^6 byte) per second", "e": "electrons", "e_s": "electrons per second",
+    }
+)  # fmt: skip
+
+_DEGREES = math.pi / 180.0
+_MINUTE_S = 60.0
+_FOOT_M = 0.3048  # international foot, exact
+_KNOT_M_S = 1852.0 / 3600.0  # international nautical mile per hour, exact
+
+#: Units that people write, by dimension: factor to the dimension's SI unit. Wider than UNIT_SUFFIXES
+#: on purpose: a hint must understand `altitude_ft` to say what `altitude_m` would be.
+DIMENSIONS: Mapping[str, Mapping[str, float]] = MappingProxyType(
+    {
+        "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "km": 1e3,
+                   "ft": _FOOT_M, "inch": _FOOT_M / 12.0, "in": _FOOT_M / 12.0},
+        "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": _MINUTE_S, "h": 3600.0},
+        "angle": {"deg": _DEGREES, "rad": 1.0, "mrad": 1e-3},
+        "angular rate": {"deg_s": _DEGREES, "rad_s": 1.0, "deg_per_s": _DEGREES},
+        "speed": {"m_s": 1.0, "m_per_s": 1.0, "mps": 1.0, "ms": 1.0, "cm_s": 1e-2, "mm_s": 1e-3,
+                  "km_h": 1 / 3.6, "kmh": 1 / 3.6, "kn": _KNOT_M_S, "kt": _KNOT_M_S, "knots": _KNOT_M_S},
+        "power": {"w": 1.0, "mw": 1e-3, "kw": 1e3},
+        "energy": {"j": 1.0, "mj": 1e-3, "kj": 1e3},
+        "mass": {"kg": 1.0, "g": 1e-3, "lb": 0.45359237},
+        "flux": {"lm": 1.0, "klm": 1e3},
+        "illuminance": {"lux": 1.0, "lx": 1.0, "klux": 1e3},
+        "rate": {"hz": 1.0, "khz": 1e3, "fps": 1.0},
+        "data rate": {"mb_s": 1.0, "kb_s": 1e-3, "gb_s": 1e3, "mbps": 0.125, "mbit_s": 0.125},
+        "pixels": {"px": 1.0, "pix": 1.0, "pixels": 1.0, "pixel": 1.0},
+        "level": {"db": 1.0},
+        "salinity": {"psu": 1.0, "ppt": 1.0},
+        "temperature": {"c": 1.0, "degc": 1.0, "celsius": 1.0},
+    }
+)  # fmt: skip
+
+
+def mm_to_m(length_mm: float) -> float:
+    """Millimetres to metres."""
+    return length_mm * 1e-3
+
+
+def m_to_mm(length_m: float) -> float:
+    """Metres to millimetres."""
+    return length_m * 1e3
+
+
+def um_to_m(length_um: float) -> float:
+    """Micrometres to metres."""
+    return length_um * 1e-6
+
+
+def m_to_um(length_m: float) -> float:
+    """Metres to micrometres."""
+    return length_m * 1e6
+
+
+def nm_to_m(length_nm: float) -> float:
+    """Nanometres to metres."""
+    return length_nm * 1e-9
+
+
+def ms_to_s(time_ms: float) -> float:
+    """Milliseconds to seconds."""
+    return time_ms * 1e-3
+
+
+def s_to_ms(time_s: float) -> float:
+    """Seconds to milliseconds."""
+    return time_s * 1e3
+
+
+def us_to_s(time_us: float) -> float:
+    """Microseconds to seconds."""
+    return time_us * 1e-6
+
+
+def s_to_us(time_s: float) -> float:
+    """Seconds to microseconds."""
+    return time_s * 1e6
+
+
+def deg_to_rad(angle_deg: float) -> float:
+    """Degrees to radians."""
+    return angle_deg * _DEGREES
+
+
+def rad_to_deg(angle_rad: float) -> float:
+    """Radians to degrees."""
+    return angle_rad / _DEGREES
+
+
+def g_to_kg(mass_g: float) -> float:
+    """Grams to kilograms."""
+    return mass_g * 1e-3
+
+
+def pct_to_frac(share_pct: float) -> float:
+    """Per cent to a share 0..1."""
+    return share_pct * 1e-2
+
+
+def db_to_ratio(level_db: float) -> float:
+    """Amplitude ratio of a level in decibels: 10^(dB/20), as EMVA 1288 counts SNR and gain."""
+    return float(10.0 ** (level_db / 20.0))
+
+
+def ratio_to_db(ratio: float) -> float:
+    """Level of an amplitude ratio in decibels, 20 log10; a ratio of 0 is minus infinity."""
+    return 20.0 * math.log10(ratio) if ratio > 0 else -math.inf
+
+
+def split_unit(name: str) -> tuple[str, str]:
+    """Stem and unit of a name: `altitude_mm` is (`altitude`, `mm`); the unit is "" where there is none.
+
+    Knows the units people write, not only those of UNIT_SUFFIXES.
+    """
+    known = sorted({unit for units in DIMENSIONS.values() for unit in units}, key=len, reverse=True)
+    for unit in known:
+        if name.endswith("_" + unit) and len(name) > len(unit) + 1:
+            return name[: -len(unit) - 1], unit
+    return name, ""
+
+
+def convert(value: float, from_unit: str, into_unit: str) -> float | None:
+    """A number in another unit of the same dimension; None when the two do not measure one thing."""
+    for units in DIMENSIONS.values():
+        if from_unit in units and into_unit in units:
+            return value * units[from_unit] / units[into_unit]
+    return None
+
+
+def symbol(unit: str) -> str:
+    """How a unit is printed: `m_s` is m/s, `um` is µm; an unknown one is printed as it is."""
+    unit = unit.lstrip("_")
+    return SYMBOLS.get(unit, unit)
+
+
+def format_number(value: float, digits: int = 3) -> str:
+    """A number with so many significant digits, but never rounded above its units: 20 000, 7 543, 0.00123."""
+    if math.isnan(value):
+        return "not a number"
+    if math.isinf(value):
+        return "infinite" if value > 0 else "-infinite"
+    if value == 0:
+        return "0"
+    magnitude = math.floor(math.log10(abs(value)))
+    decimals = max(0, digits - 1 - magnitude)
+    rounded = round(value, decimals)
+    if rounded != 0 and math.floor(math.log10(abs(rounded))) > magnitude:  # 9.996 became 10.00
+        decimals = max(0, decimals - 1)
+    if abs(value) >= 1e15 or magnitude < -5:
+        return f"{value:.{digits - 1}e}"
+    return f"{rounded:,.{decimals}f}".replace(",", " ")
+
+
+def format_quantity(value: float | None, unit: str = "", digits: int = 3) -> str:
+    """A number with its unit for reports; a dash where there is none.
+
+    `unit` is a suffix of UNIT_SUFFIXES (with or without the underscore) or a currency.
+    """
+    if value is None:
+        return "–"
+    sign = symbol(unit)
+    gap = "" if sign in ("", "°", "%") else " "
+    return f"{format_number(value, digits)}{gap}{sign}"
