@@ -38,6 +38,9 @@ def nearest(word: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     """The known word most like this one; None when none is near."""
     by_plain = {name.casefold().replace("-", "_").replace(" ", "_"): name for name in known}
     plain = word.casefold().replace("-", "_").replace(" ", "_")[:80]
+    longer = [name for key, name in by_plain.items() if len(plain) > 2 and key.startswith(plain + "_")]
+    if len(longer) == 1:
+        return longer[0]
     found = difflib.get_close_matches(plain, by_plain, n=1, cutoff=cutoff)
     return by_plain[found[0]] if found else None
 

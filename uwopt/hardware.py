@@ -73,6 +73,7 @@ class Cameras(Rows):
     qe_index: Array
     qe_scale: Array
     price: Array
+    limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
     power_w: Array
 
@@ -88,6 +89,7 @@ class Lenses(Rows):
     min_object_distance_m: Array
     motorised: Array
     price: Array
+    limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
 
 
@@ -102,6 +104,7 @@ class Ports(Rows):
     gap_m: Array
     clear_radius_m: Array  # inf when unknown
     price: Array
+    limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
 
 
@@ -126,6 +129,7 @@ class Lights(Rows):
     front_radius_m: Array
     optics_index: Array  # into the list of distinct (beam, spectrum)
     price: Array
+    limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
 
 
@@ -151,8 +155,13 @@ def price_column(parts: Sequence[Part], money: Money, end: End) -> Array:
     return np.array([money(number(p.price, 0.0, end, FAVOURED["price"]), p.currency) for p in parts], float)
 
 
+def limit_end(end: End, high_basis: bool) -> End:
+    """Which end of a price counts against a budget."""
+    return "bad" if high_basis else end
+
+
 def camera_rows(
-    parts: Sequence[Camera], *, money: Money, end: End = "central", paper: bool = False
+    parts: Sequence[Camera], *, money: Money, end: End = "central", paper: bool = False, high_basis: bool = False
 ) -> tuple[Cameras, list[dict[str, Curve]]]:
     """Cameras as columns, and the distinct efficiency curves they point to.
 
@@ -209,13 +218,14 @@ def camera_rows(
         qe_index=np.array(qe_index, int),
         qe_scale=column(parts, "qe_scale", 1.0, end=end),
         price=price_column(parts, money, end),
+        limit_price=price_column(parts, money, limit_end(end, high_basis)),
         mass_kg=column(parts, "mass_g", 0.0, scale=1e-3, end=end),
         power_w=column(parts, "power_w", 0.0, end=end),
     )
     return rows, curves
 
 
-def lens_rows(parts: Sequence[Lens], *, money: Money, end: End = "central") -> Lenses:
+def lens_rows(parts: Sequence[Lens], *, money: Money, end: End = "central", high_basis: bool = False) -> Lenses:
     """Lenses as columns."""
     return Lenses(
         focal_length_m=column(parts, "focal_length_mm", 0.0, scale=1e-3),
@@ -225,11 +235,15 @@ def lens_rows(parts: Sequence[Lens], *, money: Money, end: End = "central") -> L
         min_object_distance_m=column(parts, "min_object_distance_m", 0.0, end=end),
         motorised=np.array([part.aperture_control == "motorised" for part in parts]),
         price=price_column(parts, money, end),
+        limit_price=price_column(parts, money, limit_end(end, high_basis)),
         mass_kg=column(parts, "mass_g", 0.0, scale=1e-3, end=end),
     )
 
 
-def port_rows(parts: Sequence[Port], *, money: Money, glass_index: Callable[[str], float], end: End = "central") -> Ports:
+def port_rows(
+    parts: Sequence[Port], *, money: Money, glass_index: Callable[[str], float], end: End = "central",
+    high_basis: bool = False,
+) -> Ports:  # fmt: skip
     """Ports as columns; the index of a named glass comes from `glass_index` at the design wavelength."""
 
     def index_of(part: Port) -> float:
@@ -248,13 +262,15 @@ def port_rows(parts: Sequence[Port], *, money: Money, glass_index: Callable[[str
         gap_m=column(parts, "gap_mm", 0.0, scale=1e-3),
         clear_radius_m=column(parts, "clear_diameter_mm", np.inf, scale=0.5e-3),
         price=price_column(parts, money, end),
+        limit_price=price_column(parts, money, limit_end(end, high_basis)),
         mass_kg=column(parts, "mass_g", 0.0, scale=1e-3, end=end),
     )
 
 
 def light_rows(
-    parts: Sequence[Light], *, money: Money, optics_index: Sequence[int], end: End = "central", paper: bool = False
-) -> Lights:
+    parts: Sequence[Light], *, money: Money, optics_index: Sequence[int], end: End = "central", paper: bool = False,
+    high_basis: bool = False,
+) -> Lights:  # fmt: skip
     """Lights as columns; physics `paper` does not derate lumens."""
     kind = np.array([KIND_CODES[part.kind] for part in parts], int)
     flash = kind == FLASH
@@ -291,5 +307,6 @@ def light_rows(
         front_radius_m=column(parts, "front_radius_mm", 0.02, scale=1e-3),
         optics_index=np.array(optics_index, int),
         price=price_column(parts, money, end),
+        limit_price=price_column(parts, money, limit_end(end, high_basis)),
         mass_kg=column(parts, "mass_g", 0.0, scale=1e-3, end=end),
     )

@@ -16,6 +16,7 @@ from uwopt.faults import KeyPath, nearest, show
 from uwopt.yaml_lines import MAX_DEPTH, MAX_NODES, compose, too_deep, too_many
 
 MAX_BYTES = 10_000_000
+_NOTHING = object()
 
 
 @dataclass(frozen=True)
@@ -30,13 +31,17 @@ class Document:
 
     def has(self, path: KeyPath) -> bool:
         """Whether the source holds something at this path."""
+        return self.value(path, _NOTHING) is not _NOTHING
+
+    def value(self, path: KeyPath, default: Any = None) -> Any:
+        """What the source holds at a path."""
         node: Any = self.data
         for step in path:
             in_list = isinstance(node, list) and isinstance(step, int) and 0 <= step < len(node)
             if not in_list and not (isinstance(node, Mapping) and step in node):
-                return False
+                return default
             node = node[step]
-        return True
+        return node
 
     def where(self, path: KeyPath = ()) -> str:
         """File and line of a key, or of the nearest thing around it: `reef.yaml line 12`."""
@@ -54,7 +59,8 @@ def read_document(source: object, what: str = "mission") -> Document:
     if isinstance(source, (str, Path)):
         return _read_file(source, what)
     raise MissionError(
-        f"{what}: is a {type(source).__name__}; give the name of a YAML file, or a mapping with its keys."
+        f"{what}: is neither a file name nor a mapping (its type is {type(source).__name__}); "
+        "give the name of a YAML file, or a mapping with its keys."
     )
 
 
@@ -89,8 +95,8 @@ def _read_file(source: str | Path, what: str) -> Document:
         raise MissionError(
             f"{what}: is YAML text, not the name of a file; save it, or pass yaml.safe_load(text)."
         )
-    path = Path(name).expanduser() if name.startswith("~") else Path(name)
     try:
+        path = Path(name).expanduser() if name.startswith("~") else Path(name)
         _refuse_unreadable(path, shown, what)
         raw = path.read_bytes()
     except (OSError, ValueError, RuntimeError) as fault:

@@ -81,6 +81,8 @@ def _scene_in_one_form(scene: Values, index: int) -> tuple[dict[str, Any], list[
 
 def origins(path: KeyPath) -> Iterator[KeyPath]:
     """Where the source may hold what now stands at a path, most direct first."""
+    if path == ("scenes",):
+        yield ("scene",)
     yield path
     short = (
         (*path[:2], *path[3:])
@@ -92,8 +94,6 @@ def origins(path: KeyPath) -> Iterator[KeyPath]:
         yield ("scene", *path[2:])
         yield ("scene", *short[2:])
         yield ("scene", *path[1:])
-    if path == ("scenes",):
-        yield ("scene",)
 
 
 def overridden(base: Values, own: Values) -> dict[str, Any]:

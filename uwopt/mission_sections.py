@@ -75,8 +75,7 @@ class Vehicle(Section):
     )
     orientation: Annotated[Literal["any", "landscape", "portrait"], CHOICE] = Field(
         default="any",
-        description="what lies along the motion: landscape the image's height, portrait its width, "
-        "any either",
+        description="side of the image along the motion: landscape its height, portrait its width, or any",
     )
     camera_count: Count = Field(default=1, description="number of cameras, each with lens and port")
     light_count: Annotated[tuple[int, int], whole_range(1, MAX_LIGHTS)] = Field(

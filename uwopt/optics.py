@@ -72,7 +72,7 @@ def views(
     ranges = altitudes_m(scene)
     diagonal = np.hypot(cameras.resolution_x_px, cameras.resolution_y_px) * pitch
     wanted_px = scene.view.requirements.circle_of_confusion_px
-    coc = diagonal * PAPER_COC_PER_DIAGONAL if scene.paper else wanted_px * pitch
+    coc = diagonal * PAPER_COC_PER_DIAGONAL if wanted_px is None else wanted_px * pitch
     transmission = lenses.transmission * (1.0 if scene.paper else port_transmission(shape))
     pixel_along, pixel_across = smallest_pixels_m(scene, shape, along, across, pitch, effective, ranges)
     return Views(
@@ -395,7 +395,7 @@ def efficiency_curve(curves: dict[str, Curve], wavelength_nm: Array, *, channel:
         return np.asarray(on_grid.get(channel, on_grid.get("mono")))
     if "mono" in on_grid:
         return np.asarray(on_grid["mono"])
-    return np.asarray(sensor.colour_mean_efficiency(on_grid["red"], on_grid["green"], on_grid["blue"]))
+    return np.asarray(sensor.colour_mean_efficiency(on_grid["red"], green=on_grid["green"], blue=on_grid["blue"]))
 
 
 class Contraction:
@@ -462,7 +462,7 @@ class Contraction:
             near = float(scene.range_m[0])
             self._tables[key] = build_path_table(
                 self.weight(*key),
-                wavelength_nm=scene.wavelength_nm,
+                wavelength_nm=None,  # the weight holds the trapezoid's steps
                 k_lamp_per_m=scene.lamp_attenuation_per_m,
                 c_camera_per_m=scene.attenuation_per_m,
                 lamp_range_m=(min(lowest_m, near) * 0.999, max(self._reach_m[0], near) * 1.001),

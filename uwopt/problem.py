@@ -118,12 +118,17 @@ class Problem:
             scene_optics(mission.scene_view(i), paper=paper, base_dir=base_dir, water_table=water_table)
             for i in range(len(mission.scenes))
         ]
-        self.cameras, self.efficiencies = camera_rows(parts.cameras, money=self.money, end=end, paper=paper)
-        self.lenses: Lenses = lens_rows(parts.lenses, money=self.money, end=end)
-        self.ports: Ports = port_rows(parts.ports, money=self.money, glass_index=glass_index, end=end)
+        high = mission.limits.cost_basis == "high"
+        self.cameras, self.efficiencies = camera_rows(
+            parts.cameras, money=self.money, end=end, paper=paper, high_basis=high
+        )
+        self.lenses: Lenses = lens_rows(parts.lenses, money=self.money, end=end, high_basis=high)
+        self.ports: Ports = port_rows(
+            parts.ports, money=self.money, glass_index=glass_index, end=end, high_basis=high
+        )
         self.optics, optics_index = distinct_optics(parts.lights, self.scenes[0].n_water, end)
         self.lights: Lights = light_rows(
-            parts.lights, money=self.money, optics_index=optics_index, end=end, paper=paper
+            parts.lights, money=self.money, optics_index=optics_index, end=end, paper=paper, high_basis=high
         )
         self.contractions = [Contraction(scene, self.optics, self.efficiencies) for scene in self.scenes]
 
@@ -146,10 +151,10 @@ class Problem:
         """One port in one scene's water."""
         return port_shape(self.ports, port_index, self.scenes[scene_index])
 
-    def light_cost(self, light: Array, count: Array) -> Array:
-        """What `count` lamps cost; owned ones are free."""
+    def lamps_to_buy(self, light: Array, count: Array) -> Array:
+        """How many of `count` lamps are not owned yet."""
         owned = np.array([self.owned_lights.get(part.id, 0) for part in self.parts.lights], float)
-        return self.lights.price[light] * np.maximum(count - owned[light], 0.0)
+        return np.asarray(np.maximum(count - owned[light], 0.0))
 
     # ------------------------------------------------------------ signal
 
@@ -180,6 +185,29 @@ class Problem:
             else:
                 columns.append(imaging.field_mean(view.tan_along, view.tan_across, lamps=one_side(lamps), **common))
         return np.stack(columns, axis=1)
+
+    def signal_e(
+        self, scene_index: int, view: Views, camera: Array, *, port_index: int, optics: int, mount: Mount,
+        count: int = 2, altitudes: Sequence[int] | None = None, darkest: bool = False, channel: str | None = None,
+    ) -> Array:  # fmt: skip
+        """Electrons per lm s of light behind the lamps' windows, by altitude: the constant C of the imaging chain.
+
+        All rows of `view` share the port; `camera` says whose sensor each is. `channel` picks one colour.
+        """
+        contraction = self.contractions[scene_index]
+        spectrum = int(contraction.spectrum_of[optics])
+        efficiency = self.cameras.qe_index[camera]
+        columns = len(self.scenes[scene_index].range_m) if altitudes is None else len(altitudes)
+        out = np.empty((len(camera), columns))
+        for curve in np.unique(efficiency):
+            mine = np.nonzero(efficiency == curve)[0]
+            gain = self.field_gain(
+                scene_index, view.take(mine), port_index=port_index, optics=optics, mount=mount,
+                efficiency=int(curve), count=count, altitudes=altitudes, darkest=darkest, channel=channel,
+            )  # fmt: skip
+            response = contraction.response(spectrum, int(curve), channel)
+            out[mine] = gain * (view.collecting_m2[mine] * response)[:, None]
+        return out
 
     def table(self, scene_index: int, spectrum: int, efficiency: int, channel: str | None = None) -> Any:
         """Water's loss table of one scene, light spectrum and efficiency curve."""
@@ -249,7 +277,7 @@ class Problem:
             working_factor=focused.working_factor,
             n_low=focused.n_low,
             n_high=focused.n_high,
-            min_snr=needs.snr_ratio or 0.0,
+            min_snr=needs.min_snr or 0.0,
             mean_level=needs.mean_level,
             highlight_ratio=needs.highlight_ratio,
         )
@@ -290,7 +318,7 @@ def light_counts(mission: Mission) -> tuple[int, int]:
     if mission.vehicle.light_mounts:
         count = len(mission.vehicle.light_mounts)
         return count, count
-    low, high = mission.vehicle.light_count_range
+    low, high = mission.vehicle.light_counts.start, mission.vehicle.light_counts.stop - 1
     return low, high
 
 
@@ -299,7 +327,7 @@ def mission_mounts(mission: Mission) -> list[Mount]:
     vehicle = mission.vehicle
     if vehicle.light_mounts:
         return [Mount(explicit=tuple(vehicle.light_mounts))]
-    return [Mount(b, t) for b in vehicle.light_baseline_grid for t in vehicle.light_tilt_grid]
+    return [Mount(b, t) for b in vehicle.light_baseline_grid_m for t in vehicle.light_tilt_grid_deg]
 
 
 def distinct_optics(lights: Sequence[Light], n_water: float, end: End) -> tuple[list[LightOptics], list[int]]:

@@ -49,7 +49,7 @@ class SceneOptics:
     @property
     def name(self) -> str:
         """Name of the scene."""
-        return self.view.name
+        return self.view.scene.name
 
     @property
     def radiance_index(self) -> Array | float:
@@ -90,7 +90,7 @@ def scene_optics(
     altitude = view.vehicle.altitude_m
     ranges = np.linspace(altitude - tolerance, altitude + tolerance, count)
     if not np.all(ranges > 0):
-        raise RangeError(f"scene {view.name!r}: altitude minus tolerance is not above 0 m")
+        raise RangeError(f"scene {view.scene.name!r}: altitude minus tolerance is not above 0 m")
     return SceneOptics(
         view=view,
         paper=paper,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, TypeVar, get_args
+from typing import Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -53,15 +53,16 @@ class Reporter:
     def faults(self, error: ValidationError) -> list[str]:
         """Every fault of a validation, cross checks apart."""
         details = error.errors(include_url=False)
-        return [self._fault(dict(detail)) for detail in details if detail["type"] != "cross_check"]
+        return [self._fault(dict(detail)) for detail in details if not _is_echo(dict(detail))]
 
     def _fault(self, detail: dict[str, Any]) -> str:
-        path: KeyPath = tuple(detail["loc"])
+        path: KeyPath = tuple(s for s in detail["loc"] if not (isinstance(s, str) and s[:1] + s[-1:] == "<>"))
         kind, value, context = detail["type"], detail.get("input"), detail.get("ctx", {})
         if kind == "missing":
             return self.sentence(path, f"is missing; {self._mend(path)}")
         if kind in ("extra_forbidden", "invalid_key"):
             return self.sentence(path, self._unknown(path, value))
+        value = self.document.value(self.origin_of(path), value)
         what, mend = self._what(kind, value, context, str(detail.get("msg", "")))
         shown = "" if kind in _NOT_MAPPINGS and not path else f"= {show(value)} "
         return self.sentence(path, f"{shown}{what}; {mend or self._mend(path)}")
@@ -94,10 +95,15 @@ class Reporter:
         known = keys_of(here) if here else {}
         section = next((name for name, model in self.sections.items() if model is here), "")
         places = {section: tuple(known)}
-        if here is self.sections.get("scene"):
+        if section == "scene":
             places |= {"": (*keys_of(self.sections["vehicle"]), *keys_of(self.sections["requirements"]))}
         places |= {n: tuple(keys_of(m)) for n, m in self.sections.items() if n not in places}
         return unknown_key(key, value, section, places)
+
+
+def _is_echo(detail: Mapping[str, Any]) -> bool:
+    """Whether another fault says it better: cross checks stand apart, a list is short of its faulty items."""
+    return detail["type"] == "cross_check" or (detail["type"] == "too_short" and bool(detail.get("input")))
 
 
 def validated(
@@ -128,14 +134,16 @@ def validated(
 
 def model_at(model: type[BaseModel], path: KeyPath) -> type[BaseModel] | None:
     """The section that a path leads to, through lists and optional values; None for a plain value."""
+    by_name = False  # the step names one of many, as a scene's name does
     for step in path:
-        if isinstance(step, int):
+        if isinstance(step, int) or by_name:
+            by_name = False
             continue
         info = keys_of(model).get(step)
         inner = next(_models_in(info.annotation), None) if info else None
-        if inner is None:
+        if info is None or inner is None:
             return None
-        model = inner
+        model, by_name = inner, get_origin(info.annotation) is dict
     return model
 
 
@@ -162,8 +170,8 @@ def unknown_key(key: str, value: Any, here: str, places: Mapping[str, tuple[str,
     plain = key.casefold().replace("-", "_").replace(" ", "_")
     for exact in (True, False):
         for name, keys in places.items():
-            inside = name in ("", here)
-            place = "" if inside else f" under {name}"
+            inside = name == here or (name == "" and here == "scene")
+            place = "" if inside or not name else f" under {name}"
             if exact and not inside and plain in keys:
                 return (
                     f"is in the wrong place; {plain} belongs{place}"

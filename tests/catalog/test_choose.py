@@ -14,10 +14,18 @@ CATALOG = Catalog(
     cameras=(
         Camera(id="flir-bfs-1", manufacturer="Teledyne FLIR", colour="mono", price=exact(800.0)),
         Camera(id="avt-1800", manufacturer="Allied Vision", colour="colour", price=exact(700.0)),
-        Camera(id="basler-aca", manufacturer="Basler", shutter="rolling", price=Quantity(500, 300, 900, "estimated")),
+        Camera(
+            id="basler-aca",
+            manufacturer="Basler",
+            shutter="rolling",
+            price=Quantity(500, 300, 900, "estimated"),
+        ),
         Camera(id="seed-imx250m", manufacturer="Paper's tool", availability="not_a_product"),
     ),
-    lenses=(Lens(id="kowa-8", manufacturer="Kowa", price=exact(200.0)), Lens(id="kowa-no-mount", manufacturer="Kowa")),
+    lenses=(
+        Lens(id="kowa-8", manufacturer="Kowa", price=exact(200.0)),
+        Lens(id="kowa-no-mount", manufacturer="Kowa"),
+    ),
     ports=(
         Port(id="dome-100", depth_rating_m=100.0),
         Port(id="dome-unrated"),
@@ -59,7 +67,9 @@ def test_without_wishes_everything_sound_is_searched_and_generic_parts_wait():
 
 
 def test_every_part_is_selected_or_counted_once():
-    selection = select(CATALOG, {"cameras": ["flir"], "exclude": ["lamp*"]}, required_depth_m=200.0, colour="colour")
+    selection = select(
+        CATALOG, {"cameras": ["flir"], "exclude": ["lamp*"]}, required_depth_m=200.0, colour="colour"
+    )
     for kind, parts in (("camera", 4), ("lens", 2), ("port", 3), ("light", 2)):
         assert len(selection.indices[kind]) + sum(selection.counts[kind].values()) == parts
 
@@ -115,7 +125,9 @@ def test_pattern_without_match_warns_with_near_names():
 def test_owned_camera_costs_nothing():
     selection = select(CATALOG, Choice(owned=[{"id": "flir-bfs-1", "quantity": 1}]))
     assert selection.cameras[0].price == exact(0.0, "user", "owned")
-    assert select(CATALOG, Choice(owned=[{"id": "flir-bfs-1"}]), camera_count=2).cameras[0].price == exact(800.0)
+    assert select(CATALOG, Choice(owned=[{"id": "flir-bfs-1"}]), camera_count=2).cameras[0].price == exact(
+        800.0
+    )
 
 
 def test_owned_lights_are_free_up_to_their_number():

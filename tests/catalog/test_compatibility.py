@@ -84,7 +84,9 @@ def test_wrong_mount_names_what_the_camera_takes():
 
 def test_coarse_lens_is_a_warning_only():
     # 100 lp/mm: half a line pair is 5 um
-    (finding,) = explain_pair(CAMERA, Lens(id="soft", image_circle_mm=11.0, mounts=("C",), rated_lp_per_mm=100.0))
+    (finding,) = explain_pair(
+        CAMERA, Lens(id="soft", image_circle_mm=11.0, mounts=("C",), rated_lp_per_mm=100.0)
+    )
     assert (finding.rule, finding.severity) == ("lens rating", "warning")
     assert "5 um" in finding.message
 

@@ -26,7 +26,7 @@ def test_planck_ratio_matches_hand_calculation():
 
 
 def test_illuminant_a_is_a_planck_radiator_of_2856_kelvin():
-    # CIE 015: illuminant A is that radiator with c2 = 1.435e-2 at 2848 K; table in 5 nm, 1e-3 covers the rounding
+    # CIE 015: illuminant A is that radiator; 1e-3 covers the rounding of the 5 nm table
     table, planck = spectra.light_spectrum("A"), spectra.light_spectrum("planck-2856")
     for wavelength_nm in (400.0, 500.0, 650.0, 780.0):
         expected = at(planck, wavelength_nm) / at(planck, 560.0)
@@ -34,8 +34,9 @@ def test_illuminant_a_is_a_planck_radiator_of_2856_kelvin():
 
 
 def test_generic_led_is_the_sum_of_two_normal_densities():
-    # 24.49 / (11.67 sqrt(2 pi)) at 451 nm, where the phosphor adds 119.86 N(451; 565.43, 64.63)
-    # = 0.83722 * exp(-0.5 (0.3/11.67)**2) + 0.73987 * exp(-0.5 (114.43/64.63)**2) = 0.83694 + 0.15432 = 0.99126
+    # 24.49 / (11.67 sqrt(2 pi)) at 451 nm, where the phosphor adds 119.86 N(451; 565.43, 64.63):
+    # 0.83722 * exp(-0.5 (0.3/11.67)**2) + 0.73987 * exp(-0.5 (114.43/64.63)**2)
+    # = 0.83694 + 0.15432 = 0.99126
     assert at(spectra.light_spectrum("generic-led"), 451.0) == pytest.approx(0.99126, rel=1e-4)
 
 
@@ -76,7 +77,7 @@ def test_user_spectrum_of_the_seafloor(tmp_path):
 
 
 def test_water_type_three_differs_between_the_tables_as_published():
-    # c(525 nm) of type III: 1.11 (Solonenko and Mobley 2015, Table 6) against 0.37 (Williamson and Hollins 2022)
+    # c(525 nm) of III: 1.06 + 0.0507 (Solonenko, Mobley 2015), 0.292 + 0.0821 (Williamson, Hollins 2022)
     def c_525(table):
         profile = spectra.water_profile("III", table)
         return np.interp(525.0, profile.wavelength_nm, profile.attenuation_per_m)

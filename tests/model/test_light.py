@@ -43,14 +43,14 @@ def test_efficacy_of_illuminant_a_cut_to_the_grid_is_that_of_the_tables() -> Non
     half_ends = a.copy() * 0 + 1
     half_ends.iloc[[0, -1]] = 0.5
     efficacy = 683.002 * (a * v * half_ends).dropna().sum() / (a * half_ends).sum()
-    flux = light.spectral_flux_w_nm(
-        1000.0, relative_spectrum=a.to_numpy(), wavelength_nm=GRID_NM, photopic=V
-    )
+    flux = light.spectral_flux_w_nm(1000.0, relative_spectrum=a.to_numpy(), wavelength_nm=GRID_NM, photopic=V)
     assert 1000 / integrate_nm(flux, GRID_NM) == pytest.approx(efficacy, rel=1e-12)  # rounding
 
 
 @given(scale=st.floats(1e-6, 1e6), flux_lm=st.floats(1, 1e5))
-def test_spectral_flux_holds_the_lumens_whatever_the_scale_of_the_spectrum(scale: float, flux_lm: float) -> None:
+def test_spectral_flux_holds_the_lumens_whatever_the_scale_of_the_spectrum(
+    scale: float, flux_lm: float
+) -> None:
     flux = light.spectral_flux_w_nm(
         flux_lm, relative_spectrum=scale * two_gaussian_led(GRID_NM), wavelength_nm=GRID_NM, photopic=V
     )
@@ -89,7 +89,9 @@ def test_a_pulse_longer_than_the_frame_burns_all_the_time() -> None:
 def test_guide_number_agrees_with_the_beam_candlepower_rule() -> None:
     # GN_ft = sqrt(0.05 ISO BCPS); GN 32.81 ft (10 m) at ISO 100 is 215.3 cd s
     beam_candlepower_s = (10 / 0.3048) ** 2 / (0.05 * 100)
-    assert light.guide_number_light_cd_s(10.0) == pytest.approx(beam_candlepower_s, rel=2e-3)  # 2.15 is rounded
+    assert light.guide_number_light_cd_s(10.0) == pytest.approx(
+        beam_candlepower_s, rel=2e-3
+    )  # 2.15 is rounded
 
 
 def test_power_formulas_run_on_symbols_and_agree_with_floats(symbol: Any) -> None:

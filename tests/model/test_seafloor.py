@@ -18,9 +18,9 @@ def test_a_matt_floor_sends_back_the_share_that_it_reflects(irradiance: float, r
 
 
 def test_radiance_broadcasts_over_a_spectrum() -> None:
-    assert lambertian_radiance(np.pi * np.ones((2, 3)), reflectance=np.array([0.1, 0.2, 0.3])) == pytest.approx(
-        np.array([[0.1, 0.2, 0.3]] * 2)
-    )
+    assert lambertian_radiance(
+        np.pi * np.ones((2, 3)), reflectance=np.array([0.1, 0.2, 0.3])
+    ) == pytest.approx(np.array([[0.1, 0.2, 0.3]] * 2))
 
 
 def test_uniformity_is_least_over_mean() -> None:

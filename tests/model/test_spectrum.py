@@ -39,7 +39,9 @@ def test_a_step_that_does_not_divide_the_span_is_refused(step_nm: float) -> None
 def test_photon_energy_at_555_nm_is_the_known_value() -> None:
     # h c = 1239.841984 eV nm (CODATA 2018), e = 1.602176634e-19 C: 3.57919e-19 J at 555 nm
     expected = 1239.841984 * 1.602176634e-19 / 555
-    assert PLANCK_J_S * LIGHT_SPEED_M_S / 555e-9 == pytest.approx(expected, rel=1e-9)  # digits of CODATA's h c
+    assert (
+        pytest.approx(expected, rel=1e-9) == PLANCK_J_S * LIGHT_SPEED_M_S / 555e-9
+    )  # digits of CODATA's h c
 
 
 def test_integral_is_exact_for_broken_lines_on_an_uneven_grid() -> None:

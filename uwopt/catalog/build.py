@@ -15,7 +15,7 @@ Origin = Literal["published", "user", "generic"]  # whose row it is: the catalog
 
 _AVAILABILITY: dict[str, Availability] = {
     name: name for name in ("current", "discontinued", "not_a_product", "unknown")
-}  # type: ignore[misc]
+}
 _WITHDRAWN = {"discontinued": "no longer sold", "not_a_product": "nobody sells it as a part"}
 
 

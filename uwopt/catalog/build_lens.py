@@ -51,7 +51,12 @@ def build_lens(row: PartRow, origin: Origin) -> Built:
     if not lens.mounts:
         lacks.append("no mount stated")
     if circle_mm is None:
-        lacks.append("image circle unknown: neither diameter nor format stated")
+        told = (
+            f"format {lens.optical_format_in!r} is not known"
+            if lens.optical_format_in
+            else "no format stated"
+        )
+        lacks.append(f"image circle unknown: no diameter and {told}")
     return Built(lens, tuple(lacks))
 
 

@@ -1,4 +1,4 @@
-"""A row of lights.csv becomes a `Light`: flux from power or the reverse, a flash's energy from its guide number."""
+"""A row of lights.csv becomes a `Light`: flux from power or the reverse, a flash by its guide number."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwopt.catalog.build import Built, Origin, identity, known, known_or
 from uwopt.catalog.estimates import ClassEstimate, first_class, required_class
 from uwopt.catalog.records import Curve, Light, Quantity, Status, exact
 from uwopt.catalog.spectra import light_spectrum
-from uwopt.catalog.tables import built_in_rows
+from uwopt.catalog.tables import built_in_rows, read_text
 from uwopt.catalog.usercurves import read_channels, read_columns
 from uwopt.catalog.userparts import PartRow, parse_dim_levels
 from uwopt.errors import CatalogError
@@ -151,7 +151,8 @@ def _energy_from_guide_number(
         energy_j(angle.low, efficacy.high),
         energy_j(angle.high, efficacy.low),
         "estimated",
-        f"guide number {guide_number_m:g} m, 2.15 GN^2 cd s on axis, {angle.value:g} deg lobe, {efficacy.value:g} lm s/J",
+        f"guide number {guide_number_m:g} m: 2.15 GN^2 cd s on axis, {angle.value:g} deg lobe, "
+        f"{efficacy.value:g} lm s/J",
     )
 
 
@@ -195,18 +196,30 @@ def _built_in_profiles() -> dict[str, tuple[Curve, bool]]:
 
 
 def _profile(row: PartRow) -> tuple[Curve | None, bool]:
-    """A built-in profile by id, or a user's CSV (relative: it is scaled to the flux)."""
+    """A built-in profile by id, a user's CSV (relative: scaled to the flux) or IES file (candela)."""
     name = row.text("beam_profile")
     if not name:
         return None, False
+    if name.casefold().endswith(".ies"):
+        return _ies_profile((row.base_dir or Path()) / name), True
     if name.casefold().endswith(".csv"):
         return read_channels((row.base_dir or Path()) / name, "intensity")["mono"], False
     profiles = _built_in_profiles()
     if name not in profiles:
         raise CatalogError(
-            f"{row.where}: beam_profile = {name!r} is no CSV and none of {', '.join(profiles)}."
+            f"{row.where}: beam_profile = {name!r} is no CSV or IES file, and none of {', '.join(profiles)}."
         )
     return profiles[name]
+
+
+def _ies_profile(path: Path) -> Curve:
+    from uwopt.catalog.photometry import parse_ies
+
+    try:
+        photometry = parse_ies(read_text(path))
+    except CatalogError as fault:
+        raise CatalogError([f"{path.name}: {words}" for words in fault.faults]) from None
+    return Curve(tuple(photometry.angle_deg.tolist()), tuple(photometry.candela.tolist()))
 
 
 def _spectrum(row: PartRow, kind: LightKind) -> tuple[str, Curve | None]:

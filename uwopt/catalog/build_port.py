@@ -108,8 +108,8 @@ def _price_class(row: PartRow) -> ClassEstimate:
             name = "deep-glass-sphere" if (radius_mm or 0.0) > LARGE_SPHERE_RADIUS_MM else "glass-dome"
     elif material in PLASTICS:
         name = "acrylic-end-cap"
-    elif material in ("sapphire", "fused silica"):
-        name = "deep-window"
+    elif row.number("depth_rating_m") is None and diameter_mm is not None and diameter_mm <= SMALL_WINDOW_MM:
+        name = "small-window"
     else:
-        name = "small-window" if diameter_mm is not None and diameter_mm <= SMALL_WINDOW_MM else "any"
+        name = "deep-window" if material in ("sapphire", "fused silica") else "any"
     return required_class("port-price", name)

@@ -91,26 +91,31 @@ def _unknown_ids(quotes: list[PriceQuote]) -> list[str]:
 
 EXAMPLES: dict[Kind, dict[str, str]] = {
     "camera": {
-        "id": "acme-cam-5m", "manufacturer": "Acme", "model": "Cam 5M", "availability": "current", "chip": "IMX250",
+        "id": "acme-cam-5m", "manufacturer": "Acme", "model": "Cam 5M", "availability": "current",
+        "chip": "IMX250",
         "colour": "mono", "resolution_x_px": "2448", "resolution_y_px": "2048", "pixel_pitch_um": "3.45",
         "shutter": "global", "mounts": "C", "interface": "USB3", "max_frame_rate_hz": "75", "bit_depth": "12",
         "read_noise_e": "2.4", "saturation_e": "10500", "power_w": "3", "mass_g": "60", "price": "1200",
         "currency": "USD", "price_date": "2026-11-01",
     },
     "lens": {
-        "id": "acme-lens-8", "manufacturer": "Acme", "model": "8 mm", "availability": "current", "focal_length_mm": "8",
+        "id": "acme-lens-8", "manufacturer": "Acme", "model": "8 mm", "availability": "current",
+        "focal_length_mm": "8",
         "f_number_min": "1.8", "f_number_max": "16", "aperture_control": "manual", "optical_format_in": "2/3",
         "mounts": "C", "rated_pixel_pitch_um": "3.45", "min_object_distance_m": "0.1", "mass_g": "80",
         "price": "300", "currency": "USD",
     },
     "port": {
-        "id": "acme-dome-75", "manufacturer": "Acme", "model": "dome", "availability": "current", "geometry": "dome",
-        "material": "acrylic", "glass": "pmma", "outer_radius_mm": "75", "thickness_mm": "8", "depth_rating_m": "300",
+        "id": "acme-dome-75", "manufacturer": "Acme", "model": "dome", "availability": "current",
+        "geometry": "dome",
+        "material": "acrylic", "glass": "pmma", "outer_radius_mm": "75", "thickness_mm": "8",
+        "depth_rating_m": "300",
         "mass_g": "600", "price": "350", "currency": "USD",
     },
     "light": {
         "id": "acme-lamp-5000", "manufacturer": "Acme", "model": "Lamp 5000", "availability": "current",
-        "kind": "continuous", "flux_lm": "5000", "power_w": "50", "beam": "cosine-power", "beam_angle_deg": "90",
+        "kind": "continuous", "flux_lm": "5000", "power_w": "50", "beam": "cosine-power",
+        "beam_angle_deg": "90",
         "beam_medium": "water", "dim_levels": "1|0.5|0.25", "depth_rating_m": "300", "mass_g": "500",
         "price": "700", "currency": "USD",
     },
@@ -123,7 +128,7 @@ OTHER_TEMPLATES = {
     "wavelength_nm,relative_power\n400,0.1\n450,1.0\n550,0.8\n700,0.2\n",
     "seafloor": "# Reflectance 0..1 against wavelength (nm, increasing); must cover 400-700 nm.\n"
     "wavelength_nm,reflectance\n400,0.08\n550,0.20\n700,0.28\n",
-    "water": "# Absorption and scattering in 1/m (base e) against wavelength (nm, increasing); must cover 400-700 nm.\n"
+    "water": "# Absorption and scattering in 1/m (base e) against wavelength in nm, over 400-700 nm.\n"
     "# attenuation_per_m may stand for a_per_m + b_per_m; kd_per_m may be added.\n"
     "wavelength_nm,a_per_m,b_per_m\n400,0.05,0.30\n550,0.08,0.25\n700,0.65,0.20\n",
     "beam": "# Intensity (relative) against the angle from the axis (deg, increasing).\n"
@@ -143,7 +148,7 @@ def template(kind: str) -> str:
     columns = [column for name, column in COLUMNS[found].items() if name not in ("part", "correction")]
     text = io.StringIO()
     text.write(
-        f"# Your own parts of kind {found}. Leave a cell empty if it is unknown (never 0); drop columns freely.\n"
+        f"# Your own parts of kind {found}. Unknown: an empty cell, never 0. Columns may be dropped.\n"
     )
     for column in columns:
         text.write(f"# {column.name}: {column.allowed()}{'; ' + column.meaning if column.meaning else ''}\n")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 from uwopt.catalog.catalogue import Catalog, Exclusion, near_names, plain_name, unknown_part
@@ -201,11 +201,11 @@ def _by_part(exclusions: Iterable[Exclusion]) -> dict[str, list[Exclusion]]:
 def _as_choice(choice: Any) -> Choice:
     if isinstance(choice, Choice):
         return choice
-    names = Choice.__dataclass_fields__
-    if choice is None:
-        return Choice()
-    read = choice.get if isinstance(choice, Mapping) else lambda name, default: getattr(choice, name, default)
-    values = {name: read(name, None) for name in names}
+    names = [f.name for f in fields(Choice)]
+    if isinstance(choice, Mapping):
+        values = {name: choice.get(name) for name in names}
+    else:
+        values = {name: getattr(choice, name, None) for name in names}
     return Choice(**{name: value for name, value in values.items() if value is not None})
 
 

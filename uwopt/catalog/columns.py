@@ -159,7 +159,7 @@ LIGHT = (
     _choice("beam", "disc", "cone", "cosine-power", "tabulated"),
     _positive("beam_angle_deg", "full angle", high=180.0),
     _choice("beam_medium", "air", "water", "not stated"),
-    _text("beam_profile", "id of a profile, or a CSV with angle_deg, intensity"),
+    _text("beam_profile", "id of a profile, a CSV with angle_deg, intensity, or an IES file"),
     _positive("peak_candela"),
     _text("dim_levels", "shares of full such as 1|0.5|0.25, or continuous, or none"),
     Column("dim_step_count", low=1, whole=True),
@@ -184,9 +184,9 @@ LIGHT = (
     _from_zero("mass_water_g"),
 )
 
+_OWN: dict[Kind, tuple[Column, ...]] = {"camera": CAMERA, "lens": LENS, "port": PORT, "light": LIGHT}
 COLUMNS: dict[Kind, dict[str, Column]] = {
-    kind: {column.name: column for column in (*IDENTITY, *own, *COMMERCE)}
-    for kind, own in (("camera", CAMERA), ("lens", LENS), ("port", PORT), ("light", LIGHT))
+    kind: {column.name: column for column in (*IDENTITY, *own, *COMMERCE)} for kind, own in _OWN.items()
 }
 
 #: Without these a row says nothing about a part.
@@ -201,7 +201,7 @@ _DECIMAL_COMMA = re.compile(r"^[+-]?\d+,\d+$")
 _FLAGS = {"yes": True, "true": True, "1": True, "no": False, "false": False, "0": False}
 
 
-class CellFault(ValueError):
+class CellError(ValueError):
     """A cell is wrong; the text says what it holds and what is allowed."""
 
 
@@ -213,17 +213,17 @@ def parse_cell(column: Column, text: str) -> Cell:
         return parse_number(column, text)
     if column.form == "flag":
         if text.casefold() not in _FLAGS:
-            raise CellFault(f"{column.name} = {text!r} is not {column.allowed()}")
+            raise CellError(f"{column.name} = {text!r} is not {column.allowed()}")
         return _FLAGS[text.casefold()]
     if column.form == "choice":
         if text not in column.choices:
-            raise CellFault(f"{column.name} = {text!r} is not {column.allowed()}")
+            raise CellError(f"{column.name} = {text!r} is not {column.allowed()}")
         return text
     if column.form == "list":
         items = tuple(item.strip() for item in text.split("|") if item.strip())
         wrong = [item for item in items if column.choices and item not in column.choices]
         if wrong:
-            raise CellFault(f"{column.name} = {text!r} is not {column.allowed()}")
+            raise CellError(f"{column.name} = {text!r} is not {column.allowed()}")
         return items
     return text
 
@@ -233,14 +233,14 @@ def parse_number(column: Column, text: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise CellFault(f"{column.name} = {text!r} {_why_no_number(text)}") from None
+        raise CellError(f"{column.name} = {text!r} {_why_no_number(text)}") from None
     if not math.isfinite(value):
-        raise CellFault(
+        raise CellError(
             f"{column.name} = {text!r} is not a finite number; leave the cell empty if it is unknown"
         )
     below = value <= column.low if column.open_low else value < column.low
     if below or value > column.high or (column.whole and value != int(value)):
-        raise CellFault(f"{column.name} = {text} must be {column.allowed()}")
+        raise CellError(f"{column.name} = {text} must be {column.allowed()}")
     return value
 
 

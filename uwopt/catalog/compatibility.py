@@ -50,7 +50,7 @@ def mount_compatible(
     bit = {name: np.int64(1) << i for i, name in enumerate(sorted(frozenset().union(*accepted, *offered)))}
     accepted_bits = np.array([sum(bit[m] for m in mounts) for mounts in accepted], dtype=np.int64)
     offered_bits = np.array([sum(bit[m] for m in mounts) for mounts in offered], dtype=np.int64)
-    return (accepted_bits[:, None] & offered_bits[None, :]) != 0
+    return np.asarray((accepted_bits[:, None] & offered_bits[None, :]) != 0)
 
 
 def sensor_diagonal_mm(
@@ -173,7 +173,8 @@ def _interface_findings(camera: Camera, frame_rate_hz: float | None) -> list[Fin
         findings.append(
             Finding(
                 "frame rate",
-                f"{camera.id} reaches {camera.max_frame_rate_hz.value:.4g} Hz, {frame_rate_hz:.4g} Hz are wanted",
+                f"{camera.id} reaches {camera.max_frame_rate_hz.value:.4g} Hz, "
+                f"{frame_rate_hz:.4g} Hz are wanted",
             )
         )
     if camera.bandwidth_mb_s is not None:
@@ -185,8 +186,8 @@ def _interface_findings(camera: Camera, frame_rate_hz: float | None) -> list[Fin
                 Finding(
                     "interface",
                     f"{camera.interface or 'the interface'} of {camera.id} carries "
-                    f"{camera.bandwidth_mb_s.value:.4g} MB/s, {frame_rate_hz:.4g} Hz at {camera.bit_depth} bit "
-                    f"make {rate_mb_s:.4g} MB/s",
+                    f"{camera.bandwidth_mb_s.value:.4g} MB/s, {frame_rate_hz:.4g} Hz at "
+                    f"{camera.bit_depth} bit make {rate_mb_s:.4g} MB/s",
                 )
             )
     return findings

@@ -83,14 +83,3 @@ def required_class(prefix: str, *classes: str) -> ClassEstimate:
 def slug(name: str) -> str:
     """A name as keys spell it: lower case, everything else than letters and digits a hyphen."""
     return re.sub(r"[^a-z0-9]+", "-", name.casefold()).strip("-")
-
-
-def combined(first: Quantity, second: Quantity) -> Quantity:
-    """The product of two positive quantities; the range takes both at their ends."""
-    return Quantity(
-        first.value * second.value,
-        first.low * second.low,
-        first.high * second.high,
-        "estimated" if "estimated" in (first.status, second.status) else "derived",
-        "; ".join(source for source in (first.source, second.source) if source),
-    )

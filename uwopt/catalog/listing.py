@@ -126,7 +126,8 @@ def summary(part: Part) -> str:
             _shown("", part.flash_energy_j, " J") if part.kind == "flash" else _shown("", part.flux_lm, " lm")
         )
         power = "" if part.kind == "flash" else _shown("", part.power_w, " W")
-        angle = _shown("", part.beam_angle_deg, f" deg in {part.beam_medium}")
+        medium = "(medium not stated)" if part.beam_medium == "not stated" else f"in {part.beam_medium}"
+        angle = _shown("", part.beam_angle_deg, f" deg {medium}")
         return ", ".join(word for word in (part.kind, light, power, angle, _depth(part)) if word)
     return part.model
 
@@ -147,7 +148,8 @@ def estimated_fields(part: Part) -> list[str]:
 def _shown(before: str, quantity: Quantity | None, after: str) -> str:
     if quantity is None:
         return ""
-    return f"{before}{'~' if quantity.estimated else ''}{quantity.value:.4g}{after}"
+    number = f"{quantity.value:.3g}" if abs(quantity.value) < 1000.0 else f"{quantity.value:.0f}"
+    return f"{before}{'~' if quantity.estimated else ''}{number}{after}"
 
 
 def _depth(part: Port | Light) -> str:

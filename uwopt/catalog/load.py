@@ -15,7 +15,6 @@ from uwopt.catalog.build_light import build_light
 from uwopt.catalog.build_port import build_port
 from uwopt.catalog.catalogue import Catalog, Exclusion, plain_name, unknown_part
 from uwopt.catalog.columns import KINDS, Kind
-from uwopt.catalog.generic import GENERIC_FILES
 from uwopt.catalog.records import Camera, Lens, Light, Part, Port, Quantity
 from uwopt.catalog.tables import DATA_DIR, read_table
 from uwopt.catalog.userparts import PartRow, PriceQuote, read_parts, read_prices, typed_rows
@@ -27,6 +26,8 @@ BUILT_IN_FILES: dict[Kind, str] = {
     "port": "ports.csv",
     "light": "lights.csv",
 }
+#: Parts "to be made": classes of lamps and windows that no shop sells under a name.
+GENERIC_FILES: dict[Kind, str] = {"port": "generic_ports.csv", "light": "generic_lights.csv"}
 BUILDERS: dict[Kind, Callable[[PartRow, Origin], Built]] = {
     "camera": build_camera,
     "lens": build_lens,
@@ -75,9 +76,10 @@ def load_catalog(
 def built_in_catalog() -> Catalog:
     """Built-in and generic parts, read once per process."""
     built: list[tuple[Kind, Built]] = []
-    for origin, files in (("published", BUILT_IN_FILES), ("generic", GENERIC_FILES)):
-        for kind, file in files.items():
-            built += build_rows(_built_in(file, kind), "generic" if origin == "generic" else "published")
+    for kind, file in BUILT_IN_FILES.items():
+        built += build_rows(_built_in(file, kind), "published")
+    for kind, file in GENERIC_FILES.items():
+        built += build_rows(_built_in(file, kind), "generic")
     return assembled(built)
 
 

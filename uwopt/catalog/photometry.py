@@ -1,4 +1,4 @@
-"""Reads a luminaire's intensity from the text of an IES file (LM-63, 1986 to 2019), type C, without file access.
+"""Reads a luminaire's intensity from the text of an IES file (LM-63), type C; opens no file itself.
 
 A lamp's beam axis is the file's nadir (vertical angle 0). The horizontal planes are averaged: a beam here
 is round. Every fault is collected with its line number and raised once.
@@ -6,6 +6,7 @@ is round. Every fault is collected with its line number and raised once.
 
 from __future__ import annotations
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,7 @@ HEADER_NAMES = (
     "ballast-lamp factor",
     "input watts",
 )
+SCALE_NAMES = ("candela multiplier", "ballast factor", "ballast-lamp factor")
 
 
 class Photometry(NamedTuple):
@@ -60,8 +62,9 @@ def parse_ies(text: str) -> Photometry:
     n_expected = n_vertical + n_horizontal + n_vertical * n_horizontal
     if len(data) != n_expected:
         raise CatalogError(
-            f"line {numbers[-1].line}: {len(data)} numbers follow the header, but {n_vertical} vertical and "
-            f"{n_horizontal} horizontal angles ask for {n_expected}; the file is cut short or its counts are wrong"
+            f"line {numbers[-1].line}: {len(data)} numbers follow the header, but {n_vertical} vertical "
+            f"and {n_horizontal} horizontal angles ask for {n_expected}; "
+            "the file is cut short, or its counts are wrong"
         )
     vertical, horizontal = data[:n_vertical], data[n_vertical : n_vertical + n_horizontal]
     table = data[n_vertical + n_horizontal :]
@@ -70,7 +73,7 @@ def parse_ies(text: str) -> Photometry:
     faults += [f"line {n.line}: intensity {n.value:g} cd is negative" for n in table if n.value < 0]
     if faults:
         raise CatalogError(faults)
-    scale = float(np.prod([header[name].value for name in (HEADER_NAMES[2], *HEADER_NAMES[10:12])]))
+    scale = float(np.prod([header[name].value for name in SCALE_NAMES]))
     planes = np.array([n.value for n in table]).reshape(n_horizontal, n_vertical) * scale
     lumens = header["lumens per lamp"].value
     return Photometry(
@@ -105,38 +108,42 @@ def _numbers(lines: list[str]) -> list[_Number]:
         raise CatalogError(faults)
     if len(numbers) < len(HEADER_NAMES):
         raise CatalogError(
-            f"line {len(lines)}: {len(numbers)} numbers after TILT=NONE; the header alone has {len(HEADER_NAMES)}"
+            f"line {len(lines)}: {len(numbers)} numbers after TILT=NONE; "
+            f"the header alone has {len(HEADER_NAMES)}"
         )
     return numbers
 
 
 def _header(numbers: list[_Number]) -> dict[str, _Number]:
     header = dict(zip(HEADER_NAMES, numbers, strict=False))
-    faults = []
-    for name in ("number of lamps", "number of vertical angles", "number of horizontal angles"):
-        number = header[name]
-        if number.value < 1 or number.value != int(number.value):
-            faults.append(f"line {number.line}: {name} is {number.value:g}; it must be a whole number, 1 or more")
+    faults: list[str] = []
+    counts = [(name, header[name]) for name in (HEADER_NAMES[0], *HEADER_NAMES[3:5])]
+    faults += [
+        f"line {n.line}: {name} is {n.value:g}; it must be a whole number, 1 or more"
+        for name, n in counts
+        if n.value < 1 or n.value != int(n.value)
+    ]
     if header["photometric type"].value != TYPE_C:
         found = header["photometric type"]
         faults.append(f"line {found.line}: photometric type {found.value:g}; only type C (1) is read")
     if header["units type"].value not in (1, 2):
         found = header["units type"]
         faults.append(f"line {found.line}: units type {found.value:g} must be 1 (feet) or 2 (metres)")
-    for name in ("candela multiplier", "ballast factor", "ballast-lamp factor"):
-        if not header[name].value > 0:
-            faults.append(f"line {header[name].line}: {name} is {header[name].value:g}; it must be above 0")
+    faults += [
+        f"line {header[name].line}: {name} is {header[name].value:g}; it must be above 0"
+        for name in SCALE_NAMES
+        if not header[name].value > 0
+    ]
     if faults:
         raise CatalogError(faults)
     return header
 
 
 def _angle_faults(angles: list[_Number], which: str) -> list[str]:
-    pairs = zip(angles, angles[1:], strict=False)
     return [
         f"line {after.line}: {which} angle {after.value:g} deg does not follow {before.value:g} deg; "
         "angles must increase"
-        for before, after in pairs
+        for before, after in itertools.pairwise(angles)
         if after.value <= before.value
     ]
 
@@ -153,7 +160,8 @@ def _span_faults(vertical: list[_Number], horizontal: list[_Number]) -> list[str
         faults.append(f"line {last.line}: vertical angles must be two or more and end at 180 deg or before")
     if (horizontal[0].value, horizontal[-1].value) not in HORIZONTAL_SPANS:
         faults.append(
-            f"line {horizontal[0].line}: horizontal angles {horizontal[0].value:g}-{horizontal[-1].value:g} deg; "
+            f"line {horizontal[0].line}: horizontal angles {horizontal[0].value:g}-"
+            f"{horizontal[-1].value:g} deg; "
             "allowed: 0 alone, 0-90, 0-180, 0-360, 90-270"
         )
     return faults

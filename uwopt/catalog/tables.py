@@ -78,7 +78,14 @@ def parse_table(text: str, file: str) -> Table:
     """Header and rows of CSV text; ragged rows and wrong separators become faults."""
     lines = _NumberedLines(io.StringIO(text, newline=""))
     reader = csv.reader(lines)
-    first = next(reader, None)
+    try:
+        return _parsed(reader, lines, file)
+    except csv.Error as fault:
+        return Table(file, (), (), (f"{file} row {lines.number}: is not CSV: {fault}.",))
+
+
+def _parsed(reader: Iterator[list[str]], lines: _NumberedLines, file: str) -> Table:
+    first = next((cells for cells in reader if any(cell.strip() for cell in cells)), None)
     if first is None:
         return Table(file, (), (), (f"{file}: holds no header row; `uwopt catalog template` prints one.",))
     header = tuple(cell.strip() for cell in first)
@@ -95,11 +102,7 @@ def parse_table(text: str, file: str) -> Table:
         if not any(cell.strip() for cell in cells):
             continue
         row = Row(file, lines.number, dict(zip(header, (c.strip() for c in cells), strict=False)))
-        if (
-            len(cells) != len(header)
-            and any(cell.strip() for cell in cells[len(header) :])
-            or len(cells) < len(header)
-        ):
+        if len(cells) < len(header) or any(cell.strip() for cell in cells[len(header) :]):
             faults.append(
                 f"{row.where()}: has {len(cells)} cells, the header has {len(header)}; "
                 "a cell that holds a comma needs quotes, and decimals need a point."

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.catalog.columns import CellFault, Column, parse_number
+from uwopt.catalog.columns import CellError, Column, parse_number
 from uwopt.catalog.records import Curve
-from uwopt.catalog.tables import Table, read_table
+from uwopt.catalog.tables import Row, Table, read_table
 from uwopt.errors import CatalogError
 
 FloatArray = NDArray[np.float64]
@@ -79,9 +79,9 @@ def read_channels(path: Path, value: str) -> dict[str, Curve]:
 
 def check_curves(table: Table) -> CurveFile:
     """Every value checked: numbers, ranges, increasing abscissa, visible range covered."""
-    faults = list(table.faults)
     abscissa = ANGLE if "angle_deg" in table.header else WAVELENGTH
     known = {abscissa.name, "channel", *VALUE_COLUMNS}
+    faults = list(table.faults)
     faults += [
         f"{table.file}: column {name!r} is unknown; allowed are {', '.join(sorted(known))}."
         for name in table.header
@@ -94,29 +94,34 @@ def check_curves(table: Table) -> CurveFile:
         )
         return CurveFile(abscissa.name, {}, tuple(faults))
     columns: dict[str, dict[str, list[float]]] = {}
-    last_line: dict[str, float] = {}
     for row in table.rows:
-        channel = row.cells.get("channel", "")
-        if channel and channel not in CHANNELS:
-            faults.append(f"{row.where()}: channel = {channel!r} is not one of {', '.join(CHANNELS)}.")
-            continue
-        store = columns.setdefault(channel, {name: [] for name in (abscissa.name, *names)})
-        for column in (abscissa, *(VALUE_COLUMNS[name] for name in names)):
-            value, fault = _number(column, row.cells.get(column.name, ""))
-            store[column.name].append(value)
-            if fault:
-                faults.append(f"{row.where()}: {fault}.")
-        x = store[abscissa.name][-1]
-        before = last_line.get(channel, -math.inf)
-        if x <= before:
-            faults.append(
-                f"{row.where()}: {abscissa.name} = {x:g} does not increase (before it {before:g}); sort the rows."
-            )
-        if math.isfinite(x):
-            last_line[channel] = max(before, x)
+        faults += _stored(row, abscissa, names, columns)
     arrays = {c: {name: np.array(values) for name, values in store.items()} for c, store in columns.items()}
     faults += _coverage_faults(table.file, abscissa, arrays)
     return CurveFile(abscissa.name, arrays, tuple(faults))
+
+
+def _stored(
+    row: Row, abscissa: Column, names: list[str], columns: dict[str, dict[str, list[float]]]
+) -> list[str]:
+    """Put a row's values into the columns of its channel; the faults of the row."""
+    channel = row.cells.get("channel", "")
+    if channel and channel not in CHANNELS:
+        return [f"{row.where()}: channel = {channel!r} is not one of {', '.join(CHANNELS)}."]
+    store = columns.setdefault(channel, {name: [] for name in (abscissa.name, *names)})
+    before = max((x for x in store[abscissa.name] if math.isfinite(x)), default=-math.inf)
+    faults = []
+    for column in (abscissa, *(VALUE_COLUMNS[name] for name in names)):
+        value, fault = _number(column, row.cells.get(column.name, ""))
+        store[column.name].append(value)
+        if fault:
+            faults.append(f"{row.where()}: {fault}.")
+    x = store[abscissa.name][-1]
+    if x <= before:
+        faults.append(
+            f"{row.where()}: {abscissa.name} = {x:g} does not increase (before it {before:g}); sort the rows."
+        )
+    return faults
 
 
 def _number(column: Column, text: str) -> tuple[float, str]:
@@ -124,7 +129,7 @@ def _number(column: Column, text: str) -> tuple[float, str]:
         return math.nan, f"{column.name} is empty; a curve has no gaps"
     try:
         return parse_number(column, text), ""
-    except CellFault as fault:
+    except CellError as fault:
         return math.nan, str(fault)
 
 
@@ -145,13 +150,11 @@ def _coverage_faults(file: str, abscissa: Column, columns: dict[str, dict[str, F
 
 def _visible_gaps(wavelength_nm: FloatArray) -> list[str]:
     low_nm, high_nm = VISIBLE_NM
+    first_nm, last_nm = float(wavelength_nm.min()), float(wavelength_nm.max())
     gaps = []
-    if wavelength_nm.min() > low_nm:
-        gaps.append(
-            f"{low_nm:g}-{min(wavelength_nm.min(), high_nm):g} nm of the visible range {low_nm:g}-{high_nm:g} nm is missing"
-        )
-    if wavelength_nm.max() < high_nm:
-        gaps.append(
-            f"{max(wavelength_nm.max(), low_nm):g}-{high_nm:g} nm of the visible range {low_nm:g}-{high_nm:g} nm is missing"
-        )
-    return gaps
+    if first_nm > low_nm:
+        gaps.append((low_nm, min(first_nm, high_nm)))
+    if last_nm < high_nm:
+        gaps.append((max(last_nm, low_nm), high_nm))
+    visible = f"{low_nm:g}-{high_nm:g} nm"
+    return [f"{start:g}-{end:g} nm of the visible range {visible} is missing" for start, end in gaps]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from uwopt.catalog.columns import COLUMNS, KINDS, REQUIRED, Cell, CellFault, Column, Kind, parse_cell
+from uwopt.catalog.columns import COLUMNS, KINDS, REQUIRED, Cell, CellError, Column, Kind, parse_cell
 from uwopt.catalog.tables import Row, Table, parse_table, read_text
 from uwopt.errors import CatalogError
 
@@ -177,7 +177,7 @@ def _typed_cells(row: Row, kind: Kind, required: tuple[str, ...]) -> tuple[dict[
             continue
         try:
             cells[name] = parse_cell(column, text)
-        except CellFault as fault:
+        except CellError as fault:
             faults.append(str(fault))
     faults += [f"{name} is empty; a {kind} needs it" for name in required if not row.cells.get(name)]
     return cells, faults + _cross_faults(cells)
@@ -193,7 +193,7 @@ def _cross_faults(cells: dict[str, Cell]) -> list[str]:
     if isinstance(levels, str):
         try:
             parse_dim_levels(levels)
-        except CellFault as fault:
+        except CellError as fault:
             faults.append(str(fault))
     return faults
 
@@ -209,7 +209,7 @@ def parse_dim_levels(text: str) -> tuple[float, ...] | None:
     except ValueError:
         levels = []
     if not levels or levels[0] != 1.0 or levels[-1] <= 0.0:
-        raise CellFault(
+        raise CellError(
             f"dim_levels = {text!r} must be shares of full with 1 among them, such as 1|0.5|0.25, "
             "or continuous, or none"
         )
@@ -231,6 +231,8 @@ def yaml_table(text: str, file: str) -> Table:
     except yaml.MarkedYAMLError as fault:
         line = fault.problem_mark.line + 1 if fault.problem_mark else 1
         return Table(file, (), (), (f"{file} line {line}: is not YAML: {fault.problem}.",))
+    except yaml.YAMLError as fault:
+        return Table(file, (), (), (f"{file}: is not YAML: {' '.join(str(fault).split())}.",))
     if isinstance(root, yaml.MappingNode) and len(root.value) == 1 and root.value[0][0].value == "parts":
         root = root.value[0][1]
     if not isinstance(root, yaml.SequenceNode):
@@ -245,18 +247,21 @@ def yaml_table(text: str, file: str) -> Table:
             continue
         cells: dict[str, str] = {}
         for key, value in node.value:
-            if key.value in cells:
-                faults.append(f"{file} row {key.start_mark.line + 1}: {key.value} stands twice.")
-            cells[key.value] = _yaml_text(value)
+            name = _yaml_text(key)
+            if name in cells:
+                faults.append(f"{file} row {key.start_mark.line + 1}: {name} stands twice.")
+            cells[name] = _yaml_text(value)
         rows.append(Row(file, line, cells))
     header = tuple(dict.fromkeys(name for row in rows for name in row.cells))
     return Table(file, header, tuple(rows), tuple(faults))
 
 
 def _yaml_text(node: yaml.Node) -> str:
-    if node.id == "sequence":
+    import yaml
+
+    if isinstance(node, yaml.SequenceNode):
         return "|".join(_yaml_text(item) for item in node.value)
-    if node.id == "scalar":
+    if isinstance(node, yaml.ScalarNode):
         return "" if node.tag == "tag:yaml.org,2002:null" else str(node.value).strip()
     return "{...}"
 
@@ -290,7 +295,7 @@ def check_prices(table: Table) -> tuple[list[PriceQuote], list[str]]:
         for name, column in PRICE_COLUMNS.items():
             try:
                 cells[name] = parse_cell(column, row.cells.get(name, ""))
-            except CellFault as fault:
+            except CellError as fault:
                 row_faults.append(str(fault))
         row_faults += [f"{name} is empty" for name in ("id", "price") if not row.cells.get(name)]
         row_faults += _cross_faults(cells)

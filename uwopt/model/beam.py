@@ -141,8 +141,9 @@ def intensity_per_sr(cos_angle: ArrayLike, beam: Beam) -> FloatArray:
 
     Notes
     -----
-    The look-up is linear in 4096 cells of sqrt(1 - cos): within 1e-5 of the peak for knots 0.5 deg or more
-    apart; the jump at the end of a table that does not end at zero is spread over one cell (0.02 deg).
+    The look-up is linear in 4096 cells of sqrt(1 - cos): within 1e-4 of the peak for knots 0.5 deg or more
+    apart (the flux is exact); the jump at the end of a table that does not end at zero is spread over one
+    cell (0.02 deg).
     """
     cos = np.asarray(cos_angle, dtype=float)
     if beam.kind == "tabulated":

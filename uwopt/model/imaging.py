@@ -251,17 +251,24 @@ def cells(count: int) -> tuple[Array, Array]:
 
 
 def floor_illuminance_per_lm(
-    x_m: Array, y_m: Array, *, lamps: Lamps, beam: beams.Beam, range_m: float, table: PathTable | None
+    x_m: Array, y_m: Array, *, lamps: Lamps, beam: beams.Beam, range_m: float, weight: Array, attenuation_per_m: Array
 ) -> Array:
-    """Illuminance on the floor per lumen of all lamps [lx/lm = 1/m^2], water's loss on the lamp leg included.
+    """Illuminance on the floor per lumen of all lamps [1/m^2], water's loss on the lamp leg included.
 
-    The table must be contracted with V(lambda) times the lamp's spectrum and no loss on the camera's
-    leg; None leaves the water out.
+        E / Phi = sum over lamps of share * I/Phi * cos(theta_i) / r^2 * mean of exp(-K r) over V S
+
+    Parameters
+    ----------
+    x_m, y_m : (...,) floor points
+    weight : (n,) V(lambda) times the lamp's spectrum; attenuation_per_m : (n,) K(lambda)
+
+    References
+    ----------
+    Physics page, sections 1 and 2.
     """
     total = np.zeros(np.broadcast(x_m, y_m).shape)
+    share_of_wave = weight / weight.sum()
     for index, share in enumerate(lamps.share):
         vacuum, range_lamp, _ = lamp_light(x_m, y_m, lamps=lamps, index=index, beam=beam, range_m=range_m)
-        if table is not None:
-            vacuum = vacuum * np.exp(log_mean_transmission(table, range_lamp, np.zeros_like(range_lamp)))
-        total += share * vacuum
+        total += share * vacuum * (np.exp(-range_lamp[..., None] * attenuation_per_m) @ share_of_wave)
     return total

@@ -120,7 +120,7 @@ def near_far_dioptre_per_m(
     circle_of_confusion_m: Numeric,
     focus_dioptre_per_m: Numeric,
 ) -> tuple[Numeric, Numeric]:
-    """Ends of the depth of field in dioptres, (near, far) = (D + delta, D - delta); far may be negative [sym]."""
+    """Near and far end of the depth of field in dioptres, D + delta and D - delta (may be < 0) [sym]."""
     half = half_depth_per_m(
         f_number,
         focal_length_m=focal_length_m,

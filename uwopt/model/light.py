@@ -109,7 +109,7 @@ def guide_number_light_cd_s(guide_number_m: Symbolic) -> Symbolic:
 
     Notes
     -----
-    The makers' rule GN = sqrt(0.05 ISO I t) with GN in feet, turned to metres at ISO 100; good to half a stop.
+    The makers' rule GN = sqrt(0.05 ISO I t) with GN in feet, turned to metres.
     A guide number stated for use in water already holds the water's loss: not this one.
 
     References

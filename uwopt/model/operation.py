@@ -87,7 +87,7 @@ def flat_largest_pixel_m(
 
 
 def _slope_along(along2: Numeric, across2: Numeric, *, n: Numeric) -> Numeric:
-    """dx/du per metre behind a plane face of index n: (n^2 + k v^2) / (n^2 + k (u^2 + v^2))^(3/2), k = n^2 - 1."""
+    """dx/du per metre of a medium, (n^2 + k v^2) / (n^2 + k (u^2 + v^2))^(3/2) with k = n^2 - 1."""
     n2 = n**2
     at_axis = n2 + (n2 - 1.0) * across2
     square = at_axis + (n2 - 1.0) * along2

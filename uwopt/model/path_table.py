@@ -113,7 +113,7 @@ def build_path_table(
         lamp_range_m=boxes[0],
         camera_range_m=boxes[1],
         weight_integral=integrand.total.reshape(batch),
-        coefficients=coefficients.reshape(*batch, *coefficients.shape[-2:]),
+        coefficients=coefficients.reshape((*batch, *coefficients.shape[-2:])),
         lamp_slope_per_m=lamp_slope.reshape(batch),
         camera_slope_per_m=camera_slope.reshape(batch),
         lamp_warp=warps[0],
@@ -150,7 +150,7 @@ def log_mean_transmission(table: PathTable, lamp_range_m: ArrayLike, camera_rang
             value *= y
             value += rows[:, j]
         result[:, start : start + BLOCK] = value - slopes[0] * r_lamp - slopes[1] * r_camera
-    return result.reshape(*batch, *lamp.shape)[()]
+    return result.reshape((*batch, *lamp.shape))[()]
 
 
 def log_mean_transmission_direct(
@@ -167,7 +167,7 @@ def log_mean_transmission_direct(
     lamp, camera = np.broadcast_arrays(
         np.asarray(lamp_range_m, dtype=float), np.asarray(camera_range_m, dtype=float)
     )
-    return integrand.log_mean(lamp, camera).reshape(*integrand.batch_shape, *lamp.shape)[()]
+    return integrand.log_mean(lamp, camera).reshape((*integrand.batch_shape, *lamp.shape))[()]
 
 
 def mean_transmission_direct(

@@ -130,7 +130,7 @@ def fresnel_transmittance(cos_incidence: Numeric, *, n_from: Numeric, n_to: Nume
 def internal_transmittance(
     absorption_per_m: Numeric, *, thickness_m: Numeric, path_factor: Numeric = 1.0
 ) -> Numeric:
-    """Share of light that the bulk lets through, exp(-alpha t k), k path over thickness (1/cos in the glass)."""
+    """Share of light that the bulk lets through, exp(-alpha t k), k path over thickness: 1/cos inside."""
     return np.exp(-absorption_per_m * thickness_m * path_factor)
 
 
@@ -252,7 +252,7 @@ def flat_floor_derivative(
 
 
 def dome_floor_distance_m(tan_air: Numeric, *, outer_radius_m: Numeric, range_m: Numeric) -> Numeric:
-    """Where a ray through a dome meets the floor, (d + R) tan a: undeviated from the pupil at its centre [sym]."""
+    """Where a ray meets the floor behind a dome, (d + R) tan a; pupil at the centre, no deviation [sym]."""
     return (range_m + outer_radius_m) * tan_air
 
 

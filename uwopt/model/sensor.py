@@ -57,10 +57,22 @@ def photo_electrons(
     ----------
     EMVA Standard 1288, signal model of the linear camera. Physics page, section 6.
     """
-    energy_per_photon_j = PLANCK_J_S * LIGHT_SPEED_M_S / (np.asarray(wavelength_nm) * 1e-9)
-    electrons_per_m2_s_nm = irradiance_w_m2_nm * (quantum_efficiency / energy_per_photon_j)
+    electrons_per_m2_s_nm = electron_rate_per_m2_s_nm(
+        irradiance_w_m2_nm, wavelength_nm=wavelength_nm, quantum_efficiency=quantum_efficiency
+    )
     rate_per_m2_s = integrate_nm(electrons_per_m2_s_nm, wavelength_nm)
     return rate_per_m2_s * pixel_pitch_m**2 * exposure_s
+
+
+def electron_rate_per_m2_s_nm(
+    irradiance_w_m2_nm: Numeric, *, wavelength_nm: Numeric, quantum_efficiency: Numeric
+) -> Numeric:
+    """Electrons per second, pixel area and wavelength, E lambda eta / (h c): the integrand of (5).
+
+    Arguments as in `photo_electrons`; returns (..., n_wavelength) [m^-2 s^-1 nm^-1]. Physics page, section 6.
+    """
+    energy_per_photon_j = PLANCK_J_S * LIGHT_SPEED_M_S / (np.asarray(wavelength_nm) * 1e-9)
+    return irradiance_w_m2_nm * (quantum_efficiency / energy_per_photon_j)
 
 
 def colour_mean_efficiency(red: Numeric, *, green: Numeric, blue: Numeric) -> Numeric:
@@ -286,3 +298,53 @@ def electrons_for_snr(
     reachable = np.where(left > 0.0, left, 1.0)
     root = np.sqrt(slope**2 + 4.0 * snr2 * noise_variance_e2 * reachable)
     return np.where(left > 0.0, 0.5 * (slope + root) / reachable, np.inf)[()]
+
+
+def light_for_snr(
+    snr: Numeric,
+    *,
+    signal_per_light_e: Numeric,
+    read_noise_e: Numeric,
+    total_per_light_e: Numeric | None = None,
+    dark_e: Numeric = 0.0,
+    prnu_frac: Numeric = 0.0,
+    gain_dn_per_e: Numeric = np.inf,
+    level_per_light_e: Numeric = 0.0,
+    level_dn: Numeric = np.inf,
+) -> Numeric:
+    """Least light X whose signal C X reaches a wanted SNR; the inverse of (7) with X in place of electrons.
+
+        (C X)^2 = S^2 (sigma_d^2 + sigma_q^2 / K^2 + mu_dark + A X + (PRNU A X)^2)
+        1 / K = 1 / gain, or (L X + mu_dark) / T where the gain keeps some level at T digital numbers
+
+    Parameters
+    ----------
+    snr : (...,) S, a ratio; 0 asks for no light
+    signal_per_light_e : broadcast [e per unit of light], C
+    total_per_light_e : broadcast, A, all light that grows with the lamps; C when not given
+    read_noise_e, dark_e, prnu_frac : broadcast, as in `snr`
+    gain_dn_per_e : broadcast [DN per electron], a gain that does not depend on the light
+    level_per_light_e, level_dn : broadcast, L [e per unit of light] and T [DN] of a gain that follows it
+
+    Returns
+    -------
+    (...,) in the unit of light, inf where no amount is enough.
+
+    Notes
+    -----
+    A quadratic in X with one positive root while the noise that grows with X stays below the signal.
+
+    References
+    ----------
+    Physics page, section 6.
+    """
+    total = signal_per_light_e if total_per_light_e is None else total_per_light_e
+    follow = QUANTISATION_VARIANCE_DN2 / level_dn**2
+    fixed = QUANTISATION_VARIANCE_DN2 / gain_dn_per_e**2
+    snr2 = snr**2
+    square = signal_per_light_e**2 - snr2 * (prnu_frac**2 * total**2 + follow * level_per_light_e**2)
+    slope = snr2 * (total + 2.0 * follow * level_per_light_e * dark_e)
+    floor = snr2 * (read_noise_e**2 + fixed + dark_e + follow * dark_e**2)
+    reachable = np.where(square > 0.0, square, 1.0)
+    root = 0.5 * (slope + np.sqrt(slope**2 + 4.0 * reachable * floor)) / reachable
+    return np.where(square > 0.0, root, np.where(snr2 > 0.0, np.inf, 0.0))[()]

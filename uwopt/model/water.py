@@ -114,8 +114,8 @@ def extend_scattering_per_m(
 ) -> FloatArray:
     """Scattering at any wavelength (n,) [1/m]: linear in the table, beyond it the end value is held.
 
-    Particles scatter with a low power of wavelength, 0.3-1.7: over 80 nm in the red b then falls by a fifth at
-    most (by a third in the clearest water, where molecules scatter), and absorption is many times larger there.
+    Particles scatter with a low power of wavelength, 0.3-1.7: over 80 nm in the red b then falls by a fifth
+    at most (by a third in the clearest water, where molecules scatter); absorption is far larger there.
     """
     return resample(wavelength_nm, table_nm=table_nm, table_values=table_b_per_m, outside="hold")
 
@@ -144,8 +144,8 @@ def refractive_index_quan_fry(
 
     Notes
     -----
-    Valid for 400-700 nm, 0-30 degC, 0-35 psu; beyond that the formula extrapolates smoothly. Pressure adds
-    about 1.4e-5 per 10 m of depth and is left out.
+    Valid for 400-700 nm, 0-30 degC, 0-35 psu; beyond that the formula extrapolates smoothly. Pressure
+    raises the index a little with depth; that is left out.
 
     References
     ----------

@@ -24,7 +24,7 @@ from uwopt.problem import Problem
 from uwopt.rows import SceneRows
 from uwopt.solvers import settings as closed_form
 from uwopt.solvers.fields import FieldTables, Lighting
-from uwopt.solvers.imagers import IMAGER_RULES, Imagers, enumerate_imagers
+from uwopt.solvers.imagers import IMAGER_RULES, Imagers, enumerate_imagers, limit
 
 Array = NDArray[Any]
 TIE = 1e-9
@@ -93,6 +93,7 @@ class LightTable:
     light: Array
     count: Array
     cost: Array
+    limit_cost: Array
     mass_kg: Array
     effective: Array  # count * full light * output factor: lm, or lm s a pulse
     power_per_light: Array  # electrical per unit of effective light
@@ -166,12 +167,14 @@ class Search:
         light = np.repeat(mine, high - low + 1)
         count = np.tile(np.arange(low, high + 1), len(mine))
         rows = problem.lights.take(light)
+        to_buy = problem.lamps_to_buy(light, count)
         effective = count * rows.full_light * rows.output_factor
         with np.errstate(divide="ignore", invalid="ignore"):
             drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j, rows.full_power_w)
             per_light = drawn / (rows.full_light * rows.output_factor)
         return LightTable(
-            light, count, problem.light_cost(light, count), rows.mass_kg * count, effective, per_light, rows.kind
+            light, count, to_buy * rows.price, to_buy * rows.limit_price, rows.mass_kg * count, effective, per_light,
+            rows.kind,
         )
 
     # ------------------------------------------------------------ bounds
@@ -227,18 +230,19 @@ class Search:
         reachable = at < len(capacity)
         pick = np.minimum(at, len(capacity) - 1)
         cost = imagers.cost + np.where(reachable, suffix_min(table.cost[own][order])[pick], np.inf)
+        limit_cost = imagers.limit_cost + np.where(reachable, suffix_min(table.limit_cost[own][order])[pick], np.inf)
         mass = imagers.mass_kg + np.where(reachable, suffix_min(table.mass_kg[own][order])[pick], np.inf)
         total = imagers.camera_power_w + power
-        return self._judged(UnitBounds(np.zeros(n), total, cost, mass, snr_db, np.zeros(n, int)), reachable)
+        return self._judged(UnitBounds(np.zeros(n), total, cost, mass, snr_db, np.zeros(n, int)), reachable, limit_cost)
 
-    def _judged(self, bounds: UnitBounds, reachable: Array) -> UnitBounds:
+    def _judged(self, bounds: UnitBounds, reachable: Array, limit_cost: Array) -> UnitBounds:
         """Objective of the bounds, infinite where a limit cannot be met, with the rule that says so."""
         limits, rule = self.limits, np.full(len(reachable), -1)
         checks = (
             ("min_snr", reachable),
-            ("cost", bounds.cost <= (limits.cost or np.inf) * ROUND),
-            ("mass_kg", bounds.mass <= (limits.mass_kg or np.inf) * ROUND),
-            ("power_w", bounds.power <= (limits.power_w or np.inf) * ROUND),
+            ("cost", limit_cost <= limit(limits.cost) * ROUND),
+            ("mass_kg", bounds.mass <= limit(limits.mass_kg) * ROUND),
+            ("power_w", bounds.power <= limit(limits.power_w) * ROUND),
         )
         for name, passes in checks:
             rule = np.where((rule < 0) & ~passes, UNIT_RULES.index(name), rule)
@@ -261,7 +265,7 @@ class Search:
         scene = self.problem.scenes[scene_index]
         cameras = self.problem.cameras.take(self.imagers.camera)
         needs = scene.view.requirements
-        snr = needs.snr_ratio or 0.0
+        snr = needs.min_snr or 0.0
         by_snr = sensor.electrons_for_snr(
             snr, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
         )
@@ -375,8 +379,9 @@ class Search:
         cost = imagers.cost[imager[unit]] + table.cost[item]
         mass = imagers.mass_kg[imager[unit]] + table.mass_kg[item]
         rule = np.full(len(unit), -1)
-        rule = np.where(cost > (limits.cost or np.inf) * ROUND, UNIT_RULES.index("cost"), rule)
-        rule = np.where((rule < 0) & (mass > (limits.mass_kg or np.inf) * ROUND), UNIT_RULES.index("mass_kg"), rule)
+        limit_cost = imagers.limit_cost[imager[unit]] + table.limit_cost[item]
+        rule = np.where(limit_cost > limit(limits.cost) * ROUND, UNIT_RULES.index("cost"), rule)
+        rule = np.where((rule < 0) & (mass > limit(limits.mass_kg) * ROUND), UNIT_RULES.index("mass_kg"), rule)
         floor = self.objective.cost_to_minimise(
             Terms(
                 imagers.camera_power_w[imager[unit]], cost, mass, np.full(len(unit), self._snr_ceiling()),
@@ -404,11 +409,11 @@ class Search:
         motorised = self.motorised[imager]
         camera_power = self.imagers.camera_power_w[imager]
         chosen, feasible, snr_db = best_settings(
-            rows, motorised, self.objective, camera_power, self.limits.power_w or np.inf
+            rows, motorised, self.objective, camera_power, limit(self.limits.power_w)
         )
         light_power = np.max([c.light_power_w for c in chosen], axis=0)
         power = camera_power + light_power
-        feasible &= power <= (self.limits.power_w or np.inf) * ROUND
+        feasible &= power <= limit(self.limits.power_w) * ROUND
         terms = Terms(power, cost, mass, snr_db, self.imagers.gsd_mm[imager])
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
@@ -423,7 +428,7 @@ class Search:
         for index, signal in enumerate(signals):
             scene = self.problem.scenes[index]
             worst = None
-            if scene.view.requirements.snr_at == "worst" and scene.view.requirements.snr_ratio and not self.problem.paper:
+            if scene.view.requirements.snr_at == "worst" and scene.view.requirements.min_snr and not self.problem.paper:
                 worst = self._darkest(index, imager, count, lighting)
             result.append(
                 self.problem.scene_rows(
@@ -452,7 +457,7 @@ class Search:
     ) -> None:
         """Merge designs into the list of the best with other hardware."""
         threshold = self._threshold()
-        candidates = np.nonzero(value <= threshold)[0]
+        candidates = np.nonzero(np.isfinite(value) & (value <= threshold))[0]
         if len(candidates) > 64:  # the best of each hardware is all that can stay
             candidates = candidates[self._first_of_hardware(imager[candidates], light[candidates], value[candidates],
                                                             terms.power[candidates], terms.cost[candidates], count[candidates])]  # fmt: skip

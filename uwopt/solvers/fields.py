@@ -110,7 +110,7 @@ class FieldTables:
         height = min(range_m - z for z in lighting.mount.lamps(2).z_m)
         tables = [problem.table(scene_index, spectrum, q) for q in range(len(problem.efficiencies))]
         return np.array(
-            [float(np.exp(log_mean_transmission(t, np.array(height), np.array(range_m)))) for t in tables]
+            [float(np.exp(log_mean_transmission(t, np.array([height]), np.array([range_m])))[0]) for t in tables]
         )
 
     def _light_on(self, scene_index: int, lighting: Lighting, range_m: float, rectangle: Rectangles) -> Array:
@@ -154,24 +154,15 @@ class FieldTables:
         """Electrons per lm s of these imagers at every altitude, (n, n_altitudes)."""
         problem, imagers = self.problem, self.imagers
         view = imagers.scenes[scene_index].view
-        efficiency = problem.cameras.qe_index[imagers.camera[rows]]
         out = np.empty((len(rows), len(problem.scenes[scene_index].range_m)))
-        port_key = np.zeros(len(rows), int) if problem.paper else imagers.port[rows]
-        key = port_key * (int(efficiency.max(initial=0)) + 1) + efficiency
-        for value in np.unique(key):
-            group = np.nonzero(key == value)[0]
-            first = rows[group[0]]
-            out[group] = problem.field_gain(
-                scene_index,
-                view.take(rows[group]),
-                port_index=int(imagers.port[first]),
-                optics=lighting.optics,
-                mount=lighting.mount,
-                efficiency=int(efficiency[group[0]]),
-                count=count,
-                darkest=darkest,
-            )
-        return out * self.collecting(scene_index, lighting, rows)[:, None]
+        port = np.zeros(len(rows), int) if problem.paper else imagers.port[rows]
+        for value in np.unique(port):
+            mine = np.nonzero(port == value)[0]
+            out[mine] = problem.signal_e(
+                scene_index, view.take(rows[mine]), imagers.camera[rows[mine]], port_index=int(value),
+                optics=lighting.optics, mount=lighting.mount, count=count, darkest=darkest,
+            )  # fmt: skip
+        return out
 
 
 @dataclass(frozen=True)

@@ -53,6 +53,7 @@ class Imagers:
     port: Array
     landscape: Array
     cost: Array
+    limit_cost: Array  # what counts against the budget
     mass_kg: Array
     camera_power_w: Array
     gsd_mm: Array  # nominal, worst scene
@@ -159,22 +160,27 @@ def rules(
         focus_reached(scene, at, lenses, extra) for (scene, _, extra), at in zip(every, maps, strict=True)
     )
     yield "max_gsd_mm", all_of(
-        view.gsd_m.max(axis=1) * 1e3 <= (scene.view.requirements.max_gsd_mm or np.inf) * ROUND for scene, view, _ in every
+        view.gsd_m.max(axis=1) * 1e3 <= limit(scene.view.requirements.max_gsd_mm) * ROUND for scene, view, _ in every
     )
     yield "min_swath_m", all_of(
         view.footprint_across_m.min(axis=1) * ROUND >= (scene.view.requirements.min_swath_m or 0.0) for scene, view, _ in every
     )
     yield "frame_rate", all_of(extra.rate_hz <= cameras.max_rate_hz * ROUND for extra in focused)
-    rate_limit = limits.data_rate_mb_s or np.inf
+    rate_limit = limit(limits.data_rate_mb_s)
     yield "data_rate_mb_s", all_of(extra.rate_hz * cameras.frame_mb * count <= rate_limit * ROUND for extra in focused)
     yield "min_dof_m", common_f_number(lenses, focused)
     yield "max_blur_px", all_of(
         (extra.blur_time_s > 0) & (cameras.min_exposure_s <= limits.max_exposure_ms * 1e-3) for extra in focused
     )
-    cost, mass, power = totals(problem, cameras, lenses, port)
-    yield "cost", cost <= (limits.cost or np.inf) * ROUND
-    yield "mass_kg", mass <= (limits.mass_kg or np.inf) * ROUND
-    yield "power_w", power <= (limits.power_w or np.inf) * ROUND
+    _, cost, mass, power = totals(problem, cameras, lenses, port)
+    yield "cost", cost <= limit(limits.cost) * ROUND
+    yield "mass_kg", mass <= limit(limits.mass_kg) * ROUND
+    yield "power_w", power <= limit(limits.power_w) * ROUND
+
+
+def limit(value: float | None) -> float:
+    """A limit that may be absent."""
+    return np.inf if value is None else value
 
 
 def all_of(masks: Iterator[Array]) -> Array:
@@ -211,14 +217,15 @@ def common_f_number(lenses: Any, focused: list[Focused]) -> Array:
     return np.asarray(np.isfinite(low) & (low <= lenses.f_number_max * ROUND))
 
 
-def totals(problem: Problem, cameras: Any, lenses: Any, port: int | Array) -> tuple[Array, Array, Array]:
-    """Cost, mass and power of everything but the lights."""
+def totals(problem: Problem, cameras: Any, lenses: Any, port: int | Array) -> tuple[Array, Array, Array, Array]:
+    """Cost, cost that counts against the budget, mass and power of everything but the lights."""
     count = problem.mission.vehicle.camera_count
     extra_cost, extra_mass, extra_power = problem.extras
     ports = problem.ports
     cost = count * (cameras.price + lenses.price + ports.price[port]) + extra_cost
+    limit_cost = count * (cameras.limit_price + lenses.limit_price + ports.limit_price[port]) + extra_cost
     mass = count * (cameras.mass_kg + lenses.mass_kg + ports.mass_kg[port]) + extra_mass
-    return cost, mass, count * cameras.power_w + extra_power
+    return cost, limit_cost, mass, count * cameras.power_w + extra_power
 
 
 def joined(problem: Problem, blocks: list[Block], discarded: dict[str, int]) -> Imagers:
@@ -231,14 +238,14 @@ def joined(problem: Problem, blocks: list[Block], discarded: dict[str, int]) -> 
     lens = stack([b.lens for b in blocks]).astype(int)
     port = stack([np.full(len(b.camera), b.port) for b in blocks]).astype(int)
     landscape = stack([np.full(len(b.camera), b.landscape) for b in blocks]).astype(bool)
-    cost, mass, power = totals(problem, problem.cameras.take(camera), problem.lenses.take(lens), port)
+    cost, limit_cost, mass, power = totals(problem, problem.cameras.take(camera), problem.lenses.take(lens), port)
     scenes = []
     for index in range(len(problem.scenes)):
         own = [b.scenes[index] for b in blocks]
         if own:
             scenes.append(joined_scene(own))
     gsd = np.max([s.view.gsd_m[:, 1] for s in scenes], axis=0) * 1e3 if scenes else np.empty(0)
-    return Imagers(camera, lens, port, landscape, cost, mass, power, gsd, scenes, discarded)
+    return Imagers(camera, lens, port, landscape, cost, limit_cost, mass, power, gsd, scenes, discarded)
 
 
 def joined_scene(own: list[SceneImagers]) -> SceneImagers:

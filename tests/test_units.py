@@ -1,0 +1,106 @@
+"""Conversions at the door, and numbers for people."""
+
+import math
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from uwopt import units
+
+# Definitions of the SI prefixes, and 180 degrees = pi.
+CONVERSIONS = [
+    (units.mm_to_m, 8.0, 0.008),
+    (units.um_to_m, 3.45, 3.45e-6),
+    (units.nm_to_m, 555.0, 5.55e-7),
+    (units.ms_to_s, 0.86, 8.6e-4),
+    (units.us_to_s, 13.73, 1.373e-5),
+    (units.deg_to_rad, 180.0, math.pi),
+    (units.g_to_kg, 180.0, 0.18),
+    (units.pct_to_frac, 60.0, 0.6),
+    (units.db_to_ratio, 30.0, 31.6227766),  # 10^1.5, by table
+    (units.ratio_to_db, 2.0, 6.0205999),  # 20 log10 2, by table
+]
+
+
+@pytest.mark.parametrize(("convert", "value", "expected"), CONVERSIONS)
+def test_conversion_follows_the_definition_of_the_units(convert, value, expected):
+    assert convert(value) == pytest.approx(expected, rel=1e-8)  # digits of the tabulated values
+
+
+@given(st.floats(-1e6, 1e6))
+def test_conversions_there_and_back_change_nothing(value):
+    for there, back in (
+        (units.mm_to_m, units.m_to_mm),
+        (units.um_to_m, units.m_to_um),
+        (units.ms_to_s, units.s_to_ms),
+        (units.us_to_s, units.s_to_us),
+        (units.deg_to_rad, units.rad_to_deg),
+    ):
+        assert back(there(value)) == pytest.approx(value, rel=1e-14, abs=1e-300)  # two roundings
+
+
+@given(st.floats(-200, 200))
+def test_decibels_and_ratios_are_inverse(level_db):
+    assert units.ratio_to_db(units.db_to_ratio(level_db)) == pytest.approx(level_db, abs=1e-10)
+
+
+def test_a_ratio_of_zero_is_minus_infinite_decibels():
+    assert units.ratio_to_db(0.0) == -math.inf
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("altitude_mm", ("altitude", "mm")),
+        ("speed_m_s", ("speed", "m_s")),
+        ("altitude", ("altitude", "")),
+        ("min_snr_db", ("min_snr", "db")),
+        ("pitch_rate_deg_s", ("pitch_rate", "deg_s")),
+        ("m", ("m", "")),
+    ],
+)
+def test_a_name_splits_into_stem_and_unit(name, parts):
+    assert units.split_unit(name) == parts
+
+
+def test_convert_knows_what_measures_one_thing():
+    assert units.convert(2000, "mm", "m") == pytest.approx(2.0)
+    assert units.convert(1, "kn", "m_s") == pytest.approx(0.514444, rel=1e-6)  # 1852 m / 3600 s
+    assert units.convert(1, "ft", "m") == pytest.approx(0.3048)
+    assert units.convert(1, "m", "s") is None
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (0.86, "ms", "0.860 ms"),
+        (2.0, "_m", "2.00 m"),
+        (20000.0, "lm", "20 000 lm"),
+        (7543.21, "USD", "7 543 USD"),
+        (3.45, "um", "3.45 µm"),
+        (0.5, "m_s", "0.500 m/s"),
+        (62.5, "deg", "62.5°"),
+        (9.996, "mm", "10.0 mm"),
+        (999.7, "mm", "1 000 mm"),
+        (0.00123, "", "0.00123"),
+        (1.23e-7, "w", "1.23e-07 W"),
+        (0.0, "w", "0 W"),
+        (None, "m", "–"),
+        (math.inf, "m", "infinite m"),
+    ],
+)
+def test_quantities_have_three_significant_digits_and_their_unit(value, unit, text):
+    assert units.format_quantity(value, unit) == text
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False, min_value=-1e12, max_value=1e12))
+def test_a_formatted_number_is_within_half_a_digit(value):
+    read = float(units.format_number(value).replace(" ", ""))
+    assert read == pytest.approx(value, rel=0.0051)  # half of the third digit of 1.00
+
+
+def test_every_suffix_is_lower_case_and_unique():
+    assert len(set(units.UNIT_SUFFIXES)) == len(units.UNIT_SUFFIXES)
+    assert all(re.fullmatch(r"(_[a-z0-9]+)+", suffix) for suffix in units.UNIT_SUFFIXES)

@@ -1,0 +1,221 @@
+"""Figures of designs with given settings, for one or for millions: the forward model.
+
+The same functions that the search rests on, read the other way: hardware and settings in, what the
+images would be like out. Arrays run over designs; a second axis runs over altitudes where a
+requirement holds over a band.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.hardware import CONTINUOUS, FLASH, PULSED, Cameras, Lenses, Lights
+from uwopt.model import lens as lens_model
+from uwopt.model import light as light_model
+from uwopt.model import operation, sensor
+from uwopt.model.port import FocusMap, water_distance_m
+from uwopt.optics import Views, altitudes_m, motion_across, motion_along
+from uwopt.scene import SceneOptics
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class SettingRows:
+    """What is set on n designs in one scene; SI. `pulse_s` counts for pulsed LEDs and flashes only."""
+
+    f_number: Array
+    exposure_s: Array
+    pulse_s: Array
+    gain: Array
+    level: Array
+    rate_hz: Array
+    dioptre_per_m: Array
+
+    def take(self, index: Array) -> SettingRows:
+        """These rows only."""
+        return SettingRows(**{f.name: np.asarray(getattr(self, f.name))[index] for f in fields(self)})
+
+
+@dataclass(frozen=True)
+class DesignRows:
+    """Hardware of n designs in one scene, row by row."""
+
+    cameras: Cameras
+    lenses: Lenses
+    lights: Lights
+    count: Array
+    view: Views
+    focus_map: FocusMap  # fields may be arrays
+    lever_m: Array  # (n, 3) distance from the camera's turning point to the floor
+    signal_e: Array  # (n, n_altitudes) electrons per lm s of nameplate light, image mean
+    worst_e: Array | None  # the same at the darkest pixel
+
+
+def light_time_s(rows: DesignRows, settings: SettingRows) -> Array:
+    """Time that collects the lamps' light: exposure + t_0, or the pulse if it is shorter."""
+    window = settings.exposure_s + rows.cameras.exposure_offset_s
+    flash = np.minimum(rows.lights.flash_duration_s, settings.pulse_s)
+    pulse = np.where(rows.lights.kind == FLASH, flash, settings.pulse_s)
+    return np.where(rows.lights.kind == CONTINUOUS, window, np.minimum(pulse, window))
+
+
+def full_light_lm(lights: Lights, count: Array) -> Array:
+    """Light of all lamps at full level; a flash gives its lumen seconds evenly over its duration."""
+    one = np.where(lights.kind == FLASH, lights.full_light / lights.flash_duration_s, lights.full_light)
+    return np.asarray(one * count)
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Figures by design; (n, 3) near, nominal, far; (n, n_altitudes) for light."""
+
+    working_f_number: Array
+    light_x: Array
+    light_time_s: Array
+    electrons_signal: Array  # (n, n_altitudes)
+    electrons_darkest: Array | None
+    electrons_dark: Array
+    snr: Array  # (n, n_altitudes)
+    snr_darkest: Array | None
+    mean_level: Array  # (n, n_altitudes)
+    saturation_fraction: Array
+    blur_px: Array
+    skew_px: Array
+    overlap: Array
+    dof_near_m: Array
+    dof_far_m: Array
+    focus_distance_m: Array
+    light_power_w: Array
+    light_peak_power_w: Array
+    duty_frac: Array
+    data_rate_mb_s: Array
+
+
+def figures_of(scene: SceneOptics, rows: DesignRows, settings: SettingRows) -> Figures:
+    """All figures that requirements need, for n designs in one scene."""
+    cam, view = rows.cameras, rows.view
+    factor = 1.0
+    if not scene.paper:
+        with np.errstate(divide="ignore"):
+            factor = lens_model.working_f_number(
+                1.0, focal_length_m=view.focal_length_m, object_distance_m=1.0 / settings.dioptre_per_m
+            )
+    working = settings.f_number * factor
+    collected_s = light_time_s(rows, settings)
+    light_x = full_light_lm(rows.lights, rows.count) * settings.level * collected_s / np.square(working)
+    gain = cam.gain_dn_per_e * settings.gain
+    dark = cam.dark_current_e_s * settings.exposure_s
+    signal = rows.signal_e * light_x[:, None]
+    darkest = None if rows.worst_e is None else rows.worst_e * light_x[:, None]
+    noise = dict(
+        read_noise_e=cam.read_noise_e[:, None],
+        gain_dn_per_e=gain[:, None],
+        dark_e=dark[:, None],
+        prnu_frac=cam.prnu_frac[:, None],
+    )
+    level = sensor.mean_level(
+        signal,
+        gain_dn_per_e=gain[:, None],
+        bits=cam.bits[:, None],
+        dark_e=dark[:, None],
+        offset_dn=cam.black_level_dn[:, None],
+    )
+    near, far = depth_of_field_m(rows, settings)
+    power, peak = power_w(rows, settings, collected_s)
+    return Figures(
+        working_f_number=working,
+        light_x=light_x,
+        light_time_s=collected_s,
+        electrons_signal=signal,
+        electrons_darkest=darkest,
+        electrons_dark=dark,
+        snr=np.asarray(sensor.snr(signal, **noise)),
+        snr_darkest=None if darkest is None else np.asarray(sensor.snr(darkest, **noise)),
+        mean_level=np.asarray(level),
+        saturation_fraction=saturation_fraction(scene, cam, level, signal, dark),
+        blur_px=blur_px(scene, rows, collected_s),
+        skew_px=skew_px(scene, rows),
+        overlap=overlap(scene, view, settings.rate_hz),
+        dof_near_m=near,
+        dof_far_m=far,
+        focus_distance_m=np.asarray(water_distance_m(settings.dioptre_per_m, focus_map=rows.focus_map)),
+        light_power_w=power,
+        light_peak_power_w=peak,
+        duty_frac=np.asarray(light_model.duty_frac(collected_s, frame_rate_hz=settings.rate_hz)),
+        data_rate_mb_s=cam.frame_mb * settings.rate_hz,
+    )
+
+
+def saturation_fraction(scene: SceneOptics, cam: Cameras, level: Array, signal: Array, dark: Array) -> Array:
+    """highlight_ratio times the brightest mean level over the altitudes, of full scale or of the full well."""
+    ratio = scene.view.requirements.highlight_ratio
+    in_well = (signal.max(axis=1) + dark) / cam.saturation_e
+    return np.asarray(ratio * np.maximum(level.max(axis=1), in_well))
+
+
+def depth_of_field_m(rows: DesignRows, settings: SettingRows) -> tuple[Array, Array]:
+    """Nearest and farthest sharp distance in water; inf where infinity is sharp."""
+    near, far = lens_model.near_far_water_m(
+        settings.f_number,
+        focal_length_m=rows.view.focal_length_m,
+        circle_of_confusion_m=rows.view.coc_m,
+        focus_dioptre_per_m=settings.dioptre_per_m,
+        focus_map=rows.focus_map,
+    )
+    return np.asarray(near), np.asarray(far)
+
+
+def blur_px(scene: SceneOptics, rows: DesignRows, collected_s: Array) -> Array:
+    """Motion blur at near, nominal and far altitude, (n, 3): the worse of both axes."""
+    along = operation.blur_px(
+        collected_s[:, None], ground_sample_m=rows.view.pixel_along_m, **motion_along(scene, rows.lever_m)
+    )
+    across = operation.blur_px(
+        collected_s[:, None], ground_sample_m=rows.view.pixel_across_m, **motion_across(scene, rows.lever_m)
+    )
+    return np.asarray(np.maximum(along, across))
+
+
+def skew_px(scene: SceneOptics, rows: DesignRows) -> Array:
+    """Skew of a rolling shutter under lamps that burn, (n, 3); a pulse freezes all rows at once."""
+    skew = operation.skew_px(
+        rows.cameras.readout_s[:, None], ground_sample_m=rows.view.pixel_along_m, **motion_along(scene, rows.lever_m)
+    )
+    return np.where((rows.lights.kind == CONTINUOUS)[:, None], skew, 0.0)
+
+
+def overlap(scene: SceneOptics, view: Views, rate_hz: Array) -> Array:
+    """Share of each image that the next one sees again, (n, 3); negative where there are gaps."""
+    speed = scene.view.vehicle.speed_m_s
+    if speed == 0.0:
+        return np.ones_like(view.footprint_along_m)
+    with np.errstate(divide="ignore"):
+        return np.asarray(1.0 - speed / (rate_hz[:, None] * view.footprint_along_m))
+
+
+def power_w(rows: DesignRows, settings: SettingRows, collected_s: Array) -> tuple[Array, Array]:
+    """Mean and peak electrical power of all lights."""
+    lights, count = rows.lights, rows.count
+    burning = light_model.continuous_power_w(settings.level, full_power_w=lights.full_power_w, count=count)
+    pulsed = light_model.pulsed_led_power_w(
+        settings.level,
+        full_power_w=lights.full_power_w,
+        count=count,
+        pulse_s=collected_s,
+        frame_rate_hz=settings.rate_hz,
+    )
+    flashing = lights.pulse_energy_j * settings.level * count * settings.rate_hz
+    mean = np.where(lights.kind == CONTINUOUS, burning, np.where(lights.kind == PULSED, pulsed, flashing))
+    peak = np.where(lights.kind == FLASH, flashing, burning)
+    return mean, peak
+
+
+def levers_m(scene: SceneOptics, outer_radius_m: Array) -> Array:
+    """Distance from the camera's turning point to the floor at near, nominal and far altitude, (n, 3)."""
+    radius = 0.0 if scene.paper else np.asarray(outer_radius_m)[:, None]
+    return np.asarray(altitudes_m(scene)[None, :] + radius)

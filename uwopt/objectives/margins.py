@@ -1,0 +1,212 @@
+"""Requirements as margins: value, limit, and how much is left, worst over the altitudes.
+
+A margin is in the requirement's own unit, positive when there is room. A design is feasible when
+every margin is at least -1e-6 of its limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.figures import DesignRows, Figures, SettingRows
+from uwopt.hardware import CONTINUOUS, FLASH, PULSED
+from uwopt.mission import Limits
+from uwopt.model import sensor
+from uwopt.optics import altitudes_m
+from uwopt.scene import SceneOptics
+
+Array = NDArray[Any]
+Sense = Literal["<=", ">=", "="]
+SATISFIED_REL = 1e-6
+BINDING_REL = 1e-4
+
+
+@dataclass(frozen=True)
+class MarginRows:
+    """One requirement over n designs."""
+
+    requirement: str
+    value: Array
+    limit: Array
+    sense: Sense
+    unit: str
+    at_altitude_m: Array | None = None
+    tolerance_rel: float = SATISFIED_REL
+
+    @property
+    def margin(self) -> Array:
+        """What is left, in the requirement's unit."""
+        with np.errstate(invalid="ignore"):
+            if self.sense == "<=":
+                return np.asarray(self.limit - self.value)
+            if self.sense == ">=":
+                return np.asarray(self.value - self.limit)
+            return -np.abs(self.value - self.limit)
+
+    @property
+    def satisfied(self) -> Array:
+        """Whether it holds, to rounding."""
+        slack = self.tolerance_rel * np.abs(np.where(np.isfinite(self.limit), self.limit, 0.0))
+        with np.errstate(invalid="ignore"):
+            return np.asarray((self.margin >= -slack) & ~np.isnan(self.value))
+
+    @property
+    def binding(self) -> Array:
+        """Whether nothing is left."""
+        return np.asarray(np.abs(self.margin) <= BINDING_REL * np.maximum(np.abs(self.limit), 1e-12))
+
+
+def scene_margins(
+    scene: SceneOptics, rows: DesignRows, settings: SettingRows, figures: Figures, limits: Limits,
+    *, level_tolerance_rel: float = SATISFIED_REL,
+) -> Iterator[MarginRows]:  # fmt: skip
+    """Every requirement of one scene, for n designs. `level_tolerance_rel`: how well a mean level must be met."""
+    needs = scene.view.requirements
+    yield from motion_margins(scene, rows, settings, figures)
+    yield from depth_of_field_margins(scene, figures)
+    yield from image_margins(scene, rows, figures)
+    if needs.mean_level is not None:
+        yield MarginRows(
+            "mean_level", figures.mean_level[:, scene.nominal], at_all(figures, needs.mean_level), "=", "",
+            np.full(len(figures.light_x), scene.range_m[scene.nominal]), level_tolerance_rel,
+        )  # fmt: skip
+    yield MarginRows("saturation_fraction", figures.saturation_fraction, at_all(figures, 1.0), "<=", "")
+    yield from setting_margins(rows, settings, figures, limits)
+
+
+def at_all(figures: Figures, value: float) -> Array:
+    """One limit for all designs."""
+    return np.full(len(figures.light_x), value)
+
+
+def worst(values: Array, altitudes: Array, *, highest: bool) -> tuple[Array, Array]:
+    """The worst value over altitudes and where it is."""
+    index = values.argmax(axis=1) if highest else values.argmin(axis=1)
+    rows = np.arange(len(values))
+    return values[rows, index], altitudes[index]
+
+
+def motion_margins(
+    scene: SceneOptics, rows: DesignRows, settings: SettingRows, figures: Figures
+) -> Iterator[MarginRows]:
+    """Blur, skew, overlap and frame rate."""
+    needs, three = scene.view.requirements, altitudes_m(scene)
+    if needs.max_blur_px is not None:
+        value, where = worst(figures.blur_px, three, highest=True)
+        yield MarginRows("max_blur_px", value, at_all(figures, needs.max_blur_px), "<=", "px", where)
+    if needs.max_skew_px is not None:
+        value, where = worst(figures.skew_px, three, highest=True)
+        yield MarginRows("max_skew_px", value, at_all(figures, needs.max_skew_px), "<=", "px", where)
+    if needs.overlap is not None:
+        value, where = worst(figures.overlap, three, highest=False)
+        yield MarginRows("overlap", value, at_all(figures, needs.overlap), ">=", "", where)
+    if needs.frame_interval_s is not None:
+        with np.errstate(divide="ignore"):
+            interval = 1.0 / settings.rate_hz
+        yield MarginRows("frame_interval_s", interval, at_all(figures, needs.frame_interval_s), "<=", "s")
+    yield MarginRows("frame_rate", settings.rate_hz, rows.cameras.max_rate_hz, "<=", "Hz")
+
+
+def depth_of_field_margins(scene: SceneOptics, figures: Figures) -> Iterator[MarginRows]:
+    """Near end, far end and length of the depth of field."""
+    depth = scene.view.requirements.min_dof_m
+    if depth is None:
+        return
+    yield MarginRows("dof_near_m", figures.dof_near_m, at_all(figures, scene.range_m[0]), "<=", "m")
+    yield MarginRows("dof_far_m", figures.dof_far_m, at_all(figures, scene.range_m[-1]), ">=", "m")
+    yield MarginRows("min_dof_m", figures.dof_far_m - figures.dof_near_m, at_all(figures, depth), ">=", "m")
+
+
+def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Iterator[MarginRows]:
+    """Ground sample, swath and signal to noise."""
+    needs, three = scene.view.requirements, altitudes_m(scene)
+    if needs.max_gsd_mm is not None:
+        value, where = worst(rows.view.gsd_m * 1e3, three, highest=True)
+        yield MarginRows("max_gsd_mm", value, at_all(figures, needs.max_gsd_mm), "<=", "mm", where)
+    if needs.min_swath_m is not None:
+        value, where = worst(rows.view.footprint_across_m, three, highest=False)
+        yield MarginRows("min_swath_m", value, at_all(figures, needs.min_swath_m), ">=", "m", where)
+    if needs.min_snr is not None:
+        use_darkest = needs.snr_at == "worst" and figures.snr_darkest is not None
+        snr = figures.snr_darkest if use_darkest else figures.snr
+        assert snr is not None
+        value, where = worst(snr, scene.range_m, highest=False)
+        limit_db = float(sensor.to_db(needs.min_snr))
+        value_db = np.asarray(sensor.to_db(np.maximum(value, 1e-300)))
+        yield MarginRows("min_snr_db", value_db, at_all(figures, limit_db), ">=", "dB", where)
+
+
+def setting_margins(
+    rows: DesignRows, settings: SettingRows, figures: Figures, limits: Limits
+) -> Iterator[MarginRows]:
+    """What lens, camera and light can be set to."""
+    cam, lights = rows.cameras, rows.lights
+    yield MarginRows("f_number_min", settings.f_number, rows.lenses.f_number_min, ">=", "")
+    yield MarginRows("f_number_max", settings.f_number, rows.lenses.f_number_max, "<=", "")
+    yield MarginRows("gain_min", settings.gain, at_all(figures, 1.0), ">=", "")
+    yield MarginRows("gain_max", settings.gain, cam.max_gain, "<=", "")
+    longest_ms = np.minimum(cam.max_exposure_s * 1e3, limits.max_exposure_ms)
+    with np.errstate(divide="ignore"):
+        longest_ms = np.minimum(longest_ms, 1e3 / settings.rate_hz)
+    yield MarginRows("max_exposure_ms", settings.exposure_s * 1e3, longest_ms, "<=", "ms")
+    yield MarginRows("min_exposure_ms", settings.exposure_s * 1e3, cam.min_exposure_s * 1e3, ">=", "ms")
+    yield MarginRows("light_level_max", settings.level, at_all(figures, 1.0), "<=", "")
+    yield MarginRows("light_level", *nearest_level(rows, settings), "=", "")
+    triggered = lights.kind != CONTINUOUS
+    if triggered.any():
+        yield from pulse_margins(rows, settings, triggered)
+
+
+def nearest_level(rows: DesignRows, settings: SettingRows) -> tuple[Array, Array]:
+    """The level, and the nearest one that the lamp can be set to."""
+    lights = rows.lights
+    with np.errstate(invalid="ignore"):
+        distance = np.abs(lights.levels - settings.level[:, None])
+    distance = np.where(np.isnan(distance), np.inf, distance)
+    stepped = np.take_along_axis(lights.levels, distance.argmin(axis=1)[:, None], axis=1)[:, 0]
+    free = np.maximum(settings.level, lights.min_level)
+    return settings.level, np.where(lights.dims_freely, free, stepped)
+
+
+def pulse_margins(rows: DesignRows, settings: SettingRows, triggered: Array) -> Iterator[MarginRows]:
+    """Pulse length, duty, recycle time, and a rolling shutter that must be open in all rows."""
+    cam, lights = rows.cameras, rows.lights
+    inf = np.full(len(triggered), np.inf)
+    led = lights.kind == PULSED
+    pulse_ms = settings.pulse_s * 1e3
+    yield MarginRows("max_pulse_ms", pulse_ms, np.where(led, lights.max_pulse_s * 1e3, inf), "<=", "ms")
+    yield MarginRows("min_pulse_ms", np.where(led, pulse_ms, inf), np.where(led, lights.min_pulse_s * 1e3, 0.0), ">=", "ms")
+    duty = np.where(led, settings.pulse_s * settings.rate_hz, 0.0)
+    yield MarginRows("light_duty", duty, np.where(led, lights.max_duty, 1.0), "<=", "")
+    yield MarginRows("light_rate", settings.rate_hz, np.where(triggered, lights.max_rate_hz, inf), "<=", "Hz")
+    flash_s = np.where(lights.kind == FLASH, lights.flash_duration_s, settings.pulse_s)
+    rolling = triggered & (cam.readout_s > 0)
+    needed_ms = np.where(rolling, (cam.readout_s + flash_s) * 1e3, 0.0)
+    yield MarginRows("shutter_open_ms", settings.exposure_s * 1e3, needed_ms, ">=", "ms")
+
+
+def system_margins(
+    limits: Limits, *, cost: Array, cost_limit_value: Array, power_w: Array, peak_power_w: Array, mass_kg: Array,
+    data_rate_mb_s: Array, depth_m: float, ratings_m: dict[str, float | None], accepted: frozenset[str],
+) -> Iterator[MarginRows]:  # fmt: skip
+    """Limits of the whole system: money, power, mass, data and depth."""
+    del cost
+    every = np.ones(len(power_w))
+    for name, value, limit, unit in (
+        ("cost", cost_limit_value, limits.cost, limits.currency),
+        ("power_w", power_w, limits.power_w, "W"),
+        ("peak_power_w", peak_power_w, limits.peak_power_w, "W"),
+        ("mass_kg", mass_kg, limits.mass_kg, "kg"),
+        ("data_rate_mb_s", data_rate_mb_s, limits.data_rate_mb_s, "MB/s"),
+    ):
+        if limit is not None:
+            yield MarginRows(name, value, limit * every, "<=", unit)
+    for part, rating in ratings_m.items():
+        if part not in accepted:
+            known = 0.0 if rating is None else rating
+            yield MarginRows(f"depth_rating_m ({part})", known * every, depth_m * every, ">=", "m")
