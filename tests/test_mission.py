@@ -1,6 +1,7 @@
 """Missions: what loads, what each fault says, and what solvers see."""
 
 import copy
+import itertools
 import math
 import subprocess
 import sys
@@ -341,7 +342,7 @@ def test_a_grid_rises_from_end_to_end_in_steps_of_at_most_one_step(a, b):
     points = grid(low, high, 0.05)
     assert points[0] == pytest.approx(low, abs=1e-9)  # points are rounded to 1e-9
     assert points[-1] == pytest.approx(high, abs=1e-9)
-    gaps = [y - x for x, y in zip(points, points[1:], strict=False)]
+    gaps = [y - x for x, y in itertools.pairwise(points)]
     assert all(0 < gap < 0.05 + 2e-9 for gap in gaps)
 
 

@@ -17,7 +17,8 @@ from uwopt.templates import system_json_schema, system_template
 
 EXAMPLE = Path(__file__).parent / "reference" / "example_system.yaml"
 CAMERA = {
-    "resolution_x_px": 2448, "resolution_y_px": 2048, "pixel_pitch_um": 3.45, "read_noise_e": 2.4, "quantum_efficiency": 0.6,
+    "resolution_x_px": 2448, "resolution_y_px": 2048, "pixel_pitch_um": 3.45, "read_noise_e": 2.4,
+    "quantum_efficiency": 0.6,
 }  # fmt: skip
 SMALL = {"camera": "some-camera", "lens": "some-lens", "port": "some-port", "light": "some-light"}
 LIGHT = {"flux_lm": 1500, "beam_half_angle_deg": 40}

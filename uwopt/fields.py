@@ -190,4 +190,4 @@ def all_optional(model: type[M], name: str) -> type[M]:
     made: Any = create_model(
         name, __base__=Section, __doc__=f"Keys of {model.__name__}, all optional.", **fields
     )
-    return made  # type: ignore[no-any-return]
+    return made

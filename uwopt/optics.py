@@ -449,6 +449,14 @@ class Contraction:
         loss = (weight * np.exp(-(optical - least))).sum(axis=1) / weight.sum()
         return np.asarray(loss * np.exp(-least[:, 0]))
 
+    def mean_loss(self, spectrum: int, efficiency: int, *, lamp_m: float, camera_m: float) -> float:
+        """Water's loss over one pair of paths, integrated directly."""
+        scene = self.scene
+        weight = self.weight(spectrum, efficiency)
+        optical = scene.lamp_attenuation_per_m * lamp_m + scene.attenuation_per_m * camera_m
+        least = float(optical.min())
+        return float((weight * np.exp(-(optical - least))).sum() / weight.sum() * np.exp(-least))
+
     def set_reach(self, lamp_reach_m: float, camera_reach_m: float) -> None:
         """Longest paths that tables must cover; called before any table is built."""
         self._reach_m = (lamp_reach_m, camera_reach_m)

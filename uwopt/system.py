@@ -79,8 +79,9 @@ class Settings(Section):
     pulse_ms: Annotated[float, Field(gt=0, le=600_000), NUMBER] | None = Field(
         default=None, description="time that pulsed lights are on, in milliseconds; the exposure unless given"
     )
-    gain: Annotated[float, Field(ge=1, le=1e5), NUMBER] = Field(
-        default=1.0, description="gain as a ratio, at least 1, which is 0 dB"
+    gain: Annotated[float, Field(ge=1, le=1e5), NUMBER] | None = Field(
+        default=None,
+        description="gain as a ratio, at least 1, which is 0 dB; that of the wanted mean level unless given, else 1",
     )
     flux_lm: NonNegative | None = Field(
         default=None,

@@ -94,9 +94,8 @@ class Reporter:
         here = model_at(self.model, path[:-1])
         known = keys_of(here) if here else {}
         section = next((name for name, model in self.sections.items() if model is here), "")
-        places = {section: tuple(known)}
-        if section == "scene":
-            places |= {"": (*keys_of(self.sections["vehicle"]), *keys_of(self.sections["requirements"]))}
+        overrides = ("vehicle", "requirements") if section == "scene" else ()
+        places = {section: (*known, *(k for name in overrides for k in keys_of(self.sections[name])))}
         places |= {n: tuple(keys_of(m)) for n, m in self.sections.items() if n not in places}
         return unknown_key(key, value, section, places)
 
@@ -170,14 +169,10 @@ def unknown_key(key: str, value: Any, here: str, places: Mapping[str, tuple[str,
     plain = key.casefold().replace("-", "_").replace(" ", "_")
     for exact in (True, False):
         for name, keys in places.items():
-            inside = name == here or (name == "" and here == "scene")
+            inside = name == here
             place = "" if inside or not name else f" under {name}"
             if exact and not inside and plain in keys:
-                return (
-                    f"is in the wrong place; {plain} belongs{place}"
-                    if name
-                    else "it belongs at the top level"
-                )
+                return f"belongs{place or ' at the top level'}; move it there"
             other_unit = None if exact else _other_unit(plain, value, keys)
             if other_unit:
                 return f"is unknown; the key is {other_unit[0]}{place}{other_unit[1]}"

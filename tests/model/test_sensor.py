@@ -8,7 +8,7 @@ import casadi
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from uwopt.model import sensor
@@ -42,15 +42,15 @@ CASE: dict[str, Any] = {
 
 
 def test_flat_spectrum_matches_closed_form() -> None:
-    # E = 1e-5 W/m2/nm on 500-600 nm: integral of E lambda d lambda = 1e-5 * (600**2 - 500**2) / 2 = 0.55 nm W/m2
-    # 0.6 * (3.45e-6)**2 * 0.010 * 0.55e-9 / (h c) = 197.73 electrons, by hand
+    # E = 1e-5 W/m2/nm on 500-600 nm: integral of E lambda d lambda = 1e-5 (600^2 - 500^2) / 2 = 0.55 nm W/m2
+    # 0.6 (3.45e-6)^2 0.010 * 0.55e-9 / (h c) = 197.73 electrons, by hand
     got = sensor.photo_electrons(np.full(101, 1e-5), **CASE)
     assert got == pytest.approx(197.73, rel=1e-4)  # rounding of the hand value
 
 
 def test_one_photon_per_pixel_and_second_is_one_electron() -> None:
-    # 555 nm: h c / lambda = 3.5792e-19 J; a line one nm wide (two half steps of the trapezoid)
-    line = np.where(WAVELENGTH_NM == 555.0, 3.5791987e-19 / (3.45e-6) ** 2, 0.0)
+    # 555 nm: h c / lambda = 3.579182e-19 J; a line one nm wide (two half steps of the trapezoid)
+    line = np.where(WAVELENGTH_NM == 555.0, 3.5791817e-19 / (3.45e-6) ** 2, 0.0)
     perfect = CASE | {"quantum_efficiency": 1.0, "exposure_s": 1.0}
     assert sensor.photo_electrons(line, **perfect) == pytest.approx(1.0, rel=1e-6)
 
@@ -115,14 +115,14 @@ def test_unknown_gain_puts_full_scale_at_saturation(well_e: float, offset_dn: fl
 
 
 def test_papers_snr_by_hand() -> None:
-    # 100 / sqrt(2.44^2 + 1/12/5.556^2 + 100) = 100 / sqrt(105.9563) = 9.714872
-    assert sensor.snr(100.0, **IMX250) == pytest.approx(9.714872, rel=1e-6)
+    # 100 / sqrt(2.44^2 + 1/12/5.556^2 + 100) = 100 / sqrt(105.9563) = 9.714861
+    assert sensor.snr(100.0, **IMX250) == pytest.approx(9.714861, rel=1e-6)
 
 
 def test_full_snr_by_hand() -> None:
-    # all 150, dark 5, PRNU 1 %: 100 / sqrt(5.9536 + 0.0027 + 150 + 5 + 2.25) = 100 / sqrt(163.2063) = 7.827662
+    # all 150, dark 5, PRNU 1 %: 100 / sqrt(5.9536 + 0.0027 + 150 + 5 + 2.25) = 7.827653
     got = sensor.snr(100.0, veil_e=50.0, dark_e=5.0, prnu_frac=0.01, **IMX250)
-    assert got == pytest.approx(7.827662, rel=1e-6)
+    assert got == pytest.approx(7.827653, rel=1e-6)
 
 
 def test_simulated_pixels_have_that_snr() -> None:
@@ -173,6 +173,7 @@ def test_electrons_for_an_snr_is_the_physics_pages_closed_form() -> None:
     assert got == pytest.approx(153.8987, rel=1e-6)
 
 
+@settings(deadline=None)  # a loaded machine is no failure
 @given(snr=st.floats(0.1, 60.0), sigma2=st.floats(0.1, 400.0), kappa=ratios, q=st.floats(0.0, 0.01))
 def test_electrons_for_an_snr_solve_the_noise_equation(
     snr: float, sigma2: float, kappa: float, q: float
@@ -184,7 +185,7 @@ def test_electrons_for_an_snr_solve_the_noise_equation(
         variance = sigma2 + (1 + kappa) * mu + (q * mu) ** 2 + (prnu * (1 + kappa) * mu) ** 2
         return mpmath.log(mu / mpmath.sqrt(variance)) - mpmath.log(snr)
 
-    root = float(mpmath.exp(mpmath.findroot(shortfall, (-20, 60), solver="anderson", tol=1e-20)))
+    root = float(mpmath.exp(mpmath.findroot(shortfall, (-20, 60), solver="bisect", tol=1e-14, maxsteps=300)))
     got = sensor.electrons_for_snr(
         snr, noise_variance_e2=sigma2, veil_ratio=kappa, quantisation_frac=q, prnu_frac=prnu
     )

@@ -30,9 +30,11 @@ Array = NDArray[Any]
 TIE = 1e-9
 ROUND = 1.0 + 1e-9
 FIRST_BATCH, LARGEST_BATCH = 32, 2048
+FIRST_CHUNK, LARGEST_CHUNK = 4096, 65536
+SAMPLES_A_TIME, MOST_SAMPLES = 64, 1024
 MOST_ROWS_AT_ONCE = 60_000
 UNIT_RULES = ("min_snr", "cost", "mass_kg", "power_w", "bound")
-RULES = (*IMAGER_RULES, *UNIT_RULES)
+RULES = (*IMAGER_RULES, *(rule for rule in UNIT_RULES if rule not in IMAGER_RULES))
 
 
 @dataclass(frozen=True)
@@ -117,14 +119,17 @@ class Search:
 
     def __init__(
         self, problem: Problem, objective: Objective, *, top: int, deadline_s: float | None,
-        progress: Callable[[float, str], None] | None,
+        progress: Callable[[float, str], None] | None, ceiling: float = np.inf,
     ):  # fmt: skip
+        self.ceiling = ceiling  # designs that are no better than this are not wanted
         self.problem, self.objective, self.top = problem, objective, max(1, top)
         self.deadline = None if deadline_s is None else time.perf_counter() + deadline_s
         self.progress = progress or (lambda share, what: None)
         self.best: list[Found] = []
         self.account = Account()
         self.limits = problem.mission.limits
+        self.bounds_s = 0.0
+        self._samples: dict[str, list[tuple[int, int | None]]] = {}  # rule -> (imager, light optics)
 
     # ------------------------------------------------------------ run
 
@@ -137,16 +142,13 @@ class Search:
         after_imagers = time.perf_counter()
         self.tables = FieldTables(self.problem, imagers)
         self.light_tables = [self._light_table(lighting) for lighting in self.tables.lightings]
-        self.progress(0.1, "bounds")
         self.motorised = self.problem.lenses.motorised[imagers.lens] if len(imagers) else np.empty(0, bool)
-        bounds = [self._unit_bounds(k) for k in range(len(self.tables.lightings))]
-        after_bounds = time.perf_counter()
-        lower, complete = self._best_first(bounds)
+        lower, complete = self._by_floor()
         self.progress(1.0, "done")
         timing = {
             "imagers": after_imagers - start,
-            "bounds": after_bounds - after_imagers,
-            "evaluation": time.perf_counter() - after_bounds,
+            "bounds": self.bounds_s,
+            "evaluation": time.perf_counter() - after_imagers - self.bounds_s,
         }
         return Outcome(self.best, self.account, lower, complete, imagers, self.tables, timing)
 
@@ -179,63 +181,71 @@ class Search:
 
     # ------------------------------------------------------------ bounds
 
-    def _unit_bounds(self, k: int) -> UnitBounds:
-        """Bounds of every imager under one lighting, worst scene."""
-        imagers, lighting, table = self.imagers, self.tables.lightings[k], self.light_tables[k]
-        n = len(imagers)
+    def _unit_bounds(self, k: int, rows: Array) -> UnitBounds:
+        """Bounds of these imagers under one lighting, worst scene."""
+        lighting, table = self.tables.lightings[k], self.light_tables[k]
+        n = len(rows)
         bounds = UnitBounds.empty(n)
         if n == 0 or len(table.light) == 0:
             bounds.rule[:] = UNIT_RULES.index("min_snr")
             return bounds
         for kind in np.unique(table.kind):
             own = table.kind == kind
-            bounds = bounds.better_of(self._kind_bounds(k, lighting, table, own, int(kind)))
+            bounds = bounds.better_of(self._kind_bounds(lighting, table, own, int(kind), rows))
         return bounds
 
-    def _kind_bounds(self, k: int, lighting: Lighting, table: LightTable, own: Array, kind: int) -> UnitBounds:
+    def _kind_bounds(
+        self, lighting: Lighting, table: LightTable, own: Array, kind: int, rows: Array
+    ) -> UnitBounds:
         """Bounds from the lights of one kind: what capable lights cost, weigh and draw at least."""
         imagers = self.imagers
-        n = len(imagers)
-        power = np.zeros(n)
-        capacity_needed = np.zeros(n)
+        n = len(rows)
+        power, capacity_needed = np.zeros(n), np.zeros(n)
         snr_db = np.full(n, np.inf)
-        effective = table.effective[own]
-        order = np.argsort(effective)
-        capacity = effective[order]
+        order = np.argsort(table.effective[own])
+        capacity = table.effective[own][order]
         least_drawn = suffix_min(table.power_per_light[own][order])
         for index, scene in enumerate(imagers.scenes):
-            signal = self._signal_bound(index, lighting)
-            need, snr_floor_e = self._electrons_needed(index)
-            focused = scene.focused
-            square = np.square(focused.n_low * focused.working_factor)
-            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-                light_time = np.where(need > 0, need * square / signal.min(axis=1), 0.0)
-                longest = self._longest_time_s(focused, kind)
-                wanted = light_time if kind == FLASH else light_time / longest
-            wanted = np.where(longest > 0, wanted, np.inf)
+            focused = scene.focused.take(rows)
+            light_time, wanted, most = self._light_needed(index, lighting, focused, kind, rows)
             capacity_needed = np.maximum(capacity_needed, wanted)
             at = np.searchsorted(capacity, wanted * (1 - 1e-12))
             drawn = np.where(at < len(capacity), least_drawn[np.minimum(at, len(capacity) - 1)], np.inf)
             with np.errstate(invalid="ignore"):
-                if kind == CONTINUOUS:
-                    scene_power = wanted * drawn
-                else:
-                    scene_power = light_time * drawn * focused.rate_hz
-            power = np.maximum(power, np.where(np.isfinite(wanted), np.nan_to_num(scene_power), np.inf))
+                used = wanted if kind == CONTINUOUS else light_time * focused.rate_hz
+                scene_power = np.where(used > 0, used * drawn, 0.0)
+            power = np.maximum(power, np.where(np.isfinite(wanted), scene_power, np.inf))
             if self.objective.weight("snr_db"):
-                most = capacity[-1] * (1.0 if kind == FLASH else longest) / square
-                snr_db = np.minimum(snr_db, self._snr_bound(index, signal[:, -1] * most))
-            del snr_floor_e
+                snr_db = np.minimum(snr_db, self._snr_bound(index, capacity[-1] * most, rows))
         at = np.searchsorted(capacity, capacity_needed * (1 - 1e-12))
         reachable = at < len(capacity)
         pick = np.minimum(at, len(capacity) - 1)
-        cost = imagers.cost + np.where(reachable, suffix_min(table.cost[own][order])[pick], np.inf)
-        limit_cost = imagers.limit_cost + np.where(reachable, suffix_min(table.limit_cost[own][order])[pick], np.inf)
-        mass = imagers.mass_kg + np.where(reachable, suffix_min(table.mass_kg[own][order])[pick], np.inf)
-        total = imagers.camera_power_w + power
-        return self._judged(UnitBounds(np.zeros(n), total, cost, mass, snr_db, np.zeros(n, int)), reachable, limit_cost)
 
-    def _judged(self, bounds: UnitBounds, reachable: Array, limit_cost: Array) -> UnitBounds:
+        def least(values: Array) -> Array:
+            return np.where(reachable, suffix_min(values[own][order])[pick], np.inf)
+
+        bounds = UnitBounds(
+            np.zeros(n), imagers.camera_power_w[rows] + power, imagers.cost[rows] + least(table.cost),
+            imagers.mass_kg[rows] + least(table.mass_kg), snr_db, np.zeros(n, int),
+        )  # fmt: skip
+        return self._judged(bounds, reachable, imagers.limit_cost[rows] + least(table.limit_cost), rows)
+
+    def _light_needed(
+        self, scene_index: int, lighting: Lighting, focused: Any, kind: int, rows: Array
+    ) -> tuple[Array, Array, Array]:
+        """Least light * time that the requirements need, the lamp capacity it takes, and the most
+        electrons a unit of capacity can give at the nominal altitude."""
+        signal = self._signal_bound(scene_index, lighting, rows)
+        need = self._electrons_needed(scene_index, rows)
+        square = np.square(focused.n_low * focused.working_factor)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            light_time = np.where(need > 0, need * square / signal.min(axis=1), 0.0)
+            longest = self._longest_time_s(focused, rows)
+            wanted = light_time if kind == FLASH else light_time / longest
+        wanted = np.where(longest > 0, wanted, np.inf)
+        return light_time, wanted, signal[:, -1] * (1.0 if kind == FLASH else longest) / square
+
+    def _judged(self, bounds: UnitBounds, reachable: Array, limit_cost: Array, rows: Array) -> UnitBounds:
         """Objective of the bounds, infinite where a limit cannot be met, with the rule that says so."""
         limits, rule = self.limits, np.full(len(reachable), -1)
         checks = (
@@ -246,57 +256,53 @@ class Search:
         )
         for name, passes in checks:
             rule = np.where((rule < 0) & ~passes, UNIT_RULES.index(name), rule)
-        terms = Terms(bounds.power, bounds.cost, bounds.mass, bounds.snr_db, self.imagers.gsd_mm)
+        terms = Terms(bounds.power, bounds.cost, bounds.mass, bounds.snr_db, self.imagers.gsd_mm[rows])
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
         value = np.where(rule >= 0, np.inf, value)
         return UnitBounds(value, bounds.power, bounds.cost, bounds.mass, bounds.snr_db, rule)
 
-    def _signal_bound(self, scene_index: int, lighting: Lighting) -> Array:
+    def _signal_bound(self, scene_index: int, lighting: Lighting, rows: Array) -> Array:
         """Upper bounds of electrons per lm s at the farthest and the nominal altitude, (n, 2)."""
         scene = self.problem.scenes[scene_index]
-        far = self.tables.bound(scene_index, lighting, len(scene.range_m) - 1)
+        far = self.tables.bound(scene_index, lighting, len(scene.range_m) - 1, rows)
         if scene.nominal == len(scene.range_m) - 1:
             return np.stack([far, far], axis=1)
-        return np.stack([far, self.tables.bound(scene_index, lighting, scene.nominal)], axis=1)
+        return np.stack([far, self.tables.bound(scene_index, lighting, scene.nominal, rows)], axis=1)
 
-    def _electrons_needed(self, scene_index: int) -> tuple[Array, Array]:
+    def _electrons_needed(self, scene_index: int, rows: Array) -> Array:
         """Fewest electrons that the requirements ask for, with quantisation and dark current left out."""
-        scene = self.problem.scenes[scene_index]
-        cameras = self.problem.cameras.take(self.imagers.camera)
-        needs = scene.view.requirements
-        snr = needs.min_snr or 0.0
-        by_snr = sensor.electrons_for_snr(
-            snr, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
-        )
-        by_snr = np.where(snr > 0, by_snr, 0.0)
+        cameras = self.problem.cameras.take(self.imagers.camera[rows])
+        needs = self.problem.scenes[scene_index].view.requirements
+        need = np.zeros(len(rows))
+        if needs.min_snr:
+            need = sensor.electrons_for_snr(
+                needs.min_snr, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
+            )
         if needs.mean_level is None:
-            return by_snr, by_snr
+            return np.asarray(need)
         wanted_dn = needs.mean_level * (2.0**cameras.bits - 1.0) - cameras.black_level_dn
         by_gain = wanted_dn / (cameras.gain_dn_per_e * cameras.max_gain)
         dark = cameras.dark_current_e_s * np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
-        return np.maximum(by_snr, np.maximum(by_gain - dark, 0.0)), by_snr
+        return np.asarray(np.maximum(need, by_gain - dark))
 
-    def _longest_time_s(self, focused: Any, kind: int) -> Array:
-        """An upper bound of the light-collecting time of any light of this kind."""
-        cameras = self.problem.cameras.take(self.imagers.camera)
+    def _longest_time_s(self, focused: Any, rows: Array) -> Array:
+        """An upper bound of the light-collecting time of any light."""
+        cameras = self.problem.cameras.take(self.imagers.camera[rows])
         with np.errstate(divide="ignore"):
             exposure = np.minimum(
                 np.minimum(cameras.max_exposure_s, self.limits.max_exposure_ms * 1e-3), 1.0 / focused.rate_hz
             )
-        del kind
-        return np.minimum(exposure + cameras.exposure_offset_s, focused.blur_time_s)
+        return np.asarray(np.minimum(exposure + cameras.exposure_offset_s, focused.blur_time_s))
 
-    def _snr_bound(self, scene_index: int, electrons_e: Array) -> Array:
+    def _snr_bound(self, scene_index: int, electrons_e: Array, rows: Array) -> Array:
         """Upper bound of the SNR in dB from the electrons that light and sensor allow at most."""
-        cameras = self.problem.cameras.take(self.imagers.camera)
+        cameras = self.problem.cameras.take(self.imagers.camera[rows])
         needs = self.problem.scenes[scene_index].view.requirements
         full_scale = 2.0**cameras.bits - 1.0
         top = cameras.saturation_e / needs.highlight_ratio
-        level = (
-            full_scale / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full_scale
-        ) - cameras.black_level_dn
-        most = np.minimum(electrons_e, np.minimum(top, level / cameras.gain_dn_per_e))
+        level = full_scale / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full_scale
+        most = np.minimum(electrons_e, np.minimum(top, (level - cameras.black_level_dn) / cameras.gain_dn_per_e))
         with np.errstate(invalid="ignore"):
             snr = sensor.snr(
                 most, read_noise_e=cameras.read_noise_e, gain_dn_per_e=np.inf, prnu_frac=cameras.prnu_frac
@@ -305,17 +311,49 @@ class Search:
 
     # ------------------------------------------------------------ best first
 
-    def _best_first(self, bounds: list[UnitBounds]) -> tuple[float, bool]:
-        """Take units in order of their bound until none can beat the best."""
-        n_imagers = len(self.imagers)
-        if n_imagers == 0:
-            return np.inf, True
+    def _by_floor(self) -> tuple[float, bool]:
+        """Take imagers in order of what they cost without any light, until none can beat the best."""
+        imagers = self.imagers
+        ceiling = np.full(len(imagers), self._snr_ceiling())
+        floor = self.objective.cost_to_minimise(
+            Terms(imagers.camera_power_w, imagers.cost, imagers.mass_kg, ceiling, imagers.gsd_mm)
+        )
+        order = np.argsort(floor, kind="stable")
+        every = int(sum(len(t.light) for t in self.light_tables))
+        position, chunk = 0, FIRST_CHUNK
+        while position < len(order):
+            rows = order[position : position + chunk]
+            useful = rows[floor[rows] <= self._threshold()]
+            self.account.discarded["bound"] += every * (len(rows) - len(useful))
+            if len(useful):
+                finished = self._best_first(useful)
+                if finished is not None:
+                    rest = order[position + len(rows) :]
+                    self.account.discarded["not_reached"] = self.account.discarded.get("not_reached", 0) + every * len(rest)
+                    lowest = min(finished, float(floor[rest].min(initial=np.inf)))
+                    return min(lowest, self.best[0].minimised if self.best else np.inf), False
+            position += len(rows)
+            chunk = min(2 * chunk, LARGEST_CHUNK)
+            self.progress(0.1 + 0.9 * position / len(order), "search")
+        return (self.best[0].minimised if self.best else self.ceiling), True
+
+    def _best_first(self, rows: Array) -> float | None:
+        """Take the units of these imagers in order of their bound until none can beat the best.
+
+        Returns the lowest bound not looked at when time ran out, else None.
+        """
+        start = time.perf_counter()
+        bounds = [self._unit_bounds(k, rows) for k in range(len(self.tables.lightings))]
+        self.bounds_s += time.perf_counter() - start
+        n = len(rows)
         value = np.concatenate([b.value for b in bounds])
         power = np.concatenate([b.power for b in bounds])
         rule = np.concatenate([b.rule for b in bounds])
-        size = np.repeat([len(t.light) for t in self.light_tables], n_imagers)
+        size = np.repeat([len(t.light) for t in self.light_tables], n)
         for index, name in enumerate(UNIT_RULES):
-            self.account.discarded[name] += int(size[rule == index].sum())
+            failed = rule == index
+            self.account.discarded[name] += int(size[failed].sum())
+            self._sample(name, np.nonzero(failed)[0], rows)
         alive = np.nonzero(np.isfinite(value) & (rule < 0))[0]
         order = alive[np.lexsort((power[alive], value[alive]))]
         position, batch = 0, FIRST_BATCH
@@ -326,31 +364,50 @@ class Search:
             if len(ahead) == 0:
                 break
             if self.deadline is not None and time.perf_counter() > self.deadline:
-                return self._stopped(value, size, order[position:])
-            tied = value[ahead] >= threshold - 2 * TIE * abs(threshold)
+                rest = order[position:]
+                self.account.discarded["not_reached"] = int(size[rest].sum())
+                return float(value[rest].min())
+            tied = np.isfinite(threshold) & (value[ahead] >= threshold - 2 * TIE * abs(threshold))
             useful = ahead[~(tied & (power[ahead] > self._power_threshold()))]
             self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
-            self._evaluate_units(useful // n_imagers, useful % n_imagers)
+            self._evaluate_units(useful // n, rows[useful % n])
             position += len(ahead)
             batch = min(2 * batch, LARGEST_BATCH)
-            self.progress(0.1 + 0.9 * position / len(order), "evaluation")
         self.account.discarded["bound"] += int(size[order[position:]].sum())
-        return (self.best[0].minimised if self.best else np.inf), True
+        self._sample("bound", order[position:], rows)
+        return None
 
-    def _stopped(self, value: Array, size: Array, rest: Array) -> tuple[float, bool]:
-        """Out of time: the lowest bound not yet looked at limits what is missed."""
-        self.account.discarded.setdefault("not_reached", 0)
-        self.account.discarded["not_reached"] += int(size[rest].sum())
-        lowest = float(value[rest].min())
-        best = self.best[0].minimised if self.best else np.inf
-        return min(lowest, best), False
+    def _sample(self, rule: str, units: Array, rows: Array) -> None:
+        """Remember some of the units that a rule discards, evenly spread, for an audit."""
+        kept = self._samples.setdefault(rule, [])
+        if len(units) and len(kept) < MOST_SAMPLES:
+            step = max(1, len(units) // SAMPLES_A_TIME)
+            n = len(rows)
+            kept += [(int(rows[u % n]), int(u // n)) for u in units[::step][: 2 * SAMPLES_A_TIME]]
+
+    def discarded_samples(
+        self, count: int, rng: np.random.Generator
+    ) -> dict[str, list[tuple[int, int, int, bool, int | None]]]:
+        """Combinations that each rule discarded, as (camera, lens, port, landscape, light or None for any)."""
+        imagers = self.imagers
+        pools: dict[str, list[tuple[int, int, int, bool, int | None]]] = {
+            rule: [(c, le, p, o, None) for c, le, p, o in samples] for rule, samples in imagers.samples.items()
+        }
+        for rule, units in self._samples.items():
+            pool = pools.setdefault(rule, [])
+            for imager, k in units[: max(count, 1)]:
+                lights = self.light_tables[k].light
+                light = int(lights[int(rng.integers(len(lights)))])
+                pool.append((int(imagers.camera[imager]), int(imagers.lens[imager]), int(imagers.port[imager]),
+                             bool(imagers.landscape[imager]), light))  # fmt: skip
+        return pools
 
     def _threshold(self) -> float:
         """The objective that a unit must not exceed to matter: that of the last runner-up, ties included."""
         if len(self.best) < self.top:
-            return np.inf
+            return self.ceiling
         worst = self.best[-1].minimised
-        return worst + TIE * abs(worst)
+        return min(worst + TIE * abs(worst), self.ceiling)
 
     def _power_threshold(self) -> float:
         """Among ties, the power that a unit must not exceed to matter."""

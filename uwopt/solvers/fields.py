@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from uwopt.model import beam as beams
 from uwopt.model.imaging import flat_slope_m, lamp_light
 from uwopt.model.port import flat_floor_derivative
-from uwopt.model.water import log_mean_transmission
-from uwopt.optics import Views, on_axis_gain, one_side
+from uwopt.optics import on_axis_gain, one_side
 from uwopt.problem import Mount, Problem
 from uwopt.solvers.imagers import Imagers
 
@@ -54,99 +53,41 @@ class FieldTables:
         for index, scene in enumerate(imagers.scenes):
             widest = 0.5 * np.hypot(scene.view.footprint_along_m[:, 2], scene.view.footprint_across_m[:, 2])
             problem.set_reach(index, 1.5 * float(widest.max(initial=0.0)))
-        self._response = [self._responses(i) for i in range(len(problem.scenes))]
+        self._light_tables: dict[tuple[int, Lighting, int], LightTable] = {}
 
-    def _responses(self, scene_index: int) -> Array:
-        """Electrons per m^2 and unit light, (n_optics, n_efficiency)."""
-        contraction = self.problem.contractions[scene_index]
-        table = [
-            [contraction.response(s, q) for q in range(len(contraction.efficiencies))]
-            for s in range(len(contraction.spectrum_names))
-        ]
-        return np.array(table)[contraction.spectrum_of]
-
-    def collecting(self, scene_index: int, lighting: Lighting, rows: Array) -> Array:
-        """Electrons per (lm s) for unit field gain."""
-        view = self.imagers.scenes[scene_index].view
-        efficiency = self.problem.cameras.qe_index[self.imagers.camera[rows]]
-        return np.asarray(view.collecting_m2[rows] * self._response[scene_index][lighting.optics, efficiency])
-
-    # ------------------------------------------------------------ bound
-
-    def bound(self, scene_index: int, lighting: Lighting, altitude: int) -> Array:
-        """Upper bound on the electrons per lm s of every imager at one altitude, (n_imagers,)."""
+    def bound(self, scene_index: int, lighting: Lighting, altitude: int, rows: Array) -> Array:
+        """Upper bound on the electrons per lm s of these imagers at one altitude, (n,)."""
         problem, imagers = self.problem, self.imagers
-        rows = np.arange(len(imagers))
-        gain = (
-            self._paper_gain(scene_index, lighting, altitude)
-            if problem.paper
-            else self._full_gain_bound(scene_index, lighting, altitude)
-        )
-        return self.collecting(scene_index, lighting, rows) * gain
-
-    def _paper_gain(self, scene_index: int, lighting: Lighting, altitude: int) -> Array:
-        """Physics `paper` knows no field, so its bound is exact."""
-        problem = self.problem
+        efficiency = problem.cameras.qe_index[imagers.camera[rows]]
+        curves, back = np.unique(efficiency, return_inverse=True)
         contraction = problem.contractions[scene_index]
         spectrum = int(contraction.spectrum_of[lighting.optics])
-        losses = np.array(
-            [contraction.straight_loss(spectrum, q)[altitude] for q in range(len(contraction.efficiencies))]
-        )
-        axis = on_axis_gain(problem.optics[lighting.optics].beam, problem.scenes[scene_index].range_m)[altitude]
-        return np.asarray(axis * losses[problem.cameras.qe_index[self.imagers.camera]])
+        response = np.array([contraction.response(spectrum, int(q)) for q in curves])[back]
+        collecting = imagers.scenes[scene_index].view.collecting_m2[rows] * response
+        if problem.paper:  # knows no field, so the bound is exact
+            axis = on_axis_gain(problem.optics[lighting.optics].beam, problem.scenes[scene_index].range_m)[altitude]
+            loss = np.array([contraction.straight_loss(spectrum, int(q))[altitude] for q in curves])[back]
+            return np.asarray(collecting * loss * axis)
+        loss = np.array([self._least_loss(scene_index, lighting, altitude, int(q)) for q in curves])[back]
+        rectangle = Rectangles.of(problem, imagers, scene_index, altitude, rows)
+        light = self._light_table(scene_index, lighting, altitude).most_light(rectangle)
+        return np.asarray(collecting * loss * light / (4.0 * rectangle.area_m2) * rectangle.crowding)
 
-    def _full_gain_bound(self, scene_index: int, lighting: Lighting, altitude: int) -> Array:
-        problem, imagers = self.problem, self.imagers
-        range_m = float(problem.scenes[scene_index].range_m[altitude])
-        rectangle = Rectangles.of(problem, imagers, scene_index, altitude)
-        light = self._light_on(scene_index, lighting, range_m, rectangle)
-        loss = self._least_loss(scene_index, lighting, range_m)[problem.cameras.qe_index[imagers.camera]]
-        return np.asarray(light / (4.0 * rectangle.image_area) * rectangle.crowding * loss)
-
-    def _least_loss(self, scene_index: int, lighting: Lighting, range_m: float) -> Array:
-        """Water's loss over the shortest possible paths, by efficiency curve."""
-        problem = self.problem
-        spectrum = int(problem.contractions[scene_index].spectrum_of[lighting.optics])
+    def _least_loss(self, scene_index: int, lighting: Lighting, altitude: int, efficiency: int) -> float:
+        """Water's loss over the shortest possible paths."""
+        scene, contraction = self.problem.scenes[scene_index], self.problem.contractions[scene_index]
+        range_m = float(scene.range_m[altitude])
         height = min(range_m - z for z in lighting.mount.lamps(2).z_m)
-        tables = [problem.table(scene_index, spectrum, q) for q in range(len(problem.efficiencies))]
-        return np.array(
-            [float(np.exp(log_mean_transmission(t, np.array([height]), np.array([range_m])))[0]) for t in tables]
-        )
+        spectrum = int(contraction.spectrum_of[lighting.optics])
+        return contraction.mean_loss(spectrum, efficiency, lamp_m=height, camera_m=range_m)
 
-    def _light_on(self, scene_index: int, lighting: Lighting, range_m: float, rectangle: Rectangles) -> Array:
-        """Upper bound of the integral over each image's floor rectangle of light per lumen."""
-        beam = self.problem.optics[lighting.optics].beam
-        lamps = one_side(lighting.mount.lamps(2))
-        peak = beams.peak_intensity_per_sr(beam) / min(range_m - z for z in lamps.z_m) ** 2
-        area = 4.0 * rectangle.half_along_m * rectangle.half_across_m
-        simple = np.minimum(peak * area, 1.0)  # no more than all the light reaches the floor
-        if beams.has_sharp_edge(beam):
-            return np.asarray(simple)
-        along = edges_to(float(rectangle.half_along_m.max(initial=1e-6)))
-        across = edges_to(float(rectangle.half_across_m.max(initial=1e-6)))
-        scene = self.problem.scenes[scene_index]
-        least_k = float(scene.lamp_attenuation_per_m.min())
-        least_c = float(scene.attenuation_per_m.min())
-        x = 0.5 * (along[1:] + along[:-1])[:, None]
-        y = 0.5 * (across[1:] + across[:-1])[None, :]
-        cells = np.zeros((len(along) - 1, len(across) - 1))
-        for sign_x, sign_y in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
-            for index, share in enumerate(lamps.share):
-                vacuum, reach, _ = lamp_light(
-                    sign_x * x, sign_y * y, lamps=lamps, index=index, beam=beam, range_m=range_m
-                )
-                height = range_m - lamps.z_m[index]
-                cells += share * vacuum * np.exp(-least_k * (reach - height))
-        radius = np.square(x) + np.square(y)
-        depth = range_m + rectangle.deepest_m
-        cells *= np.exp(-least_c * (np.sqrt(depth**2 + radius) - depth) * rectangle.path_share)
-        cells /= np.square(1.0 + radius / depth**2)
-        cells *= np.diff(along)[:, None] * np.diff(across)[None, :]
-        total = np.zeros((len(along), len(across)))
-        total[1:, 1:] = cells.cumsum(axis=0).cumsum(axis=1)
-        i = np.minimum(np.searchsorted(along, rectangle.half_along_m), len(along) - 1)
-        j = np.minimum(np.searchsorted(across, rectangle.half_across_m), len(across) - 1)
-        return np.asarray(np.minimum(total[i, j] * QUADRATURE_MARGIN, simple))
+    def _light_table(self, scene_index: int, lighting: Lighting, altitude: int) -> LightTable:
+        """Upper bounds of the light on rectangles, built once for the widest image of all."""
+        key = (scene_index, lighting, altitude)
+        if key not in self._light_tables:
+            everything = Rectangles.of(self.problem, self.imagers, scene_index, altitude, np.arange(len(self.imagers)))
+            self._light_tables[key] = LightTable.build(self.problem, scene_index, lighting, altitude, everything)
+        return self._light_tables[key]
 
     # ------------------------------------------------------------ exact
 
@@ -166,48 +107,102 @@ class FieldTables:
 
 
 @dataclass(frozen=True)
+class LightTable:
+    """Upper bound of the light per lumen that falls on rectangles about the axis, by half widths."""
+
+    along_m: Array
+    across_m: Array
+    light: Array  # (n_along, n_across), grows with both
+    peak_per_m2: float
+
+    @staticmethod
+    def build(problem: Problem, scene_index: int, lighting: Lighting, altitude: int, widest: Rectangles) -> LightTable:
+        """Sum cells outward from the axis, all four quadrants folded into one."""
+        scene = problem.scenes[scene_index]
+        beam, range_m = problem.optics[lighting.optics].beam, float(scene.range_m[altitude])
+        lamps = one_side(lighting.mount.lamps(2))
+        peak = beams.peak_intensity_per_sr(beam) / min(range_m - z for z in lamps.z_m) ** 2
+        along = edges_to(float(widest.half_along_m.max(initial=1e-6)))
+        across = edges_to(float(widest.half_across_m.max(initial=1e-6)))
+        total = np.ones((len(along), len(across)))
+        if beams.has_sharp_edge(beam):  # no more than all the light reaches the floor
+            return LightTable(along, across, total, peak)
+        least_k, least_c = float(scene.lamp_attenuation_per_m.min()), float(scene.attenuation_per_m.min())
+        x = 0.5 * (along[1:] + along[:-1])[:, None]
+        y = 0.5 * (across[1:] + across[:-1])[None, :]
+        cells = np.zeros((len(along) - 1, len(across) - 1))
+        straight = not any(lamps.x_m) and not any(aim[0] for aim in lamps.aim)
+        for sign_x, sign_y in ((1, 1), (1, -1)) if straight else ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+            for index, share in enumerate(lamps.share):
+                vacuum, reach, _ = lamp_light(
+                    sign_x * x, sign_y * y, lamps=lamps, index=index, beam=beam, range_m=range_m
+                )
+                cells += share * vacuum * np.exp(-least_k * (reach - (range_m - lamps.z_m[index])))
+        if straight:
+            cells *= 2.0
+        radius = np.square(x) + np.square(y)
+        depth = range_m + widest.deepest_m
+        cells *= np.exp(-least_c * (np.sqrt(depth**2 + radius) - depth) * widest.path_share)
+        cells /= np.square(1.0 + radius / depth**2)
+        cells *= np.diff(along)[:, None] * np.diff(across)[None, :]
+        total[:] = 0.0
+        total[1:, 1:] = cells.cumsum(axis=0).cumsum(axis=1)
+        return LightTable(along, across, np.minimum(total * QUADRATURE_MARGIN, 1.0), peak)
+
+    def most_light(self, rectangle: Rectangles) -> Array:
+        """Upper bound for each rectangle: the next larger one of the table, or the peak over its area."""
+        i = np.minimum(np.searchsorted(self.along_m, rectangle.half_along_m), len(self.along_m) - 1)
+        j = np.minimum(np.searchsorted(self.across_m, rectangle.half_across_m), len(self.across_m) - 1)
+        return np.asarray(np.minimum(self.light[i, j], 4.0 * self.peak_per_m2 * rectangle.area_m2))
+
+
+@dataclass(frozen=True)
 class Rectangles:
     """The floor rectangle that holds each image, and how densely the image samples it.
 
-    `image_area`: half-width product in units of the floor under uniform sampling; `crowding` bounds
-    the image's density of samples over the uniform one (1 behind a dome, more behind a flat port).
+    `crowding` bounds the image's density of samples over the uniform one (1 behind a dome, more behind
+    a flat port).
     """
 
     half_along_m: Array
     half_across_m: Array
-    image_area: Array
+    area_m2: Array  # product of the half widths
     crowding: Array
     deepest_m: float  # how far behind the port's face rays may start; sets the mildest cos^4
     path_share: float  # the least share of the extra path that any ray really has
 
     @staticmethod
-    def of(problem: Problem, imagers: Imagers, scene_index: int, altitude: int) -> Rectangles:
-        """Rectangles of all imagers at one altitude."""
+    def of(problem: Problem, imagers: Imagers, scene_index: int, altitude: int, rows: Array) -> Rectangles:
+        """Rectangles of these imagers at one altitude."""
         scene, view = problem.scenes[scene_index], imagers.scenes[scene_index].view
-        near, far = float(scene.range_m[0]), float(scene.range_m[-1])
-        weight = 0.0 if far == near else (float(scene.range_m[altitude]) - near) / (far - near)
-        along = 0.5 * ((1 - weight) * view.footprint_along_m[:, 0] + weight * view.footprint_along_m[:, 2])
-        across = 0.5 * ((1 - weight) * view.footprint_across_m[:, 0] + weight * view.footprint_across_m[:, 2])
-        crowding = crowding_of(problem, imagers, scene_index, view, float(scene.range_m[altitude]), along, across)
+        near, far, range_m = (float(scene.range_m[i]) for i in (0, -1, altitude))
+        weight = 0.0 if far == near else (range_m - near) / (far - near)
+        along, across = (
+            0.5 * ((1 - weight) * width[rows, 0] + weight * width[rows, 2])
+            for width in (view.footprint_along_m, view.footprint_across_m)
+        )
+        crowding = crowding_of(problem, imagers, scene_index, range_m, along, across, rows)
         ports = problem.ports
         deepest = float((ports.outer_radius_m + ports.gap_m + ports.thickness_m).max(initial=0.0))
         # A flat port with a gap, or glass thinner than water, may bend rays so far that no share is sure.
         odd = ~ports.is_dome & ((ports.gap_m > 0) | (ports.refractive_index < scene.n_water))
-        share = 0.0 if odd.any() else float(scene.range_m[altitude]) / (float(scene.range_m[altitude]) + deepest)
+        share = 0.0 if odd.any() else range_m / (range_m + deepest)
         return Rectangles(along, across, along * across, crowding, deepest, share)
 
 
 def crowding_of(
-    problem: Problem, imagers: Imagers, scene_index: int, view: Views, range_m: float, along: Array, across: Array
+    problem: Problem, imagers: Imagers, scene_index: int, range_m: float, along: Array, across: Array, rows: Array
 ) -> Array:
     """Upper bound of (samples per floor area) over (uniform): the corner's, where a flat port crowds most."""
-    out = np.ones(len(imagers))
-    for port in np.unique(imagers.port):
+    view = imagers.scenes[scene_index].view
+    out = np.ones(len(rows))
+    for port in np.unique(imagers.port[rows]):
         if problem.ports.is_dome[port]:
             continue
-        rows = imagers.port == port
+        mine = np.nonzero(imagers.port[rows] == port)[0]
+        tan_along, tan_across = view.tan_along[rows[mine]], view.tan_across[rows[mine]]
         shape = problem.shape(int(port), scene_index)
-        corner = np.hypot(view.tan_along[rows], view.tan_across[rows])
+        corner = np.hypot(tan_along, tan_across)
         slope = flat_slope_m(corner, shape=shape, range_m=range_m)
         steep = flat_floor_derivative(
             corner,
@@ -217,7 +212,7 @@ def crowding_of(
             n_water=shape.n_water,
             range_m=range_m,
         )
-        out[rows] = along[rows] * across[rows] / (view.tan_along[rows] * view.tan_across[rows] * slope * steep)
+        out[mine] = along[mine] * across[mine] / (tan_along * tan_across * slope * steep)
     return out
 
 

@@ -28,6 +28,7 @@ from uwopt.optics import (
 from uwopt.problem import Focused, Problem
 
 Array = NDArray[Any]
+SAMPLES = 24  # discarded imagers remembered per rule, port and orientation, for an audit
 ROUND = 1.0 + 1e-9  # a limit met to rounding is met
 
 IMAGER_RULES = (
@@ -59,6 +60,7 @@ class Imagers:
     gsd_mm: Array  # nominal, worst scene
     scenes: list[SceneImagers]
     discarded: dict[str, int]  # rule -> imagers it discards first
+    samples: dict[str, list[tuple[int, int, int, bool]]]  # rule -> some of them: camera, lens, port, landscape
 
     def __len__(self) -> int:
         return len(self.camera)
@@ -70,6 +72,7 @@ def enumerate_imagers(problem: Problem) -> Imagers:
     n_camera, n_lens, n_port = len(parts.cameras), len(parts.lenses), len(parts.ports)
     orientations = [o == "landscape" for o in problem.mission.vehicle.orientations]
     discarded = dict.fromkeys(IMAGER_RULES, 0)
+    samples: dict[str, list[tuple[int, int, int, bool]]] = {}
     fits = mount_compatible([c.mounts for c in parts.cameras], [part.mounts for part in parts.lenses])
     fits = fits.reshape(n_camera, n_lens)
     circle = circles_ok(problem)
@@ -81,9 +84,9 @@ def enumerate_imagers(problem: Problem) -> Imagers:
         block
         for port in range(n_port)
         for landscape in orientations
-        for block in imagers_behind(problem, camera, lens, port, landscape, discarded)
+        for block in imagers_behind(problem, camera, lens, port, landscape, discarded, samples)
     ]
-    return joined(problem, blocks, discarded)
+    return joined(problem, blocks, discarded, samples)
 
 
 def circles_ok(problem: Problem) -> Array:
@@ -108,8 +111,9 @@ class Block:
 
 
 def imagers_behind(
-    problem: Problem, camera: Array, lens: Array, port: int, landscape: bool, discarded: dict[str, int]
-) -> Iterator[Block]:
+    problem: Problem, camera: Array, lens: Array, port: int, landscape: bool, discarded: dict[str, int],
+    samples: dict[str, list[tuple[int, int, int, bool]]],
+) -> Iterator[Block]:  # fmt: skip
     """The imagers that pass every rule, and the count of those each rule discards."""
     if len(camera) == 0:
         return
@@ -140,6 +144,9 @@ def imagers_behind(
     for rule, passes in rules(problem, cameras, lenses, port, seen, focused, maps):
         failed = alive & ~passes
         discarded[rule] += int(failed.sum())
+        lost = np.nonzero(failed)[0]
+        some = lost[:: max(1, len(lost) // SAMPLES)]
+        samples.setdefault(rule, []).extend((int(camera[i]), int(lens[i]), port, landscape) for i in some)
         alive &= passes
     if alive.any():
         keep = np.nonzero(alive)[0]
@@ -228,7 +235,9 @@ def totals(problem: Problem, cameras: Any, lenses: Any, port: int | Array) -> tu
     return cost, limit_cost, mass, count * cameras.power_w + extra_power
 
 
-def joined(problem: Problem, blocks: list[Block], discarded: dict[str, int]) -> Imagers:
+def joined(
+    problem: Problem, blocks: list[Block], discarded: dict[str, int], samples: dict[str, list[tuple[int, int, int, bool]]]
+) -> Imagers:
     """All blocks as one table."""
 
     def stack(arrays: list[Array]) -> Array:
@@ -245,7 +254,7 @@ def joined(problem: Problem, blocks: list[Block], discarded: dict[str, int]) -> 
         if own:
             scenes.append(joined_scene(own))
     gsd = np.max([s.view.gsd_m[:, 1] for s in scenes], axis=0) * 1e3 if scenes else np.empty(0)
-    return Imagers(camera, lens, port, landscape, cost, limit_cost, mass, power, gsd, scenes, discarded)
+    return Imagers(camera, lens, port, landscape, cost, limit_cost, mass, power, gsd, scenes, discarded, samples)
 
 
 def joined_scene(own: list[SceneImagers]) -> SceneImagers:

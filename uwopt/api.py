@@ -1,0 +1,339 @@
+"""The two things uwopt does, for Python and for the command line: solve and evaluate."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from uwopt.catalog.catalogue import Catalog
+from uwopt.catalog.compatibility import explain_pair
+from uwopt.catalog.load import load_catalog as _load_catalog
+from uwopt.errors import MissionError
+from uwopt.evaluation import Hardware, SceneSettings, evaluate_design
+from uwopt.mission import Mission, load_mission
+from uwopt.objectives.objective import Objective
+from uwopt.problem import Mount, Parts, Problem
+from uwopt.result import Design, Margin, Result
+from uwopt.solvers import recommend
+from uwopt.solvers.certificate import certificate
+from uwopt.solvers.recommend import GENERIC_GAIN, Sought, design_of, seek
+from uwopt.system import System, load_system
+
+Source = str | Path | Mapping[str, Any]
+Progress = Callable[[float, str], None]
+SOLVERS = ("exact", "casadi", "nlopt")
+NOT_MODELLED = (
+    "backscatter and forward-scatter veils", "sunlight", "curved dome image", "MTF and resolution",
+    "lateral colour", "Fresnel loss by angle", "choice of effects by physics auto",
+)  # fmt: skip
+
+
+def load_catalog(mission: Mission | None = None) -> Catalog:
+    """The built-in catalogue, with the own parts and quotes that a mission names."""
+    if mission is None:
+        return _load_catalog()
+    files = [str(mission.resolve_path(name)) for name in mission.catalog.files]
+    prices = None if mission.catalog.prices is None else str(mission.resolve_path(mission.catalog.prices))
+    return _load_catalog(files, prices, mission.base_dir)
+
+
+def prepared(mission: Source | Mission, physics: str | None, objective: Any) -> Mission:
+    """A mission with the physics and objective of the call."""
+    loaded = load_mission(mission)
+    changes: dict[str, Any] = {}
+    if physics is not None:
+        changes["physics"] = physics
+    if objective is not None:
+        changes["objective"] = objective
+    return loaded.with_changes(**changes) if changes else loaded
+
+
+def solve(
+    mission: Source | Mission,
+    *,
+    solver: str = "exact",
+    objective: str | Mapping[str, float] | None = None,
+    physics: str | None = None,
+    top: int = 5,
+    audit: int = 0,
+    seconds: float | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """The best system for a mission, with a certificate; see the package's documentation.
+
+    Parameters
+    ----------
+    mission : file name, mapping or Mission
+    solver : exact (search with certificate); casadi or nlopt also solve the settings of the best
+        hardware again and report what they find
+    top : how many designs with other hardware to list, the best included
+    audit : how many discarded combinations to attack
+    seconds : give up the proof after this long; the gap that is left is reported
+    """
+    start = time.perf_counter()
+    if solver not in SOLVERS:
+        raise MissionError(f"solver {solver!r} is not one of {', '.join(SOLVERS)}")
+    wanted = prepared(mission, physics, objective)
+    goal = Objective.of(wanted.objective)  # type: ignore[arg-type]
+    timing: dict[str, float] = {}
+    with recommend.timed(timing, "catalogue"):
+        catalog = load_catalog(wanted)
+    policy = wanted.catalog.generic
+    first = "allow" if policy == "allow" else "never"
+    with recommend.timed(timing, "search"):
+        sought = seek(wanted, catalog, goal, generic=first, top=top, deadline_s=seconds, progress=progress)
+    alternative: Sought | None = None
+    if policy == "fallback":
+        with recommend.timed(timing, "search_generic"):
+            alternative = generic_search(wanted, catalog, goal, sought, top, seconds, progress)
+        if not sought.outcome.best and alternative is not None and alternative.outcome.best:
+            sought, alternative = alternative, None
+    result = base_result("solve", wanted, goal, sought.problem)
+    if not sought.outcome.best:
+        result = infeasible_result(result, wanted, catalog, goal, sought, alternative, timing)
+    else:
+        result = found_result(result, goal, sought, alternative, timing, solver=solver)
+    if audit:
+        result = audited(result, sought, goal, audit, wanted.seed, timing)
+    timing.update({f"search_{name}": value for name, value in sought.outcome.timing_s.items()})
+    timing["total"] = time.perf_counter() - start
+    return replace(result, timing_s=timing)
+
+
+def generic_search(
+    mission: Mission, catalog: Catalog, goal: Objective, sought: Sought, top: int, seconds: float | None,
+    progress: Progress | None,
+) -> Sought | None:  # fmt: skip
+    """Generic parts come second: searched in full when nothing real fits, else only for a gain of 10 %."""
+    best = sought.outcome.best
+    ceiling = math.inf
+    if best:
+        ceiling = best[0].minimised - GENERIC_GAIN * abs(best[0].minimised)
+    return seek(
+        mission, catalog, goal, generic="allow", top=1 if best else top, deadline_s=seconds, progress=progress,
+        ceiling=ceiling,
+    )  # fmt: skip
+
+
+def found_result(
+    result: Result, goal: Objective, sought: Sought, alternative: Sought | None, timing: dict[str, float], *, solver: str
+) -> Result:
+    """A result with a recommendation."""
+    from uwopt.solvers.robustness import assumptions, robustness
+
+    best = sought.outcome.best
+    with recommend.timed(timing, "evaluation"):
+        winner = design_of(sought, best[0], goal)
+        others = [design_of(sought, found, goal, with_rounding=False) for found in best[1:]]
+    generic = None
+    if alternative is not None and alternative.outcome.best:
+        generic = design_of(alternative, alternative.outcome.best[0], goal)
+    with recommend.timed(timing, "robustness"):
+        doubt = robustness(sought, goal)
+    with recommend.timed(timing, "second_opinion"):
+        opinions = second_opinions(sought, goal, solver)
+    proven = sought.outcome.complete
+    return replace(
+        result,
+        status="optimal" if proven else "stopped",
+        recommendation=winner,
+        runners_up=others,
+        generic_alternative=generic,
+        certificate=certificate(sought.selection, sought.problem, sought.outcome, goal),
+        assumptions=assumptions(sought.problem, best[0]),
+        robustness=doubt,
+        solvers=opinions,
+        objective={**result.objective, "value": winner.objective_value},
+        warnings=[*result.warnings, *selection_warnings(sought), *winner.warnings],
+    )
+
+
+def second_opinions(sought: Sought, goal: Objective, solver: str) -> list[dict[str, Any]]:
+    """The winner's settings solved again by continuous solvers, compared by objective."""
+    from uwopt.solvers import opinions
+
+    methods = {"exact": ("casadi",), "casadi": ("casadi",), "nlopt": ("slsqp", "cobyla", "global")}[solver]
+    few = sought.outcome.best[:1] if solver == "exact" else sought.outcome.best
+    return [opinions.opinion(sought, found, goal, method) for found in few for method in methods]
+
+
+def infeasible_result(
+    result: Result, mission: Mission, catalog: Catalog, goal: Objective, sought: Sought,
+    alternative: Sought | None, timing: dict[str, float],
+) -> Result:  # fmt: skip
+    """A result without a recommendation: why, and what would help."""
+    from uwopt.solvers.infeasible import explain
+
+    used = alternative or sought
+    proof = certificate(used.selection, used.problem, used.outcome, goal)
+    generic = "allow" if alternative is not None else ("allow" if mission.catalog.generic == "allow" else "never")
+    with recommend.timed(timing, "explanation"):
+        why = explain(mission, catalog, goal, used, proof, generic=generic)
+    status = "infeasible" if used.outcome.complete else "stopped"
+    return replace(
+        result, status=status, certificate=proof, infeasible=why, warnings=[*result.warnings, *selection_warnings(used)]
+    )
+
+
+def audited(
+    result: Result, sought: Sought, goal: Objective, count: int, seed: int, timing: dict[str, float]
+) -> Result:
+    """A result with the outcome of an attack on its certificate."""
+    from uwopt.solvers.audit import audit as attack
+
+    best = sought.outcome.best[0].minimised if sought.outcome.best else None
+    with recommend.timed(timing, "audit"):
+        report = attack(sought.search, goal, count=count, seed=seed, best_value=best)
+    return replace(result, audit=report)
+
+
+def selection_warnings(sought: Sought) -> list[dict[str, str]]:
+    """Patterns that match nothing."""
+    return [{"code": "pattern", "path": "catalog", "message": text} for text in sought.selection.warnings]
+
+
+def base_result(command: str, mission: Mission, goal: Objective, problem: Problem) -> Result:
+    """What every result carries."""
+    import uwopt
+
+    tables = {scene.name: scene.water_table for scene in problem.scenes}
+    physics = {
+        "name": "paper" if problem.paper else "full",
+        "asked": mission.physics,
+        "tolerance": mission.tolerance,
+        "water_table": tables[problem.scenes[0].name] if len(set(tables.values())) == 1 else tables,
+        "effects": [],
+        "not_modelled": list(NOT_MODELLED),
+    }
+    return Result(
+        command=command,
+        status="feasible",
+        mission=mission.to_dict(),
+        physics=physics,
+        objective={
+            "name": goal.name, "direction": goal.direction, "value": None, "unit": goal.unit(mission.limits.currency)
+        },
+        uwopt_version=uwopt.__version__,
+        seed=mission.seed,
+        versions=versions(),
+    )  # fmt: skip
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the libraries that numbers depend on."""
+    out = {"python": sys.version.split()[0]}
+    for name in ("numpy", "scipy", "casadi", "nlopt", "pymoo", "jerlov"):
+        try:
+            out[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    return out
+
+
+# ---------------------------------------------------------------- evaluate
+
+
+def evaluate(mission: Source | Mission, system: Source | System, *, physics: str | None = None) -> Result:
+    """What a given system would do in a mission: figures and margins of every scene."""
+    start = time.perf_counter()
+    wanted = prepared(mission, physics, None)
+    built = load_system(system)
+    built.check_scenes(wanted)
+    goal = Objective.of(wanted.objective)  # type: ignore[arg-type]
+    problem, hardware = system_problem(wanted, built)
+    given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
+    design = with_compatibility(evaluate_design(problem, hardware, given, goal), problem)
+    result = base_result("evaluate", wanted, goal, problem)
+    return replace(
+        result,
+        status="feasible" if design.feasible else "violated",
+        design=design,
+        objective={**result.objective, "value": design.objective_value},
+        warnings=[*result.warnings, *design.warnings],
+        timing_s={"total": time.perf_counter() - start},
+    )
+
+
+def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]:
+    """Tables of one system: its parts from the catalogue or inline."""
+    from uwopt.catalog.inline import part_from_inline
+
+    catalog = load_catalog(mission)
+
+    def part(kind: str) -> Any:
+        named = getattr(system, kind)
+        if isinstance(named, str):
+            return catalog.part(named, kind)  # type: ignore[arg-type]
+        return part_from_inline(kind, named, system.base_dir)  # type: ignore[arg-type]
+
+    parts = Parts((part("camera"),), (part("lens"),), (part("port"),), (part("light"),))
+    if system.light_mounts:
+        mount = Mount(explicit=tuple(system.light_mounts))
+    else:
+        vehicle = mission.vehicle
+        baseline = system.light_baseline_m if system.light_baseline_m is not None else vehicle.light_baseline_grid_m[0]
+        tilt = system.light_tilt_deg if system.light_tilt_deg is not None else vehicle.light_tilt_grid_deg[0]
+        explicit = tuple(vehicle.light_mounts or ()) if system.light_baseline_m is None else ()
+        mount = Mount(explicit=explicit) if len(explicit) == system.light_count else Mount(baseline, tilt)
+    problem = Problem(
+        mission, parts, paper=mission.physics == "paper", counts=(system.light_count, system.light_count), mounts=[mount]
+    )
+    return problem, Hardware(0, 0, 0, system.orientation == "landscape", 0, system.light_count, mount)
+
+
+def scene_settings(problem: Problem, hardware: Hardware, system: System, name: str) -> SceneSettings:
+    """One scene's settings of a system file in SI; a level from lumens or joules."""
+    given = system.settings_for(name)
+    level = given.dim_frac
+    lights = problem.lights
+    if given.flux_lm is not None:
+        level = given.flux_lm / (float(lights.full_light[0]) * hardware.count)
+    if given.flash_energy_j is not None and lights.stored_energy_j[0] > 0:
+        level = given.flash_energy_j / float(lights.stored_energy_j[0])
+
+    def seconds(value_ms: float | None) -> float | None:
+        return None if value_ms is None else value_ms * 1e-3
+
+    return SceneSettings(
+        f_number=given.f_number,
+        exposure_s=seconds(given.exposure_ms),
+        pulse_s=seconds(given.pulse_ms),
+        gain=given.gain,
+        level=level,
+        rate_hz=given.frame_rate_hz,
+        focus_distance_m=given.focus_distance_m,
+    )
+
+
+def with_compatibility(design: Design, problem: Problem) -> Design:
+    """A design with what does not fit together among its parts, as margins that are missed."""
+    parts = problem.parts
+    findings = explain_pair(
+        parts.cameras[0], parts.lenses[0], parts.ports[0], parts.lights[0],
+        frame_rate_hz=max(float(s.settings["frame_rate_hz"] or 0.0) for s in design.scenes) or None,
+    )  # fmt: skip
+    faults = [f for f in findings if f.severity == "fault"]
+    notes = [{"code": f.rule, "path": "hardware", "message": f.message} for f in findings]
+    notes += breathing_notes(design)
+    if not faults:
+        return replace(design, warnings=notes)
+    missed = [Margin(f"fits: {f.rule}", 0.0, 1.0, ">=", -1.0, "", None, False, False) for f in faults]
+    scenes = [replace(scene, margins=[*scene.margins, *missed]) for scene in design.scenes]
+    return replace(design, scenes=scenes, feasible=False, warnings=notes)
+
+
+def breathing_notes(design: Design) -> list[dict[str, str]]:
+    """A warning where focusing so near changes the field of view."""
+    notes = []
+    for scene in design.scenes:
+        n, working = scene.figures["f_number"], scene.figures["working_f_number"]
+        if n and working and working / n > 1.02:
+            text = f"{scene.name}: focused so near, the lens extends by {100 * (working / n - 1):.1f} %; its angle of view shrinks by as much"
+            notes.append({"code": "breathing", "path": "lens", "message": text})
+    return notes

@@ -1,0 +1,227 @@
+"""How far a result may be trusted, as text: certificate, robustness, second opinions, assumptions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rich.console import RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from uwopt.report import words
+from uwopt.report.layout import block, columns, fact_lines, sentence
+from uwopt.result import Certificate, Result
+from uwopt.units import split_unit
+
+MOST_ASSUMPTIONS = 8
+
+
+def certificate_block(result: Result, certificate: Certificate) -> RenderableType:
+    """Bound, best value and gap, and where every combination went."""
+    gap = words.quantity(certificate.gap_abs, str(result.objective.get("unit") or ""))
+    if certificate.gap_rel is not None:
+        gap += f" ({words.share(certificate.gap_rel)} of the best value)"
+    maximised = result.objective.get("direction") == "maximise"
+    facts = [
+        ("no system can be " + ("above" if maximised else "below"), words.objective_text(result, certificate.lower_bound, 6)),
+        ("best found", words.objective_text(result, certificate.best_value, 6)),
+        ("gap", gap),
+        ("complete", "yes" if certificate.complete else "no, the search was stopped"),
+        ("covers", certificate.scope),
+    ]
+    table = columns(("combinations", "right"), ("where they went", "left"))
+    table.add_row(Text(words.count_text(certificate.loaded)), Text("loaded: every way to combine the parts of the catalogue"))
+    table.add_row(Text(words.count_text(certificate.selected)), Text("selected: of parts that the mission allows"))
+    table.add_row(Text(words.count_text(certificate.evaluated)), Text("evaluated"))
+    for item in certificate.discarded:
+        if item["count"]:
+            table.add_row(Text(words.count_text(item["count"])), Text("discarded: " + words.rule_name(str(item["rule"]))))
+    return block("Certificate", [fact_lines(facts), table, sentence(words.account_sentence(certificate))])
+
+
+def infeasible_block(result: Result) -> RenderableType:
+    """Which rules stand in the way, and the least that single requirements would have to give."""
+    why = result.infeasible or {}
+    table = columns(("excludes", "right"), ("because", "left"))
+    bounded = False
+    for item in why.get("requirements") or []:
+        by_bound = bool(item.get("n_is_bound"))
+        bounded |= by_bound
+        table.add_row(
+            Text(words.count_text(item.get("n_excluded") or 0) + ("*" if by_bound else " ")),
+            Text(words.requirement_or_rule(str(item.get("name") or ""))),
+        )
+    lines: list[RenderableType] = [sentence("Combinations, each at the first rule that excludes it:"), table]
+    if bounded:
+        lines.append(sentence("* proven by a bound, before the settings were looked at", "dim"))
+    helpful = relaxations_of(why)
+    if helpful:
+        lines += [Text(""), sentence("Each of these changes alone would let a system through:"), relaxation_table(result, helpful)]
+    else:
+        lines.append(sentence("No single requirement stands in the way; at least two have to give."))
+    return block("Why nothing fits", lines)
+
+
+def relaxations_of(why: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Relaxations that help, whether listed apart or with their requirement."""
+    own = [item for item in why.get("requirements") or [] if item.get("needed") is not None]
+    return [*(why.get("relaxations") or []), *own]
+
+
+def relaxation_table(result: Result, items: list[Mapping[str, Any]]) -> Table:
+    """What is asked and what could be had."""
+    table = columns(("requirement", "left"), ("asked", "right"), ("possible", "right"))
+    currency = str((result.mission.get("limits") or {}).get("currency") or "")
+    for item in items:
+        name = str(item.get("name") or "")
+        needed, limit = item.get("needed"), item.get("limit")
+        if isinstance(needed, Mapping):
+            unit, needed = str(needed.get("unit") or ""), needed.get("value")
+        else:
+            unit = {"cost": currency, "min_snr": "dB"}.get(name, split_unit(name)[1])
+        possible = "to be left out" if needed is None else words.quantity(float(needed), unit, 4)
+        table.add_row(Text(words.requirement_or_rule(name)), Text(words.quantity(limit, unit, 4)), Text(possible))
+    return table
+
+
+def robustness_block(result: Result) -> RenderableType:
+    """What the estimated numbers could change."""
+    doubt = result.robustness or {}
+    facts = []
+    regret = doubt.get("max_regret")
+    if isinstance(regret, (int, float)):
+        value = words.objective_text(result, float(regret))
+        text = "0: no end of the estimates makes another system better" if regret <= 0 else (
+            f"{value}: the most by which a rival could be better, the estimates at their ends")  # fmt: skip
+        facts.append(("regret", text))
+    facts.append(("rival", rival_text(doubt.get("rival"))))
+    if doubt.get("feasible_at_bad_end") is not None:
+        holds = "every requirement still holds" if doubt["feasible_at_bad_end"] else "a requirement may be missed"
+        facts.append(("at the bad ends", holds))
+    quotes = doubt.get("quotes_that_matter") or []
+    facts.append(("quotes that matter", "" if quotes else "none: no single number, known better, would change the answer"))
+    lines: list[RenderableType] = [fact_lines(facts)]
+    if quotes:
+        lines.append(sentence("Ask for these first; one alone, at its bad end, would change the recommendation:"))
+        lines += [sentence("- " + quote_text(item)) for item in quotes]
+    return block("How firm this is", lines)
+
+
+def rival_text(rival: Any) -> str:
+    """The system that could win, by its parts."""
+    if rival is None:
+        return "none"
+    if not isinstance(rival, Mapping):
+        return words.one_line(rival)
+    hardware = rival.get("hardware", rival)
+    parts = [hardware[kind] for kind in ("camera", "lens", "port", "light") if hardware.get(kind)]
+    named = [words.part_id(part) if isinstance(part, Mapping) else words.one_line(part) for part in parts]
+    count = hardware.get("light_count")
+    return " + ".join(named) + (f", {words.counted(count, 'light')}" if count else "")
+
+
+def quote_text(item: Any) -> str:
+    """One number worth asking for: whose, how it stands, and who wins otherwise."""
+    if not isinstance(item, Mapping):
+        return words.one_line(item)
+    number = str(item.get("field") or "").replace("_", " ")
+    unit = str(item.get("unit") or "")
+    span = range_text(item.get("low"), item.get("high"), unit)
+    standing = f" ~{words.quantity(item.get('value'), unit)}" + (f" ({span})" if span else "")
+    other = f"; then better: {item['then_better']}" if item.get("then_better") else ""
+    return words.one_line(f"{number} of {item.get('part') or item.get('id') or item.get('path')}{standing}{other}")
+
+
+def second_opinion_block(result: Result) -> RenderableType:
+    """What other solvers and the audit say."""
+    lines: list[RenderableType] = []
+    if result.solvers:
+        table = columns(
+            ("solver", "left"), ("hardware", "left"), ("objective", "right"), ("off by", "right"), ("verdict", "left")
+        )
+        for item in result.solvers:
+            off = item.get("difference_rel")
+            table.add_row(
+                Text(words.one_line(item.get("method") or item.get("solver") or "")),
+                Text(words.one_line(" + ".join(map(str, item.get("hardware") or [])), 120)),
+                Text(words.objective_text(result, item.get("objective_value"))),
+                Text(words.quantity(None) if off is None else words.share(off)),
+                Text("agrees" if item.get("agrees") else words.one_line(item.get("status") or "differs"),
+                     "" if item.get("agrees") else "yellow"),
+            )  # fmt: skip
+        lines += [sentence("The settings of this hardware, solved again by other means:"), table]
+    if result.audit:
+        lines.append(audit_sentence(result.audit))
+    return block("Second opinions", lines)
+
+
+def audit_sentence(audit: Mapping[str, Any]) -> Text:
+    """Outcome of the attack on discarded combinations."""
+    tried = words.counted(int(audit.get("tried") or 0), "discarded combination")
+    if audit.get("passed", True):
+        return sentence(f"Audit: {tried} tried again by a generic search; none beats the recommendation.")
+    better = audit.get("better") or [{}]
+    return sentence(f"Audit FAILED: {tried} tried again, {len(better)} better, first {plain_facts(better[0])}.", "bold red")
+
+
+def plain_facts(facts: Mapping[str, Any]) -> str:
+    """`name value` pairs with units; long lists and inner tables are left to the result file."""
+    return ", ".join(
+        f"{words.one_line(name.replace('_', ' '))} {fact}" for name, value in facts.items() if (fact := plain_fact(name, value))
+    )
+
+
+def plain_fact(name: str, value: Any) -> str:
+    """One value in words; "" for what does not fit on a line."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, (int, float)):
+        return words.count_text(value) if isinstance(value, int) else words.quantity(value, split_unit(name)[1], 4)
+    return words.one_line(value, 120) if isinstance(value, str) else ""
+
+
+def assumption_blocks(result: Result) -> Iterator[RenderableType]:
+    """What was assumed, and what the physics leaves out."""
+    if result.assumptions:
+        yield block(f"Assumptions ({len(result.assumptions)})", assumption_lines(result))
+    physics = [f"physics {words.one_line(result.physics.get('name') or '')}"]
+    effects = result.physics.get("effects") or []
+    left = [str(effect.get("name")) for effect in effects if not effect.get("kept")]
+    if left:
+        bound = sum(float(effect.get("bound") or 0.0) for effect in effects if not effect.get("kept"))
+        physics.append(f"left out as too small here (together at most {words.share(bound)}): {', '.join(left)}")
+    lines: list[RenderableType] = [sentence("; ".join(physics))]
+    missing = result.physics.get("not_modelled") or []
+    if missing:
+        lines.append(sentence("not modelled: " + "; ".join(map(str, missing))))
+    yield block("Model", lines)
+
+
+def assumption_lines(result: Result) -> list[RenderableType]:
+    """The first assumptions, one a line."""
+    table = columns(("what", "left"), ("value", "right"), ("range", "right"), ("why", "left"))
+    for item in result.assumptions[:MOST_ASSUMPTIONS]:
+        unit = str(item.get("unit") or "")
+        table.add_row(
+            Text(words.one_line(item.get("path") or "", 48)),
+            Text(assumed(item.get("value"), unit)),
+            Text(range_text(item.get("low"), item.get("high"), unit)),
+            Text(words.one_line(item.get("source") or "", 90)),
+        )
+    rest = len(result.assumptions) - MOST_ASSUMPTIONS
+    return [table, *([sentence(f"and {rest} more; --json and result.json list all", "dim")] if rest > 0 else [])]
+
+
+def assumed(value: Any, unit: str) -> str:
+    """An assumed value, estimated numbers with their mark."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return words.one_line(value if value is not None else "", 30)
+    return "~" + words.quantity(float(value), unit)
+
+
+def range_text(low: Any, high: Any, unit: str) -> str:
+    """The range of an estimate."""
+    if not isinstance(low, (int, float)) or not isinstance(high, (int, float)) or low == high:
+        return ""
+    return f"{words.quantity(float(low))} to {words.quantity(float(high), unit)}"

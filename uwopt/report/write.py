@@ -1,0 +1,146 @@
+"""Result files: written under a temporary name and moved, so that no half-written file is ever seen."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from uwopt.errors import OutputError
+from uwopt.result import Result
+
+RESULT_FILE, BOM_FILE = "result.json", "bom.csv"
+FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r", "\n")
+BOM_COLUMNS = (
+    "kind", "id", "manufacturer", "model", "count", "owned", "unit_price", "unit_price_low", "unit_price_high",
+    "to_pay", "currency", "price_status", "price_date", "generic", "source", "price_basis",
+)  # fmt: skip
+
+
+def write_results(result: Result, folder: str | Path) -> list[Path]:
+    """Write result.json and bom.csv into a folder, made if need be; returns their paths.
+
+    Without a design the bill of materials holds its header only, so that none of an earlier run stays.
+    """
+    target = check_folder(folder)
+    rows = result.best.bom if result.best is not None else []
+    texts = {RESULT_FILE: json_text(result) + "\n", BOM_FILE: bom_csv(rows)}
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as fault:
+        raise OutputError(f"{folder}: cannot be made ({reason(fault)}); choose another --out.") from None
+    return write_files(target, texts)
+
+
+def check_folder(folder: str | Path) -> Path:
+    """The folder if results can be written there, now or once it is made; raises OutputError."""
+    path = Path(folder)
+    try:
+        if path.exists() and not path.is_dir():
+            raise OutputError(f"{folder}: is a file, not a folder; choose another --out.")
+        standing = path.absolute()
+        while not standing.exists() and standing != standing.parent:
+            standing = standing.parent
+        writable = standing.is_dir() and os.access(standing, os.W_OK | os.X_OK)
+        for name in (RESULT_FILE, BOM_FILE):
+            if (path / name).is_dir():
+                raise OutputError(f"{path / name}: is a folder, a result file must stand there; choose another --out.")
+    except (OSError, ValueError) as fault:
+        raise OutputError(f"{folder}: cannot be used ({reason(fault)}); choose another --out.") from None
+    if not writable:
+        raise OutputError(f"{folder}: cannot be written to; check its rights or choose another --out.")
+    return path
+
+
+def write_files(folder: Path, texts: Mapping[str, str]) -> list[Path]:
+    """Write all files beside their final places, then move them; either all are new or none is."""
+    made: list[tuple[Path, Path]] = []
+    try:
+        for name, text in texts.items():
+            temporary = folder / f".{name}.{os.getpid()}.tmp"
+            made.append((temporary, folder / name))
+            with temporary.open("w", encoding="utf-8", newline="") as file:
+                file.write(text)
+                file.flush()
+                os.fsync(file.fileno())
+        for temporary, final in made:
+            temporary.replace(final)
+    except OSError as fault:
+        raise OutputError(f"{folder}: cannot be written ({reason(fault)}); nothing was changed there.") from None
+    finally:
+        for temporary, _ in made:
+            temporary.unlink(missing_ok=True)
+    return [final for _, final in made]
+
+
+def write_new(path: str | Path, text: str) -> Path:
+    """Write a file that must not exist yet."""
+    target = Path(path)
+    try:
+        with target.open("x", encoding="utf-8", newline="\n") as file:
+            try:
+                file.write(text)
+                file.flush()
+            except OSError:
+                target.unlink(missing_ok=True)
+                raise
+    except FileExistsError:
+        what = "is a folder; name a file in it" if target.is_dir() else "exists already; name another file"
+        raise OutputError(f"{path}: {what}.") from None
+    except FileNotFoundError:
+        raise OutputError(f"{path}: its folder does not exist; make it first.") from None
+    except (OSError, ValueError) as fault:
+        raise OutputError(f"{path}: cannot be written ({reason(fault)}).") from None
+    return target
+
+
+def json_text(result: Result, encoding: str = "utf-8") -> str:
+    """The result as JSON; signs that an encoding does not know are written as escapes."""
+    text = result.to_json()
+    try:
+        text.encode(encoding)
+    except (UnicodeEncodeError, LookupError):
+        return json.dumps(result.to_dict(), indent=1, allow_nan=False, ensure_ascii=True)
+    return text
+
+
+def bom_csv(rows: Sequence[Mapping[str, Any]]) -> str:
+    """A bill of materials as CSV that a spreadsheet takes for text and numbers only."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    columns = [*BOM_COLUMNS, *dict.fromkeys(key for row in rows for key in row if key not in BOM_COLUMNS)]
+    writer.writerow([defused(column) for column in columns])
+    for row in rows:
+        values = {"to_pay": to_pay(row), **row}
+        writer.writerow([defused(values.get(column)) for column in columns])
+    return text.getvalue()
+
+
+def to_pay(row: Mapping[str, Any]) -> float | None:
+    """Price of the pieces of one row that are not owned yet; None when the price is unknown."""
+    number = row["count"] - (row.get("owned") or 0)
+    price = row.get("unit_price")
+    if number <= 0:
+        return 0.0
+    return None if price is None else float(number * price)
+
+
+def defused(value: Any) -> Any:
+    """A cell that no spreadsheet takes for a formula: text that begins like one gets an apostrophe."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, (int, float)):
+        return value
+    text = str(value).encode("utf-8", "replace").decode("utf-8").replace("\0", "")
+    return "'" + text if text.startswith(FORMULA_SIGNS) else text
+
+
+def reason(fault: Exception) -> str:
+    """Why the system refused, in its words without the path."""
+    return getattr(fault, "strerror", None) or str(fault)

@@ -1,0 +1,108 @@
+"""CasADi and IPOPT: exact derivatives of the program's own formulas, an interior-point solver, multipliers.
+
+The only module that imports casadi.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi
+import numpy as np
+
+from uwopt.solvers.optimality import Array, Attempt, Derivatives, derivatives, kkt_residual
+from uwopt.solvers.program import Program
+
+if hasattr(casadi.GlobalOptions, "setNumpyMode"):
+    # From 3.8: NumPy's functions return symbols, without a warning.
+    casadi.GlobalOptions.setNumpyMode(1)
+
+SILENT = {
+    "print_time": False,
+    "show_eval_warnings": False,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",  # no banner
+}
+OPTIONS = {
+    **SILENT,
+    "ipopt.tol": 1e-11,
+    "ipopt.constr_viol_tol": 1e-11,
+    "ipopt.compl_inf_tol": 1e-11,
+    "ipopt.dual_inf_tol": 1e-9,
+    "ipopt.acceptable_tol": 1e-9,
+    "ipopt.bound_relax_factor": 1e-9,  # rules that leave a single point need an interior
+    "ipopt.honor_original_bounds": "yes",
+    "ipopt.max_iter": 300,
+}
+FINISHED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
+
+
+class SymbolicProgram:
+    """A program's formulas in CasADi symbols."""
+
+    def __init__(self, program: Program):
+        self.program = program
+        self.x = casadi.SX.sym("x", len(program.names))
+        rules = program.rules([self.x[i] for i in range(len(program.names))])
+        self.objective = casadi.SX(rules.objective)
+        self.n_inequalities = len(rules.inequalities)
+        self.rules = casadi.vertcat(casadi.SX(0, 1), *rules.inequalities, *rules.equalities)
+
+    def solver(self, max_seconds: float | None) -> casadi.Function:
+        """IPOPT for this program, silent."""
+        options: dict[str, Any] = dict(OPTIONS)
+        if max_seconds is not None:
+            options["ipopt.max_wall_time"] = max(max_seconds, 1e-3)
+        problem = {"x": self.x, "f": self.objective, "g": self.rules}
+        return casadi.nlpsol("settings", "ipopt", problem, options)
+
+    def derivatives(self, x: Array) -> Derivatives:
+        """Values and gradients of objective, rules and bounds at a point, by automatic differentiation."""
+        outputs = [
+            self.objective,
+            casadi.gradient(self.objective, self.x),
+            self.rules,
+            casadi.jacobian(self.rules, self.x),
+        ]
+        evaluated = casadi.Function("derivatives", [self.x], outputs)(x)
+        objective, gradient, values, jacobian = (value.full() for value in evaluated)
+        low, high = self.program.bounds
+        n, cut = len(x), self.n_inequalities
+        values = values.reshape(-1)
+        return Derivatives(
+            objective=float(objective[0, 0]),
+            gradient=gradient.reshape(-1),
+            values=np.concatenate([values[:cut], low - x, x - high, values[cut:]]),
+            jacobian=np.concatenate([jacobian[:cut], -np.eye(n), np.eye(n), jacobian[cut:]]),
+            n_equalities=len(values) - cut,
+        )
+
+
+def solve(program: Program, start: Array, *, max_seconds: float | None = None) -> Attempt:
+    """One run of IPOPT from a start, with multipliers and the residual of the optimum's conditions.
+
+    The residual is computed here, from CasADi's gradients and IPOPT's multipliers.
+    """
+    if len(start) == 0:
+        at = derivatives(program, start)
+        return Attempt(start, True, 0, "nothing is left open", np.zeros(len(at.values)), 0.0)
+    symbolic = SymbolicProgram(program)
+    low, high = program.bounds
+    n_rules, cut = symbolic.rules.shape[0], symbolic.n_inequalities
+    least = np.concatenate([np.full(cut, -np.inf), np.zeros(n_rules - cut)])
+    solver = symbolic.solver(max_seconds)
+    answer = solver(x0=start, lbx=low, ubx=high, lbg=least, ubg=np.zeros(n_rules))
+    x = answer["x"].full().reshape(-1)
+    of_rules, of_bounds = answer["lam_g"].full().reshape(-1), answer["lam_x"].full().reshape(-1)
+    multipliers = np.concatenate(
+        [of_rules[:cut], np.maximum(-of_bounds, 0.0), np.maximum(of_bounds, 0.0), of_rules[cut:]]
+    )
+    stats = solver.stats()
+    return Attempt(
+        x=x,
+        finished=stats["return_status"] in FINISHED,
+        iterations=int(stats.get("iter_count", 0)),
+        message=f"IPOPT: {stats['return_status']}",
+        multipliers=multipliers,
+        kkt_residual=kkt_residual(symbolic.derivatives(x), multipliers),
+    )

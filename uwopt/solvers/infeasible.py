@@ -1,0 +1,144 @@
+"""Why nothing fits: the cascade of rules, what each single requirement costs, and the nearest miss.
+
+Each requirement is dropped in turn and the search run again: where that helps, its figure is made as
+good as the others allow, which is the smallest relaxation that makes the mission feasible.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from uwopt.catalog.catalogue import Catalog
+from uwopt.mission import Mission
+from uwopt.objectives.objective import Objective
+from uwopt.result import Certificate, Design
+from uwopt.solvers.recommend import Sought, design_of, seek
+
+# Requirement -> (section, key, objective that makes its figure best, or None when none does)
+RELAXABLE: dict[str, tuple[str, str, str | None]] = {
+    "min_snr": ("requirements", "min_snr_db", "snr_db"),
+    "max_gsd_mm": ("requirements", "max_gsd_mm", "gsd_mm"),
+    "min_swath_m": ("requirements", "min_swath_m", None),
+    "min_dof_m": ("requirements", "min_dof_m", None),
+    "max_blur_px": ("requirements", "max_blur_px", None),
+    "max_skew_px": ("requirements", "max_skew_px", None),
+    "overlap": ("requirements", "overlap", None),
+    "mean_level": ("requirements", "mean_level", None),
+    "cost": ("limits", "cost", "cost"),
+    "power_w": ("limits", "power_w", "power"),
+    "peak_power_w": ("limits", "peak_power_w", None),
+    "mass_kg": ("limits", "mass_kg", "mass"),
+    "data_rate_mb_s": ("limits", "data_rate_mb_s", None),
+    "depth_rating_m": ("limits", "depth_rating_m", None),
+}
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """A requirement whose loss alone makes the mission feasible."""
+
+    name: str
+    limit: float | None
+    needed: float | None
+    miss_rel: float
+    design: Design
+
+
+def explain(
+    mission: Mission, catalog: Catalog, objective: Objective, sought: Sought, certificate: Certificate, *, generic: str
+) -> dict[str, Any]:
+    """The `infeasible` part of a result."""
+    relaxations = sorted(single_relaxations(mission, catalog, objective, generic=generic), key=lambda r: r.miss_rel)
+    requirements = [
+        {"name": item["rule"], "n_excluded": item["count"], "n_is_bound": item["rule"] in BOUNDED}
+        for item in certificate.discarded
+        if item["count"]
+    ]
+    del sought
+    return {
+        "requirements": requirements,
+        "relaxations": [
+            {"name": r.name, "limit": r.limit, "needed": r.needed, "miss_rel": r.miss_rel} for r in relaxations
+        ],
+        "nearest_miss": relaxations[0].design if relaxations else None,
+    }
+
+
+BOUNDED = ("min_snr", "bound", "power_w", "cost", "mass_kg")
+
+
+def single_relaxations(
+    mission: Mission, catalog: Catalog, objective: Objective, *, generic: str
+) -> Iterator[Relaxation]:
+    """Drop each requirement that is asked for, and see whether something fits then."""
+    del objective
+    for name, (section, key, best) in RELAXABLE.items():
+        limit = asked_value(mission, section, key)
+        if limit is None:
+            continue
+        relaxed = without(mission, section, key)
+        if relaxed is None:
+            continue
+        goal = Objective.of(best or "power")
+        found = seek(relaxed, catalog, goal, generic=generic, top=1)
+        if not found.outcome.best:
+            continue
+        design = design_of(found, found.outcome.best[0], goal, with_rounding=False)
+        needed = reached_value(design, name, key)
+        yield Relaxation(name, limit, needed, miss(limit, needed), design)
+
+
+def asked_value(mission: Mission, section: str, key: str) -> float | None:
+    """What the mission asks for, None when it does not."""
+    if key == "min_snr_db":
+        ratio = mission.requirements.min_snr
+        return None if ratio is None else 20.0 * math.log10(ratio)
+    if key == "depth_rating_m":
+        return mission.required_depth_m or None
+    value = getattr(getattr(mission, section), key)
+    return None if value is None else float(value)
+
+
+def without(mission: Mission, section: str, key: str) -> Mission | None:
+    """The mission without one requirement, in all scenes; None when it cannot be dropped."""
+    data = mission.to_dict()
+    names = ["min_snr_db", "min_snr"] if key == "min_snr_db" else [key]
+    for name in names:
+        data[section].pop(name, None)
+        for scene in data["scenes"]:
+            (scene.get(section) or {}).pop(name, None)
+    if key == "depth_rating_m":
+        data["limits"]["depth_rating_m"] = 0.0
+    if key == "overlap" and mission.requirements.frame_interval_s is None and mission.vehicle.speed_m_s == 0:
+        return None
+    return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
+
+
+def reached_value(design: Design, name: str, key: str) -> float | None:
+    """The figure that the relaxed design reaches, worst scene."""
+    totals = design.totals
+    direct = {
+        "cost": totals["cost"]["value"], "power_w": totals["power_w"], "peak_power_w": totals["light_peak_power_w"],
+        "mass_kg": totals["mass_kg"],
+    }  # fmt: skip
+    if name in direct:
+        return float(direct[name])
+    figure = {
+        "min_snr_db": "snr_db", "max_gsd_mm": "gsd_mm", "min_swath_m": "swath_m", "min_dof_m": "dof_m",
+        "max_blur_px": "blur_px", "max_skew_px": "skew_px", "overlap": "overlap", "mean_level": "mean_level",
+        "data_rate_mb_s": "data_rate_mb_s",
+    }.get(key)  # fmt: skip
+    values = [s.figures.get(figure) for s in design.scenes if figure and s.figures.get(figure) is not None]
+    if not values:
+        return None
+    return float(min(values) if key.startswith("min") or key == "overlap" else max(values))
+
+
+def miss(limit: float | None, needed: float | None) -> float:
+    """How far a limit is missed, relative; large when it cannot be said."""
+    if limit is None or needed is None:
+        return 1e9
+    return abs(needed - limit) / max(abs(limit), 1e-12)

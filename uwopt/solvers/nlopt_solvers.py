@@ -1,0 +1,179 @@
+"""NLopt: a second opinion from other algorithms, with derivatives by complex step or without any.
+
+The only module that imports nlopt.
+
+slsqp   sequential quadratic programming, gradients by complex step
+cobyla  linear models of objective and rules, no gradients
+global  ISRES, an evolution strategy, then SLSQP from its best point. Of NLopt's global algorithms it is the
+        one that takes equalities and inequalities as they are. DIRECT-L needs an augmented Lagrangian,
+        whose boxes stall where rules meet, which is where these optima lie; AGS takes no equalities and few
+        unknowns; MLSL with an augmented Lagrangian solves a local problem per sample. ISRES closes in
+        slowly, hence the polish.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal
+
+import nlopt
+import numpy as np
+
+from uwopt.solvers.optimality import Array, Attempt, derivatives, fitted_multipliers, kkt_residual
+from uwopt.solvers.program import Program
+
+Algorithm = Literal["slsqp", "cobyla", "global"]
+
+RULE_TOLERANCE = 1e-9  # in logarithms
+HUGE = 1e6  # stands in for a value that is no number
+SEED = 20200913
+EVALUATIONS = {"slsqp": 300, "cobyla": 1500}
+EVALUATIONS_PER_UNKNOWN = 200  # of ISRES
+COBYLA_STEPS = (None, 0.1, 0.01, 0.001)  # first steps of its rounds, in logarithms; None: NLopt's own choice
+SETTLED = 1e-8  # a residual that needs no further round
+CODES = {"slsqp": nlopt.LD_SLSQP, "cobyla": nlopt.LN_COBYLA, "isres": nlopt.GN_ISRES}
+
+
+class Evaluations:
+    """A program's values for NLopt's callbacks, computed once a point."""
+
+    def __init__(self, program: Program):
+        self.program = program
+        self.n = len(program.names)
+        self.last_x = np.full(self.n, np.nan)
+        self.with_gradient = False
+        self.objective, self.gradient = 0.0, np.zeros(self.n)
+        self.inequalities, self.equalities = np.empty(0), np.empty(0)
+        self.jacobians = (np.empty((0, self.n)), np.empty((0, self.n)))
+
+    def at(self, x: Array, gradient: bool) -> None:
+        """Evaluate, unless this point is the last one."""
+        if np.array_equal(x, self.last_x) and (self.with_gradient or not gradient):
+            return
+        self.last_x, self.with_gradient = np.array(x), gradient
+        if gradient:
+            found = derivatives(self.program, self.last_x)
+            first = len(found.values) - found.n_equalities
+            cut = first - 2 * self.n
+            self.objective, self.gradient = found.objective, found.gradient
+            self.inequalities, self.equalities = found.values[:cut], found.values[first:]
+            self.jacobians = (found.jacobian[:cut], found.jacobian[first:])
+        else:
+            rules = self.program.rules([float(v) for v in self.last_x])
+            self.objective = float(rules.objective)
+            self.inequalities = np.array(rules.inequalities, float)
+            self.equalities = np.array(rules.equalities, float)
+
+    def minimised(self, x: Array, gradient: Array) -> float:
+        """NLopt's view of the objective."""
+        self.at(x, gradient.size > 0)
+        if gradient.size:
+            gradient[:] = finite(self.gradient)
+        return float(finite(np.array([self.objective]))[0])
+
+    def rules(self, which: int) -> Callable[[Array, Array, Array], None]:
+        """NLopt's view of the inequalities (0) or the equalities (1)."""
+
+        def values(result: Array, x: Array, gradient: Array) -> None:
+            self.at(x, gradient.size > 0)
+            result[:] = finite((self.inequalities, self.equalities)[which])
+            if gradient.size:
+                gradient[:] = finite(self.jacobians[which])
+
+        return values
+
+
+def finite(values: Array) -> Array:
+    """Values a solver can work with."""
+    return np.nan_to_num(values, nan=HUGE, posinf=HUGE, neginf=-HUGE)
+
+
+def solve(
+    program: Program, start: Array, *, algorithm: Algorithm = "slsqp", max_seconds: float | None = None
+) -> Attempt:
+    """One run from a start; multipliers are those that fit best, and the residual says how well."""
+    if len(start) == 0:
+        x, finished, count, message = start, True, 0, "nothing is left open"
+    elif algorithm == "global":
+        half = None if max_seconds is None else 0.5 * max_seconds
+        near, _, first, found = run("isres", program, start, half)
+        x, finished, count, message = run("slsqp", program, near, half)
+        count, message = first + count, f"{found}, then {message}"
+    elif algorithm == "cobyla":
+        return in_rounds(program, start, max_seconds)
+    else:
+        x, finished, count, message = run(algorithm, program, start, max_seconds)
+    return assessed(program, x, finished, count, message)
+
+
+def assessed(program: Program, x: Array, finished: bool, count: int, message: str) -> Attempt:
+    """A run's end with its epigraph variables drawn tight, and how well multipliers fit there."""
+    x = program.complete(x)
+    at = derivatives(program, x)
+    multipliers = fitted_multipliers(at)
+    return Attempt(x, finished, count, message, multipliers, kkt_residual(at, multipliers))
+
+
+def in_rounds(program: Program, start: Array, max_seconds: float | None) -> Attempt:
+    """COBYLA from where it ended, with smaller first steps, until the conditions of an optimum hold.
+
+    Its trust region only shrinks: where the objective is curved, or directions are free, it shrinks too soon.
+    """
+    share = None if max_seconds is None else max_seconds / len(COBYLA_STEPS)
+    x, total = start, 0
+    for first_step in COBYLA_STEPS:
+        x, finished, count, message = run("cobyla", program, x, share, first_step)
+        total += count
+        found = assessed(program, x, finished, total, message)
+        if found.kkt_residual <= SETTLED:
+            break
+    return found
+
+
+def run(
+    name: str, program: Program, start: Array, max_seconds: float | None, first_step: float | None = None
+) -> tuple[Array, bool, int, str]:
+    """One NLopt algorithm: where it ends, whether it says it is done, evaluations, what it says."""
+    n = len(start)
+    evaluations = Evaluations(program)
+    low, high = program.bounds
+    inequalities, equalities = program.rule_names()
+    solver: Any = nlopt.opt(CODES[name], n)
+    solver.set_lower_bounds(low)
+    solver.set_upper_bounds(high)
+    solver.set_min_objective(evaluations.minimised)
+    if inequalities:
+        solver.add_inequality_mconstraint(evaluations.rules(0), np.full(len(inequalities), RULE_TOLERANCE))
+    if equalities:
+        solver.add_equality_mconstraint(evaluations.rules(1), np.full(len(equalities), RULE_TOLERANCE))
+    solver.set_maxeval(EVALUATIONS.get(name, EVALUATIONS_PER_UNKNOWN * n))
+    if name != "isres":
+        solver.set_xtol_abs(1e-11)
+        solver.set_ftol_abs(1e-13)
+    else:
+        nlopt.srand(SEED)
+    if first_step is not None:
+        solver.set_initial_step(np.minimum(first_step, 0.25 * (high - low)))
+    if max_seconds is not None:
+        solver.set_maxtime(max(max_seconds, 1e-3))
+    try:
+        x, code = solver.optimize(np.clip(start, low, high)), solver.last_optimize_result()
+    except (nlopt.RoundoffLimited, RuntimeError, ValueError) as fault:
+        x, code = evaluations.last_x, 0
+        message = f"NLopt {name}: {type(fault).__name__}"
+    else:
+        message = f"NLopt {name}: {RESULTS.get(code, f'code {code}')}"
+    if not np.all(np.isfinite(x)):
+        x = start
+    return np.clip(np.asarray(x, float), low, high), code in DONE or code == 0, solver.get_numevals(), message
+
+
+DONE = (nlopt.SUCCESS, nlopt.STOPVAL_REACHED, nlopt.FTOL_REACHED, nlopt.XTOL_REACHED)
+RESULTS = {
+    nlopt.SUCCESS: "success",
+    nlopt.STOPVAL_REACHED: "value reached",
+    nlopt.FTOL_REACHED: "objective settled",
+    nlopt.XTOL_REACHED: "unknowns settled",
+    nlopt.MAXEVAL_REACHED: "evaluations used up",
+    nlopt.MAXTIME_REACHED: "time used up",
+}

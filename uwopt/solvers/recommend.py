@@ -1,0 +1,170 @@
+"""From a mission to a recommendation: select, search, read back, round, doubt, explain.
+
+The search works on tables; here its designs become results. Every design is evaluated again through
+the forward model, and a claim that does not hold there is a defect, not a result.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from uwopt.catalog.catalogue import Catalog
+from uwopt.catalog.choose import Choice, Selection, select
+from uwopt.catalog.compatibility import explain_pair
+from uwopt.errors import SolverError
+from uwopt.evaluation import Hardware, SceneSettings, evaluate_design
+from uwopt.mission import Mission
+from uwopt.objectives.objective import Objective
+from uwopt.problem import Parts, Problem
+from uwopt.result import Design
+from uwopt.rows import SceneRows
+from uwopt.solvers.certificate import select_problem_mission
+from uwopt.solvers.exact import Found, Outcome, Search
+from uwopt.solvers.rounding import exact_settings, rounded_design
+
+Progress = Callable[[float, str], None]
+AGREES_REL = 1e-6
+GENERIC_GAIN = 0.10
+
+
+@dataclass
+class Sought:
+    """One search with what it was made of."""
+
+    selection: Selection
+    problem: Problem
+    search: Search
+    outcome: Outcome
+
+
+def selected(mission: Mission, catalog: Catalog, *, generic: str) -> Selection:
+    """The parts that the mission allows."""
+    names = Choice.__dataclass_fields__
+    choice = Choice(**{name: getattr(mission.catalog, name) for name in names if name != "generic"}, generic=generic)  # type: ignore[arg-type]
+    return select(
+        catalog,
+        choice,
+        required_depth_m=mission.required_depth_m,
+        camera_count=mission.vehicle.camera_count,
+        **select_problem_mission(mission),
+    )
+
+
+def build_problem(mission: Mission, selection: Selection, **changes: Any) -> Problem:
+    """Tables over the selected parts."""
+    parts = Parts(selection.cameras, selection.lenses, selection.ports, selection.lights)
+    return Problem(mission, parts, paper=mission.physics == "paper", owned_lights=dict(selection.owned), **changes)
+
+
+def seek(
+    mission: Mission, catalog: Catalog, objective: Objective, *, generic: str, top: int,
+    deadline_s: float | None = None, progress: Progress | None = None, ceiling: float = math.inf,
+) -> Sought:  # fmt: skip
+    """Select, tabulate and search."""
+    selection = selected(mission, catalog, generic=generic)
+    problem = build_problem(mission, selection)
+    search = Search(problem, objective, top=top, deadline_s=deadline_s, progress=progress, ceiling=ceiling)
+    return Sought(selection, problem, search, search.run())
+
+
+def hardware_of(found: Found) -> Hardware:
+    """A found design's hardware."""
+    return Hardware(
+        found.camera, found.lens, found.port, found.landscape, found.light, found.count, found.lighting.mount
+    )
+
+
+def scene_rows_of(search: Search, found: Found) -> list[SceneRows]:
+    """The settings' view of one found design, by scene."""
+    imager = np.array([found.imager])
+    signals = [search.tables.exact(i, found.lighting, imager) for i in range(len(search.problem.scenes))]
+    return search.rows(imager, signals, np.array([found.light]), np.array([found.count]), found.lighting)
+
+
+def design_of(sought: Sought, found: Found, objective: Objective, *, with_rounding: bool = True) -> Design:
+    """A found design as a result: evaluated again, rounded, checked."""
+    problem = sought.problem
+    hardware = hardware_of(found)
+    from uwopt.evaluation import DesignModel
+
+    model = DesignModel(problem, hardware)
+    given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
+    design = evaluate_design(problem, hardware, given, objective)
+    check_claim(design, found, objective)
+    design = replace(design, warnings=part_warnings(problem, hardware))
+    return with_rounded(sought, found, design, objective) if with_rounding else design
+
+
+def check_claim(design: Design, found: Found, objective: Objective) -> None:
+    """The forward model must agree with what the search claims."""
+    claimed = objective.reported(found.minimised)
+    value = design.objective_value
+    if value is None or abs(value - claimed) > AGREES_REL * max(abs(claimed), 1e-12):
+        raise SolverError(
+            f"the search claims an objective of {claimed:.9g}, the evaluation of the same design says {value}; "
+            "this is a defect of uwopt"
+        )
+    missed = [m for s in design.scenes for m in s.margins if not m.satisfied]
+    if missed:
+        what = "; ".join(f"{m.requirement} = {m.value} against {m.limit}" for m in missed)
+        raise SolverError(f"the search claims a feasible design, but its evaluation misses {what}; this is a defect of uwopt")
+
+
+def with_rounded(sought: Sought, found: Found, design: Design, objective: Objective) -> Design:
+    """Add the settings a person can set, and how the design does with them."""
+    rows = scene_rows_of(sought.search, found)
+    floor = 10.0 ** (found.snr_db / 20.0) * (1 - 1e-9) if objective.weight("snr_db") else 0.0
+    exact = [{**numbers, "snr_floor": min(floor, 1e300) * 0.99} for numbers in found.settings]
+    focus = [scene.settings["focus_distance_m"] for scene in design.scenes]
+    made = rounded_design(sought.problem, hardware_of(found), rows, exact, focus, objective)
+    if made is None:
+        return design
+    again, _ = made
+    scenes = [
+        replace(scene, settings_to_set=other.settings) for scene, other in zip(design.scenes, again.scenes, strict=True)
+    ]
+    missed = [m.requirement for s in again.scenes for m in s.margins if not m.satisfied]
+    rounded = {"feasible": again.feasible, "objective_value": again.objective_value, "missed": missed}
+    return replace(design, scenes=scenes, rounded=rounded)
+
+
+def part_warnings(problem: Problem, hardware: Hardware) -> list[dict[str, str]]:
+    """What should be known of these parts together: a lens rated for larger pixels, and the like."""
+    parts = problem.parts
+    findings = explain_pair(
+        parts.cameras[hardware.camera], parts.lenses[hardware.lens], parts.ports[hardware.port],
+        parts.lights[hardware.light],
+    )  # fmt: skip
+    return [
+        {"code": f.rule, "path": "hardware", "message": f.message} for f in findings if f.severity == "warning"
+    ]
+
+
+def other_hardware(found: Sequence[Found]) -> list[Found]:
+    """Runners-up: every found design but the first."""
+    return list(found[1:])
+
+
+def timed(timing: dict[str, float], name: str) -> Any:
+    """A context that adds its duration to a table of times."""
+
+    class Clock:
+        def __enter__(self) -> None:
+            self.start = time.perf_counter()
+
+        def __exit__(self, *details: object) -> None:
+            timing[name] = timing.get(name, 0.0) + time.perf_counter() - self.start
+
+    return Clock()
+
+
+__all__ = [
+    "GENERIC_GAIN", "SceneSettings", "Sought", "build_problem", "design_of", "hardware_of", "other_hardware",
+    "scene_rows_of", "seek", "selected", "timed",
+]  # fmt: skip

@@ -1,0 +1,221 @@
+"""Whether the recommendation would change if what is estimated were known.
+
+Assumptions are the numbers of the winner's parts that no source states. The regret puts the winner's
+parts at the bad end of their ranges and all rivals' at the good end, and searches once more. A quote
+matters when that one number, at its bad end, would let another design win.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from typing import Any
+
+from uwopt.catalog.records import Part, Quantity, exact
+from uwopt.hardware import FAVOURED
+from uwopt.objectives.objective import Objective
+from uwopt.problem import Parts, Problem
+from uwopt.solvers.exact import Found, Search
+from uwopt.solvers.recommend import Sought
+
+DOUBTFUL = ("estimated", "generic", "derived")
+UNITS_BY_SUFFIX = {
+    "_e": "e-", "_e_s": "e-/s", "_db": "dB", "_us": "µs", "_hz": "Hz", "_w": "W", "_g": "g", "_lm": "lm",
+    "_j": "J", "_s": "s", "_deg": "deg", "_mm": "mm", "_m": "m", "_frac": "", "_mb_s": "MB/s", "_lm_s_per_j": "lm s/J",
+}  # fmt: skip
+KINDS = ("camera", "lens", "port", "light")
+
+
+def unit_of(name: str, part: Part) -> str:
+    """Unit of a part's field, from its name."""
+    if name == "price":
+        return part.currency
+    suffixes = sorted(UNITS_BY_SUFFIX, key=len, reverse=True)
+    return next((UNITS_BY_SUFFIX[s] for s in suffixes if name.endswith(s)), "")
+
+
+def parts_of(problem: Problem, found: Found) -> list[tuple[str, Part]]:
+    """The four parts of a design by kind."""
+    parts = problem.parts
+    return [
+        ("camera", parts.cameras[found.camera]),
+        ("lens", parts.lenses[found.lens]),
+        ("port", parts.ports[found.port]),
+        ("light", parts.lights[found.light]),
+    ]
+
+
+def doubtful(part: Part) -> list[tuple[str, Quantity]]:
+    """Fields whose value is not stated by a source for this very part and has a range."""
+    found = []
+    for f in fields(part):
+        value = getattr(part, f.name)
+        if isinstance(value, Quantity) and value.status in DOUBTFUL and value.high > value.low:
+            found.append((f.name, value))
+    return found
+
+
+def assumptions(problem: Problem, found: Found) -> list[dict[str, Any]]:
+    """Every number of the design that is estimated, and what the model assumes."""
+    items = [
+        {
+            "path": f"{kind}.{name}", "part": part.id, "value": value.value, "low": value.low, "high": value.high,
+            "unit": unit_of(name, part), "status": value.status, "source": value.source,
+        }
+        for kind, part in parts_of(problem, found)
+        for name, value in doubtful(part)
+    ]  # fmt: skip
+    return items + model_assumptions(problem, found)
+
+
+def model_assumptions(problem: Problem, found: Found) -> list[dict[str, Any]]:
+    """What the physics takes for granted here."""
+
+    def item(path: str, value: Any, source: str) -> dict[str, Any]:
+        return {"path": path, "part": "", "value": value, "low": None, "high": None, "unit": "", "status": "assumed", "source": source}
+
+    items = []
+    for scene in problem.scenes:
+        items.append(item(f"{scene.name}: water_table", scene.water_table, "; ".join(scene.notes)))
+    light = problem.parts.lights[found.light]
+    if light.beam_medium == "not stated" and not problem.paper:
+        items.append(item("light.beam_medium", "air", "the source does not say whether the beam angle holds in air or water"))
+    if light.dim_status == "estimated":
+        items.append(item("light.dim_levels", list(light.dim_levels or ()), "how the lamp dims is not published"))
+    if problem.cameras.prnu_frac[found.camera] == 0 and not problem.paper:
+        items.append(item("camera.prnu_frac", 0.0, "not published; taken as none"))
+    return items
+
+
+# ---------------------------------------------------------------- regret
+
+
+def at_end(part: Any, end: str, only: str | None = None) -> Any:
+    """A part with its doubtful numbers (or one of them) put at one end of their ranges."""
+    changes = {}
+    for name, value in doubtful(part):
+        if only is not None and name != only:
+            continue
+        sign = FAVOURED.get(name, 0)
+        if sign:
+            best = value.high if sign > 0 else value.low
+            worst = value.low if sign > 0 else value.high
+            changes[name] = exact(best if end == "good" else worst, value.status, value.source)
+    return replace(part, **changes) if changes else part
+
+
+def single_parts(problem: Problem, found: Found, changed: dict[str, Part]) -> Parts:
+    """A catalogue of one design, some of its parts changed."""
+    own = {kind: changed.get(kind, part) for kind, part in parts_of(problem, found)}
+    return Parts((own["camera"],), (own["lens"],), (own["port"],), (own["light"],))  # type: ignore[arg-type]
+
+
+def value_with(sought: Sought, found: Found, objective: Objective, changed: dict[str, Part]) -> float:
+    """Best objective of one hardware with changed parts; inf where it is no longer feasible."""
+    base = sought.problem
+    problem = Problem(
+        base.mission, single_parts(base, found, changed), paper=base.paper, owned_lights=base.owned_lights,
+        counts=(found.count, found.count), mounts=[found.lighting.mount],
+    )  # fmt: skip
+    outcome = Search(problem, objective, top=1, deadline_s=None, progress=None).run()
+    return outcome.best[0].minimised if outcome.best else math.inf
+
+
+def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[str, Any] | None:
+    """Regret, rival, and the quotes that could change the answer."""
+    if not sought.outcome.best:
+        return None
+    winner = sought.outcome.best[0]
+    problem = sought.problem
+    bad = {kind: at_end(part, "bad") for kind, part in parts_of(problem, winner)}
+    bad_value = value_with(sought, winner, objective, bad)
+    mixed = mixed_problem(problem, winner, bad)
+    outcome = Search(mixed, objective, top=2, deadline_s=None, progress=None).run()
+    rival = next((f for f in outcome.best if not same_parts(mixed, f, problem, winner)), None)
+    best = min([f.minimised for f in outcome.best] + [bad_value])
+    regret = max(0.0, bad_value - best) if math.isfinite(bad_value) else None
+    return {
+        "max_regret": regret,
+        "regret_rel": None if regret is None else regret / max(abs(winner.minimised), 1e-300),
+        "value_at_bad_end": objective.reported(bad_value) if math.isfinite(bad_value) else None,
+        "feasible_at_bad_end": math.isfinite(bad_value),
+        "rival": None if rival is None or rival.minimised >= bad_value else rival_dict(mixed, rival, objective),
+        "quotes_that_matter": quotes_that_matter(sought, objective, outcome_rivals(sought, outcome.best, mixed), top=top),
+    }
+
+
+def mixed_problem(problem: Problem, winner: Found, bad: dict[str, Part]) -> Problem:
+    """The winner's parts at their bad end among all others at their good end."""
+
+    def mixed(kind: str, parts: Sequence[Any]) -> tuple[Any, ...]:
+        return tuple(bad[kind] if part.id == bad[kind].id else at_end(part, "good") for part in parts)
+
+    parts = problem.parts
+    return Problem(
+        problem.mission,
+        Parts(
+            mixed("camera", parts.cameras), mixed("lens", parts.lenses), mixed("port", parts.ports),
+            mixed("light", parts.lights),
+        ),
+        paper=problem.paper, owned_lights=problem.owned_lights, counts=problem.count_range, mounts=problem.mounts,
+    )  # fmt: skip
+
+
+def same_parts(one: Problem, a: Found, other: Problem, b: Found) -> bool:
+    """Whether two designs are made of the same four parts."""
+    return [p.id for _, p in parts_of(one, a)] == [p.id for _, p in parts_of(other, b)]
+
+
+def rival_dict(problem: Problem, rival: Found, objective: Objective) -> dict[str, Any]:
+    """A rival by its ids, with what it would reach."""
+    return {
+        **{kind: part.id for kind, part in parts_of(problem, rival)},
+        "light_count": rival.count,
+        "objective_value": objective.reported(rival.minimised),
+    }
+
+
+def outcome_rivals(sought: Sought, good: Sequence[Found], mixed: Problem) -> list[Found]:
+    """Designs that could take the winner's place: its runner-up, and the rival of the regret search."""
+    winner = sought.outcome.best[0]
+    rivals = list(sought.outcome.best[1:2])
+    for found in good:
+        if not same_parts(mixed, found, sought.problem, winner) and not any(
+            same_parts(mixed, found, sought.problem, r) for r in rivals
+        ):
+            rivals.append(found)
+    return rivals[:2]
+
+
+def quotes_that_matter(
+    sought: Sought, objective: Objective, rivals: Sequence[Found], *, top: int
+) -> list[dict[str, Any]]:
+    """Single numbers whose bad end for the winner, or good end for a rival, would change the answer."""
+    problem = sought.problem
+    winner = sought.outcome.best[0]
+    matter: list[dict[str, Any]] = []
+    for rival in rivals:
+        rival_value = value_with(sought, rival, objective, {})
+        shared = {part.id for _, part in parts_of(problem, rival)}
+        for design, end in ((winner, "bad"), (rival, "good")):
+            for kind, part in parts_of(problem, design):
+                for name, value in doubtful(part):
+                    if not FAVOURED.get(name) or any(q["part"] == part.id and q["field"] == name for q in matter):
+                        continue
+                    changed = {kind: at_end(part, end, only=name)}
+                    ours = value_with(sought, winner, objective, changed) if design is winner else winner.minimised
+                    theirs = (
+                        value_with(sought, rival, objective, changed)
+                        if design is rival or part.id in shared
+                        else rival_value
+                    )
+                    if theirs < ours * (1 - 1e-9) if ours > 0 else theirs < ours:
+                        matter.append(
+                            {
+                                "part": part.id, "kind": kind, "field": name, "value": value.value, "low": value.low,
+                                "high": value.high, "unit": unit_of(name, part),
+                                "then_better": " + ".join(p.id for _, p in parts_of(problem, rival)),
+                            }
+                        )  # fmt: skip
+    return matter[: 4 * top]
