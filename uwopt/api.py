@@ -80,12 +80,12 @@ def solve(
     if solver not in SOLVERS:
         raise MissionError(f"solver {solver!r} is not one of {', '.join(SOLVERS)}")
     wanted = prepared(mission, physics, objective)
-    goal = Objective.of(wanted.objective)  # type: ignore[arg-type]
+    goal = Objective.of(wanted.objective)
     timing: dict[str, float] = {}
     with recommend.timed(timing, "catalogue"):
         catalog = load_catalog(wanted)
     policy = wanted.catalog.generic
-    first = "allow" if policy == "allow" else "never"
+    first: recommend.Generic = "allow" if policy == "allow" else "never"
     with recommend.timed(timing, "search"):
         sought = seek(wanted, catalog, goal, generic=first, top=top, deadline_s=seconds, progress=progress)
     alternative: Sought | None = None
@@ -122,7 +122,13 @@ def generic_search(
 
 
 def found_result(
-    result: Result, goal: Objective, sought: Sought, alternative: Sought | None, timing: dict[str, float], *, solver: str
+    result: Result,
+    goal: Objective,
+    sought: Sought,
+    alternative: Sought | None,
+    timing: dict[str, float],
+    *,
+    solver: str,
 ) -> Result:
     """A result with a recommendation."""
     from uwopt.solvers.robustness import assumptions, robustness
@@ -172,12 +178,18 @@ def infeasible_result(
 
     used = alternative or sought
     proof = certificate(used.selection, used.problem, used.outcome, goal)
-    generic = "allow" if alternative is not None else ("allow" if mission.catalog.generic == "allow" else "never")
+    generic = (
+        "allow" if alternative is not None else ("allow" if mission.catalog.generic == "allow" else "never")
+    )
     with recommend.timed(timing, "explanation"):
         why = explain(mission, catalog, goal, used, proof, generic=generic)
     status = "infeasible" if used.outcome.complete else "stopped"
     return replace(
-        result, status=status, certificate=proof, infeasible=why, warnings=[*result.warnings, *selection_warnings(used)]
+        result,
+        status=status,
+        certificate=proof,
+        infeasible=why,
+        warnings=[*result.warnings, *selection_warnings(used)],
     )
 
 
@@ -245,7 +257,7 @@ def evaluate(mission: Source | Mission, system: Source | System, *, physics: str
     wanted = prepared(mission, physics, None)
     built = load_system(system)
     built.check_scenes(wanted)
-    goal = Objective.of(wanted.objective)  # type: ignore[arg-type]
+    goal = Objective.of(wanted.objective)
     problem, hardware = system_problem(wanted, built)
     given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
     design = with_compatibility(evaluate_design(problem, hardware, given, goal), problem)
@@ -277,12 +289,20 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
         mount = Mount(explicit=tuple(system.light_mounts))
     else:
         vehicle = mission.vehicle
-        baseline = system.light_baseline_m if system.light_baseline_m is not None else vehicle.light_baseline_grid_m[0]
+        baseline = (
+            system.light_baseline_m
+            if system.light_baseline_m is not None
+            else vehicle.light_baseline_grid_m[0]
+        )
         tilt = system.light_tilt_deg if system.light_tilt_deg is not None else vehicle.light_tilt_grid_deg[0]
         explicit = tuple(vehicle.light_mounts or ()) if system.light_baseline_m is None else ()
         mount = Mount(explicit=explicit) if len(explicit) == system.light_count else Mount(baseline, tilt)
     problem = Problem(
-        mission, parts, paper=mission.physics == "paper", counts=(system.light_count, system.light_count), mounts=[mount]
+        mission,
+        parts,
+        paper=mission.physics == "paper",
+        counts=(system.light_count, system.light_count),
+        mounts=[mount],
     )
     return problem, Hardware(0, 0, 0, system.orientation == "landscape", 0, system.light_count, mount)
 
@@ -334,6 +354,7 @@ def breathing_notes(design: Design) -> list[dict[str, str]]:
     for scene in design.scenes:
         n, working = scene.figures["f_number"], scene.figures["working_f_number"]
         if n and working and working / n > 1.02:
-            text = f"{scene.name}: focused so near, the lens extends by {100 * (working / n - 1):.1f} %; its angle of view shrinks by as much"
+            share = 100 * (working / n - 1)
+            text = f"{scene.name}: focused so near, the lens extends by {share:.1f} % and sees that much less"
             notes.append({"code": "breathing", "path": "lens", "message": text})
     return notes

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from uwopt.catalog.records import Part, Quantity
 from uwopt.figures import DesignRows, Figures, SettingRows, figures_of, full_light_lm, levers_m
 from uwopt.hardware import CONTINUOUS, FLASH, Cameras, Lenses, Lights
+from uwopt.model import beam as beams
 from uwopt.model import imaging, sensor
 from uwopt.model import lens as lens_model
 from uwopt.model.port import dome_virtual_image_distance_m, lens_dioptre_per_m
@@ -120,7 +121,9 @@ class DesignModel:
         cam, lights = self.cameras, self.lights
         offset, readout = float(cam.exposure_offset_s[0]), float(cam.readout_s[0])
         blur = float(blur_time_s(scene, self.shapes[index], rows.view)[0])
-        cap = min(float(cam.max_exposure_s[0]), limits.max_exposure_ms * 1e-3, 1.0 / rate if rate > 0 else math.inf)
+        cap = min(
+            float(cam.max_exposure_s[0]), limits.max_exposure_ms * 1e-3, 1.0 / rate if rate > 0 else math.inf
+        )
         pulse, exposure = given.pulse_s, given.exposure_s
         kind = int(lights.kind[0])
         if kind == FLASH:
@@ -143,7 +146,9 @@ class DesignModel:
         wanted = scene.view.requirements.mean_level
         if wanted is None:
             return 1.0
-        at_unit = figures_of(scene, self.rows[index], _setting_rows(f_number, exposure, pulse, 1.0, level, rate, dioptre))
+        at_unit = figures_of(
+            scene, self.rows[index], _setting_rows(f_number, exposure, pulse, 1.0, level, rate, dioptre)
+        )
         full, black = float(2.0 ** cam.bits[0] - 1.0), float(cam.black_level_dn[0])
         reached = float(at_unit.mean_level[0, scene.nominal]) * full - black
         if not reached > 0:
@@ -197,7 +202,9 @@ class DesignModel:
             body = getattr(self.cameras, name) + getattr(self.lenses, name) + getattr(port, name)
             return n * body + lamps_to_buy * getattr(self.lights, name) + extra_cost
 
-        mass = n * (self.cameras.mass_kg + self.lenses.mass_kg + port.mass_kg) + hw.count * self.lights.mass_kg
+        mass = (
+            n * (self.cameras.mass_kg + self.lenses.mass_kg + port.mass_kg) + hw.count * self.lights.mass_kg
+        )
         camera_power = n * self.cameras.power_w + extra_power
         return {
             "cost": money("price"),
@@ -278,11 +285,15 @@ def plain_margin(row: MarginRows) -> Margin:
         unit=row.unit,
         at_altitude_m=where,
         satisfied=bool(row.satisfied[0]),
-        binding=bool(row.binding[0]) and finite(value) and row.requirement not in ("light_level", "mean_level"),
+        binding=bool(row.binding[0])
+        and finite(value)
+        and row.requirement not in ("light_level", "mean_level"),
     )
 
 
-def plain_settings(model: DesignModel, index: int, settings: SettingRows, figures: Figures) -> dict[str, float | None]:
+def plain_settings(
+    model: DesignModel, index: int, settings: SettingRows, figures: Figures
+) -> dict[str, float | None]:
     """Settings in the field's units."""
     kind = int(model.lights.kind[0])
     level, pulse = float(settings.level[0]), float(settings.pulse_s[0])
@@ -425,7 +436,7 @@ def illuminance(model: DesignModel, index: int, settings: SettingRows) -> dict[s
     range_m = float(scene.range_m[scene.nominal])
     weight = scene.photopic * relative_spectrum((optics.spectrum_id, optics.spectrum), scene.wavelength_nm)
     if scene.paper:
-        axis = float(imaging.beams.intensity_per_sr(np.array([1.0]), optics.beam)[0]) / range_m**2
+        axis = float(beams.intensity_per_sr(np.array([1.0]), optics.beam)[0]) / range_m**2
         loss = float((weight * np.exp(-scene.lamp_attenuation_per_m * range_m)).sum() / weight.sum())
         value = lumens * axis * loss
         return {"floor_illuminance_mean_lx": value, "floor_illuminance_min_lx": value, "uniformity": 1.0}
@@ -453,7 +464,9 @@ def illuminance(model: DesignModel, index: int, settings: SettingRows) -> dict[s
     }
 
 
-def colour_snr(model: DesignModel, index: int, settings: SettingRows, figures: Figures) -> dict[str, float | None]:
+def colour_snr(
+    model: DesignModel, index: int, settings: SettingRows, figures: Figures
+) -> dict[str, float | None]:
     """SNR of each channel of a colour sensor at the nominal altitude; None for a mono sensor."""
     names = ("red", "green", "blue")
     curves = model.problem.efficiencies[int(model.cameras.qe_index[0])]
@@ -496,13 +509,15 @@ def hardware_dict(problem: Problem, hw: Hardware) -> dict[str, Any]:
     """The hardware by ids, and where its lights stand."""
     parts = problem.parts
     mounts = (
-        [m.model_dump(mode="json") for m in hw.mount.explicit]
-        if hw.mount.explicit
-        else default_mounts(hw)
+        [m.model_dump(mode="json") for m in hw.mount.explicit] if hw.mount.explicit else default_mounts(hw)
     )
     return {
         **{
-            kind: {"id": part.id, "name": f"{part.manufacturer} {part.model}".strip() or part.id, "generic": part.generic}
+            kind: {
+                "id": part.id,
+                "name": f"{part.manufacturer} {part.model}".strip() or part.id,
+                "generic": part.generic,
+            }
             for kind, part in (
                 ("camera", parts.cameras[hw.camera]),
                 ("lens", parts.lenses[hw.lens]),
@@ -570,16 +585,16 @@ def bill_of_materials(problem: Problem, hw: Hardware) -> list[dict[str, Any]]:
                 "source": part.source_url, "price_basis": price.source,
             }
         )  # fmt: skip
-    for extra in problem.mission.catalog.extras:
-        rows.append(
-            {
-                "kind": "extra", "id": extra.name, "manufacturer": "", "model": extra.name, "count": 1, "owned": 0,
-                "unit_price": extra.cost, "unit_price_low": extra.cost, "unit_price_high": extra.cost,
-                "currency": currency, "price_status": "own", "price_date": "", "generic": False, "source": "mission",
-                "price_basis": "",
-            }
-        )  # fmt: skip
-    return rows
+    extras = problem.mission.catalog.extras
+    return rows + [
+        {
+            "kind": "extra", "id": extra.name, "manufacturer": "", "model": extra.name, "count": 1, "owned": 0,
+            "unit_price": extra.cost, "unit_price_low": extra.cost, "unit_price_high": extra.cost,
+            "currency": currency, "price_status": "own", "price_date": "", "generic": False, "source": "mission",
+            "price_basis": "",
+        }
+        for extra in extras
+    ]  # fmt: skip
 
 
 def cost_range(problem: Problem, hw: Hardware) -> dict[str, Any]:
@@ -600,4 +615,3 @@ def cost_range(problem: Problem, hw: Hardware) -> dict[str, Any]:
         "value": value, "low": low, "high": high, "currency": problem.mission.limits.currency,
         "estimated": estimated, "estimated_low": estimated_low, "estimated_high": estimated_high,
     }  # fmt: skip
-

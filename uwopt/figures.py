@@ -184,7 +184,9 @@ def blur_px(scene: SceneOptics, rows: DesignRows, collected_s: Array) -> Array:
 def skew_px(scene: SceneOptics, rows: DesignRows) -> Array:
     """Skew of a rolling shutter under lamps that burn, (n, 3); a pulse freezes all rows at once."""
     skew = operation.skew_px(
-        rows.cameras.readout_s[:, None], ground_sample_m=rows.view.pixel_along_m, **motion_along(scene, rows.lever_m)
+        rows.cameras.readout_s[:, None],
+        ground_sample_m=rows.view.pixel_along_m,
+        **motion_along(scene, rows.lever_m),
     )
     return np.where((rows.lights.kind == CONTINUOUS)[:, None], skew, 0.0)
 

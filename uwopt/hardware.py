@@ -45,7 +45,8 @@ class Rows:
         """The same columns at these rows."""
         columns = {f.name: getattr(self, f.name) for f in fields(self)}
         return replace(
-            self, **{name: column[index] for name, column in columns.items() if isinstance(column, np.ndarray)}
+            self,
+            **{name: column[index] for name, column in columns.items() if isinstance(column, np.ndarray)},
         )
 
 
@@ -133,7 +134,9 @@ class Lights(Rows):
     mass_kg: Array
 
 
-def number(quantity: Quantity | float | None, default: float, end: End = "central", favoured: int = 0) -> float:
+def number(
+    quantity: Quantity | float | None, default: float, end: End = "central", favoured: int = 0
+) -> float:
     """The value of a quantity at one end of its doubt."""
     if quantity is None:
         return default
@@ -144,10 +147,14 @@ def number(quantity: Quantity | float | None, default: float, end: End = "centra
     return quantity.high if (favoured > 0) == (end == "good") else quantity.low
 
 
-def column(parts: Sequence[Part], name: str, default: float, *, scale: float = 1.0, end: End = "central") -> Array:
+def column(
+    parts: Sequence[Part], name: str, default: float, *, scale: float = 1.0, end: End = "central"
+) -> Array:
     """One property of all parts as a float column in SI (value times scale)."""
     favoured = FAVOURED.get(name, 0)
-    return np.array([number(getattr(part, name), default / scale, end, favoured) * scale for part in parts], float)
+    return np.array(
+        [number(getattr(part, name), default / scale, end, favoured) * scale for part in parts], float
+    )
 
 
 def price_column(parts: Sequence[Part], money: Money, end: End) -> Array:
@@ -161,7 +168,12 @@ def limit_end(end: End, high_basis: bool) -> End:
 
 
 def camera_rows(
-    parts: Sequence[Camera], *, money: Money, end: End = "central", paper: bool = False, high_basis: bool = False
+    parts: Sequence[Camera],
+    *,
+    money: Money,
+    end: End = "central",
+    paper: bool = False,
+    high_basis: bool = False,
 ) -> tuple[Cameras, list[dict[str, Curve]]]:
     """Cameras as columns, and the distinct efficiency curves they point to.
 
@@ -225,7 +237,9 @@ def camera_rows(
     return rows, curves
 
 
-def lens_rows(parts: Sequence[Lens], *, money: Money, end: End = "central", high_basis: bool = False) -> Lenses:
+def lens_rows(
+    parts: Sequence[Lens], *, money: Money, end: End = "central", high_basis: bool = False
+) -> Lenses:
     """Lenses as columns."""
     return Lenses(
         focal_length_m=column(parts, "focal_length_mm", 0.0, scale=1e-3),

@@ -27,6 +27,7 @@ from uwopt.scene import PAPER_N_WATER, SceneOptics
 
 Array = NDArray[Any]
 PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
+REACH_STEP = 1.3
 
 
 # ---------------------------------------------------------------- what the camera sees
@@ -141,7 +142,13 @@ def largest_pixel_m(scene: SceneOptics, shape: PortShape, pitch: Array, focal: A
 
 
 def smallest_pixels_m(
-    scene: SceneOptics, shape: PortShape, along: Array, across: Array, pitch: Array, focal: Array, ranges: Array
+    scene: SceneOptics,
+    shape: PortShape,
+    along: Array,
+    across: Array,
+    pitch: Array,
+    focal: Array,
+    ranges: Array,
 ) -> tuple[Array, Array]:
     """Smallest ground samples along and across the motion, (n, 3) each."""
     if scene.paper or shape.is_dome:
@@ -220,7 +227,9 @@ def place_focus(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap], se
 def dioptre_interval(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap]) -> tuple[float, float]:
     """Dioptres at the lens of the nearest and the farthest distance that must be sharp in any scene."""
     asking = [
-        (scene, at) for scene, at in zip(scenes, maps, strict=True) if scene.view.requirements.min_dof_m is not None
+        (scene, at)
+        for scene, at in zip(scenes, maps, strict=True)
+        if scene.view.requirements.min_dof_m is not None
     ] or list(zip(scenes, maps, strict=True))
     near = max(float(port.lens_dioptre_per_m(scene.range_m[0], focus_map=at)) for scene, at in asking)
     far = np.inf
@@ -272,8 +281,12 @@ def blur_time_s(scene: SceneOptics, shape: PortShape, view: Views) -> Array:
     lever = altitudes_m(scene) + shape.outer_radius_m * (not scene.paper)
     return np.asarray(
         np.minimum(
-            operation.blur_exposure_s(limit_px, ground_sample_m=view.pixel_along_m, **motion_along(scene, lever)),
-            operation.blur_exposure_s(limit_px, ground_sample_m=view.pixel_across_m, **motion_across(scene, lever)),
+            operation.blur_exposure_s(
+                limit_px, ground_sample_m=view.pixel_along_m, **motion_along(scene, lever)
+            ),
+            operation.blur_exposure_s(
+                limit_px, ground_sample_m=view.pixel_across_m, **motion_across(scene, lever)
+            ),
         ).min(axis=1)
     )
 
@@ -304,7 +317,9 @@ def motion_across(scene: SceneOptics, lever_m: Array) -> dict[str, Any]:
 
 def required_rate_hz(requirements: Requirements, speed_m_s: float, footprint_along_m: Array) -> Array:
     """Frame rate that overlap or frame interval ask for; frames that just touch when neither is given."""
-    rate = operation.frame_rate_hz(speed_m_s, footprint_along_m=footprint_along_m, overlap=requirements.overlap or 0.0)
+    rate = operation.frame_rate_hz(
+        speed_m_s, footprint_along_m=footprint_along_m, overlap=requirements.overlap or 0.0
+    )
     if requirements.overlap is None and requirements.frame_interval_s is not None:
         rate = np.zeros_like(footprint_along_m)
     if requirements.frame_interval_s is not None:
@@ -353,7 +368,10 @@ def lamp_set(count: int, *, baseline_m: float, tilt_rad: float) -> Lamps:
     right = (count + 1) // 2
     sides = [(1.0, right / count)] + ([(-1.0, (count - right) / count)] if count > 1 else [])
     places = [(side * baseline_m, share) for side, share in sides]
-    aims = [beams.lamp_aim(0.0, tilt_rad, lamp_x_m=0.0, lamp_y_m=side * max(baseline_m, 1e-12)) for side, _ in sides]
+    aims = [
+        beams.lamp_aim(0.0, tilt_rad, lamp_x_m=0.0, lamp_y_m=side * max(baseline_m, 1e-12))
+        for side, _ in sides
+    ]
     return Lamps(
         x_m=tuple(0.0 for _ in places),
         y_m=tuple(y for y, _ in places),
@@ -380,7 +398,12 @@ def mounted_lamps(mounts: Sequence[Any]) -> Lamps:
 
 def one_side(lamps: Lamps) -> Lamps:
     """The lamps that stand for all in the mean over a symmetric image: mirror images add nothing new."""
-    if len(lamps.x_m) == 2 and lamps.y_m[0] == -lamps.y_m[1] and not any(lamps.x_m) and lamps.z_m[0] == lamps.z_m[1]:
+    if (
+        len(lamps.x_m) == 2
+        and lamps.y_m[0] == -lamps.y_m[1]
+        and not any(lamps.x_m)
+        and lamps.z_m[0] == lamps.z_m[1]
+    ):
         return Lamps(lamps.x_m[:1], lamps.y_m[:1], lamps.z_m[:1], lamps.aim[:1], (1.0,))
     return lamps
 
@@ -388,14 +411,18 @@ def one_side(lamps: Lamps) -> Lamps:
 def efficiency_curve(curves: dict[str, Curve], wavelength_nm: Array, *, channel: str | None = None) -> Array:
     """Quantum efficiency on the grid; a colour sensor counts as (R + 2G + B)/4 unless a channel is named."""
     on_grid = {
-        name: resample(wavelength_nm, table_nm=np.array(curve.x), table_values=np.array(curve.y), outside="hold")
+        name: resample(
+            wavelength_nm, table_nm=np.array(curve.x), table_values=np.array(curve.y), outside="hold"
+        )
         for name, curve in curves.items()
     }
     if channel is not None:
         return np.asarray(on_grid.get(channel, on_grid.get("mono")))
     if "mono" in on_grid:
         return np.asarray(on_grid["mono"])
-    return np.asarray(sensor.colour_mean_efficiency(on_grid["red"], green=on_grid["green"], blue=on_grid["blue"]))
+    return np.asarray(
+        sensor.colour_mean_efficiency(on_grid["red"], green=on_grid["green"], blue=on_grid["blue"])
+    )
 
 
 class Contraction:
@@ -405,7 +432,9 @@ class Contraction:
     `table(s, q)`: water's loss relative to it over both legs. Tables are built when first needed.
     """
 
-    def __init__(self, scene: SceneOptics, optics: Sequence[LightOptics], efficiencies: Sequence[dict[str, Curve]]):
+    def __init__(
+        self, scene: SceneOptics, optics: Sequence[LightOptics], efficiencies: Sequence[dict[str, Curve]]
+    ):
         self.scene = scene
         self.spectrum_names: list[tuple[str, Curve | None]] = []
         self.spectrum_of = np.empty(len(optics), int)
@@ -415,16 +444,19 @@ class Contraction:
                 self.spectrum_names.append(key)
             self.spectrum_of[index] = self.spectrum_names.index(key)
         self.efficiencies = list(efficiencies)
-        self._weights: dict[tuple[int, int, str | None], Array] = {}
-        self._tables: dict[tuple[int, int, str | None], PathTable] = {}
+        self._curve_keys = [tuple(sorted(curves.items())) for curves in efficiencies]
         self._reach_m = (0.0, 0.0)
+
+    def _key(self, spectrum: int, efficiency: int, channel: str | None) -> tuple[Any, ...]:
+        """What a weight depends on, in the scene's cache."""
+        return (self.spectrum_names[spectrum], self._curve_keys[efficiency], channel)
 
     def weight(self, spectrum: int, efficiency: int, channel: str | None = None) -> Array:
         """Signal weight by wavelength; see `imaging.signal_weight`."""
-        key = (spectrum, efficiency, channel)
-        if key not in self._weights:
-            scene = self.scene
-            self._weights[key] = imaging.signal_weight(
+        key = ("weight", *self._key(spectrum, efficiency, channel))
+        scene = self.scene
+        if key not in scene.cache:
+            scene.cache[key] = imaging.signal_weight(
                 relative_spectrum(self.spectrum_names[spectrum], scene.wavelength_nm),
                 wavelength_nm=scene.wavelength_nm,
                 photopic=scene.photopic,
@@ -434,7 +466,7 @@ class Contraction:
                 ),
                 n_water=scene.radiance_index,
             )
-        return self._weights[key]
+        return np.asarray(scene.cache[key])
 
     def response(self, spectrum: int, efficiency: int, channel: str | None = None) -> float:
         """Sum of the weight over wavelengths."""
@@ -458,25 +490,34 @@ class Contraction:
         return float((weight * np.exp(-(optical - least))).sum() / weight.sum() * np.exp(-least))
 
     def set_reach(self, lamp_reach_m: float, camera_reach_m: float) -> None:
-        """Longest paths that tables must cover; called before any table is built."""
-        self._reach_m = (lamp_reach_m, camera_reach_m)
-        self._tables.clear()
+        """Longest paths that tables must cover, rounded up so that like problems share their tables."""
+        near = float(self.scene.range_m[0])
+        self._reach_m = (rounded_up(max(lamp_reach_m, near)), rounded_up(max(camera_reach_m, near)))
 
-    def table(self, spectrum: int, efficiency: int, channel: str | None = None, *, lowest_m: float = 0.0) -> PathTable:
+    def table(
+        self, spectrum: int, efficiency: int, channel: str | None = None, *, lowest_m: float = 0.0
+    ) -> PathTable:
         """Loss over lamp leg and camera leg, as a table over both lengths."""
-        key = (spectrum, efficiency, channel)
-        if key not in self._tables:
-            scene = self.scene
-            near = float(scene.range_m[0])
-            self._tables[key] = build_path_table(
-                self.weight(*key),
+        scene = self.scene
+        near = float(scene.range_m[0])
+        lowest = min(lowest_m, near) * 0.999
+        key = ("table", *self._key(spectrum, efficiency, channel), self._reach_m, lowest)
+        if key not in scene.cache:
+            scene.cache[key] = build_path_table(
+                self.weight(spectrum, efficiency, channel),
                 wavelength_nm=None,  # the weight holds the trapezoid's steps
                 k_lamp_per_m=scene.lamp_attenuation_per_m,
                 c_camera_per_m=scene.attenuation_per_m,
-                lamp_range_m=(min(lowest_m, near) * 0.999, max(self._reach_m[0], near) * 1.001),
-                camera_range_m=(near * 0.999, max(self._reach_m[1], near) * 1.001),
+                lamp_range_m=(lowest, self._reach_m[0]),
+                camera_range_m=(near * 0.999, self._reach_m[1]),
             )
-        return self._tables[key]
+        table: PathTable = scene.cache[key]
+        return table
+
+
+def rounded_up(length_m: float) -> float:
+    """The next length of a series in steps of 30 %."""
+    return float(REACH_STEP ** np.ceil(np.log(length_m * 1.001) / np.log(REACH_STEP)))
 
 
 def relative_spectrum(key: tuple[str, Curve | None], wavelength_nm: Array) -> Array:
@@ -484,10 +525,14 @@ def relative_spectrum(key: tuple[str, Curve | None], wavelength_nm: Array) -> Ar
     name, curve = key
     if curve is not None:
         return np.asarray(
-            resample(wavelength_nm, table_nm=np.array(curve.x), table_values=np.array(curve.y), outside="zero")
+            resample(
+                wavelength_nm, table_nm=np.array(curve.x), table_values=np.array(curve.y), outside="zero"
+            )
         )
     known = spectra.light_spectrum(name)
-    return np.asarray(resample(wavelength_nm, table_nm=known.wavelength_nm, table_values=known.value, outside="zero"))
+    return np.asarray(
+        resample(wavelength_nm, table_nm=known.wavelength_nm, table_values=known.value, outside="zero")
+    )
 
 
 def on_axis_gain(beam: beams.Beam, ranges: Array) -> Array:

@@ -108,13 +108,14 @@ class Problem:
         counts: tuple[int, int] | None = None,
         mounts: Sequence[Mount] | None = None,
         water_table: str | None = None,
+        scenes: list[SceneOptics] | None = None,
     ):
         self.mission, self.parts, self.paper, self.end = mission, parts, paper, end
         self.owned_lights = owned_lights or {}
         self.count_range = counts or light_counts(mission)
         self.mounts = list(mounts) if mounts is not None else mission_mounts(mission)
         base_dir: Path | None = mission.base_dir
-        self.scenes: list[SceneOptics] = [
+        self.scenes: list[SceneOptics] = scenes or [
             scene_optics(mission.scene_view(i), paper=paper, base_dir=base_dir, water_table=water_table)
             for i in range(len(mission.scenes))
         ]
@@ -183,7 +184,9 @@ class Problem:
             if darkest:
                 columns.append(imaging.field_minimum(view.tan_along, view.tan_across, lamps=lamps, **common))
             else:
-                columns.append(imaging.field_mean(view.tan_along, view.tan_across, lamps=one_side(lamps), **common))
+                columns.append(
+                    imaging.field_mean(view.tan_along, view.tan_across, lamps=one_side(lamps), **common)
+                )
         return np.stack(columns, axis=1)
 
     def signal_e(
@@ -213,7 +216,11 @@ class Problem:
         """Water's loss table of one scene, light spectrum and efficiency curve."""
         lowest = min(
             [float(self.scenes[scene_index].range_m[0])]
-            + [float(self.scenes[scene_index].range_m[0]) - m.z_m for mount in self.mounts for m in mount.explicit]
+            + [
+                float(self.scenes[scene_index].range_m[0]) - m.z_m
+                for mount in self.mounts
+                for m in mount.explicit
+            ]
         )
         return self.contractions[scene_index].table(spectrum, efficiency, channel, lowest_m=max(lowest, 1e-4))
 
@@ -263,6 +270,10 @@ class Problem:
             prnu_frac=cam.prnu_frac,
             dark_current_e_s=cam.dark_current_e_s,
             dark_time_s=dark_time,
+            min_exposure_s=cam.min_exposure_s,
+            exposure_offset_s=cam.exposure_offset_s,
+            readout_s=cam.readout_s,
+            flash_duration_s=lamp.flash_duration_s,
             time_min_s=time_min,
             time_max_s=np.where(allowed, time_max, -1.0),
             rate_hz=focused.rate_hz,
@@ -298,7 +309,9 @@ def light_times_s(
     shortest = np.maximum(camera.min_exposure_s + offset, SHORTEST_TIME_S)
     longest = np.minimum(exposure + offset, focused.blur_time_s)
     open_time = exposure - camera.readout_s
-    pulse_max = np.minimum(np.minimum(light.max_pulse_s, duty_time), np.minimum(open_time, focused.blur_time_s))
+    pulse_max = np.minimum(
+        np.minimum(light.max_pulse_s, duty_time), np.minimum(open_time, focused.blur_time_s)
+    )
     pulse_min = np.maximum(light.min_pulse_s, SHORTEST_TIME_S)
     cuts = camera.readout_s == 0.0
     flash_min = np.where(cuts, np.minimum(shortest, light.flash_duration_s), light.flash_duration_s)
@@ -309,7 +322,7 @@ def light_times_s(
     time_min = np.where(pulsed, pulse_min, np.where(flash, flash_min, shortest))
     time_max = np.where(pulsed, pulse_max, np.where(flash, flash_max, longest))
     time_max = np.where(camera.min_exposure_s > exposure * (1 + 1e-12), -1.0, time_max)
-    dark_time = np.where(pulsed | flash, time_max + camera.readout_s, time_max)
+    dark_time = np.where(pulsed | flash, time_max + camera.readout_s, time_max - offset)
     return time_min, time_max, np.maximum(dark_time, 0.0)
 
 

@@ -131,7 +131,11 @@ class Result:
     def to_dict(self) -> dict[str, Any]:
         """Plain values, ready for JSON."""
         data = _plain(self)
-        absent = ("design",) if self.command == "solve" else ("recommendation", "runners_up", "certificate", "generic_alternative")
+        absent = (
+            ("design",)
+            if self.command == "solve"
+            else ("recommendation", "runners_up", "certificate", "generic_alternative")
+        )
         return {key: value for key, value in data.items() if key not in absent}
 
     def to_json(self) -> str:
@@ -155,7 +159,8 @@ class Result:
 def _design(data: Mapping[str, Any]) -> Design:
     values = dict(data)
     values["scenes"] = [
-        SceneResult(**{**scene, "margins": [Margin(**margin) for margin in scene["margins"]]}) for scene in data["scenes"]
+        SceneResult(**{**scene, "margins": [Margin(**margin) for margin in scene["margins"]]})
+        for scene in data["scenes"]
     ]
     return Design(**values)
 

@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.hardware import CONTINUOUS, PULSED
+
 Array = NDArray[Any]
+WHOLE_FLASH = 1.0 - 1e-9  # of its duration: the shutter stays open for all of it
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,11 @@ class SceneRows:
     well_e: Array
     prnu_frac: Array
     dark_current_e_s: Array
-    dark_time_s: Array  # the longest exposure that the design may use
+    dark_time_s: Array  # exposure that dark current sees; at first the longest that the design may use
+    min_exposure_s: Array
+    exposure_offset_s: Array
+    readout_s: Array
+    flash_duration_s: Array
     time_min_s: Array
     time_max_s: Array
     rate_hz: Array
@@ -59,3 +66,13 @@ class SceneRows:
             if isinstance(getattr(self, f.name), np.ndarray)
         }
         return replace(self, **picked)
+
+    def exposure_s(self, time_s: Array) -> Array:
+        """Exposure to set so that light is collected for a time.
+
+        Lamps that burn: time - t_0. A pulse needs all rows open while it lasts; a flash may be cut short.
+        """
+        around_pulse = np.maximum(self.min_exposure_s, time_s + self.readout_s)
+        whole = (self.kind != CONTINUOUS) & (time_s >= self.flash_duration_s * WHOLE_FLASH)
+        cut = time_s - self.exposure_offset_s
+        return np.where((self.kind == PULSED) | whole, around_pulse, cut)

@@ -25,7 +25,7 @@ PAPER_N_WATER = 1.33
 DESIGN_WAVELENGTH_NM = 550.0  # rays and virtual images are computed for green light
 PAPER_ALTITUDES = 3
 FULL_ALTITUDES = 5
-GRID_STEP_NM = 5.0
+GRID_STEP_NM = 1.0  # efficiency curves are digitised at about 2 nm; 5 nm would err by up to 2e-3
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,8 @@ class SceneOptics:
     n_water_spectrum: Array
     water_table: str
     notes: tuple[str, ...] = field(default=())
+    # Weights and loss tables by light spectrum and efficiency curve, shared by all problems in this scene.
+    cache: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def name(self) -> str:
@@ -71,16 +73,21 @@ def scene_optics(
     table = water_table or scene.water_table or ("solonenko-mobley" if paper else None)
     profile = spectra.water_profile(str(scene.water), table=table, base_dir=base_dir)  # type: ignore[arg-type]
     if profile.a_per_m is not None and profile.b_per_m is not None:
-        a, b = absorption(profile, grid, paper=paper), resample(
-            grid, table_nm=profile.wavelength_nm, table_values=profile.b_per_m, outside="hold"
+        a, b = (
+            absorption(profile, grid, paper=paper),
+            resample(grid, table_nm=profile.wavelength_nm, table_values=profile.b_per_m, outside="hold"),
         )
         c = water.beam_attenuation_per_m(a, b)
         lamp = c if paper else lamp_attenuation(profile, grid, a, b, scene.backscatter_ratio)
     else:
-        c = resample(grid, table_nm=profile.wavelength_nm, table_values=profile.attenuation_per_m, outside="hold")
+        c = resample(
+            grid, table_nm=profile.wavelength_nm, table_values=profile.attenuation_per_m, outside="hold"
+        )
         lamp = c
         if not paper and profile.kd_per_m is not None and profile.kd_wavelength_nm is not None:
-            kd = resample(grid, table_nm=profile.kd_wavelength_nm, table_values=profile.kd_per_m, outside="hold")
+            kd = resample(
+                grid, table_nm=profile.kd_wavelength_nm, table_values=profile.kd_per_m, outside="hold"
+            )
             lamp = np.minimum(kd, c)
     floor = spectra.seafloor_reflectance(scene.seafloor, base_dir=base_dir)
     photopic = spectra.photopic()
@@ -97,9 +104,7 @@ def scene_optics(
         range_m=ranges,
         nominal=count // 2,
         wavelength_nm=grid,
-        photopic=resample(
-            grid, table_nm=photopic.wavelength_nm, table_values=photopic.value, outside="zero"
-        ),
+        photopic=resample(grid, table_nm=photopic.wavelength_nm, table_values=photopic.value, outside="zero"),
         attenuation_per_m=c,
         lamp_attenuation_per_m=lamp,
         reflectance=resample(grid, table_nm=floor.wavelength_nm, table_values=floor.value, outside="hold"),
@@ -114,7 +119,9 @@ def absorption(profile: spectra.WaterProfile, grid: Array, *, paper: bool) -> Ar
     """a(lambda) on the grid; beyond the table held (paper) or continued with pure water (full)."""
     assert profile.a_per_m is not None
     if paper:
-        return np.asarray(resample(grid, table_nm=profile.wavelength_nm, table_values=profile.a_per_m, outside="hold"))
+        return np.asarray(
+            resample(grid, table_nm=profile.wavelength_nm, table_values=profile.a_per_m, outside="hold")
+        )
     pure = spectra.pure_water()
     return np.asarray(
         water.extend_absorption_per_m(
@@ -147,7 +154,7 @@ def index_of_water(grid: Array, scene: Any) -> Array:
             grid,
             temperature_c=scene.temperature_c,
             salinity_psu=scene.salinity_psu,
-            coefficients=spectra.quan_fry_coefficients(),
+            coefficients=list(spectra.quan_fry_coefficients()),
         )
     )
 

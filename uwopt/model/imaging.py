@@ -11,6 +11,7 @@ the image of geometry and water's loss. C is what a search tabulates; X is what 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -88,7 +89,9 @@ def signal_weight(
     return np.asarray(density * trapezoid_weights_nm(wavelength_nm))
 
 
-def floor_point(tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float) -> tuple[Array, Array, Array]:
+def floor_point(
+    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float
+) -> tuple[Array, Array, Array]:
     """Where the ray of a field point meets the floor, and its path in water.
 
     Field points are tangents of the angle in air along and across the motion; the floor is flat,
@@ -239,6 +242,7 @@ def field_minimum(
     return lowest
 
 
+@cache
 def gauss(order: int) -> tuple[Array, Array]:
     """Gauss-Legendre nodes on [-1, 1] and weights of the mean."""
     nodes, weights = np.polynomial.legendre.leggauss(order)
@@ -251,7 +255,14 @@ def cells(count: int) -> tuple[Array, Array]:
 
 
 def floor_illuminance_per_lm(
-    x_m: Array, y_m: Array, *, lamps: Lamps, beam: beams.Beam, range_m: float, weight: Array, attenuation_per_m: Array
+    x_m: Array,
+    y_m: Array,
+    *,
+    lamps: Lamps,
+    beam: beams.Beam,
+    range_m: float,
+    weight: Array,
+    attenuation_per_m: Array,
 ) -> Array:
     """Illuminance on the floor per lumen of all lamps [1/m^2], water's loss on the lamp leg included.
 

@@ -180,7 +180,9 @@ def pulse_margins(rows: DesignRows, settings: SettingRows, triggered: Array) -> 
     led = lights.kind == PULSED
     pulse_ms = settings.pulse_s * 1e3
     yield MarginRows("max_pulse_ms", pulse_ms, np.where(led, lights.max_pulse_s * 1e3, inf), "<=", "ms")
-    yield MarginRows("min_pulse_ms", np.where(led, pulse_ms, inf), np.where(led, lights.min_pulse_s * 1e3, 0.0), ">=", "ms")
+    yield MarginRows(
+        "min_pulse_ms", np.where(led, pulse_ms, inf), np.where(led, lights.min_pulse_s * 1e3, 0.0), ">=", "ms"
+    )
     duty = np.where(led, settings.pulse_s * settings.rate_hz, 0.0)
     yield MarginRows("light_duty", duty, np.where(led, lights.max_duty, 1.0), "<=", "")
     yield MarginRows("light_rate", settings.rate_hz, np.where(triggered, lights.max_rate_hz, inf), "<=", "Hz")

@@ -11,10 +11,11 @@ from rich.text import Text
 
 from uwopt.report import words
 from uwopt.report.layout import block, columns, fact_lines, sentence
-from uwopt.result import Certificate, Result
+from uwopt.result import Certificate, Design, Result
 from uwopt.units import split_unit
 
-MOST_ASSUMPTIONS = 8
+MOST_ASSUMPTIONS = 12
+LONGEST_REASON = 80
 
 
 def certificate_block(result: Result, certificate: Certificate) -> RenderableType:
@@ -24,20 +25,30 @@ def certificate_block(result: Result, certificate: Certificate) -> RenderableTyp
         gap += f" ({words.share(certificate.gap_rel)} of the best value)"
     maximised = result.objective.get("direction") == "maximise"
     facts = [
-        ("no system can be " + ("above" if maximised else "below"), words.objective_text(result, certificate.lower_bound, 6)),
+        (
+            "no system can be " + ("above" if maximised else "below"),
+            words.objective_text(result, certificate.lower_bound, 6),
+        ),
         ("best found", words.objective_text(result, certificate.best_value, 6)),
         ("gap", gap),
         ("complete", "yes" if certificate.complete else "no, the search was stopped"),
         ("covers", certificate.scope),
     ]
-    table = columns(("combinations", "right"), ("where they went", "left"))
-    table.add_row(Text(words.count_text(certificate.loaded)), Text("loaded: every way to combine the parts of the catalogue"))
-    table.add_row(Text(words.count_text(certificate.selected)), Text("selected: of parts that the mission allows"))
-    table.add_row(Text(words.count_text(certificate.evaluated)), Text("evaluated"))
+    account = columns(("", "right"), ("", "left"), header=False)
+    account.add_row(
+        Text(words.count_text(certificate.loaded)), Text("combinations loaded: all parts of the catalogue")
+    )
+    account.add_row(
+        Text(words.count_text(certificate.selected)), Text("of them of parts that the mission allows")
+    )
+    account.add_row(Text(words.count_text(certificate.evaluated)), Text("evaluated"))
+    account.add_row(Text(""), Text("discarded, each by the first rule that applies:"))
     for item in certificate.discarded:
         if item["count"]:
-            table.add_row(Text(words.count_text(item["count"])), Text("discarded: " + words.rule_name(str(item["rule"]))))
-    return block("Certificate", [fact_lines(facts), table, sentence(words.account_sentence(certificate))])
+            account.add_row(
+                Text(words.count_text(item["count"])), Text("  " + words.rule_name(str(item["rule"])))
+            )
+    return block("Certificate", [fact_lines(facts), account, sentence(words.account_sentence(certificate))])
 
 
 def infeasible_block(result: Result) -> RenderableType:
@@ -57,7 +68,11 @@ def infeasible_block(result: Result) -> RenderableType:
         lines.append(sentence("* proven by a bound, before the settings were looked at", "dim"))
     helpful = relaxations_of(why)
     if helpful:
-        lines += [Text(""), sentence("Each of these changes alone would let a system through:"), relaxation_table(result, helpful)]
+        lines += [
+            Text(""),
+            sentence("Each of these changes alone would let a system through:"),
+            relaxation_table(result, helpful),
+        ]
     else:
         lines.append(sentence("No single requirement stands in the way; at least two have to give."))
     return block("Why nothing fits", lines)
@@ -81,7 +96,9 @@ def relaxation_table(result: Result, items: list[Mapping[str, Any]]) -> Table:
         else:
             unit = {"cost": currency, "min_snr": "dB"}.get(name, split_unit(name)[1])
         possible = "to be left out" if needed is None else words.quantity(float(needed), unit, 4)
-        table.add_row(Text(words.requirement_or_rule(name)), Text(words.quantity(limit, unit, 4)), Text(possible))
+        table.add_row(
+            Text(words.requirement_or_rule(name)), Text(words.quantity(limit, unit, 4)), Text(possible)
+        )
     return table
 
 
@@ -95,16 +112,29 @@ def robustness_block(result: Result) -> RenderableType:
         text = "0: no end of the estimates makes another system better" if regret <= 0 else (
             f"{value}: the most by which a rival could be better, the estimates at their ends")  # fmt: skip
         facts.append(("regret", text))
+    elif doubt.get("feasible_at_bad_end") is False:
+        facts.append(
+            ("regret", "unbounded: with its estimates at their bad ends this system is not feasible")
+        )
     facts.append(("rival", rival_text(doubt.get("rival"))))
     if doubt.get("feasible_at_bad_end") is not None:
-        holds = "every requirement still holds" if doubt["feasible_at_bad_end"] else "a requirement may be missed"
+        holds = (
+            "every requirement still holds" if doubt["feasible_at_bad_end"] else "a requirement may be missed"
+        )
         facts.append(("at the bad ends", holds))
     quotes = doubt.get("quotes_that_matter") or []
-    facts.append(("quotes that matter", "" if quotes else "none: no single number, known better, would change the answer"))
+    facts.append(
+        (
+            "quotes that matter",
+            "" if quotes else "none: no single number, known better, would change the answer",
+        )
+    )
     lines: list[RenderableType] = [fact_lines(facts)]
     if quotes:
-        lines.append(sentence("Ask for these first; one alone, at its bad end, would change the recommendation:"))
-        lines += [sentence("- " + quote_text(item)) for item in quotes]
+        lines.append(
+            sentence("Ask for these first; one alone, at the end of its range, would change the recommendation:")
+        )
+        lines += [sentence("- " + quote_text(item, result)) for item in quotes]
     return block("How firm this is", lines)
 
 
@@ -121,7 +151,7 @@ def rival_text(rival: Any) -> str:
     return " + ".join(named) + (f", {words.counted(count, 'light')}" if count else "")
 
 
-def quote_text(item: Any) -> str:
+def quote_text(item: Any, result: Result) -> str:
     """One number worth asking for: whose, how it stands, and who wins otherwise."""
     if not isinstance(item, Mapping):
         return words.one_line(item)
@@ -129,8 +159,13 @@ def quote_text(item: Any) -> str:
     unit = str(item.get("unit") or "")
     span = range_text(item.get("low"), item.get("high"), unit)
     standing = f" ~{words.quantity(item.get('value'), unit)}" + (f" ({span})" if span else "")
-    other = f"; then better: {item['then_better']}" if item.get("then_better") else ""
-    return words.one_line(f"{number} of {item.get('part') or item.get('id') or item.get('path')}{standing}{other}")
+    rival = str(item.get("then_better") or "")
+    own = part_ids(result.best) if result.best is not None else []
+    different = [name for name in rival.split(" + ") if name not in own]
+    other = f"; then better with {' + '.join(different) or 'another number of lights'}" if rival else ""
+    return words.one_line(
+        f"{number} of {item.get('part') or item.get('id') or item.get('path')}{standing}{other}"
+    )
 
 
 def second_opinion_block(result: Result) -> RenderableType:
@@ -138,22 +173,41 @@ def second_opinion_block(result: Result) -> RenderableType:
     lines: list[RenderableType] = []
     if result.solvers:
         table = columns(
-            ("solver", "left"), ("hardware", "left"), ("objective", "right"), ("off by", "right"), ("verdict", "left")
+            ("solver", "left"),
+            ("hardware", "left"),
+            ("objective", "right"),
+            ("off by", "right"),
+            ("verdict", "left"),
         )
         for item in result.solvers:
             off = item.get("difference_rel")
             table.add_row(
                 Text(words.one_line(item.get("method") or item.get("solver") or "")),
-                Text(words.one_line(" + ".join(map(str, item.get("hardware") or [])), 120)),
+                Text(whose(result, [str(name) for name in item.get("hardware") or []])),
                 Text(words.objective_text(result, item.get("objective_value"))),
                 Text(words.quantity(None) if off is None else words.share(off)),
                 Text("agrees" if item.get("agrees") else words.one_line(item.get("status") or "differs"),
                      "" if item.get("agrees") else "yellow"),
             )  # fmt: skip
-        lines += [sentence("The settings of this hardware, solved again by other means:"), table]
+        lines += [sentence("The settings solved again by other means:"), table]
     if result.audit:
         lines.append(audit_sentence(result.audit))
     return block("Second opinions", lines)
+
+
+def part_ids(design: Design) -> list[str]:
+    """Ids of camera, lens, port and light."""
+    return [str(design.hardware[kind].get("id")) for kind in ("camera", "lens", "port", "light")]
+
+
+def whose(result: Result, hardware: list[str]) -> str:
+    """Which design of the result has this hardware."""
+    if result.best is not None and part_ids(result.best) == hardware:
+        return "the recommendation"
+    for number, design in enumerate(result.runners_up, start=2):
+        if part_ids(design) == hardware:
+            return f"runner-up {number}"
+    return words.one_line(" + ".join(hardware), 120)
 
 
 def audit_sentence(audit: Mapping[str, Any]) -> Text:
@@ -162,13 +216,18 @@ def audit_sentence(audit: Mapping[str, Any]) -> Text:
     if audit.get("passed", True):
         return sentence(f"Audit: {tried} tried again by a generic search; none beats the recommendation.")
     better = audit.get("better") or [{}]
-    return sentence(f"Audit FAILED: {tried} tried again, {len(better)} better, first {plain_facts(better[0])}.", "bold red")
+    return sentence(
+        f"Audit FAILED: {tried} tried again, {len(better)} better, first {plain_facts(better[0])}.",
+        "bold red",
+    )
 
 
 def plain_facts(facts: Mapping[str, Any]) -> str:
     """`name value` pairs with units; long lists and inner tables are left to the result file."""
     return ", ".join(
-        f"{words.one_line(name.replace('_', ' '))} {fact}" for name, value in facts.items() if (fact := plain_fact(name, value))
+        f"{words.one_line(name.replace('_', ' '))} {fact}"
+        for name, value in facts.items()
+        if (fact := plain_fact(name, value))
     )
 
 
@@ -177,7 +236,11 @@ def plain_fact(name: str, value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, (int, float)):
-        return words.count_text(value) if isinstance(value, int) else words.quantity(value, split_unit(name)[1], 4)
+        return (
+            words.count_text(value)
+            if isinstance(value, int)
+            else words.quantity(value, split_unit(name)[1], 4)
+        )
     return words.one_line(value, 120) if isinstance(value, str) else ""
 
 
@@ -190,7 +253,9 @@ def assumption_blocks(result: Result) -> Iterator[RenderableType]:
     left = [str(effect.get("name")) for effect in effects if not effect.get("kept")]
     if left:
         bound = sum(float(effect.get("bound") or 0.0) for effect in effects if not effect.get("kept"))
-        physics.append(f"left out as too small here (together at most {words.share(bound)}): {', '.join(left)}")
+        physics.append(
+            f"left out as too small here (together at most {words.share(bound)}): {', '.join(left)}"
+        )
     lines: list[RenderableType] = [sentence("; ".join(physics))]
     missing = result.physics.get("not_modelled") or []
     if missing:
@@ -199,18 +264,22 @@ def assumption_blocks(result: Result) -> Iterator[RenderableType]:
 
 
 def assumption_lines(result: Result) -> list[RenderableType]:
-    """The first assumptions, one a line."""
+    """What the model takes for granted, then estimated numbers, one a line."""
+    ranked = sorted(result.assumptions, key=lambda item: item.get("low") is not None)
     table = columns(("what", "left"), ("value", "right"), ("range", "right"), ("why", "left"))
-    for item in result.assumptions[:MOST_ASSUMPTIONS]:
+    for item in ranked[:MOST_ASSUMPTIONS]:
         unit = str(item.get("unit") or "")
         table.add_row(
-            Text(words.one_line(item.get("path") or "", 48)),
+            Text(words.one_line(item.get("path") or "", 40)),
             Text(assumed(item.get("value"), unit)),
             Text(range_text(item.get("low"), item.get("high"), unit)),
-            Text(words.one_line(item.get("source") or "", 90)),
+            Text(words.one_line(item.get("source") or "", LONGEST_REASON)),
         )
-    rest = len(result.assumptions) - MOST_ASSUMPTIONS
-    return [table, *([sentence(f"and {rest} more; --json and result.json list all", "dim")] if rest > 0 else [])]
+    rest = len(ranked) - MOST_ASSUMPTIONS
+    return [
+        table,
+        *([sentence(f"and {rest} more; --json and result.json list all", "dim")] if rest > 0 else []),
+    ]
 
 
 def assumed(value: Any, unit: str) -> str:

@@ -13,6 +13,7 @@ from rich.text import Text
 from uwopt.report import words
 
 INDENT = 2
+UNBROKEN = ("id", "field")  # titles of columns whose text is copied, and must stay on one line
 
 
 def block(title: str, lines: Sequence[RenderableType]) -> RenderableType:
@@ -30,7 +31,9 @@ def columns(*heads: tuple[str, str], header: bool = True) -> Table:
     table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, show_header=header, header_style="dim")
     for title, side in heads:
         justify = cast(Literal["left", "right"], side)
-        table.add_column(Text(title), justify=justify, no_wrap=side == "right", overflow="fold")
+        table.add_column(
+            Text(title), justify=justify, no_wrap=side == "right" or title in UNBROKEN, overflow="fold"
+        )
     return table
 
 

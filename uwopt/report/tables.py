@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rich.console import Console, Group, RenderableType
+from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
@@ -24,12 +24,6 @@ from uwopt.report.layout import block, columns, fact_lines, sentence
 from uwopt.result import Design, Margin, Result, SceneResult
 
 ONE_COLUMN_A_SCENE = 3  # more scenes are shown one a row
-
-
-def print_result(result: Result, console: Console) -> None:
-    """Print everything a person wants to know of a result."""
-    for part in result_blocks(result):
-        console.print(part)
 
 
 def result_blocks(result: Result) -> Iterator[RenderableType]:
@@ -71,9 +65,11 @@ def nearest_miss(result: Result) -> Design | None:
 def headline(result: Result) -> RenderableType:
     """Name of the mission, verdict and value of the objective."""
     name = words.one_line(result.mission.get("name") or "mission", 80)
-    style = {"optimal": "bold green", "feasible": "bold green", "stopped": "bold yellow"}.get(result.status, "bold red")
+    style = {"optimal": "bold green", "feasible": "bold green", "stopped": "bold yellow"}.get(
+        result.status, "bold red"
+    )
     title = Text.assemble((name, "bold"), ": ", (result.status, style))
-    lines: list[RenderableType] = [title, Text(words.status_sentence(result) + ".")]
+    lines: list[RenderableType] = [title, Text(words.as_sentence(words.status_sentence(result)))]
     value = result.best.objective_value if result.best is not None else None
     if value is not None:
         goal = words.one_line(result.objective.get("name") or "objective")
@@ -125,15 +121,21 @@ def settings_block(result: Result, design: Design) -> RenderableType:
 
 def shown_settings(scenes: Sequence[SceneResult]) -> list[str]:
     """Names of the settings that any scene has, in the order of setting them."""
-    present = {name for s in scenes for name, value in s.settings.items() if value is not None and name != "gain"}
+    present = {
+        name for s in scenes for name, value in s.settings.items() if value is not None and name != "gain"
+    }
     return [name for name in words.SETTINGS if name in present]
 
 
 def settings_by_column(scenes: Sequence[SceneResult]) -> Table:
     """One row a setting; one column a scene, and the exact value of a single scene."""
     exact_too = len(scenes) == 1 and scenes[0].settings_to_set is not None
-    heads = [("setting", "left")] + [(words.one_line(scene.name, 24) if len(scenes) > 1 else "set", "right") for scene in scenes]
-    table = columns(*heads, *([("exact optimum", "right")] if exact_too else []), header=len(scenes) > 1 or exact_too)
+    heads = [("setting", "left")] + [
+        (words.one_line(scene.name, 24) if len(scenes) > 1 else "set", "right") for scene in scenes
+    ]
+    table = columns(
+        *heads, *([("exact optimum", "right")] if exact_too else []), header=len(scenes) > 1 or exact_too
+    )
     for name in shown_settings(scenes):
         cells = [words.setting_text(name, (s.settings_to_set or s.settings).get(name)) for s in scenes]
         if exact_too:
@@ -148,7 +150,9 @@ def settings_by_row(scenes: Sequence[SceneResult]) -> Table:
     table = columns(("scene", "left"), *((words.SETTINGS[name][0].split(",")[0], "right") for name in names))
     for scene in scenes:
         chosen = scene.settings_to_set or scene.settings
-        table.add_row(Text(words.one_line(scene.name, 24)), *(Text(words.setting_text(n, chosen.get(n))) for n in names))
+        table.add_row(
+            Text(words.one_line(scene.name, 24)), *(Text(words.setting_text(n, chosen.get(n))) for n in names)
+        )
     return table
 
 
@@ -159,7 +163,12 @@ def rounding_lines(result: Result, design: Design) -> list[RenderableType]:
         return []
     if not rounded.get("feasible"):
         missed = ", ".join(words.requirement_name(str(name)) for name in rounded.get("missed") or [])
-        return [sentence(f"Rounded as shown, these are missed: {missed or 'some requirements'}. Use the exact values.", "red")]
+        return [
+            sentence(
+                f"Rounded as shown, these are missed: {missed or 'some requirements'}. Use the exact values.",
+                "red",
+            )
+        ]
     value, exact = rounded.get("objective_value"), design.objective_value
     if value is None or exact is None:
         return [sentence("Rounded as shown and checked again: every requirement still holds.")]
@@ -176,14 +185,14 @@ def rounding_lines(result: Result, design: Design) -> list[RenderableType]:
 def margin_blocks(design: Design) -> Iterator[RenderableType]:
     """Every margin, scene by scene; what is the same in all scenes once, for the system."""
     if len(design.scenes) == 1:
-        yield block("Margins", [margin_table(design.scenes[0].margins)])
+        yield block("Margins", [margin_table(design.scenes[0].margins, design)])
         return
     common = common_margins(design.scenes)
     for scene in design.scenes:
         own = [margin for margin in scene.margins if margin not in common]
-        yield block(f"Margins in scene {words.one_line(scene.name, 60)}", [margin_table(own)])
+        yield block(f"Margins in scene {words.one_line(scene.name, 60)}", [margin_table(own, design)])
     if common:
-        yield block("Margins in every scene", [margin_table(common)])
+        yield block("Margins in every scene", [margin_table(common, design)])
 
 
 def common_margins(scenes: Sequence[SceneResult]) -> list[Margin]:
@@ -192,22 +201,29 @@ def common_margins(scenes: Sequence[SceneResult]) -> list[Margin]:
     return [margin for margin in first.margins if all(margin in other.margins for other in rest)]
 
 
-def margin_table(margins: Sequence[Margin]) -> Table:
-    """One row a requirement: value, limit, what is left, where it is worst."""
+def margin_table(margins: Sequence[Margin], design: Design) -> Table:
+    """One row a requirement that applies: value, limit, what is left, where it is worst."""
+    kinds = {str(part["id"]): kind for kind, part in design.hardware.items() if isinstance(part, dict)}
     table = columns(
         ("requirement", "left"), ("value", "right"), ("limit", "right"), ("margin", "right"),
         ("worst at", "right"), ("", "left"),
     )  # fmt: skip
     for margin in margins:
+        if margin.satisfied and margin.margin is None:  # infinite room: this lamp or camera has no such limit
+            continue
         sign = {"<=": "at most ", ">=": "at least "}.get(margin.sense, "exactly ")
         if margin.satisfied:
             mark = Text("binding", "yellow") if margin.binding else Text("")
         else:
             mark = Text("MISSED", "bold red")
         table.add_row(
-            Text(words.requirement_name(margin.requirement)),
+            Text(words.requirement_name(margin.requirement, kinds)),
             Text(words.quantity(margin.value, margin.unit, 4)),
-            Text(sign + words.quantity(margin.limit, margin.unit, 4) if margin.limit is not None else "no limit"),
+            Text(
+                sign + words.quantity(margin.limit, margin.unit, 4)
+                if margin.limit is not None
+                else "no limit"
+            ),
             Text(words.margin_text(margin)),
             Text("" if margin.at_altitude_m is None else words.quantity(margin.at_altitude_m, "m")),
             mark,
@@ -224,12 +240,25 @@ def totals_block(design: Design) -> RenderableType:
         f" {words.quantity(totals.get('light_peak_power_w'), 'W')} at peak),"
         f" mass {words.quantity(totals.get('mass_kg'), 'kg')}"
     )
-    return block("Cost, power and mass", [sentence(words.cost_sentence(totals.get("cost") or {})), sentence(power)])
+    return block(
+        "Cost, power and mass",
+        [
+            sentence(words.cost_sentence(totals.get("cost") or {}, words.n_unpriced(design.bom))),
+            sentence(power),
+        ],
+    )
 
 
 def bom_block(design: Design) -> RenderableType:
     """What to order, with prices and how they are known."""
-    table = columns(("", "right"), ("part", "left"), ("id", "left"), ("each", "right"), ("to pay", "right"), ("price", "left"))
+    table = columns(
+        ("", "right"),
+        ("part", "left"),
+        ("id", "left"),
+        ("each", "right"),
+        ("to pay", "right"),
+        ("price", "left"),
+    )
     doubtful = False
     for row in design.bom:
         status = str(row.get("price_status") or "")
@@ -248,7 +277,11 @@ def bom_block(design: Design) -> RenderableType:
             Text(("~" if estimated and due else "") + words.money(due, currency)),
             Text(words.one_line(", ".join(word for word in known if word), 60)),
         )
-    legend = [sentence("~ estimated from parts of its class, with the range in brackets", "dim")] if doubtful else []
+    legend = (
+        [sentence("~ estimated from parts of its class, with the range in brackets", "dim")]
+        if doubtful
+        else []
+    )
     return block("Bill of materials", [table, *legend])
 
 
@@ -265,7 +298,10 @@ def runner_up_blocks(result: Result) -> Iterator[RenderableType]:
         yield block("Runners-up, by what differs from the recommendation", [table])
     if result.generic_alternative is not None:
         table = runner_up_table(result, best, [result.generic_alternative])
-        note = sentence("To be made: a class of parts that no shop sells under a name; figures and prices are of the class.", "dim")
+        note = sentence(
+            "To be made: a class of parts that no shop sells under a name; figures and prices are of the class.",
+            "dim",
+        )
         yield block("With parts to be made", [table, note])
 
 
@@ -276,10 +312,11 @@ def runner_up_table(result: Result, best: Design, designs: Sequence[Design]) -> 
     shown = [name for name in ("cost", "power") if name != objective]
     table = columns(*heads, *((name, "right") for name in shown))
     for number, design in enumerate(designs, start=2):
+        cost = design.totals.get("cost") or {}
         figures = {
-            "cost": words.money((design.totals.get("cost") or {}).get("value"), str((design.totals.get("cost") or {}).get("currency") or "")),
+            "cost": words.money(cost.get("value"), str(cost.get("currency") or "")),
             "power": words.quantity(design.totals.get("power_w"), "W"),
-        }  # fmt: skip
+        }
         table.add_row(
             Text(str(number)),
             Text(words.differing_parts(design, best)),
@@ -313,6 +350,3 @@ def warning_text(warning: dict[str, str]) -> str:
     """One warning with the key it is about."""
     path, message = warning.get("path") or "", warning.get("message") or warning.get("code") or ""
     return message if not path or message.startswith(path) else f"{path}: {message}"
-
-
-__all__ = ["print_result", "result_blocks"]

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from uwopt.result import Certificate, Design, Margin, Result
-from uwopt.units import format_number, format_quantity, split_unit
+from uwopt.units import format_number, format_quantity, split_unit, symbol
 
 STATUS_SENTENCES: Mapping[str, str] = {
     "optimal": "proven best: no combination that the certificate covers is better",
@@ -25,7 +25,7 @@ SETTINGS: Mapping[str, tuple[str, str]] = {
     "pulse_ms": ("light pulse", "ms"),
     "gain_db": ("gain", "dB"),
     "frame_rate_hz": ("frame rate", "Hz"),
-    "flux_lm": ("light, all lamps", "lm"),
+    "flux_lm": ("light of all lamps", "lm"),
     "dim_frac": ("light level", ""),
     "flash_energy_j": ("energy of a flash", "J"),
 }
@@ -49,8 +49,8 @@ REQUIREMENTS: Mapping[str, str] = {
     "saturation_fraction": "highlights, share of saturation",
     "f_number_min": "f-number, widest of the lens",
     "f_number_max": "f-number, smallest of the lens",
-    "gain_min": "gain, lowest",
-    "gain_max": "gain, highest of the camera",
+    "gain_min": "gain as a ratio, lowest",
+    "gain_max": "gain as a ratio, highest",
     "max_exposure_ms": "exposure, longest",
     "min_exposure_ms": "exposure, shortest",
     "light_level_max": "light level, full",
@@ -89,6 +89,7 @@ RULES: Mapping[str, str] = {
     "min_dof_m": "depth of field too short at every f-number",
     "max_blur_px": "blurred at the shortest exposure",
     "min_snr": "too little light for the wanted signal",
+    "light": "no light gives the wanted signal",
     "cost": "too expensive",
     "mass_kg": "too heavy",
     "power_w": "too much power",
@@ -114,7 +115,11 @@ def in_encoding(text: str, encoding: str) -> str:
         text.encode(encoding)
     except (UnicodeEncodeError, LookupError):
         plain = unicodedata.normalize("NFKD", text.translate(PLAIN_SIGNS))
-        return "".join(c for c in plain if not unicodedata.combining(c)).encode("ascii", "replace").decode("ascii")
+        return (
+            "".join(c for c in plain if not unicodedata.combining(c))
+            .encode("ascii", "replace")
+            .decode("ascii")
+        )
     return text
 
 
@@ -154,21 +159,33 @@ def margin_text(margin: Margin) -> str:
 
 
 def setting_text(name: str, value: float | None) -> str:
-    """A setting with its unit; a pulse below a tenth of a millisecond in microseconds."""
+    """A setting as it is typed in: every digit that was rounded to, no more; a dash where there is none."""
     unit = SETTINGS[name][1] if name in SETTINGS else split_unit(name)[1]
-    if value is not None and unit == "ms" and 0 < abs(value) < 0.1:
-        return format_quantity(value * 1e3, "us", 4)
-    return format_quantity(value, unit, 4)
+    if value is None:
+        return quantity(None)
+    if name == "dim_frac":
+        return f"{digits_of(100.0 * value)} %"
+    if unit == "ms" and 0 < abs(value) < 0.1:
+        return f"{digits_of(value * 1e3)} {symbol('us')}"
+    return f"{digits_of(value)} {symbol(unit)}".strip()
+
+
+def digits_of(value: float) -> str:
+    """A number with up to six significant digits, without zeros at its end."""
+    text = format_number(value, 6)
+    return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
 
 
 def share(value: float) -> str:
-    """A share as per cent."""
+    """A share as per cent; what is all but nothing is told as such."""
+    if 0 < abs(value) < 1e-5:
+        return "below 0.001 %"
     return f"{format_number(100.0 * value)} %"
 
 
 def signed_share(value: float) -> str:
     """A relative difference as per cent with its sign."""
-    return ("+" if value > 0 else "") + share(value)
+    return ("+" if value >= 1e-5 else "") + share(value)
 
 
 def count_text(number: float | int) -> str:
@@ -196,10 +213,13 @@ def money(value: float | None, currency: str = "") -> str:
 # ---------------------------------------------------------------- names
 
 
-def requirement_name(requirement: str) -> str:
-    """A requirement in words; `depth_rating_m (lamp)` keeps what stands in brackets."""
+def requirement_name(requirement: str, kinds: Mapping[str, str] | None = None) -> str:
+    """A requirement in words; of `depth_rating_m (lamp-1)` the kind of part is told where `kinds` knows the id."""
     stem, _, rest = requirement.partition(" (")
     words = REQUIREMENTS.get(stem, stem.replace("_", " "))
+    kind = (kinds or {}).get(rest.rstrip(")"))
+    if kind:
+        return f"{words} of the {kind}"
     return one_line(words + (f" ({rest}" if rest else ""))
 
 
@@ -236,12 +256,14 @@ def differing_parts(design: Design, best: Design) -> str:
         words.append(counted(mine.get("light_count") or 0, "light"))
     if mine.get("orientation") != other.get("orientation"):
         words.append(str(mine.get("orientation")))
-    if mine.get("light_mounts") != other.get("light_mounts") and mine.get("light_count") == other.get("light_count"):
+    if mine.get("light_mounts") != other.get("light_mounts") and mine.get("light_count") == other.get(
+        "light_count"
+    ):
         words.append(f"lights {mounts_text(mine.get('light_mounts') or [])}")
     return ", ".join(words) or "the same hardware, other settings"
 
 
-def mounts_text(mounts: list[Mapping[str, Any]]) -> str:
+def mounts_text(mounts: Sequence[Mapping[str, Any]]) -> str:
     """Where the lights stand and how far they lean outward."""
     if not mounts:
         return ""
@@ -253,7 +275,9 @@ def mounts_text(mounts: list[Mapping[str, Any]]) -> str:
         )
     places = ", ".join(dict.fromkeys(f"{m['y_m']:+g} m" for m in mounts))
     tilt = mounts[0].get("tilt_y_deg") or 0.0
-    return f"at {places} across track" + (f", tilted {tilt:g} deg outward" if tilt else ", aimed straight down")
+    return f"at {places} across track" + (
+        f", tilted {tilt:g} deg outward" if tilt else ", aimed straight down"
+    )
 
 
 def counted(number: int, noun: str) -> str:
@@ -264,14 +288,26 @@ def counted(number: int, noun: str) -> str:
 # ---------------------------------------------------------------- sentences
 
 
-def cost_sentence(cost: Mapping[str, Any]) -> str:
+def as_sentence(text: str) -> str:
+    """With a capital letter and a full stop."""
+    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
+
+
+def cost_sentence(cost: Mapping[str, Any], n_unpriced: int = 0) -> str:
     """`cost 4 210 USD, of which 2 300 estimated (1 700-3 400)`."""
-    total = f"cost {money(cost.get('value'), str(cost.get('currency') or ''))}"
+    text = f"cost {money(cost.get('value'), str(cost.get('currency') or ''))}"
+    if n_unpriced:
+        text += f", without {counted(n_unpriced, 'part')} of unknown price"
     if not cost.get("estimated"):
-        return f"{total}, no price in it is estimated"
+        return f"{text}, nothing of it estimated"
     low, high = cost.get("estimated_low"), cost.get("estimated_high")
     span = f" ({money(low)}-{money(high)})" if low is not None and high is not None and low != high else ""
-    return f"{total}, of which {money(cost['estimated'])} estimated{span}"
+    return f"{text}, of which {money(cost['estimated'])} estimated{span}"
+
+
+def n_unpriced(bom: Sequence[Mapping[str, Any]]) -> int:
+    """Pieces that must be bought at a price that nobody knows."""
+    return sum(max(0, row["count"] - (row.get("owned") or 0)) for row in bom if row.get("unit_price") is None)
 
 
 def objective_text(result: Result, value: float | None, digits: int = 4) -> str:
@@ -305,5 +341,7 @@ def run_time_sentence(timing_s: Mapping[str, float]) -> str:
     """`0.43 s (search 0.30 s, report 0.13 s)`."""
     steps = {name: value for name, value in timing_s.items() if name not in ("total", *PARTS_OF_THE_SEARCH)}
     total = timing_s.get("total", sum(steps.values()))
-    listed = ", ".join(f"{one_line(name.replace('_', ' '))} {quantity(value, 's', 2)}" for name, value in steps.items())
+    listed = ", ".join(
+        f"{one_line(name.replace('_', ' '))} {quantity(value, 's', 2)}" for name, value in steps.items()
+    )
     return quantity(total, "s", 3) + (f" ({listed})" if listed and len(steps) > 1 else "")

@@ -46,9 +46,15 @@ def check_folder(folder: str | Path) -> Path:
         while not standing.exists() and standing != standing.parent:
             standing = standing.parent
         writable = standing.is_dir() and os.access(standing, os.W_OK | os.X_OK)
+        if writable and path.is_dir():
+            probe = path / f".{RESULT_FILE}.{os.getpid()}.tmp"
+            probe.touch()
+            probe.unlink()
         for name in (RESULT_FILE, BOM_FILE):
             if (path / name).is_dir():
-                raise OutputError(f"{path / name}: is a folder, a result file must stand there; choose another --out.")
+                raise OutputError(
+                    f"{path / name}: is a folder where a result file goes; choose another --out."
+                )
     except (OSError, ValueError) as fault:
         raise OutputError(f"{folder}: cannot be used ({reason(fault)}); choose another --out.") from None
     if not writable:
@@ -70,7 +76,7 @@ def write_files(folder: Path, texts: Mapping[str, str]) -> list[Path]:
         for temporary, final in made:
             temporary.replace(final)
     except OSError as fault:
-        raise OutputError(f"{folder}: cannot be written ({reason(fault)}); nothing was changed there.") from None
+        raise OutputError(f"{folder}: cannot be written ({reason(fault)}); choose another --out.") from None
     finally:
         for temporary, _ in made:
             temporary.unlink(missing_ok=True)

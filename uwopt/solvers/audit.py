@@ -19,7 +19,7 @@ from uwopt.figures import SettingRows, figures_of
 from uwopt.hardware import CONTINUOUS, FLASH
 from uwopt.objectives.margins import SATISFIED_REL
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.optics import required_rate_hz
+from uwopt.optics import place_focus, required_rate_hz
 from uwopt.problem import Problem
 from uwopt.solvers.exact import Search
 
@@ -37,7 +37,9 @@ class Attempt:
     value: float  # minimised objective of the best feasible settings found; inf: none
 
 
-def audit(search: Search, objective: Objective, *, count: int, seed: int, best_value: float | None) -> dict[str, Any]:
+def audit(
+    search: Search, objective: Objective, *, count: int, seed: int, best_value: float | None
+) -> dict[str, Any]:
     """Draw, attack, report."""
     rng = np.random.default_rng(seed)
     drawn = draw(search, count, rng)
@@ -83,7 +85,9 @@ def draw(search: Search, count: int, rng: np.random.Generator) -> list[tuple[str
         camera, lens, port, landscape, light = pools[rule][int(rng.integers(len(pools[rule])))]
         chosen = int(rng.integers(n_lights)) if light is None else light
         mount = problem.mounts[int(rng.integers(len(problem.mounts)))]
-        drawn.append((rule, Hardware(camera, lens, port, landscape, chosen, int(rng.integers(low, high + 1)), mount)))
+        drawn.append(
+            (rule, Hardware(camera, lens, port, landscape, chosen, int(rng.integers(low, high + 1)), mount))
+        )
     return drawn
 
 
@@ -120,32 +124,33 @@ def attack(problem: Problem, hardware: Hardware, objective: Objective, rng: np.r
 
 
 def reachable_focus(model: DesignModel) -> bool:
-    """Whether the lens can focus anywhere in the wanted altitudes."""
-    from uwopt.model.port import lens_dioptre_per_m
-
-    near = float(model.lenses.min_object_distance_m[0])
-    for scene, at in zip(model.problem.scenes, model.maps, strict=True):
-        dioptre = float(lens_dioptre_per_m(scene.range_m[-1] * 4.0, focus_map=at))
-        if dioptre <= 0 or 1.0 / dioptre < near * (1 - 1e-9) or 1.0 / dioptre <= model.lenses.focal_length_m[0]:
-            return False
-    return True
+    """Whether the lens focuses as near as the virtual image of the wanted depth lies."""
+    focus = place_focus(model.problem.scenes, model.maps, model.views)
+    near, focal = float(model.lenses.min_object_distance_m[0]), float(model.lenses.focal_length_m[0])
+    distances = [1.0 / float(dioptre[0]) for dioptre in focus.dioptre_per_m]
+    return all(distance >= near * (1 - 1e-9) and distance > focal for distance in distances)
 
 
 class Spread:
-    """The box of settings of one design: f-number, then time, level and gain by scene, in logarithms; focus."""
+    """The box of settings of one design: f-number, then time, level and gain by scene, in logarithms.
+
+    The focus is placed by the same rule as in the search: it is part of what the certificate covers.
+    """
 
     def __init__(self, model: DesignModel):
         self.model = model
+        self.focus = place_focus(model.problem.scenes, model.maps, model.views)
         lens, cam, light = model.lenses, model.cameras, model.lights
         limits = model.problem.mission.limits
         self.rates = [
             float(required_rate_hz(s.view.requirements, s.view.vehicle.speed_m_s, v.footprint_along_m).max())
             for s, v in zip(model.problem.scenes, model.views, strict=True)
         ]
-        low = [np.log(lens.f_number_min[0]), 0.0]
-        high = [np.log(lens.f_number_max[0]), 1.0]
+        low, high = [np.log(lens.f_number_min[0])], [np.log(lens.f_number_max[0])]
         for rate in self.rates:
-            longest = min(cam.max_exposure_s[0], limits.max_exposure_ms * 1e-3, 1.0 / rate if rate > 0 else np.inf)
+            longest = min(
+                cam.max_exposure_s[0], limits.max_exposure_ms * 1e-3, 1.0 / rate if rate > 0 else np.inf
+            )
             shortest = max(cam.min_exposure_s[0], 1e-9)
             if light.kind[0] not in (CONTINUOUS, FLASH):
                 longest = min(longest, light.max_pulse_s[0])
@@ -163,21 +168,16 @@ class Spread:
             near = around + 0.5 * width * span * rng.standard_normal((count, len(span)))
             points = np.where(rng.random((count, 1)) < 0.8, near, points)
         points = np.clip(points, self.low, self.high)
-        points[: len(span)] = np.where(rng.random((len(span), len(span))) < 0.5, self.low, points[: len(span)])
+        points[: len(span)] = np.where(
+            rng.random((len(span), len(span))) < 0.5, self.low, points[: len(span)]
+        )
         return np.asarray(points)
 
     def settings(self, index: int, points: Array) -> SettingRows:
         """One scene's settings of these points."""
         model = self.model
-        scene, at = model.problem.scenes[index], model.maps[index]
-        from uwopt.model.port import lens_dioptre_per_m
-
-        near = float(lens_dioptre_per_m(scene.range_m[0], focus_map=at))
-        far = float(lens_dioptre_per_m(scene.range_m[-1] * 4.0, focus_map=at))
-        if model.problem.paper and len(model.problem.scenes) == 1:
-            near = far = float(lens_dioptre_per_m(scene.range_m[scene.nominal], focus_map=at))
-        dioptre = near + (far - near) * points[:, 1]
-        time_s, level, gain = (np.exp(points[:, 2 + 3 * index + k]) for k in range(3))
+        dioptre = np.full(len(points), float(self.focus.dioptre_per_m[index][0]))
+        time_s, level, gain = (np.exp(points[:, 1 + 3 * index + k]) for k in range(3))
         light, cam = model.lights, model.cameras
         if not light.dims_freely[0]:
             steps = light.levels[0][~np.isnan(light.levels[0])]
@@ -202,12 +202,22 @@ class Spread:
         wanted = scene.view.requirements.mean_level
         if wanted is None:
             return rows
-        unit = SettingRows(rows.f_number, rows.exposure_s, rows.pulse_s, np.ones_like(rows.gain), rows.level, rows.rate_hz, rows.dioptre_per_m)
+        unit = SettingRows(
+            rows.f_number,
+            rows.exposure_s,
+            rows.pulse_s,
+            np.ones_like(rows.gain),
+            rows.level,
+            rows.rate_hz,
+            rows.dioptre_per_m,
+        )
         figures = figures_of(scene, model.rows[index], unit)
         full, black = 2.0 ** cam.bits[0] - 1.0, cam.black_level_dn[0]
         reached = np.maximum(figures.mean_level[:, scene.nominal] * full - black, 1e-300)
         gain = np.clip((wanted * full - black) / reached, 1.0, cam.max_gain[0])
-        return SettingRows(rows.f_number, rows.exposure_s, rows.pulse_s, gain, rows.level, rows.rate_hz, rows.dioptre_per_m)
+        return SettingRows(
+            rows.f_number, rows.exposure_s, rows.pulse_s, gain, rows.level, rows.rate_hz, rows.dioptre_per_m
+        )
 
 
 def judge(model: DesignModel, spread: Spread, points: Array, objective: Objective) -> tuple[Array, Array]:
@@ -229,5 +239,7 @@ def judge(model: DesignModel, spread: Spread, points: Array, objective: Objectiv
     gsd = max(float(view.gsd_m[0, 1]) * 1e3 for view in model.views)
     snr_db = 20.0 * np.log10(np.maximum(snr, 1e-30))
     ones = np.ones(n)
-    value = objective.cost_to_minimise(Terms(power, terms["cost"] * ones, terms["mass_kg"] * ones, snr_db, gsd * ones))
+    value = objective.cost_to_minimise(
+        Terms(power, terms["cost"] * ones, terms["mass_kg"] * ones, snr_db, gsd * ones)
+    )
     return value, violation

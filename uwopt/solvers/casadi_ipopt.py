@@ -34,7 +34,6 @@ OPTIONS = {
     "ipopt.honor_original_bounds": "yes",
     "ipopt.max_iter": 300,
 }
-FINISHED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
 
 
 class SymbolicProgram:
@@ -85,7 +84,7 @@ def solve(program: Program, start: Array, *, max_seconds: float | None = None) -
     """
     if len(start) == 0:
         at = derivatives(program, start)
-        return Attempt(start, True, 0, "nothing is left open", np.zeros(len(at.values)), 0.0)
+        return Attempt(start, 0, "nothing is left open", np.zeros(len(at.values)), 0.0)
     symbolic = SymbolicProgram(program)
     low, high = program.bounds
     n_rules, cut = symbolic.rules.shape[0], symbolic.n_inequalities
@@ -100,7 +99,6 @@ def solve(program: Program, start: Array, *, max_seconds: float | None = None) -
     stats = solver.stats()
     return Attempt(
         x=x,
-        finished=stats["return_status"] in FINISHED,
         iterations=int(stats.get("iter_count", 0)),
         message=f"IPOPT: {stats['return_status']}",
         multipliers=multipliers,

@@ -22,7 +22,9 @@ def per_light(problem: Problem) -> int:
     return (high - low + 1) * len(problem.mounts) * len(problem.mission.vehicle.orientations)
 
 
-def certificate(selection: Selection, problem: Problem, outcome: Outcome, objective: Objective) -> Certificate:
+def certificate(
+    selection: Selection, problem: Problem, outcome: Outcome, objective: Objective
+) -> Certificate:
     """The account of one search over all combinations of the catalogue it was given."""
     catalog = selection.catalog
     sizes: dict[str, int] = {kind: len(catalog.parts(kind)) for kind in KINDS}  # type: ignore[arg-type]
@@ -70,6 +72,7 @@ def scope(selection: Selection, problem: Problem) -> str:
         + (f" ({generic} of these parts generic)" if generic else " (real parts only)")
         + f", {low} to {high} lights, {len(problem.mounts)} mount(s), "
         f"{' and '.join(problem.mission.vehicle.orientations)}; estimates at their central values; "
+        "focus in the dioptric middle of the wanted depth; "
         f"physics {'paper' if problem.paper else 'full as far as built'}"
     )
 

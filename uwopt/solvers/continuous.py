@@ -5,9 +5,9 @@ a convex program (`uwopt.solvers.program`), and each program goes to CasADi/IPOP
 only in the f-number and in the worst scene's figure, so the best of one scene alone bounds every choice
 that holds it: choices are tried best bound first, until no bound beats the best found.
 
-What a solver says is not taken over: rules are evaluated again in their own terms, and an optimum is only
-called one when the conditions of an optimum hold at the point. Neither casadi nor nlopt is imported before
-a method asks for it.
+What a solver says is not taken over: rules are evaluated again in their own terms, and an optimum is
+called one when, and only when, the conditions of an optimum hold at the point. Neither casadi nor nlopt
+is imported before a method asks for it.
 """
 
 from __future__ import annotations
@@ -330,7 +330,7 @@ def solve_program(task: Task, program: Program) -> Verdict:
     found = attempt(task, search, search.middle())
     spent = first.iterations + found.iterations
     least_violation = float(search.rules(list(found.x)).objective)
-    proven = found.finished and found.kkt_residual <= PROOF[task.method].kkt_residual
+    proven = found.kkt_residual <= PROOF[task.method].kkt_residual
     if least_violation > FEASIBLE:
         if proven and not usable(first):
             message = f"some rule is missed by {least_violation:.3g} at least (relative, in logarithms)"
@@ -352,7 +352,7 @@ def judged(task: Task, program: Program, found: Attempt) -> Verdict:
     max_violation = max(missed[worst], 0.0)
     proof = PROOF[task.method]
     feasible = max_violation <= FEASIBLE
-    optimal = found.finished and max_violation <= proof.violation and found.kkt_residual <= proof.kkt_residual
+    optimal = max_violation <= proof.violation and found.kkt_residual <= proof.kkt_residual
     status: Status = "optimal" if optimal else "feasible" if feasible else "failed"
     unit = task.value_per_unit(program, found.x)
     named = zip(rule_names(program), found.multipliers, strict=True)

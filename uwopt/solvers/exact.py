@@ -33,7 +33,9 @@ FIRST_BATCH, LARGEST_BATCH = 32, 2048
 FIRST_CHUNK, LARGEST_CHUNK = 4096, 65536
 SAMPLES_A_TIME, MOST_SAMPLES = 64, 1024
 MOST_ROWS_AT_ONCE = 60_000
-UNIT_RULES = ("min_snr", "cost", "mass_kg", "power_w", "bound")
+DARK_ROUNDS = 5
+TOO_FEW_TO_BOUND = 8  # units: evaluating them is cheaper
+UNIT_RULES = ("light", "cost", "mass_kg", "power_w", "bound")
 RULES = (*IMAGER_RULES, *(rule for rule in UNIT_RULES if rule not in IMAGER_RULES))
 
 
@@ -129,7 +131,7 @@ class Search:
         self.account = Account()
         self.limits = problem.mission.limits
         self.bounds_s = 0.0
-        self._samples: dict[str, list[tuple[int, int | None]]] = {}  # rule -> (imager, light optics)
+        self._samples: dict[str, list[tuple[int, int]]] = {}  # rule -> (imager, lighting)
 
     # ------------------------------------------------------------ run
 
@@ -137,7 +139,7 @@ class Search:
         """Enumerate, bound, evaluate best first."""
         start = time.perf_counter()
         self.progress(0.0, "imagers")
-        imagers = self.imagers = enumerate_imagers(self.problem)
+        imagers = self.imagers = enumerate_imagers(self.problem, cameras=self._hopeful_cameras())
         self._start_account(imagers)
         after_imagers = time.perf_counter()
         self.tables = FieldTables(self.problem, imagers)
@@ -151,6 +153,18 @@ class Search:
             "evaluation": time.perf_counter() - after_imagers - self.bounds_s,
         }
         return Outcome(self.best, self.account, lower, complete, imagers, self.tables, timing)
+
+    def _hopeful_cameras(self) -> Array:
+        """Cameras that are not beyond the ceiling by themselves."""
+        rows, count = self.problem.cameras, self.problem.mission.vehicle.camera_count
+        extra_cost, extra_mass, extra_power = self.problem.extras
+        floor = self.objective.cost_to_minimise(
+            Terms(
+                count * rows.power_w + extra_power, count * rows.price + extra_cost, count * rows.mass_kg + extra_mass,
+                np.full(len(rows.price), self._snr_ceiling()), np.zeros(len(rows.price)),
+            )
+        )  # fmt: skip
+        return np.asarray(floor <= self.ceiling)
 
     def _start_account(self, imagers: Imagers) -> None:
         """Every combination of the parts in the search, and what the imagers' rules discard."""
@@ -175,7 +189,13 @@ class Search:
             drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j, rows.full_power_w)
             per_light = drawn / (rows.full_light * rows.output_factor)
         return LightTable(
-            light, count, to_buy * rows.price, to_buy * rows.limit_price, rows.mass_kg * count, effective, per_light,
+            light,
+            count,
+            to_buy * rows.price,
+            to_buy * rows.limit_price,
+            rows.mass_kg * count,
+            effective,
+            per_light,
             rows.kind,
         )
 
@@ -187,7 +207,7 @@ class Search:
         n = len(rows)
         bounds = UnitBounds.empty(n)
         if n == 0 or len(table.light) == 0:
-            bounds.rule[:] = UNIT_RULES.index("min_snr")
+            bounds.rule[:] = UNIT_RULES.index("light")
             return bounds
         for kind in np.unique(table.kind):
             own = table.kind == kind
@@ -249,7 +269,7 @@ class Search:
         """Objective of the bounds, infinite where a limit cannot be met, with the rule that says so."""
         limits, rule = self.limits, np.full(len(reachable), -1)
         checks = (
-            ("min_snr", reachable),
+            ("light", reachable),
             ("cost", limit_cost <= limit(limits.cost) * ROUND),
             ("mass_kg", bounds.mass <= limit(limits.mass_kg) * ROUND),
             ("power_w", bounds.power <= limit(limits.power_w) * ROUND),
@@ -283,7 +303,9 @@ class Search:
             return np.asarray(need)
         wanted_dn = needs.mean_level * (2.0**cameras.bits - 1.0) - cameras.black_level_dn
         by_gain = wanted_dn / (cameras.gain_dn_per_e * cameras.max_gain)
-        dark = cameras.dark_current_e_s * np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
+        dark = cameras.dark_current_e_s * np.minimum(
+            self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s
+        )
         return np.asarray(np.maximum(need, by_gain - dark))
 
     def _longest_time_s(self, focused: Any, rows: Array) -> Array:
@@ -301,8 +323,12 @@ class Search:
         needs = self.problem.scenes[scene_index].view.requirements
         full_scale = 2.0**cameras.bits - 1.0
         top = cameras.saturation_e / needs.highlight_ratio
-        level = full_scale / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full_scale
-        most = np.minimum(electrons_e, np.minimum(top, (level - cameras.black_level_dn) / cameras.gain_dn_per_e))
+        level = (
+            full_scale / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full_scale
+        )
+        most = np.minimum(
+            electrons_e, np.minimum(top, (level - cameras.black_level_dn) / cameras.gain_dn_per_e)
+        )
         with np.errstate(invalid="ignore"):
             snr = sensor.snr(
                 most, read_noise_e=cameras.read_noise_e, gain_dn_per_e=np.inf, prnu_frac=cameras.prnu_frac
@@ -329,7 +355,9 @@ class Search:
                 finished = self._best_first(useful)
                 if finished is not None:
                     rest = order[position + len(rows) :]
-                    self.account.discarded["not_reached"] = self.account.discarded.get("not_reached", 0) + every * len(rest)
+                    self.account.discarded["not_reached"] = self.account.discarded.get(
+                        "not_reached", 0
+                    ) + every * len(rest)
                     lowest = min(finished, float(floor[rest].min(initial=np.inf)))
                     return min(lowest, self.best[0].minimised if self.best else np.inf), False
             position += len(rows)
@@ -343,7 +371,11 @@ class Search:
         Returns the lowest bound not looked at when time ran out, else None.
         """
         start = time.perf_counter()
-        bounds = [self._unit_bounds(k, rows) for k in range(len(self.tables.lightings))]
+        few = len(rows) * len(self.tables.lightings) <= TOO_FEW_TO_BOUND
+        bounds = [
+            UnitBounds.none(len(rows)) if few else self._unit_bounds(k, rows)
+            for k in range(len(self.tables.lightings))
+        ]
         self.bounds_s += time.perf_counter() - start
         n = len(rows)
         value = np.concatenate([b.value for b in bounds])
@@ -391,7 +423,8 @@ class Search:
         """Combinations that each rule discarded, as (camera, lens, port, landscape, light or None for any)."""
         imagers = self.imagers
         pools: dict[str, list[tuple[int, int, int, bool, int | None]]] = {
-            rule: [(c, le, p, o, None) for c, le, p, o in samples] for rule, samples in imagers.samples.items()
+            rule: [(c, le, p, o, None) for c, le, p, o in samples]
+            for rule, samples in imagers.samples.items()
         }
         for rule, units in self._samples.items():
             pool = pools.setdefault(rule, [])
@@ -427,7 +460,9 @@ class Search:
                 part = slice(start, start + step)
                 self._evaluate_pairs(rows[part], [s[part] for s in signals], lighting, table)
 
-    def _evaluate_pairs(self, imager: Array, signals: list[Array], lighting: Lighting, table: LightTable) -> None:
+    def _evaluate_pairs(
+        self, imager: Array, signals: list[Array], lighting: Lighting, table: LightTable
+    ) -> None:
         """Every (imager, light, count): drop what misses a limit or cannot win, solve the rest."""
         n_light = len(table.light)
         unit = np.repeat(np.arange(len(imager)), n_light)
@@ -438,7 +473,9 @@ class Search:
         rule = np.full(len(unit), -1)
         limit_cost = imagers.limit_cost[imager[unit]] + table.limit_cost[item]
         rule = np.where(limit_cost > limit(limits.cost) * ROUND, UNIT_RULES.index("cost"), rule)
-        rule = np.where((rule < 0) & (mass > limit(limits.mass_kg) * ROUND), UNIT_RULES.index("mass_kg"), rule)
+        rule = np.where(
+            (rule < 0) & (mass > limit(limits.mass_kg) * ROUND), UNIT_RULES.index("mass_kg"), rule
+        )
         floor = self.objective.cost_to_minimise(
             Terms(
                 imagers.camera_power_w[imager[unit]], cost, mass, np.full(len(unit), self._snr_ceiling()),
@@ -451,7 +488,9 @@ class Search:
         keep = np.nonzero(rule < 0)[0]
         self.account.evaluated += len(keep)
         if len(keep):
-            self._solve_pairs(imager[unit[keep]], unit[keep], item[keep], signals, lighting, table, cost[keep], mass[keep])
+            self._solve_pairs(
+                imager[unit[keep]], unit[keep], item[keep], signals, lighting, table, cost[keep], mass[keep]
+            )
 
     def _snr_ceiling(self) -> float:
         """An SNR that no design exceeds, for quick bounds: that of a million electrons a pixel squared."""
@@ -475,7 +514,10 @@ class Search:
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
         value = np.where(feasible & np.isfinite(value), value, np.inf)
-        self._keep_best(imager, table.light[item], table.count[item], lighting, value, terms, chosen)
+        exposure = [r.exposure_s(c.time_s) for r, c in zip(rows, chosen, strict=True)]
+        self._keep_best(
+            imager, table.light[item], table.count[item], lighting, value, terms, chosen, exposure
+        )
 
     def rows(
         self, imager: Array, signals: list[Array], light: Array, count: Array, lighting: Lighting
@@ -485,7 +527,11 @@ class Search:
         for index, signal in enumerate(signals):
             scene = self.problem.scenes[index]
             worst = None
-            if scene.view.requirements.snr_at == "worst" and scene.view.requirements.min_snr and not self.problem.paper:
+            if (
+                scene.view.requirements.snr_at == "worst"
+                and scene.view.requirements.min_snr
+                and not self.problem.paper
+            ):
                 worst = self._darkest(index, imager, count, lighting)
             result.append(
                 self.problem.scene_rows(
@@ -506,45 +552,49 @@ class Search:
         out = np.empty((unique.shape[1], len(self.problem.scenes[scene_index].range_m)))
         for number in np.unique(unique[1]):
             mine = unique[1] == number
-            out[mine] = self.tables.exact(scene_index, lighting, unique[0, mine], count=int(number), darkest=True)
+            out[mine] = self.tables.exact(
+                scene_index, lighting, unique[0, mine], count=int(number), darkest=True
+            )
         return np.asarray(out[back.reshape(-1)])
 
     def _keep_best(
-        self, imager: Array, light: Array, count: Array, lighting: Lighting, value: Array, terms: Terms, chosen: list[Any]
-    ) -> None:
+        self, imager: Array, light: Array, count: Array, lighting: Lighting, value: Array, terms: Terms,
+        chosen: list[Any], exposure: list[Array],
+    ) -> None:  # fmt: skip
         """Merge designs into the list of the best with other hardware."""
-        threshold = self._threshold()
-        candidates = np.nonzero(np.isfinite(value) & (value <= threshold))[0]
-        if len(candidates) > 64:  # the best of each hardware is all that can stay
-            candidates = candidates[self._first_of_hardware(imager[candidates], light[candidates], value[candidates],
-                                                            terms.power[candidates], terms.cost[candidates], count[candidates])]  # fmt: skip
-        for i in candidates:
-            self._insert(self._found(int(i), imager, light, count, lighting, value, terms, chosen))
-
-    def _first_of_hardware(
-        self, imager: Array, light: Array, value: Array, power: Array, cost: Array, count: Array
-    ) -> Array:
-        """Positions of the best design of each (camera, lens, port, light), the best few hardware only."""
-        order = np.lexsort((count, cost, power, np.round(value, 12)))
+        hopeful = np.nonzero(np.isfinite(value) & (value <= self._threshold()))[0]
+        if len(hopeful) == 0:
+            return
+        pulse = np.max([c.time_s[hopeful] for c in chosen], axis=0)
+        tie_class = np.round(value[hopeful] / (TIE * max(float(np.abs(value[hopeful]).min()), 1e-12)))
+        keys = (
+            pulse,
+            count[hopeful],
+            terms.mass[hopeful],
+            terms.cost[hopeful],
+            terms.power[hopeful],
+            tie_class,
+        )
+        order = hopeful[np.lexsort(keys)]
         im = self.imagers
-        key = np.stack([im.camera[imager], im.lens[imager], im.port[imager], light])[:, order]
-        _, first = np.unique(key, axis=1, return_index=True)
-        first = np.sort(first)
-        limit = value[order[first[: self.top]]].max() if len(first) >= self.top else np.inf
-        wanted = first[value[order[first]] <= limit + TIE * abs(limit)]
-        near = np.nonzero(value[order] <= limit + TIE * abs(limit))[0]
-        ties = near[np.isin(near, wanted) | (value[order[near]] <= value.min() + TIE * abs(value.min()))]
-        return order[np.union1d(wanted, ties)[: 64 * self.top]]
+        rows = imager[order]
+        hardware = np.stack([im.camera[rows], im.lens[rows], im.port[rows], light[order]])
+        _, first = np.unique(hardware, axis=1, return_index=True)  # each hardware's best comes first
+        for i in order[np.sort(first)]:
+            if value[i] > self._threshold():
+                break
+            self._insert(self._found(int(i), imager, light, count, lighting, value, terms, chosen, exposure))
 
     def _found(
         self, i: int, imager: Array, light: Array, count: Array, lighting: Lighting, value: Array, terms: Terms,
-        chosen: list[Any],
+        chosen: list[Any], exposure: list[Array],
     ) -> Found:  # fmt: skip
         im, index = self.imagers, int(imager[i])
         scenes = []
         for scene_index, settings in enumerate(chosen):
             numbers = {name: float(getattr(settings, name)[i]) for name in settings.__dataclass_fields__}
             focused = im.scenes[scene_index].focused
+            numbers["exposure_s"] = float(exposure[scene_index][i])
             numbers["dioptre_per_m"] = float(focused.dioptre_per_m[index])
             numbers["rate_hz"] = float(focused.rate_hz[index])
             scenes.append(numbers)
@@ -561,7 +611,12 @@ class Search:
         parts = self.problem.parts
 
         def ids(f: Found) -> tuple[str, ...]:
-            return (parts.cameras[f.camera].id, parts.lenses[f.lens].id, parts.ports[f.port].id, parts.lights[f.light].id)
+            return (
+                parts.cameras[f.camera].id,
+                parts.lenses[f.lens].id,
+                parts.ports[f.port].id,
+                parts.lights[f.light].id,
+            )
 
         def better(a: Found, b: Found) -> bool:
             if abs(a.minimised - b.minimised) > TIE * max(abs(a.minimised), abs(b.minimised)):
@@ -587,6 +642,12 @@ class UnitBounds:
     mass: Array
     snr_db: Array
     rule: Array
+
+    @staticmethod
+    def none(n: int) -> UnitBounds:
+        """No bound at all: everything may be best."""
+        low = np.full(n, -1e300)
+        return UnitBounds(low, low, low, low, np.full(n, np.inf), np.full(n, -1))
 
     @staticmethod
     def empty(n: int) -> UnitBounds:
@@ -619,6 +680,24 @@ def best_settings(
 ) -> tuple[list[closed_form.Chosen], Array, Array]:
     """Settings that are best for an objective, whether they exist, and the worst scene's SNR in dB.
 
+    Dark current depends on the exposure that is chosen, so the closed form is taken again with the
+    exposure of the last round; dark electrons are few, and two or three rounds settle it.
+    """
+    for _ in range(DARK_ROUNDS):
+        chosen, feasible, snr_db = settings_at_dark(rows, motorised, objective, camera_power_w, power_limit_w)
+        updated = [closed_form.with_exposure(r, c) for r, c in zip(rows, chosen, strict=True)]
+        if all(np.allclose(closed_form.dark_e(a), closed_form.dark_e(b), rtol=0, atol=1e-9)
+               for a, b in zip(rows, updated, strict=True)):  # fmt: skip
+            break
+        rows = updated
+    return chosen, feasible, snr_db
+
+
+def settings_at_dark(
+    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float
+) -> tuple[list[closed_form.Chosen], Array, Array]:
+    """Best settings with the dark electrons of the rows.
+
     Without SNR in the objective least power is best for every term. With SNR alone the highest reachable
     is found first, then the least power that reaches it. A weighted sum is convex along the SNR floor.
     """
@@ -637,7 +716,9 @@ def best_settings(
         return chosen, feasible, np.asarray(sensor.to_db(np.where(snr > 0, snr, np.nan)))
 
 
-def weighted_goal(rows: list[SceneRows], motorised: Array, top: Array, power_weight: float, snr_weight: float) -> Array:
+def weighted_goal(
+    rows: list[SceneRows], motorised: Array, top: Array, power_weight: float, snr_weight: float
+) -> Array:
     """SNR floor that minimises power_weight * power - snr_weight * SNR in dB, by golden section.
 
     Between the requirement and the reachable top; power is convex in the SNR in dB for lamps that dim
@@ -648,7 +729,9 @@ def weighted_goal(rows: list[SceneRows], motorised: Array, top: Array, power_wei
     def merit(snr: Array) -> Array:
         chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=snr)
         power = np.max([c.light_power_w for c in chosen], axis=0)
-        got = np.min([closed_form.nominal_snr(r, c.light_x) for r, c in zip(rows, chosen, strict=True)], axis=0)
+        got = np.min(
+            [closed_form.nominal_snr(r, c.light_x) for r, c in zip(rows, chosen, strict=True)], axis=0
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
             value = power_weight * power - snr_weight * sensor.to_db(got)
         return np.where(feasible, value, np.inf)
@@ -686,7 +769,12 @@ def step_tops(rows: list[SceneRows], motorised: Array, top: Array) -> list[Array
             if np.isnan(level).all():
                 continue
             capped = [
-                SceneRows(**{**{n: getattr(r, n) for n in r.__dataclass_fields__}, "max_level": np.fmin(r.max_level, level)})
+                SceneRows(
+                    **{
+                        **{n: getattr(r, n) for n in r.__dataclass_fields__},
+                        "max_level": np.fmin(r.max_level, level),
+                    }
+                )
                 if r is scene
                 else r
                 for r in rows
@@ -696,4 +784,14 @@ def step_tops(rows: list[SceneRows], motorised: Array, top: Array) -> list[Array
     return tops
 
 
-__all__ = ["CONTINUOUS", "PULSED", "RULES", "Account", "Found", "Outcome", "Search", "best_settings", "search"]
+__all__ = [
+    "CONTINUOUS",
+    "PULSED",
+    "RULES",
+    "Account",
+    "Found",
+    "Outcome",
+    "Search",
+    "best_settings",
+    "search",
+]

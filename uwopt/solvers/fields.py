@@ -8,7 +8,7 @@ rectangle, so a table of rectangles, rounded up, bounds every image.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -54,24 +54,40 @@ class FieldTables:
             widest = 0.5 * np.hypot(scene.view.footprint_along_m[:, 2], scene.view.footprint_across_m[:, 2])
             problem.set_reach(index, 1.5 * float(widest.max(initial=0.0)))
         self._light_tables: dict[tuple[int, Lighting, int], LightTable] = {}
+        self._widest: dict[tuple[int, int], Rectangles] = {}
+        self._chunk: tuple[Array, dict[tuple[int, int], Rectangles], Array, Array] | None = None
 
     def bound(self, scene_index: int, lighting: Lighting, altitude: int, rows: Array) -> Array:
         """Upper bound on the electrons per lm s of these imagers at one altitude, (n,)."""
         problem, imagers = self.problem, self.imagers
-        efficiency = problem.cameras.qe_index[imagers.camera[rows]]
-        curves, back = np.unique(efficiency, return_inverse=True)
+        rectangles, curves, back = self._of_chunk(rows)
         contraction = problem.contractions[scene_index]
         spectrum = int(contraction.spectrum_of[lighting.optics])
-        response = np.array([contraction.response(spectrum, int(q)) for q in curves])[back]
-        collecting = imagers.scenes[scene_index].view.collecting_m2[rows] * response
+        collecting = imagers.scenes[scene_index].view.collecting_m2[rows]
         if problem.paper:  # knows no field, so the bound is exact
-            axis = on_axis_gain(problem.optics[lighting.optics].beam, problem.scenes[scene_index].range_m)[altitude]
-            loss = np.array([contraction.straight_loss(spectrum, int(q))[altitude] for q in curves])[back]
-            return np.asarray(collecting * loss * axis)
-        loss = np.array([self._least_loss(scene_index, lighting, altitude, int(q)) for q in curves])[back]
-        rectangle = Rectangles.of(problem, imagers, scene_index, altitude, rows)
+            axis = on_axis_gain(problem.optics[lighting.optics].beam, problem.scenes[scene_index].range_m)[
+                altitude
+            ]
+            loss = [contraction.straight_loss(spectrum, int(q))[altitude] for q in curves]
+        else:
+            loss = [self._least_loss(scene_index, lighting, altitude, int(q)) for q in curves]
+        response = np.array([contraction.response(spectrum, int(q)) for q in curves]) * np.array(loss)
+        if problem.paper:
+            return np.asarray(collecting * response[back] * axis)
+        key = (scene_index, altitude)
+        if key not in rectangles:
+            rectangles[key] = Rectangles.of(problem, imagers, scene_index, altitude, rows)
+        rectangle = rectangles[key]
         light = self._light_table(scene_index, lighting, altitude).most_light(rectangle)
-        return np.asarray(collecting * loss * light / (4.0 * rectangle.area_m2) * rectangle.crowding)
+        return np.asarray(collecting * response[back] * light * rectangle.samples_per_m2)
+
+    def _of_chunk(self, rows: Array) -> tuple[dict[tuple[int, int], Rectangles], Array, Array]:
+        """What all lightings share for the same imagers: their rectangles and efficiency curves."""
+        if self._chunk is None or self._chunk[0] is not rows:
+            efficiency = self.problem.cameras.qe_index[self.imagers.camera[rows]]
+            curves, back = np.unique(efficiency, return_inverse=True)
+            self._chunk = (rows, {}, curves, back)
+        return self._chunk[1:]
 
     def _least_loss(self, scene_index: int, lighting: Lighting, altitude: int, efficiency: int) -> float:
         """Water's loss over the shortest possible paths."""
@@ -85,13 +101,21 @@ class FieldTables:
         """Upper bounds of the light on rectangles, built once for the widest image of all."""
         key = (scene_index, lighting, altitude)
         if key not in self._light_tables:
-            everything = Rectangles.of(self.problem, self.imagers, scene_index, altitude, np.arange(len(self.imagers)))
-            self._light_tables[key] = LightTable.build(self.problem, scene_index, lighting, altitude, everything)
+            place = (scene_index, altitude)
+            if place not in self._widest:
+                self._widest[place] = Rectangles.of(
+                    self.problem, self.imagers, scene_index, altitude, np.arange(len(self.imagers))
+                )
+            self._light_tables[key] = LightTable.build(
+                self.problem, scene_index, lighting, altitude, self._widest[place]
+            )
         return self._light_tables[key]
 
     # ------------------------------------------------------------ exact
 
-    def exact(self, scene_index: int, lighting: Lighting, rows: Array, *, count: int = 2, darkest: bool = False) -> Array:
+    def exact(
+        self, scene_index: int, lighting: Lighting, rows: Array, *, count: int = 2, darkest: bool = False
+    ) -> Array:
         """Electrons per lm s of these imagers at every altitude, (n, n_altitudes)."""
         problem, imagers = self.problem, self.imagers
         view = imagers.scenes[scene_index].view
@@ -116,7 +140,9 @@ class LightTable:
     peak_per_m2: float
 
     @staticmethod
-    def build(problem: Problem, scene_index: int, lighting: Lighting, altitude: int, widest: Rectangles) -> LightTable:
+    def build(
+        problem: Problem, scene_index: int, lighting: Lighting, altitude: int, widest: Rectangles
+    ) -> LightTable:
         """Sum cells outward from the axis, all four quadrants folded into one."""
         scene = problem.scenes[scene_index]
         beam, range_m = problem.optics[lighting.optics].beam, float(scene.range_m[altitude])
@@ -151,8 +177,7 @@ class LightTable:
 
     def most_light(self, rectangle: Rectangles) -> Array:
         """Upper bound for each rectangle: the next larger one of the table, or the peak over its area."""
-        i = np.minimum(np.searchsorted(self.along_m, rectangle.half_along_m), len(self.along_m) - 1)
-        j = np.minimum(np.searchsorted(self.across_m, rectangle.half_across_m), len(self.across_m) - 1)
+        i, j = rectangle.cell(self.along_m, self.across_m)
         return np.asarray(np.minimum(self.light[i, j], 4.0 * self.peak_per_m2 * rectangle.area_m2))
 
 
@@ -170,6 +195,21 @@ class Rectangles:
     crowding: Array
     deepest_m: float  # how far behind the port's face rays may start; sets the mildest cos^4
     path_share: float  # the least share of the extra path that any ray really has
+    _cells: dict[tuple[float, float], tuple[Array, Array]] = field(default_factory=dict)
+
+    @property
+    def samples_per_m2(self) -> Array:
+        """Largest density of image samples on the floor, for an image of one sample."""
+        return self.crowding / (4.0 * self.area_m2)
+
+    def cell(self, along_m: Array, across_m: Array) -> tuple[Array, Array]:
+        """Indices of the next larger rectangle in a table; the same for all tables of one place."""
+        key = (float(along_m[-1]), float(across_m[-1]))
+        if key not in self._cells:
+            i = np.minimum(np.searchsorted(along_m, self.half_along_m), len(along_m) - 1)
+            j = np.minimum(np.searchsorted(across_m, self.half_across_m), len(across_m) - 1)
+            self._cells[key] = (i, j)
+        return self._cells[key]
 
     @staticmethod
     def of(problem: Problem, imagers: Imagers, scene_index: int, altitude: int, rows: Array) -> Rectangles:
@@ -191,7 +231,13 @@ class Rectangles:
 
 
 def crowding_of(
-    problem: Problem, imagers: Imagers, scene_index: int, range_m: float, along: Array, across: Array, rows: Array
+    problem: Problem,
+    imagers: Imagers,
+    scene_index: int,
+    range_m: float,
+    along: Array,
+    across: Array,
+    rows: Array,
 ) -> Array:
     """Upper bound of (samples per floor area) over (uniform): the corner's, where a flat port crowds most."""
     view = imagers.scenes[scene_index].view
@@ -218,4 +264,6 @@ def crowding_of(
 
 def edges_to(largest_m: float) -> Array:
     """Rectangle edges from 0 to the largest, 5 % apart beyond the first."""
-    return np.concatenate([[0.0], largest_m * (1 + 1e-12) * np.geomspace(1.05 ** -(EDGES - 2), 1.0, EDGES - 1)])
+    return np.concatenate(
+        [[0.0], largest_m * (1 + 1e-12) * np.geomspace(1.05 ** -(EDGES - 2), 1.0, EDGES - 1)]
+    )

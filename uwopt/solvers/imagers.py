@@ -60,14 +60,19 @@ class Imagers:
     gsd_mm: Array  # nominal, worst scene
     scenes: list[SceneImagers]
     discarded: dict[str, int]  # rule -> imagers it discards first
-    samples: dict[str, list[tuple[int, int, int, bool]]]  # rule -> some of them: camera, lens, port, landscape
+    samples: dict[
+        str, list[tuple[int, int, int, bool]]
+    ]  # rule -> some of them: camera, lens, port, landscape
 
     def __len__(self) -> int:
         return len(self.camera)
 
 
-def enumerate_imagers(problem: Problem) -> Imagers:
-    """Every imager of the problem's parts; see the module's docstring."""
+def enumerate_imagers(problem: Problem, *, cameras: Array | None = None) -> Imagers:
+    """Every imager of the problem's parts; see the module's docstring.
+
+    `cameras` marks those worth a look; the others are counted under the rule `bound`.
+    """
     parts = problem.parts
     n_camera, n_lens, n_port = len(parts.cameras), len(parts.lenses), len(parts.ports)
     orientations = [o == "landscape" for o in problem.mission.vehicle.orientations]
@@ -79,6 +84,9 @@ def enumerate_imagers(problem: Problem) -> Imagers:
     per_pair = n_port * len(orientations)
     discarded["mount"] = int((~fits).sum()) * per_pair
     discarded["image_circle"] = int((fits & ~circle).sum()) * per_pair
+    if cameras is not None:
+        discarded["bound"] = int((fits & circle)[~cameras].sum()) * per_pair
+        circle = circle & cameras[:, None]
     camera, lens = np.nonzero(fits & circle)
     blocks = [
         block
@@ -93,9 +101,7 @@ def circles_ok(problem: Problem) -> Array:
     """Whether each lens's image circle covers each sensor; inline parts are not checked for what they leave out."""
     cameras, lenses = problem.cameras, problem.parts.lenses
     diagonal_mm = np.hypot(cameras.resolution_x_px, cameras.resolution_y_px) * cameras.pixel_pitch_m * 1e3
-    circle_mm = np.array(
-        [part.image_circle_mm or (np.inf if part.inline else 0.0) for part in lenses], float
-    )
+    circle_mm = np.array([part.image_circle_mm or (np.inf if part.inline else 0.0) for part in lenses], float)
     return np.asarray(image_circle_ok(diagonal_mm[:, None], circle_mm[None, :]))
 
 
@@ -157,27 +163,51 @@ def imagers_behind(
 
 
 def rules(
-    problem: Problem, cameras: Any, lenses: Any, port: int, seen: list[Views], focused: list[Focused], maps: list[Any]
+    problem: Problem,
+    cameras: Any,
+    lenses: Any,
+    port: int,
+    seen: list[Views],
+    focused: list[Focused],
+    maps: list[Any],
 ) -> Iterator[tuple[str, Array]]:
     """Each rule in turn with the imagers that pass it."""
     limits, count = problem.mission.limits, problem.mission.vehicle.camera_count
     every = list(zip(problem.scenes, seen, focused, strict=True))
     yield "view", all_of(view_clears(problem, port, view) for view in seen)
-    yield "focus", all_of(
-        focus_reached(scene, at, lenses, extra) for (scene, _, extra), at in zip(every, maps, strict=True)
+    yield (
+        "focus",
+        all_of(
+            focus_reached(scene, at, lenses, extra) for (scene, _, extra), at in zip(every, maps, strict=True)
+        ),
     )
-    yield "max_gsd_mm", all_of(
-        view.gsd_m.max(axis=1) * 1e3 <= limit(scene.view.requirements.max_gsd_mm) * ROUND for scene, view, _ in every
+    yield (
+        "max_gsd_mm",
+        all_of(
+            view.gsd_m.max(axis=1) * 1e3 <= limit(scene.view.requirements.max_gsd_mm) * ROUND
+            for scene, view, _ in every
+        ),
     )
-    yield "min_swath_m", all_of(
-        view.footprint_across_m.min(axis=1) * ROUND >= (scene.view.requirements.min_swath_m or 0.0) for scene, view, _ in every
+    yield (
+        "min_swath_m",
+        all_of(
+            view.footprint_across_m.min(axis=1) * ROUND >= (scene.view.requirements.min_swath_m or 0.0)
+            for scene, view, _ in every
+        ),
     )
     yield "frame_rate", all_of(extra.rate_hz <= cameras.max_rate_hz * ROUND for extra in focused)
     rate_limit = limit(limits.data_rate_mb_s)
-    yield "data_rate_mb_s", all_of(extra.rate_hz * cameras.frame_mb * count <= rate_limit * ROUND for extra in focused)
+    yield (
+        "data_rate_mb_s",
+        all_of(extra.rate_hz * cameras.frame_mb * count <= rate_limit * ROUND for extra in focused),
+    )
     yield "min_dof_m", common_f_number(lenses, focused)
-    yield "max_blur_px", all_of(
-        (extra.blur_time_s > 0) & (cameras.min_exposure_s <= limits.max_exposure_ms * 1e-3) for extra in focused
+    yield (
+        "max_blur_px",
+        all_of(
+            (extra.blur_time_s > 0) & (cameras.min_exposure_s <= limits.max_exposure_ms * 1e-3)
+            for extra in focused
+        ),
     )
     _, cost, mass, power = totals(problem, cameras, lenses, port)
     yield "cost", cost <= limit(limits.cost) * ROUND
@@ -224,7 +254,9 @@ def common_f_number(lenses: Any, focused: list[Focused]) -> Array:
     return np.asarray(np.isfinite(low) & (low <= lenses.f_number_max * ROUND))
 
 
-def totals(problem: Problem, cameras: Any, lenses: Any, port: int | Array) -> tuple[Array, Array, Array, Array]:
+def totals(
+    problem: Problem, cameras: Any, lenses: Any, port: int | Array
+) -> tuple[Array, Array, Array, Array]:
     """Cost, cost that counts against the budget, mass and power of everything but the lights."""
     count = problem.mission.vehicle.camera_count
     extra_cost, extra_mass, extra_power = problem.extras
@@ -236,7 +268,10 @@ def totals(problem: Problem, cameras: Any, lenses: Any, port: int | Array) -> tu
 
 
 def joined(
-    problem: Problem, blocks: list[Block], discarded: dict[str, int], samples: dict[str, list[tuple[int, int, int, bool]]]
+    problem: Problem,
+    blocks: list[Block],
+    discarded: dict[str, int],
+    samples: dict[str, list[tuple[int, int, int, bool]]],
 ) -> Imagers:
     """All blocks as one table."""
 
@@ -247,19 +282,25 @@ def joined(
     lens = stack([b.lens for b in blocks]).astype(int)
     port = stack([np.full(len(b.camera), b.port) for b in blocks]).astype(int)
     landscape = stack([np.full(len(b.camera), b.landscape) for b in blocks]).astype(bool)
-    cost, limit_cost, mass, power = totals(problem, problem.cameras.take(camera), problem.lenses.take(lens), port)
+    cost, limit_cost, mass, power = totals(
+        problem, problem.cameras.take(camera), problem.lenses.take(lens), port
+    )
     scenes = []
     for index in range(len(problem.scenes)):
         own = [b.scenes[index] for b in blocks]
         if own:
             scenes.append(joined_scene(own))
     gsd = np.max([s.view.gsd_m[:, 1] for s in scenes], axis=0) * 1e3 if scenes else np.empty(0)
-    return Imagers(camera, lens, port, landscape, cost, limit_cost, mass, power, gsd, scenes, discarded, samples)
+    return Imagers(
+        camera, lens, port, landscape, cost, limit_cost, mass, power, gsd, scenes, discarded, samples
+    )
 
 
 def joined_scene(own: list[SceneImagers]) -> SceneImagers:
     """One scene's columns of all blocks."""
-    view = Views(*(np.concatenate([getattr(s.view, name) for s in own]) for name in Views.__dataclass_fields__))
+    view = Views(
+        *(np.concatenate([getattr(s.view, name) for s in own]) for name in Views.__dataclass_fields__)
+    )
     focused = Focused(
         *(np.concatenate([getattr(s.focused, name) for s in own]) for name in Focused.__dataclass_fields__)
     )

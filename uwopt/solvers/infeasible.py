@@ -15,7 +15,7 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.result import Certificate, Design
-from uwopt.solvers.recommend import Sought, design_of, seek
+from uwopt.solvers.recommend import Generic, Sought, design_of, seek
 
 # Requirement -> (section, key, objective that makes its figure best, or None when none does)
 RELAXABLE: dict[str, tuple[str, str, str | None]] = {
@@ -48,10 +48,18 @@ class Relaxation:
 
 
 def explain(
-    mission: Mission, catalog: Catalog, objective: Objective, sought: Sought, certificate: Certificate, *, generic: str
+    mission: Mission,
+    catalog: Catalog,
+    objective: Objective,
+    sought: Sought,
+    certificate: Certificate,
+    *,
+    generic: Generic,
 ) -> dict[str, Any]:
     """The `infeasible` part of a result."""
-    relaxations = sorted(single_relaxations(mission, catalog, objective, generic=generic), key=lambda r: r.miss_rel)
+    relaxations = sorted(
+        single_relaxations(mission, catalog, objective, generic=generic), key=lambda r: r.miss_rel
+    )
     requirements = [
         {"name": item["rule"], "n_excluded": item["count"], "n_is_bound": item["rule"] in BOUNDED}
         for item in certificate.discarded
@@ -61,17 +69,18 @@ def explain(
     return {
         "requirements": requirements,
         "relaxations": [
-            {"name": r.name, "limit": r.limit, "needed": r.needed, "miss_rel": r.miss_rel} for r in relaxations
+            {"name": r.name, "limit": r.limit, "needed": r.needed, "miss_rel": r.miss_rel}
+            for r in relaxations
         ],
         "nearest_miss": relaxations[0].design if relaxations else None,
     }
 
 
-BOUNDED = ("min_snr", "bound", "power_w", "cost", "mass_kg")
+BOUNDED = ("light", "bound", "power_w", "cost", "mass_kg")
 
 
 def single_relaxations(
-    mission: Mission, catalog: Catalog, objective: Objective, *, generic: str
+    mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic
 ) -> Iterator[Relaxation]:
     """Drop each requirement that is asked for, and see whether something fits then."""
     del objective
@@ -131,10 +140,11 @@ def reached_value(design: Design, name: str, key: str) -> float | None:
         "max_blur_px": "blur_px", "max_skew_px": "skew_px", "overlap": "overlap", "mean_level": "mean_level",
         "data_rate_mb_s": "data_rate_mb_s",
     }.get(key)  # fmt: skip
-    values = [s.figures.get(figure) for s in design.scenes if figure and s.figures.get(figure) is not None]
+    found = [s.figures.get(figure) for s in design.scenes] if figure else []
+    values = [float(value) for value in found if value is not None]
     if not values:
         return None
-    return float(min(values) if key.startswith("min") or key == "overlap" else max(values))
+    return min(values) if key.startswith("min") or key == "overlap" else max(values)
 
 
 def miss(limit: float | None, needed: float | None) -> float:

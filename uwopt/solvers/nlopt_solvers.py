@@ -93,25 +93,25 @@ def solve(
 ) -> Attempt:
     """One run from a start; multipliers are those that fit best, and the residual says how well."""
     if len(start) == 0:
-        x, finished, count, message = start, True, 0, "nothing is left open"
+        x, count, message = start, 0, "nothing is left open"
     elif algorithm == "global":
         half = None if max_seconds is None else 0.5 * max_seconds
-        near, _, first, found = run("isres", program, start, half)
-        x, finished, count, message = run("slsqp", program, near, half)
+        near, first, found = run("isres", program, start, half)
+        x, count, message = run("slsqp", program, near, half)
         count, message = first + count, f"{found}, then {message}"
     elif algorithm == "cobyla":
         return in_rounds(program, start, max_seconds)
     else:
-        x, finished, count, message = run(algorithm, program, start, max_seconds)
-    return assessed(program, x, finished, count, message)
+        x, count, message = run(algorithm, program, start, max_seconds)
+    return assessed(program, x, count, message)
 
 
-def assessed(program: Program, x: Array, finished: bool, count: int, message: str) -> Attempt:
+def assessed(program: Program, x: Array, count: int, message: str) -> Attempt:
     """A run's end with its epigraph variables drawn tight, and how well multipliers fit there."""
     x = program.complete(x)
     at = derivatives(program, x)
     multipliers = fitted_multipliers(at)
-    return Attempt(x, finished, count, message, multipliers, kkt_residual(at, multipliers))
+    return Attempt(x, count, message, multipliers, kkt_residual(at, multipliers))
 
 
 def in_rounds(program: Program, start: Array, max_seconds: float | None) -> Attempt:
@@ -122,9 +122,9 @@ def in_rounds(program: Program, start: Array, max_seconds: float | None) -> Atte
     share = None if max_seconds is None else max_seconds / len(COBYLA_STEPS)
     x, total = start, 0
     for first_step in COBYLA_STEPS:
-        x, finished, count, message = run("cobyla", program, x, share, first_step)
+        x, count, message = run("cobyla", program, x, share, first_step)
         total += count
-        found = assessed(program, x, finished, total, message)
+        found = assessed(program, x, total, message)
         if found.kkt_residual <= SETTLED:
             break
     return found
@@ -132,8 +132,8 @@ def in_rounds(program: Program, start: Array, max_seconds: float | None) -> Atte
 
 def run(
     name: str, program: Program, start: Array, max_seconds: float | None, first_step: float | None = None
-) -> tuple[Array, bool, int, str]:
-    """One NLopt algorithm: where it ends, whether it says it is done, evaluations, what it says."""
+) -> tuple[Array, int, str]:
+    """One NLopt algorithm: where it ends, evaluations, what it says."""
     n = len(start)
     evaluations = Evaluations(program)
     low, high = program.bounds
@@ -157,18 +157,18 @@ def run(
     if max_seconds is not None:
         solver.set_maxtime(max(max_seconds, 1e-3))
     try:
-        x, code = solver.optimize(np.clip(start, low, high)), solver.last_optimize_result()
+        x = solver.optimize(np.clip(start, low, high))
     except (nlopt.RoundoffLimited, RuntimeError, ValueError) as fault:
-        x, code = evaluations.last_x, 0
+        x = evaluations.last_x
         message = f"NLopt {name}: {type(fault).__name__}"
     else:
+        code = solver.last_optimize_result()
         message = f"NLopt {name}: {RESULTS.get(code, f'code {code}')}"
     if not np.all(np.isfinite(x)):
         x = start
-    return np.clip(np.asarray(x, float), low, high), code in DONE or code == 0, solver.get_numevals(), message
+    return np.clip(np.asarray(x, float), low, high), solver.get_numevals(), message
 
 
-DONE = (nlopt.SUCCESS, nlopt.STOPVAL_REACHED, nlopt.FTOL_REACHED, nlopt.XTOL_REACHED)
 RESULTS = {
     nlopt.SUCCESS: "success",
     nlopt.STOPVAL_REACHED: "value reached",

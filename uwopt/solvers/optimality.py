@@ -28,9 +28,8 @@ class Attempt:
     """One run of a solver from one start, before anything of it is believed."""
 
     x: Array
-    finished: bool  # the solver says that it is done, not that it gave up
     iterations: int
-    message: str
+    message: str  # what the solver says of it
     multipliers: Array  # by rule, in the order of `rule_names`
     kkt_residual: float
 
@@ -60,7 +59,7 @@ def _of_scene(scene: Scene, at: Settings) -> dict[str, float]:
         "gain_low": _over(1.0, at.gain),
         "gain_high": _over(at.gain, scene.max_gain),
     }
-    if scene.levels:
+    if not scene.dims_freely:
         found["level"] = min(abs(at.level / step - 1.0) for step in scene.levels)
     else:
         found["level_low"] = _over(scene.min_level, at.level)
@@ -71,7 +70,7 @@ def _of_scene(scene: Scene, at: Settings) -> dict[str, float]:
             found[f"min_snr_{altitude}"] = 1.0 - reached / scene.min_snr
         digital_dn = scene.digital_dn(signal_e, at, offset_dn=scene.black_level_dn)
         found[f"saturation_{altitude}"] = _over(scene.highlight_ratio * digital_dn, scene.full_scale_dn)
-        collected_e = scene.electrons(signal_e, at) + scene.dark_e
+        collected_e = scene.electrons(signal_e, at) + scene.dark_e(at)
         if np.isfinite(scene.well_e):
             found[f"full_well_{altitude}"] = _over(scene.highlight_ratio * collected_e, scene.well_e)
     if scene.mean_level is not None:

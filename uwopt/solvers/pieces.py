@@ -6,6 +6,7 @@ here takes floats, complex arrays or CasADi symbols as settings.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from uwopt.errors import SolverError
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED
 from uwopt.model import light, sensor
-from uwopt.rows import SceneRows
+from uwopt.rows import WHOLE_FLASH, SceneRows
 
 Array = NDArray[Any]
 Symbolic = Any  # float, complex array, or CasADi scalar
@@ -24,8 +25,9 @@ SLACK = 1e-12  # relative, as in the closed form: a range of one point is not lo
 DIMMEST = 1e-9  # a lamp that dims to nothing has no logarithm there
 COPIED = (
     "read_noise_e", "gain_dn_per_e", "full_scale_dn", "black_level_dn", "max_gain", "well_e", "prnu_frac",
-    "time_min_s", "time_max_s", "rate_hz", "light_lm", "full_power_w", "pulse_energy_j", "working_factor",
-    "n_low", "n_high",
+    "dark_current_e_s", "min_exposure_s", "exposure_offset_s", "readout_s", "flash_duration_s", "time_min_s",
+    "time_max_s", "rate_hz", "light_lm", "full_power_w", "pulse_energy_j", "working_factor", "n_low",
+    "n_high",
 )  # fmt: skip
 
 
@@ -37,6 +39,7 @@ class Settings:
     time_s: Symbolic
     level: Symbolic
     gain: Symbolic
+    exposure_s: Symbolic = 0.0  # what dark current is charged for; follows from the time
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,11 @@ class Scene:
     max_gain: float
     well_e: float
     prnu_frac: float
-    dark_e: float
+    dark_current_e_s: float
+    min_exposure_s: float
+    exposure_offset_s: float
+    readout_s: float
+    flash_duration_s: float
     time_min_s: float
     time_max_s: float
     rate_hz: float
@@ -61,7 +68,8 @@ class Scene:
     light_lm: float
     full_power_w: float
     pulse_energy_j: float
-    levels: tuple[float, ...]  # empty when the lamp dims freely
+    dims_freely: bool
+    levels: tuple[float, ...]  # steps within reach, of a lamp that does not dim freely
     min_level: float
     max_level: float
     working_factor: float
@@ -88,11 +96,11 @@ class Scene:
             signal_e=signal,
             wanted_signal_e=signal if rows.worst_e is None else tuple(float(v) for v in rows.worst_e[0]),
             nominal=rows.nominal,
-            dark_e=one(rows.dark_current_e_s) * one(rows.dark_time_s),
             kind=int(rows.kind[0]),
+            dims_freely=free,
             levels=() if free else steps,
-            min_level=max(one(rows.min_level), DIMMEST) if free else 0.0,
-            max_level=top if free or steps else 0.0,
+            min_level=max(one(rows.min_level), DIMMEST),
+            max_level=top,
             min_snr=float(rows.min_snr),
             mean_level=rows.mean_level,
             highlight_ratio=float(rows.highlight_ratio),
@@ -106,6 +114,17 @@ class Scene:
             return self.full_power_w > 0.0
         return (self.pulse_energy_j if self.kind == FLASH else self.full_power_w) * self.rate_hz > 0.0
 
+    def exposure_s(self, time_s: float) -> float:
+        """Exposure that collects light for a time, as `SceneRows.exposure_s` has it."""
+        whole = self.kind == FLASH and time_s >= self.flash_duration_s * WHOLE_FLASH
+        if self.kind == PULSED or whole:
+            return max(self.min_exposure_s, time_s + self.readout_s)
+        return time_s - self.exposure_offset_s
+
+    def dark_e(self, at: Settings) -> Symbolic:
+        """Dark electrons of a pixel."""
+        return self.dark_current_e_s * at.exposure_s
+
     def electrons(self, signal_e: float, at: Settings) -> Symbolic:
         """Electrons of a pixel with this signal per lm s at N_w = 1."""
         working = at.f_number * self.working_factor
@@ -117,7 +136,7 @@ class Scene:
             self.electrons(signal_e, at),
             read_noise_e=self.read_noise_e,
             gain_dn_per_e=self.gain_dn_per_e * at.gain,
-            dark_e=self.dark_e,
+            dark_e=self.dark_e(at),
             prnu_frac=self.prnu_frac,
         )
 
@@ -126,7 +145,7 @@ class Scene:
         return sensor.digital_mean_dn(
             self.electrons(signal_e, at),
             gain_dn_per_e=self.gain_dn_per_e * at.gain,
-            dark_e=self.dark_e,
+            dark_e=self.dark_e(at),
             offset_dn=offset_dn,
         )
 
@@ -156,6 +175,12 @@ class Piece:
     time_low_s: float
     time_high_s: float
     fills_frame: bool  # the pulse lasts at least as long as the frame: its length draws no more power
+    exposure_follows: bool  # the exposure grows with the time; else it is the shortest there is
+    exposure_shift_s: float  # exposure minus time, or the exposure
+
+    def exposure_s(self, time_s: Symbolic) -> Symbolic:
+        """Exposure that collects light for a time, without the scene's kinks."""
+        return (time_s if self.exposure_follows else 0.0) + self.exposure_shift_s
 
     def light_power_w(self, scene: Scene, at: Settings) -> Symbolic:
         """The scene's light power without the kink of a pulsed LED.
@@ -177,38 +202,69 @@ class Piece:
 def pieces_of(scene: Scene) -> list[Piece]:
     """The smooth pieces of one scene that a quick look cannot rule out.
 
-    Steps of the light are fixed one by one; a pulsed LED whose pulse may outlast the frame has a piece on
-    each side of t f = 1 (where min(1, t f) bends: not convex, so it takes two).
+    Steps of the light are fixed one by one; time is cut where power or exposure bend.
     """
     longest = max(scene.time_max_s, scene.time_min_s)
     usable = scene.time_min_s <= scene.time_max_s * (1.0 + SLACK) and np.isfinite(longest)
     if not usable or not scene.light_lm > 0.0 or not scene.n_low <= scene.n_high * (1.0 + SLACK):
         return []
     levels = [(step, step) for step in scene.levels]
-    if not scene.levels and scene.min_level <= scene.max_level:
+    if scene.dims_freely and scene.min_level <= scene.max_level:
         levels = [(scene.min_level, scene.max_level)]
-    frame_s = 1.0 / scene.rate_hz if scene.rate_hz > 0.0 else np.inf
-    if scene.kind != PULSED or longest <= frame_s:
-        times = [(scene.time_min_s, longest, False)]
-    elif scene.time_min_s >= frame_s:
-        times = [(scene.time_min_s, longest, True)]
-    else:
-        times = [(scene.time_min_s, frame_s, False), (frame_s, longest, True)]
-    all_pieces = [Piece(low, high, *time) for low, high in levels for time in times]
-    return [piece for piece in all_pieces if not ruled_out(scene, piece)]
+    cuts = sorted(cut for cut in bends_s(scene) if scene.time_min_s < cut < longest)
+    ends = [scene.time_min_s, *cuts, longest]
+    found = [
+        smooth_piece(scene, level, times)
+        for level in levels
+        for times in itertools.pairwise(ends)
+    ]
+    return [piece for piece in found if not ruled_out(scene, piece)]
+
+
+def bends_s(scene: Scene) -> list[float]:
+    """Times at which a scene's formulas have a kink.
+
+    A pulsed LED's power bends where the pulse fills the frame, t f = 1 (upwards, so that it takes two
+    pieces); with dark current also the exposure does, where a pulse outlasts the shortest exposure, and
+    jumps by t_0 where a flash is no longer cut short.
+    """
+    bends = []
+    if scene.kind == PULSED and scene.rate_hz > 0.0:
+        bends.append(1.0 / scene.rate_hz)
+    if scene.dark_current_e_s > 0.0 and scene.kind != CONTINUOUS:
+        bends.append(scene.min_exposure_s - scene.readout_s)
+        if scene.kind == FLASH:
+            bends.append(scene.flash_duration_s * WHOLE_FLASH)
+    return bends
+
+
+def smooth_piece(scene: Scene, level: tuple[float, float], times_s: tuple[float, float]) -> Piece:
+    """The piece between two bends; which side it lies on is seen at its middle."""
+    middle = 0.5 * (times_s[0] + times_s[1])
+    exposure = scene.exposure_s(middle)
+    follows = not (scene.kind != CONTINUOUS and exposure == scene.min_exposure_s)
+    return Piece(
+        *level,
+        *times_s,
+        fills_frame=middle * scene.rate_hz >= 1.0,
+        exposure_follows=follows,
+        exposure_shift_s=exposure - middle if follows else exposure,
+    )
 
 
 def ruled_out(scene: Scene, piece: Piece) -> bool:
     """Whether even the brightest corner is too dark, or the dimmest too bright: a proof without a solver."""
-    bright = Settings(scene.n_low, piece.time_high_s, piece.level_high, scene.max_gain)
-    dim = Settings(max(scene.n_high, scene.n_low), piece.time_low_s, piece.level_low, 1.0)
+    longest, shortest = piece.time_high_s, piece.time_low_s
+    bright = Settings(scene.n_low, longest, piece.level_high, scene.max_gain, piece.exposure_s(longest))
+    widest = max(scene.n_high, scene.n_low)
+    dim = Settings(widest, shortest, piece.level_low, 1.0, piece.exposure_s(shortest))
     nominal, brightest = scene.signal_e[scene.nominal], max(scene.signal_e)
     wanted, headroom = wanted_dn(scene), headroom_dn(scene)
     if scene.min_snr > 0.0 and scene.snr(min(scene.wanted_signal_e), bright) < scene.min_snr * (1.0 - 1e-9):
         return True
     if headroom <= 0.0 or scene.digital_dn(brightest, dim, offset_dn=0.0) > headroom * (1.0 + 1e-9):
         return True
-    filled = scene.highlight_ratio * (scene.electrons(brightest, dim) + scene.dark_e)
+    filled = scene.highlight_ratio * (scene.electrons(brightest, dim) + scene.dark_e(dim))
     if filled > scene.well_e * (1.0 + 1e-9):
         return True
     if wanted is None:

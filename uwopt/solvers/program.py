@@ -4,8 +4,8 @@ Unknowns are natural logarithms of f-number (common, or by scene with a motorise
 time, light level and gain of every scene, and of the worst scene's power or SNR (epigraph variables).
 In logarithms light, X = light * level * time / N_w^2, is linear, every noise variance is a sum of
 exponentials, and so each rule below is convex: a geometric program, whose stationary point is the global
-optimum. The one exception is a wanted mean level with dark current, a curve almost straight (dark
-electrons against the image's).
+optimum. The exceptions are those of dark current, by as much as dark electrons count against the image's:
+a wanted mean level becomes a curve, and an exposure is shorter than its time by the sensor's offset.
 
 The program is written once, over anything that NumPy's elementary functions take: floats (checks),
 complex arrays (derivatives by complex step), CasADi symbols (derivatives by CasADi).
@@ -109,11 +109,13 @@ class Program:
 
     def _pick(self, quantities: dict[str, Symbolic], index: int) -> Settings:
         """The settings of one scene among all quantities."""
+        time_s = quantities[f"time_s[{index}]"]
         return Settings(
             f_number=quantities[f"f_number[{index}]" if self.motorised else "f_number"],
-            time_s=quantities[f"time_s[{index}]"],
+            time_s=time_s,
             level=quantities[f"level[{index}]"],
             gain=quantities[f"gain[{index}]"],
+            exposure_s=self.pieces[index].exposure_s(time_s),
         )
 
     @cached_property
@@ -188,12 +190,14 @@ class Program:
         """The settings at a point, rounding of the logarithms taken back at the ends of each range."""
         result = []
         for at, scene, piece in zip(self.settings(list(x)), self.scenes, self.pieces, strict=True):
+            time_s = float(np.clip(at.time_s, piece.time_low_s, piece.time_high_s))
             result.append(
                 Settings(
                     f_number=float(np.clip(at.f_number, scene.n_low, max(scene.n_high, scene.n_low))),
-                    time_s=float(np.clip(at.time_s, piece.time_low_s, piece.time_high_s)),
+                    time_s=time_s,
                     level=float(np.clip(at.level, piece.level_low, piece.level_high)),
                     gain=float(np.clip(at.gain, 1.0, max(scene.max_gain, 1.0))),
+                    exposure_s=scene.exposure_s(time_s),
                 )
             )
         return result
@@ -244,9 +248,9 @@ class Program:
         for index, (scene, piece) in enumerate(zip(self.scenes, self.pieces, strict=True)):
             if scene.min_snr > 0.0:
                 names.append(f"min_snr[{index}]")
-            if max(scene.signal_e) + scene.dark_e > 0.0:
+            if max(scene.signal_e) > 0.0:
                 names.append(f"saturation[{index}]")
-            if np.isfinite(scene.well_e) and max(scene.signal_e) + scene.dark_e > 0.0:
+            if np.isfinite(scene.well_e) and max(scene.signal_e) > 0.0:
                 names.append(f"full_well[{index}]")
             if scene.mean_level is not None:
                 equal.append(f"mean_level[{index}]")
@@ -286,9 +290,9 @@ class Program:
         brightest = max(scene.signal_e)
         if scene.min_snr > 0.0:
             rules.append(-np.log(scene.snr(min(scene.wanted_signal_e), at) / scene.min_snr))
-        if brightest + scene.dark_e > 0.0:
+        if brightest > 0.0:
             rules.append(np.log(scene.digital_dn(brightest, at, offset_dn=0.0) / headroom_dn(scene)))
-        if np.isfinite(scene.well_e) and brightest + scene.dark_e > 0.0:
+        if np.isfinite(scene.well_e) and brightest > 0.0:
             allowed = scene.well_e / scene.highlight_ratio
-            rules.append(np.log((scene.electrons(brightest, at) + scene.dark_e) / allowed))
+            rules.append(np.log((scene.electrons(brightest, at) + scene.dark_e(at)) / allowed))
         return rules

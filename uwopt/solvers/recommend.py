@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Choice, Selection, select
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.errors import SolverError
-from uwopt.evaluation import Hardware, SceneSettings, evaluate_design
+from uwopt.evaluation import DesignModel, Hardware, evaluate_design
 from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
@@ -29,6 +29,7 @@ from uwopt.solvers.exact import Found, Outcome, Search
 from uwopt.solvers.rounding import exact_settings, rounded_design
 
 Progress = Callable[[float, str], None]
+Generic = Literal["fallback", "allow", "never"]
 AGREES_REL = 1e-6
 GENERIC_GAIN = 0.10
 
@@ -43,10 +44,11 @@ class Sought:
     outcome: Outcome
 
 
-def selected(mission: Mission, catalog: Catalog, *, generic: str) -> Selection:
+def selected(mission: Mission, catalog: Catalog, *, generic: Generic) -> Selection:
     """The parts that the mission allows."""
     names = Choice.__dataclass_fields__
-    choice = Choice(**{name: getattr(mission.catalog, name) for name in names if name != "generic"}, generic=generic)  # type: ignore[arg-type]
+    wanted = {name: getattr(mission.catalog, name) for name in names if name != "generic"}
+    choice = Choice(**wanted, generic=generic)
     return select(
         catalog,
         choice,
@@ -59,11 +61,13 @@ def selected(mission: Mission, catalog: Catalog, *, generic: str) -> Selection:
 def build_problem(mission: Mission, selection: Selection, **changes: Any) -> Problem:
     """Tables over the selected parts."""
     parts = Parts(selection.cameras, selection.lenses, selection.ports, selection.lights)
-    return Problem(mission, parts, paper=mission.physics == "paper", owned_lights=dict(selection.owned), **changes)
+    return Problem(
+        mission, parts, paper=mission.physics == "paper", owned_lights=dict(selection.owned), **changes
+    )
 
 
 def seek(
-    mission: Mission, catalog: Catalog, objective: Objective, *, generic: str, top: int,
+    mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic, top: int,
     deadline_s: float | None = None, progress: Progress | None = None, ceiling: float = math.inf,
 ) -> Sought:  # fmt: skip
     """Select, tabulate and search."""
@@ -91,8 +95,6 @@ def design_of(sought: Sought, found: Found, objective: Objective, *, with_roundi
     """A found design as a result: evaluated again, rounded, checked."""
     problem = sought.problem
     hardware = hardware_of(found)
-    from uwopt.evaluation import DesignModel
-
     model = DesignModel(problem, hardware)
     given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
     design = evaluate_design(problem, hardware, given, objective)
@@ -113,7 +115,9 @@ def check_claim(design: Design, found: Found, objective: Objective) -> None:
     missed = [m for s in design.scenes for m in s.margins if not m.satisfied]
     if missed:
         what = "; ".join(f"{m.requirement} = {m.value} against {m.limit}" for m in missed)
-        raise SolverError(f"the search claims a feasible design, but its evaluation misses {what}; this is a defect of uwopt")
+        raise SolverError(
+            f"the search claims a feasible design, but its evaluation misses {what}; this is a defect of uwopt"
+        )
 
 
 def with_rounded(sought: Sought, found: Found, design: Design, objective: Objective) -> Design:
@@ -127,7 +131,8 @@ def with_rounded(sought: Sought, found: Found, design: Design, objective: Object
         return design
     again, _ = made
     scenes = [
-        replace(scene, settings_to_set=other.settings) for scene, other in zip(design.scenes, again.scenes, strict=True)
+        replace(scene, settings_to_set=other.settings)
+        for scene, other in zip(design.scenes, again.scenes, strict=True)
     ]
     missed = [m.requirement for s in again.scenes for m in s.margins if not m.satisfied]
     rounded = {"feasible": again.feasible, "objective_value": again.objective_value, "missed": missed}
@@ -142,13 +147,10 @@ def part_warnings(problem: Problem, hardware: Hardware) -> list[dict[str, str]]:
         parts.lights[hardware.light],
     )  # fmt: skip
     return [
-        {"code": f.rule, "path": "hardware", "message": f.message} for f in findings if f.severity == "warning"
+        {"code": f.rule, "path": "hardware", "message": f.message}
+        for f in findings
+        if f.severity == "warning"
     ]
-
-
-def other_hardware(found: Sequence[Found]) -> list[Found]:
-    """Runners-up: every found design but the first."""
-    return list(found[1:])
 
 
 def timed(timing: dict[str, float], name: str) -> Any:
@@ -162,9 +164,3 @@ def timed(timing: dict[str, float], name: str) -> Any:
             timing[name] = timing.get(name, 0.0) + time.perf_counter() - self.start
 
     return Clock()
-
-
-__all__ = [
-    "GENERIC_GAIN", "SceneSettings", "Sought", "build_problem", "design_of", "hardware_of", "other_hardware",
-    "scene_rows_of", "seek", "selected", "timed",
-]  # fmt: skip

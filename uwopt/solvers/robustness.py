@@ -73,16 +73,31 @@ def model_assumptions(problem: Problem, found: Found) -> list[dict[str, Any]]:
     """What the physics takes for granted here."""
 
     def item(path: str, value: Any, source: str) -> dict[str, Any]:
-        return {"path": path, "part": "", "value": value, "low": None, "high": None, "unit": "", "status": "assumed", "source": source}
+        return {
+            "path": path,
+            "part": "",
+            "value": value,
+            "low": None,
+            "high": None,
+            "unit": "",
+            "status": "assumed",
+            "source": source,
+        }
 
-    items = []
-    for scene in problem.scenes:
-        items.append(item(f"{scene.name}: water_table", scene.water_table, "; ".join(scene.notes)))
+    items = [item(f"{s.name}: water_table", s.water_table, "; ".join(s.notes)) for s in problem.scenes]
     light = problem.parts.lights[found.light]
     if light.beam_medium == "not stated" and not problem.paper:
-        items.append(item("light.beam_medium", "air", "the source does not say whether the beam angle holds in air or water"))
+        items.append(
+            item(
+                "light.beam_medium",
+                "air",
+                "the source does not say whether the beam angle holds in air or water",
+            )
+        )
     if light.dim_status == "estimated":
-        items.append(item("light.dim_levels", list(light.dim_levels or ()), "how the lamp dims is not published"))
+        items.append(
+            item("light.dim_levels", list(light.dim_levels or ()), "how the lamp dims is not published")
+        )
     if problem.cameras.prnu_frac[found.camera] == 0 and not problem.paper:
         items.append(item("camera.prnu_frac", 0.0, "not published; taken as none"))
     return items
@@ -116,7 +131,7 @@ def value_with(sought: Sought, found: Found, objective: Objective, changed: dict
     base = sought.problem
     problem = Problem(
         base.mission, single_parts(base, found, changed), paper=base.paper, owned_lights=base.owned_lights,
-        counts=(found.count, found.count), mounts=[found.lighting.mount],
+        counts=(found.count, found.count), mounts=[found.lighting.mount], scenes=base.scenes,
     )  # fmt: skip
     outcome = Search(problem, objective, top=1, deadline_s=None, progress=None).run()
     return outcome.best[0].minimised if outcome.best else math.inf
@@ -140,8 +155,12 @@ def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[st
         "regret_rel": None if regret is None else regret / max(abs(winner.minimised), 1e-300),
         "value_at_bad_end": objective.reported(bad_value) if math.isfinite(bad_value) else None,
         "feasible_at_bad_end": math.isfinite(bad_value),
-        "rival": None if rival is None or rival.minimised >= bad_value else rival_dict(mixed, rival, objective),
-        "quotes_that_matter": quotes_that_matter(sought, objective, outcome_rivals(sought, outcome.best, mixed), top=top),
+        "rival": None
+        if rival is None or rival.minimised >= bad_value
+        else rival_dict(mixed, rival, objective),
+        "quotes_that_matter": quotes_that_matter(
+            sought, objective, outcome_rivals(sought, outcome.best, mixed), top=top
+        ),
     }
 
 
@@ -159,6 +178,7 @@ def mixed_problem(problem: Problem, winner: Found, bad: dict[str, Part]) -> Prob
             mixed("light", parts.lights),
         ),
         paper=problem.paper, owned_lights=problem.owned_lights, counts=problem.count_range, mounts=problem.mounts,
+        scenes=problem.scenes,
     )  # fmt: skip
 
 
@@ -188,33 +208,51 @@ def outcome_rivals(sought: Sought, good: Sequence[Found], mixed: Problem) -> lis
     return rivals[:2]
 
 
+def matters(name: str, problem: Problem, objective: Objective) -> bool:
+    """Whether a field can enter the objective or a limit at all."""
+    limits = problem.mission.limits
+    if name == "price":
+        return bool(objective.weight("cost")) or limits.cost is not None
+    if name == "mass_g":
+        return bool(objective.weight("mass")) or limits.mass_kg is not None
+    return bool(FAVOURED.get(name))
+
+
 def quotes_that_matter(
     sought: Sought, objective: Objective, rivals: Sequence[Found], *, top: int
 ) -> list[dict[str, Any]]:
     """Single numbers whose bad end for the winner, or good end for a rival, would change the answer."""
     problem = sought.problem
     winner = sought.outcome.best[0]
+    known: dict[tuple[int, str, str, str], float] = {}
+
+    def value(design: Found, kind: str, name: str, end: str, part: Part) -> float:
+        """Objective of a design when one number of one part stands at one end; the part may not be its own."""
+        own = dict(parts_of(problem, design)).get(kind)
+        if own is None or own.id != part.id:
+            name = end = ""
+        key = (id(design), kind if name else "", name, end)
+        if key not in known:
+            known[key] = value_with(
+                sought, design, objective, {kind: at_end(part, end, only=name)} if name else {}
+            )
+        return known[key]
+
     matter: list[dict[str, Any]] = []
     for rival in rivals:
-        rival_value = value_with(sought, rival, objective, {})
-        shared = {part.id for _, part in parts_of(problem, rival)}
         for design, end in ((winner, "bad"), (rival, "good")):
             for kind, part in parts_of(problem, design):
-                for name, value in doubtful(part):
-                    if not FAVOURED.get(name) or any(q["part"] == part.id and q["field"] == name for q in matter):
+                for name, doubt in doubtful(part):
+                    if not matters(name, problem, objective) or any(
+                        q["part"] == part.id and q["field"] == name for q in matter
+                    ):
                         continue
-                    changed = {kind: at_end(part, end, only=name)}
-                    ours = value_with(sought, winner, objective, changed) if design is winner else winner.minimised
-                    theirs = (
-                        value_with(sought, rival, objective, changed)
-                        if design is rival or part.id in shared
-                        else rival_value
-                    )
-                    if theirs < ours * (1 - 1e-9) if ours > 0 else theirs < ours:
+                    ours, theirs = value(winner, kind, name, end, part), value(rival, kind, name, end, part)
+                    if theirs < ours and theirs < ours - 1e-9 * abs(theirs):
                         matter.append(
                             {
-                                "part": part.id, "kind": kind, "field": name, "value": value.value, "low": value.low,
-                                "high": value.high, "unit": unit_of(name, part),
+                                "part": part.id, "kind": kind, "field": name, "value": doubt.value, "low": doubt.low,
+                                "high": doubt.high, "unit": unit_of(name, part),
                                 "then_better": " + ".join(p.id for _, p in parts_of(problem, rival)),
                             }
                         )  # fmt: skip

@@ -20,9 +20,7 @@ from uwopt.result import Design
 from uwopt.rows import SceneRows
 from uwopt.solvers import settings as closed_form
 
-THIRD_STOPS = tuple(
-    float(f"{2 ** (n / 6):.2g}") if n > 0 else 1.0 for n in range(0, 37)
-)
+THIRD_STOPS = tuple(float(f"{2 ** (n / 6):.2g}") if n > 0 else 1.0 for n in range(0, 37))
 GAIN_STEP_DB = 0.1
 TIME_STEP_S = 1e-6
 LEVEL_STEP = 0.01
@@ -52,7 +50,12 @@ def rounded_design(
 
 
 def rounded_settings(
-    model: DesignModel, index: int, rows: SceneRows, exact: dict[str, float], focus_m: float | None, attempt: int
+    model: DesignModel,
+    index: int,
+    rows: SceneRows,
+    exact: dict[str, float],
+    focus_m: float | None,
+    attempt: int,
 ) -> SceneSettings:
     """One scene's settings rounded; each attempt leaves a little more light or depth of field."""
     n_low = max(exact["f_number"], float(rows.n_low[0]))
@@ -66,7 +69,9 @@ def rounded_settings(
     kind = int(rows.kind[0])
     if bool(rows.dims_freely[0]) and kind != PULSED:
         level = min(1.0, math.ceil(level / LEVEL_STEP - 1e-9) * LEVEL_STEP)
-    exposure, pulse = exposure_and_pulse(model, kind, time_s, up=kind != CONTINUOUS or time_s < rows.time_max_s[0] * (1 - 1e-9))
+    exposure, pulse = exposure_and_pulse(
+        model, kind, time_s, up=kind != CONTINUOUS or time_s < rows.time_max_s[0] * (1 - 1e-9)
+    )
     rate = math.ceil(exact["rate_hz"] / RATE_STEP_HZ - 1e-9) * RATE_STEP_HZ
     if exposure * rate > 1.0:
         exposure = math.floor(1.0 / rate / TIME_STEP_S) * TIME_STEP_S
@@ -85,13 +90,17 @@ def next_stop(f_number: float, largest: float, *, extra: int = 0) -> float:
     """The next third of a stop at or above; the lens's own limits count as stops."""
     above = [stop for stop in THIRD_STOPS if stop >= f_number * (1 - 1e-9)]
     nearest = f_number if not above else above[min(extra, len(above) - 1)]
-    on_own_limit = extra == 0 and any(abs(f_number - stop) < 0.02 for stop in (round(f_number, 1), round(f_number, 2)))
+    on_own_limit = extra == 0 and any(
+        abs(f_number - stop) < 0.02 for stop in (round(f_number, 1), round(f_number, 2))
+    )
     if on_own_limit and abs(f_number - round(f_number, 1)) < 1e-9:
         return f_number
     return min(nearest, largest) if nearest <= largest else f_number
 
 
-def exposure_and_pulse(model: DesignModel, kind: int, time_s: float, *, up: bool) -> tuple[float, float | None]:
+def exposure_and_pulse(
+    model: DesignModel, kind: int, time_s: float, *, up: bool
+) -> tuple[float, float | None]:
     """Exposure and pulse that collect light for a time, rounded to a microsecond."""
     cam, lights = model.cameras, model.lights
     offset, readout, least = (float(c[0]) for c in (cam.exposure_offset_s, cam.readout_s, cam.min_exposure_s))
@@ -115,21 +124,15 @@ def exposure_and_pulse(model: DesignModel, kind: int, time_s: float, *, up: bool
 def exact_settings(model: DesignModel, index: int, numbers: dict[str, Any]) -> SceneSettings:
     """The search's own settings of one scene, unrounded, as the evaluation takes them."""
     kind = int(model.lights.kind[0])
-    cam = model.cameras
-    time_s = float(numbers["time_s"])
-    offset, readout, least = (float(c[0]) for c in (cam.exposure_offset_s, cam.readout_s, cam.min_exposure_s))
-    pulse: float | None = None
-    if kind == CONTINUOUS:
-        exposure = time_s - offset
-    elif kind == PULSED:
-        pulse, exposure = time_s, max(least, time_s + readout)
-    else:
-        pulse = float(model.lights.flash_duration_s[0])
-        exposure = max(least, pulse + readout) if time_s >= pulse * (1 - 1e-9) else time_s - offset
+    pulse = {
+        CONTINUOUS: None,
+        PULSED: float(numbers["time_s"]),
+        FLASH: float(model.lights.flash_duration_s[0]),
+    }[kind]
     wanted = model.problem.scenes[index].view.requirements.mean_level
     return SceneSettings(
         f_number=float(numbers["f_number"]),
-        exposure_s=exposure,
+        exposure_s=float(numbers["exposure_s"]),
         pulse_s=pulse,
         gain=None if wanted is not None else float(numbers["gain"]),
         level=float(numbers["level"]),

@@ -11,7 +11,7 @@ Q / tau for at most tau. Kinds differ in what power they draw.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -39,8 +39,14 @@ class Chosen:
 
 
 def dark_e(rows: SceneRows) -> Array:
-    """Dark electrons in the longest exposure the design may use (an upper bound, almost always under 1)."""
+    """Dark electrons in the exposure of the rows, almost always under 1."""
     return np.asarray(rows.dark_current_e_s * rows.dark_time_s)
+
+
+def with_exposure(rows: SceneRows, chosen: Chosen) -> SceneRows:
+    """The rows with dark current charged for the exposure that was chosen; infeasible ones stay as they are."""
+    exposure = rows.exposure_s(chosen.time_s)
+    return replace(rows, dark_time_s=np.where(np.isfinite(exposure), exposure, rows.dark_time_s))
 
 
 def window(rows: SceneRows, *, snr_floor: Array | float = 0.0) -> tuple[Array, Array]:
@@ -63,7 +69,9 @@ def window(rows: SceneRows, *, snr_floor: Array | float = 0.0) -> tuple[Array, A
             low = (wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - dark) / nominal
             high = np.minimum(high, (wanted_dn / rows.gain_dn_per_e - dark) / nominal)
             excess = wanted_dn * brightest - headroom_dn * nominal
-            glare = np.where(excess > SLACK * wanted_dn * brightest, dark * (headroom_dn - wanted_dn) / excess, np.inf)
+            glare = np.where(
+                excess > SLACK * wanted_dn * brightest, dark * (headroom_dn - wanted_dn) / excess, np.inf
+            )
             high = np.minimum(high, glare)
         for altitude in range(signal.shape[1]):
             low = np.maximum(low, light_for_snr(rows, altitude, rows.min_snr, worst=rows.worst_e is not None))
@@ -90,7 +98,11 @@ def light_for_snr(rows: SceneRows, altitude: int, snr: Array | float, *, worst: 
     if rows.mean_level is not None:
         wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
         return sensor.light_for_snr(
-            snr, signal_per_light_e=signal, level_per_light_e=rows.signal_e[:, rows.nominal], level_dn=wanted_dn, **common
+            snr,
+            signal_per_light_e=signal,
+            level_per_light_e=rows.signal_e[:, rows.nominal],
+            level_dn=wanted_dn,
+            **common,
         )
     brightest = rows.signal_e.max(axis=1)
     headroom_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
@@ -155,9 +167,7 @@ def settle(rows: SceneRows, f_number: Array, low: Array, high: Array) -> Chosen:
     with np.errstate(divide="ignore", invalid="ignore"):
         need = low * square / rows.light_lm  # level * time
         cap = high * square / rows.light_lm
-        level = np.where(
-            rows.dims_freely, free_level(rows, need), stepped_level(rows, need, cap)
-        )
+        level = np.where(rows.dims_freely, free_level(rows, need), stepped_level(rows, need, cap))
         time = np.maximum(rows.time_min_s, need / level)
         light_x = rows.light_lm * level * time / square
     power = drawn_power_w(rows, level, time)
@@ -221,7 +231,9 @@ def least_power(
     chosen = []
     feasible = np.ones(len(common), bool)
     for rows, (low, high), own in zip(scenes, windows, ranges, strict=True):
-        f_number = common if len(scenes) == 1 else np.where(motorised, smallest_common_f_number([own]), common)
+        f_number = (
+            common if len(scenes) == 1 else np.where(motorised, smallest_common_f_number([own]), common)
+        )
         settings = settle(rows, f_number, low, high)
         feasible &= np.isfinite(f_number) & np.isfinite(settings.level) & np.isfinite(settings.light_power_w)
         chosen.append(settings)
@@ -239,7 +251,9 @@ def greatest_snr(scenes: list[SceneRows], motorised: Array, power_limit_w: Array
     common = smallest_common_f_number(ranges)
     best = np.full(len(common), np.inf)
     for rows, (low, high), own in zip(scenes, windows, ranges, strict=True):
-        f_number = common if len(scenes) == 1 else np.where(motorised, smallest_common_f_number([own]), common)
+        f_number = (
+            common if len(scenes) == 1 else np.where(motorised, smallest_common_f_number([own]), common)
+        )
         light_x = most_light(rows, f_number, low, high, power_limit_w)
         snr = nominal_snr(rows, light_x)
         best = np.minimum(best, np.where(np.isfinite(light_x), snr, np.nan))
@@ -269,8 +283,10 @@ def most_light(rows: SceneRows, f_number: Array, low: Array, high: Array, power_
         least = floor_level * rows.time_min_s[:, None]
         scale = (rows.light_lm / square)[:, None]
         light_x = np.minimum(most * scale, high[:, None])
-        fits = (least * scale <= high[:, None] * (1 + SLACK)) & (light_x >= low[:, None] * (1 - SLACK)) & (
-            least <= most * (1 + SLACK)
+        fits = (
+            (least * scale <= high[:, None] * (1 + SLACK))
+            & (light_x >= low[:, None] * (1 - SLACK))
+            & (least <= most * (1 + SLACK))
         )
     best = np.where(fits, light_x, -np.inf).max(axis=1)
     return np.where(np.isfinite(best), best, np.nan)

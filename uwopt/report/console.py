@@ -1,0 +1,141 @@
+"""Text on its way to a terminal, a pipe or a file: width, colour, encoding, and the progress bar."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import shutil
+import sys
+import threading
+from collections.abc import Callable, Iterable
+from dataclasses import asdict
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, TextIO
+
+from uwopt.errors import OutputError
+from uwopt.report import words
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.progress import Progress
+
+PIPE_WIDTH = 100
+NARROWEST = 60
+PATIENCE_S = 1.0  # what takes less shows no bar
+
+
+def print_blocks(blocks: Iterable[RenderableType], stream: TextIO | None = None) -> None:
+    """Print rich text: in colour and as wide as the terminal, else plain and 100 columns wide."""
+    from rich.console import Console
+
+    out = stream or sys.stdout
+    terminal = is_terminal(out)
+    rendered = io.StringIO()
+    console = Console(
+        file=rendered,
+        width=max(NARROWEST, shutil.get_terminal_size().columns) if terminal else PIPE_WIDTH,
+        color_system="auto" if terminal else None,
+        force_terminal=terminal,
+        markup=False,
+        highlight=False,
+        emoji=False,
+        legacy_windows=False,
+    )
+    for block in blocks:
+        console.print(block)
+    lines = [line.rstrip() for line in rendered.getvalue().split("\n")]
+    print_text("\n".join(lines).rstrip("\n"), out)
+
+
+def print_text(text: str, stream: TextIO | None = None) -> None:
+    """Print text with only the signs that the stream can show; raises OutputError when it takes no more."""
+    out = stream or sys.stdout
+    if out is None:  # closed before we started
+        raise OutputError("standard output is closed; give --out, or redirect it to a file.")
+    try:
+        out.write(words.in_encoding(text, out.encoding or "utf-8") + "\n")
+        out.flush()
+    except OSError as fault:
+        discard_rest(out)
+        if isinstance(fault, BrokenPipeError):
+            raise
+        raise OutputError(f"standard output cannot be written ({fault.strerror or fault}).") from None
+
+
+def print_json(value: Any) -> None:
+    """Print dataclasses and plain values as JSON."""
+    print_text(json.dumps(value, indent=1, default=asdict))
+
+
+def discard_rest(stream: TextIO) -> None:
+    """Let what is still in the stream's buffer go nowhere, or Python fails on it again at its end."""
+    with contextlib.suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+
+
+def is_terminal(stream: TextIO | None) -> bool:
+    """Whether a person sees this stream as it is written."""
+    try:
+        return stream is not None and stream.isatty()
+    except ValueError:  # closed
+        return False
+
+
+class ProgressBar:
+    """A bar on the error stream for what takes longer than a second; nothing when nobody watches.
+
+    Use as a context; `report` is the callback that a search calls with its share done and what it does.
+    """
+
+    def __init__(self, *, quiet: bool = False):
+        self._wanted = not quiet and is_terminal(sys.stderr)
+        self._share, self._what = 0.0, ""
+        self._lock = threading.Lock()
+        self._bar: Progress | None = None
+        self._timer = threading.Timer(PATIENCE_S, self._show)
+        self._timer.daemon = True
+
+    @property
+    def report(self) -> Callable[[float, str], None] | None:
+        """The callback, None when no bar is wanted."""
+        return self._report if self._wanted else None
+
+    def __enter__(self) -> ProgressBar:
+        if self._wanted:
+            self._timer.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._timer.cancel()
+        with self._lock:
+            self._wanted = False
+            if self._bar is not None:
+                self._bar.stop()
+                self._bar = None
+
+    def _show(self) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        with self._lock:
+            if not self._wanted:
+                return
+            self._bar = Progress(
+                TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn(),
+                console=Console(stderr=True, legacy_windows=False), transient=True,
+            )  # fmt: skip
+            self._bar.add_task(self._what or "working", total=1.0)
+            self._bar.update(self._bar.task_ids[0], completed=self._share)
+            self._bar.start()
+
+    def _report(self, share: float, what: str) -> None:
+        with self._lock:
+            self._share, self._what = min(max(share, 0.0), 1.0), what
+            if self._bar is not None:
+                self._bar.update(self._bar.task_ids[0], completed=self._share, description=what)
