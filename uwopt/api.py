@@ -178,9 +178,8 @@ def infeasible_result(
 
     used = alternative or sought
     proof = certificate(used.selection, used.problem, used.outcome, goal)
-    generic = (
-        "allow" if alternative is not None else ("allow" if mission.catalog.generic == "allow" else "never")
-    )
+    with_generic = alternative is not None or mission.catalog.generic == "allow"
+    generic: recommend.Generic = "allow" if with_generic else "never"
     with recommend.timed(timing, "explanation"):
         why = explain(mission, catalog, goal, used, proof, generic=generic)
     status = "infeasible" if used.outcome.complete else "stopped"

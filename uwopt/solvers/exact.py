@@ -139,12 +139,9 @@ class Search:
         """Enumerate, bound, evaluate best first."""
         start = time.perf_counter()
         self.progress(0.0, "imagers")
-        imagers = self.imagers = enumerate_imagers(self.problem, cameras=self._hopeful_cameras())
+        imagers = self.prepare()
         self._start_account(imagers)
         after_imagers = time.perf_counter()
-        self.tables = FieldTables(self.problem, imagers)
-        self.light_tables = [self._light_table(lighting) for lighting in self.tables.lightings]
-        self.motorised = self.problem.lenses.motorised[imagers.lens] if len(imagers) else np.empty(0, bool)
         lower, complete = self._by_floor()
         self.progress(1.0, "done")
         timing = {
@@ -153,6 +150,14 @@ class Search:
             "evaluation": time.perf_counter() - after_imagers - self.bounds_s,
         }
         return Outcome(self.best, self.account, lower, complete, imagers, self.tables, timing)
+
+    def prepare(self) -> Imagers:
+        """Enumerate imagers and tabulate lights: all that evaluation needs."""
+        imagers = self.imagers = enumerate_imagers(self.problem, cameras=self._hopeful_cameras())
+        self.tables = FieldTables(self.problem, imagers)
+        self.light_tables = [self._light_table(lighting) for lighting in self.tables.lightings]
+        self.motorised = self.problem.lenses.motorised[imagers.lens] if len(imagers) else np.empty(0, bool)
+        return imagers
 
     def _hopeful_cameras(self) -> Array:
         """Cameras that are not beyond the ceiling by themselves."""
@@ -501,7 +506,16 @@ class Search:
         cost: Array, mass: Array,
     ) -> None:  # fmt: skip
         """Closed-form settings of these designs, and their place among the best."""
-        rows = self.rows(imager, [s[unit] for s in signals], table.light[item], table.count[item], lighting)
+        light, count = table.light[item], table.count[item]
+        solved = self.solve(imager, [s[unit] for s in signals], light, count, lighting, cost, mass)
+        self._keep_best(imager, light, count, lighting, *solved)
+
+    def solve(
+        self, imager: Array, signals: list[Array], light: Array, count: Array, lighting: Lighting, cost: Array,
+        mass: Array,
+    ) -> tuple[Array, Terms, list[closed_form.Chosen], list[Array]]:  # fmt: skip
+        """Objective (inf where infeasible), its terms, settings and exposures of these designs."""
+        rows = self.rows(imager, signals, light, count, lighting)
         motorised = self.motorised[imager]
         camera_power = self.imagers.camera_power_w[imager]
         chosen, feasible, snr_db = best_settings(
@@ -514,10 +528,7 @@ class Search:
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
         value = np.where(feasible & np.isfinite(value), value, np.inf)
-        exposure = [r.exposure_s(c.time_s) for r, c in zip(rows, chosen, strict=True)]
-        self._keep_best(
-            imager, table.light[item], table.count[item], lighting, value, terms, chosen, exposure
-        )
+        return value, terms, chosen, [r.exposure_s(c.time_s) for r, c in zip(rows, chosen, strict=True)]
 
     def rows(
         self, imager: Array, signals: list[Array], light: Array, count: Array, lighting: Lighting

@@ -12,11 +12,14 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any
 
+import numpy as np
+
 from uwopt.catalog.records import Part, Quantity, exact
 from uwopt.hardware import FAVOURED
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
-from uwopt.solvers.exact import Found, Search
+from uwopt.solvers.exact import ROUND, Found, Search
+from uwopt.solvers.imagers import limit
 from uwopt.solvers.recommend import Sought
 
 DOUBTFUL = ("estimated", "generic", "derived")
@@ -120,21 +123,64 @@ def at_end(part: Any, end: str, only: str | None = None) -> Any:
     return replace(part, **changes) if changes else part
 
 
-def single_parts(problem: Problem, found: Found, changed: dict[str, Part]) -> Parts:
-    """A catalogue of one design, some of its parts changed."""
-    own = {kind: changed.get(kind, part) for kind, part in parts_of(problem, found)}
-    return Parts((own["camera"],), (own["lens"],), (own["port"],), (own["light"],))  # type: ignore[arg-type]
+Variant = tuple[str, str, str]  # kind, field ("" for all), end
 
 
-def value_with(sought: Sought, found: Found, objective: Objective, changed: dict[str, Part]) -> float:
-    """Best objective of one hardware with changed parts; inf where it is no longer feasible."""
+def values_with(
+    sought: Sought, found: Found, objective: Objective, variants: Sequence[Variant | None]
+) -> list[float]:
+    """Best objective of one hardware with one number, or all, of one part changed; inf where infeasible.
+
+    None stands for the hardware as it is. All variants are parts of one small catalogue, so that one
+    pass evaluates them.
+    """
     base = sought.problem
-    problem = Problem(
-        base.mission, single_parts(base, found, changed), paper=base.paper, owned_lights=base.owned_lights,
-        counts=(found.count, found.count), mounts=[found.lighting.mount], scenes=base.scenes,
+    lists: dict[str, list[Any]] = {kind: [part] for kind, part in parts_of(base, found)}
+    places = []
+    for variant in variants:
+        place = dict.fromkeys(KINDS, 0)
+        if variant is not None:
+            kind, name, end = variant
+            place[kind] = len(lists[kind])
+            lists[kind].append(at_end(lists[kind][0], end, only=name or None))
+        places.append(place)
+    problem = small_problem(base, found, lists)
+    search = Search(problem, objective, top=1, deadline_s=None, progress=None)
+    imagers = search.prepare()
+    return [value_at(search, imagers, place, found.count) for place in places]
+
+
+def small_problem(base: Problem, found: Found, lists: dict[str, list[Any]]) -> Problem:
+    """A problem over a few variants of one design's parts."""
+    parts = Parts(*(tuple(lists[kind]) for kind in KINDS))
+    return Problem(
+        base.mission, parts, paper=base.paper, owned_lights=base.owned_lights, counts=(found.count, found.count),
+        mounts=[found.lighting.mount], scenes=base.scenes,
     )  # fmt: skip
-    outcome = Search(problem, objective, top=1, deadline_s=None, progress=None).run()
-    return outcome.best[0].minimised if outcome.best else math.inf
+
+
+def value_at(search: Search, imagers: Any, place: dict[str, int], count: int) -> float:
+    """Best objective of one variant over both orientations."""
+    chosen = (
+        (imagers.camera == place["camera"])
+        & (imagers.lens == place["lens"])
+        & (imagers.port == place["port"])
+    )
+    rows = np.nonzero(chosen)[0]
+    if len(rows) == 0:
+        return math.inf
+    problem, limits = search.problem, search.limits
+    optics = int(problem.lights.optics_index[place["light"]])
+    lighting = next(item for item in search.tables.lightings if item.optics == optics)
+    light, number = np.full(len(rows), place["light"]), np.full(len(rows), count)
+    to_buy = problem.lamps_to_buy(light, number)
+    cost = imagers.cost[rows] + to_buy * problem.lights.price[light]
+    limit_cost = imagers.limit_cost[rows] + to_buy * problem.lights.limit_price[light]
+    mass = imagers.mass_kg[rows] + number * problem.lights.mass_kg[light]
+    signals = [search.tables.exact(i, lighting, rows) for i in range(len(problem.scenes))]
+    value = search.solve(rows, signals, light, number, lighting, cost, mass)[0]
+    within = (limit_cost <= limit(limits.cost) * ROUND) & (mass <= limit(limits.mass_kg) * ROUND)
+    return float(np.where(within, value, np.inf).min())
 
 
 def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[str, Any] | None:
@@ -144,7 +190,9 @@ def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[st
     winner = sought.outcome.best[0]
     problem = sought.problem
     bad = {kind: at_end(part, "bad") for kind, part in parts_of(problem, winner)}
-    bad_value = value_with(sought, winner, objective, bad)
+    lists: dict[str, list[Any]] = {kind: [part] for kind, part in bad.items()}
+    at_bad = Search(small_problem(problem, winner, lists), objective, top=1, deadline_s=None, progress=None)
+    bad_value = value_at(at_bad, at_bad.prepare(), dict.fromkeys(KINDS, 0), winner.count)
     mixed = mixed_problem(problem, winner, bad)
     outcome = Search(mixed, objective, top=2, deadline_s=None, progress=None).run()
     rival = next((f for f in outcome.best if not same_parts(mixed, f, problem, winner)), None)
@@ -224,36 +272,36 @@ def quotes_that_matter(
     """Single numbers whose bad end for the winner, or good end for a rival, would change the answer."""
     problem = sought.problem
     winner = sought.outcome.best[0]
-    known: dict[tuple[int, str, str, str], float] = {}
-
-    def value(design: Found, kind: str, name: str, end: str, part: Part) -> float:
-        """Objective of a design when one number of one part stands at one end; the part may not be its own."""
-        own = dict(parts_of(problem, design)).get(kind)
-        if own is None or own.id != part.id:
-            name = end = ""
-        key = (id(design), kind if name else "", name, end)
-        if key not in known:
-            known[key] = value_with(
-                sought, design, objective, {kind: at_end(part, end, only=name)} if name else {}
-            )
-        return known[key]
-
     matter: list[dict[str, Any]] = []
     for rival in rivals:
-        for design, end in ((winner, "bad"), (rival, "good")):
-            for kind, part in parts_of(problem, design):
-                for name, doubt in doubtful(part):
-                    if not matters(name, problem, objective) or any(
-                        q["part"] == part.id and q["field"] == name for q in matter
-                    ):
-                        continue
-                    ours, theirs = value(winner, kind, name, end, part), value(rival, kind, name, end, part)
-                    if theirs < ours and theirs < ours - 1e-9 * abs(theirs):
-                        matter.append(
-                            {
-                                "part": part.id, "kind": kind, "field": name, "value": doubt.value, "low": doubt.low,
-                                "high": doubt.high, "unit": unit_of(name, part),
-                                "then_better": " + ".join(p.id for _, p in parts_of(problem, rival)),
-                            }
-                        )  # fmt: skip
+        asked = [
+            (kind, part, name, doubt, end)
+            for design, end in ((winner, "bad"), (rival, "good"))
+            for kind, part in parts_of(problem, design)
+            for name, doubt in doubtful(part)
+            if matters(name, problem, objective)
+        ]
+        ours = with_changes(sought, winner, objective, asked)
+        theirs = with_changes(sought, rival, objective, asked)
+        for (kind, part, name, doubt, _), mine, other in zip(asked, ours, theirs, strict=True):
+            known = any(q["part"] == part.id and q["field"] == name for q in matter)
+            if not known and other < mine and other < mine - 1e-9 * abs(other):
+                matter.append(
+                    {
+                        "part": part.id, "kind": kind, "field": name, "value": doubt.value, "low": doubt.low,
+                        "high": doubt.high, "unit": unit_of(name, part),
+                        "then_better": " + ".join(p.id for _, p in parts_of(problem, rival)),
+                    }
+                )  # fmt: skip
     return matter[: 4 * top]
+
+
+def with_changes(
+    sought: Sought, design: Found, objective: Objective, asked: Sequence[tuple[str, Part, str, Quantity, str]]
+) -> list[float]:
+    """A design's objective under each change in turn; changes of parts it does not have leave it as it is."""
+    own = {kind: part.id for kind, part in parts_of(sought.problem, design)}
+    variants: list[Variant | None] = [
+        (kind, name, end) if own[kind] == part.id else None for kind, part, name, _, end in asked
+    ]
+    return values_with(sought, design, objective, variants)

@@ -1,0 +1,203 @@
+"""The text of a result: complete, readable at 100 columns, and without a trace of markup or colour."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from uwopt.report.console import print_blocks
+from uwopt.report.tables import result_blocks
+from uwopt.result import Result
+
+Make = Callable[..., Any]
+
+
+def text_of(result: Result, encoding: str = "utf-8") -> str:
+    raw = io.BytesIO()
+    stream = io.TextIOWrapper(raw, encoding=encoding)
+    print_blocks(result_blocks(result), stream)
+    stream.flush()
+    return raw.getvalue().decode(encoding)
+
+
+def flat(text: str) -> str:
+    return " ".join(text.split())
+
+
+def test_every_part_of_a_result_is_shown(make_result: Make) -> None:
+    text = flat(text_of(make_result()))
+    for words in (
+        "Recommendation", "acme-cam", "Acme camera", "Settings to type in", "Margins", "Bill of materials",
+        "Runners-up", "With parts to be made", "Certificate", "How firm this is", "Second opinions",
+        "Assumptions (2)", "not modelled: fish", "Warnings", "Took 0.430 s", "checked again",
+    ):  # fmt: skip
+        assert words in text
+
+
+def test_cost_line_reads_as_asked_for(make_result: Make) -> None:
+    # the wording that the task gives as its example
+    assert "cost 4 210 USD, of which 2 300 estimated (1 700-3 400)" in flat(text_of(make_result()))
+
+
+def test_settings_to_set_are_shown_with_all_their_digits(make_result: Make) -> None:
+    text = flat(text_of(make_result()))
+    assert (
+        "exposure 12.345 ms 43.5678 µs" in text
+    )  # to set, and exact; the latter short enough for microseconds
+    assert "gain 6.1 dB" in text
+    assert "light level 62 % 61.7 %" in text
+
+
+def test_margins_show_value_limit_margin_and_binding(make_result: Make) -> None:
+    text = flat(text_of(make_result()))
+    assert "motion blur 0.5000 px at most 1.000 px 0.500 px 1.75 m" in text
+    assert "overlap along track 0.6000 at least 0.6000 0 binding" in text
+    assert "depth rating of the light 300.0 m at least 100.0 m 200 m" in text
+
+
+def test_missed_requirement_is_marked_and_counted(
+    make_result: Make, make_design: Make, make_scene: Make, make_margin: Make
+) -> None:
+    missed = make_margin("max_blur_px", 2.0, 1.0, "<=", "px", satisfied=False)
+    result = make_result(
+        command="evaluate", status="violated", recommendation=None, runners_up=[], generic_alternative=None,
+        certificate=None, design=make_design(scenes=[make_scene("reef", margins=[missed])]),
+    )  # fmt: skip
+    text = flat(text_of(result))
+    assert "1 requirement is missed." in text
+    assert "motion blur 2.000 px at most 1.000 px -1.00 px MISSED" in text
+
+
+def test_rounding_that_misses_is_told(make_result: Make, make_design: Make) -> None:
+    from dataclasses import replace
+
+    best = replace(
+        make_design(), rounded={"feasible": False, "objective_value": 41.0, "missed": ["max_blur_px"]}
+    )
+    text = flat(text_of(make_result(recommendation=best)))
+    assert "Rounded as shown, these are missed: motion blur. Use the exact values." in text
+
+
+def test_runners_up_show_what_differs_and_what_it_costs(make_result: Make) -> None:
+    # 44 W against 40 W: 4 W or 10 % more
+    assert "2 lens acme-lens-2 44.00 W +4.00 W (+10.0 %)" in flat(text_of(make_result()))
+
+
+def test_certificate_adds_up_in_words(make_result: Make) -> None:
+    text = flat(text_of(make_result()))
+    assert "100 evaluated + 999 900 discarded = 1 000 000 loaded: adds up" in text
+    assert "999 100 light: depth rating too shallow or unknown" in text
+
+
+def test_account_that_does_not_add_up_is_told(make_result: Make) -> None:
+    from dataclasses import replace
+
+    broken = replace(make_result().certificate, evaluated=99)
+    assert "DOES NOT ADD UP" in text_of(make_result(certificate=broken))
+
+
+def test_estimates_are_marked_with_a_legend(make_result: Make) -> None:
+    text = flat(text_of(make_result()))
+    assert "~2 300 USD (1 700-3 400) ~2 300 USD estimated, 1 owned" in text
+    assert "~ estimated" in text
+    assert "~0.700" in text
+
+
+def test_quotes_that_matter_name_part_and_rival(make_result: Make) -> None:
+    text = flat(text_of(make_result()))
+    assert "price of acme-lamp ~2 300 USD (1 700 to 3 400 USD); then better with other-lamp" in text
+
+
+def test_several_scenes_share_what_is_equal(
+    make_result: Make, make_design: Make, make_scene: Make, make_margin: Make
+) -> None:
+    own = [make_margin("overlap", 0.7, 0.6, ">=", "")]
+    scenes = [make_scene("reef"), make_scene("wall", margins=[*make_scene("x").margins[:1], *own])]
+    text = text_of(make_result(recommendation=make_design(scenes=scenes)))
+    assert "Margins in scene reef" in text
+    assert "Margins in every scene" in text
+    assert text.count("motion blur") == 1
+
+
+@pytest.mark.parametrize("n_scenes", [2, 5, 12])
+def test_many_scenes_fit_the_page(
+    make_result: Make, make_design: Make, make_scene: Make, n_scenes: int
+) -> None:
+    scenes = [make_scene(f"site {n}") for n in range(n_scenes)]
+    text = text_of(make_result(recommendation=make_design(scenes=scenes)))
+    assert all(f"site {n}" in text for n in range(n_scenes))
+    assert max(map(len, text.splitlines())) <= 100
+
+
+def test_infeasible_result_tells_why_and_what_helps(make_result: Make, make_design: Make) -> None:
+    why = {
+        "requirements": [{"name": "min_snr", "n_excluded": 12_000, "n_is_bound": True}],
+        "relaxations": [{"name": "cost", "limit": 500.0, "needed": 620.0, "miss_rel": 0.24}],
+        "nearest_miss": make_design(),
+    }
+    result = make_result(
+        status="infeasible", recommendation=None, runners_up=[], generic_alternative=None, infeasible=why
+    )
+    for given in (result, Result.from_dict(json.loads(result.to_json()))):
+        text = flat(text_of(given))
+        assert "12 000* too little light" in text
+        assert "cost (cost) 500.0 USD 620.0 USD" in text
+        assert "Nearest miss" in text
+
+
+def test_infeasible_result_also_takes_relaxations_of_its_requirements(make_result: Make) -> None:
+    needed = {"value": 620.0, "unit": "USD"}
+    why = {
+        "requirements": [{"name": "cost", "n_excluded": 5, "n_is_bound": 0, "needed": needed}],
+        "nearest_miss": None,
+    }
+    result = make_result(
+        status="infeasible", recommendation=None, runners_up=[], generic_alternative=None, infeasible=why
+    )
+    assert "620.0 USD" in text_of(result)
+
+
+def test_failed_audit_stands_out(make_result: Make) -> None:
+    audit = {
+        "tried": 20,
+        "passed": False,
+        "better": [{"rule": "bound", "camera": "acme-cam-9", "objective_value": 39.0}],
+    }
+    assert "Audit FAILED: 20 discarded combinations tried again" in flat(text_of(make_result(audit=audit)))
+
+
+def test_result_read_back_from_json_reads_the_same(make_result: Make) -> None:
+    result = make_result()
+    assert text_of(Result.from_dict(json.loads(result.to_json()))) == text_of(result)
+
+
+def test_bare_result_is_shown_without_failing() -> None:
+    bare = Result(command="solve", status="stopped", mission={}, physics={}, objective={}, uwopt_version="0")
+    assert "stopped by a limit before a system was found" in flat(text_of(bare)).lower()
+
+
+def test_pipe_gets_no_colour_no_markup_and_no_trailing_blanks(make_result: Make) -> None:
+    text = text_of(make_result())
+    assert "\x1b" not in text
+    assert "[red]survey[/red]" in text  # a mission's name is shown as it is written
+    assert max(map(len, text.splitlines())) <= 100
+    assert not re.search(r" $", text, re.MULTILINE)
+
+
+def test_control_signs_of_files_do_not_reach_the_terminal(make_result: Make) -> None:
+    result = make_result(mission={"name": "evil\x1b[2Jname\x07"})
+    text = text_of(result)
+    assert "\x1b" not in text and "\x07" not in text
+    assert "evil?[2Jname?" in text
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "cp1252"])
+def test_narrow_encodings_get_plain_signs(make_result: Make, encoding: str) -> None:
+    text = text_of(make_result(mission={"name": "Récif 海"}), encoding)
+    assert "cif ?" in text
+    assert "43.5678 us" in text if encoding == "ascii" else "43.5678" in text

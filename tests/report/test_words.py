@@ -1,0 +1,85 @@
+"""Numbers and sentences for people."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from uwopt.report import words
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "text"),
+    [
+        ("exposure_ms", 12.345, "12.345 ms"),
+        ("exposure_ms", 0.043, "43 µs"),
+        ("f_number", 2.8, "2.8"),
+        ("frame_rate_hz", 20.0, "20 Hz"),
+        ("flux_lm", 30000.0, "30 000 lm"),
+        ("dim_frac", 1.0, "100 %"),
+        ("gain_db", 0.0, "0 dB"),
+        ("pulse_ms", None, "–"),
+    ],
+)
+def test_settings_keep_the_digits_that_are_set(name: str, value: float | None, text: str) -> None:
+    assert words.setting_text(name, value) == text
+
+
+@pytest.mark.parametrize(
+    ("amount", "text"), [(4210.4, "4 210 USD"), (0.0, "0 USD"), (9.5, "9.50 USD"), (None, "unknown USD")]
+)
+def test_money_is_in_whole_units(amount: float | None, text: str) -> None:
+    assert words.money(amount, "USD") == ("unknown" if amount is None else text)
+
+
+def test_difference_that_is_rounding_only_is_zero() -> None:
+    assert words.change(1e-13, "W", 40.0) == "0 W"
+    assert words.change(0.25, "W", 40.0) == "+0.250 W"
+
+
+def test_cost_without_estimates_says_so() -> None:
+    cost = {"value": 100.0, "currency": "EUR", "estimated": 0.0}
+    assert words.cost_sentence(cost) == "cost 100 EUR, nothing of it estimated"
+
+
+def test_unknown_prices_are_not_passed_over() -> None:
+    bom = [{"count": 3, "owned": 1, "unit_price": None}, {"count": 1, "owned": 0, "unit_price": 5.0}]
+    assert words.n_unpriced(bom) == 2
+    assert "without 2 parts of unknown price" in words.cost_sentence({"value": 5.0, "currency": "USD"}, 2)
+
+
+def test_small_shares_are_not_printed_as_powers_of_ten() -> None:
+    assert words.share(9.7e-9) == "below 0.001 %"
+    assert words.share(0.1) == "10.0 %"
+
+
+def test_rules_of_the_search_and_of_the_choice_have_words() -> None:
+    from uwopt.catalog.choose import RULES as CHOICE_RULES
+    from uwopt.solvers.exact import RULES as SEARCH_RULES
+
+    assert not {*CHOICE_RULES, *SEARCH_RULES} - set(words.RULES)
+
+
+def test_kind_of_part_stays_before_its_rule() -> None:
+    assert words.rule_name("port: generic") == "port: parts to be made, real ones are left"
+
+
+def test_margin_that_is_rounding_only_is_zero(make_margin: Callable[..., Any]) -> None:
+    assert words.margin_text(make_margin("overlap", 0.6 + 1e-16, 0.6, ">=", "")) == "0"
+
+
+def test_lights_are_placed_in_words() -> None:
+    mounts = [{"x_m": 0, "y_m": y, "z_m": 0, "tilt_x_deg": 0, "tilt_y_deg": 0} for y in (0.8, -0.8)]
+    assert words.mounts_text(mounts) == "at +0.8 m, -0.8 m across track, aimed straight down"
+
+
+def test_plain_signs_replace_what_ascii_lacks() -> None:
+    assert words.in_encoding("3 µm – 5°", "ascii") == "3 um - 5 deg"
+    assert words.in_encoding("3 µm", "utf-8") == "3 µm"
+
+
+def test_run_time_lists_steps_but_not_their_parts() -> None:
+    text = words.run_time_sentence({"search": 0.3, "search_bounds": 0.1, "evaluation": 0.1, "total": 0.4})
+    assert text == "0.400 s (search 0.30 s, evaluation 0.10 s)"

@@ -1,0 +1,114 @@
+"""Result files: whole or absent, and safe to open in a spreadsheet."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from uwopt.errors import OutputError
+from uwopt.report import write
+from uwopt.result import Result
+
+Make = Callable[..., Any]
+
+
+def test_both_files_are_written_into_a_new_folder(tmp_path: Path, make_result: Make) -> None:
+    folder = tmp_path / "a" / "b"
+    paths = write.write_results(make_result(), folder)
+    assert sorted(path.name for path in paths) == ["bom.csv", "result.json"]
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "bom.csv",
+        "result.json",
+    ]  # no temporary file stays
+    assert Result.from_dict(json.loads((folder / "result.json").read_text("utf-8"))).status == "optimal"
+
+
+def test_formulas_are_defused_and_numbers_stay_numbers(make_result: Make) -> None:
+    rows = list(csv.DictReader(io.StringIO(write.bom_csv(make_result().best.bom))))
+    assert rows[0]["manufacturer"] == "'=HYPERLINK(1)"
+    assert rows[0]["model"] == "'-1"
+    assert rows[0]["source"] == "'@shop"
+    assert rows[1]["price_basis"] == "'\tclass"
+    assert float(rows[0]["unit_price"]) == 1910.0
+
+
+@pytest.mark.parametrize("sign", ["=", "+", "-", "@", "\t"])
+def test_text_that_begins_like_a_formula_gets_an_apostrophe(sign: str) -> None:
+    assert write.defused(sign + "1") == "'" + sign + "1"
+
+
+def test_number_below_zero_is_no_formula() -> None:
+    assert write.defused(-1.5) == -1.5
+    assert write.defused(None) == ""
+
+
+def test_pieces_that_are_owned_are_not_paid(make_result: Make) -> None:
+    rows = list(csv.DictReader(io.StringIO(write.bom_csv(make_result().best.bom))))
+    assert float(rows[1]["to_pay"]) == 2300.0  # two lamps of 2300 USD, one of them owned
+
+
+def test_bill_of_an_earlier_run_does_not_stay(tmp_path: Path, make_result: Make) -> None:
+    write.write_results(make_result(), tmp_path)
+    write.write_results(make_result(status="infeasible", recommendation=None), tmp_path)
+    assert (tmp_path / "bom.csv").read_text("utf-8").count("\n") == 1
+
+
+def test_failure_while_writing_leaves_the_old_files(
+    tmp_path: Path, make_result: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "result.json").write_text("old", "utf-8")
+
+    def full_disk(descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full_disk)
+    with pytest.raises(OutputError, match="No space left"):
+        write.write_results(make_result(), tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["result.json"]
+    assert (tmp_path / "result.json").read_text("utf-8") == "old"
+
+
+def test_file_in_place_of_the_folder_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "taken"
+    file.touch()
+    with pytest.raises(OutputError, match="is a file, not a folder"):
+        write.check_folder(file)
+    with pytest.raises(OutputError):
+        write.check_folder(file / "below")
+
+
+def test_folder_in_place_of_a_result_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "bom.csv").mkdir()
+    with pytest.raises(OutputError, match=r"bom\.csv: is a folder"):
+        write.check_folder(tmp_path)
+
+
+def test_checking_a_folder_makes_nothing(tmp_path: Path) -> None:
+    write.check_folder(tmp_path / "later")
+    write.check_folder(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_new_file_is_never_written_over_an_old_one(tmp_path: Path) -> None:
+    file = tmp_path / "reef.yaml"
+    write.write_new(file, "name: a\n")
+    with pytest.raises(OutputError, match="exists already"):
+        write.write_new(file, "name: b\n")
+    assert file.read_text("utf-8") == "name: a\n"
+    with pytest.raises(OutputError, match="is a folder"):
+        write.write_new(tmp_path, "name: b\n")
+    with pytest.raises(OutputError, match="folder does not exist"):
+        write.write_new(tmp_path / "none" / "reef.yaml", "name: b\n")
+
+
+def test_json_fits_a_narrow_encoding(make_result: Make) -> None:
+    result = make_result(mission={"name": "Récif"})
+    text = write.json_text(result, "ascii")
+    assert text.isascii()
+    assert json.loads(text)["mission"]["name"] == "Récif"

@@ -1,0 +1,223 @@
+"""Random small catalogues and missions that try every kind of part, written for the attack on the exact search.
+
+Everything is drawn from one seed. Numbers are plausible rather than real; ranges are wide enough that
+each rule of the search discards something in some case and that most cases have a feasible design.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from uwopt.catalog.records import Camera, Curve, Lens, Light, Port, Quantity, exact
+from uwopt.mission import Mission, load_mission
+from uwopt.problem import Parts
+
+Rng = np.random.Generator
+
+MONO = Curve((380.0, 450.0, 520.0, 600.0, 700.0, 780.0), (0.35, 0.55, 0.68, 0.58, 0.30, 0.12))
+COLOURS = {
+    "red": Curve((380.0, 560.0, 600.0, 640.0, 780.0), (0.02, 0.05, 0.45, 0.40, 0.10)),
+    "green": Curve((380.0, 470.0, 530.0, 600.0, 780.0), (0.02, 0.20, 0.55, 0.15, 0.05)),
+    "blue": Curve((380.0, 450.0, 500.0, 560.0, 780.0), (0.10, 0.50, 0.30, 0.05, 0.02)),
+}
+LOBE = Curve((0.0, 10.0, 20.0, 30.0, 40.0, 60.0, 90.0), (1.0, 0.97, 0.8, 0.5, 0.2, 0.03, 0.0))
+MOUNTS = ("C", "C", "C", "C", "C", "CS", "CS", "S")
+OBJECTIVES: tuple[Any, ...] = (
+    "power", "power", "cost", "mass", "snr_db", "gsd_mm", {"power": 1.0, "cost": 0.01}, {"power": 0.2, "snr_db": 1.0},
+    {"cost": 0.001, "snr_db": 0.5}, {"mass": 1.0, "gsd_mm": 2.0, "power": 0.1},
+)  # fmt: skip
+
+
+def between(rng: Rng, low: float, high: float) -> float:
+    """A number, evenly spread in its logarithm."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def chance(rng: Rng, share: float) -> bool:
+    """True in a share of all draws."""
+    return bool(rng.random() < share)
+
+
+def pick(rng: Rng, options: Any) -> Any:
+    """One of the options."""
+    return options[int(rng.integers(len(options)))]
+
+
+def price(rng: Rng, low: float, high: float) -> Quantity:
+    """A price, rounded so that ties happen; sometimes an estimate with a range."""
+    value = float(round(between(rng, low, high), -2) or 100.0)
+    return Quantity(value, 0.8 * value, 1.5 * value, "estimated") if chance(rng, 0.3) else exact(value)
+
+
+def camera(rng: Rng, name: str) -> Camera:
+    """A camera with a global or rolling shutter, mono or colour."""
+    width, height, pitch_um = pick(rng, [(640, 480, 5.6), (1280, 1024, 5.3), (1936, 1216, 3.45), (2448, 2048, 3.45)])
+    bits = pick(rng, [8, 10, 12, 12])
+    well = between(rng, 6_000, 40_000)
+    known_gain = chance(rng, 0.5)
+    return Camera(
+        id=name, price=price(rng, 300, 3000), mass_g=exact(between(rng, 40, 400)), mounts=(pick(rng, MOUNTS),),
+        colour="mono", resolution_x_px=width, resolution_y_px=height, pixel_pitch_um=pitch_um,
+        shutter="rolling" if chance(rng, 0.3) else "global",
+        max_frame_rate_hz=exact(between(rng, 8, 120)), bit_depth=bits, read_noise_e=exact(between(rng, 1.5, 15)),
+        saturation_e=exact(well), dark_current_e_s=exact(pick(rng, [0.0, 0.0, 1.0, 30.0])),
+        gain_dn_per_e=(2.0**bits - 1) / well * between(rng, 0.9, 2.0) if known_gain else None, gain_bits=bits,
+        max_gain_db=exact(pick(rng, [0.0, 12.0, 24.0, 36.0])), black_level_dn=pick(rng, [0.0, 0.0, 4.0]),
+        min_exposure_us=exact(between(rng, 3, 100)), max_exposure_us=exact(between(rng, 5e3, 2e6)),
+        exposure_offset_us=exact(pick(rng, [0.0, 13.73])), prnu_frac=exact(pick(rng, [0.0, 0.004, 0.01])),
+        power_w=exact(float(round(between(rng, 1.5, 6), 1))),
+        qe_curves=dict(COLOURS) if chance(rng, 0.3) else {"mono": MONO},
+    )  # fmt: skip
+
+
+def lens(rng: Rng, name: str) -> Lens:
+    """A lens, its iris manual, motorised or fixed."""
+    widest = pick(rng, [1.4, 1.8, 2.0, 2.8, 4.0])
+    control = pick(rng, ["manual", "manual", "motorised", "fixed"])
+    return Lens(
+        id=name, price=price(rng, 80, 1500), mass_g=exact(between(rng, 20, 300)),
+        focal_length_mm=pick(rng, [4.0, 6.0, 8.0, 8.5, 12.0, 16.0, 25.0]), f_number_min=exact(widest),
+        f_number_max=exact(widest if control == "fixed" else pick(rng, [8.0, 11.0, 16.0, 22.0])),
+        aperture_control=control, image_circle_mm=pick(rng, [9.0, 11.0, 11.0, 16.0]), mounts=(pick(rng, MOUNTS),),
+        transmission_frac=exact(rng.uniform(0.8, 1.0)), min_object_distance_m=exact(pick(rng, [0.0, 0.05, 0.1, 0.3])),
+    )  # fmt: skip
+
+
+def port(rng: Rng, name: str) -> Port:
+    """A flat port with or without a gap and a rim, or a dome."""
+    common: dict[str, Any] = dict(
+        id=name, price=price(rng, 100, 2000), mass_g=exact(between(rng, 100, 2000)), depth_rating_m=6000.0,
+        refractive_index=exact(pick(rng, [1.49, 1.52, 1.76])), thickness_mm=exact(between(rng, 4, 20)),
+    )  # fmt: skip
+    if chance(rng, 0.5):
+        return Port(geometry="dome", outer_radius_mm=between(rng, 40, 130), **common)
+    return Port(
+        geometry="flat", gap_mm=pick(rng, [0.0, 0.0, 5.0, 30.0]), clear_diameter_mm=pick(rng, [None, 50.0, 100.0]), **common
+    )
+
+
+def beam(rng: Rng) -> dict[str, Any]:
+    """Any kind of beam, narrow to wide."""
+    shape = pick(rng, ["cosine-power", "cosine-power", "cone", "disc", "tabulated"])
+    medium = pick(rng, ["air", "water"])
+    if shape == "tabulated":
+        return dict(beam=shape, beam_profile=LOBE, beam_medium=medium)
+    return dict(beam=shape, beam_angle_deg=exact(pick(rng, [20.0, 40.0, 60.0, 80.0, 100.0])), beam_medium=medium)
+
+
+def light(rng: Rng, name: str, optics: dict[str, Any]) -> Light:
+    """A lamp that burns, an LED that pulses or a flash; dimmed freely, from a least level, by steps or not at all."""
+    kind = pick(rng, ["continuous", "continuous", "pulsed_led", "flash"])
+    common: dict[str, Any] = dict(
+        id=name, kind=kind, price=price(rng, 200, 3000), mass_g=exact(between(rng, 100, 2000)), depth_rating_m=6000.0,
+        spectrum_id="generic-led", output_factor=exact(pick(rng, [1.0, 0.7])), **optics,
+        **pick(rng, [{}, {"dim_min_frac": 0.1}, {"dim_levels": (1.0,)}, {"dim_levels": (0.1, 0.25, 0.5, 1.0)}]),
+    )  # fmt: skip
+    if kind == "flash":
+        return Light(
+            flash_energy_j=exact(between(rng, 0.5, 100)), flash_efficacy_lm_s_per_j=exact(35.0),
+            flash_duration_us=exact(between(rng, 100, 3000)), recycle_s=exact(between(rng, 0.05, 3)),
+            charging_efficiency_frac=exact(0.7), **common,
+        )  # fmt: skip
+    flux = between(rng, 2e3, 6e4)
+    common |= dict(flux_lm=exact(flux), power_w=exact(flux / between(rng, 60, 150)))
+    if kind == "continuous":
+        return Light(**common)
+    return Light(
+        min_pulse_us=exact(pick(rng, [1.0, 50.0, 500.0])), max_pulse_us=exact(between(rng, 500, 2e4)),
+        max_duty_frac=exact(pick(rng, [0.02, 0.1, 1.0])), max_rate_hz=exact(between(rng, 2, 60)), **common,
+    )  # fmt: skip
+
+
+def parts(rng: Rng, most: int = 3) -> Parts:
+    """A catalogue: up to `most` cameras, lenses and lights and up to three ports; lamps may share optics."""
+    looks = [beam(rng) for _ in range(2)]
+    sizes = [int(rng.integers(2, most + 1)) for _ in range(3)]
+    return Parts(
+        tuple(camera(rng, f"cam-{i}") for i in range(sizes[0])),
+        tuple(lens(rng, f"lens-{i}") for i in range(sizes[1])),
+        tuple(port(rng, f"port-{i}") for i in range(int(rng.integers(1, 4)))),
+        tuple(light(rng, f"light-{i}", pick(rng, looks)) for i in range(sizes[2])),
+    )
+
+
+def scene(rng: Rng, number: int) -> dict[str, Any]:
+    """Water and floor of one scene."""
+    return {
+        "name": f"scene {number}", "water": pick(rng, ["I", "II", "III", "1C", "3C", "5C"]), "depth_m": 100.0,
+        "seafloor": float(round(rng.uniform(0.05, 0.5), 2)),
+    }  # fmt: skip
+
+
+def requirements(rng: Rng, speed_m_s: float) -> dict[str, Any]:
+    """What images must be; every key is left out in some cases."""
+    wanted: dict[str, Any] = {}
+    if speed_m_s == 0.0 or chance(rng, 0.3):
+        wanted["frame_interval_s"] = between(rng, 0.2, 10)
+    if speed_m_s > 0.0 and ("frame_interval_s" not in wanted or chance(rng, 0.5)):
+        wanted["overlap"] = float(rng.uniform(0.0, 0.7))
+    if chance(rng, 0.8):
+        wanted["max_blur_px"] = pick(rng, [0.5, 1.0, 2.0])
+    if chance(rng, 0.2):
+        wanted["max_skew_px"] = between(rng, 1, 100)
+    if chance(rng, 0.5):
+        wanted["min_dof_m"] = between(rng, 0.02, 0.8)
+    if chance(rng, 0.85):
+        wanted["min_snr_db"] = float(rng.uniform(10, 38))
+        wanted["snr_at"] = pick(rng, ["mean", "mean", "worst"])
+    if chance(rng, 0.3):
+        wanted["mean_level"] = pick(rng, [0.1, 0.3, 0.5])
+    if chance(rng, 0.3):
+        wanted["highlight_ratio"] = between(rng, 1.0, 4.0)
+    return wanted
+
+
+def mission(rng: Rng) -> dict[str, Any]:
+    """A mission without limits, as plain values."""
+    altitude_m = between(rng, 0.6, 6)
+    speed_m_s = pick(rng, [0.0, 0.1, 0.5, 1.0])
+    low = int(rng.integers(1, 3))
+    vehicle: dict[str, Any] = {
+        "altitude_m": altitude_m, "altitude_tolerance_m": pick(rng, [0.0, 0.0, 0.1, 0.25]) * altitude_m,
+        "speed_m_s": speed_m_s, "orientation": pick(rng, ["any", "landscape", "portrait"]),
+        "light_count": [low, low + int(rng.integers(0, 3))], "camera_count": pick(rng, [1, 1, 2]),
+        "light_baseline_m": pick(rng, [0.0, 0.3, 0.5, [0.4, 0.45]]), "light_tilt_deg": pick(rng, [0.0, 0.0, 10.0, -15.0]),
+        "pitch_rate_deg_s": pick(rng, [0.0, 0.0, 2.0]), "roll_rate_deg_s": pick(rng, [0.0, 0.0, 2.0]),
+    }  # fmt: skip
+    if chance(rng, 0.1):
+        vehicle["light_mounts"] = [
+            {"x_m": 0.2, "y_m": 0.3, "z_m": 0.05, "tilt_x_deg": 5.0}, {"y_m": -0.4, "tilt_y_deg": 10.0},
+        ]  # fmt: skip
+        vehicle["light_count"] = [2, 2]
+    plain: dict[str, Any] = {
+        "objective": pick(rng, OBJECTIVES), "physics": pick(rng, ["full", "full", "paper"]), "vehicle": vehicle,
+        "requirements": requirements(rng, speed_m_s), "scenes": [scene(rng, 1)], "limits": {},
+    }  # fmt: skip
+    if chance(rng, 0.35):
+        other = scene(rng, 2)
+        if chance(rng, 0.5):
+            other["altitude_m"] = altitude_m * between(rng, 0.6, 1.5)
+            other["altitude_tolerance_m"] = 0.0
+        if chance(rng, 0.5):
+            other["min_snr_db"] = float(rng.uniform(10, 35))
+        plain["scenes"].append(other)
+    if chance(rng, 0.2):
+        plain["limits"]["cost_basis"] = "high"
+    if chance(rng, 0.3):
+        plain["limits"]["max_exposure_ms"] = between(rng, 0.2, 50)
+    if chance(rng, 0.15):
+        plain["catalog"] = {"extras": [{"name": "housing", "cost": 1000.0, "mass_kg": 3.0, "power_w": 2.0}]}
+    return plain
+
+
+def loaded(plain: dict[str, Any], limits: dict[str, float] | None = None, **wanted: float) -> Mission:
+    """The mission with more limits and requirements on top."""
+    return load_mission(
+        {
+            **plain,
+            "limits": {**plain["limits"], **(limits or {})},
+            "requirements": {**plain["requirements"], **wanted},
+        }
+    )

@@ -1,0 +1,436 @@
+"""The command line: what it prints where, and the status it exits with."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+import uwopt
+from uwopt import api
+from uwopt.cli import app
+from uwopt.errors import SolverError
+from uwopt.result import Certificate, Result
+
+ROOT = Path(__file__).parents[1]
+MISSION = ROOT / "problems" / "paper-tank.yaml"
+SYSTEM = ROOT / "problems" / "paper-tank.system.yaml"
+COMMANDS = [
+    [], ["solve"], ["evaluate"], ["catalog"], ["catalog", "list"], ["catalog", "show"], ["catalog", "check"],
+    ["catalog", "template"], ["init"], ["schema"],
+]  # fmt: skip
+Status = Callable[..., None]
+
+
+def run(*arguments: object) -> Any:
+    return CliRunner().invoke(app, [str(word) for word in arguments])
+
+
+def program(*arguments: object, **more: Any) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), **more.pop("env", {})}
+    return subprocess.run(
+        [sys.executable, "-m", "uwopt", *map(str, arguments)],
+        env=environment, text=True, encoding="utf-8", timeout=120, check=False,
+        **({"capture_output": True} | more),
+    )  # fmt: skip
+
+
+def assert_refused(done: Any, *words: str) -> None:
+    """Status 2, nothing on standard output, one message without a traceback."""
+    assert done.exit_code == 2, done.output
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    for word in words:
+        assert word in done.stderr
+
+
+@pytest.fixture(scope="module")
+def evaluated() -> Result:
+    """A real result of `evaluate`."""
+    return api.evaluate(MISSION, SYSTEM)
+
+
+@pytest.fixture
+def solving(monkeypatch: pytest.MonkeyPatch, evaluated: Result) -> Callable[..., list[dict[str, Any]]]:
+    """Let `api.solve` give a result at once; returns the arguments of its calls."""
+
+    def prepare(**changes: Any) -> list[dict[str, Any]]:
+        calls: list[dict[str, Any]] = []
+        proof = Certificate(1.0, 1.0, 0.0, 0.0, True, "all", 10, 10, 10, [])
+        values = {"command": "solve", "status": "optimal", "design": None, "recommendation": evaluated.design,
+                  "certificate": proof, "warnings": []} | changes  # fmt: skip
+
+        def solve(mission: str, **options: Any) -> Result:
+            calls.append({"mission": mission, **options})
+            return replace(evaluated, **values)
+
+        monkeypatch.setattr(api, "solve", solve)
+        return calls
+
+    return prepare
+
+
+# ---------------------------------------------------------------- help and version
+
+
+@pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
+def test_every_command_has_help(words: list[str]) -> None:
+    done = run(*words, "--help")
+    assert done.exit_code == 0
+    assert "Usage:" in done.stdout
+    assert done.stdout.isascii()  # a plain terminal can show it
+
+
+def test_version_is_printed() -> None:
+    assert run("--version").stdout == f"uwopt {uwopt.__version__}\n"
+
+
+def test_help_imports_nothing_heavy() -> None:
+    heavy = (
+        "numpy",
+        "pandas",
+        "scipy",
+        "pydantic",
+        "rich",
+        "yaml",
+        "casadi",
+        "nlopt",
+        "pymoo",
+        "uwopt.mission",
+    )
+    code = (
+        "import sys\nfrom uwopt.cli import app\n"
+        "try:\n    app(['--help'])\nexcept SystemExit:\n    pass\n"
+        f"print('HEAVY', [name for name in {heavy!r} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert "HEAVY []" in done.stdout
+
+
+def test_module_runs_as_the_command_does() -> None:
+    done = program("--version")
+    assert (done.returncode, done.stdout) == (0, f"uwopt {uwopt.__version__}\n")
+
+
+# ---------------------------------------------------------------- evaluate
+
+
+def test_evaluate_prints_figures_for_people() -> None:
+    done = run("evaluate", MISSION, SYSTEM)
+    assert done.exit_code == 0
+    assert "Margins" in done.stdout and "Bill of materials" in done.stdout
+    assert "\x1b" not in done.stdout
+    assert done.stderr == ""
+
+
+def test_json_is_all_there_is_on_standard_output() -> None:
+    done = run("evaluate", MISSION, SYSTEM, "--json")
+    data = json.loads(done.stdout)
+    assert data["schema"] == "uwopt.result/1"
+    assert data["command"] == "evaluate"
+
+
+def test_physics_can_be_chosen() -> None:
+    data = json.loads(run("evaluate", MISSION, SYSTEM, "--json", "--physics", "paper").stdout)
+    assert data["mission"]["physics"] == "paper"
+
+
+def test_result_files_are_written(tmp_path: Path) -> None:
+    done = run("evaluate", MISSION, SYSTEM, "--out", tmp_path / "new")
+    assert done.exit_code == 0
+    assert json.loads((tmp_path / "new" / "result.json").read_text("utf-8"))["command"] == "evaluate"
+    rows = list(csv.DictReader((tmp_path / "new" / "bom.csv").open(encoding="utf-8", newline="")))
+    assert [row["kind"] for row in rows][:4] == ["camera", "lens", "port", "light"]
+    assert "result.json" in done.stderr
+
+
+@pytest.mark.parametrize(("status", "options", "code"), [
+    ("feasible", ["--check"], 0), ("violated", ["--check"], 3), ("violated", [], 0),
+])  # fmt: skip
+def test_check_turns_a_missed_requirement_into_status_3(
+    monkeypatch: pytest.MonkeyPatch, evaluated: Result, status: str, options: list[str], code: int
+) -> None:
+    monkeypatch.setattr(api, "evaluate", lambda *a, **k: replace(evaluated, status=status))
+    assert run("evaluate", MISSION, SYSTEM, *options).exit_code == code
+
+
+# ---------------------------------------------------------------- solve
+
+
+@pytest.mark.parametrize(("changes", "code"), [
+    ({}, 0),
+    ({"status": "infeasible", "recommendation": None}, 3),
+    ({"status": "stopped"}, 4),
+    ({"status": "stopped", "warnings": [{"code": "interrupted", "path": "", "message": "interrupted"}]}, 130),
+    ({"audit": {"tried": 5, "passed": True, "better": []}}, 0),
+    ({"audit": {"tried": 5, "passed": False, "better": [{"camera": "x"}]}}, 1),
+])  # fmt: skip
+def test_status_of_the_result_is_the_exit_status(solving: Status, changes: dict[str, Any], code: int) -> None:
+    solving(**changes)
+    done = run("solve", MISSION)
+    assert done.exit_code == code
+    assert "paper" in done.stdout.casefold() or "tank" in done.stdout.casefold()
+
+
+def test_options_reach_the_search(solving: Callable[..., list[dict[str, Any]]]) -> None:
+    calls = solving()
+    done = run(
+        "solve", MISSION, "--solver", "nlopt", "--objective", "power=1, cost=0.01", "--physics", "full", "--top", 3,
+        "--audit", 7, "--seconds", 2.5,
+    )  # fmt: skip
+    assert done.exit_code == 0
+    assert calls == [
+        {"mission": str(MISSION), "solver": "nlopt", "objective": {"power": 1.0, "cost": 0.01}, "physics": "full",
+         "top": 3, "audit": 7, "seconds": 2.5, "progress": None},
+    ]  # fmt: skip
+
+
+def test_mission_decides_what_is_not_asked_for(solving: Callable[..., list[dict[str, Any]]]) -> None:
+    calls = solving()
+    run("solve", MISSION)
+    assert calls[0]["objective"] is None and calls[0]["physics"] is None and calls[0]["seconds"] is None
+
+
+def test_interruption_before_a_result_is_status_130(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(*a: Any, **k: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(api, "solve", stop)
+    done = run("solve", MISSION)
+    assert done.exit_code == 130
+    assert "interrupted" in done.stderr and done.stdout == ""
+
+
+@pytest.mark.parametrize(
+    "fault", [SolverError("the claim does not hold"), ZeroDivisionError("division by zero"), MemoryError()]
+)
+def test_defects_are_told_without_a_traceback(monkeypatch: pytest.MonkeyPatch, fault: Exception) -> None:
+    def fail(*a: Any, **k: Any) -> None:
+        raise fault
+
+    monkeypatch.setattr(api, "solve", fail)
+    monkeypatch.delenv("UWOPT_DEBUG", raising=False)
+    done = run("solve", MISSION)
+    assert done.exit_code == 1
+    assert "Traceback" not in done.output and len(done.stderr.splitlines()) <= 3
+    monkeypatch.setenv("UWOPT_DEBUG", "1")
+    assert "Traceback" in run("solve", MISSION).stderr
+
+
+def test_result_that_cannot_be_written_is_still_printed(solving: Status, tmp_path: Path) -> None:
+    solving()
+
+    def taken(*a: Any, **k: Any) -> Result:
+        (tmp_path / "out").touch()  # somebody makes a file there while we solve
+        return original(*a, **k)
+
+    original, api.solve = api.solve, taken  # type: ignore[assignment]  # put back by `solving`
+    done = run("solve", MISSION, "--out", tmp_path / "out")
+    assert done.exit_code == 2
+    assert "Margins" in done.stdout
+    assert "is a file, not a folder" in done.stderr
+
+
+# ---------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(("options", "words"), [
+    (["--objective", "powr"], ["--objective", "powr", "did you mean power?"]),
+    (["--objective", "power=much"], ["power=much"]),
+    (["--objective", "power=1,power=2"], ["stands twice"]),
+    (["--objective", "power=0"], ["no weight is above 0"]),
+    (["--objective", "power=-1"], ["power=-1"]),
+    (["--seconds", "0"], ["--seconds", "above 0"]),
+    (["--seconds", "nan"], ["--seconds"]),
+    (["--top", "0"], ["--top"]),
+    (["--audit", "-1"], ["--audit"]),
+    (["--solver", "magic"], ["--solver", "magic"]),
+    (["--physics", "none"], ["--physics"]),
+    (["--colour"], ["--colour"]),
+])  # fmt: skip
+def test_wrong_options_are_refused(options: list[str], words: list[str]) -> None:
+    assert_refused(run("solve", MISSION, *options), *words)
+
+
+def test_missing_and_wrong_files_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "broken.yaml").write_text("name: [", "utf-8")
+    (tmp_path / "other.yaml").write_text("shopping: list\n", "utf-8")
+    assert_refused(run("solve", tmp_path / "none.yaml"), "no such file")
+    assert_refused(run("solve", tmp_path), "is a folder")
+    assert_refused(run("solve", tmp_path / "broken.yaml"), "broken.yaml")
+    assert_refused(run("solve", tmp_path / "other.yaml"), "shopping")
+    assert_refused(run("evaluate", MISSION, tmp_path / "none.yaml"), "no such file")
+    assert_refused(run("solve"), "MISSION")
+    assert_refused(run("paint", MISSION), "paint")
+
+
+def test_unknown_part_is_refused_with_near_ones(tmp_path: Path) -> None:
+    text = SYSTEM.read_text("utf-8").replace("camera: seed-imx250m", "camera: seed-imx250n")
+    (tmp_path / "system.yaml").write_text(text, "utf-8")
+    assert_refused(run("evaluate", MISSION, tmp_path / "system.yaml"), "seed-imx250n", "seed-imx250m")
+    assert_refused(run("catalog", "show", "seed-imx250n"), "seed-imx250m")
+
+
+def test_unusable_out_is_refused_before_the_work(
+    solving: Callable[..., list[dict[str, Any]]], tmp_path: Path
+) -> None:
+    calls = solving()
+    (tmp_path / "file").touch()
+    assert_refused(run("solve", MISSION, "--out", tmp_path / "file"), "is a file, not a folder")
+    assert_refused(run("solve", MISSION, "--out", tmp_path / "file" / "below"))
+    assert calls == []
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_bad_mission_leaves_no_folder_behind(tmp_path: Path) -> None:
+    assert_refused(run("solve", tmp_path / "none.yaml", "--out", tmp_path / "out"))
+    assert list(tmp_path.iterdir()) == []
+
+
+# ---------------------------------------------------------------- catalogue
+
+
+def test_list_shows_parts_of_a_pattern() -> None:
+    text = run("catalog", "list", "kowa").stdout
+    assert "kowa-lm8jc10m" in text and "Lenses" in text and "Cameras" not in text
+
+
+def test_list_can_be_narrowed_to_a_kind_and_read_by_programs() -> None:
+    lines = json.loads(run("catalog", "list", "--kind", "port", "--json").stdout)
+    assert {line["kind"] for line in lines} == {"port"}
+
+
+def test_excluded_parts_come_with_reasons() -> None:
+    text = run("catalog", "list", "--excluded").stdout
+    assert "left out: availability" in text and "left out: vital facts" in text
+
+
+def test_pattern_that_fits_nothing_is_refused_with_near_names() -> None:
+    assert_refused(run("catalog", "list", "kowaa"), "kowaa", "Kowa")
+
+
+def test_show_tells_values_and_sources() -> None:
+    text = run("catalog", "show", "KOWA_LM8JC10M").stdout
+    assert "focal_length_mm" in text and "estimated" in text and "https://" in text
+
+
+@pytest.mark.parametrize("kind", ["camera", "lens", "port", "light", "prices", "water"])
+def test_templates_pass_their_own_check(tmp_path: Path, kind: str) -> None:
+    file = tmp_path / f"{kind}.csv"
+    file.write_text(run("catalog", "template", kind).stdout, "utf-8")
+    done = run("catalog", "check", file)
+    assert done.exit_code == 0, done.output
+    assert "in order" in done.stdout
+
+
+def test_own_parts_can_be_listed(tmp_path: Path) -> None:
+    file = tmp_path / "lens.csv"
+    file.write_text(run("catalog", "template", "lens").stdout, "utf-8")
+    assert "acme-lens-8" in run("catalog", "list", "acme", "--file", file).stdout
+
+
+def test_check_names_the_row_of_a_fault(tmp_path: Path) -> None:
+    file = tmp_path / "lens.csv"
+    file.write_text(run("catalog", "template", "lens").stdout.replace(",16,", ",wide,"), "utf-8")
+    done = run("catalog", "check", file)
+    assert done.exit_code == 2
+    assert "1 fault" in done.stdout and "wide" in done.stdout and "row" in done.stdout
+
+
+def test_check_of_a_missing_file_and_unknown_template_are_refused(tmp_path: Path) -> None:
+    assert_refused(run("catalog", "check", tmp_path / "none.csv"), "no such file")
+    assert_refused(run("catalog", "template", "torpedo"), "torpedo", "camera")
+    assert_refused(run("catalog", "list", "--kind", "torpedo"), "torpedo")
+
+
+# ---------------------------------------------------------------- init and schema
+
+
+def test_init_writes_a_mission_that_loads_and_never_writes_over_it(tmp_path: Path) -> None:
+    from uwopt.mission import load_mission
+
+    file = tmp_path / "reef.yaml"
+    assert run("init", file).exit_code == 0
+    assert load_mission(file).name
+    file.write_text("mine", "utf-8")
+    assert_refused(run("init", file), "exists already")
+    assert file.read_text("utf-8") == "mine"
+    assert_refused(run("init", tmp_path), "is a folder")
+    assert_refused(run("init", tmp_path / "none" / "reef.yaml"), "folder does not exist")
+
+
+def test_init_prints_without_a_file(tmp_path: Path) -> None:
+    from uwopt.system import load_system
+
+    assert "vehicle:" in run("init").stdout
+    (tmp_path / "rig.yaml").write_text(run("init", "--system").stdout, "utf-8")
+    assert load_system(tmp_path / "rig.yaml").name
+
+
+@pytest.mark.parametrize("what", ["mission", "system"])
+def test_schema_is_json(what: str) -> None:
+    assert json.loads(run("schema", what).stdout)["title"] == f"uwopt {what}"
+    assert_refused(run("schema", "torpedo"), "torpedo")
+
+
+# ---------------------------------------------------------------- as a program
+
+
+def test_ascii_terminal_gets_ascii() -> None:
+    done = program("evaluate", MISSION, SYSTEM, env={"PYTHONIOENCODING": "ascii", "LC_ALL": "C"})
+    assert done.returncode == 0 and done.stdout.isascii()
+    data = program("evaluate", MISSION, SYSTEM, "--json", env={"PYTHONIOENCODING": "ascii"})
+    assert json.loads(data.stdout)["status"]
+
+
+def test_reader_that_leaves_early_is_no_fault() -> None:
+    read, write = os.pipe()
+    os.close(read)
+    done = program("catalog", "list", capture_output=False, stdout=write, stderr=subprocess.PIPE)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_full_disk_behind_standard_output_is_told() -> None:
+    with Path("/dev/full").open("w") as full:
+        done = program("catalog", "list", capture_output=False, stdout=full, stderr=subprocess.PIPE)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1 and "standard output" in done.stderr
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals differ")
+def test_ctrl_c_ends_with_status_130(tmp_path: Path) -> None:
+    waiting = (
+        "import sys, time\nfrom uwopt import api, cli\n"
+        "def solve(*a, **k):\n    print('ready', file=sys.stderr, flush=True)\n    time.sleep(60)\n"
+        "api.solve = solve\nsys.argv = ['uwopt', 'solve', 'x.yaml']\ncli.main()\n"
+    )
+    child = subprocess.Popen(
+        [sys.executable, "-c", waiting], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert child.stderr is not None and "ready" in child.stderr.readline()
+    time.sleep(0.05)
+    child.send_signal(signal.SIGINT)
+    stdout, stderr = child.communicate(timeout=30)
+    assert (child.returncode, stdout) == (130, "")
+    assert "interrupted" in stderr and "Traceback" not in stderr
+
+
+def test_solve_finds_a_system_end_to_end(tmp_path: Path) -> None:
+    done = program("solve", ROOT / "problems" / "reef-mosaic.yaml", "--json", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    result = Result.from_dict(json.loads(done.stdout))
+    assert result.status == "optimal" and result.certificate is not None and result.certificate.adds_up()
+    assert json.loads((tmp_path / "result.json").read_text("utf-8"))["status"] == "optimal"
