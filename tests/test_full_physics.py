@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 import uwopt
 
@@ -321,9 +322,11 @@ def gauss(low: float, high: float, count: int) -> tuple[Array, Array]:
     return low + (nodes + 1) * (high - low) / 2, weights * (high - low) / 2
 
 
-def smooth_mean(case: Case, order: int = 32) -> float:
-    """Mean over the image by a product rule of twice the order that the lobes need."""
-    nodes, weights = gauss(-1.0, 1.0, order)
+def smooth_mean(case: Case, panels: int = 1, order: int = 32) -> float:
+    """Mean over the image by Gauss-Legendre, in panels for lobes with kinks."""
+    edges = np.linspace(-1.0, 1.0, panels + 1)
+    parts = [gauss(low, high, order) for low, high in pairwise(edges)]
+    nodes, weights = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
     values = electrons_at(case, nodes[:, None], nodes[None, :])
     return float(weights @ values @ weights) / 4.0
 
@@ -336,22 +339,50 @@ def lit_pieces(case: Case, lamp: Lamp, v: float) -> list[tuple[float, float]]:
         x, y, _, _ = rays.floor(np.asarray(u, float), np.asarray(v, float))
         return rays.lamp(x, y, lamp)[1] - edge
 
-    tried = np.linspace(-1.0, 1.0, 201)
+    tried = np.linspace(-1.0, 1.0, 41)
     level = above(tried)
+    if 0 < (top := int(level.argmax())) < 40 and level[top] < 0.0:  # a sliver between two points
+        best = minimize_scalar(lambda u: -above(u), bounds=(tried[top - 1], tried[top + 1]), method="bounded").x
+        tried = np.insert(tried, np.searchsorted(tried, best), best)
+        level = above(tried)
     turns = [brentq(above, tried[i], tried[i + 1]) for i in np.nonzero(level[1:] * level[:-1] < 0)[0]]
-    ends = [-1.0, *turns, 1.0]
-    return [(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True) if above((a + b) / 2) > 0]
+    return [(low, high) for low, high in pairwise([-1.0, *turns, 1.0]) if above((low + high) / 2) > 0]
 
 
-def sharp_mean(case: Case, panels: int = 40) -> float:
-    """Mean over the image, each line cut where the beam ends."""
+def pattern(case: Case, lamp: Lamp, v: float) -> tuple[tuple[bool, bool], ...]:
+    """Which pieces of a line are lit, and whether they touch the image's border."""
+    return tuple((low == -1.0, high == 1.0) for low, high in lit_pieces(case, lamp, v))
+
+
+def corners(case: Case, lamp: Lamp) -> list[float]:
+    """Where along v the pattern changes: there the length of the pieces has a kink or a root."""
+    tried = np.linspace(-1.0, 1.0, 41)
+    found = [-1.0]
+    for low, high in pairwise(tried):
+        before = pattern(case, lamp, low)
+        if pattern(case, lamp, high) == before:
+            continue
+        for _ in range(40):
+            middle = (low + high) / 2
+            low, high = (middle, high) if pattern(case, lamp, middle) == before else (low, middle)
+        found.append(high)
+    return [*found, 1.0]
+
+
+def sharp_mean(case: Case, order: int = 24) -> float:
+    """Mean over the image, each line cut where the beam ends.
+
+    v = middle + half sin(pi s / 2) smooths the square roots at the ends of each stretch of lines.
+    """
     total = 0.0
     for number, lamp in enumerate(case.lamps):
         us, vs, weights = [], [], []
-        for low in np.linspace(-1.0, 1.0, panels + 1)[:-1]:
-            for v, weight_v in zip(*gauss(low, low + 2.0 / panels, 3), strict=True):
-                for piece in lit_pieces(case, lamp, float(v)):
-                    u, weight_u = gauss(*piece, 12)
+        for low, high in pairwise(corners(case, lamp)):
+            for s, weight_s in zip(*gauss(-1.0, 1.0, order), strict=True):
+                v = (low + high) / 2 + (high - low) / 2 * math.sin(math.pi / 2 * s)
+                weight_v = weight_s * (high - low) / 2 * math.pi / 2 * math.cos(math.pi / 2 * s)
+                for piece in lit_pieces(case, lamp, v):
+                    u, weight_u = gauss(*piece, 16)
                     us.append(u)
                     vs.append(np.full_like(u, v))
                     weights.append(weight_u * weight_v)

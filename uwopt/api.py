@@ -89,7 +89,7 @@ def solve(
     with recommend.timed(timing, "search"):
         sought = seek(wanted, catalog, goal, generic=first, top=top, deadline_s=seconds, progress=progress)
     alternative: Sought | None = None
-    if policy == "fallback":
+    if policy == "fallback" and not sought.outcome.interrupted:
         with recommend.timed(timing, "search_generic"):
             alternative = generic_search(wanted, catalog, goal, sought, top, seconds, progress)
         if not sought.outcome.best and alternative is not None and alternative.outcome.best:
@@ -134,6 +134,7 @@ def found_result(
     from uwopt.solvers.robustness import assumptions, robustness
 
     best = sought.outcome.best
+    in_haste = sought.outcome.interrupted
     with recommend.timed(timing, "evaluation"):
         winner = design_of(sought, best[0], goal)
         others = [design_of(sought, found, goal, with_rounding=False) for found in best[1:]]
@@ -141,9 +142,9 @@ def found_result(
     if alternative is not None and alternative.outcome.best:
         generic = design_of(alternative, alternative.outcome.best[0], goal)
     with recommend.timed(timing, "robustness"):
-        doubt = robustness(sought, goal)
+        doubt = None if in_haste else robustness(sought, goal)
     with recommend.timed(timing, "second_opinion"):
-        opinions = second_opinions(sought, goal, solver)
+        opinions = [] if in_haste else second_opinions(sought, goal, solver)
     proven = sought.outcome.complete
     return replace(
         result,
@@ -156,7 +157,7 @@ def found_result(
         robustness=doubt,
         solvers=opinions,
         objective={**result.objective, "value": winner.objective_value},
-        warnings=[*result.warnings, *selection_warnings(sought), *winner.warnings],
+        warnings=[*result.warnings, *selection_warnings(sought), *winner.warnings, *haste_warnings(sought)],
     )
 
 
@@ -202,6 +203,12 @@ def audited(
     with recommend.timed(timing, "audit"):
         report = attack(sought.search, goal, count=count, seed=seed, best_value=best)
     return replace(result, audit=report)
+
+
+def haste_warnings(sought: Sought) -> list[dict[str, str]]:
+    """That the search was interrupted, if it was."""
+    text = "interrupted: the best found so far, without the tests of its doubts"
+    return [{"code": "interrupted", "path": "", "message": text}] if sought.outcome.interrupted else []
 
 
 def selection_warnings(sought: Sought) -> list[dict[str, str]]:

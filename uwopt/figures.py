@@ -7,7 +7,7 @@ requirement holds over a band.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -54,6 +54,15 @@ class DesignRows:
     lever_m: Array  # (n, 3) distance from the camera's turning point to the floor
     signal_e: Array  # (n, n_altitudes) electrons per lm s of nameplate light, image mean
     worst_e: Array | None  # the same at the darkest pixel
+
+    def by_altitude(self) -> DesignRows:
+        """The same rows with each altitude contiguous, so that millions of designs are worked through faster."""
+
+        def packed(rows: Any) -> Any:
+            columns = {f.name: getattr(rows, f.name) for f in fields(rows)}
+            return replace(rows, **{k: np.asfortranarray(v) for k, v in columns.items() if np.ndim(v) == 2})
+
+        return replace(packed(self), view=packed(self.view))
 
 
 def light_time_s(rows: DesignRows, settings: SettingRows) -> Array:
@@ -175,6 +184,8 @@ def blur_px(scene: SceneOptics, rows: DesignRows, collected_s: Array) -> Array:
     along = operation.blur_px(
         collected_s[:, None], ground_sample_m=rows.view.pixel_along_m, **motion_along(scene, rows.lever_m)
     )
+    if scene.view.vehicle.roll_rate_deg_s == 0.0:
+        return np.asarray(along)
     across = operation.blur_px(
         collected_s[:, None], ground_sample_m=rows.view.pixel_across_m, **motion_across(scene, rows.lever_m)
     )
@@ -183,6 +194,8 @@ def blur_px(scene: SceneOptics, rows: DesignRows, collected_s: Array) -> Array:
 
 def skew_px(scene: SceneOptics, rows: DesignRows) -> Array:
     """Skew of a rolling shutter under lamps that burn, (n, 3); a pulse freezes all rows at once."""
+    if not rows.cameras.readout_s.any():
+        return np.zeros_like(rows.view.pixel_along_m)
     skew = operation.skew_px(
         rows.cameras.readout_s[:, None],
         ground_sample_m=rows.view.pixel_along_m,

@@ -281,6 +281,14 @@ def port_rows(
     )
 
 
+def measured_lumens(profile: Curve) -> float:
+    """Flux of a profile of absolute intensity [cd] over the angle from the axis: 2 pi integral of I sin."""
+    angle = np.deg2rad(np.asarray(profile.x, float))
+    fine = np.linspace(angle[0], angle[-1], 4001)
+    intensity = np.interp(fine, angle, np.asarray(profile.y, float))
+    return float(2.0 * np.pi * np.trapezoid(intensity * np.sin(fine), fine))
+
+
 def light_rows(
     parts: Sequence[Light], *, money: Money, optics_index: Sequence[int], end: End = "central", paper: bool = False,
     high_basis: bool = False,
@@ -303,6 +311,9 @@ def light_rows(
         rate = np.where(flash, np.minimum(rate, 1.0 / recycle), rate)
     charging = column(parts, "charging_efficiency_frac", 1.0, end=end)
     output = column(parts, "output_factor", 1.0, end=end)
+    for row, part in enumerate(parts):
+        if part.beam_profile_is_candela and part.beam_profile is not None and part.flux_lm is not None:
+            output[row] = measured_lumens(part.beam_profile) / flux[row]
     return Lights(
         kind=kind,
         full_light=np.where(flash, stored * efficacy, flux),

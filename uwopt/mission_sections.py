@@ -273,6 +273,10 @@ class CatalogChoice(Section):
     accept_unrated: Texts = Field(
         default=(), description="ids of parts whose unknown depth rating is accepted"
     )
+    lens_rating: Annotated[Literal["warn", "limit"], CHOICE] = Field(
+        default="warn",
+        description="what a lens rated for larger pixels than the camera's is: warn tells of it, limit refuses it",
+    )
     extras: tuple[Extra, ...] = Field(
         default=(), description="list of items added to every system: {name, cost, mass_kg, power_w}"
     )

@@ -83,6 +83,18 @@ def test_rounding_that_misses_is_told(make_result: Make, make_design: Make) -> N
     assert "Rounded as shown, these are missed: motion blur. Use the exact values." in text
 
 
+def test_exact_settings_of_all_scenes_stand_below_a_rounding_that_misses(
+    make_result: Make, make_design: Make, make_scene: Make
+) -> None:
+    from dataclasses import replace
+
+    best = make_design(scenes=[make_scene("reef"), make_scene("wall")])
+    best = replace(best, rounded={"feasible": False, "objective_value": None, "missed": ["overlap"]})
+    text = flat(text_of(make_result(recommendation=best)))
+    assert "Exact values:" in text
+    assert "exposure 43.5678 µs 43.5678 µs" in text
+
+
 def test_runners_up_show_what_differs_and_what_it_costs(make_result: Make) -> None:
     # 44 W against 40 W: 4 W or 10 % more
     assert "2 lens acme-lens-2 44.00 W +4.00 W (+10.0 %)" in flat(text_of(make_result()))
@@ -145,9 +157,11 @@ def test_infeasible_result_tells_why_and_what_helps(make_result: Make, make_desi
     )
     for given in (result, Result.from_dict(json.loads(result.to_json()))):
         text = flat(text_of(given))
-        assert "12 000* too little light" in text
+        assert "12 000* too little light for the wanted signal (min_snr)" in text
         assert "cost (cost) 500.0 USD 620.0 USD" in text
-        assert "Nearest miss" in text
+        assert (
+            "Nearest miss It meets all that is asked but cost (cost): 620.0 USD instead of 500.0 USD." in text
+        )
 
 
 def test_infeasible_result_also_takes_relaxations_of_its_requirements(make_result: Make) -> None:

@@ -81,6 +81,8 @@ def test_file_in_place_of_the_folder_is_refused(tmp_path: Path) -> None:
         write.check_folder(file)
     with pytest.raises(OutputError):
         write.check_folder(file / "below")
+    with pytest.raises(OutputError, match="empty"):
+        write.check_folder("")
 
 
 def test_folder_in_place_of_a_result_file_is_refused(tmp_path: Path) -> None:

@@ -1,8 +1,8 @@
 """Exhaustive enumeration of small problems through the forward model alone, to hold the exact search against.
 
-Every combination of hardware is taken; its settings are found by a dense grid over f-number, time and
-level that zooms in on the best (or, while nothing is feasible, on the least violation). A setting counts
-as feasible when every margin of `DesignModel.margins` is met; nothing of `solvers` takes part.
+Every combination of hardware is taken; its settings come from dense grids over f-number, time, level and
+light that hold the ends of every range, found by bisection of the formulas that give an image's SNR, level
+and depth of field. What is best is read back through `DesignModel.margins`; nothing of `solvers` takes part.
 """
 
 from __future__ import annotations
@@ -16,18 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.compatibility import image_circle_ok, mount_compatible, sensor_diagonal_mm
-from uwopt.evaluation import DesignModel, Hardware
-from uwopt.figures import Figures, SettingRows, figures_of
+from uwopt.evaluation import DesignModel, Hardware, SceneSettings
+from uwopt.figures import SettingRows, depth_of_field_m, skew_px
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED
+from uwopt.model import sensor
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.optics import place_focus, required_rate_hz
+from uwopt.optics import blur_time_s, place_focus, required_rate_hz
 from uwopt.problem import Problem
 
 Array = NDArray[Any]
-FIRST_GRID, ZOOM_GRID = (25, 13, 13), (9, 7, 7)  # f-number, time, level
-FEWEST_ROUNDS, ROUNDS = 6, 24
-MEETS = 1e-9  # relative: the enumeration takes no advantage of the 1e-6 that a margin may be missed by
-LEVEL_MEETS = 1e-7
 
 
 @dataclass(frozen=True)
@@ -38,6 +35,7 @@ class Best:
     value: float  # minimised objective; inf: nothing feasible
     power_w: float
     scale: float  # of the terms of the objective, for relative comparisons
+    settings: list[dict[str, float]]
 
 
 def buildable(problem: Problem) -> Iterator[Hardware]:
@@ -107,214 +105,336 @@ def passes_without_light(model: DesignModel) -> bool:
     return True
 
 
-@dataclass(frozen=True)
-class Tried:
-    """Points tried in one scene: (n_f_number, n_others)."""
+class SceneSearch:
+    """One scene of one hardware: candidates of settings by f-number, with their power and SNR.
 
-    power_w: Array
-    snr: Array
-    missed: Array  # total relative violation; 0: feasible
-    terms: dict[str, float]
+    Four numbers describe a setting: time t, level u, light X and f-number N, tied by X = light u t / N_w^2.
+    Candidates pin three of them to grids that hold every end of what is allowed; the fourth follows.
+    """
+
+    def __init__(self, model: DesignModel, index: int, dioptre_per_m: float, power_limit_w: float):
+        self.model, self.index, self.dioptre = model, index, dioptre_per_m
+        self.scene, self.rows = model.problem.scenes[index], model.rows[index]
+        self.cam, self.light = model.cameras, model.lights
+        needs, speed = self.scene.view.requirements, self.scene.view.vehicle.speed_m_s
+        self.needs, self.kind = needs, int(self.light.kind[0])
+        self.rate = float(required_rate_hz(needs, speed, self.rows.view.footprint_along_m).max())
+        self.factor = 1.0
+        if not self.scene.paper:
+            self.factor = 1.0 / (1.0 - float(self.rows.view.focal_length_m[0]) * dioptre_per_m)
+        count = model.hardware.count
+        flash = self.kind == FLASH
+        self.lumen = float(self.light.full_light[0]) * count / (float(self.light.flash_duration_s[0]) if flash else 1.0)
+        self.full_w = float(self.light.pulse_energy_j[0] * self.rate if flash else self.light.full_power_w[0]) * count
+        self.power_limit_w = power_limit_w
+        self.time = self._time_range()
+        self.levels = self._levels()
+        self.f_range = self._f_range()
+
+    # ------------------------------------------------------------ what hardware allows
+
+    def _time_range(self) -> tuple[float, float]:
+        """Shortest and longest time that collects light, from the data sheets' limits; low > high: none."""
+        cam, light = self.cam, self.light
+        offset, readout, least = (float(a[0]) for a in (cam.exposure_offset_s, cam.readout_s, cam.min_exposure_s))
+        limits = self.model.problem.mission.limits
+        most = min(float(cam.max_exposure_s[0]), limits.max_exposure_ms * 1e-3, 1 / self.rate if self.rate else np.inf)
+        blur = float(blur_time_s(self.scene, self.model.shapes[self.index], self.rows.view)[0])
+        if least > most or self.rate > cam.max_rate_hz[0] * (1 + 1e-9):
+            return 1.0, 0.0
+        if self.kind == CONTINUOUS:
+            skew = float(skew_px(self.scene, self.rows).max())
+            if self.needs.max_skew_px is not None and skew > self.needs.max_skew_px:
+                return 1.0, 0.0
+            return least + offset, min(most + offset, blur)
+        if self.rate > light.max_rate_hz[0] * (1 + 1e-9):
+            return 1.0, 0.0
+        if self.kind == PULSED:
+            duty = float(light.max_duty[0]) / self.rate if self.rate else np.inf
+            return max(float(light.min_pulse_s[0]), 1e-9), min(float(light.max_pulse_s[0]), duty, most - readout, blur)
+        flash = float(light.flash_duration_s[0])
+        if readout > 0:
+            return flash, flash if flash <= min(most - readout, blur) else 0.0
+        return min(least + offset, flash), min(most + offset, flash, blur)
+
+    def _levels(self) -> tuple[Array, bool]:
+        """Levels that the lamp has within peak power (their ends if it dims freely), and whether it does."""
+        light, peak = self.light, self.model.problem.mission.limits.peak_power_w
+        top = min(1.0, peak / self.full_w) if peak is not None and self.full_w > 0 else 1.0
+        if not light.dims_freely[0]:
+            steps = light.levels[0][~np.isnan(light.levels[0])]
+            return steps[steps <= top * (1 + 1e-12)], False
+        least = float(light.min_level[0])
+        return (np.array([least, top]) if least <= top else np.empty(0)), True
+
+    def _f_range(self) -> tuple[float, float]:
+        """Smallest f-number that keeps the wanted depth sharp, by bisection of the forward model, and the largest."""
+        low, high = float(self.model.lenses.f_number_min[0]), float(self.model.lenses.f_number_max[0])
+        depth = self.needs.min_dof_m
+        if depth is None:
+            return low, high
+        first, last = float(self.scene.range_m[0]), float(self.scene.range_m[-1])
+
+        def sharp(f_number: float) -> bool:
+            one = np.array([f_number])
+            settings = SettingRows(one, one, one, one, one, one, np.array([self.dioptre]))
+            near, far = (float(a[0]) for a in depth_of_field_m(self.rows, settings))
+            return near <= first * (1 + 1e-10) and far >= last * (1 - 1e-10) and far - near >= depth * (1 - 1e-10)
+
+        if not sharp(high):
+            return 1.0, 0.0
+        if sharp(low):
+            return low, high
+        dull, clear = low, high
+        for _ in range(50):
+            middle = 0.5 * (dull + clear)
+            dull, clear = (dull, middle) if sharp(middle) else (middle, clear)
+        return clear, high
+
+    @property
+    def possible(self) -> bool:
+        """Whether any setting may exist."""
+        return self.time[0] <= self.time[1] * (1 + 1e-12) and len(self.levels[0]) > 0 and self.f_range[0] <= self.f_range[1]
+
+    # ------------------------------------------------------------ what images need
+
+    def exposure_s(self, time_s: Array) -> Array:
+        """Exposure to set for a time that collects light."""
+        cam, flash = self.cam, float(self.light.flash_duration_s[0])
+        around = np.maximum(cam.min_exposure_s[0], time_s + cam.readout_s[0])
+        if self.kind == PULSED:
+            return around
+        cut = time_s - cam.exposure_offset_s[0]
+        return np.where(time_s >= flash * (1 - 1e-9), around, cut) if self.kind == FLASH else cut
+
+    def image(self, light_x: Array, time_s: Array) -> tuple[Array, Array, Array]:
+        """SNR at the nominal altitude, and whether the image is too dark or too bright, gain at its best."""
+        cam, nominal, needs = self.cam, self.scene.nominal, self.needs
+        dark = float(cam.dark_current_e_s[0]) * self.exposure_s(time_s)[..., None]
+        signal = self.rows.signal_e[0] * light_x[..., None]
+        full, black, gain = 2.0 ** float(cam.bits[0]) - 1.0, float(cam.black_level_dn[0]), float(cam.gain_dn_per_e[0])
+        if needs.mean_level is None:
+            wanted = (full / needs.highlight_ratio - black) / (gain * (signal.max(axis=-1) + dark[..., 0]))
+        else:
+            wanted = (needs.mean_level * full - black) / (gain * (signal[..., nominal] + dark[..., 0]))
+        system = gain * np.clip(wanted, 1.0, float(cam.max_gain[0]))[..., None]
+        noise = dict(read_noise_e=cam.read_noise_e[0], gain_dn_per_e=system, dark_e=dark, prnu_frac=cam.prnu_frac[0])
+        bright = wanted < 1.0
+        level = (system * (signal + dark) + black) / full
+        bright = bright | (needs.highlight_ratio * level.max(axis=-1) > 1.0 + 1e-11)
+        bright |= needs.highlight_ratio * (signal.max(axis=-1) + dark[..., 0]) > cam.saturation_e[0]
+        dim = np.zeros(light_x.shape, bool)
+        if needs.mean_level is not None:
+            dim = wanted > cam.max_gain[0]
+        if needs.min_snr is not None:
+            pixel = signal
+            if needs.snr_at == "worst" and self.rows.worst_e is not None:
+                pixel = self.rows.worst_e[0] * light_x[..., None]
+            dim = dim | (np.asarray(sensor.snr(pixel, **noise)).min(axis=-1) < needs.min_snr)
+        return np.asarray(sensor.snr(signal, **noise))[..., nominal], dim, bright
+
+    def setting_rows(self, numbers: dict[str, float]) -> SettingRows:
+        """A candidate as settings of the forward model, the gain by its own figures at unit gain."""
+        time_s = np.array([numbers["time_s"]])
+        pulse = {CONTINUOUS: np.inf, PULSED: time_s, FLASH: self.light.flash_duration_s}[self.kind]
+        unit = SettingRows(
+            np.array([numbers["f_number"]]), self.exposure_s(time_s), pulse * np.ones(1), np.ones(1),
+            np.array([numbers["level"]]), np.array([self.rate]), np.array([self.dioptre]),
+        )  # fmt: skip
+        level = self.model.figures(self.index, unit).mean_level
+        needs, black = self.needs, self.cam.black_level_dn[0] / (2.0 ** self.cam.bits[0] - 1.0)
+        if needs.mean_level is None:
+            gain = (1.0 / needs.highlight_ratio - black) / (level.max(axis=1) - black)
+        else:
+            gain = (needs.mean_level - black) / (level[:, self.scene.nominal] - black)
+        return replace(unit, gain=np.clip(gain, 1.0, self.cam.max_gain[0]))
+
+    def light_range(self, time_s: Array) -> tuple[Array, Array]:
+        """Least light that is not too dark and most that is not too bright, by bisection."""
+        ends = []
+        for bright in (False, True):
+            low, high = np.full(time_s.shape, -40.0), np.full(time_s.shape, 40.0)
+            for _ in range(56):
+                middle = 0.5 * (low + high)
+                over = self.image(np.exp(middle), time_s)
+                past = over[2] if bright else ~over[1]
+                low, high = np.where(past, low, middle), np.where(past, middle, high)
+            ends.append(np.exp(low if bright else high))
+        return ends[0], ends[1]
+
+    # ------------------------------------------------------------ candidates
+
+    def prepare(self, dense: bool) -> Array:
+        """Grids of time, level and light; returns f-numbers at which several ends meet."""
+        n_time, n_light = (13, 41) if dense else (7, 5)
+        low, high = self.time
+        self.times = np.unique(np.geomspace(low, max(low, high), n_time)) if high > low else np.array([low])
+        least, most = self.light_range(self.times)
+        share = np.linspace(0.0, 1.0, n_light)
+        with np.errstate(invalid="ignore"):
+            self.lights = np.exp(np.log(least)[:, None] * (1 - share) + np.log(most)[:, None] * share)
+        self.lights[~(least <= most * (1 + 1e-9))] = np.nan
+        levels, free = self.levels
+        if self.kind != PULSED and free and np.isfinite(self.power_limit_w) and self.full_w > 0:
+            levels = np.unique(np.append(levels, np.clip(self.power_limit_w / self.full_w, levels[0], levels[-1])))
+        self.pinned = levels
+        ends_t = self.times[[0, -1]]
+        x = self.lights[[0, -1]][:, [0, -1]]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            f_number = np.sqrt(self.lumen * levels[:, None, None] * ends_t[:, None] / x) / self.factor
+        return f_number[np.isfinite(f_number)]
+
+    def candidates(self, f_number: float) -> tuple[Array, Array, Array, Array]:
+        """Power, SNR, time and level of the feasible candidates at one f-number."""
+        square = (f_number * self.factor) ** 2 / self.lumen  # level * time per light
+        t, u, x = [], [], []
+        if self.levels[1]:
+            t.append(np.broadcast_to(self.times[:, None], self.lights.shape).ravel())
+            x.append(self.lights.ravel())
+            u.append(x[-1] * square / t[-1])
+        many = np.concatenate([self.lights.ravel(), self._at_power_limit(square)])
+        u.append(np.repeat(self.pinned, len(many)))
+        x.append(np.tile(many, len(self.pinned)))
+        with np.errstate(divide="ignore"):
+            t.append(x[-1] * square / u[-1])
+        t.append(np.repeat(self.times, len(self.pinned)))
+        u.append(np.tile(self.pinned, len(self.times)))
+        x.append(u[-1] * t[-1] / square)
+        time_s, level, light_x = (np.concatenate(parts) for parts in (t, u, x))
+        levels = self.levels[0]
+        with np.errstate(invalid="ignore"):
+            ok = (time_s >= self.time[0] * (1 - 1e-11)) & (time_s <= self.time[1] * (1 + 1e-11)) & (light_x > 0)
+            ok &= (level >= levels.min() * (1 - 1e-11)) & (level <= levels.max() * (1 + 1e-11))
+        time_s, level, light_x = time_s[ok], level[ok], light_x[ok]
+        snr, _, _ = self.image(light_x, time_s)
+        dim, bright = self.image(light_x * (1 + 1e-9), time_s)[1], self.image(light_x * (1 - 1e-9), time_s)[2]
+        power = self.full_w * level * (np.minimum(1.0, time_s * self.rate) if self.kind == PULSED else 1.0)
+        good = ~dim & ~bright & (power <= self.power_limit_w * (1 + 1e-9))
+        return power[good], snr[good], time_s[good], level[good]
+
+    def _at_power_limit(self, square: float) -> Array:
+        """Light of pulsed lamps that use all the power there is."""
+        if self.kind != PULSED or not np.isfinite(self.power_limit_w) or self.rate == 0:
+            return np.empty(0)
+        return np.array([self.power_limit_w / (self.full_w * self.rate) / square])
 
 
-class Grid:
-    """The settings of one hardware as a box in logarithms: f-number, and time and level of each scene."""
+def settle_all(model: DesignModel, objective: Objective) -> tuple[float, float, float, list[dict[str, float]]]:
+    """Best value of one hardware with its power, SNR and settings by scene; inf: nothing is feasible."""
+    problem = model.problem
+    nothing: tuple[float, float, float, list[dict[str, float]]] = (np.inf, np.inf, 0.0, [])
+    focus = place_focus(problem.scenes, model.maps, model.views)
+    terms = fixed_terms(model)
+    limit = problem.mission.limits.power_w
+    left = np.inf if limit is None else limit - terms["camera_power_w"]
+    dense = bool(objective.weight("snr_db"))
+    scenes = [SceneSearch(model, i, float(focus.dioptre_per_m[i][0]), left) for i in range(len(problem.scenes))]
+    if not all(scene.possible for scene in scenes):
+        return nothing
+    meeting = [scene.prepare(dense) for scene in scenes]
+    shared = len(scenes) > 1 and not model.lenses.motorised[0]
+    best = nothing
+    if shared:
+        low, high = max(s.f_range[0] for s in scenes), min(s.f_range[1] for s in scenes)
+        groups = [[n] for n in f_numbers(low, high, np.concatenate(meeting))]
+    else:
+        groups = [[]]
+    own = [list(f_numbers(*s.f_range, m)) for s, m in zip(scenes, meeting, strict=True)]
+    for group in groups:
+        found = []
+        for scene, alone in zip(scenes, own, strict=True):
+            tried = [(n, scene.candidates(n)) for n in (group or alone)]
+            columns = [np.concatenate([c[k] for _, c in tried]) for k in range(4)]
+            found.append([*columns, np.concatenate([np.full(len(c[0]), n) for n, c in tried])])
+        if all(len(columns[0]) for columns in found):
+            best = min(best, joined(found, objective, terms), key=lambda b: b[:2])
+    return best
 
-    def __init__(self, model: DesignModel, objective: Objective):
-        self.model, self.objective, self.problem = model, objective, model.problem
-        self.focus = place_focus(self.problem.scenes, model.maps, model.views)
-        light = model.lights
-        self.steps = None if light.dims_freely[0] else light.levels[0][~np.isnan(light.levels[0])]
-        self.rates = [
-            float(required_rate_hz(s.view.requirements, s.view.vehicle.speed_m_s, v.footprint_along_m).max())
-            for s, v in zip(self.problem.scenes, model.views, strict=True)
-        ]
-        self.gsd_mm = max(float(view.gsd_m[0, 1]) * 1e3 for view in model.views)
-        self.shared = len(self.rates) > 1 and not model.lenses.motorised[0]
 
-    def box(self, index: int, step: float | None) -> tuple[Array, Array]:
-        """Lowest and highest logarithm of f-number, time and level in one scene; the level may be given."""
-        cam, light, lens = self.model.cameras, self.model.lights, self.model.lenses
-        rate = self.rates[index]
-        longest = min(cam.max_exposure_s[0], self.problem.mission.limits.max_exposure_ms * 1e-3, 1 / rate if rate else np.inf)
-        shortest = cam.min_exposure_s[0]
-        if light.kind[0] == PULSED:
-            longest, shortest = min(longest - cam.readout_s[0], light.max_pulse_s[0]), light.min_pulse_s[0]
-            longest = min(longest, light.max_duty[0] / rate if rate else np.inf)
-        longest = max(longest, 1e-9)
-        level = (float(np.log(light.min_level[0])) if light.min_level[0] > 0 else -9.0, 0.0)
-        if step is not None:
-            level = (float(np.log(step)),) * 2
-        low = np.array([np.log(lens.f_number_min[0]), np.log(max(min(shortest, longest), 1e-9)), level[0]])
-        return low, np.array([np.log(lens.f_number_max[0]), np.log(longest), level[1]])
+def f_numbers(low: float, high: float, meeting: Array) -> Array:
+    """F-numbers to try: both ends, a grid, and where the ends of other ranges meet."""
+    if low > high:
+        return np.empty(0)
+    inside = meeting[(meeting > low) & (meeting < high)]
+    return np.unique(np.concatenate([np.geomspace(low, high, 13), inside * (1 + 1e-12), inside]))
 
-    def try_points(self, index: int, f_number: Array, time_s: Array, level: Array) -> Tried:
-        """Power, SNR and violation of a product of settings, (n_f_number, n_time * n_level)."""
-        model, cam, light = self.model, self.model.cameras, self.model.lights
-        n, t, u = (a.ravel() for a in np.broadcast_arrays(f_number[:, None, None], time_s[:, None], level))
-        kind, readout = int(light.kind[0]), float(cam.readout_s[0])
-        pulse, exposure = np.full(len(t), np.inf), t
-        if kind == FLASH:
-            pulse = np.full(len(t), float(light.flash_duration_s[0]))
-            exposure = np.maximum(pulse + readout, cam.min_exposure_s[0]) if readout > 0 else t
-        elif kind == PULSED:
-            pulse, exposure = t, np.maximum(cam.min_exposure_s[0], t + readout)
-        dioptre = float(self.focus.dioptre_per_m[index][0])
-        unit = SettingRows(n, exposure, pulse, np.ones_like(t), u, np.full_like(t, self.rates[index]), np.full_like(t, dioptre))
-        rows = replace(unit, gain=self._gain(index, figures_of(self.problem.scenes[index], model.rows[index], unit)))
-        figures = model.figures(index, rows)
-        missed = np.zeros(len(t))
-        for margin in model.margins(index, rows, figures):
-            limit = np.where(np.isfinite(margin.limit), np.abs(margin.limit), 1.0)
-            slack = LEVEL_MEETS if margin.requirement == "mean_level" else MEETS
-            with np.errstate(invalid="ignore"):
-                by = np.nan_to_num(-margin.margin / np.maximum(limit, 1e-12), nan=1e3, posinf=1e3)
-            missed = missed + np.where(by > slack, np.minimum(by, 1e3), 0.0)
-        totals = model.totals(index, figures)
-        terms = {name: float(np.ravel(totals[name])[0]) for name in ("cost", "mass_kg")}
-        shape = (len(f_number), -1)
-        power = np.broadcast_to(totals["power_w"], missed.shape)
-        snr = figures.snr[:, self.problem.scenes[index].nominal]
-        return Tried(power.reshape(shape), snr.reshape(shape), missed.reshape(shape), terms)
 
-    def _gain(self, index: int, at_unit: Figures) -> Array:
-        """The gain for the wanted mean level, or the highest that saturates nothing; both are linear in it."""
-        scene, cam = self.problem.scenes[index], self.model.cameras
-        needs, full = scene.view.requirements, 2.0 ** cam.bits[0] - 1.0
-        wanted = needs.mean_level
-        level = at_unit.mean_level[:, scene.nominal] if wanted is not None else at_unit.mean_level.max(axis=1)
-        goal = wanted if wanted is not None else (1 - 1e-12) / needs.highlight_ratio
-        black = cam.black_level_dn[0] / full
-        return np.clip((goal - black) / np.maximum(level - black, 1e-300), 1.0, cam.max_gain[0])
-
-    def value(self, power: Array, snr: Array, terms: dict[str, float]) -> Array:
-        """The minimised objective."""
-        one = np.ones_like(power)
-        snr_db = 20 * np.log10(np.maximum(snr, 1e-30))
-        return self.objective.cost_to_minimise(
-            Terms(power, terms["cost"] * one, terms["mass_kg"] * one, snr_db, self.gsd_mm * one)
+def joined(
+    found: list[list[Array]], objective: Objective, terms: dict[str, float]
+) -> tuple[float, float, float, list[dict[str, float]]]:
+    """The best of all scenes together: every SNR found is tried as a floor, over which each draws its least."""
+    floors = np.unique(np.concatenate([c[1] for c in found])) if objective.weight("snr_db") else np.zeros(1)
+    least = [_least_power(c[0], c[1], floors) for c in found]
+    light_w = np.max([p for p, _ in least], axis=0)
+    snr = np.min([c[1][at] for c, (_, at) in zip(found, least, strict=True)], axis=0)
+    power, one = terms["camera_power_w"] + light_w, np.ones_like(light_w)
+    with np.errstate(invalid="ignore"):
+        value = objective.cost_to_minimise(
+            Terms(power, terms["cost"] * one, terms["mass_kg"] * one, 20 * np.log10(snr), terms["gsd_mm"] * one)
         )
-
-    def join(self, tried: list[Tried]) -> tuple[float, float, float, list[tuple[int, int]]]:
-        """Best value, power and SNR over the scenes, and where; the same f-number index where it is shared.
-
-        Scenes meet in the worst power and the worst SNR: every SNR that one scene offers is tried as a
-        floor, over which each scene draws its least power.
-        """
-        groups = range(tried[0].power_w.shape[0]) if self.shared else [None]
-        best: tuple[float, float, float, list[tuple[int, int]]] = (np.inf, np.inf, 0.0, [])
-        for group in groups:
-            found = [self._feasible(one, group) for one in tried]
-            if any(len(flat) == 0 for _, _, flat in found):
-                continue
-            floors = np.concatenate([snr for _, snr, _ in found])
-            if not self.objective.weight("snr_db"):
-                floors = np.array([0.0])
-            least = [_least_power(power, snr, floors) for power, snr, _ in found]
-            power = np.max([p for p, _ in least], axis=0)
-            with np.errstate(invalid="ignore"):
-                value = self.value(power, np.maximum(floors, 1e-30), tried[0].terms)
-            value = np.where(np.isfinite(power), value, np.inf)
-            k = int(np.lexsort((power, value))[0])
-            if (value[k], power[k]) < best[:2]:
-                width = tried[0].power_w.shape[1]
-                places = [divmod(int(flat[at[k]]), width) for (_, _, flat), (_, at) in zip(found, least, strict=True)]
-                best = (float(value[k]), float(power[k]), float(floors[k]), places)
-        return best
-
-    @staticmethod
-    def _feasible(one: Tried, group: int | None) -> tuple[Array, Array, Array]:
-        missed = one.missed.copy()
-        if group is not None:
-            missed[np.arange(len(missed)) != group] = 1.0
-        flat = np.nonzero(missed.ravel() == 0.0)[0]
-        return one.power_w.ravel()[flat], one.snr.ravel()[flat], flat
-
-    def nearest(self, tried: list[Tried]) -> list[tuple[int, int]]:
-        """Where the violation is least, with one f-number where it is shared."""
-        width = tried[0].missed.shape[1]
-        if not self.shared:
-            return [divmod(int(one.missed.argmin()), width) for one in tried]
-        row = int(np.sum([one.missed.min(axis=1) for one in tried], axis=0).argmin())
-        return [(row, int(one.missed[row].argmin())) for one in tried]
-
-    def solve(self) -> tuple[float, float, float]:
-        """Best value with its power and SNR, from each combination of steps of light."""
-        results = [self._zoom(list(levels)) for levels in self._level_choices()]
-        return min(results, default=(np.inf, np.inf, 0.0))
-
-    def _level_choices(self) -> Iterator[tuple[float | None, ...]]:
-        """One step for each scene; None where the lamp dims freely."""
-        one: list[float | None] = [None] if self.steps is None else [float(s) for s in self.steps]
-        yield from itertools.product(one, repeat=len(self.rates))
-
-    def _zoom(self, levels: list[float | None]) -> tuple[float, float, float]:
-        boxes = [self.box(i, level) for i, level in enumerate(levels)]
-        if any((high < low - 1e-12).any() for low, high in boxes):
-            return np.inf, np.inf, 0.0
-        around, best = boxes, (np.inf, np.inf, 0.0)
-        for number in range(ROUNDS):
-            sizes = FIRST_GRID if number == 0 else ZOOM_GRID
-            axes = [[logspaced(low[k], high[k], sizes[k]) for k in range(3)] for low, high in around]
-            if self.shared:
-                common = np.unique(np.concatenate([a[0] for a in axes]))
-                axes = [[common, *a[1:]] for a in axes]
-            tried = [self.try_points(i, *(np.exp(axis) for axis in a)) for i, a in enumerate(axes)]
-            value, power, snr, places = self.join(tried)
-            if np.isfinite(value):
-                better = value < best[0] - 1e-7 * abs(best[0]) if np.isfinite(best[0]) else True
-                best = min(best, (value, power, snr))
-                if not better and number > FEWEST_ROUNDS:
-                    break
-            else:
-                places = [] if np.isfinite(best[0]) else self.nearest(tried)
-            around = [shrunk(*one) for one in zip(around, boxes, axes, places or [None] * len(axes), strict=True)]
-        return best
+    value = np.where(np.isfinite(light_w), value, np.inf)
+    k = int(np.lexsort((power, value))[0])
+    settings = [
+        {"time_s": float(c[2][at[k]]), "level": float(c[3][at[k]]), "f_number": float(c[4][at[k]])}
+        for c, (_, at) in zip(found, least, strict=True)
+    ]
+    return float(value[k]), float(power[k]), float(snr[k]), settings
 
 
-def logspaced(low: float, high: float, count: int) -> Array:
-    """Points from low to high, or the only one."""
-    return np.linspace(low, high, count) if high > low else np.array([low])
+def fixed_terms(model: DesignModel) -> dict[str, float]:
+    """Cost, mass, power without light and ground sample of one hardware, from the forward model."""
+    unit = model.settings(0, SceneSettings(gain=1.0))
+    totals = {name: float(np.ravel(v)[0]) for name, v in model.totals(0, model.figures(0, unit)).items()}
+    return totals | {"gsd_mm": max(float(view.gsd_m[0, 1]) * 1e3 for view in model.views)}
 
 
-def shrunk(
-    around: tuple[Array, Array], box: tuple[Array, Array], axes: list[Array], place: tuple[int, int] | None
-) -> tuple[Array, Array]:
-    """A box of a cell and a half to each side of the chosen point; as wide as before where that lies on its rim."""
-    low, high = around
-    if place is None:
-        middle, reach = 0.5 * (low + high), 0.25 * (high - low)
-        return np.maximum(middle - reach, box[0]), np.minimum(middle + reach, box[1])
-    at = (place[0], *divmod(place[1], len(axes[2])))
-    middle = np.array([axis[i] for axis, i in zip(axes, at, strict=True)])
-    cell = (high - low) / np.array([max(len(axis) - 1, 1) for axis in axes])
-    on_rim = ((middle <= low) & (low > box[0])) | ((middle >= high) & (high < box[1]))
-    reach = np.where(on_rim, 0.5 * (high - low), 1.5 * cell)
-    return np.maximum(middle - reach, box[0]), np.minimum(middle + reach, box[1])
+def margins_missed(model: DesignModel, settings: list[dict[str, float]], relative: float = 1e-6) -> list[str]:
+    """Requirements that settings miss in the forward model, in words."""
+    focus = place_focus(model.problem.scenes, model.maps, model.views)
+    missed = []
+    for index, numbers in enumerate(settings):
+        scene = SceneSearch(model, index, float(focus.dioptre_per_m[index][0]), np.inf)
+        rows = scene.setting_rows(numbers)
+        for margin in model.margins(index, rows, model.figures(index, rows)):
+            size = abs(float(margin.limit[0])) if np.isfinite(margin.limit[0]) else 1.0
+            if not float(margin.margin[0]) >= -relative * size:
+                missed.append(f"{margin.requirement}: {float(margin.value[0])} against {float(margin.limit[0])}")
+    return missed
 
 
 def _least_power(power: Array, snr: Array, floors: Array) -> tuple[Array, Array]:
     """Least power among points with at least each floor of SNR, and which point draws it."""
-    order = np.argsort(snr)
-    ordered, where = power[order][::-1], order[::-1]
-    running = np.minimum.accumulate(ordered)
-    is_new = np.concatenate([[True], ordered[1:] < running[:-1]])
-    holder = np.maximum.accumulate(np.where(is_new, np.arange(len(ordered)), 0))
-    enough = len(order) - np.searchsorted(snr[order], floors * (1 - 1e-15))
+    order = np.argsort(-snr, kind="stable")
+    running = np.minimum.accumulate(power[order])
+    holder = np.maximum.accumulate(
+        np.where(np.concatenate([[True], power[order][1:] < running[:-1]]), np.arange(len(order)), 0)
+    )
+    enough = np.searchsorted(-snr[order], -floors * (1 - 1e-14), side="right")
     at = np.maximum(enough - 1, 0)
-    return np.where(enough > 0, running[at], np.inf), where[holder[at]]
+    return np.where(enough > 0, running[at], np.inf), order[holder[at]]
 
 
 def best_of(bench: Bench, hardware: Hardware, objective: Objective) -> Best:
-    """Best settings of one hardware."""
+    """Best settings of one hardware, read back through the margins of the forward model."""
     model = bench.model(hardware)
-    if not passes_without_light(model):
-        return Best(hardware, np.inf, np.inf, 1.0)
-    grid = Grid(model, objective)
-    if any(rate > model.cameras.max_rate_hz[0] * (1 + 1e-9) for rate in grid.rates):
-        return Best(hardware, np.inf, np.inf, 1.0)
-    value, power, snr = grid.solve()
-    return Best(hardware, value, power, scale_of(objective, value, power, snr))
+    if not passes_without_light(model) or misses_limits(model):
+        return Best(hardware, np.inf, np.inf, 1.0, [])
+    value, power, snr, settings = settle_all(model, objective)
+    if settings:
+        missed = margins_missed(model, settings)
+        assert not missed, f"the enumeration itself is wrong: {hardware} misses {missed}"
+    return Best(hardware, value, power, scale_of(objective, value, power, snr), settings)
+
+
+def misses_limits(model: DesignModel) -> bool:
+    """Whether something that no setting changes is missed: coverage, money, mass, data."""
+    names = ("max_gsd_mm", "min_swath_m", "cost", "mass_kg", "data_rate_mb_s", "frame_rate")
+    for index in range(len(model.problem.scenes)):
+        unit = model.settings(index, SceneSettings(gain=1.0))
+        for margin in model.margins(index, unit, model.figures(index, unit)):
+            if margin.requirement in names and float(margin.margin[0]) < -1e-9 * abs(float(margin.limit[0])):
+                return True
+    return False
 
 
 def scale_of(objective: Objective, value: float, power_w: float, snr: float) -> float:
@@ -332,6 +452,3 @@ def enumerate_all(problem: Problem, objective: Objective) -> list[Best]:
     bench = Bench(problem)
     found = [best_of(bench, hw, objective) for hw in buildable(problem)]
     return sorted(found, key=lambda b: (b.value, b.power_w))
-
-
-__all__ = ["CONTINUOUS", "Bench", "Best", "best_of", "buildable", "enumerate_all", "passes_without_light"]

@@ -52,30 +52,40 @@ def certificate_block(result: Result, certificate: Certificate) -> RenderableTyp
 
 
 def infeasible_block(result: Result) -> RenderableType:
-    """Which rules stand in the way, and the least that single requirements would have to give."""
+    """The least that single requirements would have to give, and what excludes how much."""
     why = result.infeasible or {}
-    table = columns(("excludes", "right"), ("because", "left"))
+    stopped = result.status == "stopped"
+    helpful = relaxations_of(why)
+    lines: list[RenderableType] = []
+    if helpful:
+        lines.append(sentence("Each of these changes alone would let a system through:"))
+        lines.append(relaxation_table(result, helpful))
+    elif not stopped:
+        lines.append(sentence("No single requirement stands in the way; at least two have to give."))
+    table = columns(("combinations", "right"), ("excluded because", "left"))
     bounded = False
     for item in why.get("requirements") or []:
+        name = str(item.get("name") or "")
+        if ": " in name:  # a part that the mission does not allow; the certificate counts those
+            continue
         by_bound = bool(item.get("n_is_bound"))
         bounded |= by_bound
-        table.add_row(
-            Text(words.count_text(item.get("n_excluded") or 0) + ("*" if by_bound else " ")),
-            Text(words.requirement_or_rule(str(item.get("name") or ""))),
-        )
-    lines: list[RenderableType] = [sentence("Combinations, each at the first rule that excludes it:"), table]
+        count = words.count_text(item.get("n_excluded") or 0) + ("*" if by_bound else " ")
+        table.add_row(Text(count), Text(f"{words.rule_name(name)} ({words.one_line(name)})"))
+    if table.row_count:
+        lines += [Text(""), table]
     if bounded:
         lines.append(sentence("* proven by a bound, before the settings were looked at", "dim"))
-    helpful = relaxations_of(why)
-    if helpful:
-        lines += [
-            Text(""),
-            sentence("Each of these changes alone would let a system through:"),
-            relaxation_table(result, helpful),
-        ]
-    else:
-        lines.append(sentence("No single requirement stands in the way; at least two have to give."))
-    return block("Why nothing fits", lines)
+    return block("What stood in the way so far" if stopped else "Why nothing fits", lines)
+
+
+def miss_sentence(result: Result) -> Text | None:
+    """What the nearest miss does not meet."""
+    helpful = relaxations_of(result.infeasible or {})
+    if not helpful:
+        return None
+    name, asked, possible = relaxation_texts(result, helpful[0])
+    return sentence(f"It meets all that is asked but {name}: {possible} instead of {asked}.")
 
 
 def relaxations_of(why: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -87,19 +97,26 @@ def relaxations_of(why: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 def relaxation_table(result: Result, items: list[Mapping[str, Any]]) -> Table:
     """What is asked and what could be had."""
     table = columns(("requirement", "left"), ("asked", "right"), ("possible", "right"))
-    currency = str((result.mission.get("limits") or {}).get("currency") or "")
     for item in items:
-        name = str(item.get("name") or "")
-        needed, limit = item.get("needed"), item.get("limit")
-        if isinstance(needed, Mapping):
-            unit, needed = str(needed.get("unit") or ""), needed.get("value")
-        else:
-            unit = {"cost": currency, "min_snr": "dB"}.get(name, split_unit(name)[1])
-        possible = "to be left out" if needed is None else words.quantity(float(needed), unit, 4)
-        table.add_row(
-            Text(words.requirement_or_rule(name)), Text(words.quantity(limit, unit, 4)), Text(possible)
-        )
+        table.add_row(*map(Text, relaxation_texts(result, item)))
     return table
+
+
+def relaxation_texts(result: Result, item: Mapping[str, Any]) -> tuple[str, str, str]:
+    """Requirement, what is asked, what could be had."""
+    currency = str((result.mission.get("limits") or {}).get("currency") or "")
+    name = str(item.get("name") or "")
+    needed, limit = item.get("needed"), item.get("limit")
+    if isinstance(needed, Mapping):
+        unit, needed = str(needed.get("unit") or ""), needed.get("value")
+    else:
+        unit = {"cost": currency, "min_snr": "dB"}.get(name, split_unit(name)[1])
+    possible = "left out" if needed is None else words.quantity(float(needed), unit, 4)
+    return (
+        f"{words.requirement_name(name)} ({words.one_line(name)})",
+        words.quantity(limit, unit, 4),
+        possible,
+    )
 
 
 def robustness_block(result: Result) -> RenderableType:
@@ -132,7 +149,9 @@ def robustness_block(result: Result) -> RenderableType:
     lines: list[RenderableType] = [fact_lines(facts)]
     if quotes:
         lines.append(
-            sentence("Ask for these first; one alone, at the end of its range, would change the recommendation:")
+            sentence(
+                "Ask for these first; one alone, at the end of its range, would change the recommendation:"
+            )
         )
         lines += [sentence("- " + quote_text(item, result)) for item in quotes]
     return block("How firm this is", lines)

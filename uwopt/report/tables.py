@@ -7,6 +7,7 @@ are, never read as markup.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -17,6 +18,7 @@ from uwopt.report.doubts import (
     assumption_blocks,
     certificate_block,
     infeasible_block,
+    miss_sentence,
     robustness_block,
     second_opinion_block,
 )
@@ -36,7 +38,7 @@ def result_blocks(result: Result) -> Iterator[RenderableType]:
         yield infeasible_block(result)
         miss = nearest_miss(result)
         if miss is not None:
-            yield hardware_block(miss, "Nearest miss")
+            yield hardware_block(miss, "Nearest miss", note=miss_sentence(result))
             yield from margin_blocks(miss)
     yield from runner_up_blocks(result)
     if result.certificate is not None:
@@ -91,7 +93,7 @@ def design_blocks(result: Result, design: Design) -> Iterator[RenderableType]:
         yield bom_block(design)
 
 
-def hardware_block(design: Design, title: str) -> RenderableType:
+def hardware_block(design: Design, title: str, note: Text | None = None) -> RenderableType:
     """Which parts, how many, and how they stand."""
     hardware = design.hardware
     table = columns(("part", "left"), ("", "right"), ("name", "left"), ("id", "left"), header=False)
@@ -104,19 +106,23 @@ def hardware_block(design: Design, title: str) -> RenderableType:
         ("orientation", f"{hardware.get('orientation')}: the image's {height} along the motion"),
         ("lights", words.mounts_text(hardware.get("light_mounts") or [])),
     ]
-    return block(title, [table, fact_lines(facts)])
+    return block(title, [*([note] if note else []), table, fact_lines(facts)])
 
 
 def settings_block(result: Result, design: Design) -> RenderableType:
-    """What to set: rounded values where there are any, the exact ones beside them."""
-    lines: list[RenderableType] = []
-    if len(design.scenes) <= ONE_COLUMN_A_SCENE:
-        lines.append(settings_by_column(design.scenes))
-    else:
-        lines.append(settings_by_row(design.scenes))
-    lines += rounding_lines(result, design)
-    rounded = any(scene.settings_to_set for scene in design.scenes)
+    """What to set: rounded values where there are any, the exact ones beside or below them."""
+    scenes = design.scenes
+    rounded = any(scene.settings_to_set for scene in scenes)
+    lines: list[RenderableType] = [settings_table(scenes), *rounding_lines(result, design)]
+    if design.rounded and not design.rounded.get("feasible") and len(scenes) > 1:
+        exact = [replace(scene, settings_to_set=None) for scene in scenes]
+        lines += [Text(""), sentence("Exact values:"), settings_table(exact)]
     return block("Settings to type in" if rounded else "Settings", lines)
+
+
+def settings_table(scenes: Sequence[SceneResult]) -> Table:
+    """The settings of all scenes in the form that fits their number."""
+    return settings_by_column(scenes) if len(scenes) <= ONE_COLUMN_A_SCENE else settings_by_row(scenes)
 
 
 def shown_settings(scenes: Sequence[SceneResult]) -> list[str]:

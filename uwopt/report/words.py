@@ -42,6 +42,7 @@ REQUIREMENTS: Mapping[str, str] = {
     "max_gsd_mm": "pixel on the floor",
     "min_swath_m": "swath",
     "min_snr_db": "signal to noise",
+    "min_snr": "signal to noise",
     "min_contrast": "contrast",
     "min_uniformity": "evenness of the light",
     "min_mtf_half_nyquist": "sharpness at half Nyquist",
@@ -80,6 +81,7 @@ RULES: Mapping[str, str] = {
     "generic": "parts to be made, real ones are left",
     "mount": "lens mount does not fit the camera",
     "image_circle": "image circle smaller than the sensor",
+    "lens_rating": "lens not sharp enough for the sensor's pixels",
     "view": "port cuts into the view",
     "focus": "lens cannot focus on the floor through the port",
     "max_gsd_mm": "pixel on the floor too large",
@@ -154,7 +156,7 @@ def margin_text(margin: Margin) -> str:
     if margin.margin is None:
         return quantity(None)
     scale = max(abs(margin.limit or 0.0), abs(margin.value or 0.0))
-    small = abs(margin.margin) <= 1e-9 * scale
+    small = abs(margin.margin) <= (1e-6 if margin.satisfied else 1e-12) * scale  # 1e-6: what counts as met
     return format_quantity(0.0 if small else margin.margin, margin.unit)
 
 
@@ -227,11 +229,6 @@ def rule_name(rule: str) -> str:
     """A rule of the search in words; `light: availability` keeps the kind in front."""
     kind, _, name = rule.rpartition(": ")
     return (f"{one_line(kind)}: " if kind else "") + RULES.get(name, one_line(name.replace("_", " ")))
-
-
-def requirement_or_rule(name: str) -> str:
-    """What stands in the way of every system: a requirement if it is one, else a rule."""
-    return f"{requirement_name(name)} ({one_line(name)})" if name in REQUIREMENTS else rule_name(name)
 
 
 def part_name(part: Mapping[str, Any]) -> str:

@@ -39,6 +39,8 @@ def write_results(result: Result, folder: str | Path) -> list[Path]:
 def check_folder(folder: str | Path) -> Path:
     """The folder if results can be written there, now or once it is made; raises OutputError."""
     path = Path(folder)
+    if not str(folder).strip():
+        raise OutputError("--out is empty; name a folder, or . for this one.")
     try:
         if path.exists() and not path.is_dir():
             raise OutputError(f"{folder}: is a file, not a folder; choose another --out.")

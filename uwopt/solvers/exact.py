@@ -88,6 +88,7 @@ class Outcome:
     imagers: Imagers
     tables: FieldTables
     timing_s: dict[str, float]
+    interrupted: bool = False
 
 
 @dataclass(frozen=True)
@@ -131,6 +132,7 @@ class Search:
         self.account = Account()
         self.limits = problem.mission.limits
         self.bounds_s = 0.0
+        self.interrupted = False
         self._samples: dict[str, list[tuple[int, int]]] = {}  # rule -> (imager, lighting)
 
     # ------------------------------------------------------------ run
@@ -149,7 +151,9 @@ class Search:
             "bounds": self.bounds_s,
             "evaluation": time.perf_counter() - after_imagers - self.bounds_s,
         }
-        return Outcome(self.best, self.account, lower, complete, imagers, self.tables, timing)
+        return Outcome(
+            self.best, self.account, lower, complete, imagers, self.tables, timing, self.interrupted
+        )
 
     def prepare(self) -> Imagers:
         """Enumerate imagers and tabulate lights: all that evaluation needs."""
@@ -359,16 +363,18 @@ class Search:
             if len(useful):
                 finished = self._best_first(useful)
                 if finished is not None:
-                    rest = order[position + len(rows) :]
-                    self.account.discarded["not_reached"] = self.account.discarded.get(
-                        "not_reached", 0
-                    ) + every * len(rest)
-                    lowest = min(finished, float(floor[rest].min(initial=np.inf)))
-                    return min(lowest, self.best[0].minimised if self.best else np.inf), False
+                    return self._cut_short(finished, every, floor, order[position + len(rows) :])
             position += len(rows)
             chunk = min(2 * chunk, LARGEST_CHUNK)
             self.progress(0.1 + 0.9 * position / len(order), "search")
         return (self.best[0].minimised if self.best else self.ceiling), True
+
+    def _cut_short(self, lowest: float, every: int, floor: Array, rest: Array) -> tuple[float, bool]:
+        """Account for what was not reached when time ran out, and the bound that is left."""
+        reached = self.account.discarded.get("not_reached", 0)
+        self.account.discarded["not_reached"] = reached + every * len(rest)
+        lowest = min(lowest, float(floor[rest].min(initial=np.inf)))
+        return min(lowest, self.best[0].minimised if self.best else np.inf), False
 
     def _best_first(self, rows: Array) -> float | None:
         """Take the units of these imagers in order of their bound until none can beat the best.
@@ -400,14 +406,18 @@ class Search:
             ahead = ahead[value[ahead] <= threshold]
             if len(ahead) == 0:
                 break
-            if self.deadline is not None and time.perf_counter() > self.deadline:
+            if self.interrupted or (self.deadline is not None and time.perf_counter() > self.deadline):
                 rest = order[position:]
                 self.account.discarded["not_reached"] = int(size[rest].sum())
                 return float(value[rest].min())
             tied = np.isfinite(threshold) & (value[ahead] >= threshold - 2 * TIE * abs(threshold))
             useful = ahead[~(tied & (power[ahead] > self._power_threshold()))]
             self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
-            self._evaluate_units(useful // n, rows[useful % n])
+            try:
+                self._evaluate_units(useful // n, rows[useful % n])
+            except KeyboardInterrupt:  # keep what was found; the units at hand count as not reached
+                self.interrupted = True
+                continue
             position += len(ahead)
             batch = min(2 * batch, LARGEST_BATCH)
         self.account.discarded["bound"] += int(size[order[position:]].sum())

@@ -14,7 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.catalog.compatibility import image_circle_ok, mount_compatible
+from uwopt.catalog.compatibility import (
+    IMAGE_CIRCLE_TOLERANCE_FRAC,
+    image_circle_ok,
+    mount_compatible,
+    rated_pitch_um,
+)
 from uwopt.optics import (
     Views,
     blur_time_s,
@@ -32,8 +37,8 @@ SAMPLES = 24  # discarded imagers remembered per rule, port and orientation, for
 ROUND = 1.0 + 1e-9  # a limit met to rounding is met
 
 IMAGER_RULES = (
-    "mount", "image_circle", "view", "focus", "max_gsd_mm", "min_swath_m", "frame_rate", "data_rate_mb_s",
-    "min_dof_m", "max_blur_px", "cost", "mass_kg", "power_w",
+    "mount", "image_circle", "lens_rating", "view", "focus", "max_gsd_mm", "min_swath_m", "frame_rate",
+    "data_rate_mb_s", "min_dof_m", "max_blur_px", "cost", "mass_kg", "power_w",
 )  # fmt: skip
 
 
@@ -84,6 +89,10 @@ def enumerate_imagers(problem: Problem, *, cameras: Array | None = None) -> Imag
     per_pair = n_port * len(orientations)
     discarded["mount"] = int((~fits).sum()) * per_pair
     discarded["image_circle"] = int((fits & ~circle).sum()) * per_pair
+    if problem.mission.catalog.lens_rating == "limit":
+        sharp = ratings_ok(problem)
+        discarded["lens_rating"] = int((fits & circle & ~sharp).sum()) * per_pair
+        circle = circle & sharp
     if cameras is not None:
         discarded["bound"] = int((fits & circle)[~cameras].sum()) * per_pair
         circle = circle & cameras[:, None]
@@ -103,6 +112,13 @@ def circles_ok(problem: Problem) -> Array:
     diagonal_mm = np.hypot(cameras.resolution_x_px, cameras.resolution_y_px) * cameras.pixel_pitch_m * 1e3
     circle_mm = np.array([part.image_circle_mm or (np.inf if part.inline else 0.0) for part in lenses], float)
     return np.asarray(image_circle_ok(diagonal_mm[:, None], circle_mm[None, :]))
+
+
+def ratings_ok(problem: Problem) -> Array:
+    """Whether each lens is rated for pixels as small as each sensor's; an unknown rating does not count against it."""
+    rated = np.array([rated_pitch_um(part) or 0.0 for part in problem.parts.lenses], float)
+    pitch = problem.cameras.pixel_pitch_m * 1e6
+    return np.asarray(rated[None, :] <= pitch[:, None] * (1.0 + IMAGE_CIRCLE_TOLERANCE_FRAC))
 
 
 @dataclass(frozen=True)

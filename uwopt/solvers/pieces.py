@@ -213,11 +213,7 @@ def pieces_of(scene: Scene) -> list[Piece]:
         levels = [(scene.min_level, scene.max_level)]
     cuts = sorted(cut for cut in bends_s(scene) if scene.time_min_s < cut < longest)
     ends = [scene.time_min_s, *cuts, longest]
-    found = [
-        smooth_piece(scene, level, times)
-        for level in levels
-        for times in itertools.pairwise(ends)
-    ]
+    found = [smooth_piece(scene, level, times) for level in levels for times in itertools.pairwise(ends)]
     return [piece for piece in found if not ruled_out(scene, piece)]
 
 

@@ -20,13 +20,14 @@ from uwopt.result import Design
 from uwopt.rows import SceneRows
 from uwopt.solvers import settings as closed_form
 
-THIRD_STOPS = tuple(float(f"{2 ** (n / 6):.2g}") if n > 0 else 1.0 for n in range(0, 37))
+THIRD_STOPS = tuple(float(f"{2 ** (n / 6):.2g}") for n in range(37))
+SIXTH_STOPS = tuple(float(f"{2 ** (n / 12):.3g}") for n in range(73))
 GAIN_STEP_DB = 0.1
 TIME_STEP_S = 1e-6
 LEVEL_STEP = 0.01
 FOCUS_STEP_M = 0.01
 RATE_STEP_HZ = 0.01
-LEVEL_TOLERANCE_REL = 0.012  # two half steps of gain: how well a mean level can be met with 0.1 dB
+LEVEL_TOLERANCE_REL = 0.012  # one step of gain: how well a mean level can be met with 0.1 dB
 TRIES = 12
 
 
@@ -59,9 +60,9 @@ def rounded_settings(
 ) -> SceneSettings:
     """One scene's settings rounded; each attempt leaves a little more light or depth of field."""
     n_low = max(exact["f_number"], float(rows.n_low[0]))
-    f_number = next_stop(n_low, float(rows.n_high[0]), extra=attempt // 4)
+    f_number = next_stop(n_low, float(rows.n_high[0]), attempt)
     low, high = closed_form.window(rows, snr_floor=exact.get("snr_floor", 0.0))
-    spare = 1.0 + 0.004 * attempt
+    spare = 1.0 + 0.004 * (attempt % 4)
     chosen = closed_form.settle(rows, np.array([f_number]), low * spare, high)
     level, time_s = float(chosen.level[0]), float(chosen.time_s[0])
     if not math.isfinite(level):
@@ -75,10 +76,14 @@ def rounded_settings(
     rate = math.ceil(exact["rate_hz"] / RATE_STEP_HZ - 1e-9) * RATE_STEP_HZ
     if exposure * rate > 1.0:
         exposure = math.floor(1.0 / rate / TIME_STEP_S) * TIME_STEP_S
-    gain_db = 20.0 * math.log10(max(float(chosen.gain[0]), 1.0)) if math.isfinite(chosen.gain[0]) else 0.0
+    light_x = float(rows.light_lm[0]) * level * collected_s(rows, kind, exposure, pulse)
+    light_x /= (f_number * float(rows.working_factor[0])) ** 2
+    gain = float(closed_form.best_gain(rows, np.array([light_x]))[0])
+    gain_db = 20.0 * math.log10(max(gain, 1.0)) if math.isfinite(gain) else 0.0
     wanted = rows.mean_level is not None
     steps = gain_db / GAIN_STEP_DB
-    gain_db = GAIN_STEP_DB * (round(steps) if wanted else math.floor(steps + 1e-9))
+    down = not wanted or attempt % 2 == 1  # a level that must not saturate is rounded down
+    gain_db = GAIN_STEP_DB * (math.floor(steps + 1e-9) if down else round(steps))
     focus = None if focus_m is None else max(round(focus_m / FOCUS_STEP_M) * FOCUS_STEP_M, FOCUS_STEP_M)
     return SceneSettings(
         f_number=f_number, exposure_s=exposure, pulse_s=pulse, gain=10.0 ** (gain_db / 20.0), level=level,
@@ -86,16 +91,29 @@ def rounded_settings(
     )  # fmt: skip
 
 
-def next_stop(f_number: float, largest: float, *, extra: int = 0) -> float:
-    """The next third of a stop at or above; the lens's own limits count as stops."""
-    above = [stop for stop in THIRD_STOPS if stop >= f_number * (1 - 1e-9)]
-    nearest = f_number if not above else above[min(extra, len(above) - 1)]
-    on_own_limit = extra == 0 and any(
-        abs(f_number - stop) < 0.02 for stop in (round(f_number, 1), round(f_number, 2))
-    )
-    if on_own_limit and abs(f_number - round(f_number, 1)) < 1e-9:
+def collected_s(rows: SceneRows, kind: int, exposure_s: float, pulse_s: float | None) -> float:
+    """Time that collects light at these settings."""
+    window_s = exposure_s + float(rows.exposure_offset_s[0])
+    return window_s if kind == CONTINUOUS or pulse_s is None else min(pulse_s, window_s)
+
+
+def next_stop(f_number: float, largest: float, attempt: int) -> float:
+    """The f-number to set: a third of a stop at or above; then sixths; then tenths and hundredths,
+    which a ring without clicks can be turned to.
+
+    The lens's own widest opening counts as a mark.
+    """
+    if attempt < 4:
+        series: tuple[float, ...] = THIRD_STOPS
+    elif attempt < 8:
+        series = SIXTH_STOPS
+    else:
+        step = 10 if attempt < 10 else 100
+        series = (math.ceil(f_number * step - 1e-9) / step,)
+    if abs(f_number * 100 - round(f_number * 100)) < 1e-6:  # a number that a lens is engraved with
         return f_number
-    return min(nearest, largest) if nearest <= largest else f_number
+    above = [stop for stop in series if stop >= f_number * (1 - 1e-9)]
+    return min(above[0], largest) if above else f_number
 
 
 def exposure_and_pulse(
