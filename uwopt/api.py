@@ -181,8 +181,10 @@ def infeasible_result(
     proof = certificate(used.selection, used.problem, used.outcome, goal)
     with_generic = alternative is not None or mission.catalog.generic == "allow"
     generic: recommend.Generic = "allow" if with_generic else "never"
-    with recommend.timed(timing, "explanation"):
-        why = explain(mission, catalog, goal, used, proof, generic=generic)
+    why = None
+    if used.outcome.complete:
+        with recommend.timed(timing, "explanation"):
+            why = explain(mission, catalog, proof, generic=generic)
     status = "infeasible" if used.outcome.complete else "stopped"
     return replace(
         result,

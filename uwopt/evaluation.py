@@ -286,6 +286,7 @@ def plain_margin(row: MarginRows) -> Margin:
         at_altitude_m=where,
         satisfied=bool(row.satisfied[0]),
         binding=bool(row.binding[0])
+        and finite(limit)
         and finite(value)
         and row.requirement not in ("light_level", "mean_level"),
     )

@@ -213,10 +213,9 @@ class SceneSearch:
         dark = float(cam.dark_current_e_s[0]) * self.exposure_s(time_s)[..., None]
         signal = self.rows.signal_e[0] * light_x[..., None]
         full, black, gain = 2.0 ** float(cam.bits[0]) - 1.0, float(cam.black_level_dn[0]), float(cam.gain_dn_per_e[0])
-        if needs.mean_level is None:
-            wanted = (full / needs.highlight_ratio - black) / (gain * (signal.max(axis=-1) + dark[..., 0]))
-        else:
-            wanted = (needs.mean_level * full - black) / (gain * (signal[..., nominal] + dark[..., 0]))
+        shown = signal.max(axis=-1) if needs.mean_level is None else signal[..., nominal]
+        goal_dn = full / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full
+        wanted = (goal_dn - black) / (gain * np.maximum(shown + dark[..., 0], 1e-300))
         system = gain * np.clip(wanted, 1.0, float(cam.max_gain[0]))[..., None]
         noise = dict(read_noise_e=cam.read_noise_e[0], gain_dn_per_e=system, dark_e=dark, prnu_frac=cam.prnu_frac[0])
         bright = wanted < 1.0

@@ -22,6 +22,7 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.optics import place_focus, required_rate_hz
 from uwopt.problem import Problem
 from uwopt.solvers.exact import Search
+from uwopt.solvers.imagers import view_clears
 
 Array = NDArray[Any]
 POINTS, ROUNDS = 384, 7
@@ -94,17 +95,23 @@ def draw(search: Search, count: int, rng: np.random.Generator) -> list[tuple[str
 def attack(problem: Problem, hardware: Hardware, objective: Objective, rng: np.random.Generator) -> float:
     """Best feasible objective that a generic search over the settings finds for one hardware."""
     parts = problem.parts
+    strict = "lens rating" if problem.mission.catalog.lens_rating == "limit" else ""
     faults = explain_pair(
         parts.cameras[hardware.camera], parts.lenses[hardware.lens], parts.ports[hardware.port],
         parts.lights[hardware.light], required_depth_m=problem.mission.required_depth_m,
     )  # fmt: skip
-    if any(f.severity == "fault" and f.rule in ("mount", "image_circle") for f in faults):
+    if any(
+        (f.severity == "fault" or f.rule == strict) and f.rule in ("mount", "image circle", "lens rating")
+        for f in faults
+    ):
         return np.inf
     try:
         model = DesignModel(problem, hardware)
     except ArithmeticError:
         return np.inf
-    if not reachable_focus(model):
+    if not reachable_focus(model) or not all(
+        view_clears(problem, hardware.port, v).all() for v in model.views
+    ):
         return np.inf
     spread = Spread(model)
     best_point, best_violation, best_value = None, np.inf, np.inf

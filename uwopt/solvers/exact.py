@@ -265,10 +265,12 @@ class Search:
         """Least light * time that the requirements need, the lamp capacity it takes, and the most
         electrons a unit of capacity can give at the nominal altitude."""
         signal = self._signal_bound(scene_index, lighting, rows)
-        need = self._electrons_needed(scene_index, rows)
+        by_snr, by_gain = self._electrons_needed(scene_index, rows)
         square = np.square(focused.n_low * focused.working_factor)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            light_time = np.where(need > 0, need * square / signal.min(axis=1), 0.0)
+            light_x = np.where(by_snr > 0, by_snr / signal.min(axis=1), 0.0)
+            light_x = np.maximum(light_x, np.where(by_gain > 0, by_gain / signal[:, -1], 0.0))
+            light_time = np.where(light_x > 0, light_x * square, 0.0)
             longest = self._longest_time_s(focused, rows)
             wanted = light_time if kind == FLASH else light_time / longest
         wanted = np.where(longest > 0, wanted, np.inf)
@@ -299,8 +301,9 @@ class Search:
             return np.stack([far, far], axis=1)
         return np.stack([far, self.tables.bound(scene_index, lighting, scene.nominal, rows)], axis=1)
 
-    def _electrons_needed(self, scene_index: int, rows: Array) -> Array:
-        """Fewest electrons that the requirements ask for, with quantisation and dark current left out."""
+    def _electrons_needed(self, scene_index: int, rows: Array) -> tuple[Array, Array]:
+        """Fewest electrons for the SNR, wanted at every altitude, and for the mean level at the highest
+        gain, wanted at the nominal one; quantisation and dark current are left out."""
         cameras = self.problem.cameras.take(self.imagers.camera[rows])
         needs = self.problem.scenes[scene_index].view.requirements
         need = np.zeros(len(rows))
@@ -309,13 +312,11 @@ class Search:
                 needs.min_snr, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
             )
         if needs.mean_level is None:
-            return np.asarray(need)
+            return np.asarray(need), np.zeros(len(rows))
         wanted_dn = needs.mean_level * (2.0**cameras.bits - 1.0) - cameras.black_level_dn
         by_gain = wanted_dn / (cameras.gain_dn_per_e * cameras.max_gain)
-        dark = cameras.dark_current_e_s * np.minimum(
-            self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s
-        )
-        return np.asarray(np.maximum(need, by_gain - dark))
+        longest = np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
+        return np.asarray(need), np.asarray(by_gain - cameras.dark_current_e_s * longest)
 
     def _longest_time_s(self, focused: Any, rows: Array) -> Array:
         """An upper bound of the light-collecting time of any light."""
@@ -678,15 +679,14 @@ class UnitBounds:
 
     def better_of(self, other: UnitBounds) -> UnitBounds:
         """The lower bound of two groups of lights; a unit fails only if both fail, by the later rule."""
-        take = other.value < self.value
         both = (self.rule >= 0) & (other.rule >= 0)
         rule = np.where(both, np.maximum(self.rule, other.rule), -1)
         return UnitBounds(
-            np.where(take, other.value, self.value),
-            np.where(take, other.power, self.power),
-            np.where(take, other.cost, self.cost),
-            np.where(take, other.mass, self.mass),
-            np.where(take, other.snr_db, self.snr_db),
+            np.minimum(self.value, other.value),
+            np.minimum(self.power, other.power),
+            np.minimum(self.cost, other.cost),
+            np.minimum(self.mass, other.mass),
+            np.maximum(self.snr_db, other.snr_db),
             rule,
         )
 

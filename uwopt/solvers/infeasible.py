@@ -48,24 +48,15 @@ class Relaxation:
 
 
 def explain(
-    mission: Mission,
-    catalog: Catalog,
-    objective: Objective,
-    sought: Sought,
-    certificate: Certificate,
-    *,
-    generic: Generic,
+    mission: Mission, catalog: Catalog, certificate: Certificate, *, generic: Generic
 ) -> dict[str, Any]:
     """The `infeasible` part of a result."""
-    relaxations = sorted(
-        single_relaxations(mission, catalog, objective, generic=generic), key=lambda r: r.miss_rel
-    )
+    relaxations = sorted(single_relaxations(mission, catalog, generic=generic), key=lambda r: r.miss_rel)
     requirements = [
         {"name": item["rule"], "n_excluded": item["count"], "n_is_bound": item["rule"] in BOUNDED}
         for item in certificate.discarded
         if item["count"]
     ]
-    del sought
     return {
         "requirements": requirements,
         "relaxations": [
@@ -79,24 +70,22 @@ def explain(
 BOUNDED = ("light", "bound", "power_w", "cost", "mass_kg")
 
 
-def single_relaxations(
-    mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic
-) -> Iterator[Relaxation]:
+def single_relaxations(mission: Mission, catalog: Catalog, *, generic: Generic) -> Iterator[Relaxation]:
     """Drop each requirement that is asked for, and see whether something fits then."""
-    del objective
     for name, (section, key, best) in RELAXABLE.items():
         limit = asked_value(mission, section, key)
         if limit is None:
             continue
-        relaxed = without(mission, section, key)
+        by_depth = key == "depth_rating_m"
+        relaxed = mission if by_depth else without(mission, section, key)
         if relaxed is None:
             continue
         goal = Objective.of(best or "power")
-        found = seek(relaxed, catalog, goal, generic=generic, top=1)
+        found = seek(relaxed, catalog, goal, generic=generic, top=1, depth_m=0.0 if by_depth else None)
         if not found.outcome.best:
             continue
-        design = design_of(found, found.outcome.best[0], goal, with_rounding=False)
-        needed = reached_value(design, name, key)
+        design = design_of(found, found.outcome.best[0], goal, with_rounding=False, checked=False)
+        needed = rated_depth(found) if by_depth else reached_value(design, name, key)
         yield Relaxation(name, limit, needed, miss(limit, needed), design)
 
 
@@ -119,11 +108,17 @@ def without(mission: Mission, section: str, key: str) -> Mission | None:
         data[section].pop(name, None)
         for scene in data["scenes"]:
             (scene.get(section) or {}).pop(name, None)
-    if key == "depth_rating_m":
-        data["limits"]["depth_rating_m"] = 0.0
     if key == "overlap" and mission.requirements.frame_interval_s is None and mission.vehicle.speed_m_s == 0:
         return None
     return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
+
+
+def rated_depth(found: Sought) -> float | None:
+    """Depth that the relaxed design's parts are rated for; None where it is unknown."""
+    best, parts = found.outcome.best[0], found.problem.parts
+    ratings = (parts.ports[best.port].depth_rating_m, parts.lights[best.light].depth_rating_m)
+    known = [rating for rating in ratings if rating is not None]
+    return min(known) if len(known) == len(ratings) else None
 
 
 def reached_value(design: Design, name: str, key: str) -> float | None:

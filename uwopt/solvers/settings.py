@@ -168,7 +168,7 @@ def settle(rows: SceneRows, f_number: Array, low: Array, high: Array) -> Chosen:
         need = low * square / rows.light_lm  # level * time
         cap = high * square / rows.light_lm
         level = np.where(rows.dims_freely, free_level(rows, need), stepped_level(rows, need, cap))
-        time = np.maximum(rows.time_min_s, need / level)
+        time = np.fmax(rows.time_min_s, need / level)  # no light needed: level 0, the shortest time
         light_x = rows.light_lm * level * time / square
     power = drawn_power_w(rows, level, time)
     peak = np.where(rows.kind == FLASH, rows.pulse_energy_j * level * rows.rate_hz, rows.full_power_w * level)
@@ -243,21 +243,32 @@ def least_power(
 def greatest_snr(scenes: list[SceneRows], motorised: Array, power_limit_w: Array) -> Array:
     """Highest SNR at the nominal altitude that all scenes can reach within their light power.
 
-    The worst scene counts. More light helps as long as nothing saturates, and a smaller f-number
-    gives more of it, so the answer is at the smallest feasible f-number and the window's upper end.
+    The worst scene counts. At a given level more light comes through a smaller f-number, so the best is
+    where some level's range of f-numbers starts; each such start is tried.
     """
     windows = [window(rows) for rows in scenes]
     ranges = [f_number_ranges(rows, low, high) for rows, (low, high) in zip(scenes, windows, strict=True)]
-    common = smallest_common_f_number(ranges)
-    best = np.full(len(common), np.inf)
-    for rows, (low, high), own in zip(scenes, windows, ranges, strict=True):
-        f_number = (
-            common if len(scenes) == 1 else np.where(motorised, smallest_common_f_number([own]), common)
+    own_best, common_best = [], []
+    tried = np.concatenate([start for start, _ in ranges], axis=1)
+    for rows, (low, high), (start, _) in zip(scenes, windows, ranges, strict=True):
+        own_best.append(best_over(rows, start, low, high, power_limit_w).max(axis=1))
+        common_best.append(best_over(rows, tried, low, high, power_limit_w))
+    common = np.min(common_best, axis=0).max(axis=1)
+    best = np.where(motorised, np.min(own_best, axis=0), common)
+    return np.where(np.isfinite(best), best, np.nan)
+
+
+def best_over(rows: SceneRows, f_numbers: Array, low: Array, high: Array, power_limit_w: Array) -> Array:
+    """Nominal SNR with the most light at each of these f-numbers, -inf where there is none; (n, n_tried)."""
+    columns = []
+    for column in range(f_numbers.shape[1]):
+        f_number = f_numbers[:, column]
+        light_x = most_light(
+            rows, np.where(np.isfinite(f_number), f_number, np.nan), low, high, power_limit_w
         )
-        light_x = most_light(rows, f_number, low, high, power_limit_w)
-        snr = nominal_snr(rows, light_x)
-        best = np.minimum(best, np.where(np.isfinite(light_x), snr, np.nan))
-    return best
+        inside = np.isfinite(light_x) & (f_number <= rows.n_high * (1 + SLACK))
+        columns.append(np.where(inside, nominal_snr(rows, np.where(inside, light_x, 0.0)), -np.inf))
+    return np.stack(columns, axis=1)
 
 
 def most_light(rows: SceneRows, f_number: Array, low: Array, high: Array, power_limit_w: Array) -> Array:

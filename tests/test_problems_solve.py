@@ -1,0 +1,92 @@
+"""Every mission in problems/ is solved, and what is claimed there holds when it is looked at again.
+
+No number of ours is repeated here. The claims are checked against each other and by other ways: the account
+of combinations is added up, the design is handed back to `evaluate` as a plain system, and discarded
+combinations are attacked by a generic solver.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import uwopt
+from uwopt.result import Design, Result
+
+PROBLEMS = Path(__file__).parents[1] / "problems"
+MISSIONS = sorted(p.stem for p in PROBLEMS.glob("*.yaml") if not p.stem.endswith(".system"))
+SETTINGS = (
+    "f_number", "exposure_ms", "pulse_ms", "gain", "dim_frac", "frame_rate_hz", "focus_distance_m",
+)  # fmt: skip
+N_ATTACKED = 40
+
+
+def as_system(design: Design) -> dict[str, Any]:
+    """A design as the system file a person would write of it."""
+    hardware = design.hardware
+    system: dict[str, Any] = {kind: hardware[kind]["id"] for kind in ("camera", "lens", "port", "light")}
+    for key in ("camera_count", "light_count", "orientation", "light_mounts"):
+        system[key] = hardware[key]
+    system["scenes"] = {
+        scene.name: {key: scene.settings[key] for key in SETTINGS if scene.settings[key] is not None}
+        for scene in design.scenes
+    }
+    return system
+
+
+def numbers_that_are_not_finite(value: Any) -> list[float]:
+    """All NaN and infinite numbers in nested plain values."""
+    if isinstance(value, dict):
+        return [bad for item in value.values() for bad in numbers_that_are_not_finite(item)]
+    if isinstance(value, list):
+        return [bad for item in value for bad in numbers_that_are_not_finite(item)]
+    return [value] if isinstance(value, float) and not math.isfinite(value) else []
+
+
+def assert_proven(result: Result) -> None:
+    """The certificate is complete, its gap is closed, and its account adds up to what was loaded."""
+    proof = result.certificate
+    assert result.status == "optimal"
+    assert proof is not None
+    assert proof.complete
+    assert proof.gap_rel is not None
+    assert abs(proof.gap_rel) <= 1e-9  # the bound that the project promises for closed forms
+    assert proof.loaded == proof.evaluated + sum(item["count"] for item in proof.discarded)
+    assert all(item["count"] >= 0 for item in proof.discarded)
+    assert 0 < proof.evaluated <= proof.selected <= proof.loaded
+
+
+def assert_no_runner_up_is_better(result: Result) -> None:
+    """Runners-up are feasible, sorted, and not better; all objectives of these missions are minimised."""
+    values = [design.objective_value for design in result.runners_up]
+    assert result.objective["direction"].startswith("min")
+    assert all(design.feasible for design in result.runners_up)
+    assert values == sorted(values)
+    # 1e-9 relative: below that two designs count as equal and part ids decide
+    assert all(v >= result.objective["value"] * (1 - 1e-9) for v in values)
+
+
+@pytest.mark.parametrize("physics", ["paper", "full"])
+@pytest.mark.parametrize("name", MISSIONS)
+def test_mission_is_solved_and_its_claims_hold(name: str, physics: str):
+    mission = PROBLEMS / f"{name}.yaml"
+    result = uwopt.solve(mission, physics=physics, audit=N_ATTACKED)
+    best = result.recommendation
+    assert best is not None
+    assert best.feasible
+    assert_proven(result)
+    assert_no_runner_up_is_better(result)
+    assert numbers_that_are_not_finite(result.to_dict()) == []
+    assert result.audit is not None
+    assert result.audit["tried"] == N_ATTACKED
+    assert result.audit["passed"], result.audit["better"]
+
+    again = uwopt.evaluate(mission, as_system(best), physics=physics)
+    missed = [m for scene in again.best.scenes for m in scene.margins if not m.satisfied]
+    assert missed == []
+    assert again.status == "feasible"
+    # 1e-6: the settings pass through milliseconds and back, nothing else is between the two numbers
+    assert again.objective["value"] == pytest.approx(best.objective_value, rel=1e-6)
