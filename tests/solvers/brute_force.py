@@ -277,6 +277,7 @@ class SceneSearch:
         if self.kind != PULSED and free and np.isfinite(self.power_limit_w) and self.full_w > 0:
             levels = np.unique(np.append(levels, np.clip(self.power_limit_w / self.full_w, levels[0], levels[-1])))
         self.pinned = levels
+        self.lights[self.lights > 1e15] = np.nan  # no light reaches the image
         ends_t = self.times[[0, -1]]
         x = self.lights[[0, -1]][:, [0, -1]]
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -305,7 +306,7 @@ class SceneSearch:
             ok = (time_s >= self.time[0] * (1 - 1e-11)) & (time_s <= self.time[1] * (1 + 1e-11)) & (light_x > 0)
             ok &= (level >= levels.min() * (1 - 1e-11)) & (level <= levels.max() * (1 + 1e-11))
         time_s, level, light_x = time_s[ok], level[ok], light_x[ok]
-        snr, _, _ = self.image(light_x, time_s)
+        snr = self.image(light_x, time_s)[0]
         dim, bright = self.image(light_x * (1 + 1e-9), time_s)[1], self.image(light_x * (1 - 1e-9), time_s)[2]
         power = self.full_w * level * (np.minimum(1.0, time_s * self.rate) if self.kind == PULSED else 1.0)
         good = ~dim & ~bright & (power <= self.power_limit_w * (1 + 1e-9))
@@ -367,7 +368,7 @@ def joined(
     light_w = np.max([p for p, _ in least], axis=0)
     snr = np.min([c[1][at] for c, (_, at) in zip(found, least, strict=True)], axis=0)
     power, one = terms["camera_power_w"] + light_w, np.ones_like(light_w)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):
         value = objective.cost_to_minimise(
             Terms(power, terms["cost"] * one, terms["mass_kg"] * one, 20 * np.log10(snr), terms["gsd_mm"] * one)
         )

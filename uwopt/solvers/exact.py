@@ -131,6 +131,7 @@ class Search:
         self.best: list[Found] = []
         self.account = Account()
         self.limits = problem.mission.limits
+        self._needs_of: tuple[Array, dict[int, Needs]] | None = None
         self.bounds_s = 0.0
         self.interrupted = False
         self._samples: dict[str, list[tuple[int, int]]] = {}  # rule -> (imager, lighting)
@@ -234,14 +235,14 @@ class Search:
         order = np.argsort(table.effective[own])
         capacity = table.effective[own][order]
         least_drawn = suffix_min(table.power_per_light[own][order])
-        for index, scene in enumerate(imagers.scenes):
-            focused = scene.focused.take(rows)
-            light_time, wanted, most = self._light_needed(index, lighting, focused, kind, rows)
+        for index in range(len(imagers.scenes)):
+            need = self._needs(index, rows)
+            light_time, wanted, most = self._light_needed(index, lighting, need, kind, rows)
             capacity_needed = np.maximum(capacity_needed, wanted)
             at = np.searchsorted(capacity, wanted * (1 - 1e-12))
             drawn = np.where(at < len(capacity), least_drawn[np.minimum(at, len(capacity) - 1)], np.inf)
             with np.errstate(invalid="ignore"):
-                used = wanted if kind == CONTINUOUS else light_time * focused.rate_hz
+                used = wanted if kind == CONTINUOUS else light_time * need.rate_hz
                 scene_power = np.where(used > 0, used * drawn, 0.0)
             power = np.maximum(power, np.where(np.isfinite(wanted), scene_power, np.inf))
             if self.objective.weight("snr_db"):
@@ -260,21 +261,32 @@ class Search:
         return self._judged(bounds, reachable, imagers.limit_cost[rows] + least(table.limit_cost), rows)
 
     def _light_needed(
-        self, scene_index: int, lighting: Lighting, focused: Any, kind: int, rows: Array
+        self, scene_index: int, lighting: Lighting, need: Needs, kind: int, rows: Array
     ) -> tuple[Array, Array, Array]:
         """Least light * time that the requirements need, the lamp capacity it takes, and the most
         electrons a unit of capacity can give at the nominal altitude."""
         signal = self._signal_bound(scene_index, lighting, rows)
-        by_snr, by_gain = self._electrons_needed(scene_index, rows)
-        square = np.square(focused.n_low * focused.working_factor)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            light_x = np.where(by_snr > 0, by_snr / signal.min(axis=1), 0.0)
-            light_x = np.maximum(light_x, np.where(by_gain > 0, by_gain / signal[:, -1], 0.0))
-            light_time = np.where(light_x > 0, light_x * square, 0.0)
-            longest = self._longest_time_s(focused, rows)
-            wanted = light_time if kind == FLASH else light_time / longest
-        wanted = np.where(longest > 0, wanted, np.inf)
-        return light_time, wanted, signal[:, -1] * (1.0 if kind == FLASH else longest) / square
+            light_x = np.where(need.by_snr_e > 0, need.by_snr_e / signal.min(axis=1), 0.0)
+            light_x = np.maximum(light_x, np.where(need.by_gain_e > 0, need.by_gain_e / signal[:, -1], 0.0))
+            light_time = np.where(light_x > 0, light_x * need.square, 0.0)
+            wanted = light_time if kind == FLASH else light_time / need.longest_s
+        wanted = np.where(need.longest_s > 0, wanted, np.inf)
+        return light_time, wanted, signal[:, -1] * (1.0 if kind == FLASH else need.longest_s) / need.square
+
+    def _needs(self, scene_index: int, rows: Array) -> Needs:
+        """What these imagers need in one scene, the same under every lighting."""
+        if self._needs_of is None or self._needs_of[0] is not rows:
+            self._needs_of = (rows, {})
+        known = self._needs_of[1]
+        if scene_index not in known:
+            focused = self.imagers.scenes[scene_index].focused.take(rows)
+            by_snr, by_gain = self._electrons_needed(scene_index, rows)
+            known[scene_index] = Needs(
+                by_snr, by_gain, np.square(focused.n_low * focused.working_factor),
+                self._longest_time_s(focused, rows), focused.rate_hz,
+            )  # fmt: skip
+        return known[scene_index]
 
     def _judged(self, bounds: UnitBounds, reachable: Array, limit_cost: Array, rows: Array) -> UnitBounds:
         """Objective of the bounds, infinite where a limit cannot be met, with the rule that says so."""
@@ -652,6 +664,17 @@ class Search:
         place = next((n for n, f in enumerate(rest) if better(design, f)), len(rest))
         rest.insert(place, design)
         self.best = rest[: self.top]
+
+
+@dataclass(frozen=True)
+class Needs:
+    """What imagers need in one scene before any light is chosen."""
+
+    by_snr_e: Array  # electrons, at every altitude
+    by_gain_e: Array  # electrons, at the nominal altitude
+    square: Array  # of the smallest working f-number
+    longest_s: Array
+    rate_hz: Array
 
 
 @dataclass

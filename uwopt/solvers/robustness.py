@@ -147,7 +147,7 @@ def values_with(
     problem = small_problem(base, found, lists)
     search = Search(problem, objective, top=1, deadline_s=None, progress=None)
     imagers = search.prepare()
-    return [value_at(search, imagers, place, found.count) for place in places]
+    return values_at(search, imagers, places, found.count)
 
 
 def small_problem(base: Problem, found: Found, lists: dict[str, list[Any]]) -> Problem:
@@ -159,28 +159,41 @@ def small_problem(base: Problem, found: Found, lists: dict[str, list[Any]]) -> P
     )  # fmt: skip
 
 
-def value_at(search: Search, imagers: Any, place: dict[str, int], count: int) -> float:
-    """Best objective of one variant over both orientations."""
-    chosen = (
-        (imagers.camera == place["camera"])
-        & (imagers.lens == place["lens"])
-        & (imagers.port == place["port"])
-    )
-    rows = np.nonzero(chosen)[0]
-    if len(rows) == 0:
-        return math.inf
+def values_at(search: Search, imagers: Any, places: Sequence[dict[str, int]], count: int) -> list[float]:
+    """Best objective of each variant over both orientations; those under one light are solved together."""
+    rows_of = [
+        np.nonzero(
+            (imagers.camera == place["camera"])
+            & (imagers.lens == place["lens"])
+            & (imagers.port == place["port"])
+        )[0]
+        for place in places
+    ]
+    best = np.full(len(places), np.inf)
+    for light in {place["light"] for place in places}:
+        mine = [n for n, place in enumerate(places) if place["light"] == light and len(rows_of[n])]
+        if mine:
+            rows = np.concatenate([rows_of[n] for n in mine])
+            owner = np.repeat(mine, [len(rows_of[n]) for n in mine])
+            np.minimum.at(best, owner, values_under(search, imagers, rows, light, count))
+    return [float(value) for value in best]
+
+
+def values_under(search: Search, imagers: Any, rows: Any, light_index: int, count: int) -> Any:
+    """Objective of these imagers under one light; inf where a limit is missed."""
     problem, limits = search.problem, search.limits
-    optics = int(problem.lights.optics_index[place["light"]])
+    optics = int(problem.lights.optics_index[light_index])
     lighting = next(item for item in search.tables.lightings if item.optics == optics)
-    light, number = np.full(len(rows), place["light"]), np.full(len(rows), count)
+    light, number = np.full(len(rows), light_index), np.full(len(rows), count)
     to_buy = problem.lamps_to_buy(light, number)
     cost = imagers.cost[rows] + to_buy * problem.lights.price[light]
     limit_cost = imagers.limit_cost[rows] + to_buy * problem.lights.limit_price[light]
     mass = imagers.mass_kg[rows] + number * problem.lights.mass_kg[light]
-    signals = [search.tables.exact(i, lighting, rows) for i in range(len(problem.scenes))]
+    unique, back = np.unique(rows, return_inverse=True)
+    signals = [search.tables.exact(i, lighting, unique)[back] for i in range(len(problem.scenes))]
     value = search.solve(rows, signals, light, number, lighting, cost, mass)[0]
     within = (limit_cost <= limit(limits.cost) * ROUND) & (mass <= limit(limits.mass_kg) * ROUND)
-    return float(np.where(within, value, np.inf).min())
+    return np.where(within, value, np.inf)
 
 
 def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[str, Any] | None:
@@ -192,7 +205,7 @@ def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[st
     bad = {kind: at_end(part, "bad") for kind, part in parts_of(problem, winner)}
     lists: dict[str, list[Any]] = {kind: [part] for kind, part in bad.items()}
     at_bad = Search(small_problem(problem, winner, lists), objective, top=1, deadline_s=None, progress=None)
-    bad_value = value_at(at_bad, at_bad.prepare(), dict.fromkeys(KINDS, 0), winner.count)
+    bad_value = values_at(at_bad, at_bad.prepare(), [dict.fromkeys(KINDS, 0)], winner.count)[0]
     mixed = mixed_problem(problem, winner, bad)
     outcome = Search(mixed, objective, top=2, deadline_s=None, progress=None).run()
     rival = next((f for f in outcome.best if not same_parts(mixed, f, problem, winner)), None)

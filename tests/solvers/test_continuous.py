@@ -1,0 +1,371 @@
+"""The continuous solvers against the closed form, each other, and derivatives from elsewhere.
+
+The closed form (`uwopt.solvers.settings`) and the program (`uwopt.solvers.program`) share the sensor's and
+the lamp's formulas only: windows, f-number ranges and levels are nowhere in the program. Solvers are
+compared by objective and feasibility, never by settings, which need not be unique.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from uwopt.errors import SolverError
+from uwopt.hardware import CONTINUOUS, FLASH, PULSED
+from uwopt.objectives.objective import Objective, Terms
+from uwopt.rows import SceneRows
+from uwopt.solvers import continuous
+from uwopt.solvers.continuous import METHODS, ContinuousResult, solve_settings
+from uwopt.solvers.exact import best_settings
+from uwopt.solvers.optimality import derivatives
+from uwopt.solvers.pieces import Scene, Settings, pieces_of
+from uwopt.solvers.program import Program
+
+AGREE = 1e-4  # what a second opinion is asked for; the solvers reach about 1e-9
+CAMERA_W, COST, MASS_KG, GSD_MM = 3.0, 5.0, 1.0, 2.0
+POWER, SNR, SUM = Objective.of("power"), Objective.of("snr_db"), Objective.of({"power": 1.0, "snr_db": 2.0})
+
+
+def scene(**changed: Any) -> SceneRows:
+    """A 12-bit camera under 20 klm of lamps that burn and dim, with what a test changes."""
+    values: dict[str, Any] = dict(
+        signal_e=[100.0], worst_e=None, nominal=0, read_noise_e=2.3, gain_dn_per_e=0.37, full_scale_dn=4095.0,
+        black_level_dn=0.0, max_gain=16.0, well_e=10500.0, prnu_frac=0.0, dark_current_e_s=0.0, dark_time_s=5e-3,
+        min_exposure_s=2e-5, exposure_offset_s=0.0, readout_s=0.0, flash_duration_s=1e-3, time_min_s=2e-5,
+        time_max_s=5e-3, rate_hz=5.0, kind=CONTINUOUS, light_lm=20000.0, full_power_w=200.0, pulse_energy_j=0.0,
+        levels=[np.nan], dims_freely=True, min_level=0.0, max_level=1.0, working_factor=1.02, n_low=1.4,
+        n_high=16.0, min_snr=10.0, mean_level=None, highlight_ratio=1.5,
+    )  # fmt: skip
+    values.update(changed)
+    plain = ("nominal", "min_snr", "mean_level", "highlight_ratio")
+    tables = ("signal_e", "worst_e", "levels")
+    return SceneRows(
+        **{
+            name: value
+            if name in plain or value is None
+            else np.array([value], float)
+            if name in tables
+            else np.array([value])
+            for name, value in values.items()
+        }
+    )
+
+
+STEPS: dict[str, Any] = dict(dims_freely=False, levels=[0.25, 0.5, 1.0])
+FLASHES: dict[str, Any] = dict(
+    kind=FLASH, light_lm=3.5e6, pulse_energy_j=120.0, full_power_w=0.0, time_min_s=1e-3, time_max_s=1e-3, **STEPS
+)
+ALTITUDES: dict[str, Any] = dict(signal_e=[150.0, 100.0, 60.0], nominal=1, min_snr=20.0)
+
+TABLE: dict[str, list[SceneRows]] = {
+    "burning lamp that dims": [scene()],
+    "least level above the need, so that the aperture closes": [scene(min_level=0.3, signal_e=[3000.0])],
+    "pulsed LED": [scene(kind=PULSED, max_level=0.8)],
+    "flash of three steps": [scene(signal_e=[30.0], **FLASHES)],
+    "flash far too bright": [scene(signal_e=[600.0], well_e=4000.0, **FLASHES)],
+    "lamp that is only on": [scene(dims_freely=False, levels=[1.0])],
+    "mean level asked for, dark current counted": [
+        scene(mean_level=0.3, black_level_dn=60.0, dark_current_e_s=5.0, exposure_offset_s=1e-5)
+    ],
+    "band of altitudes": [scene(**ALTITUDES)],
+    "band of altitudes with a mean level": [scene(mean_level=0.3, **ALTITUDES)],
+    "darkest pixel": [scene(worst_e=[20.0])],
+    "two scenes, one aperture": [scene(), scene(signal_e=[25.0], min_level=0.1, min_snr=20.0)],
+    "two scenes with steps": [scene(signal_e=[2000.0], **STEPS), scene(signal_e=[300.0], **STEPS)],
+    "full well just above the need": [scene(well_e=300.0, min_snr=13.9, gain_dn_per_e=3.0)],
+    "no gain to turn": [scene(max_gain=1.0, gain_dn_per_e=0.02)],
+    "eight bits": [scene(full_scale_dn=255.0, gain_dn_per_e=0.023, min_snr=30.0)],
+    "one aperture only": [scene(n_low=4.0, n_high=4.0)],
+    "pixels that differ": [scene(prnu_frac=0.01)],
+    "vehicle at rest": [scene(time_max_s=0.2, rate_hz=0.01, kind=PULSED)],
+}
+
+
+def closed_form(
+    rows: list[SceneRows], objective: Objective, *, motorised: bool = False, limit_w: float = np.inf
+) -> float | None:
+    """The exact search's value for one design; None when it finds it infeasible."""
+    chosen, feasible, snr_db = best_settings(
+        rows, np.array([motorised]), objective, np.array([CAMERA_W]), limit_w
+    )
+    power = CAMERA_W + np.max([c.light_power_w for c in chosen], axis=0)
+    if not feasible[0] or power[0] > limit_w * (1 + 1e-9):
+        return None
+    constants = (np.array([COST]), np.array([MASS_KG]))
+    return float(objective.cost_to_minimise(Terms(power, *constants, snr_db, np.array([GSD_MM])))[0])
+
+
+def solved(
+    rows: list[SceneRows],
+    objective: Objective = POWER,
+    *,
+    method: Any = "casadi",
+    motorised: bool = False,
+    limit_w: float = np.inf,
+    **more: Any,
+) -> ContinuousResult:
+    """The continuous answer for the same design."""
+    return solve_settings(
+        rows, motorised=motorised, objective=objective, camera_power_w=CAMERA_W, cost=COST, mass_kg=MASS_KG,
+        gsd_mm=GSD_MM, power_limit_w=limit_w, method=method, **more,
+    )  # fmt: skip
+
+
+# ---------------------------------------------------------------- agreement
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", TABLE)
+def test_least_power_agrees_with_the_closed_form(name: str, method: str) -> None:
+    found = solved(TABLE[name], method=method)
+    assert found.status == "optimal", found
+    assert found.objective_value == pytest.approx(closed_form(TABLE[name], POWER), rel=AGREE)
+
+
+# With steps the highest SNR has its own test below.
+SMOOTH = [name for name in TABLE if "step" not in name and name != "flash far too bright"]
+
+
+@pytest.mark.parametrize("method", ["casadi", "slsqp"])
+@pytest.mark.parametrize("objective", [SNR, SUM], ids=["snr_db", "sum"])
+@pytest.mark.parametrize("name", SMOOTH)
+def test_snr_and_sums_agree_with_the_closed_form(name: str, objective: Objective, method: str) -> None:
+    found = solved(TABLE[name], objective, method=method)
+    assert found.status == "optimal", found
+    assert found.objective_value == pytest.approx(closed_form(TABLE[name], objective), rel=AGREE)
+
+
+@pytest.mark.parametrize("method", ["cobyla", "global"])
+@pytest.mark.parametrize("objective", [SNR, SUM], ids=["snr_db", "sum"])
+@pytest.mark.parametrize("name", ["burning lamp that dims", "two scenes, one aperture"])
+def test_snr_and_sums_without_gradients_agree(name: str, objective: Objective, method: str) -> None:
+    found = solved(TABLE[name], objective, method=method)
+    assert found.objective_value == pytest.approx(closed_form(TABLE[name], objective), rel=AGREE)
+
+
+@pytest.mark.parametrize("method", ["casadi", "slsqp"])
+@pytest.mark.parametrize("motorised", [False, True])
+def test_power_limit_caps_the_snr(method: str, motorised: bool) -> None:
+    rows = TABLE["two scenes, one aperture"]
+    value = closed_form(rows, SNR, motorised=motorised, limit_w=150.0)
+    found = solved(rows, SNR, method=method, motorised=motorised, limit_w=150.0)
+    assert found.objective_value == pytest.approx(value, rel=AGREE)
+    assert max(found.light_power_w) <= (150.0 - CAMERA_W) * (1 + 1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_brighter_step_behind_a_smaller_aperture_gives_more_snr(method: str) -> None:
+    # At F2 the half step saturates within the shortest flash, and the quarter step stays below full scale;
+    # stopped down, the half step fills it: 1.5 K mu = 255 gives mu = 2355.4 e at K = 0.072175, by hand
+    # SNR = 2355.4 / sqrt(18.874^2 + 1/(12 K^2) + 2355.4) = 45.09, 33.08 dB.
+    rows = scene(
+        signal_e=[2010.07], read_noise_e=18.874, gain_dn_per_e=0.072175, full_scale_dn=255.0, max_gain=1.0,
+        well_e=np.inf, kind=FLASH, light_lm=289781.0, pulse_energy_j=29.0, rate_hz=1.0, time_min_s=4.504e-5,
+        time_max_s=7.947e-5, n_low=2.2, n_high=4.4, working_factor=1.045, min_snr=3.0, **STEPS,
+    )  # fmt: skip
+    found = solved([rows], SNR, method=method)
+    electrons = 255.0 / 1.5 / 0.072175
+    variance = 18.874**2 + 1.0 / 12.0 / 0.072175**2 + electrons
+    assert found.objective_value == pytest.approx(-20.0 * np.log10(electrons / np.sqrt(variance)), rel=1e-6)
+    assert found.level[0] == 0.5
+
+
+LOGS = dict(
+    signal_e=st.floats(2.0, 9.0), read_noise_e=st.floats(0.0, 3.0), gain_dn_per_e=st.floats(-4.0, 0.7),
+    max_gain=st.floats(0.0, 4.0), well_e=st.floats(6.5, 10.5), time_max_s=st.floats(-9.0, -3.0),
+)  # fmt: skip
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
+@given(
+    logs=st.fixed_dictionaries(LOGS),
+    far=st.floats(0.5, 1.0),
+    kind=st.sampled_from([CONTINUOUS, PULSED, FLASH]),
+    lamp=st.sampled_from([dict(min_level=0.0), dict(min_level=0.2), STEPS]),
+    mean_level=st.sampled_from([None, 0.3]),
+    min_snr=st.floats(2.0, 25.0),
+    second=st.floats(0.3, 3.0),
+    motorised=st.booleans(),
+)
+def test_any_design_agrees_with_the_closed_form(
+    logs: dict[str, float], far: float, kind: int, lamp: dict[str, Any], mean_level: float | None, min_snr: float,
+    second: float, motorised: bool,
+) -> None:  # fmt: skip
+    values: dict[str, Any] = {name: float(np.exp(value)) for name, value in logs.items()}
+    signal = values.pop("signal_e") * np.array([1.0, 0.5 * (1.0 + far), far])
+    values.update(lamp, kind=kind, mean_level=mean_level, min_snr=min_snr, pulse_energy_j=2.0, nominal=1)
+    rows = [scene(signal_e=list(signal), **values), scene(signal_e=list(second * signal), **values)]
+    value = closed_form(rows, POWER, motorised=motorised)
+    for method in ("casadi", "slsqp"):
+        found = solved(rows, method=method, motorised=motorised)
+        if value is None:
+            assert found.status in ("infeasible", "failed"), found
+        else:
+            assert found.status == "optimal", found
+            assert found.objective_value == pytest.approx(value, rel=AGREE)
+
+
+# ---------------------------------------------------------------- honesty
+
+IMPOSSIBLE: dict[str, tuple[list[SceneRows], float]] = {
+    "too dark": ([scene(signal_e=[1e-3])], np.inf),
+    "always saturated": ([scene(signal_e=[1e9], min_level=0.5)], np.inf),
+    "too little power": ([scene(signal_e=[25.0], min_snr=20.0)], CAMERA_W + 1.0),
+    "full well below the need": ([scene(well_e=150.0)], np.inf),
+    "mean level that hides the signal": ([scene(mean_level=0.3, min_snr=300.0)], np.inf),
+    "apertures that do not meet": ([scene(n_low=8.0), scene(n_high=4.0)], np.inf),
+    "bright scene and dark scene, one aperture": (
+        [scene(signal_e=[30000.0], min_level=0.5, time_min_s=1e-3), scene(signal_e=[5.0])], np.inf
+    ),
+    "no step of the flash fits both": (
+        [scene(signal_e=[9000.0], well_e=400.0, **FLASHES), scene(signal_e=[1.0], n_high=2.0, **FLASHES)], np.inf
+    ),
+    "light that may not be used": ([scene(time_max_s=-1.0)], np.inf),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", IMPOSSIBLE)
+def test_what_cannot_be_met_is_never_called_solved(name: str, method: str) -> None:
+    rows, limit_w = IMPOSSIBLE[name]
+    assert closed_form(rows, POWER, limit_w=limit_w) is None
+    found = solved(rows, method=method, limit_w=limit_w)
+    assert found.status in ("infeasible", "failed"), found
+
+
+def test_interior_point_proves_the_infeasible_cases() -> None:
+    assert {solved(rows, limit_w=limit).status for rows, limit in IMPOSSIBLE.values()} == {"infeasible"}
+
+
+def test_settings_returned_meet_the_rules_when_computed_by_hand() -> None:
+    rows = scene(**ALTITUDES)
+    found = solved([rows])
+    light = 20000.0 * found.level[0] * found.time_s[0] / (found.f_number[0] * 1.02) ** 2
+    electrons = np.array(ALTITUDES["signal_e"]) * light
+    gain = 0.37 * found.gain[0]
+    snr = electrons / np.sqrt(2.3**2 + 1.0 / 12.0 / gain**2 + electrons)
+    # IPOPT meets its rules to 1e-9 or better.
+    assert snr.min() >= 20.0 * (1 - 1e-7)
+    assert 1.5 * gain * electrons.max() <= 4095.0 * (1 + 1e-7)
+
+
+def test_multiplier_says_what_more_snr_costs() -> None:
+    # 0.1 % more SNR, solved again: the difference quotient meets the multiplier to its second-order term.
+    base, more = solved([scene()]), solved([scene(min_snr=10.01)])
+    assert base.objective_value is not None and more.objective_value is not None
+    slope = (more.objective_value - base.objective_value) / np.log(1.001)
+    assert base.multipliers["min_snr[0]"] == pytest.approx(slope, rel=2e-3)
+    assert base.kkt_residual is not None and base.kkt_residual < 1e-8
+
+
+def test_start_given_leads_to_the_same_answer() -> None:
+    start = [Settings(f_number=8.0, time_s=1e-4, level=0.9, gain=2.0)]
+    assert solved([scene()], start=start).objective_value == pytest.approx(
+        closed_form([scene()], POWER), rel=AGREE
+    )
+
+
+def test_solver_out_of_time_does_not_claim_an_optimum() -> None:
+    found = solved(TABLE["two scenes with steps"], method="cobyla", max_seconds=0.0)
+    assert found.status in ("feasible", "failed")
+
+
+def test_point_that_misses_the_optimum_is_not_called_optimal(monkeypatch: pytest.MonkeyPatch) -> None:
+    from uwopt.solvers import casadi_ipopt
+
+    honest = casadi_ipopt.solve
+
+    def early(program: Program, start: Any, *, max_seconds: float | None = None) -> Any:
+        found = honest(program, start, max_seconds=max_seconds)
+        return replace(found, x=0.5 * (found.x + program.middle()), kkt_residual=1.0)
+
+    monkeypatch.setattr(casadi_ipopt, "solve", early)
+    assert solved([scene()]).status in ("feasible", "failed")
+
+
+def test_bounds_and_tables_are_refused() -> None:
+    with pytest.raises(SolverError, match="one design at a time"):
+        solved([replace(scene(), optimistic=True)])
+    with pytest.raises(SolverError, match="not one of casadi"):
+        solved([scene()], method="guess")
+
+
+# ---------------------------------------------------------------- derivatives
+
+
+def one_program(rows: SceneRows, objective: Objective) -> Program:
+    """The program of a design of one scene and one piece."""
+    view = Scene.of(rows)
+    goal: Any = "sum" if objective is SUM else "snr"
+    return Program((view,), (pieces_of(view)[0],), False, goal, 1.0, 2.0, np.inf)
+
+
+@pytest.mark.parametrize("log_point", [(0.4, -6.0, -1.0, 0.5), (1.9, -9.0, -3.0, 2.0)])
+def test_casadi_differentiates_the_snr_like_mpmath(log_point: tuple[float, ...]) -> None:
+    from uwopt.solvers.casadi_ipopt import SymbolicProgram
+
+    rows = scene(prnu_frac=0.01, dark_current_e_s=20.0, exposure_offset_s=1e-5)
+
+    def log_snr(f_number: Any, time_s: Any, level: Any, gain: Any) -> Any:
+        """Equation (7) in 50 digits, with PRNU; dark current over time minus offset."""
+        electrons = 100 * 20000 * mpmath.exp(level + time_s - 2 * f_number) / mpmath.mpf("1.02") ** 2
+        dark = 20 * (mpmath.exp(time_s) - mpmath.mpf("1e-5"))
+        quantised = (mpmath.mpf("0.37") * mpmath.exp(gain)) ** -2 / 12
+        noise = mpmath.mpf("2.3") ** 2 + quantised + dark + electrons + (electrons / 100) ** 2
+        return mpmath.log(electrons / mpmath.sqrt(noise))
+
+    program = one_program(rows, SNR)
+    assert program.names == ("f_number", "time_s[0]", "level[0]", "gain[0]", "snr")
+    x = np.array([*log_point, 0.0])
+    found = SymbolicProgram(program).derivatives(x)
+    row = program.rule_names()[0].index("snr[0]")  # snr - ln SNR(settings) <= 0
+    with mpmath.workdps(50):
+        wanted = [
+            float(mpmath.diff(log_snr, log_point, tuple(int(i == k) for i in range(4)))) for k in range(4)
+        ]
+        value = float(log_snr(*log_point))
+    assert -found.values[row] == pytest.approx(value, abs=1e-12)
+    # Rounding of doubles only: both are exact derivatives.
+    np.testing.assert_allclose(-found.jacobian[row, :4], wanted, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["pulsed LED", "band of altitudes with a mean level", "pixels that differ"])
+def test_casadi_and_complex_steps_agree_on_every_rule(name: str) -> None:
+    from uwopt.solvers.casadi_ipopt import SymbolicProgram
+
+    program = one_program(TABLE[name][0], SUM)
+    low, high = program.bounds
+    for share in (0.3, 0.6, 0.9):
+        x = low + share * (high - low)
+        ours, theirs = derivatives(program, x), SymbolicProgram(program).derivatives(x)
+        np.testing.assert_allclose(ours.values, theirs.values, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(ours.jacobian, theirs.jacobian, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(ours.gradient, theirs.gradient, rtol=1e-9, atol=1e-12)
+
+
+# ---------------------------------------------------------------- manners
+
+
+def test_solvers_are_loaded_when_first_asked_for() -> None:
+    code = "import sys, uwopt.solvers.continuous; print({'casadi', 'nlopt'} & set(sys.modules))"
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert answer.stdout.strip() == "set()"
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_solvers_print_nothing(method: str, capfd: pytest.CaptureFixture[str]) -> None:
+    solved([scene()], method=method)
+    solved(IMPOSSIBLE["full well below the need"][0], method=method)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_methods_have_a_proof_each() -> None:
+    assert set(continuous.PROOF) == set(METHODS)
