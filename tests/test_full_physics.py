@@ -71,6 +71,9 @@ class Case:
     camera: tuple[tuple[str, Any], ...] = ()
     light: tuple[tuple[str, Any], ...] = ()
     settings: tuple[tuple[str, Any], ...] = ()
+    needs: tuple[tuple[str, Any], ...] = ()
+    tolerance: float = 0.0
+    focus: float | None = None  # altitude in focus; the case's own unless given
 
     @property
     def camera_keys(self) -> dict[str, Any]:
@@ -87,11 +90,12 @@ class Case:
         return {
             "name": "full", "physics": "full",
             "scene": {
-                "water": self.water, "water_table": self.table, "seafloor": self.floor, "depth_m": 50,
+                "water": self.water, "seafloor": self.floor, "depth_m": 50,
+                **({} if self.water.endswith(".csv") else {"water_table": self.table}),
                 "temperature_c": self.temperature, "salinity_psu": self.salinity,
             },
-            "vehicle": {"altitude_m": self.altitude, "speed_m_s": 0.3},
-            "requirements": {"overlap": 0.3, "max_blur_px": 1.0},
+            "vehicle": {"altitude_m": self.altitude, "altitude_tolerance_m": self.tolerance, "speed_m_s": 0.3},
+            "requirements": {"overlap": 0.3, "max_blur_px": 1.0, **dict(self.needs)},
         }  # fmt: skip
 
     def system(self) -> dict[str, Any]:
@@ -119,12 +123,16 @@ class Case:
         }  # fmt: skip
 
 
-def figures(case: Case) -> dict[str, Any]:
+def scene(case: Case) -> Any:
     """What uwopt says."""
     result = uwopt.evaluate(case.mission(), case.system())
     assert result.physics["name"] == "full"
     assert result.design is not None
-    return dict(result.design.scenes[0].figures)
+    return result.design.scenes[0]
+
+
+def figures(case: Case) -> dict[str, Any]:
+    return dict(scene(case).figures)
 
 
 # ---------------------------------------------------------------- tables
@@ -155,6 +163,9 @@ def water_index(case: Case, waves_nm: Array) -> Array:
 @cache
 def water_loss(water: str, table: str) -> tuple[Array, Array]:
     """c and K [1/m]: a beyond the table continues as pure water, K_d is kept between a + b_b and c."""
+    if water.endswith(".csv"):  # one attenuation for all: both legs lose it
+        c = float(Path(water).read_text(encoding="utf-8").splitlines()[-1].split(",")[1])
+        return np.full(WAVES_NM.size, c), np.full(WAVES_NM.size, c)
     file = "jerlov_iop.csv" if table == "solonenko-mobley" else "jerlov_iop_measured.csv"
     nm, a_table = column(file, "a_per_m", water_type=water)
     a = np.interp(WAVES_NM, nm, a_table)
@@ -178,7 +189,11 @@ def efficiency(case: Case) -> Array:
     curve = case.camera_keys["quantum_efficiency"]
     if isinstance(curve, float):
         return np.full(WAVES_NM.size, curve)
-    share = {"mono": 1.0} if case.camera_keys.get("colour") != "colour" else {"red": 0.25, "green": 0.5, "blue": 0.25}
+    share = (
+        {"mono": 1.0}
+        if case.camera_keys.get("colour") != "colour"
+        else {"red": 0.25, "green": 0.5, "blue": 0.25}
+    )
     return sum(
         part * np.interp(WAVES_NM, *column("qe_curves.csv", "qe", curve_id=curve, channel=name))
         for name, part in share.items()
@@ -203,7 +218,9 @@ def led() -> Array:
 def measured_lobe(n_w: float) -> Callable[[Array], Array]:
     """The measured flood, bent from air into water behind a flat window, scaled to one lumen."""
     rows = [row for row in rows_of("beam_profiles.csv") if row["profile_id"] == "dspl-sealite-flood"]
-    air = PchipInterpolator([math.radians(float(r["angle_deg"])) for r in rows], [float(r["intensity"]) for r in rows])
+    air = PchipInterpolator(
+        [math.radians(float(r["angle_deg"])) for r in rows], [float(r["intensity"]) for r in rows]
+    )
     last = math.radians(min(90.0, float(rows[-1]["angle_deg"])))
 
     def in_water(theta: Array) -> Array:
@@ -243,7 +260,8 @@ class Rays:
         self.case = case
         self.n_w = float(water_index(case, np.array([RAYS_NM]))[0])
         keys = case.camera_keys
-        x, y = (keys[name] * keys["pixel_pitch_um"] * 1e-3 / (2 * case.focal_mm) for name in ("resolution_x_px", "resolution_y_px"))
+        self.pixel = keys["pixel_pitch_um"] * 1e-3 / case.focal_mm
+        x, y = keys["resolution_x_px"] * self.pixel / 2, keys["resolution_y_px"] * self.pixel / 2
         self.tan_along, self.tan_across = (x, y) if case.portrait else (y, x)
 
     def floor(self, u: Array, v: Array) -> tuple[Array, Array, Array, Array]:
@@ -255,35 +273,43 @@ class Rays:
             reach = case.altitude + case.radius
             return reach * tan_x, reach * tan_y, reach / np.cos(angle) - case.radius, np.cos(angle)
         in_water, in_glass = np.arcsin(np.sin(angle) / self.n_w), np.arcsin(np.sin(angle) / case.n_glass)
-        reach = case.gap * np.tan(angle) + case.thickness * np.tan(in_glass) + case.altitude * np.tan(in_water)
+        reach = (
+            case.gap * np.tan(angle) + case.thickness * np.tan(in_glass) + case.altitude * np.tan(in_water)
+        )
         turn = np.arctan2(tan_y, tan_x)
         return reach * np.cos(turn), reach * np.sin(turn), case.altitude / np.cos(in_water), np.cos(angle)
 
     def lamp(self, x: Array, y: Array, at: Lamp) -> tuple[Array, Array, Array]:
         """Range, cos of the angle from the lamp's axis, cos of the incidence on the floor."""
         outward_x, outward_y = (-1.0 if at.x < 0 else 1.0), (-1.0 if at.y < 0 else 1.0)
-        aim = np.array([outward_x * math.tan(math.radians(at.tilt_x)), outward_y * math.tan(math.radians(at.tilt_y)), 1.0])
+        aim = np.array(
+            [
+                outward_x * math.tan(math.radians(at.tilt_x)),
+                outward_y * math.tan(math.radians(at.tilt_y)),
+                1.0,
+            ]
+        )
         aim /= np.linalg.norm(aim)
         ray = np.stack(np.broadcast_arrays(x - at.x, y - at.y, self.case.altitude - at.z), axis=-1)
         length = np.linalg.norm(ray, axis=-1)
         return length, ray @ aim / length, ray[..., 2] / length
 
 
-def object_distance_m(case: Case) -> float:
-    """What the lens must focus on: the dome's virtual image, or the floor seen through a flat window."""
+def object_distance_m(case: Case, range_m: float) -> float:
+    """Where the lens sees a point on the axis: the dome's virtual image, or the point through a flat window."""
     n_w = float(water_index(case, np.array([RAYS_NM]))[0])
     if not case.dome:
-        return case.gap + case.thickness / case.n_glass + case.altitude / n_w
+        return case.gap + case.thickness / case.n_glass + range_m / n_w
     # two refractions, one face after the other: n2/v - n1/u = (n2 - n1)/R, light to the right
-    behind = case.n_glass / ((case.n_glass - n_w) / case.radius - n_w / case.altitude)
+    behind = case.n_glass / ((case.n_glass - n_w) / case.radius - n_w / range_m)
     inner = case.radius - case.thickness
     image = 1.0 / ((1.0 - case.n_glass) / inner + case.n_glass / (behind - case.thickness))
     return inner - image
 
 
 def working_f_number(case: Case) -> float:
-    focal_m = case.focal_mm * 1e-3
-    return case.f_number * (1.0 + focal_m / (object_distance_m(case) - focal_m))
+    focal_m, object_m = case.focal_mm * 1e-3, object_distance_m(case, case.focus or case.altitude)
+    return case.f_number * (1.0 + focal_m / (object_m - focal_m))
 
 
 def spectral_weight(case: Case, time_s: float) -> Array:
@@ -342,7 +368,9 @@ def lit_pieces(case: Case, lamp: Lamp, v: float) -> list[tuple[float, float]]:
     tried = np.linspace(-1.0, 1.0, 41)
     level = above(tried)
     if 0 < (top := int(level.argmax())) < 40 and level[top] < 0.0:  # a sliver between two points
-        best = minimize_scalar(lambda u: -above(u), bounds=(tried[top - 1], tried[top + 1]), method="bounded").x
+        best = minimize_scalar(
+            lambda u: -above(u), bounds=(tried[top - 1], tried[top + 1]), method="bounded"
+        ).x
         tried = np.insert(tried, np.searchsorted(tried, best), best)
         level = above(tried)
     turns = [brentq(above, tried[i], tried[i + 1]) for i in np.nonzero(level[1:] * level[:-1] < 0)[0]]
@@ -390,3 +418,261 @@ def sharp_mean(case: Case, order: int = 24) -> float:
             values = electrons_at(case, np.concatenate(us), np.concatenate(vs), only=number)
             total += float(values @ np.concatenate(weights))
     return total / 4.0
+
+
+# ---------------------------------------------------------------- electrons
+
+
+def pair(baseline: float, tilt: float = 0.0) -> tuple[Lamp, Lamp]:
+    """Two lamps across track, leaning outward alike."""
+    return Lamp(y=baseline, tilt_y=tilt), Lamp(y=-baseline, tilt_y=tilt)
+
+
+FLAT = Case(dome=False, focal_mm=12.0, n_glass=1.49, thickness=0.012)
+THREE = (
+    Lamp(x=0.3, y=0.4, z=-0.2, tilt_x=-10, tilt_y=5), Lamp(x=-0.5, y=-0.1, z=0.1, tilt_x=15), Lamp(y=0.9, tilt_y=-30),
+)  # fmt: skip
+SMOOTH_CASES = {
+    "one lamp, dome": Case(),
+    "two lamps, clear water": Case(water="I", lamps=pair(0.5)),
+    "flat port, measured water, tilt outward": replace(
+        FLAT, altitude=1.5, water="IB", table="measured", lamps=pair(0.6, 10)
+    ),
+    "wide flat port, tilt inward": replace(
+        FLAT, focal_mm=4.0, altitude=1.2, water="1C", table="measured", lamps=pair(0.6, -20)
+    ),
+    "three lamps anywhere, turbid, portrait": Case(
+        water="5C", table="measured", altitude=1.0, lamps=THREE, portrait=True
+    ),
+    "most turbid": Case(water="9C", altitude=1.5, lamps=pair(0.4)),
+    "narrow lobes": Case(half_angle=12.0, lamps=pair(0.5, -8)),
+    "wide lobes": Case(half_angle=60.0, lamps=pair(0.8, 20)),
+    "warm fresh water": Case(
+        temperature=30.0, salinity=0.0, water="III", table="measured", camera=(("quantum_efficiency", 0.6),)
+    ),
+    "colour, spectrum of sand": Case(
+        floor="sand_coralreef_asu", camera=(("quantum_efficiency", "seed-imx250c"), ("colour", "colour"))
+    ),
+    "glass of the water's index": Case(n_glass=1.34),  # a dome that is not there: faces pass, air face loses
+}
+
+
+@pytest.mark.parametrize("name", SMOOTH_CASES)
+def test_mean_electrons_under_smooth_lobes(name: str) -> None:
+    case = SMOOTH_CASES[name]
+    assert figures(case)["electrons_signal"] == pytest.approx(smooth_mean(case), rel=SMOOTH)
+
+
+@pytest.mark.parametrize("focal_mm", [4.0, 8.0])
+def test_mean_electrons_under_a_measured_lobe(focal_mm: float) -> None:
+    # every half degree of the measured profile is a small kink; Gauss-Legendre steps over them (4e-4)
+    case = Case(beam="tabulated", focal_mm=focal_mm, floor="sand_coralreef_asu", lamps=pair(0.5, -5))
+    assert figures(case)["electrons_signal"] == pytest.approx(smooth_mean(case, 20, 6), rel=SHARP)
+
+
+SHARP_CASES = {
+    "disc that covers the image": Case(beam="disc", half_angle=45.0),
+    "two small discs": Case(beam="disc", half_angle=20.0, lamps=pair(0.3)),
+    "two cones, tilt inward": Case(beam="cone", half_angle=20.0, lamps=pair(0.5, -10)),
+    "two cones, flat port": replace(
+        FLAT, beam="cone", half_angle=30.0, focal_mm=6.0, lamps=pair(0.5, 5), altitude=1.5
+    ),
+    "wide tilted discs, turbid": Case(
+        beam="disc", half_angle=60.0, lamps=pair(0.8, 20), water="5C", table="measured", focal_mm=4.0
+    ),
+    "three discs anywhere": Case(beam="disc", half_angle=35.0, lamps=THREE),
+}
+
+
+@pytest.mark.parametrize("name", SHARP_CASES)
+def test_mean_electrons_under_beams_that_end_sharply(name: str) -> None:
+    case = SHARP_CASES[name]
+    assert figures(case)["electrons_signal"] == pytest.approx(sharp_mean(case), rel=SHARP)
+
+
+@pytest.mark.parametrize(("half_angle", "reached"), [(10.0, 2e-3), (5.0, 1e-2)])
+def test_narrow_spots_are_met_less_well(half_angle: float, reached: float) -> None:
+    # the spot's radius is 17 and 9 of the cells into which the image is cut; the error falls with their square
+    case = Case(beam="cone", half_angle=half_angle, lamps=(Lamp(y=0.1),))
+    assert figures(case)["electrons_signal"] == pytest.approx(sharp_mean(case), rel=reached)
+
+
+@pytest.mark.parametrize("name", SMOOTH_CASES)
+def test_darkest_pixel(name: str) -> None:
+    case = SMOOTH_CASES[name]
+    border = np.linspace(-1.0, 1.0, 81)
+    least = float(electrons_at(case, border[:, None], border[None, :]).min())
+    assert figures(case)["snr_db_min"] == pytest.approx(20 * math.log10(snr_by_hand(least)), abs=0.002)
+
+
+def test_a_pixel_without_light_has_no_snr_in_decibel() -> None:
+    got = figures(SHARP_CASES["two small discs"])
+    assert got["snr_db_min"] is None
+    assert got["floor_illuminance_min_lx"] == got["uniformity"] == 0.0
+
+
+# ---------------------------------------------------------------- light on the floor
+
+
+@pytest.mark.parametrize("name", [name for name, case in SMOOTH_CASES.items() if case.dome])
+def test_floor_illuminance_behind_a_dome(name: str) -> None:
+    case = SMOOTH_CASES[name]
+    nodes, weights = gauss(-1.0, 1.0, 32)
+    mean_lx = float(weights @ lux_at(case, nodes[:, None], nodes[None, :]) @ weights) / 4.0
+    border = np.linspace(-1.0, 1.0, 81)
+    least_lx = float(lux_at(case, border[:, None], border[None, :]).min())
+    got = figures(case)
+    assert got["floor_illuminance_mean_lx"] == pytest.approx(mean_lx, rel=SMOOTH)
+    assert got["floor_illuminance_min_lx"] == pytest.approx(least_lx, rel=SMOOTH)
+    assert got["uniformity"] == pytest.approx(least_lx / mean_lx, rel=SMOOTH)
+
+
+def lux_at(case: Case, u: Array, v: Array) -> Array:
+    """Illuminance of the floor where the pixels u, v look."""
+    rays, (_, k) = Rays(case), water_loss(case.water, case.table)
+    visible = np.interp(WAVES_NM, *column("photopic_v.csv", "V"), left=0.0, right=0.0)
+    share = visible * led() * STEPS_NM * LUMENS_PER_W
+    x, y, _, _ = rays.floor(u, v)
+    total = np.zeros(np.broadcast(u, v).shape)
+    for at in case.lamps:
+        length, cos_beam, cos_floor = rays.lamp(x, y, at)
+        lux = case.flux_lm / len(case.lamps) * intensity(case, cos_beam) * cos_floor / length**2
+        total += lux * (np.exp(-k * length[..., None]) @ share)
+    return total
+
+
+# ---------------------------------------------------------------- exposure and noise
+
+
+def test_the_exposure_offset_adds_to_the_exposure() -> None:
+    # 13.73 us on 1 ms
+    case = replace(Case(), camera=(("exposure_offset_us", 13.73),))
+    assert figures(case)["electrons_signal"] == pytest.approx(smooth_mean(Case()) * 1.01373, rel=SMOOTH)
+
+
+def test_a_pulse_shorter_than_the_exposure_counts_alone() -> None:
+    case = replace(
+        Case(),
+        camera=(("exposure_offset_us", 13.73),),
+        light=(("kind", "pulsed_led"),),
+        settings=(("pulse_ms", 0.5),),
+    )
+    assert figures(case)["electrons_signal"] == pytest.approx(smooth_mean(Case()) * 0.5, rel=SMOOTH)
+
+
+@pytest.mark.parametrize(
+    ("duration_us", "exposure_ms", "lumen_seconds"),
+    [(500.0, 1.0, 700.0), (2000.0, 1.0, 350.0), (500.0, 0.25, 350.0)],
+)
+def test_a_flash_gives_its_lumen_seconds_or_the_share_that_the_shutter_passes(
+    duration_us: float, exposure_ms: float, lumen_seconds: float
+) -> None:
+    # 20 J at 35 lm s/J = 700 lm s; the base case collects 4000 lm for 1 ms, 4 lm s
+    system = Case().system()
+    system["light"] = {
+        "kind": "flash", "flash_energy_j": 20, "flash_efficacy_lm_s_per_j": 35, "flash_duration_us": duration_us,
+        "spectrum": "generic-led", "beam": "cosine-power", "beam_half_angle_deg": 40,
+    }  # fmt: skip
+    system["settings"] = {"f_number": 4.0, "exposure_ms": exposure_ms, "gain": 1.0}
+    design = uwopt.evaluate(Case().mission(), system).design
+    assert design is not None
+    got = design.scenes[0].figures["electrons_signal"]
+    assert got == pytest.approx(smooth_mean(Case()) * lumen_seconds / 4.0, rel=SMOOTH)
+
+
+def snr_by_hand(electrons: float, dark: float = 0.0, prnu: float = 0.0) -> float:
+    """(7) with read noise 2.4 e and the quantisation of 0.35 DN/e."""
+    variance = 2.4**2 + 1 / 12 / 0.35**2 + electrons + dark + (prnu * electrons) ** 2
+    return electrons / math.sqrt(variance)
+
+
+def test_snr_and_level_with_dark_current_offset_quantisation_and_prnu() -> None:
+    camera = (("dark_current_e_s", 500.0), ("black_level_dn", 12.0), ("prnu_frac", 0.02))
+    bright = Case(water="I", altitude=1.0, lamps=pair(0.3))
+    got, electrons = figures(replace(bright, camera=camera)), smooth_mean(bright)
+    assert electrons > 100.0  # so that every term counts
+    assert got["electrons_dark"] == pytest.approx(0.5)  # 500 e/s for 1 ms
+    assert got["snr"] == pytest.approx(snr_by_hand(electrons, 0.5, 0.02), rel=SMOOTH)
+    assert got["mean_dn"] == pytest.approx(0.35 * (electrons + 0.5) + 12.0, rel=SMOOTH)
+    assert got["mean_level"] == pytest.approx(got["mean_dn"] / 4095.0, rel=1e-12)
+    assert got["saturation_fraction"] == pytest.approx(1.5 * got["mean_level"], rel=1e-12)
+
+
+def test_snr_over_a_band_of_altitudes_is_that_of_its_far_end_with_the_focus_held() -> None:
+    case = Case(tolerance=0.5, needs=(("min_snr_db", 3.0),))
+    far = replace(Case(), altitude=2.5, focus=2.0)
+    margin = next(row for row in scene(case).margins if row.requirement == "min_snr_db")
+    assert margin.at_altitude_m == 2.5
+    # dB: an error of 1e-4 in electrons is 0.001 dB
+    assert margin.value == pytest.approx(20 * math.log10(snr_by_hand(smooth_mean(far))), abs=0.002)
+
+
+# ---------------------------------------------------------------- geometry
+
+
+@pytest.mark.parametrize("name", ["one lamp, dome", "wide flat port, tilt inward"])
+def test_footprint_and_pixels_are_those_of_traced_rays(name: str) -> None:
+    case = SMOOTH_CASES[name]
+    rays, got = Rays(case), figures(case)
+    reach_along, reach_across = (
+        rays.floor(np.array(1.0), np.array(0.0))[0],
+        rays.floor(np.array(0.0), np.array(1.0))[1],
+    )
+    assert got["fov_y_m"] == pytest.approx(2 * float(reach_along), rel=1e-9)
+    assert got["fov_x_m"] == pytest.approx(2 * float(reach_across), rel=1e-9)
+    # pixels by tracing their two edges, all over the image
+    u, v = np.meshgrid(np.linspace(-1, 1, 101), np.linspace(-1, 1, 101), indexing="ij")
+    half = rays.pixel / rays.tan_along / 2
+    along_m = rays.floor(u + half, v)[0] - rays.floor(u - half, v)[0]
+    assert got["gsd_mm"] == pytest.approx(1e3 * float(along_m.max()), rel=1e-5)
+    assert got["exposure_max_ms"] == pytest.approx(1e3 * float(along_m.min()) / 0.3, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    "case", [Case(f_number=2.0, focal_mm=12.0), replace(FLAT, f_number=2.8, altitude=1.5)]
+)
+def test_points_at_both_ends_of_the_depth_of_field_blur_to_two_pixels(case: Case) -> None:
+    focal_m, got = case.focal_mm * 1e-3, figures(case)
+
+    def image_m(range_m: float) -> float:
+        return 1.0 / (1.0 / focal_m - 1.0 / object_distance_m(case, range_m))
+
+    for end_m in (got["dof_near_m"], got["dof_far_m"]):
+        blur_m = focal_m / case.f_number * abs(image_m(case.altitude) / image_m(end_m) - 1.0)
+        assert blur_m == pytest.approx(2 * 3.45e-6, rel=1e-6)
+
+
+# ---------------------------------------------------------------- limits
+
+
+def murky(folder: Path, c_per_m: float) -> str:
+    file = folder / "murky.csv"
+    file.write_text(f"wavelength_nm,attenuation_per_m\n380,{c_per_m}\n780,{c_per_m}\n", encoding="utf-8")
+    return str(file)
+
+
+@pytest.mark.parametrize("c_per_m", [0.0, 1.0, 30.0])
+def test_electrons_stay_right_down_to_1e_100(tmp_path: Path, c_per_m: float) -> None:
+    case = Case(water=murky(tmp_path, c_per_m))
+    water_loss.cache_clear()
+    got, expected = figures(case), smooth_mean(case, order=64)
+    assert got["electrons_signal"] == pytest.approx(expected, rel=SMOOTH)
+    assert got["snr_db"] == pytest.approx(20 * math.log10(snr_by_hand(expected)), abs=0.002)
+
+
+@pytest.mark.parametrize("c_per_m", [500.0, 1e5])
+@pytest.mark.parametrize("beam", ["cosine-power", "disc", "tabulated"])
+def test_water_like_ink_gives_no_signal_and_no_nonsense(tmp_path: Path, c_per_m: float, beam: str) -> None:
+    got = figures(Case(water=murky(tmp_path, c_per_m), beam=beam))
+    assert got["electrons_signal"] == got["snr"] == 0.0
+    assert got["snr_db"] is None
+    assert all(math.isfinite(value) for value in got.values() if isinstance(value, float))
+
+
+def test_a_flat_and_a_large_dome_of_no_index_step_see_nearly_the_same_axis() -> None:
+    # close to the axis a flat port's picture is n_w times narrower: 4 n_w f looks like f behind a dome
+    n_w = float(water_index(Case(), np.array([RAYS_NM]))[0])
+    flat = replace(Case(), dome=False, gap=0.0, thickness=1e-4, focal_mm=200.0)
+    dome = replace(Case(), radius=0.1, focal_mm=200.0)
+    scale = figures(dome)["fov_x_m"] / figures(flat)["fov_x_m"]
+    assert scale == pytest.approx(n_w * (2.0 + 0.1) / 2.0, rel=1e-3)  # tan and sin differ by 1e-4 at 1.2 deg

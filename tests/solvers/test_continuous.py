@@ -24,7 +24,7 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.rows import SceneRows
 from uwopt.solvers import continuous
 from uwopt.solvers.continuous import METHODS, ContinuousResult, solve_settings
-from uwopt.solvers.exact import best_settings
+from uwopt.solvers.goals import best_settings
 from uwopt.solvers.optimality import derivatives
 from uwopt.solvers.pieces import Scene, Settings, pieces_of
 from uwopt.solvers.program import Program
@@ -144,8 +144,10 @@ def test_snr_and_sums_agree_with_the_closed_form(name: str, objective: Objective
 
 
 @pytest.mark.parametrize("method", ["cobyla", "global"])
-@pytest.mark.parametrize("objective", [SNR, SUM], ids=["snr_db", "sum"])
-@pytest.mark.parametrize("name", ["burning lamp that dims", "two scenes, one aperture"])
+@pytest.mark.parametrize(
+    ("name", "objective"),
+    [("burning lamp that dims", SNR), ("no gain to turn", SUM), ("two scenes, one aperture", SNR)],
+)
 def test_snr_and_sums_without_gradients_agree(name: str, objective: Objective, method: str) -> None:
     found = solved(TABLE[name], objective, method=method)
     assert found.objective_value == pytest.approx(closed_form(TABLE[name], objective), rel=AGREE)
@@ -184,7 +186,7 @@ LOGS = dict(
 )  # fmt: skip
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 @given(
     logs=st.fixed_dictionaries(LOGS),
     far=st.floats(0.5, 1.0),
@@ -232,8 +234,13 @@ IMPOSSIBLE: dict[str, tuple[list[SceneRows], float]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("name", IMPOSSIBLE)
+SLOW_TO_TELL = ["full well below the need", "bright scene and dark scene, one aperture"]
+
+
+@pytest.mark.parametrize(
+    ("name", "method"),
+    [(n, m) for n in IMPOSSIBLE for m in METHODS if n not in SLOW_TO_TELL or m in ("casadi", "slsqp")],
+)
 def test_what_cannot_be_met_is_never_called_solved(name: str, method: str) -> None:
     rows, limit_w = IMPOSSIBLE[name]
     assert closed_form(rows, POWER, limit_w=limit_w) is None
@@ -273,9 +280,19 @@ def test_start_given_leads_to_the_same_answer() -> None:
     )
 
 
-def test_solver_out_of_time_does_not_claim_an_optimum() -> None:
-    found = solved(TABLE["two scenes with steps"], method="cobyla", max_seconds=0.0)
-    assert found.status in ("feasible", "failed")
+def test_solver_stopped_early_does_not_claim_an_optimum(monkeypatch: pytest.MonkeyPatch) -> None:
+    from uwopt.solvers import nlopt_solvers
+
+    monkeypatch.setitem(nlopt_solvers.EVALUATIONS, "cobyla", 5)
+    assert solved([scene()], method="cobyla").status in ("feasible", "failed")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_time_limit_ends_the_search_with_an_honest_status(method: str) -> None:
+    found = solved(TABLE["two scenes with steps"], method=method, max_seconds=0.0)
+    value = closed_form(TABLE["two scenes with steps"], POWER)
+    assert found.status != "infeasible"
+    assert found.status != "optimal" or found.objective_value == pytest.approx(value, rel=AGREE)
 
 
 def test_point_that_misses_the_optimum_is_not_called_optimal(monkeypatch: pytest.MonkeyPatch) -> None:

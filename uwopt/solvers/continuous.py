@@ -113,7 +113,7 @@ class Task:
 
     def value(self, scenes: Sequence[Scene], settings: Sequence[Settings]) -> float:
         """The minimised objective of settings, comparable with that of the exact search."""
-        light_w = max(float(s.light_power_w(at)) for s, at in zip(scenes, settings, strict=True))
+        light_w = worst_light_w(scenes, settings)
         snr = min(float(s.snr(s.signal_e[s.nominal], at)) for s, at in zip(scenes, settings, strict=True))
         terms = Terms(
             power=np.array(self.camera_power_w + light_w),
@@ -130,13 +130,17 @@ class Task:
             return program.sum_unit
         if program.goal == "snr":
             return self.objective.weight("snr_db") * float(sensor.to_db(np.e))
-        at = program.set_points(x)
-        light_w = max(float(s.light_power_w(a)) for s, a in zip(program.scenes, at, strict=True))
+        light_w = worst_light_w(program.scenes, program.set_points(x))
         return (self.objective.weight("power") or 1.0) * light_w
 
     def seconds_left(self) -> float | None:
         """Until the deadline, if there is one."""
         return None if self.deadline is None else max(self.deadline - time.perf_counter(), 0.0)
+
+
+def worst_light_w(scenes: Sequence[Scene], settings: Sequence[Settings]) -> float:
+    """Mean power of the lights in the scene that needs most."""
+    return max(float(scene.light_power_w(at)) for scene, at in zip(scenes, settings, strict=True))
 
 
 @dataclass(frozen=True)
@@ -147,6 +151,7 @@ class Verdict:
     message: str
     value: float = np.inf
     merit: float = np.inf  # the program's own objective, which also tells ties in power apart
+    light_power_w: float = np.inf  # of the worst scene
     settings: tuple[Settings, ...] = ()
     max_violation: float | None = None
     kkt_residual: float | None = None
@@ -184,7 +189,8 @@ def solve_settings(
     Returns
     -------
     Settings with status: optimal (rules met and conditions of an optimum shown), feasible (rules met),
-    infeasible (shown that none are), failed (neither).
+    infeasible (shown that none are), failed (neither). Other settings may reach the same value: with SNR as
+    the objective, time and level need not be those of least power.
     """
     if method not in METHODS:
         raise SolverError(f"method: {method!r} is not one of {', '.join(METHODS)}")
@@ -292,7 +298,9 @@ def chosen_of(tried: list[Verdict], skipped: float) -> Verdict:
         return Verdict("infeasible", "no scene's settings are feasible on their own")
     good = [verdict for verdict in tried if usable(verdict)]
     if good:
-        best = min(good, key=lambda verdict: verdict.merit)
+        lowest = min(verdict.merit for verdict in good)
+        tied = [verdict for verdict in good if verdict.merit <= lowest + TIE * max(1.0, abs(lowest))]
+        best = min(tied, key=lambda verdict: verdict.light_power_w)
         unproven = [v for v in tried if v.status == "failed" or (v.status == "feasible" and v is not best)]
         if best.status == "optimal" and (unproven or skipped < best.merit):
             return replace(best, status="feasible", message=f"{best.message}; another piece stays open")
@@ -361,6 +369,7 @@ def judged(task: Task, program: Program, found: Attempt) -> Verdict:
         message=found.message if feasible else f"{found.message}; {worst} missed by {max_violation:.3g}",
         value=task.value(program.scenes, settings),
         merit=merit_of(program, settings),
+        light_power_w=worst_light_w(program.scenes, settings),
         settings=tuple(settings),
         max_violation=float(max_violation),
         kkt_residual=found.kkt_residual,
@@ -371,9 +380,9 @@ def judged(task: Task, program: Program, found: Attempt) -> Verdict:
 
 def merit_of(program: Program, settings: Sequence[Settings]) -> float:
     """The program's objective at settings, its epigraph variables as small as they may be."""
-    pairs = list(zip(program.scenes, settings, strict=True))
-    light_w = max(float(scene.light_power_w(at)) for scene, at in pairs)
+    light_w = worst_light_w(program.scenes, settings)
     if program.goal == "power":
         return float(np.log(light_w)) if light_w > 0.0 else -np.inf
+    pairs = zip(program.scenes, settings, strict=True)
     log_snr = float(np.log(min(scene.snr(scene.signal_e[scene.nominal], at) for scene, at in pairs)))
     return program.power_weight * light_w / program.sum_unit - log_snr if program.goal == "sum" else -log_snr

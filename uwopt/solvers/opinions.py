@@ -6,8 +6,8 @@ from typing import Any
 
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous import solve_settings
-from uwopt.solvers.exact import Found
 from uwopt.solvers.imagers import limit
+from uwopt.solvers.ranking import Found
 from uwopt.solvers.recommend import Sought, scene_rows_of
 
 AGREES_REL = 1e-4

@@ -25,7 +25,8 @@ from uwopt.problem import Parts, Problem
 from uwopt.result import Design
 from uwopt.rows import SceneRows
 from uwopt.solvers.certificate import select_problem_mission
-from uwopt.solvers.exact import Found, Outcome, Search
+from uwopt.solvers.exact import Outcome, Search
+from uwopt.solvers.ranking import Found
 from uwopt.solvers.rounding import exact_settings, rounded_design
 
 Progress = Callable[[float, str], None]

@@ -18,8 +18,10 @@ from uwopt.catalog.records import Part, Quantity, exact
 from uwopt.hardware import FAVOURED
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
-from uwopt.solvers.exact import ROUND, Found, Search
+from uwopt.solvers.bounds import ROUND
+from uwopt.solvers.exact import Search
 from uwopt.solvers.imagers import limit
+from uwopt.solvers.ranking import Found
 from uwopt.solvers.recommend import Sought
 
 DOUBTFUL = ("estimated", "generic", "derived")

@@ -1,0 +1,273 @@
+"""Lower bounds on the objective of every (imager, lighting), before any field is integrated.
+
+A bound takes the most signal that the lighting can give, the cheapest, lightest and most economical of
+the lights that are able enough, and no quantisation: each term at its least, so the sum is a bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.hardware import CONTINUOUS, FLASH
+from uwopt.model import sensor
+from uwopt.objectives.objective import Objective, Terms
+from uwopt.problem import Problem
+from uwopt.solvers.fields import FieldTables, Lighting
+from uwopt.solvers.imagers import Imagers, limit
+
+Array = NDArray[Any]
+ROUND = 1.0 + 1e-9
+UNIT_RULES = ("light", "cost", "mass_kg", "power_w", "bound")
+
+
+@dataclass(frozen=True)
+class LightTable:
+    """All (light, count) of one lighting, as columns."""
+
+    light: Array
+    count: Array
+    cost: Array
+    limit_cost: Array
+    mass_kg: Array
+    effective: Array  # count * full light * output factor: lm, or lm s a pulse
+    power_per_light: Array  # electrical per unit of effective light
+    kind: Array
+
+
+@dataclass(frozen=True)
+class Needs:
+    """What imagers need in one scene before any light is chosen."""
+
+    by_snr_e: Array  # electrons, at every altitude
+    by_gain_e: Array  # electrons, at the nominal altitude
+    square: Array  # of the smallest working f-number
+    longest_s: Array
+    rate_hz: Array
+
+
+@dataclass
+class UnitBounds:
+    """Bounds of every imager under one lighting; `rule` names why a unit cannot be feasible, -1: it may be."""
+
+    value: Array
+    power: Array
+    cost: Array
+    mass: Array
+    snr_db: Array
+    rule: Array
+
+    @staticmethod
+    def none(n: int) -> UnitBounds:
+        """No bound at all: everything may be best."""
+        low = np.full(n, -1e300)
+        return UnitBounds(low, low, low, low, np.full(n, np.inf), np.full(n, -1))
+
+    @staticmethod
+    def empty(n: int) -> UnitBounds:
+        """No light yet: nothing can be reached."""
+        inf = np.full(n, np.inf)
+        return UnitBounds(inf, inf.copy(), inf.copy(), inf.copy(), np.full(n, -np.inf), np.zeros(n, int))
+
+    def better_of(self, other: UnitBounds) -> UnitBounds:
+        """The lower bound of two groups of lights; a unit fails only if both fail, by the later rule."""
+        both = (self.rule >= 0) & (other.rule >= 0)
+        rule = np.where(both, np.maximum(self.rule, other.rule), -1)
+        return UnitBounds(
+            np.minimum(self.value, other.value),
+            np.minimum(self.power, other.power),
+            np.minimum(self.cost, other.cost),
+            np.minimum(self.mass, other.mass),
+            np.maximum(self.snr_db, other.snr_db),
+            rule,
+        )
+
+
+def suffix_min(values: Array) -> Array:
+    """Least of each value and all after it."""
+    return np.minimum.accumulate(values[::-1])[::-1]
+
+
+class Bounds:
+    """Bounds of one search's imagers under its lightings."""
+
+    def __init__(self, problem: Problem, objective: Objective, imagers: Imagers, tables: FieldTables):
+        self.problem, self.objective, self.imagers, self.tables = problem, objective, imagers, tables
+        self.limits = problem.mission.limits
+        self.light_tables = [self.light_table(lighting) for lighting in tables.lightings]
+        self._needs_of: tuple[Array, dict[int, Needs]] | None = None
+
+    def light_table(self, lighting: Lighting) -> LightTable:
+        """The lights of one lighting in every number."""
+        problem = self.problem
+        mine = np.nonzero(problem.lights.optics_index == lighting.optics)[0]
+        low, high = problem.count_range
+        light = np.repeat(mine, high - low + 1)
+        count = np.tile(np.arange(low, high + 1), len(mine))
+        rows = problem.lights.take(light)
+        to_buy = problem.lamps_to_buy(light, count)
+        effective = count * rows.full_light * rows.output_factor
+        with np.errstate(divide="ignore", invalid="ignore"):
+            drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j, rows.full_power_w)
+            per_light = drawn / (rows.full_light * rows.output_factor)
+        return LightTable(
+            light,
+            count,
+            to_buy * rows.price,
+            to_buy * rows.limit_price,
+            rows.mass_kg * count,
+            effective,
+            per_light,
+            rows.kind,
+        )
+
+    def of_units(self, k: int, rows: Array) -> UnitBounds:
+        """Bounds of these imagers under one lighting, worst scene."""
+        lighting, table = self.tables.lightings[k], self.light_tables[k]
+        n = len(rows)
+        bounds = UnitBounds.empty(n)
+        if n == 0 or len(table.light) == 0:
+            bounds.rule[:] = UNIT_RULES.index("light")
+            return bounds
+        for kind in np.unique(table.kind):
+            own = table.kind == kind
+            bounds = bounds.better_of(self._kind_bounds(lighting, table, own, int(kind), rows))
+        return bounds
+
+    def _kind_bounds(
+        self, lighting: Lighting, table: LightTable, own: Array, kind: int, rows: Array
+    ) -> UnitBounds:
+        """Bounds from the lights of one kind: what capable lights cost, weigh and draw at least."""
+        imagers = self.imagers
+        n = len(rows)
+        power, capacity_needed = np.zeros(n), np.zeros(n)
+        snr_db = np.full(n, np.inf)
+        order = np.argsort(table.effective[own])
+        capacity = table.effective[own][order]
+        least_drawn = suffix_min(table.power_per_light[own][order])
+        for index in range(len(imagers.scenes)):
+            need = self._needs(index, rows)
+            light_time, wanted, most = self._light_needed(index, lighting, need, kind, rows)
+            capacity_needed = np.maximum(capacity_needed, wanted)
+            at = np.searchsorted(capacity, wanted * (1 - 1e-12))
+            drawn = np.where(at < len(capacity), least_drawn[np.minimum(at, len(capacity) - 1)], np.inf)
+            with np.errstate(invalid="ignore"):
+                used = wanted if kind == CONTINUOUS else light_time * need.rate_hz
+                scene_power = np.where(used > 0, used * drawn, 0.0)
+            power = np.maximum(power, np.where(np.isfinite(wanted), scene_power, np.inf))
+            if self.objective.weight("snr_db"):
+                snr_db = np.minimum(snr_db, self._snr_bound(index, capacity[-1] * most, rows))
+        at = np.searchsorted(capacity, capacity_needed * (1 - 1e-12))
+        reachable = at < len(capacity)
+        pick = np.minimum(at, len(capacity) - 1)
+
+        def least(values: Array) -> Array:
+            return np.where(reachable, suffix_min(values[own][order])[pick], np.inf)
+
+        bounds = UnitBounds(
+            np.zeros(n), imagers.camera_power_w[rows] + power, imagers.cost[rows] + least(table.cost),
+            imagers.mass_kg[rows] + least(table.mass_kg), snr_db, np.zeros(n, int),
+        )  # fmt: skip
+        return self._judged(bounds, reachable, imagers.limit_cost[rows] + least(table.limit_cost), rows)
+
+    def _light_needed(
+        self, scene_index: int, lighting: Lighting, need: Needs, kind: int, rows: Array
+    ) -> tuple[Array, Array, Array]:
+        """Least light * time that the requirements need, the lamp capacity it takes, and the most
+        electrons a unit of capacity can give at the nominal altitude."""
+        signal = self._signal_bound(scene_index, lighting, rows)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            light_x = np.where(need.by_snr_e > 0, need.by_snr_e / signal.min(axis=1), 0.0)
+            light_x = np.maximum(light_x, np.where(need.by_gain_e > 0, need.by_gain_e / signal[:, -1], 0.0))
+            light_time = np.where(light_x > 0, light_x * need.square, 0.0)
+            wanted = light_time if kind == FLASH else light_time / need.longest_s
+        wanted = np.where(need.longest_s > 0, wanted, np.inf)
+        return light_time, wanted, signal[:, -1] * (1.0 if kind == FLASH else need.longest_s) / need.square
+
+    def _needs(self, scene_index: int, rows: Array) -> Needs:
+        """What these imagers need in one scene, the same under every lighting."""
+        if self._needs_of is None or self._needs_of[0] is not rows:
+            self._needs_of = (rows, {})
+        known = self._needs_of[1]
+        if scene_index not in known:
+            focused = self.imagers.scenes[scene_index].focused.take(rows)
+            by_snr, by_gain = self._electrons_needed(scene_index, rows)
+            known[scene_index] = Needs(
+                by_snr, by_gain, np.square(focused.n_low * focused.working_factor),
+                self._longest_time_s(focused, rows), focused.rate_hz,
+            )  # fmt: skip
+        return known[scene_index]
+
+    def _judged(self, bounds: UnitBounds, reachable: Array, limit_cost: Array, rows: Array) -> UnitBounds:
+        """Objective of the bounds, infinite where a limit cannot be met, with the rule that says so."""
+        limits, rule = self.limits, np.full(len(reachable), -1)
+        checks = (
+            ("light", reachable),
+            ("cost", limit_cost <= limit(limits.cost) * ROUND),
+            ("mass_kg", bounds.mass <= limit(limits.mass_kg) * ROUND),
+            ("power_w", bounds.power <= limit(limits.power_w) * ROUND),
+        )
+        for name, passes in checks:
+            rule = np.where((rule < 0) & ~passes, UNIT_RULES.index(name), rule)
+        terms = Terms(bounds.power, bounds.cost, bounds.mass, bounds.snr_db, self.imagers.gsd_mm[rows])
+        with np.errstate(invalid="ignore"):
+            value = self.objective.cost_to_minimise(terms)
+        value = np.where(rule >= 0, np.inf, value)
+        return UnitBounds(value, bounds.power, bounds.cost, bounds.mass, bounds.snr_db, rule)
+
+    def _signal_bound(self, scene_index: int, lighting: Lighting, rows: Array) -> Array:
+        """Upper bounds of electrons per lm s at the farthest and the nominal altitude, (n, 2)."""
+        scene = self.problem.scenes[scene_index]
+        far = self.tables.bound(scene_index, lighting, len(scene.range_m) - 1, rows)
+        if scene.nominal == len(scene.range_m) - 1:
+            return np.stack([far, far], axis=1)
+        return np.stack([far, self.tables.bound(scene_index, lighting, scene.nominal, rows)], axis=1)
+
+    def _electrons_needed(self, scene_index: int, rows: Array) -> tuple[Array, Array]:
+        """Fewest electrons for the SNR, wanted at every altitude, and for the mean level at the highest
+        gain, wanted at the nominal one; quantisation and dark current are left out."""
+        cameras = self.problem.cameras.take(self.imagers.camera[rows])
+        needs = self.problem.scenes[scene_index].view.requirements
+        need = np.zeros(len(rows))
+        if needs.min_snr:
+            need = sensor.electrons_for_snr(
+                needs.min_snr, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
+            )
+        if needs.mean_level is None:
+            return np.asarray(need), np.zeros(len(rows))
+        wanted_dn = needs.mean_level * (2.0**cameras.bits - 1.0) - cameras.black_level_dn
+        by_gain = wanted_dn / (cameras.gain_dn_per_e * cameras.max_gain)
+        longest = np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
+        return np.asarray(need), np.asarray(by_gain - cameras.dark_current_e_s * longest)
+
+    def _longest_time_s(self, focused: Any, rows: Array) -> Array:
+        """An upper bound of the light-collecting time of any light."""
+        cameras = self.problem.cameras.take(self.imagers.camera[rows])
+        with np.errstate(divide="ignore"):
+            exposure = np.minimum(
+                np.minimum(cameras.max_exposure_s, self.limits.max_exposure_ms * 1e-3), 1.0 / focused.rate_hz
+            )
+        return np.asarray(np.minimum(exposure + cameras.exposure_offset_s, focused.blur_time_s))
+
+    def _snr_bound(self, scene_index: int, electrons_e: Array, rows: Array) -> Array:
+        """Upper bound of the SNR in dB from the electrons that light and sensor allow at most."""
+        cameras = self.problem.cameras.take(self.imagers.camera[rows])
+        needs = self.problem.scenes[scene_index].view.requirements
+        full_scale = 2.0**cameras.bits - 1.0
+        top = cameras.saturation_e / needs.highlight_ratio
+        level = (
+            full_scale / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full_scale
+        )
+        most = np.minimum(
+            electrons_e, np.minimum(top, (level - cameras.black_level_dn) / cameras.gain_dn_per_e)
+        )
+        with np.errstate(invalid="ignore"):
+            snr = sensor.snr(
+                most, read_noise_e=cameras.read_noise_e, gain_dn_per_e=np.inf, prnu_frac=cameras.prnu_frac
+            )
+        return np.asarray(sensor.to_db(np.maximum(snr, 1e-300)))
+
+    # ------------------------------------------------------------ best first
