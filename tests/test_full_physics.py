@@ -168,36 +168,39 @@ def water_loss(water: str, table: str) -> tuple[Array, Array]:
         return np.full(WAVES_NM.size, c), np.full(WAVES_NM.size, c)
     file = "jerlov_iop.csv" if table == "solonenko-mobley" else "jerlov_iop_measured.csv"
     nm, a_table = column(file, "a_per_m", water_type=water)
-    a = np.interp(WAVES_NM, nm, a_table)
-    pure = np.interp(WAVES_NM, *column("pure_water.csv", "a_per_m"))
+    a = resampled(nm, a_table)
+    pure = resampled(*column("pure_water.csv", "a_per_m"))
     for end in (0, -1):
         at_end = np.interp(nm[end], *column("pure_water.csv", "a_per_m"))
-        beyond = WAVES_NM < nm[0] if end == 0 else WAVES_NM > nm[-1]
+        beyond = np.less(WAVES_NM, nm[0]) if end == 0 else np.greater(WAVES_NM, nm[-1])
         a[beyond] = a_table[end] + pure[beyond] - at_end
-    b = np.interp(WAVES_NM, *column(file, "b_per_m", water_type=water))
-    kd = np.interp(WAVES_NM, *column("jerlov_iop.csv", "kd_per_m", water_type=water))
+    b = resampled(*column(file, "b_per_m", water_type=water))
+    kd = resampled(*column("jerlov_iop.csv", "kd_per_m", water_type=water))
     return a + b, np.clip(kd, a + 0.0183 * b, a + b)
+
+
+def resampled(waves_nm: Array, values: Array, outside: float | None = None) -> Array:
+    """A table on the wavelengths of this test; beyond its ends held, or what is given."""
+    return np.asarray(np.interp(WAVES_NM, waves_nm, values, left=outside, right=outside))
 
 
 def floor_reflectance(floor: float | str) -> Array:
     if isinstance(floor, float):
         return np.full(WAVES_NM.size, floor)
-    return np.interp(WAVES_NM, *column("bottom_reflectance.csv", "reflectance", type=floor))
+    return resampled(*column("bottom_reflectance.csv", "reflectance", type=floor))
 
 
 def efficiency(case: Case) -> Array:
     curve = case.camera_keys["quantum_efficiency"]
     if isinstance(curve, float):
         return np.full(WAVES_NM.size, curve)
-    share = (
-        {"mono": 1.0}
-        if case.camera_keys.get("colour") != "colour"
-        else {"red": 0.25, "green": 0.5, "blue": 0.25}
-    )
-    return sum(
-        part * np.interp(WAVES_NM, *column("qe_curves.csv", "qe", curve_id=curve, channel=name))
-        for name, part in share.items()
-    )  # type: ignore[return-value]
+    colours = {"red": 0.25, "green": 0.5, "blue": 0.25}
+    share = colours if case.camera_keys.get("colour") == "colour" else {"mono": 1.0}
+    curves = [
+        part * resampled(*column("qe_curves.csv", "qe", curve_id=curve, channel=n))
+        for n, part in share.items()
+    ]
+    return np.sum(curves, axis=0)
 
 
 @cache
@@ -207,7 +210,7 @@ def led() -> Array:
         weight / (sigma * math.sqrt(2 * math.pi)) * np.exp(-0.5 * ((WAVES_NM - mean) / sigma) ** 2)
         for weight, mean, sigma in ((24.49, 450.70, 11.67), (119.86, 565.43, 64.63))
     )
-    visible = np.interp(WAVES_NM, *column("photopic_v.csv", "V"), left=0.0, right=0.0)
+    visible = resampled(*column("photopic_v.csv", "V"), outside=0.0)
     return np.asarray(power / (LUMENS_PER_W * (visible * power * STEPS_NM).sum()))
 
 
@@ -530,7 +533,7 @@ def test_floor_illuminance_behind_a_dome(name: str) -> None:
 def lux_at(case: Case, u: Array, v: Array) -> Array:
     """Illuminance of the floor where the pixels u, v look."""
     rays, (_, k) = Rays(case), water_loss(case.water, case.table)
-    visible = np.interp(WAVES_NM, *column("photopic_v.csv", "V"), left=0.0, right=0.0)
+    visible = resampled(*column("photopic_v.csv", "V"), outside=0.0)
     share = visible * led() * STEPS_NM * LUMENS_PER_W
     x, y, _, _ = rays.floor(u, v)
     total = np.zeros(np.broadcast(u, v).shape)
@@ -669,8 +672,8 @@ def test_water_like_ink_gives_no_signal_and_no_nonsense(tmp_path: Path, c_per_m:
     assert all(math.isfinite(value) for value in got.values() if isinstance(value, float))
 
 
-def test_a_flat_and_a_large_dome_of_no_index_step_see_nearly_the_same_axis() -> None:
-    # close to the axis a flat port's picture is n_w times narrower: 4 n_w f looks like f behind a dome
+def test_near_the_axis_a_flat_port_sees_what_a_dome_sees_divided_by_the_index() -> None:
+    # close to the axis a flat port's picture is n_w times narrower, and a dome's rays start one radius behind
     n_w = float(water_index(Case(), np.array([RAYS_NM]))[0])
     flat = replace(Case(), dome=False, gap=0.0, thickness=1e-4, focal_mm=200.0)
     dome = replace(Case(), radius=0.1, focal_mm=200.0)

@@ -22,12 +22,11 @@ from uwopt.model import lens as lens_model
 from uwopt.model.port import dome_virtual_image_distance_m, lens_dioptre_per_m
 from uwopt.objectives.margins import MarginRows, scene_margins, system_margins
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.optics import blur_time_s, focus_map, one_side, relative_spectrum, required_rate_hz, views
+from uwopt.optics import blur_time_s, focus_map, relative_spectrum, required_rate_hz, views
 from uwopt.problem import Mount, Problem
 from uwopt.result import Design, Margin, SceneResult
 
 Array = NDArray[Any]
-ILLUMINANCE_POINTS = 41
 
 
 @dataclass(frozen=True)
@@ -441,27 +440,15 @@ def illuminance(model: DesignModel, index: int, settings: SettingRows) -> dict[s
         loss = float((weight * np.exp(-scene.lamp_attenuation_per_m * range_m)).sum() / weight.sum())
         value = lumens * axis * loss
         return {"floor_illuminance_mean_lx": value, "floor_illuminance_min_lx": value, "uniformity": 1.0}
-    lamps = hw.mount.lamps(hw.count)
-    half_along = 0.5 * float(view.footprint_along_m[0, 1])
-    half_across = 0.5 * float(view.footprint_across_m[0, 1])
-    steps = np.linspace(-1.0, 1.0, ILLUMINANCE_POINTS)
-    x, y = np.meshgrid(half_along * steps, half_across * steps, indexing="ij")
-    per_lm = imaging.floor_illuminance_per_lm(
-        x, y, lamps=lamps, beam=optics.beam, range_m=range_m,
-        weight=weight, attenuation_per_m=scene.lamp_attenuation_per_m,
+    mean, least = imaging.footprint_illuminance_per_lm(
+        float(view.tan_along[0]), float(view.tan_across[0]), shape=model.shapes[index], range_m=range_m,
+        lamps=hw.mount.lamps(hw.count), beam=optics.beam, weight=weight,
+        attenuation_per_m=scene.lamp_attenuation_per_m,
     )  # fmt: skip
-    nodes, weights = imaging.gauss(imaging.SMOOTH_ORDER * 2)
-    gx, gy = np.meshgrid(half_along * nodes, half_across * nodes, indexing="ij")
-    mean = imaging.floor_illuminance_per_lm(
-        gx, gy, lamps=one_side(lamps), beam=optics.beam, range_m=range_m,
-        weight=weight, attenuation_per_m=scene.lamp_attenuation_per_m,
-    )  # fmt: skip
-    mean_lx = lumens * float(weights @ mean @ weights)
-    least_lx = lumens * float(per_lm.min())
     return {
-        "floor_illuminance_mean_lx": mean_lx,
-        "floor_illuminance_min_lx": least_lx,
-        "uniformity": least_lx / mean_lx if mean_lx > 0 else 0.0,
+        "floor_illuminance_mean_lx": lumens * mean,
+        "floor_illuminance_min_lx": lumens * least,
+        "uniformity": least / mean if mean > 0 else 0.0,
     }
 
 

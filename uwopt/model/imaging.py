@@ -278,15 +278,9 @@ def cells(count: int) -> tuple[Array, Array]:
 
 
 def floor_illuminance_per_lm(
-    x_m: Array,
-    y_m: Array,
-    *,
-    lamps: Lamps,
-    beam: beams.Beam,
-    range_m: float,
-    weight: Array,
-    attenuation_per_m: Array,
-) -> Array:
+    x_m: Array, y_m: Array, *, lamps: Lamps, beam: beams.Beam, range_m: float, weight: Array, attenuation_per_m: Array,
+    edge_share: bool = False,
+) -> Array:  # fmt: skip
     """Illuminance on the floor per lumen of all lamps [1/m^2], water's loss on the lamp leg included.
 
         E / Phi = sum over lamps of share * I/Phi * cos(theta_i) / r^2 * mean of exp(-K r) over V S
@@ -295,6 +289,7 @@ def floor_illuminance_per_lm(
     ----------
     x_m, y_m : (...,) floor points
     weight : (n,) V(lambda) times the lamp's spectrum; attenuation_per_m : (n,) K(lambda)
+    edge_share : points are cells of a regular grid, and a sharp beam counts by the share it covers
 
     References
     ----------
@@ -302,7 +297,51 @@ def floor_illuminance_per_lm(
     """
     total = np.zeros(np.broadcast(x_m, y_m).shape)
     share_of_wave = weight / weight.sum()
+    shape = beams.without_edge(beam) if edge_share else beam
     for index, share in enumerate(lamps.share):
-        vacuum, range_lamp, _ = lamp_light(x_m, y_m, lamps=lamps, index=index, beam=beam, range_m=range_m)
+        vacuum, range_lamp, cos_beam = lamp_light(
+            x_m, y_m, lamps=lamps, index=index, beam=shape, range_m=range_m
+        )
+        if edge_share:
+            vacuum = vacuum * covered_share(cos_beam, np.cos(beams.edge_half_angle_rad(beam)))
         total += share * vacuum * (np.exp(-range_lamp[..., None] * attenuation_per_m) @ share_of_wave)
     return total
+
+
+def footprint_illuminance_per_lm(
+    tan_along: float, tan_across: float, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    weight: Array, attenuation_per_m: Array, cells_a_side: int = 60,
+) -> tuple[float, float]:  # fmt: skip
+    """Mean and least illuminance per lumen over the image's footprint on the floor [1/m^2].
+
+    The footprint is traced through the port: behind a flat one its corners are drawn in. The mean is
+    over floor area, each field point weighted with |d(x, y) / d(u, v)| = (r/t) dr/dt of the radial map.
+    """
+    common = dict(lamps=lamps, beam=beam, range_m=range_m, weight=weight, attenuation_per_m=attenuation_per_m)
+    sharp = beams.has_sharp_edge(beam)
+    nodes, weights = cells(4 * cells_a_side) if sharp else gauss(2 * SMOOTH_ORDER)
+    along, across = np.meshgrid(tan_along * nodes, tan_across * nodes, indexing="ij")
+    x_m, y_m, _ = floor_point(along, across, shape=shape, range_m=range_m)
+    area = np.outer(weights, weights) * floor_area_ratio(along, across, shape=shape, range_m=range_m)
+    light_there = floor_illuminance_per_lm(x_m, y_m, edge_share=sharp, **common)
+    mean = float((light_there * area).sum() / area.sum())
+    grid = np.linspace(-1.0, 1.0, cells_a_side + 1)
+    along, across = np.meshgrid(tan_along * grid, tan_across * grid, indexing="ij")
+    x_m, y_m, _ = floor_point(along, across, shape=shape, range_m=range_m)
+    return mean, float(floor_illuminance_per_lm(x_m, y_m, **common).min())
+
+
+def floor_area_ratio(tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float) -> Array:
+    """Floor area per area of field tangents, |d(x, y) / d(u, v)| [m^2]; constant behind a dome."""
+    if shape.is_dome:
+        return np.full(np.broadcast(tan_along, tan_across).shape, (range_m + shape.outer_radius_m) ** 2)
+    radius = np.hypot(tan_along, tan_across)
+    steep = port.flat_floor_derivative(
+        radius,
+        gap_m=shape.gap_m,
+        thickness_m=shape.thickness_m,
+        n_glass=shape.n_glass,
+        n_water=shape.n_water,
+        range_m=range_m,
+    )
+    return np.asarray(flat_slope_m(radius, shape=shape, range_m=range_m) * steep)

@@ -90,7 +90,7 @@ class Search:
         self.limits = problem.mission.limits
         self.bounds_s = 0.0
         self.interrupted = False
-        self._samples: dict[str, list[tuple[int, int]]] = {}  # rule -> (imager, lighting)
+        self._samples: dict[str, list[tuple[int, int | None]]] = {}  # rule -> (imager, lighting or any)
 
     # ------------------------------------------------------------ run
 
@@ -158,6 +158,7 @@ class Search:
             rows = order[position : position + chunk]
             useful = rows[floor[rows] <= self.ranking.threshold()]
             self.account.discarded["bound"] += every * (len(rows) - len(useful))
+            self._sample("bound", np.nonzero(floor[rows] > self.ranking.threshold())[0], rows, any_light=True)
             if len(useful):
                 finished = self._best_first(useful)
                 if finished is not None:
@@ -222,13 +223,14 @@ class Search:
         self._sample("bound", order[position:], rows)
         return None
 
-    def _sample(self, rule: str, units: Array, rows: Array) -> None:
+    def _sample(self, rule: str, units: Array, rows: Array, *, any_light: bool = False) -> None:
         """Remember some of the units that a rule discards, evenly spread, for an audit."""
         kept = self._samples.setdefault(rule, [])
         if len(units) and len(kept) < MOST_SAMPLES:
             step = max(1, len(units) // SAMPLES_A_TIME)
             n = len(rows)
-            kept += [(int(rows[u % n]), int(u // n)) for u in units[::step][: 2 * SAMPLES_A_TIME]]
+            some = units[::step][: 2 * SAMPLES_A_TIME]
+            kept += [(int(rows[u % n]), None if any_light else int(u // n)) for u in some]
 
     def discarded_samples(
         self, count: int, rng: np.random.Generator
@@ -242,8 +244,8 @@ class Search:
         for rule, units in self._samples.items():
             pool = pools.setdefault(rule, [])
             for imager, k in units[: max(count, 1)]:
-                lights = self.bounds.light_tables[k].light
-                light = int(lights[int(rng.integers(len(lights)))])
+                lights = None if k is None else self.bounds.light_tables[k].light
+                light = None if lights is None else int(lights[int(rng.integers(len(lights)))])
                 pool.append((int(imagers.camera[imager]), int(imagers.lens[imager]), int(imagers.port[imager]),
                              bool(imagers.landscape[imager]), light))  # fmt: skip
         return pools

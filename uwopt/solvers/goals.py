@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ from uwopt.rows import SceneRows
 from uwopt.solvers import settings as closed_form
 
 Array = NDArray[Any]
-DARK_ROUNDS = 5
+DARK_ROUNDS = 25
+FAINTEST = 1e-6  # of the highest SNR: where a weighing starts when nothing asks for light
 
 
 def best_settings(
@@ -22,13 +24,17 @@ def best_settings(
     """Settings that are best for an objective, whether they exist, and the worst scene's SNR in dB.
 
     Dark current depends on the exposure that is chosen, so the closed form is taken again with the
-    exposure of the last round; dark electrons are few, and two or three rounds settle it.
+    exposure of the last round, from the shortest up; dark electrons are few, and two or three rounds
+    settle it. Where they are many, the fixed point is feasible but need not be the joint optimum.
     """
+    rows = [replace(r, dark_time_s=np.maximum(r.exposure_s(r.time_min_s), 0.0)) for r in rows]
     for _ in range(DARK_ROUNDS):
         chosen, feasible, snr_db = settings_at_dark(rows, motorised, objective, camera_power_w, power_limit_w)
         updated = [closed_form.with_exposure(r, c) for r, c in zip(rows, chosen, strict=True)]
-        if all(np.allclose(closed_form.dark_e(a), closed_form.dark_e(b), rtol=0, atol=1e-9)
-               for a, b in zip(rows, updated, strict=True)):  # fmt: skip
+        if all(
+            np.allclose(closed_form.dark_e(a), closed_form.dark_e(b), rtol=0, atol=1e-10)
+            for a, b in zip(rows, updated, strict=True)
+        ):
             break
         rows = updated
     return chosen, feasible, snr_db
@@ -65,7 +71,6 @@ def weighted_goal(
     Between the requirement and the reachable top; power is convex in the SNR in dB for lamps that dim
     freely. Lamps with steps are tried at the top of each step as well.
     """
-    low = np.zeros_like(top)
 
     def merit(snr: Array) -> Array:
         chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=snr)
@@ -79,7 +84,7 @@ def weighted_goal(
 
     start, _ = closed_form.least_power(rows, motorised)
     low = np.min([closed_form.nominal_snr(r, c.light_x) for r, c in zip(rows, start, strict=True)], axis=0)
-    low = np.where(np.isfinite(low) & (low > 0), np.minimum(low, top), top)
+    low = np.where(np.isfinite(low), np.clip(low, top * FAINTEST, top), top)
     best, best_value = top.copy(), merit(top)
     low_value = merit(low)
     best, best_value = np.where(low_value < best_value, low, best), np.minimum(best_value, low_value)

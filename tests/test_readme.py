@@ -1,0 +1,163 @@
+"""What the README promises: its commands and snippets run, and its output is that of a run."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+import yaml
+
+from uwopt import cli_status
+from uwopt.api import NOT_MODELLED
+from uwopt.mission import load_mission
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+
+
+def blocks(language: str) -> list[str]:
+    """The README's code blocks in a language."""
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+def commands() -> list[str]:
+    """All lines of shell blocks."""
+    return [line for block in blocks("sh") for line in block.splitlines() if line.strip()]
+
+
+@cache
+def output_module() -> ModuleType:
+    """docs/make_readme_output.py, which is no part of the package."""
+    spec = importlib.util.spec_from_file_location(
+        "make_readme_output", ROOT / "docs" / "make_readme_output.py"
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@cache
+def outputs() -> tuple[str, str]:
+    """The output that the README shows, and a fresh one."""
+    module = output_module()
+    return module.pasted(README), module.shortened(module.fresh_output())
+
+
+def words(line: str) -> str:
+    """A line without its numbers and spacing."""
+    return " ".join(NUMBER.sub("#", line).replace("# #", "#").split())
+
+
+def values(line: str) -> list[float]:
+    """The numbers in a line; thousands are set apart by a space."""
+    return [float(text) for text in NUMBER.findall(re.sub(r"(?<=\d) (?=\d{3}\b)", "", line))]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with problems/, where commands may leave files."""
+    path = tmp_path_factory.mktemp("readme")
+    shutil.copytree(ROOT / "problems", path / "problems")
+    return path
+
+
+def test_the_two_commands_are_the_ones_that_ci_runs():
+    setups = [line for line in commands() if line.startswith("python3 -m venv ")]
+    assert setups == re.findall(r"^python3 -m venv .*$", README, re.MULTILINE)  # what .ci/run picks
+    assert len(setups) == 2
+    assert setups[0].endswith(".venv/bin/uwopt solve problems/reef-mosaic.yaml")
+    assert setups[1].endswith(".venv/bin/pytest -n 2")
+    ci = ROOT / ".ci" / "run"
+    assert "grep '^python3 -m venv ' README.md" in ci.read_text(encoding="utf-8")
+    assert os.access(ci, os.X_OK)
+
+
+def test_commands_run_in_the_order_in_which_they_stand(folder: Path):
+    lines = [line for line in commands() if line.startswith(("uwopt ", "python "))]
+    assert len(lines) >= 10
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error"}
+    for line in lines:
+        text, _, target = line.partition(" > ")
+        program, *arguments = shlex.split(text)
+        head = [sys.executable, "-m", "uwopt"] if program == "uwopt" else [sys.executable]
+        done = subprocess.run(
+            [*head, *arguments], cwd=folder, env=environment, capture_output=True, text=True,
+            encoding="utf-8", timeout=120, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
+        assert done.stdout, line
+        if target:
+            (folder / target.strip()).write_text(done.stdout, encoding="utf-8")
+
+
+@pytest.mark.parametrize("index", range(len(blocks("python"))))
+def test_python_snippet_runs(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys, index: int):
+    monkeypatch.chdir(folder)
+    exec(compile(blocks("python")[index], f"README.md, snippet {index + 1}", "exec"), {})
+    assert capsys.readouterr().out.strip()
+
+
+def test_output_shown_has_the_lines_of_a_fresh_run():
+    shown, fresh = outputs()
+    assert [words(line) for line in shown.splitlines()] == [words(line) for line in fresh.splitlines()], (
+        "the README's output is out of date: python docs/make_readme_output.py"
+    )
+
+
+def test_output_shown_has_the_numbers_of_a_fresh_run():
+    # 1e-3: the last printed digit may differ between machines. Counts of what the search looked at (lines
+    # that begin with a number) are held to 5 %: ties and rounding decide there.
+    shown, fresh = outputs()
+    for old, new in zip(shown.splitlines(), fresh.splitlines(), strict=True):
+        rel = 0.05 if old.strip()[:1].isdigit() else 1e-3
+        for a, b in zip(values(old), values(new), strict=True):
+            assert math.isclose(a, b, rel_tol=rel, abs_tol=1e-3), (
+                f"{old!r} is now {new!r}: python docs/make_readme_output.py"
+            )
+
+
+def test_output_shown_names_the_parts_and_the_objective_of_a_fresh_run():
+    shown, fresh = outputs()
+    parts = re.compile(r"^  (?:camera|lens|port|light) .* (\S+)$", re.MULTILINE)
+    assert len(parts.findall(shown)) >= 4
+    assert parts.findall(shown) == parts.findall(fresh)
+    assert shown.splitlines()[2] == fresh.splitlines()[2]
+    assert shown.splitlines()[2].startswith("Objective: power ")
+
+
+def test_mission_shown_is_the_one_that_is_solved():
+    (text,) = blocks("yaml")
+    shown = load_mission(yaml.safe_load(text)).to_dict()
+    assert shown == load_mission(ROOT / "problems" / "reef-mosaic.yaml").to_dict()
+
+
+def test_what_is_not_modelled_is_told_in_full():
+    section = README.split("Not modelled yet")[1].split("\n\n")[1]
+    assert section.splitlines() == [f"- {name}" for name in NOT_MODELLED]
+
+
+def test_exit_statuses_are_those_of_the_program():
+    told = [int(number) for number in re.findall(r"^\| (\d+) \|", README, re.MULTILINE)]
+    names = ("DONE", "DEFECT", "BAD_INPUT", "NOT_FEASIBLE", "LIMIT_REACHED", "INTERRUPTED")
+    assert told == [getattr(cli_status, name) for name in names]
+
+
+@pytest.mark.parametrize("page", ["README.md", "CHANGELOG.md", "docs/README.md", "problems/README.md"])
+def test_links_lead_to_files_that_exist(page: str):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    for target in re.findall(r"\]\(([^)#]+)\)", text):
+        if "://" not in target:
+            assert (ROOT / page).parent.joinpath(target).exists(), target
