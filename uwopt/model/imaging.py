@@ -201,7 +201,9 @@ def field_mean(
     """
     if beams.has_sharp_edge(beam):
         n = order or EDGE_CELLS
-        common = dict(shape=shape, range_m=range_m, lamps=lamps, beam=beam, table=table, edge_share=True)
+        common: dict[str, Any] = dict(
+            shape=shape, range_m=range_m, lamps=lamps, beam=beam, table=table, edge_share=True
+        )
         fine = rule_mean(tan_along, tan_across, cells(n), cells(n), **common)
         coarse = rule_mean(tan_along, tan_across, cells(n // 2), cells(n // 2), **common)
         return np.maximum(
@@ -317,7 +319,9 @@ def footprint_illuminance_per_lm(
     The footprint is traced through the port: behind a flat one its corners are drawn in. The mean is
     over floor area, each field point weighted with |d(x, y) / d(u, v)| = (r/t) dr/dt of the radial map.
     """
-    common = dict(lamps=lamps, beam=beam, range_m=range_m, weight=weight, attenuation_per_m=attenuation_per_m)
+    common: dict[str, Any] = dict(
+        lamps=lamps, beam=beam, range_m=range_m, weight=weight, attenuation_per_m=attenuation_per_m
+    )
     sharp = beams.has_sharp_edge(beam)
     nodes, weights = cells(4 * cells_a_side) if sharp else gauss(2 * SMOOTH_ORDER)
     along, across = np.meshgrid(tan_along * nodes, tan_across * nodes, indexing="ij")
