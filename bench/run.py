@@ -92,7 +92,7 @@ def search_table(repeats: int) -> list[str]:
         "*search*: tables, bounds and proof over the parts that the mission allows (parts that are sold, unless it",
         "allows parts to be made). *to be made*: the further search with them, where it is only a fallback.",
         "*whole call*: also evaluation, robustness and a second opinion. *loaded* counts all combinations of the",
-        "catalogue that the certificate accounts for.",
+        f"catalogue that the certificate accounts for. Medians of {repeats}.",
         "",
         *table(
             ["mission", "physics", "search s", "to be made s", "whole call s", "loaded", "loaded / search s"],
@@ -183,7 +183,8 @@ def heading(note: str, repeats: int) -> list[str]:
         "Written by `python bench/run.py --write`.",
         "",
         f"- {datetime.now(UTC):%Y-%m-%d %H:%M} UTC, uwopt {uwopt.__version__}",
-        f"- {platform.system()} {platform.machine()}, {processor()}, {os.cpu_count()} cores; load before the run {load}",
+        f"- {platform.system()} {platform.machine()}, {processor()}, {os.cpu_count()} cores",
+        f"- load average before the run: {load}",
         f"- Python {platform.python_version()}, {versions}",
         f"- medians of {repeats} runs unless said otherwise",
         *([f"- {note}"] if note else []),

@@ -243,9 +243,9 @@ class SceneSearch:
         level = self.model.figures(self.index, unit).mean_level
         needs, black = self.needs, self.cam.black_level_dn[0] / (2.0 ** self.cam.bits[0] - 1.0)
         if needs.mean_level is None:
-            gain = (1.0 / needs.highlight_ratio - black) / (level.max(axis=1) - black)
+            gain = (1.0 / needs.highlight_ratio - black) / np.maximum(level.max(axis=1) - black, 1e-300)
         else:
-            gain = (needs.mean_level - black) / (level[:, self.scene.nominal] - black)
+            gain = (needs.mean_level - black) / np.maximum(level[:, self.scene.nominal] - black, 1e-300)
         return replace(unit, gain=np.clip(gain, 1.0, self.cam.max_gain[0]))
 
     def light_range(self, time_s: Array) -> tuple[Array, Array]:

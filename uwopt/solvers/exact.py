@@ -29,7 +29,8 @@ from uwopt.solvers.settings import Chosen
 
 Array = NDArray[Any]
 FIRST_BATCH, LARGEST_BATCH = 32, 2048
-FIRST_CHUNK, LARGEST_CHUNK = 4096, 65536
+FIRST_CHUNK, LARGEST_CHUNK = 4096, 65536  # imagers that are bounded together
+MOST_UNITS = 6_000_000  # imagers times lightings: what memory allows
 SAMPLES_A_TIME, MOST_SAMPLES = 64, 1024
 MOST_ROWS_AT_ONCE = 60_000
 TOO_FEW_TO_BOUND = 8  # units: evaluating them is cheaper
@@ -153,7 +154,9 @@ class Search:
         )
         order = np.argsort(floor, kind="stable")
         every = int(sum(len(t.light) for t in self.bounds.light_tables))
-        position, chunk = 0, FIRST_CHUNK
+        lightings = max(1, len(self.tables.lightings))
+        most = max(64, MOST_UNITS // lightings)
+        position, chunk = 0, min(FIRST_CHUNK, most)
         while position < len(order):
             rows = order[position : position + chunk]
             useful = rows[floor[rows] <= self.ranking.threshold()]
@@ -164,7 +167,7 @@ class Search:
                 if finished is not None:
                     return self._cut_short(finished, every, floor, order[position + len(rows) :])
             position += len(rows)
-            chunk = min(2 * chunk, LARGEST_CHUNK)
+            chunk = min(2 * chunk, LARGEST_CHUNK, most)
             self.progress(0.1 + 0.9 * position / len(order), "search")
         return (self.ranking.best[0].minimised if self.ranking.best else self.ceiling), True
 
