@@ -221,7 +221,7 @@ def power_w(rows: DesignRows, settings: SettingRows, collected_s: Array) -> tupl
         settings.level,
         full_power_w=lights.full_power_w,
         count=count,
-        pulse_s=collected_s,
+        pulse_s=np.where(lights.kind == PULSED, settings.pulse_s, collected_s),
         frame_rate_hz=settings.rate_hz,
     )
     flashing = lights.pulse_energy_j * settings.level * count * settings.rate_hz

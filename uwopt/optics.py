@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from uwopt.catalog import spectra
 from uwopt.catalog.records import Curve, Light
-from uwopt.hardware import Cameras, Lenses, Ports, Rows, number
+from uwopt.hardware import FAVOURED, Cameras, Lenses, Ports, Rows, number
 from uwopt.mission import Requirements
 from uwopt.model import beam as beams
 from uwopt.model import imaging, lens, operation, port, sensor
@@ -28,6 +28,7 @@ from uwopt.scene import PAPER_N_WATER, SceneOptics
 Array = NDArray[Any]
 PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
 REACH_STEP = 1.3
+WIDEST_DISC_RAD = float(np.deg2rad(85.0))
 
 
 # ---------------------------------------------------------------- what the camera sees
@@ -339,9 +340,25 @@ class LightOptics:
     spectrum: Curve | None
 
 
-def light_optics(light: Light, *, n_water: float, end: str = "central") -> LightOptics:
-    """Beam and spectrum of a light; angles stated in air, or in no medium, are refracted into water."""
-    return LightOptics(light_beam(light, n_water=n_water, end=end), light.spectrum_id, light.spectrum)
+def light_optics(light: Light, *, n_water: float, end: str = "central", paper: bool = False) -> LightOptics:
+    """Beam and spectrum of a light; angles stated in air, or in no medium, are refracted into water.
+
+    Physics `paper` knows one beam, the even disc: it takes the place of any other of the same angle.
+    """
+    beam = light_beam(light, n_water=n_water, end=end)
+    if paper and beam.kind != "disc":
+        beam = beams.disc_beam(min(half_power_angle_rad(beam), WIDEST_DISC_RAD))
+    return LightOptics(beam, light.spectrum_id, light.spectrum)
+
+
+def half_power_angle_rad(beam: beams.Beam) -> float:
+    """Angle from the axis where a beam has half its peak intensity; the edge of a cone."""
+    if beam.kind == "cone":
+        return beams.edge_half_angle_rad(beam)
+    angle = np.linspace(0.0, np.pi / 2, 9001)
+    intensity = beams.intensity_per_sr(np.cos(angle), beam)
+    bright = np.nonzero(intensity >= 0.5 * intensity.max())[0]
+    return float(angle[bright[-1]])
 
 
 def light_beam(light: Light, *, n_water: float, end: str = "central") -> beams.Beam:
@@ -353,7 +370,7 @@ def light_beam(light: Light, *, n_water: float, end: str = "central") -> beams.B
         return beams.tabulated_beam(
             angles, values, medium="water" if in_water else "air", n_w=n_water, total_flux=None
         )  # the shape; what a profile in candela holds of the flux is in the output factor
-    half = np.deg2rad(number(light.beam_angle_deg, 90.0, end, -1)) / 2.0  # type: ignore[arg-type]
+    half = np.deg2rad(number(light.beam_angle_deg, 90.0, end, FAVOURED["beam_angle_deg"])) / 2.0  # type: ignore[arg-type]
     if not in_water:
         half = float(beams.half_angle_in_water_rad(half, n_w=n_water))
     if light.beam == "disc":

@@ -127,7 +127,7 @@ class Problem:
         self.ports: Ports = port_rows(
             parts.ports, money=self.money, glass_index=glass_index, end=end, high_basis=high
         )
-        self.optics, optics_index = distinct_optics(parts.lights, self.scenes[0].n_water, end)
+        self.optics, optics_index = distinct_optics(parts.lights, self.scenes[0].n_water, end, paper=paper)
         self.lights: Lights = light_rows(
             parts.lights, money=self.money, optics_index=optics_index, end=end, paper=paper, high_basis=high
         )
@@ -343,13 +343,15 @@ def mission_mounts(mission: Mission) -> list[Mount]:
     return [Mount(b, t) for b in vehicle.light_baseline_grid_m for t in vehicle.light_tilt_grid_deg]
 
 
-def distinct_optics(lights: Sequence[Light], n_water: float, end: End) -> tuple[list[LightOptics], list[int]]:
+def distinct_optics(
+    lights: Sequence[Light], n_water: float, end: End, *, paper: bool
+) -> tuple[list[LightOptics], list[int]]:
     """Distinct beams with spectra, and each light's index into them."""
     found: dict[tuple[Any, ...], int] = {}
     optics: list[LightOptics] = []
     index = []
     for part in lights:
-        item = light_optics(part, n_water=n_water, end=end)
+        item = light_optics(part, n_water=n_water, end=end, paper=paper)
         key = (item.beam, item.spectrum_id, item.spectrum)
         if key not in found:
             found[key] = len(optics)

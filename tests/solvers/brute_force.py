@@ -253,7 +253,7 @@ class SceneSearch:
         ends = []
         for bright in (False, True):
             low, high = np.full(time_s.shape, -40.0), np.full(time_s.shape, 40.0)
-            for _ in range(56):
+            for _ in range(42):
                 middle = 0.5 * (low + high)
                 over = self.image(np.exp(middle), time_s)
                 past = over[2] if bright else ~over[1]
@@ -284,39 +284,42 @@ class SceneSearch:
             f_number = np.sqrt(self.lumen * levels[:, None, None] * ends_t[:, None] / x) / self.factor
         return f_number[np.isfinite(f_number)]
 
-    def candidates(self, f_number: float) -> tuple[Array, Array, Array, Array]:
-        """Power, SNR, time and level of the feasible candidates at one f-number."""
-        square = (f_number * self.factor) ** 2 / self.lumen  # level * time per light
+    def candidates(self, f_number: Array) -> list[Array]:
+        """The feasible candidates at these f-numbers: power, SNR, time, level and f-number, (n,) each."""
+        square = ((f_number * self.factor) ** 2 / self.lumen)[:, None]  # level * time per light
         t, u, x = [], [], []
+
+        def add(time_s: Array, level: Array, light_x: Array) -> None:
+            for column, values in ((t, time_s), (u, level), (x, light_x)):
+                column.append(np.broadcast_to(values, np.broadcast_shapes(time_s.shape, level.shape, light_x.shape)))
+
+        every = self.lights.ravel()
         if self.levels[1]:
-            t.append(np.broadcast_to(self.times[:, None], self.lights.shape).ravel())
-            x.append(self.lights.ravel())
-            u.append(x[-1] * square / t[-1])
-        many = np.concatenate([self.lights.ravel(), self._at_power_limit(square)])
-        u.append(np.repeat(self.pinned, len(many)))
-        x.append(np.tile(many, len(self.pinned)))
-        with np.errstate(divide="ignore"):
-            t.append(x[-1] * square / u[-1])
-        t.append(np.repeat(self.times, len(self.pinned)))
-        u.append(np.tile(self.pinned, len(self.times)))
-        x.append(u[-1] * t[-1] / square)
-        time_s, level, light_x = (np.concatenate(parts) for parts in (t, u, x))
+            times = np.broadcast_to(self.times[:, None], self.lights.shape).ravel()
+            add(times, every * square / times, every)
+        many = np.concatenate([np.broadcast_to(every, (len(f_number), len(every))), self._at_power_limit(square)], axis=1)
+        for level in self.pinned:
+            with np.errstate(divide="ignore"):
+                add(many * square / level, np.array(level), many)
+            add(self.times, np.array(level), level * self.times / square)
+        time_s, level, light_x = (np.concatenate(parts, axis=1).ravel() for parts in (t, u, x))
+        f_number = np.repeat(f_number, len(time_s) // len(f_number))
         levels = self.levels[0]
         with np.errstate(invalid="ignore"):
             ok = (time_s >= self.time[0] * (1 - 1e-11)) & (time_s <= self.time[1] * (1 + 1e-11)) & (light_x > 0)
             ok &= (level >= levels.min() * (1 - 1e-11)) & (level <= levels.max() * (1 + 1e-11))
-        time_s, level, light_x = time_s[ok], level[ok], light_x[ok]
+        time_s, level, light_x, f_number = time_s[ok], level[ok], light_x[ok], f_number[ok]
         snr = self.image(light_x, time_s)[0]
         dim, bright = self.image(light_x * (1 + 1e-9), time_s)[1], self.image(light_x * (1 - 1e-9), time_s)[2]
         power = self.full_w * level * (np.minimum(1.0, time_s * self.rate) if self.kind == PULSED else 1.0)
         good = ~dim & ~bright & (power <= self.power_limit_w * (1 + 1e-9))
-        return power[good], snr[good], time_s[good], level[good]
+        return [column[good] for column in (power, snr, time_s, level, f_number)]
 
-    def _at_power_limit(self, square: float) -> Array:
+    def _at_power_limit(self, square: Array) -> Array:
         """Light of pulsed lamps that use all the power there is."""
         if self.kind != PULSED or not np.isfinite(self.power_limit_w) or self.rate == 0:
-            return np.empty(0)
-        return np.array([self.power_limit_w / (self.full_w * self.rate) / square])
+            return np.empty((len(square), 0))
+        return self.power_limit_w / (self.full_w * self.rate) / square
 
 
 def settle_all(model: DesignModel, objective: Objective) -> tuple[float, float, float, list[dict[str, float]]]:
@@ -332,22 +335,19 @@ def settle_all(model: DesignModel, objective: Objective) -> tuple[float, float, 
     if not all(scene.possible for scene in scenes):
         return nothing
     meeting = [scene.prepare(dense) for scene in scenes]
-    shared = len(scenes) > 1 and not model.lenses.motorised[0]
-    best = nothing
-    if shared:
+    if len(scenes) > 1 and not model.lenses.motorised[0]:
         low, high = max(s.f_range[0] for s in scenes), min(s.f_range[1] for s in scenes)
-        groups = [[n] for n in f_numbers(low, high, np.concatenate(meeting))]
+        common = f_numbers(low, high, np.concatenate(meeting))
+        if len(common) == 0:
+            return nothing
+        found = [scene.candidates(common) for scene in scenes]
+        groups = [[[c[columns[4] == n] for c in columns] for columns in found] for n in common]
     else:
-        groups = [[]]
-    own = [list(f_numbers(*s.f_range, m)) for s, m in zip(scenes, meeting, strict=True)]
+        groups = [[s.candidates(f_numbers(*s.f_range, m)) for s, m in zip(scenes, meeting, strict=True)]]
+    best = nothing
     for group in groups:
-        found = []
-        for scene, alone in zip(scenes, own, strict=True):
-            tried = [(n, scene.candidates(n)) for n in (group or alone)]
-            columns = [np.concatenate([c[k] for _, c in tried]) for k in range(4)]
-            found.append([*columns, np.concatenate([np.full(len(c[0]), n) for n, c in tried])])
-        if all(len(columns[0]) for columns in found):
-            best = min(best, joined(found, objective, terms), key=lambda b: b[:2])
+        if all(len(columns[0]) for columns in group):
+            best = min(best, joined(group, objective, terms), key=lambda b: b[:2])
     return best
 
 

@@ -306,8 +306,24 @@ def floor_illuminance_per_lm(
         )
         if edge_share:
             vacuum = vacuum * covered_share(cos_beam, np.cos(beams.edge_half_angle_rad(beam)))
-        total += share * vacuum * (np.exp(-range_lamp[..., None] * attenuation_per_m) @ share_of_wave)
+        total += share * vacuum * lamp_leg_loss(range_lamp, share_of_wave, attenuation_per_m)
     return total
+
+
+def lamp_leg_loss(
+    range_m: Array, share_of_wave: Array, attenuation_per_m: Array, n_ranges: int = 257
+) -> Array:
+    """Mean of exp(-K r) over a spectrum, its logarithm interpolated linearly between even ranges.
+
+    The second difference of the logarithm is at most the variance of K times the step squared / 8:
+    under 1e-5 for a footprint a few metres deep.
+    """
+    ranges = np.linspace(float(range_m.min()), float(range_m.max()), n_ranges)
+    optical = ranges[:, None] * attenuation_per_m
+    least = optical.min(axis=1)
+    with np.errstate(under="ignore"):
+        log_mean = np.log(np.exp(-(optical - least[:, None])) @ share_of_wave) - least
+    return np.exp(np.interp(range_m, ranges, log_mean))
 
 
 def footprint_illuminance_per_lm(

@@ -1,0 +1,369 @@
+"""Rules of structure: who may import whom, what the model may do, how numbers are named.
+
+Where the tree does not keep a rule yet, the exception stands in a table here with its reason, and the test
+compares both ways: a new breach fails, and so does an exception that is no longer needed.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from uwopt.units import UNIT_SUFFIXES, WORDS
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "uwopt"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+MODEL = sorted((PACKAGE / "model").glob("*.py"))
+DATA = "uwopt/catalog/data/"
+
+# ---------------------------------------------------------------- imports
+
+INPUT_MODULES = {
+    "mission", "mission_checks", "mission_keys", "mission_sections", "inputs", "fields", "faults", "validation",
+    "yaml_lines", "system", "templates",
+}  # fmt: skip
+
+#: What the modules of a room may import, by the first name below uwopt.
+MAY_IMPORT: dict[str, set[str]] = {
+    "model": {"model", "units", "errors"},
+    "catalog": {"catalog", "units", "errors", "faults", "fields"},
+    "mission": {*INPUT_MODULES, "units", "errors"},
+    "objectives": {
+        "objectives",
+        "model",
+        "mission",
+        "units",
+        "errors",
+        "figures",
+        "hardware",
+        "optics",
+        "scene",
+    },
+    "report": {"report", "catalog", "model", "result", "units", "errors"},
+}
+#: What they may not, where a list of what they may would be long.
+MAY_NOT_IMPORT: dict[str, set[str]] = {
+    "solvers": {"report", "cli", "cli_catalog", "cli_status", "api"},
+    "top": {"report", "cli", "cli_catalog", "cli_status"},
+}
+#: module: what it imports against the rule, and why that is so.
+EXCEPTIONS: dict[tuple[str, str], str] = {
+    ("catalog.photometry", "model"): "borrows a type alias, FloatArray",
+    ("mission_checks", "catalog"): "a currency must have an exchange rate; imported when one is named",
+    ("mission_keys", "catalog"): "Jerlov types and floors are those of the tables; imported when needed",
+    ("system", "catalog"): "inline parts of a system file become the catalogue's records",
+    ("templates", "catalog"): "the schema of a system file lists the keys of inline parts",
+}
+CLI_MODULES = {"cli", "cli_catalog", "cli_status", "__main__"}
+
+
+def name_of(path: Path) -> str:
+    """Module name below uwopt: `model.port`, `cli`, `model` for a package itself."""
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@cache
+def tree_of(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def is_type_checking(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+
+
+def running_nodes(node: ast.AST) -> Iterator[ast.AST]:
+    """All nodes but those for type checkers only."""
+    for child in ast.iter_child_nodes(node):
+        if not is_type_checking(child):
+            yield child
+            yield from running_nodes(child)
+
+
+@cache
+def imports_of(path: Path) -> frozenset[str]:
+    """Full names of the modules that a file imports, at its top or within functions."""
+    found = set()
+    for node in running_nodes(tree_of(path)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{name_of(path)}: relative import"
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return frozenset(found)
+
+
+def rooms_of(path: Path) -> set[str]:
+    """First names below uwopt that a file imports; `from uwopt import __version__` is none."""
+    return {name.split(".")[1] for name in imports_of(path) if name.startswith("uwopt.") and "__" not in name}
+
+
+def room(module: str) -> str:
+    """The room a module belongs to: a package, the mission's files, the command line, or the top."""
+    first = module.split(".")[0]
+    if first in INPUT_MODULES:
+        return "mission"
+    if first in CLI_MODULES or first in ("", "api"):
+        return "door"
+    return first if (PACKAGE / first).is_dir() else "top"
+
+
+def breaches() -> set[tuple[str, str]]:
+    """(module, room) of every import against the rules."""
+    found = set()
+    for path in MODULES:
+        module = name_of(path)
+        imported = rooms_of(path)
+        if (allowed := MAY_IMPORT.get(room(module))) is not None:
+            found |= {(module, other) for other in imported - allowed}
+        found |= {(module, other) for other in imported & MAY_NOT_IMPORT.get(room(module), set())}
+    return found
+
+
+def test_imports_point_one_way():
+    assert breaches() == set(EXCEPTIONS)
+
+
+@pytest.mark.parametrize("library", ["casadi", "nlopt", "pymoo", "dask", "dash"])
+def test_library_is_imported_in_one_module(library):
+    users = [name_of(p) for p in MODULES if any(n.split(".")[0] == library for n in imports_of(p))]
+    assert len(users) <= 1
+    assert all(user.split(".")[0] in ("solvers", "explore") for user in users)
+
+
+@pytest.mark.parametrize("name", ["solve", "evaluate", "pareto"])
+def test_no_module_bears_the_name_of_a_public_function(name):
+    assert not [p for p in MODULES if p.stem == name and p.parent == PACKAGE]
+
+
+@pytest.mark.parametrize("code", ["import uwopt", "import uwopt.cli"])
+def test_import_loads_nothing_heavy(code):
+    heavy = ("numpy", "scipy", "pandas", "casadi", "nlopt", "pymoo", "plotly", "jerlov", "yaml")
+    script = f"{code}\nimport sys\nprint([m for m in {heavy!r} if m in sys.modules])"
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"
+
+
+# ---------------------------------------------------------------- what code may do
+
+
+def calls_of(path: Path) -> set[str]:
+    """Names of what a file calls, such as `print`, `sys.exit` or `read_text`."""
+    found = set()
+    for node in ast.walk(tree_of(path)):
+        if isinstance(node, ast.Call):
+            text = ast.unparse(node.func)
+            found |= {text, text.rsplit(".", 1)[-1]}
+    return found
+
+
+@pytest.mark.parametrize("path", MODEL, ids=name_of)
+def test_model_opens_no_file_and_prints_nothing(path):
+    touching = {
+        "open",
+        "print",
+        "input",
+        "read_text",
+        "write_text",
+        "loadtxt",
+        "genfromtxt",
+        "read_csv",
+        "save",
+    }
+    assert calls_of(path) & touching == set()
+    outside = {"os", "sys", "io", "pathlib", "csv", "json", "logging", "importlib", "subprocess", "warnings"}
+    assert {name.split(".")[0] for name in imports_of(path)} & outside == set()
+
+
+@pytest.mark.parametrize("path", MODEL, ids=name_of)
+def test_model_keeps_no_state(path):
+    assert not [node for node in ast.walk(tree_of(path)) if isinstance(node, ast.Global)]
+
+
+def test_only_the_command_line_prints_and_exits():
+    talking = {"print", "sys.exit", "exit", "quit", "typer.echo"}
+    found = {name_of(p) for p in MODULES if calls_of(p) & talking}
+    assert found <= {*CLI_MODULES, "report.console"}
+
+
+# ---------------------------------------------------------------- docstrings of the model
+
+
+def public_functions(path: Path) -> list[ast.FunctionDef]:
+    """Functions at a module's top whose name has no underscore in front."""
+    body = tree_of(path).body
+    return [n for n in body if isinstance(n, ast.FunctionDef) and not n.name.startswith("_")]
+
+
+#: What tells a quantity: an equation, a unit in brackets or in words, or an argument named with its unit.
+TELLS = re.compile(
+    r"=|\[[^\]]+\]|\b(?:per|share|ratio|index|fraction|" + "|".join(sorted(set(WORDS.values()))) + r")\b"
+)
+
+
+@pytest.mark.parametrize("path", MODEL, ids=name_of)
+def test_each_function_of_the_model_says_what_it_computes(path):
+    for function in public_functions(path):
+        text = ast.get_docstring(function)
+        assert text, function.name
+        if ast.unparse(function.returns or ast.Constant(None)) == "bool":
+            continue
+        unit_in_name = function.name.endswith((*UNIT_SUFFIXES, "_per_sr"))
+        arguments = [a.arg for a in (*function.args.args, *function.args.kwonlyargs)]
+        assert unit_in_name or TELLS.search(text) or any(a.endswith(UNIT_SUFFIXES) for a in arguments), (
+            f"{name_of(path)}.{function.name}: neither equation nor unit"
+        )
+
+
+@pytest.mark.parametrize("path", MODEL, ids=name_of)
+def test_each_file_of_the_model_has_a_docstring(path):
+    assert ast.get_docstring(tree_of(path))
+
+
+def test_longer_functions_of_the_model_list_their_arguments():
+    # From 25 lines of code on, a line of meaning is not enough: Parameters, Returns or a unit in brackets.
+    for path in MODEL:
+        for function in public_functions(path):
+            text = ast.get_docstring(function) or ""
+            code_lines = (function.end_lineno or 0) - function.lineno - len(text.splitlines())
+            if code_lines > 25:
+                assert re.search(r"Parameters|Returns|\[[^\]]+\]|=", text), f"{name_of(path)}.{function.name}"
+
+
+# ---------------------------------------------------------------- units in names
+
+#: Words that name a dimension; a number whose name holds one carries its unit at the end.
+DIMENSIONAL = re.compile(
+    r"(?:^|_)(?:altitude|depth|range|distance|length|width|height|radius|diameter|thickness|gap|baseline|lever|"
+    r"footprint|swath|gsd|pitch|wavelength|time|exposure|pulse|duration|interval|readout|recycle|speed|rate|angle|tilt|"
+    r"elevation|power|energy|mass|flux|illuminance|irradiance|radiance|attenuation|absorption|scattering|dioptre|"
+    r"temperature|salinity|bandwidth|noise|current|reach)(?:_|$)"
+)
+NUMBERS = re.compile(r"\b(?:float|Array|FloatArray|NDArray|Quantity|ndarray)\b")
+#: Ratios of angles, and units that the model uses but the list in units.py lacks.
+PURE = re.compile(r"^(?:cos|sin|tan)_|_(?:rel|frac)$|_(?:per_sr|e2)$")
+#: class.field: why it has no unit.
+WITHOUT_UNIT: dict[str, str] = {
+    "Terms.power": "terms of an objective, each in the unit that Objective.unit names",
+    "Terms.mass": "as above",
+    "UnitBounds.power": "bounds on the terms of an objective, in their units",
+    "UnitBounds.mass": "as above",
+    "LightTable.power_per_light": "W per unit of light, which is lm s or share by kind",
+    "Program.power_weight": "weight of a term",
+    "Certificate.gap_abs": "in the unit of the objective",
+    "Focus.n_depth": "an f-number",
+    "SceneView.time_share": "a share",
+}
+#: module.function(argument): why it has no unit.
+ARGUMENTS_WITHOUT_UNIT: dict[str, str] = {
+    "model.lens.image_irradiance(radiance)": "spectral or not: the result has its unit, without the steradian",
+    "model.beam.tabulated_beam(total_flux)": "in lumens; to be renamed total_flux_lm",
+    "model.port.flat_port_transmittance(absorption_depth)": "an optical depth, which has no unit",
+}
+
+
+def dataclass_fields(path: Path) -> Iterator[tuple[str, str]]:
+    """(class, field) of every public number in a dataclass."""
+    for node in ast.walk(tree_of(path)):
+        if not isinstance(node, ast.ClassDef):
+            continue
+        is_record = any("dataclass" in ast.unparse(d) for d in node.decorator_list)
+        if not is_record and not any(ast.unparse(base) == "NamedTuple" for base in node.bases):
+            continue
+        for item in node.body:
+            if isinstance(item, ast.AnnAssign) and NUMBERS.search(ast.unparse(item.annotation)):
+                name = ast.unparse(item.target)
+                if not name.startswith("_"):
+                    yield node.name, name
+
+
+def test_dimensional_fields_carry_their_unit():
+    bare = {
+        f"{record}.{name}"
+        for path in MODULES
+        for record, name in dataclass_fields(path)
+        if DIMENSIONAL.search(name) and not name.endswith(UNIT_SUFFIXES) and not PURE.search(name)
+    }
+    assert bare == set(WITHOUT_UNIT)
+
+
+def test_arguments_of_the_model_carry_their_unit():
+    bare = {
+        f"{name_of(path)}.{function.name}({argument.arg})"
+        for path in MODEL
+        for function in public_functions(path)
+        for argument in (*function.args.args, *function.args.kwonlyargs)
+        if DIMENSIONAL.search(argument.arg)
+        and argument.annotation is not None
+        and re.search(r"float|Array|Numeric|Symbolic", ast.unparse(argument.annotation))
+        and not argument.arg.endswith(UNIT_SUFFIXES)
+        and not PURE.search(argument.arg)
+    }
+    assert bare == set(ARGUMENTS_WITHOUT_UNIT)
+
+
+# ---------------------------------------------------------------- what a file may mention
+
+
+def files_of_the_project() -> list[Path]:
+    """Files under version control; without git, all that are no caches."""
+    try:
+        done = subprocess.run(
+            ["git", "ls-files", "-co", "--exclude-standard"],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        names = done.stdout.splitlines()
+    except (OSError, subprocess.CalledProcessError):
+        hidden = re.compile(r"(^|/)(\.(?!ci|gitignore)|__pycache__|build/|.*\.egg-info)")
+        paths = (p.relative_to(ROOT).as_posix() for p in ROOT.rglob("*") if p.is_file())
+        names = [name for name in paths if not hidden.search(name)]
+    return [ROOT / name for name in names if (ROOT / name).is_file()]
+
+
+def mentions(pattern: re.Pattern[str]) -> list[str]:
+    """file:line of every match, the tables' sources apart (they name pages on the web)."""
+    found = []
+    for path in files_of_the_project():
+        name = path.relative_to(ROOT).as_posix()
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            if pattern.search(line) and not (name.startswith(DATA) and "http" in line):
+                found.append(f"{name}:{number}")
+    return found
+
+
+def test_no_file_names_a_path_of_a_machine():
+    # in pieces, so that this file does not name one
+    roots = "|".join(
+        ["ho" + "me", "ro" + "ot", "wo" + "rk", "tm" + "p", "Us" + "ers", "op" + "t", "mn" + "t"]
+    )
+    assert mentions(re.compile(rf"(?<![\w.\-/:}}>*)])/(?:{roots})/\w|\b[A-Z]:\\\\?Us" + "ers")) == []
+
+
+def test_no_file_names_a_package_registry():
+    names = [
+        "py" + "pi.",
+        "python" + "hosted",
+        "index" + "-url",
+        "find" + "-links",
+        "conda." + "anaconda",
+        "npm" + "js.",
+    ]
+    assert mentions(re.compile("|".join(map(re.escape, names)))) == []
+
+
+def test_lists_of_exceptions_give_reasons():
+    for table in (EXCEPTIONS, WITHOUT_UNIT, ARGUMENTS_WITHOUT_UNIT):
+        assert all(len(reason) >= 7 for reason in table.values())
