@@ -67,9 +67,9 @@ def chunk(search: Search, imagers: Any, signals: list[Any], rng: np.random.Gener
     """Hardware drawn from the tables, settings drawn over their usual ranges."""
     problem, scene = search.problem, search.problem.scenes[0]
     k = int(rng.integers(len(signals)))
-    table = search.light_tables[k]
+    lights = np.flatnonzero(problem.lights.optics_index == search.tables.lightings[k].optics)
     drawn = rng.integers(len(imagers), size=CHUNK)
-    i, j = imagers[drawn], rng.integers(len(table.light), size=CHUNK)
+    i, j = imagers[drawn], rng.choice(lights, size=CHUNK)
     hardware = search.imagers
     maps = [focus_map(scene, problem.shape(port, 0)) for port in range(len(problem.parts.ports))]
     focus = type(maps[0])(
@@ -79,12 +79,12 @@ def chunk(search: Search, imagers: Any, signals: list[Any], rng: np.random.Gener
     rows = DesignRows(
         cameras=problem.cameras.take(hardware.camera[i]),
         lenses=problem.lenses.take(hardware.lens[i]),
-        lights=problem.lights.take(table.light[j]),
+        lights=problem.lights.take(j),
         count=np.full(CHUNK, float(N_LAMPS)),
         view=hardware.scenes[0].view.take(i),
         focus_map=focus,
         lever_m=levers_m(scene, problem.ports.outer_radius_m[hardware.port[i]]),
-        signal_e=signals[k][drawn] * problem.lights.output_factor[table.light[j]][:, None],
+        signal_e=signals[k][drawn] * problem.lights.output_factor[j][:, None],
         worst_e=None,
     )
     settings = SettingRows(

@@ -120,7 +120,7 @@ def test_settings_of_a_scene_stand_on_those_of_all():
     system = load_system(data)
     deep, other = system.settings_for("deep"), system.settings_for("reef")
     assert (deep.f_number, deep.flux_lm, deep.dim_frac, deep.gain) == (4, None, 0.5, 2)
-    assert (other.f_number, other.flux_lm, other.dim_frac, other.gain) == (4, 100, None, 1)
+    assert (other.f_number, other.flux_lm, other.dim_frac, other.gain) == (4, 100, None, None)
 
 
 def test_settings_for_a_scene_that_is_not_there_are_told():

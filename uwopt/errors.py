@@ -1,11 +1,11 @@
 """The tree of errors that a caller may meet.
 
-    UwoptError
-      MissionError    a mission or system file is wrong: every fault, in one message
-      CatalogError    a part, price or spectrum file is wrong, or a part is unknown
-      RangeError      a number lies outside what a formula or table covers
-      SolverError     a solver could not do its work (infeasible is a result, not an error)
-      OutputError     a result cannot be written where it was asked for
+UwoptError
+  MissionError    a mission or system file is wrong: every fault, in one message
+  CatalogError    a part, price or spectrum file is wrong, or a part is unknown
+  RangeError      a number lies outside what a formula or table covers
+  SolverError     a solver could not do its work (infeasible is a result, not an error)
+  OutputError     a result cannot be written where it was asked for
 """
 
 from __future__ import annotations

@@ -347,18 +347,8 @@ def light_optics(light: Light, *, n_water: float, end: str = "central", paper: b
     """
     beam = light_beam(light, n_water=n_water, end=end)
     if paper and beam.kind != "disc":
-        beam = beams.disc_beam(min(half_power_angle_rad(beam), WIDEST_DISC_RAD))
+        beam = beams.disc_beam(min(beams.half_power_angle_rad(beam), WIDEST_DISC_RAD))
     return LightOptics(beam, light.spectrum_id, light.spectrum)
-
-
-def half_power_angle_rad(beam: beams.Beam) -> float:
-    """Angle from the axis where a beam has half its peak intensity; the edge of a cone."""
-    if beam.kind == "cone":
-        return beams.edge_half_angle_rad(beam)
-    angle = np.linspace(0.0, np.pi / 2, 9001)
-    intensity = beams.intensity_per_sr(np.cos(angle), beam)
-    bright = np.nonzero(intensity >= 0.5 * intensity.max())[0]
-    return float(angle[bright[-1]])
 
 
 def light_beam(light: Light, *, n_water: float, end: str = "central") -> beams.Beam:

@@ -93,6 +93,7 @@ catalog:
   # generic: fallback          # fallback | allow | never: parts that no shop sells as such
   # verified: [price]          # fields that must come from a source
   # accept_unrated: []         # ids whose unknown depth rating you accept
+  # lens_rating: warn          # warn | limit: lenses rated for larger pixels than the camera's
   # extras: [{name: housing, cost: 900, mass_kg: 2.5, power_w: 0}]
 """
 

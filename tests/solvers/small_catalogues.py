@@ -62,7 +62,7 @@ def camera(rng: Rng, name: str) -> Camera:
         colour="mono", resolution_x_px=width, resolution_y_px=height, pixel_pitch_um=pitch_um,
         shutter="rolling" if chance(rng, 0.3) else "global",
         max_frame_rate_hz=exact(between(rng, 8, 120)), bit_depth=bits, read_noise_e=exact(between(rng, 1.5, 15)),
-        saturation_e=exact(well), dark_current_e_s=exact(pick(rng, [0.0, 0.0, 1.0, 30.0])),
+        saturation_e=exact(well), dark_current_e_s=exact(pick(rng, [0.0, 0.0, 0.01, 1.0])),
         gain_dn_per_e=(2.0**bits - 1) / well * between(rng, 0.9, 2.0) if known_gain else None, gain_bits=bits,
         max_gain_db=exact(pick(rng, [0.0, 12.0, 24.0, 36.0])), black_level_dn=pick(rng, [0.0, 0.0, 4.0]),
         min_exposure_us=exact(between(rng, 3, 100)), max_exposure_us=exact(between(rng, 5e3, 2e6)),
@@ -81,7 +81,7 @@ def lens(rng: Rng, name: str) -> Lens:
         focal_length_mm=pick(rng, [4.0, 6.0, 8.0, 8.5, 12.0, 16.0, 25.0]), f_number_min=exact(widest),
         f_number_max=exact(widest if control == "fixed" else pick(rng, [8.0, 11.0, 16.0, 22.0])),
         aperture_control=control, image_circle_mm=pick(rng, [9.0, 11.0, 11.0, 16.0]), mounts=(pick(rng, MOUNTS),),
-        transmission_frac=exact(rng.uniform(0.8, 1.0)), min_object_distance_m=exact(pick(rng, [0.0, 0.05, 0.1, 0.3])),
+        transmission_frac=exact(rng.uniform(0.8, 1.0)), min_object_distance_m=exact(pick(rng, [0.0, 0.0, 0.05, 0.1, 0.3])),
     )  # fmt: skip
 
 
@@ -154,9 +154,9 @@ def scene(rng: Rng, number: int) -> dict[str, Any]:
 def requirements(rng: Rng, speed_m_s: float) -> dict[str, Any]:
     """What images must be; every key is left out in some cases."""
     wanted: dict[str, Any] = {}
-    if speed_m_s == 0.0 or chance(rng, 0.3):
+    if chance(rng, 0.8 if speed_m_s == 0.0 else 0.3):
         wanted["frame_interval_s"] = between(rng, 0.2, 10)
-    if speed_m_s > 0.0 and ("frame_interval_s" not in wanted or chance(rng, 0.5)):
+    if "frame_interval_s" not in wanted or chance(rng, 0.5):
         wanted["overlap"] = float(rng.uniform(0.0, 0.7))
     if chance(rng, 0.8):
         wanted["max_blur_px"] = pick(rng, [0.5, 1.0, 2.0])
@@ -165,7 +165,7 @@ def requirements(rng: Rng, speed_m_s: float) -> dict[str, Any]:
     if chance(rng, 0.5):
         wanted["min_dof_m"] = between(rng, 0.02, 0.8)
     if chance(rng, 0.85):
-        wanted["min_snr_db"] = float(rng.uniform(10, 38))
+        wanted["min_snr_db"] = float(rng.uniform(8, 36))
         wanted["snr_at"] = pick(rng, ["mean", "mean", "worst"])
     if chance(rng, 0.3):
         wanted["mean_level"] = pick(rng, [0.1, 0.3, 0.5])
@@ -176,7 +176,7 @@ def requirements(rng: Rng, speed_m_s: float) -> dict[str, Any]:
 
 def mission(rng: Rng) -> dict[str, Any]:
     """A mission without limits, as plain values."""
-    altitude_m = between(rng, 0.6, 6)
+    altitude_m = between(rng, 0.5, 4)
     speed_m_s = pick(rng, [0.0, 0.1, 0.5, 1.0])
     low = int(rng.integers(1, 3))
     vehicle: dict[str, Any] = {

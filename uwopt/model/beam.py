@@ -198,6 +198,34 @@ def edge_half_angle_rad(beam: Beam) -> float:
     return _half_angle(beam)
 
 
+def half_power_angle_rad(beam: Beam) -> float:
+    """Greatest angle from the axis with half the peak intensity [rad]; the edge of a disc or cone."""
+    if beam.kind in ("disc", "cone"):
+        return _half_angle(beam)
+    angle = np.linspace(0.0, np.pi / 2, 18001)
+    intensity = intensity_per_sr(np.cos(angle), beam)
+    return float(angle[np.flatnonzero(intensity >= 0.5 * intensity.max())[-1]])
+
+
+@functools.lru_cache(maxsize=256)
+def falling_envelope(beam: Beam) -> tuple[FloatArray, FloatArray]:
+    """Angles from 0 to 90 deg, and the greatest intensity at that angle or any larger one [rad], [1/sr].
+
+    A bound for proofs: it never rises, and lies nowhere below the beam. Between its angles take the
+    value at the smaller one.
+    """
+    angle = np.linspace(0.0, np.pi / 2, 18001)
+    intensity = intensity_per_sr(np.cos(angle), beam)
+    middle = intensity_per_sr(np.cos(angle[:-1] + 0.5 * (angle[1] - angle[0])), beam)
+    seen = np.maximum(intensity, np.append(middle, 0.0))
+    seen[:-1] = np.maximum(seen[:-1], intensity[1:])
+    if has_sharp_edge(beam):  # a jump between two angles is covered up to its upper end
+        at = int(np.searchsorted(angle, edge_half_angle_rad(beam)))
+        seen[: at + 1] = np.maximum(seen[: at + 1], 0.0)
+        seen[max(at - 1, 0)] = max(seen[max(at - 1, 0)], peak_intensity_per_sr(beam))
+    return angle, np.maximum.accumulate(seen[::-1])[::-1] * (1 + ROUNDING)
+
+
 def without_edge(beam: Beam) -> Beam:
     """The same intensity inside, continued smoothly beyond the edge up to the front plane.
 
