@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -91,6 +91,9 @@ class Search:
         self.limits = problem.mission.limits
         self.bounds_s = 0.0
         self.interrupted = False
+        self.without_dark = (
+            np.inf
+        )  # best value if no sensor had dark current, where that matters to the proof
         self._samples: dict[str, list[tuple[int, int | None]]] = {}  # rule -> (imager, lighting or any)
 
     # ------------------------------------------------------------ run
@@ -169,7 +172,9 @@ class Search:
             position += len(rows)
             chunk = min(2 * chunk, LARGEST_CHUNK, most)
             self.progress(0.1 + 0.9 * position / len(order), "search")
-        return (self.ranking.best[0].minimised if self.ranking.best else self.ceiling), True
+        return min(
+            self.ranking.best[0].minimised if self.ranking.best else self.ceiling, self.without_dark
+        ), True
 
     def _cut_short(self, lowest: float, every: int, floor: Array, rest: Array) -> tuple[float, bool]:
         """Account for what was not reached when time ran out, and the bound that is left."""
@@ -214,11 +219,13 @@ class Search:
                 return float(value[rest].min())
             tied = np.isfinite(threshold) & (value[ahead] >= threshold - 2 * TIE * abs(threshold))
             useful = ahead[~(tied & (power[ahead] > self.ranking.power_threshold()))]
+            before = (self.account.evaluated, dict(self.account.discarded))
             self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
             try:
                 self._evaluate_units(useful // n, rows[useful % n])
             except KeyboardInterrupt:  # keep what was found; the units at hand count as not reached
                 self.interrupted = True
+                self.account.evaluated, self.account.discarded = before
                 continue
             position += len(ahead)
             batch = min(2 * batch, LARGEST_BATCH)
@@ -325,7 +332,25 @@ class Search:
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
         value = np.where(feasible & np.isfinite(value), value, np.inf)
+        if self.objective.weight("snr_db"):
+            self._bound_by_dark(rows, motorised, camera_power, feasible, terms)
         return value, terms, chosen, [r.exposure_s(c.time_s) for r, c in zip(rows, chosen, strict=True)]
+
+    def _bound_by_dark(
+        self, rows: list[SceneRows], motorised: Array, camera_power: Array, feasible: Array, terms: Terms
+    ) -> None:
+        """Where SNR counts, exposure and dark current are not optimised together: what is left of the gap.
+
+        No settings can do better than the best without any dark current.
+        """
+        if not any(np.any(r.dark_current_e_s[feasible] > 0) for r in rows):
+            return
+        dark_free = [replace(r, dark_current_e_s=np.zeros_like(r.dark_current_e_s)) for r in rows]
+        limit_w = limit(self.limits.power_w)
+        chosen, _, snr_db = best_settings(dark_free, motorised, self.objective, camera_power, limit_w)
+        power = camera_power + np.max([c.light_power_w for c in chosen], axis=0)
+        best = self.objective.cost_to_minimise(replace(terms, power=power, snr_db=snr_db))
+        self.without_dark = min(self.without_dark, float(np.nanmin(np.where(feasible, best, np.inf))))
 
     def rows(
         self, imager: Array, signals: list[Array], light: Array, count: Array, lighting: Lighting
