@@ -267,7 +267,6 @@ WITHOUT_UNIT: dict[str, str] = {
 #: module.function(argument): why it has no unit.
 ARGUMENTS_WITHOUT_UNIT: dict[str, str] = {
     "model.lens.image_irradiance(radiance)": "spectral or not: the result has its unit, without the steradian",
-    "model.beam.tabulated_beam(total_flux)": "in lumens; to be renamed total_flux_lm",
     "model.port.flat_port_transmittance(absorption_depth)": "an optical depth, which has no unit",
 }
 

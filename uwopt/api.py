@@ -132,6 +132,7 @@ def found_result(
 ) -> Result:
     """A result with a recommendation."""
     from uwopt.solvers.robustness import assumptions, robustness
+    from uwopt.solvers.waters import in_other_water
 
     best = sought.outcome.best
     in_haste = sought.outcome.interrupted
@@ -143,6 +144,8 @@ def found_result(
         generic = design_of(alternative, alternative.outcome.best[0], goal)
     with recommend.timed(timing, "robustness"):
         doubt = None if in_haste else robustness(sought, goal)
+        if doubt is not None:
+            doubt["other_water_table"] = in_other_water(sought, goal)
     with recommend.timed(timing, "second_opinion"):
         opinions = [] if in_haste else second_opinions(sought, goal, solver)
     proven = sought.outcome.complete

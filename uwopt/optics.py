@@ -358,7 +358,7 @@ def light_beam(light: Light, *, n_water: float, end: str = "central") -> beams.B
         angles = np.deg2rad(light.beam_profile.x)
         values = np.asarray(light.beam_profile.y, float)
         return beams.tabulated_beam(
-            angles, values, medium="water" if in_water else "air", n_w=n_water, total_flux=None
+            angles, values, medium="water" if in_water else "air", n_w=n_water, total_flux_lm=None
         )  # the shape; what a profile in candela holds of the flux is in the output factor
     half = np.deg2rad(number(light.beam_angle_deg, 90.0, end, FAVOURED["beam_angle_deg"])) / 2.0  # type: ignore[arg-type]
     if not in_water:

@@ -51,7 +51,7 @@ def test_a_lambertian_file_makes_a_lambertian_beam() -> None:
     values = "\n".join(f"{1000 / np.pi * max(0.0, np.cos(np.deg2rad(a))):.6f}" for a in angle)
     text = f"IESNA91\nTILT=NONE\n1 1000 1 {angle.size} 1 1 2 0 0 0\n1 1 10\n{rows}\n0\n{values}\n"
     angle_deg, candela, lumens = parse_ies(text)
-    beam = tabulated_beam(np.deg2rad(angle_deg), candela, medium="water", n_w=1.34, total_flux=lumens)
+    beam = tabulated_beam(np.deg2rad(angle_deg), candela, medium="water", n_w=1.34, total_flux_lm=lumens)
     assert intensity_per_sr(1.0, beam) == pytest.approx(1 / np.pi, rel=1e-8)  # six printed digits
 
 

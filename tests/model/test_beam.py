@@ -22,9 +22,9 @@ N_W = 1.34
 ANGLE_RAD = np.deg2rad([0.0, 20.0, 40.0, 60.0])
 
 
-def flood(medium: str = "water", total_flux: float | None = None) -> Beam:
+def flood(medium: str = "water", total_flux_lm: float | None = None) -> Beam:
     values = FLOOD_PEAK_CD * SEALITE.flood_rel.to_numpy()
-    return beams.tabulated_beam(SEALITE_RAD, values, medium=medium, n_w=N_W, total_flux=total_flux)  # type: ignore[arg-type]
+    return beams.tabulated_beam(SEALITE_RAD, values, medium=medium, n_w=N_W, total_flux_lm=total_flux_lm)  # type: ignore[arg-type]
 
 
 BEAMS = {
@@ -115,14 +115,14 @@ def test_impossible_angles_are_refused(build: object, angle_rad: float) -> None:
 
 def test_dspl_flood_integrates_to_the_published_flux() -> None:
     # 5680 cd at the peak: about 7030 lm of a nameplate 10 000 lm, digitised profile
-    beam = flood(total_flux=10_000.0)
+    beam = flood(total_flux_lm=10_000.0)
     assert 10_000 * energy(beam) == pytest.approx(7030, rel=3e-3)  # "about", to the third digit
     assert 10_000 * beams.peak_intensity_per_sr(beam) == pytest.approx(5680, rel=1e-9)  # bound's slack
 
 
 def test_dspl_spot_integrates_to_the_published_flux() -> None:
     beam = beams.tabulated_beam(
-        SEALITE_RAD, SPOT_PEAK_CD * SEALITE.spot_rel, medium="water", n_w=N_W, total_flux=10_000.0
+        SEALITE_RAD, SPOT_PEAK_CD * SEALITE.spot_rel, medium="water", n_w=N_W, total_flux_lm=10_000.0
     )
     assert 10_000 * energy(beam) == pytest.approx(4684, rel=1e-2)  # thinned noise floor beyond 50 deg
 
@@ -133,7 +133,7 @@ def test_relative_profile_has_the_flux_of_its_lamp() -> None:
 
 
 def test_look_up_follows_a_monotone_cubic_through_the_profile() -> None:
-    beam = flood(total_flux=FLOOD_PEAK_CD)
+    beam = flood(total_flux_lm=FLOOD_PEAK_CD)
     scipys = PchipInterpolator(SEALITE_RAD, SEALITE.flood_rel.to_numpy())
     angle = np.linspace(0, np.deg2rad(89.9), 50_001)
     # promised by the docstring: 1e-4 of the peak
@@ -157,7 +157,7 @@ def test_any_profile_can_be_normalised_and_bounded(values: list[float]) -> None:
 def test_a_lambertian_lamp_in_air_stays_even_in_radiance_in_water() -> None:
     # I_a = cos(a)/pi: I_w = n^2 cos(w)/pi inside the critical angle, nothing outside; flux stays 1
     angle = np.deg2rad(np.arange(0, 90.5, 0.5))
-    beam = beams.tabulated_beam(angle, np.cos(angle) / np.pi, medium="air", n_w=N_W, total_flux=1.0)
+    beam = beams.tabulated_beam(angle, np.cos(angle) / np.pi, medium="air", n_w=N_W, total_flux_lm=1.0)
     critical = np.arcsin(1 / N_W)
     inside = np.linspace(0, critical - 0.001, 500)
     expected = N_W**2 * np.cos(inside) / np.pi
@@ -169,7 +169,7 @@ def test_a_lambertian_lamp_in_air_stays_even_in_radiance_in_water() -> None:
 
 
 def test_bending_into_water_keeps_the_flux_of_a_measured_profile() -> None:
-    in_air, in_water = energy(flood("water", total_flux=1e4)), energy(flood("air", total_flux=1e4))
+    in_air, in_water = energy(flood("water", total_flux_lm=1e4)), energy(flood("air", total_flux_lm=1e4))
     # the digitiser's floor beyond 80 deg is cut and the bent table is interpolated anew
     assert in_water == pytest.approx(in_air, rel=2e-3)
 

@@ -232,6 +232,10 @@ class SceneSearch:
             dim = dim | (np.asarray(sensor.snr(pixel, **noise)).min(axis=-1) < needs.min_snr)
         return np.asarray(sensor.snr(signal, **noise))[..., nominal], dim, bright
 
+    def light_of(self, numbers: dict[str, float]) -> float:
+        """Light X of a setting."""
+        return self.lumen * numbers["level"] * numbers["time_s"] / (numbers["f_number"] * self.factor) ** 2
+
     def setting_rows(self, numbers: dict[str, float]) -> SettingRows:
         """A candidate as settings of the forward model, the gain by its own figures at unit gain."""
         time_s = np.array([numbers["time_s"]])
@@ -263,25 +267,30 @@ class SceneSearch:
 
     # ------------------------------------------------------------ candidates
 
-    def prepare(self, dense: bool) -> Array:
-        """Grids of time, level and light; returns f-numbers at which several ends meet."""
-        n_time, n_light = (13, 41) if dense else (7, 5)
+    def prepare(self, n_light: int, around: float | None = None, reach: float = 0.0) -> Array:
+        """Grids of time, level and light; returns f-numbers at which several ends meet.
+
+        `around`: a light that proved good, to look closer at e^reach to each side of it.
+        """
         low, high = self.time
-        self.times = np.unique(np.geomspace(low, max(low, high), n_time)) if high > low else np.array([low])
-        least, most = self.light_range(self.times)
-        share = np.linspace(0.0, 1.0, n_light)
-        with np.errstate(invalid="ignore"):
-            self.lights = np.exp(np.log(least)[:, None] * (1 - share) + np.log(most)[:, None] * share)
-        self.lights[~(least <= most * (1 + 1e-9))] = np.nan
+        if around is None:
+            self.times = np.unique(np.geomspace(low, high, 9)) if high > low else np.array([low])
+            least, most = self.light_range(self.times)
+            self.ends = np.minimum(least, np.where(least <= most * (1 + 1e-9), most, np.inf)), most
+        least, most = self.ends
+        near = np.maximum(least, 1e-5 * most) if around is None else np.full(len(least), around * np.exp(-reach))
+        far = most if around is None else np.full(len(most), around * np.exp(reach))
+        grid = near[:, None] * (far / near)[:, None] ** np.linspace(0.0, 1.0, n_light)
+        grid = np.concatenate([grid, least[:, None], most[:, None]], axis=1)
+        inside = (grid >= least[:, None] * (1 - 1e-13)) & (grid <= most[:, None] * (1 + 1e-13))
+        self.lights = np.where(inside & (grid < 1e15), grid, np.nan)  # more than 1e15: no light reaches the image
         levels, free = self.levels
         if self.kind != PULSED and free and np.isfinite(self.power_limit_w) and self.full_w > 0:
             levels = np.unique(np.append(levels, np.clip(self.power_limit_w / self.full_w, levels[0], levels[-1])))
         self.pinned = levels
-        self.lights[self.lights > 1e15] = np.nan  # no light reaches the image
-        ends_t = self.times[[0, -1]]
-        x = self.lights[[0, -1]][:, [0, -1]]
+        x = np.stack([least[[0, -1]], most[[0, -1]]], axis=1)
         with np.errstate(invalid="ignore", divide="ignore"):
-            f_number = np.sqrt(self.lumen * levels[:, None, None] * ends_t[:, None] / x) / self.factor
+            f_number = np.sqrt(self.lumen * levels[:, None, None] * self.times[[0, -1]][:, None] / x) / self.factor
         return f_number[np.isfinite(f_number)]
 
     def candidates(self, f_number: Array) -> list[Array]:
@@ -301,6 +310,9 @@ class SceneSearch:
         for level in self.pinned:
             with np.errstate(divide="ignore"):
                 add(many * square / level, np.array(level), many)
+            for end in self.ends:
+                light_x = self._at_its_own_time(end, square / max(level, 1e-300))
+                add(light_x * square / max(level, 1e-300), np.array(level), light_x)
             add(self.times, np.array(level), level * self.times / square)
         time_s, level, light_x = (np.concatenate(parts, axis=1).ravel() for parts in (t, u, x))
         f_number = np.repeat(f_number, len(time_s) // len(f_number))
@@ -314,6 +326,13 @@ class SceneSearch:
         power = self.full_w * level * (np.minimum(1.0, time_s * self.rate) if self.kind == PULSED else 1.0)
         good = ~dim & ~bright & (power <= self.power_limit_w * (1 + 1e-9))
         return [column[good] for column in (power, snr, time_s, level, f_number)]
+
+    def _at_its_own_time(self, end: Array, time_per_light: Array) -> Array:
+        """An end of the light's range, which dark current shifts with the time that this light takes."""
+        light_x = np.full(time_per_light.shape, end[0])
+        for _ in range(6):
+            light_x = np.interp(light_x * time_per_light, self.times, end)
+        return light_x
 
     def _at_power_limit(self, square: Array) -> Array:
         """Light of pulsed lamps that use all the power there is."""
@@ -330,21 +349,33 @@ def settle_all(model: DesignModel, objective: Objective) -> tuple[float, float, 
     terms = fixed_terms(model)
     limit = problem.mission.limits.power_w
     left = np.inf if limit is None else limit - terms["camera_power_w"]
-    dense = bool(objective.weight("snr_db"))
     scenes = [SceneSearch(model, i, float(focus.dioptre_per_m[i][0]), left) for i in range(len(problem.scenes))]
     if not all(scene.possible for scene in scenes):
         return nothing
-    meeting = [scene.prepare(dense) for scene in scenes]
-    if len(scenes) > 1 and not model.lenses.motorised[0]:
+    weighs = bool(objective.weight("snr_db"))
+    best = one_pass(scenes, [s.prepare(33 if weighs else 2) for s in scenes], objective, terms)
+    for reach in (0.5, 0.1, 0.02) if weighs and best[3] else ():
+        lights = [s.light_of(numbers) for s, numbers in zip(scenes, best[3], strict=True)]
+        meeting = [s.prepare(21, x, reach) for s, x in zip(scenes, lights, strict=True)]
+        meeting = [np.append(m, n["f_number"] * np.exp(np.linspace(-reach, reach, 5))) for m, n in zip(meeting, best[3], strict=True)]
+        best = min(best, one_pass(scenes, meeting, objective, terms), key=lambda b: b[:2])
+    return best
+
+
+def one_pass(
+    scenes: list[SceneSearch], meeting: list[Array], objective: Objective, terms: dict[str, float]
+) -> tuple[float, float, float, list[dict[str, float]]]:
+    """The best of all candidates of all scenes on the grids that they have now."""
+    best: tuple[float, float, float, list[dict[str, float]]] = (np.inf, np.inf, 0.0, [])
+    if len(scenes) > 1 and not scenes[0].model.lenses.motorised[0]:
         low, high = max(s.f_range[0] for s in scenes), min(s.f_range[1] for s in scenes)
         common = f_numbers(low, high, np.concatenate(meeting))
         if len(common) == 0:
-            return nothing
+            return best
         found = [scene.candidates(common) for scene in scenes]
         groups = [[[c[columns[4] == n] for c in columns] for columns in found] for n in common]
     else:
         groups = [[s.candidates(f_numbers(*s.f_range, m)) for s, m in zip(scenes, meeting, strict=True)]]
-    best = nothing
     for group in groups:
         if all(len(columns[0]) for columns in group):
             best = min(best, joined(group, objective, terms), key=lambda b: b[:2])

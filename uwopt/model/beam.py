@@ -66,7 +66,7 @@ def tabulated_beam(
     *,
     medium: Literal["air", "water"],
     n_w: float,
-    total_flux: float | None = None,
+    total_flux_lm: float | None = None,
 ) -> Beam:
     """A measured profile.
 
@@ -78,12 +78,12 @@ def tabulated_beam(
     intensity : (m,) [cd], or any unit when relative; zero or more
     medium : where angle and intensity were measured
     n_w : scalar [1], refractive index of the water; not used for a profile in water
-    total_flux : scalar [lm], the flux that the caller's lumens stand for; None: the profile is relative
+    total_flux_lm : scalar [lm], the flux that the caller's lumens stand for; None: the profile is relative
         and is scaled so that it holds all of the lamp's flux
 
     Returns
     -------
-    Beam; an absolute one integrates to (measured flux / total_flux), which may differ from 1
+    Beam; an absolute one integrates to (measured flux / total_flux_lm), which may differ from 1
 
     Notes
     -----
@@ -104,11 +104,11 @@ def tabulated_beam(
     if medium == "air":
         angle, values = _air_to_water(angle, values, n_w)
     flux = _table_flux(_uniform_table(tuple(angle.tolist()), tuple(values.tolist())))
-    if total_flux is not None:
-        _require(total_flux > 0, "total flux of a profile", total_flux, "above 0", unit="lm")
+    if total_flux_lm is not None:
+        _require(total_flux_lm > 0, "total flux of a profile", total_flux_lm, "above 0", unit="lm")
     if not flux > 0:
         raise RangeError("a beam profile holds no light between 0 and 90 deg")
-    values = values / (flux if total_flux is None else total_flux)
+    values = values / (flux if total_flux_lm is None else total_flux_lm)
     return Beam(
         "tabulated", table_angle_rad=tuple(angle.tolist()), table_intensity_per_sr=tuple(values.tolist())
     )

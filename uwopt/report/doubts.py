@@ -139,6 +139,9 @@ def robustness_block(result: Result) -> RenderableType:
             "every requirement still holds" if doubt["feasible_at_bad_end"] else "a requirement may be missed"
         )
         facts.append(("at the bad ends", holds))
+    other = doubt.get("other_water_table")
+    if other:
+        facts.append(("other water table", water_text(other, result)))
     quotes = doubt.get("quotes_that_matter") or []
     facts.append(
         (
@@ -155,6 +158,20 @@ def robustness_block(result: Result) -> RenderableType:
         )
         lines += [sentence("- " + quote_text(item, result)) for item in quotes]
     return block("How firm this is", lines)
+
+
+def water_text(other: Mapping[str, Any], result: Result) -> str:
+    """What becomes of the recommendation when the other water table is believed."""
+    table = ", ".join(words.one_line(name) for name in other.get("tables") or [])
+    value = other.get("objective_value")
+    if value is None:
+        held = f"{table}: this system is not feasible in it"
+    else:
+        held = f"{table}: this system then has {words.objective_text(result, float(value))}"
+    if not other.get("changes"):
+        return held + "; of those shown it stays the best"
+    best = other.get("best_of_shown")
+    return held + (f"; {' + '.join(best)} is then better" if best else "; none of those shown is")
 
 
 def rival_text(rival: Any) -> str:

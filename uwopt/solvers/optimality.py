@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 from uwopt.solvers.pieces import Scene, Settings
 from uwopt.solvers.program import Program
@@ -155,6 +154,8 @@ def fitted_multipliers(at: Derivatives) -> Array:
     columns = np.concatenate([at.jacobian[active], at.jacobian[equal], -at.jacobian[equal]]).T
     multipliers = np.zeros(len(at.values))
     if columns.size and np.all(np.isfinite(columns)) and np.all(np.isfinite(at.gradient)):
+        from scipy.optimize import nnls  # only solvers without multipliers need it: 0.3 s to import
+
         share, _ = nnls(columns, -at.gradient)
         multipliers[active] = share[: len(active)]
         multipliers[equal] = share[len(active) : len(active) + len(equal)] - share[len(active) + len(equal) :]
