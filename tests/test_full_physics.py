@@ -25,6 +25,7 @@ import uwopt
 
 Array = NDArray[np.float64]
 DATA = Path(__file__).parents[1] / "uwopt" / "catalog" / "data"
+REFERENCE = Path(__file__).parent / "reference"
 WAVES_NM = np.arange(380.0, 780.25, 0.5)  # finer than uwopt's own grid
 STEPS_NM = np.r_[0.25, np.full(WAVES_NM.size - 2, 0.5), 0.25]
 PLANCK_J_S, LIGHT_M_S, LUMENS_PER_W = 6.62607015e-34, 299_792_458.0, 683.002
@@ -141,7 +142,8 @@ def figures(case: Case) -> dict[str, Any]:
 
 @cache
 def rows_of(file: str) -> tuple[dict[str, str], ...]:
-    with (DATA / file).open(encoding="utf-8", newline="") as lines:
+    folder = REFERENCE if (REFERENCE / file).exists() else DATA
+    with (folder / file).open(encoding="utf-8", newline="") as lines:
         return tuple(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 

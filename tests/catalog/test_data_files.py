@@ -25,7 +25,6 @@ ROWS = {
     "lights.csv": 43,
     "ports.csv": 38,
     "jerlov_iop.csv": 170,
-    "jerlov_iop_measured.csv": 3006,
     "pure_water.csv": 91,
     "photopic_v.csv": 471,
     "light_spectra.csv": 2996,

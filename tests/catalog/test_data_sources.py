@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import uwopt.catalog
+from uwopt.catalog import spectra
 
 DATA_DIR = Path(uwopt.catalog.__file__).parent / "data"
 SEED_CURVE_POINTS = 1080 - 14  # the tool's points less those beyond 912 nm, see the file's head
@@ -83,10 +84,25 @@ def test_jerlov_cells_equal_the_published_tables():
 
 def test_the_two_water_tables_disagree_as_their_sources_do():
     # Beam attenuation of type III at 525 nm: 0.37 1/m in one table, 1.11 1/m in the other (two digits).
-    modelled = row_of("jerlov_iop.csv", water_type="III", wavelength_nm="525")
-    measured = row_of("jerlov_iop_measured.csv", water_type="III", wavelength_nm="525")
-    found = [float(row["a_per_m"]) + float(row["b_per_m"]) for row in (modelled, measured)]
+    found = [
+        float(np.interp(525.0, profile.wavelength_nm, profile.attenuation_per_m))
+        for profile in (spectra.water_profile("III", "solonenko-mobley"), spectra.water_profile("III", "measured"))
+    ]
     assert sorted(found) == pytest.approx([0.37, 1.11], abs=0.005)
+
+
+def test_measured_waters_of_the_library_are_those_of_the_data_set():
+    # The data set's spreadsheet, kept here as it was read: the library must hold the same numbers.
+    path = Path(__file__).parents[1] / "reference" / "jerlov_iop_measured.csv"
+    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    rows = list(csv.DictReader(lines))
+    for water in sorted({row["water_type"] for row in rows}):
+        mine = [row for row in rows if row["water_type"] == water]
+        profile = spectra.water_profile(water, "measured")
+        assert profile.a_per_m is not None and profile.b_per_m is not None
+        assert profile.wavelength_nm.tolist() == [float(row["wavelength_nm"]) for row in mine]
+        assert profile.a_per_m.tolist() == [float(row["a_per_m"]) for row in mine]
+        assert profile.b_per_m.tolist() == [float(row["b_per_m"]) for row in mine]
 
 
 def test_photopic_curve_peaks_at_555_and_sums_to_the_standard():

@@ -307,12 +307,11 @@ class SceneSearch:
             times = np.broadcast_to(self.times[:, None], self.lights.shape).ravel()
             add(times, every * square / times, every)
         many = np.concatenate([np.broadcast_to(every, (len(f_number), len(every))), self._at_power_limit(square)], axis=1)
-        for level in self.pinned:
-            with np.errstate(divide="ignore"):
-                add(many * square / level, np.array(level), many)
+        for level in self.pinned[self.pinned > 0]:
+            add(many * square / level, np.array(level), many)
             for end in self.ends:
-                light_x = self._at_its_own_time(end, square / max(level, 1e-300))
-                add(light_x * square / max(level, 1e-300), np.array(level), light_x)
+                light_x = self._at_its_own_time(end, square / level)
+                add(light_x * square / level, np.array(level), light_x)
             add(self.times, np.array(level), level * self.times / square)
         time_s, level, light_x = (np.concatenate(parts, axis=1).ravel() for parts in (t, u, x))
         f_number = np.repeat(f_number, len(time_s) // len(f_number))
@@ -478,8 +477,7 @@ def scale_of(objective: Objective, value: float, power_w: float, snr: float) -> 
     return max(sizes)
 
 
-def enumerate_all(problem: Problem, objective: Objective) -> list[Best]:
+def enumerate_all(bench: Bench, objective: Objective) -> list[Best]:
     """Best settings of every hardware, best first."""
-    bench = Bench(problem)
-    found = [best_of(bench, hw, objective) for hw in buildable(problem)]
+    found = [best_of(bench, hw, objective) for hw in buildable(bench.problem)]
     return sorted(found, key=lambda b: (b.value, b.power_w))

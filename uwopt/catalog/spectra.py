@@ -7,6 +7,7 @@ one grid, and the rules beyond a table's ends, are the model's business.
 from __future__ import annotations
 
 import difflib
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -29,6 +30,11 @@ GRID_NM = (380.0, 780.0, 1.0)  # of spectra that are formulas rather than tables
 
 #: No spectrum of a bare xenon flash tube is published in the sources read; this is the usual proxy.
 XENON_PROXY_K = 6000.0
+
+
+#: Williamson and Hollins (2022), as the library jerlov names it.
+MEASURED_SOURCE = "williamson2022"
+MEASURED_NOTE = "a and b model_extrapolation at 300-411 and 716-800 nm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,8 +229,25 @@ def _flat(name: str, value: float, source: str) -> Spectrum:
 @cache
 def water_types(table: WaterTable) -> tuple[str, ...]:
     """Jerlov types that a table covers."""
-    file = {"solonenko-mobley": "jerlov_iop.csv", "measured": "jerlov_iop_measured.csv"}.get(table)
-    return tuple(_groups(file, "water_type")) if file else ()
+    if table == "measured":
+        from jerlov import get_source
+
+        return tuple(get_source(MEASURED_SOURCE).water_types)
+    return tuple(_groups("jerlov_iop.csv", "water_type")) if table == "solonenko-mobley" else ()
+
+
+def _measured(water: str) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Wavelengths, a and b of the measured table, from the library that keeps it.
+
+    The library warns of every flagged row; `MEASURED_NOTE` says the same once.
+    """
+    import jerlov
+
+    profile = jerlov.water(water, source=MEASURED_SOURCE)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", jerlov.ProvenanceWarning)
+        wavelength_nm = np.asarray(profile.wavelengths, float)
+        return wavelength_nm, np.asarray(profile.a(wavelength_nm)), np.asarray(profile.b(wavelength_nm))
 
 
 def water_profile(
@@ -253,20 +276,22 @@ def _jerlov(water: str, table: Literal["solonenko-mobley", "measured"] | None) -
     used: WaterTable = table or ("measured" if water in measured_types else "solonenko-mobley")
     modelled = _groups("jerlov_iop.csv", "water_type")[water]
     if used == "measured":
-        group = _groups("jerlov_iop_measured.csv", "water_type")[water]
+        wavelength_nm, a_per_m, b_per_m = _measured(water)
+        notes: tuple[str, ...] = (MEASURED_NOTE,)
     else:
-        group = modelled
-    a_per_m, b_per_m = group.numbers("a_per_m"), group.numbers("b_per_m")
+        wavelength_nm = modelled.numbers("wavelength_nm")
+        a_per_m, b_per_m = modelled.numbers("a_per_m"), modelled.numbers("b_per_m")
+        notes = _water_notes(modelled)
     return WaterProfile(
         water,
         used,
-        group.numbers("wavelength_nm"),
+        wavelength_nm,
         a_per_m + b_per_m,
         a_per_m,
         b_per_m,
         modelled.numbers("wavelength_nm"),
         modelled.numbers("kd_per_m"),
-        _water_notes(group),
+        notes,
     )
 
 
