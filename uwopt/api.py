@@ -12,10 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from uwopt.catalog.catalogue import Catalog
+from uwopt.catalog.choose import Choice, select
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.catalog.load import load_catalog as _load_catalog
 from uwopt.errors import MissionError
 from uwopt.evaluation import Hardware, SceneSettings, evaluate_design
+from uwopt.hardware import FLASH
 from uwopt.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Mount, Parts, Problem
@@ -28,6 +30,11 @@ from uwopt.system import System, load_system
 Source = str | Path | Mapping[str, Any]
 Progress = Callable[[float, str], None]
 SOLVERS = ("exact", "casadi", "nlopt")
+UNBUILT = {
+    "min_contrast": "veils are not modelled yet",
+    "min_uniformity": "the search does not weigh the evenness of the image yet",
+    "min_mtf_half_nyquist": "sharpness is not modelled yet",
+}
 NOT_MODELLED = (
     "backscatter and forward-scatter veils", "sunlight", "curved dome image", "MTF and resolution",
     "lateral colour", "Fresnel loss by angle", "choice of effects by physics auto",
@@ -46,12 +53,39 @@ def load_catalog(mission: Mission | None = None) -> Catalog:
 def prepared(mission: Source | Mission, physics: str | None, objective: Any) -> Mission:
     """A mission with the physics and objective of the call."""
     loaded = load_mission(mission)
+    refuse_unbuilt(loaded)
     changes: dict[str, Any] = {}
     if physics is not None:
         changes["physics"] = physics
     if objective is not None:
         changes["objective"] = objective
     return loaded.with_changes(**changes) if changes else loaded
+
+
+def refuse_unbuilt(mission: Mission) -> None:
+    """Raise where a mission asks for what cannot be held yet: silence would look like a promise kept."""
+    faults = [
+        f"{mission.source_name}: requirements.{key} (scene {view.scene.name}) cannot be held yet, because {why}; "
+        "leave it out"
+        for view in mission.views
+        for key, why in UNBUILT.items()
+        if getattr(view.requirements, key) is not None
+    ]
+    if faults:
+        raise MissionError(faults)
+
+
+def unbuilt_warnings(mission: Mission) -> list[dict[str, str]]:
+    """What a mission names and the model leaves out, with the consequence."""
+    notes = []
+    for view in mission.views:
+        if view.scene.sun_lux > 0:
+            text = f"{view.scene.name}: sunlight is not modelled yet; signal and veil are those of the lamps alone"
+            notes.append({"code": "not_modelled", "path": "scene.sun_lux", "message": text})
+        if view.requirements.dof_at == "corner":
+            text = f"{view.scene.name}: depth of field is held on the axis; a dome's curved image is not modelled yet"
+            notes.append({"code": "not_modelled", "path": "requirements.dof_at", "message": text})
+    return notes
 
 
 def solve(
@@ -187,7 +221,7 @@ def infeasible_result(
     why = None
     if used.outcome.complete:
         with recommend.timed(timing, "explanation"):
-            why = explain(mission, catalog, proof, generic=generic)
+            why = explain(mission, catalog, goal, proof, generic=generic)
     status = "infeasible" if used.outcome.complete else "stopped"
     return replace(
         result,
@@ -243,6 +277,7 @@ def base_result(command: str, mission: Mission, goal: Objective, problem: Proble
             "name": goal.name, "direction": goal.direction, "value": None, "unit": goal.unit(mission.limits.currency)
         },
         uwopt_version=uwopt.__version__,
+        warnings=unbuilt_warnings(mission),
         seed=mission.seed,
         versions=versions(),
     )  # fmt: skip
@@ -268,10 +303,13 @@ def evaluate(mission: Source | Mission, system: Source | System, *, physics: str
     wanted = prepared(mission, physics, None)
     built = load_system(system)
     built.check_scenes(wanted)
+    if built.camera_count != wanted.vehicle.camera_count:
+        vehicle = {**wanted.to_dict()["vehicle"], "camera_count": built.camera_count}
+        wanted = wanted.with_changes(vehicle=vehicle)
     goal = Objective.of(wanted.objective)
     problem, hardware = system_problem(wanted, built)
     given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
-    design = with_compatibility(evaluate_design(problem, hardware, given, goal), problem)
+    design = with_compatibility(evaluate_design(problem, hardware, given, goal), problem, wanted)
     result = base_result("evaluate", wanted, goal, problem)
     return replace(
         result,
@@ -287,12 +325,14 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
     """Tables of one system: its parts from the catalogue or inline."""
     from uwopt.catalog.inline import part_from_inline
 
-    catalog = load_catalog(mission)
+    selection = select(
+        load_catalog(mission), Choice(owned=mission.catalog.owned), camera_count=mission.vehicle.camera_count
+    )
 
     def part(kind: str) -> Any:
         named = getattr(system, kind)
         if isinstance(named, str):
-            return catalog.part(named, kind)  # type: ignore[arg-type]
+            return selection.catalog.part(named, kind)  # type: ignore[arg-type]
         return part_from_inline(kind, named, system.base_dir)  # type: ignore[arg-type]
 
     parts = Parts((part("camera"),), (part("lens"),), (part("port"),), (part("light"),))
@@ -309,12 +349,9 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
         explicit = tuple(vehicle.light_mounts or ()) if system.light_baseline_m is None else ()
         mount = Mount(explicit=explicit) if len(explicit) == system.light_count else Mount(baseline, tilt)
     problem = Problem(
-        mission,
-        parts,
-        paper=mission.physics == "paper",
-        counts=(system.light_count, system.light_count),
-        mounts=[mount],
-    )
+        mission, parts, paper=mission.physics == "paper", owned_lights=recommend.owned_ids(selection),
+        counts=(system.light_count, system.light_count), mounts=[mount],
+    )  # fmt: skip
     return problem, Hardware(0, 0, 0, system.orientation == "landscape", 0, system.light_count, mount)
 
 
@@ -323,6 +360,14 @@ def scene_settings(problem: Problem, hardware: Hardware, system: System, name: s
     given = system.settings_for(name)
     level = given.dim_frac
     lights = problem.lights
+    is_flash = int(lights.kind[0]) == FLASH
+    key = "flux_lm" if is_flash else "flash_energy_j"
+    if getattr(given, key) is not None:
+        kind, other = ("a flash", "flash_energy_j") if is_flash else ("no flash", "flux_lm")
+        raise MissionError(
+            f"{system.source_name}: settings.{key} = {getattr(given, key):g} does not suit the light, which is {kind}; "
+            f"give {other} or dim_frac"
+        )
     if given.flux_lm is not None:
         level = given.flux_lm / (float(lights.full_light[0]) * hardware.count)
     if given.flash_energy_j is not None and lights.stored_energy_j[0] > 0:
@@ -342,21 +387,36 @@ def scene_settings(problem: Problem, hardware: Hardware, system: System, name: s
     )
 
 
-def with_compatibility(design: Design, problem: Problem) -> Design:
+def with_compatibility(design: Design, problem: Problem, mission: Mission) -> Design:
     """A design with what does not fit together among its parts, as margins that are missed."""
     parts = problem.parts
     findings = explain_pair(
         parts.cameras[0], parts.lenses[0], parts.ports[0], parts.lights[0],
         frame_rate_hz=max(float(s.settings["frame_rate_hz"] or 0.0) for s in design.scenes) or None,
     )  # fmt: skip
-    faults = [f for f in findings if f.severity == "fault"]
+    strict = "lens rating" if mission.catalog.lens_rating == "limit" else ""
+    faults = [f.rule for f in findings if f.severity == "fault" or f.rule == strict]
+    faults += unwanted_kind(problem, mission)
     notes = [{"code": f.rule, "path": "hardware", "message": f.message} for f in findings]
     notes += breathing_notes(design)
     if not faults:
         return replace(design, warnings=notes)
-    missed = [Margin(f"fits: {f.rule}", 0.0, 1.0, ">=", -1.0, "", None, False, False) for f in faults]
+    missed = [Margin(f"fits: {rule}", 0.0, 1.0, ">=", -1.0, "", None, False, False) for rule in faults]
     scenes = [replace(scene, margins=[*scene.margins, *missed]) for scene in design.scenes]
     return replace(design, scenes=scenes, feasible=False, warnings=notes)
+
+
+def unwanted_kind(problem: Problem, mission: Mission) -> list[str]:
+    """Where the camera's shutter or colour is not what a scene asks for."""
+    camera = problem.parts.cameras[0]
+    return sorted(
+        {
+            key
+            for view in mission.views
+            for key in ("shutter", "colour")
+            if getattr(view.requirements, key) not in ("any", getattr(camera, key))
+        }
+    )
 
 
 def breathing_notes(design: Design) -> list[dict[str, str]]:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.records import Part, Quantity
 from uwopt.figures import DesignRows, Figures, SettingRows, figures_of, full_light_lm, levers_m
 from uwopt.hardware import CONTINUOUS, FLASH, Cameras, Lenses, Lights
@@ -170,14 +171,24 @@ class DesignModel:
             *scene_margins(
                 scene, self.rows[index], settings, figures, limits, level_tolerance_rel=level_tolerance_rel
             ),
+            *self.port_margins(index),
             *system_margins(
                 limits, cost=terms["cost"], cost_limit_value=terms["cost_limit_value"], power_w=terms["power_w"],
                 peak_power_w=figures.light_peak_power_w, mass_kg=terms["mass_kg"],
                 data_rate_mb_s=figures.data_rate_mb_s * self.problem.mission.vehicle.camera_count,
                 depth_m=self.problem.mission.required_depth_m, ratings_m=self.ratings_m(),
-                accepted=frozenset(self.problem.mission.catalog.accept_unrated),
+                accepted=frozenset(plain_name(name) for name in self.problem.mission.catalog.accept_unrated),
             ),
         ]  # fmt: skip
+
+    def port_margins(self, index: int) -> list[MarginRows]:
+        """Whether the corner ray of the view passes the port's clear aperture, where that is known."""
+        port = self.problem.ports.take(np.array([self.hardware.port]))
+        if self.problem.paper or port.is_dome[0] or not np.isfinite(port.clear_radius_m[0]):
+            return []
+        view = self.views[index]
+        corner_mm = np.hypot(view.tan_along, view.tan_across) * port.gap_m * 1e3
+        return [MarginRows("port_clears_view_mm", corner_mm, port.clear_radius_m * 1e3, "<=", "mm")]
 
     def ratings_m(self) -> dict[str, float | None]:
         """Depth ratings of the parts that meet the water; inline parts are not checked for what they leave out."""
@@ -486,6 +497,11 @@ def airy_um(model: DesignModel, index: int, working_f_number: float) -> float:
     )
     loss = (scene.attenuation_per_m + scene.lamp_attenuation_per_m) * float(scene.range_m[scene.nominal])
     arriving = weight * np.exp(-(loss - loss.min()))
+    if not arriving.sum() > 0:  # nothing arrives: the lamp's own colour
+        arriving = relative_spectrum(
+            contraction.spectrum_names[int(contraction.spectrum_of[int(model.lights.optics_index[0])])],
+            scene.wavelength_nm,
+        )
     mean_nm = float((arriving * scene.wavelength_nm).sum() / arriving.sum())
     return float(lens_model.airy_diameter_m(mean_nm, working_f_number=working_f_number)) * 1e6
 

@@ -28,6 +28,7 @@ from uwopt.scene import PAPER_N_WATER, SceneOptics
 Array = NDArray[Any]
 PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
 REACH_STEP = 1.3
+TINY = 1e-300  # in place of a sum of weights that is zero: a black floor, a blind sensor
 WIDEST_DISC_RAD = float(np.deg2rad(85.0))
 
 
@@ -405,14 +406,17 @@ def mounted_lamps(mounts: Sequence[Any]) -> Lamps:
 
 def one_side(lamps: Lamps) -> Lamps:
     """The lamps that stand for all in the mean over a symmetric image: mirror images add nothing new."""
-    if (
-        len(lamps.x_m) == 2
-        and lamps.y_m[0] == -lamps.y_m[1]
-        and not any(lamps.x_m)
-        and lamps.z_m[0] == lamps.z_m[1]
-    ):
+    if len(lamps.x_m) == 2 and mirrored(lamps):
         return Lamps(lamps.x_m[:1], lamps.y_m[:1], lamps.z_m[:1], lamps.aim[:1], (1.0,))
     return lamps
+
+
+def mirrored(lamps: Lamps) -> bool:
+    """Whether two lamps are each other's mirror image across the track, in place and in aim."""
+    (one_x, other_x), (one_y, other_y), (one_z, other_z) = lamps.x_m, lamps.y_m, lamps.z_m
+    one, other = lamps.aim
+    places = one_x == other_x == 0.0 and one_y == -other_y and one_z == other_z
+    return places and bool(np.allclose(one, (other[0], -other[1], other[2]), rtol=0, atol=1e-12))
 
 
 def efficiency_curve(curves: dict[str, Curve], wavelength_nm: Array, *, channel: str | None = None) -> Array:
@@ -485,7 +489,7 @@ class Contraction:
         weight = self.weight(spectrum, efficiency, channel)
         optical = (scene.attenuation_per_m + scene.lamp_attenuation_per_m) * scene.range_m[:, None]
         least = optical.min(axis=1, keepdims=True)
-        loss = (weight * np.exp(-(optical - least))).sum(axis=1) / weight.sum()
+        loss = (weight * np.exp(-(optical - least))).sum(axis=1) / max(float(weight.sum()), TINY)
         return np.asarray(loss * np.exp(-least[:, 0]))
 
     def mean_loss(self, spectrum: int, efficiency: int, *, lamp_m: float, camera_m: float) -> float:
@@ -494,7 +498,7 @@ class Contraction:
         weight = self.weight(spectrum, efficiency)
         optical = scene.lamp_attenuation_per_m * lamp_m + scene.attenuation_per_m * camera_m
         least = float(optical.min())
-        return float((weight * np.exp(-(optical - least))).sum() / weight.sum() * np.exp(-least))
+        return float((weight * np.exp(-(optical - least))).sum() / max(weight.sum(), TINY) * np.exp(-least))
 
     def set_reach(self, lamp_reach_m: float, camera_reach_m: float) -> None:
         """Longest paths that tables must cover, rounded up so that like problems share their tables."""

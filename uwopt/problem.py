@@ -329,7 +329,7 @@ def light_times_s(
 def light_counts(mission: Mission) -> tuple[int, int]:
     """Fewest and most lamps; explicit mounts say how many there are."""
     if mission.vehicle.light_mounts:
-        count = len(mission.vehicle.light_mounts)
+        count = mission.vehicle.light_counts[-1]
         return count, count
     low, high = mission.vehicle.light_counts.start, mission.vehicle.light_counts.stop - 1
     return low, high
@@ -339,7 +339,7 @@ def mission_mounts(mission: Mission) -> list[Mount]:
     """The declared grid of mounts: explicit lamps, or baseline x tilt."""
     vehicle = mission.vehicle
     if vehicle.light_mounts:
-        return [Mount(explicit=tuple(vehicle.light_mounts))]
+        return [Mount(explicit=tuple(vehicle.light_mounts[: vehicle.light_counts[-1]]))]
     return [Mount(b, t) for b in vehicle.light_baseline_grid_m for t in vehicle.light_tilt_grid_deg]
 
 

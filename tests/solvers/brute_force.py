@@ -14,14 +14,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scene_search import SceneSearch
 
 from uwopt.catalog.compatibility import image_circle_ok, mount_compatible, sensor_diagonal_mm
 from uwopt.evaluation import DesignModel, Hardware, SceneSettings
-from uwopt.figures import SettingRows, depth_of_field_m, skew_px
-from uwopt.hardware import CONTINUOUS, FLASH, PULSED
-from uwopt.model import sensor
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.optics import blur_time_s, place_focus, required_rate_hz
+from uwopt.optics import place_focus
 from uwopt.problem import Problem
 
 Array = NDArray[Any]
@@ -41,14 +39,21 @@ class Best:
 def buildable(problem: Problem) -> Iterator[Hardware]:
     """Every hardware whose parts fit together, written anew from the rules in words."""
     parts = problem.parts
-    sizes = range(len(parts.cameras)), range(len(parts.lenses)), range(len(parts.ports)), range(len(parts.lights))
+    sizes = (
+        range(len(parts.cameras)),
+        range(len(parts.lenses)),
+        range(len(parts.ports)),
+        range(len(parts.lights)),
+    )
     low, high = problem.count_range
     for (c, le, p, li), name, mount, count in itertools.product(
         itertools.product(*sizes), problem.mission.vehicle.orientations, problem.mounts, range(low, high + 1)
     ):
         camera, lens = parts.cameras[c], parts.lenses[le]
         diagonal = sensor_diagonal_mm(camera.resolution_x_px, camera.resolution_y_px, camera.pixel_pitch_um)
-        if mount_compatible([camera.mounts], [lens.mounts])[0, 0] and image_circle_ok(diagonal, lens.image_circle_mm):
+        if mount_compatible([camera.mounts], [lens.mounts])[0, 0] and image_circle_ok(
+            diagonal, lens.image_circle_mm
+        ):
             yield Hardware(c, le, p, name == "landscape", li, count, mount)
 
 
@@ -64,9 +69,15 @@ class Bench:
         """Water's tables over all that any hardware sees, built once."""
         if not self._tables_ready:
             problem, widest = self.problem, 0.0
-            for hw in {replace(h, light=0, count=problem.count_range[0], mount=problem.mounts[0]) for h in buildable(problem)}:
+            for hw in {
+                replace(h, light=0, count=problem.count_range[0], mount=problem.mounts[0])
+                for h in buildable(problem)
+            }:
                 for view in DesignModel(problem, hw).views:
-                    widest = max(widest, 0.75 * float(np.hypot(view.footprint_along_m[0, 2], view.footprint_across_m[0, 2])))
+                    widest = max(
+                        widest,
+                        0.75 * float(np.hypot(view.footprint_along_m[0, 2], view.footprint_across_m[0, 2])),
+                    )
             for index in range(len(problem.scenes)):
                 problem.set_reach(index, widest)
             problem.set_reach = lambda scene_index, widest_m: None  # type: ignore[method-assign]
@@ -100,247 +111,18 @@ def passes_without_light(model: DesignModel) -> bool:
             return False
         corner = float(np.hypot(view.tan_along[0], view.tan_across[0]))
         flat = not problem.ports.is_dome[hw.port]
-        if not problem.paper and flat and corner * problem.ports.gap_m[hw.port] > problem.ports.clear_radius_m[hw.port]:
+        if (
+            not problem.paper
+            and flat
+            and corner * problem.ports.gap_m[hw.port] > problem.ports.clear_radius_m[hw.port]
+        ):
             return False
     return True
 
 
-class SceneSearch:
-    """One scene of one hardware: candidates of settings by f-number, with their power and SNR.
-
-    Four numbers describe a setting: time t, level u, light X and f-number N, tied by X = light u t / N_w^2.
-    Candidates pin three of them to grids that hold every end of what is allowed; the fourth follows.
-    """
-
-    def __init__(self, model: DesignModel, index: int, dioptre_per_m: float, power_limit_w: float):
-        self.model, self.index, self.dioptre = model, index, dioptre_per_m
-        self.scene, self.rows = model.problem.scenes[index], model.rows[index]
-        self.cam, self.light = model.cameras, model.lights
-        needs, speed = self.scene.view.requirements, self.scene.view.vehicle.speed_m_s
-        self.needs, self.kind = needs, int(self.light.kind[0])
-        self.rate = float(required_rate_hz(needs, speed, self.rows.view.footprint_along_m).max())
-        self.factor = 1.0
-        if not self.scene.paper:
-            self.factor = 1.0 / (1.0 - float(self.rows.view.focal_length_m[0]) * dioptre_per_m)
-        count = model.hardware.count
-        flash = self.kind == FLASH
-        self.lumen = float(self.light.full_light[0]) * count / (float(self.light.flash_duration_s[0]) if flash else 1.0)
-        self.full_w = float(self.light.pulse_energy_j[0] * self.rate if flash else self.light.full_power_w[0]) * count
-        self.power_limit_w = power_limit_w
-        self.time = self._time_range()
-        self.levels = self._levels()
-        self.f_range = self._f_range()
-
-    # ------------------------------------------------------------ what hardware allows
-
-    def _time_range(self) -> tuple[float, float]:
-        """Shortest and longest time that collects light, from the data sheets' limits; low > high: none."""
-        cam, light = self.cam, self.light
-        offset, readout, least = (float(a[0]) for a in (cam.exposure_offset_s, cam.readout_s, cam.min_exposure_s))
-        limits = self.model.problem.mission.limits
-        most = min(float(cam.max_exposure_s[0]), limits.max_exposure_ms * 1e-3, 1 / self.rate if self.rate else np.inf)
-        blur = float(blur_time_s(self.scene, self.model.shapes[self.index], self.rows.view)[0])
-        if least > most or self.rate > cam.max_rate_hz[0] * (1 + 1e-9):
-            return 1.0, 0.0
-        if self.kind == CONTINUOUS:
-            skew = float(skew_px(self.scene, self.rows).max())
-            if self.needs.max_skew_px is not None and skew > self.needs.max_skew_px:
-                return 1.0, 0.0
-            return least + offset, min(most + offset, blur)
-        if self.rate > light.max_rate_hz[0] * (1 + 1e-9):
-            return 1.0, 0.0
-        if self.kind == PULSED:
-            duty = float(light.max_duty[0]) / self.rate if self.rate else np.inf
-            return max(float(light.min_pulse_s[0]), 1e-9), min(float(light.max_pulse_s[0]), duty, most - readout, blur)
-        flash = float(light.flash_duration_s[0])
-        if readout > 0:
-            return flash, flash if flash <= min(most - readout, blur) else 0.0
-        return min(least + offset, flash), min(most + offset, flash, blur)
-
-    def _levels(self) -> tuple[Array, bool]:
-        """Levels that the lamp has within peak power (their ends if it dims freely), and whether it does."""
-        light, peak = self.light, self.model.problem.mission.limits.peak_power_w
-        top = min(1.0, peak / self.full_w) if peak is not None and self.full_w > 0 else 1.0
-        if not light.dims_freely[0]:
-            steps = light.levels[0][~np.isnan(light.levels[0])]
-            return steps[steps <= top * (1 + 1e-12)], False
-        least = float(light.min_level[0])
-        return (np.array([least, top]) if least <= top else np.empty(0)), True
-
-    def _f_range(self) -> tuple[float, float]:
-        """Smallest f-number that keeps the wanted depth sharp, by bisection of the forward model, and the largest."""
-        low, high = float(self.model.lenses.f_number_min[0]), float(self.model.lenses.f_number_max[0])
-        depth = self.needs.min_dof_m
-        if depth is None:
-            return low, high
-        first, last = float(self.scene.range_m[0]), float(self.scene.range_m[-1])
-
-        def sharp(f_number: float) -> bool:
-            one = np.array([f_number])
-            settings = SettingRows(one, one, one, one, one, one, np.array([self.dioptre]))
-            near, far = (float(a[0]) for a in depth_of_field_m(self.rows, settings))
-            return near <= first * (1 + 1e-10) and far >= last * (1 - 1e-10) and far - near >= depth * (1 - 1e-10)
-
-        if not sharp(high):
-            return 1.0, 0.0
-        if sharp(low):
-            return low, high
-        dull, clear = low, high
-        for _ in range(50):
-            middle = 0.5 * (dull + clear)
-            dull, clear = (dull, middle) if sharp(middle) else (middle, clear)
-        return clear, high
-
-    @property
-    def possible(self) -> bool:
-        """Whether any setting may exist."""
-        return self.time[0] <= self.time[1] * (1 + 1e-12) and len(self.levels[0]) > 0 and self.f_range[0] <= self.f_range[1]
-
-    # ------------------------------------------------------------ what images need
-
-    def exposure_s(self, time_s: Array) -> Array:
-        """Exposure to set for a time that collects light."""
-        cam, flash = self.cam, float(self.light.flash_duration_s[0])
-        around = np.maximum(cam.min_exposure_s[0], time_s + cam.readout_s[0])
-        if self.kind == PULSED:
-            return around
-        cut = time_s - cam.exposure_offset_s[0]
-        return np.where(time_s >= flash * (1 - 1e-9), around, cut) if self.kind == FLASH else cut
-
-    def image(self, light_x: Array, time_s: Array) -> tuple[Array, Array, Array]:
-        """SNR at the nominal altitude, and whether the image is too dark or too bright, gain at its best."""
-        cam, nominal, needs = self.cam, self.scene.nominal, self.needs
-        dark = float(cam.dark_current_e_s[0]) * self.exposure_s(time_s)[..., None]
-        signal = self.rows.signal_e[0] * light_x[..., None]
-        full, black, gain = 2.0 ** float(cam.bits[0]) - 1.0, float(cam.black_level_dn[0]), float(cam.gain_dn_per_e[0])
-        shown = signal.max(axis=-1) if needs.mean_level is None else signal[..., nominal]
-        goal_dn = full / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full
-        wanted = (goal_dn - black) / (gain * np.maximum(shown + dark[..., 0], 1e-300))
-        system = gain * np.clip(wanted, 1.0, float(cam.max_gain[0]))[..., None]
-        noise = dict(read_noise_e=cam.read_noise_e[0], gain_dn_per_e=system, dark_e=dark, prnu_frac=cam.prnu_frac[0])
-        bright = wanted < 1.0
-        level = (system * (signal + dark) + black) / full
-        bright = bright | (needs.highlight_ratio * level.max(axis=-1) > 1.0 + 1e-11)
-        bright |= needs.highlight_ratio * (signal.max(axis=-1) + dark[..., 0]) > cam.saturation_e[0]
-        dim = np.zeros(light_x.shape, bool)
-        if needs.mean_level is not None:
-            dim = wanted > cam.max_gain[0]
-        if needs.min_snr is not None:
-            pixel = signal
-            if needs.snr_at == "worst" and self.rows.worst_e is not None:
-                pixel = self.rows.worst_e[0] * light_x[..., None]
-            dim = dim | (np.asarray(sensor.snr(pixel, **noise)).min(axis=-1) < needs.min_snr)
-        return np.asarray(sensor.snr(signal, **noise))[..., nominal], dim, bright
-
-    def light_of(self, numbers: dict[str, float]) -> float:
-        """Light X of a setting."""
-        return self.lumen * numbers["level"] * numbers["time_s"] / (numbers["f_number"] * self.factor) ** 2
-
-    def setting_rows(self, numbers: dict[str, float]) -> SettingRows:
-        """A candidate as settings of the forward model, the gain by its own figures at unit gain."""
-        time_s = np.array([numbers["time_s"]])
-        pulse = {CONTINUOUS: np.inf, PULSED: time_s, FLASH: self.light.flash_duration_s}[self.kind]
-        unit = SettingRows(
-            np.array([numbers["f_number"]]), self.exposure_s(time_s), pulse * np.ones(1), np.ones(1),
-            np.array([numbers["level"]]), np.array([self.rate]), np.array([self.dioptre]),
-        )  # fmt: skip
-        level = self.model.figures(self.index, unit).mean_level
-        needs, black = self.needs, self.cam.black_level_dn[0] / (2.0 ** self.cam.bits[0] - 1.0)
-        if needs.mean_level is None:
-            gain = (1.0 / needs.highlight_ratio - black) / np.maximum(level.max(axis=1) - black, 1e-300)
-        else:
-            gain = (needs.mean_level - black) / np.maximum(level[:, self.scene.nominal] - black, 1e-300)
-        return replace(unit, gain=np.clip(gain, 1.0, self.cam.max_gain[0]))
-
-    def light_range(self, time_s: Array) -> tuple[Array, Array]:
-        """Least light that is not too dark and most that is not too bright, by bisection."""
-        ends = []
-        for bright in (False, True):
-            low, high = np.full(time_s.shape, -40.0), np.full(time_s.shape, 40.0)
-            for _ in range(42):
-                middle = 0.5 * (low + high)
-                over = self.image(np.exp(middle), time_s)
-                past = over[2] if bright else ~over[1]
-                low, high = np.where(past, low, middle), np.where(past, middle, high)
-            ends.append(np.exp(low if bright else high))
-        return ends[0], ends[1]
-
-    # ------------------------------------------------------------ candidates
-
-    def prepare(self, n_light: int, around: float | None = None, reach: float = 0.0) -> Array:
-        """Grids of time, level and light; returns f-numbers at which several ends meet.
-
-        `around`: a light that proved good, to look closer at e^reach to each side of it.
-        """
-        low, high = self.time
-        if around is None:
-            self.times = np.unique(np.geomspace(low, high, 9)) if high > low else np.array([low])
-            least, most = self.light_range(self.times)
-            self.ends = np.minimum(least, np.where(least <= most * (1 + 1e-9), most, np.inf)), most
-        least, most = self.ends
-        near = np.maximum(least, 1e-5 * most) if around is None else np.full(len(least), around * np.exp(-reach))
-        far = most if around is None else np.full(len(most), around * np.exp(reach))
-        grid = near[:, None] * (far / near)[:, None] ** np.linspace(0.0, 1.0, n_light)
-        grid = np.concatenate([grid, least[:, None], most[:, None]], axis=1)
-        inside = (grid >= least[:, None] * (1 - 1e-13)) & (grid <= most[:, None] * (1 + 1e-13))
-        self.lights = np.where(inside & (grid < 1e15), grid, np.nan)  # more than 1e15: no light reaches the image
-        levels, free = self.levels
-        if self.kind != PULSED and free and np.isfinite(self.power_limit_w) and self.full_w > 0:
-            levels = np.unique(np.append(levels, np.clip(self.power_limit_w / self.full_w, levels[0], levels[-1])))
-        self.pinned = levels
-        x = np.stack([least[[0, -1]], most[[0, -1]]], axis=1)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            f_number = np.sqrt(self.lumen * levels[:, None, None] * self.times[[0, -1]][:, None] / x) / self.factor
-        return f_number[np.isfinite(f_number)]
-
-    def candidates(self, f_number: Array) -> list[Array]:
-        """The feasible candidates at these f-numbers: power, SNR, time, level and f-number, (n,) each."""
-        square = ((f_number * self.factor) ** 2 / self.lumen)[:, None]  # level * time per light
-        t, u, x = [], [], []
-
-        def add(time_s: Array, level: Array, light_x: Array) -> None:
-            for column, values in ((t, time_s), (u, level), (x, light_x)):
-                column.append(np.broadcast_to(values, np.broadcast_shapes(time_s.shape, level.shape, light_x.shape)))
-
-        every = self.lights.ravel()
-        if self.levels[1]:
-            times = np.broadcast_to(self.times[:, None], self.lights.shape).ravel()
-            add(times, every * square / times, every)
-        many = np.concatenate([np.broadcast_to(every, (len(f_number), len(every))), self._at_power_limit(square)], axis=1)
-        for level in self.pinned[self.pinned > 0]:
-            add(many * square / level, np.array(level), many)
-            for end in self.ends:
-                light_x = self._at_its_own_time(end, square / level)
-                add(light_x * square / level, np.array(level), light_x)
-            add(self.times, np.array(level), level * self.times / square)
-        time_s, level, light_x = (np.concatenate(parts, axis=1).ravel() for parts in (t, u, x))
-        f_number = np.repeat(f_number, len(time_s) // len(f_number))
-        levels = self.levels[0]
-        with np.errstate(invalid="ignore"):
-            ok = (time_s >= self.time[0] * (1 - 1e-11)) & (time_s <= self.time[1] * (1 + 1e-11)) & (light_x > 0)
-            ok &= (level >= levels.min() * (1 - 1e-11)) & (level <= levels.max() * (1 + 1e-11))
-        time_s, level, light_x, f_number = time_s[ok], level[ok], light_x[ok], f_number[ok]
-        snr = self.image(light_x, time_s)[0]
-        dim, bright = self.image(light_x * (1 + 1e-9), time_s)[1], self.image(light_x * (1 - 1e-9), time_s)[2]
-        power = self.full_w * level * (np.minimum(1.0, time_s * self.rate) if self.kind == PULSED else 1.0)
-        good = ~dim & ~bright & (power <= self.power_limit_w * (1 + 1e-9))
-        return [column[good] for column in (power, snr, time_s, level, f_number)]
-
-    def _at_its_own_time(self, end: Array, time_per_light: Array) -> Array:
-        """An end of the light's range, which dark current shifts with the time that this light takes."""
-        light_x = np.full(time_per_light.shape, end[0])
-        for _ in range(6):
-            light_x = np.interp(light_x * time_per_light, self.times, end)
-        return light_x
-
-    def _at_power_limit(self, square: Array) -> Array:
-        """Light of pulsed lamps that use all the power there is."""
-        if self.kind != PULSED or not np.isfinite(self.power_limit_w) or self.rate == 0:
-            return np.empty((len(square), 0))
-        return self.power_limit_w / (self.full_w * self.rate) / square
-
-
-def settle_all(model: DesignModel, objective: Objective) -> tuple[float, float, float, list[dict[str, float]]]:
+def settle_all(
+    model: DesignModel, objective: Objective
+) -> tuple[float, float, float, list[dict[str, float]]]:
     """Best value of one hardware with its power, SNR and settings by scene; inf: nothing is feasible."""
     problem = model.problem
     nothing: tuple[float, float, float, list[dict[str, float]]] = (np.inf, np.inf, 0.0, [])
@@ -348,7 +130,9 @@ def settle_all(model: DesignModel, objective: Objective) -> tuple[float, float, 
     terms = fixed_terms(model)
     limit = problem.mission.limits.power_w
     left = np.inf if limit is None else limit - terms["camera_power_w"]
-    scenes = [SceneSearch(model, i, float(focus.dioptre_per_m[i][0]), left) for i in range(len(problem.scenes))]
+    scenes = [
+        SceneSearch(model, i, float(focus.dioptre_per_m[i][0]), left) for i in range(len(problem.scenes))
+    ]
     if not all(scene.possible for scene in scenes):
         return nothing
     weighs = bool(objective.weight("snr_db"))
@@ -356,7 +140,10 @@ def settle_all(model: DesignModel, objective: Objective) -> tuple[float, float, 
     for reach in (0.5, 0.1, 0.02) if weighs and best[3] else ():
         lights = [s.light_of(numbers) for s, numbers in zip(scenes, best[3], strict=True)]
         meeting = [s.prepare(21, x, reach) for s, x in zip(scenes, lights, strict=True)]
-        meeting = [np.append(m, n["f_number"] * np.exp(np.linspace(-reach, reach, 5))) for m, n in zip(meeting, best[3], strict=True)]
+        meeting = [
+            np.append(m, n["f_number"] * np.exp(np.linspace(-reach, reach, 5)))
+            for m, n in zip(meeting, best[3], strict=True)
+        ]
         best = min(best, one_pass(scenes, meeting, objective, terms), key=lambda b: b[:2])
     return best
 
@@ -400,7 +187,9 @@ def joined(
     power, one = terms["camera_power_w"] + light_w, np.ones_like(light_w)
     with np.errstate(invalid="ignore", divide="ignore"):
         value = objective.cost_to_minimise(
-            Terms(power, terms["cost"] * one, terms["mass_kg"] * one, 20 * np.log10(snr), terms["gsd_mm"] * one)
+            Terms(
+                power, terms["cost"] * one, terms["mass_kg"] * one, 20 * np.log10(snr), terms["gsd_mm"] * one
+            )
         )
     value = np.where(np.isfinite(light_w), value, np.inf)
     k = int(np.lexsort((power, value))[0])
@@ -428,7 +217,9 @@ def margins_missed(model: DesignModel, settings: list[dict[str, float]], relativ
         for margin in model.margins(index, rows, model.figures(index, rows)):
             size = abs(float(margin.limit[0])) if np.isfinite(margin.limit[0]) else 1.0
             if not float(margin.margin[0]) >= -relative * size:
-                missed.append(f"{margin.requirement}: {float(margin.value[0])} against {float(margin.limit[0])}")
+                missed.append(
+                    f"{margin.requirement}: {float(margin.value[0])} against {float(margin.limit[0])}"
+                )
     return missed
 
 

@@ -53,7 +53,9 @@ def price(rng: Rng, low: float, high: float) -> Quantity:
 
 def camera(rng: Rng, name: str) -> Camera:
     """A camera with a global or rolling shutter, mono or colour."""
-    width, height, pitch_um = pick(rng, [(640, 480, 5.6), (1280, 1024, 5.3), (1936, 1216, 3.45), (2448, 2048, 3.45)])
+    width, height, pitch_um = pick(
+        rng, [(640, 480, 5.6), (1280, 1024, 5.3), (1936, 1216, 3.45), (2448, 2048, 3.45)]
+    )
     bits = pick(rng, [8, 10, 12, 12])
     well = between(rng, 6_000, 40_000)
     known_gain = chance(rng, 0.5)
@@ -81,7 +83,8 @@ def lens(rng: Rng, name: str) -> Lens:
         focal_length_mm=pick(rng, [4.0, 6.0, 8.0, 8.5, 12.0, 16.0, 25.0]), f_number_min=exact(widest),
         f_number_max=exact(widest if control == "fixed" else pick(rng, [8.0, 11.0, 16.0, 22.0])),
         aperture_control=control, image_circle_mm=pick(rng, [9.0, 11.0, 11.0, 16.0]), mounts=(pick(rng, MOUNTS),),
-        transmission_frac=exact(rng.uniform(0.8, 1.0)), min_object_distance_m=exact(pick(rng, [0.0, 0.0, 0.05, 0.1, 0.3])),
+        transmission_frac=exact(rng.uniform(0.8, 1.0)),
+        min_object_distance_m=exact(pick(rng, [0.0, 0.0, 0.05, 0.1, 0.3])),
     )  # fmt: skip
 
 
@@ -94,7 +97,10 @@ def port(rng: Rng, name: str) -> Port:
     if chance(rng, 0.5):
         return Port(geometry="dome", outer_radius_mm=between(rng, 40, 130), **common)
     return Port(
-        geometry="flat", gap_mm=pick(rng, [0.0, 0.0, 5.0, 30.0]), clear_diameter_mm=pick(rng, [None, 50.0, 100.0]), **common
+        geometry="flat",
+        gap_mm=pick(rng, [0.0, 0.0, 5.0, 30.0]),
+        clear_diameter_mm=pick(rng, [None, 50.0, 100.0]),
+        **common,
     )
 
 
@@ -104,7 +110,9 @@ def beam(rng: Rng) -> dict[str, Any]:
     medium = pick(rng, ["air", "water"])
     if shape == "tabulated":
         return dict(beam=shape, beam_profile=LOBE, beam_medium=medium)
-    return dict(beam=shape, beam_angle_deg=exact(pick(rng, [20.0, 40.0, 60.0, 80.0, 100.0])), beam_medium=medium)
+    return dict(
+        beam=shape, beam_angle_deg=exact(pick(rng, [20.0, 40.0, 60.0, 80.0, 100.0])), beam_medium=medium
+    )
 
 
 def light(rng: Rng, name: str, optics: dict[str, Any]) -> Light:
@@ -183,7 +191,8 @@ def mission(rng: Rng) -> dict[str, Any]:
         "altitude_m": altitude_m, "altitude_tolerance_m": pick(rng, [0.0, 0.0, 0.1, 0.25]) * altitude_m,
         "speed_m_s": speed_m_s, "orientation": pick(rng, ["any", "landscape", "portrait"]),
         "light_count": [low, low + int(rng.integers(0, 3))], "camera_count": pick(rng, [1, 1, 2]),
-        "light_baseline_m": pick(rng, [0.0, 0.3, 0.5, [0.4, 0.45]]), "light_tilt_deg": pick(rng, [0.0, 0.0, 10.0, -15.0]),
+        "light_baseline_m": pick(rng, [0.0, 0.3, 0.5, [0.4, 0.45]]),
+        "light_tilt_deg": pick(rng, [0.0, 0.0, 10.0, -15.0]),
         "pitch_rate_deg_s": pick(rng, [0.0, 0.0, 2.0]), "roll_rate_deg_s": pick(rng, [0.0, 0.0, 2.0]),
     }  # fmt: skip
     if chance(rng, 0.1):

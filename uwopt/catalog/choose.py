@@ -9,7 +9,7 @@ from __future__ import annotations
 import fnmatch
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from uwopt.catalog.catalogue import Catalog, Exclusion, near_names, plain_name, unknown_part
 from uwopt.catalog.columns import KINDS, Kind
@@ -31,6 +31,9 @@ RULES = (
 PATTERN_KEYS: dict[Kind, str] = {"camera": "cameras", "lens": "lenses", "port": "ports", "light": "lights"}
 SOURCED = ("published", "measured", "derived", "quoted", "user")
 GLOB_SIGNS = "*?["
+
+
+PartT = TypeVar("PartT", bound=Part)
 
 
 @dataclass(frozen=True)
@@ -211,15 +214,16 @@ def _as_choice(choice: Any) -> Choice:
 
 def _owned_quantities(owned: Iterable[Any]) -> dict[str, int]:
     quantities: dict[str, int] = {}
+    quantity: Any
     for item in owned:
         if isinstance(item, str):
             part_id, quantity = item, 1
         elif isinstance(item, Mapping):
-            part_id, quantity = item["id"], int(item.get("quantity") or 1)
+            part_id, quantity = item["id"], item.get("quantity")
         else:
-            part_id, quantity = item.id, int(getattr(item, "quantity", None) or 1)
-        quantities[part_id] = quantities.get(part_id, 0) + quantity
-    return quantities
+            part_id, quantity = item.id, getattr(item, "quantity", None)
+        quantities[part_id] = quantities.get(part_id, 0) + (1 if quantity is None else int(quantity))
+    return {part_id: quantity for part_id, quantity in quantities.items() if quantity > 0}
 
 
 def _require_known(part_ids: Iterable[str], catalog: Catalog) -> None:
@@ -247,15 +251,29 @@ def _counts(kind: Kind, excluded: Iterable[Exclusion]) -> dict[str, int]:
 
 
 def _with_owned_prices(catalog: Catalog, owned: Mapping[str, int], camera_count: int) -> Catalog:
-    free = {catalog.part(name).id for name, quantity in owned.items() if quantity >= camera_count}
-    if not free:
+    """Cameras, lenses and ports at what is left to pay for each of `camera_count` of them."""
+    counts = {catalog.part(name).id: quantity for name, quantity in owned.items()}
+
+    def paid(part: PartT) -> PartT:
+        have = min(counts.get(part.id, 0), camera_count)
+        if have == 0 or part.price is None:
+            return part
+        if have == camera_count:
+            return replace(part, price=exact(0.0, "user", "owned"))
+        share = (camera_count - have) / camera_count
+        price = replace(
+            part.price, value=part.price.value * share, low=part.price.low * share, high=part.price.high * share,
+            source=f"{part.price.source}; {have} of {camera_count} owned",
+        )  # fmt: skip
+        return replace(part, price=price)
+
+    if not counts:
         return catalog
-    nothing = exact(0.0, "user", "owned")
     return replace(
         catalog,
-        cameras=tuple(replace(p, price=nothing) if p.id in free else p for p in catalog.cameras),
-        lenses=tuple(replace(p, price=nothing) if p.id in free else p for p in catalog.lenses),
-        ports=tuple(replace(p, price=nothing) if p.id in free else p for p in catalog.ports),
+        cameras=tuple(paid(part) for part in catalog.cameras),
+        lenses=tuple(paid(part) for part in catalog.lenses),
+        ports=tuple(paid(part) for part in catalog.ports),
     )
 
 

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.catalog.catalogue import plain_name
 from uwopt.figures import DesignRows, Figures, SettingRows
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED
 from uwopt.mission import Limits
@@ -148,6 +149,10 @@ def setting_margins(
     cam, lights = rows.cameras, rows.lights
     yield MarginRows("f_number_min", settings.f_number, rows.lenses.f_number_min, ">=", "")
     yield MarginRows("f_number_max", settings.f_number, rows.lenses.f_number_max, "<=", "")
+    with np.errstate(divide="ignore"):
+        focus_m = 1.0 / settings.dioptre_per_m
+    nearest_m = np.maximum(rows.lenses.min_object_distance_m, rows.lenses.focal_length_m)
+    yield MarginRows("nearest_focus_m", focus_m, nearest_m, ">=", "m")
     yield MarginRows("gain_min", settings.gain, at_all(figures, 1.0), ">=", "")
     yield MarginRows("gain_max", settings.gain, cam.max_gain, "<=", "")
     longest_ms = np.minimum(cam.max_exposure_s * 1e3, limits.max_exposure_ms)
@@ -209,6 +214,6 @@ def system_margins(
         if limit is not None:
             yield MarginRows(name, value, limit * every, "<=", unit)
     for part, rating in ratings_m.items():
-        if part not in accepted:
+        if rating is not None or plain_name(part) not in accepted:
             known = 0.0 if rating is None else rating
             yield MarginRows(f"depth_rating_m ({part})", known * every, depth_m * every, ">=", "m")

@@ -7,6 +7,7 @@ from typing import Any
 
 from uwopt.catalog.choose import Selection
 from uwopt.catalog.records import Part
+from uwopt.errors import MissionError
 from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Problem
@@ -84,10 +85,13 @@ def all_parts(parts: Any) -> list[Part]:
 
 def select_problem_mission(mission: Mission) -> dict[str, str]:
     """What single parts must be, from the requirements of all scenes: colour and shutter."""
-    views = mission.views
-    colours = {v.requirements.colour for v in views} - {"any"}
-    shutters = {v.requirements.shutter for v in views} - {"any"}
-    return {
-        "colour": colours.pop() if len(colours) == 1 else "any",
-        "shutter": shutters.pop() if len(shutters) == 1 else "any",
-    }
+    wanted = {}
+    for key in ("colour", "shutter"):
+        asked = sorted({getattr(view.requirements, key) for view in mission.views} - {"any"})
+        if len(asked) > 1:
+            raise MissionError(
+                f"requirements.{key}: scenes ask for {' and '.join(asked)}, but one camera serves them all; "
+                "ask for one of them, or for any"
+            )
+        wanted[key] = asked[0] if asked else "any"
+    return wanted

@@ -83,6 +83,8 @@ def enumerate_imagers(problem: Problem, *, cameras: Array | None = None) -> Imag
     orientations = [o == "landscape" for o in problem.mission.vehicle.orientations]
     discarded = dict.fromkeys(IMAGER_RULES, 0)
     samples: dict[str, list[tuple[int, int, int, bool]]] = {}
+    if 0 in (n_camera, n_lens, n_port):
+        return joined(problem, [], discarded, samples)
     fits = mount_compatible([c.mounts for c in parts.cameras], [part.mounts for part in parts.lenses])
     fits = fits.reshape(n_camera, n_lens)
     circle = circles_ok(problem)

@@ -12,10 +12,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from uwopt.catalog.catalogue import Catalog
+from uwopt.evaluation import DesignModel, Hardware, evaluate_design
 from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
+from uwopt.problem import Parts, Problem
 from uwopt.result import Certificate, Design
-from uwopt.solvers.recommend import Generic, Sought, design_of, seek
+from uwopt.solvers.recommend import Generic, Sought, seek
+from uwopt.solvers.robustness import parts_of
+from uwopt.solvers.rounding import exact_settings
 
 # Requirement -> (section, key, objective that makes its figure best, or None when none does)
 RELAXABLE: dict[str, tuple[str, str, str | None]] = {
@@ -48,10 +52,12 @@ class Relaxation:
 
 
 def explain(
-    mission: Mission, catalog: Catalog, certificate: Certificate, *, generic: Generic
+    mission: Mission, catalog: Catalog, objective: Objective, certificate: Certificate, *, generic: Generic
 ) -> dict[str, Any]:
     """The `infeasible` part of a result."""
-    relaxations = sorted(single_relaxations(mission, catalog, generic=generic), key=lambda r: r.miss_rel)
+    relaxations = sorted(
+        single_relaxations(mission, catalog, objective, generic=generic), key=lambda r: r.miss_rel
+    )
     requirements = [
         {"name": item["rule"], "n_excluded": item["count"], "n_is_bound": item["rule"] in BOUNDED}
         for item in certificate.discarded
@@ -70,7 +76,9 @@ def explain(
 BOUNDED = ("light", "bound", "power_w", "cost", "mass_kg")
 
 
-def single_relaxations(mission: Mission, catalog: Catalog, *, generic: Generic) -> Iterator[Relaxation]:
+def single_relaxations(
+    mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic
+) -> Iterator[Relaxation]:
     """Drop each requirement that is asked for, and see whether something fits then."""
     for name, (section, key, best) in RELAXABLE.items():
         limit = asked_value(mission, section, key)
@@ -84,9 +92,24 @@ def single_relaxations(mission: Mission, catalog: Catalog, *, generic: Generic) 
         found = seek(relaxed, catalog, goal, generic=generic, top=1, depth_m=0.0 if by_depth else None)
         if not found.outcome.best:
             continue
-        design = design_of(found, found.outcome.best[0], goal, with_rounding=False, checked=False)
+        design = judged_by(mission, found, objective)
         needed = rated_depth(found) if by_depth else reached_value(design, name, key)
         yield Relaxation(name, limit, needed, miss(limit, needed), design)
+
+
+def judged_by(mission: Mission, found: Sought, objective: Objective) -> Design:
+    """The best design of a relaxed search, judged by the mission as it stands: what it misses shows."""
+    best, relaxed = found.outcome.best[0], found.problem
+    parts = Parts(*((part,) for _, part in parts_of(relaxed, best)))  # type: ignore[arg-type]
+    mount = best.lighting.mount
+    problem = Problem(
+        mission, parts, paper=relaxed.paper, owned_lights=relaxed.owned_lights, counts=(best.count, best.count),
+        mounts=[mount],
+    )  # fmt: skip
+    hardware = Hardware(0, 0, 0, best.landscape, 0, best.count, mount)
+    model = DesignModel(problem, hardware)
+    given = [exact_settings(model, i, numbers) for i, numbers in enumerate(best.settings)]
+    return evaluate_design(problem, hardware, given, objective)
 
 
 def asked_value(mission: Mission, section: str, key: str) -> float | None:

@@ -65,8 +65,13 @@ def build_problem(mission: Mission, selection: Selection, **changes: Any) -> Pro
     """Tables over the selected parts."""
     parts = Parts(selection.cameras, selection.lenses, selection.ports, selection.lights)
     return Problem(
-        mission, parts, paper=mission.physics == "paper", owned_lights=dict(selection.owned), **changes
+        mission, parts, paper=mission.physics == "paper", owned_lights=owned_ids(selection), **changes
     )
+
+
+def owned_ids(selection: Selection) -> dict[str, int]:
+    """How many of each part are owned, by the catalogue's spelling of its id."""
+    return {selection.catalog.part(name).id: count for name, count in selection.owned.items()}
 
 
 def seek(
@@ -95,17 +100,14 @@ def scene_rows_of(search: Search, found: Found) -> list[SceneRows]:
     return search.rows(imager, signals, np.array([found.light]), np.array([found.count]), found.lighting)
 
 
-def design_of(
-    sought: Sought, found: Found, objective: Objective, *, with_rounding: bool = True, checked: bool = True
-) -> Design:
+def design_of(sought: Sought, found: Found, objective: Objective, *, with_rounding: bool = True) -> Design:
     """A found design as a result: evaluated again, rounded, checked."""
     problem = sought.problem
     hardware = hardware_of(found)
     model = DesignModel(problem, hardware)
     given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
     design = evaluate_design(problem, hardware, given, objective)
-    if checked:
-        check_claim(design, found, objective)
+    check_claim(design, found, objective)
     design = replace(design, warnings=part_warnings(problem, hardware))
     return with_rounded(sought, found, design, objective) if with_rounding else design
 

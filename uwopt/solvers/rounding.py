@@ -26,7 +26,6 @@ GAIN_STEP_DB = 0.1
 TIME_STEP_S = 1e-6
 LEVEL_STEP = 0.01
 FOCUS_STEP_M = 0.01
-RATE_STEP_HZ = 0.01
 LEVEL_TOLERANCE_REL = 0.012  # one step of gain: how well a mean level can be met with 0.1 dB
 TRIES = 12
 
@@ -73,7 +72,7 @@ def rounded_settings(
     exposure, pulse = exposure_and_pulse(
         model, kind, time_s, up=kind != CONTINUOUS or time_s < rows.time_max_s[0] * (1 - 1e-9)
     )
-    rate = math.ceil(exact["rate_hz"] / RATE_STEP_HZ - 1e-9) * RATE_STEP_HZ
+    rate = rounded_rate_hz(model, exact["rate_hz"])
     if exposure * rate > 1.0:
         exposure = math.floor(1.0 / rate / TIME_STEP_S) * TIME_STEP_S
     light_x = float(rows.light_lm[0]) * level * collected_s(rows, kind, exposure, pulse)
@@ -95,6 +94,16 @@ def collected_s(rows: SceneRows, kind: int, exposure_s: float, pulse_s: float | 
     """Time that collects light at these settings."""
     window_s = exposure_s + float(rows.exposure_offset_s[0])
     return window_s if kind == CONTINUOUS or pulse_s is None else min(pulse_s, window_s)
+
+
+def rounded_rate_hz(model: DesignModel, rate_hz: float) -> float:
+    """The rate in three figures, upward; no higher than camera and light allow."""
+    if rate_hz <= 0.0:
+        return 0.0
+    step = 10.0 ** (math.floor(math.log10(rate_hz)) - 2)
+    up = math.ceil(rate_hz / step - 1e-9) * step
+    highest = min(float(model.cameras.max_rate_hz[0]), float(model.lights.max_rate_hz[0]))
+    return max(rate_hz, min(up, highest))
 
 
 def next_stop(f_number: float, largest: float, attempt: int) -> float:

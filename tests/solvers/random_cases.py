@@ -1,0 +1,106 @@
+"""Random problems by seed, their forward models and their enumeration, each made once."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import brute_force as brute
+import numpy as np
+import small_catalogues as small
+
+from uwopt.mission import Mission
+from uwopt.objectives.objective import Objective
+from uwopt.problem import Parts, Problem
+from uwopt.solvers.exact import Outcome, Search
+
+THOROUGH = bool(os.environ.get("UWOPT_THOROUGH"))
+TOP = 4
+
+
+@dataclass(frozen=True)
+class Case:
+    """One random problem."""
+
+    parts: Parts
+    mission: Mission
+    objective: Objective
+
+    def problem(self, parts: Parts | None = None) -> Problem:
+        """Fresh tables."""
+        return Problem(self.mission, parts or self.parts, paper=self.mission.physics == "paper")
+
+    def searcher(self, parts: Parts | None = None, **options: Any) -> Search:
+        """The exact search, ready to run."""
+        wanted = {"top": TOP, "deadline_s": None, "progress": None, **options}
+        return Search(self.problem(parts), self.objective, **wanted)
+
+    def solve(self, parts: Parts | None = None, **options: Any) -> tuple[Search, Outcome]:
+        """The exact search and what it finds."""
+        search = self.searcher(parts, **options)
+        return search, search.run()
+
+
+@cache
+def case(seed: int) -> Case:
+    """A random case whose limits are, in a part of the cases, just what one of its designs needs."""
+    rng = np.random.default_rng(seed)
+    parts, plain = small.parts(rng, 3 if THOROUGH else 2), small.mission(rng)
+    objective = Objective.of(plain["objective"])
+    free = Case(parts, small.loaded(plain), objective)
+    limits, wanted = limits_that_bind(rng, free)
+    return Case(parts, small.loaded(plain, limits, **wanted), objective)
+
+
+def limits_that_bind(rng: np.random.Generator, free: Case) -> tuple[dict[str, float], dict[str, float]]:
+    """Budgets and coverage at, or a little beyond, those of one random design at its best settings."""
+    bench, limits, wanted = brute.Bench(free.problem()), {}, {}
+    buildable = list(brute.buildable(bench.problem))
+    if not buildable:
+        return {}, {}
+    hardware = small.pick(rng, buildable)
+    model, best = bench.model(hardware), brute.best_of(bench, hardware, free.objective)
+    terms, room = brute.fixed_terms(model), small.pick(rng, [1.0, 1.0, 1.0001, 1.05, 1.3])
+    for name, key, share in (("cost", "cost_limit_value", 0.3), ("mass_kg", "mass_kg", 0.2)):
+        if small.chance(rng, share):
+            limits[name] = terms[key] * room
+    if small.chance(rng, 0.3) and math.isfinite(best.power_w):
+        limits["power_w"] = best.power_w * room
+    if small.chance(rng, 0.3):
+        limits["peak_power_w"] = small.between(rng, 20, 2000)
+    if small.chance(rng, 0.1):
+        limits["data_rate_mb_s"] = small.between(rng, 1, 100)
+    if small.chance(rng, 0.25):
+        wanted["max_gsd_mm"] = max(float(v.gsd_m.max()) for v in model.views) * 1e3 * room
+    if small.chance(rng, 0.25):
+        wanted["min_swath_m"] = min(float(v.footprint_across_m.min()) for v in model.views) / room
+    return limits, wanted
+
+
+@cache
+def bench(seed: int) -> Any:
+    """Forward models of a case."""
+    return brute.Bench(case(seed).problem())
+
+
+@cache
+def enumerated(seed: int) -> list[Any]:
+    """Best settings of every hardware of a case, best first."""
+    return brute.enumerate_all(bench(seed), case(seed).objective)
+
+
+def ranked(seed: int) -> dict[tuple[int, ...], Any]:
+    """The best of each camera, lens, port and light that has a feasible design, best first."""
+    best: dict[tuple[int, ...], Any] = {}
+    for found in enumerated(seed):
+        if math.isfinite(found.value):
+            best.setdefault(ids(found.hardware), found)
+    return best
+
+
+def ids(hardware: Any) -> tuple[int, ...]:
+    """What counts as other hardware."""
+    return hardware.camera, hardware.lens, hardware.port, hardware.light
