@@ -296,7 +296,7 @@ def chosen_of(tried: list[Verdict], skipped: float) -> Verdict:
     """The best verdict, downgraded to what all of them together prove."""
     if not tried:
         return Verdict("infeasible", "no scene's settings are feasible on their own")
-    good = [verdict for verdict in tried if usable(verdict)]
+    good = [verdict for verdict in tried if usable(verdict) and np.isfinite(verdict.merit)]
     if good:
         lowest = min(verdict.merit for verdict in good)
         tied = [verdict for verdict in good if verdict.merit <= lowest + TIE * max(1.0, abs(lowest))]

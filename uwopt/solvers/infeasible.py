@@ -93,7 +93,7 @@ def single_relaxations(
         if not found.outcome.best:
             continue
         design = judged_by(mission, found, objective)
-        needed = rated_depth(found) if by_depth else reached_value(design, name, key)
+        needed = rated_depth(found) if by_depth else reached_value(design, key)
         yield Relaxation(name, limit, needed, miss(limit, needed), design)
 
 
@@ -144,22 +144,14 @@ def rated_depth(found: Sought) -> float | None:
     return min(known) if len(known) == len(ratings) else None
 
 
-def reached_value(design: Design, name: str, key: str) -> float | None:
-    """The figure that the relaxed design reaches, worst scene."""
-    totals = design.totals
-    direct = {
-        "cost": totals["cost"]["value"], "power_w": totals["power_w"], "peak_power_w": totals["light_peak_power_w"],
-        "mass_kg": totals["mass_kg"],
-    }  # fmt: skip
-    if name in direct:
-        return float(direct[name])
-    figure = {
-        "min_snr_db": "snr_db", "max_gsd_mm": "gsd_mm", "min_swath_m": "swath_m", "min_dof_m": "dof_m",
-        "max_blur_px": "blur_px", "max_skew_px": "skew_px", "overlap": "overlap", "mean_level": "mean_level",
-        "data_rate_mb_s": "data_rate_mb_s",
-    }.get(key)  # fmt: skip
-    found = [s.figures.get(figure) for s in design.scenes] if figure else []
-    values = [float(value) for value in found if value is not None]
+def reached_value(design: Design, key: str) -> float | None:
+    """What the design reaches of a requirement, at its worst over altitudes and scenes."""
+    values = [
+        margin.value
+        for scene in design.scenes
+        for margin in scene.margins
+        if margin.requirement == key and margin.value is not None
+    ]
     if not values:
         return None
     return min(values) if key.startswith("min") or key == "overlap" else max(values)
