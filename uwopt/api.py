@@ -25,6 +25,7 @@ from uwopt.result import Design, Margin, Result
 from uwopt.solvers import recommend
 from uwopt.solvers.certificate import certificate
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, design_of, seek
+from uwopt.solvers.rounding import LEVEL_TOLERANCE_REL
 from uwopt.system import System, load_system
 
 Source = str | Path | Mapping[str, Any]
@@ -123,9 +124,10 @@ def solve(
     with recommend.timed(timing, "search"):
         sought = seek(wanted, catalog, goal, generic=first, top=top, deadline_s=seconds, progress=progress)
     alternative: Sought | None = None
-    if policy == "fallback" and not sought.outcome.interrupted:
+    if policy == "fallback" and sought.outcome.complete:
+        left_s = None if seconds is None else max(seconds - (time.perf_counter() - start), 0.01)
         with recommend.timed(timing, "search_generic"):
-            alternative = generic_search(wanted, catalog, goal, sought, top, seconds, progress)
+            alternative = generic_search(wanted, catalog, goal, sought, top, left_s, progress)
         if not sought.outcome.best and alternative is not None and alternative.outcome.best:
             sought, alternative = alternative, None
     result = base_result("solve", wanted, goal, sought.problem)
@@ -165,11 +167,10 @@ def found_result(
     solver: str,
 ) -> Result:
     """A result with a recommendation."""
-    from uwopt.solvers.robustness import assumptions, robustness
-    from uwopt.solvers.waters import in_other_water
+    from uwopt.solvers.robustness import assumptions
 
     best = sought.outcome.best
-    in_haste = sought.outcome.interrupted
+    in_haste = not sought.outcome.complete
     with recommend.timed(timing, "evaluation"):
         winner = design_of(sought, best[0], goal)
         others = [design_of(sought, found, goal, with_rounding=False) for found in best[1:]]
@@ -177,9 +178,7 @@ def found_result(
     if alternative is not None and alternative.outcome.best:
         generic = design_of(alternative, alternative.outcome.best[0], goal)
     with recommend.timed(timing, "robustness"):
-        doubt = None if in_haste else robustness(sought, goal)
-        if doubt is not None:
-            doubt["other_water_table"] = in_other_water(sought, goal)
+        doubt = None if in_haste else doubts(sought, goal)
     with recommend.timed(timing, "second_opinion"):
         opinions = [] if in_haste else second_opinions(sought, goal, solver)
     proven = sought.outcome.complete
@@ -196,6 +195,15 @@ def found_result(
         objective={**result.objective, "value": winner.objective_value},
         warnings=[*result.warnings, *selection_warnings(sought), *winner.warnings, *haste_warnings(sought)],
     )
+
+
+def doubts(sought: Sought, goal: Objective) -> dict[str, Any] | None:
+    """What the estimates and the choice of water table could change."""
+    from uwopt.solvers.robustness import robustness
+    from uwopt.solvers.waters import in_other_water
+
+    found = robustness(sought, goal)
+    return None if found is None else {**found, "other_water_table": in_other_water(sought, goal)}
 
 
 def second_opinions(sought: Sought, goal: Objective, solver: str) -> list[dict[str, Any]]:
@@ -309,7 +317,11 @@ def evaluate(mission: Source | Mission, system: Source | System, *, physics: str
     goal = Objective.of(wanted.objective)
     problem, hardware = system_problem(wanted, built)
     given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
-    design = with_compatibility(evaluate_design(problem, hardware, given, goal), problem, wanted)
+    design = with_compatibility(
+        evaluate_design(problem, hardware, given, goal, level_tolerance_rel=LEVEL_TOLERANCE_REL),
+        problem,
+        wanted,
+    )
     result = base_result("evaluate", wanted, goal, problem)
     return replace(
         result,

@@ -174,10 +174,10 @@ class DesignModel:
             *self.port_margins(index),
             *system_margins(
                 limits, cost=terms["cost"], cost_limit_value=terms["cost_limit_value"], power_w=terms["power_w"],
-                peak_power_w=figures.light_peak_power_w, mass_kg=terms["mass_kg"],
+                peak_power_w=figures.light_peak_power_w + terms["camera_power_w"], mass_kg=terms["mass_kg"],
                 data_rate_mb_s=figures.data_rate_mb_s * self.problem.mission.vehicle.camera_count,
                 depth_m=self.problem.mission.required_depth_m, ratings_m=self.ratings_m(),
-                accepted=frozenset(plain_name(name) for name in self.problem.mission.catalog.accept_unrated),
+                accepted=self.accepted_unrated(),
             ),
         ]  # fmt: skip
 
@@ -189,6 +189,11 @@ class DesignModel:
         view = self.views[index]
         corner_mm = np.hypot(view.tan_along, view.tan_across) * port.gap_m * 1e3
         return [MarginRows("port_clears_view_mm", corner_mm, port.clear_radius_m * 1e3, "<=", "mm")]
+
+    def accepted_unrated(self) -> frozenset[str]:
+        """Parts of this design whose unknown depth rating the mission accepts, however it spells their ids."""
+        named = {plain_name(name) for name in self.problem.mission.catalog.accept_unrated}
+        return frozenset(part for part in self.ratings_m() if plain_name(part) in named)
 
     def ratings_m(self) -> dict[str, float | None]:
         """Depth ratings of the parts that meet the water; inline parts are not checked for what they leave out."""

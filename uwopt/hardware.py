@@ -207,7 +207,7 @@ def camera_rows(
     frame_mb = pixels * sent_bits / 8.0 / 1e6
     bandwidth = column(parts, "bandwidth_mb_s", np.inf, end=end)
     rate = np.minimum(column(parts, "max_frame_rate_hz", np.inf, end=end), bandwidth / frame_mb)
-    rolling = np.array([part.shutter == "rolling" for part in parts])
+    rolling = np.array([part.shutter == "rolling" for part in parts], bool)
     off = 0.0 if paper else 1.0
     rows = Cameras(
         resolution_x_px=column(parts, "resolution_x_px", 0.0),
@@ -247,7 +247,7 @@ def lens_rows(
         f_number_max=column(parts, "f_number_max", 16.0, end=end),
         transmission=column(parts, "transmission_frac", 1.0, end=end),
         min_object_distance_m=column(parts, "min_object_distance_m", 0.0, end=end),
-        motorised=np.array([part.aperture_control == "motorised" for part in parts]),
+        motorised=np.array([part.aperture_control == "motorised" for part in parts], bool),
         price=price_column(parts, money, end),
         limit_price=price_column(parts, money, limit_end(end, high_basis)),
         mass_kg=column(parts, "mass_g", 0.0, scale=1e-3, end=end),
@@ -269,7 +269,7 @@ def port_rows(
         return (part.outer_radius_mm or 0.0) * 1e-3 if part.geometry == "dome" else 0.0
 
     return Ports(
-        is_dome=np.array([part.geometry == "dome" for part in parts]),
+        is_dome=np.array([part.geometry == "dome" for part in parts], bool),
         outer_radius_m=np.array([radius_of(part) for part in parts], float),
         thickness_m=column(parts, "thickness_mm", 0.0, scale=1e-3, end=end),
         refractive_index=np.array([index_of(part) for part in parts], float),
@@ -323,7 +323,7 @@ def light_rows(
         stored_energy_j=np.where(flash, stored, 0.0),
         levels=levels,
         min_level=np.array([part.dim_min_frac for part in parts], float),
-        dims_freely=np.array([part.dim_levels is None for part in parts]),
+        dims_freely=np.array([part.dim_levels is None for part in parts], bool),
         min_pulse_s=column(parts, "min_pulse_us", 0.0, scale=1e-6, end=end),
         max_pulse_s=column(parts, "max_pulse_us", np.inf, scale=1e-6, end=end),
         max_duty=column(parts, "max_duty_frac", 1.0, end=end),

@@ -148,6 +148,10 @@ class Problem:
             float(sum(item.power_w or 0.0 for item in items)),
         )
 
+    def camera_power_w(self, cameras: Cameras) -> Array:
+        """Power of all cameras and of what else every system carries."""
+        return np.asarray(self.mission.vehicle.camera_count * cameras.power_w + self.extras[2])
+
     def shape(self, port_index: int, scene_index: int) -> PortShape:
         """One port in one scene's water."""
         return port_shape(self.ports, port_index, self.scenes[scene_index])
@@ -252,7 +256,8 @@ class Problem:
         pulse_energy = lamp.pulse_energy_j * count
         peak_at_full = np.where(flash, pulse_energy * focused.rate_hz, full_power)
         with np.errstate(divide="ignore", invalid="ignore"):
-            max_level = np.minimum(1.0, (limits.peak_power_w or np.inf) / peak_at_full)
+            peak_for_lights = (limits.peak_power_w or np.inf) - self.camera_power_w(cam)
+            max_level = np.minimum(1.0, peak_for_lights / peak_at_full)
         max_level = np.where(np.isnan(max_level), 1.0, max_level)
         allowed = (focused.rate_hz <= lamp.max_rate_hz * (1 + 1e-12)) | (lamp.kind == CONTINUOUS)
         if needs.max_skew_px is not None:

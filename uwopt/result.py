@@ -134,7 +134,7 @@ class Result:
         absent = (
             ("design",)
             if self.command == "solve"
-            else ("recommendation", "runners_up", "certificate", "generic_alternative")
+            else ("recommendation", "certificate", "generic_alternative")
         )
         return {key: value for key, value in data.items() if key not in absent}
 

@@ -141,7 +141,9 @@ class _Composer:
         path = (*parent.path, key)
         if key in parent.value and key != "<<":
             self._fault(
-                event, f"{path_text(path)} stands twice (also in line {self.lines[path]})", "remove one"
+                event,
+                f"{path_text(path)} stands twice (also in line {self.lines.get(path, _line(event))})",
+                "remove one",
             )
         else:
             self.lines[path] = _line(event)

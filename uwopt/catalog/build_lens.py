@@ -102,10 +102,15 @@ def _nearest_focus_class(focal_mm: float) -> ClassEstimate:
     return required_class("lens-min-object-distance-m", name)
 
 
+HOBBY_MAKERS = ("arducam", "raspberry pi")  # whose C-mount lenses sell in the hobby class
+
+
 def _price_class(row: PartRow, circle_mm: float | None) -> ClassEstimate:
     """By mount, image circle and rated megapixels."""
     if row.items("mounts") and {canonical_mount(mount) for mount in row.items("mounts")} == {"S"}:
         return required_class("lens-price", "rule-s-mount")
+    if row.text("manufacturer").casefold() in HOBBY_MAKERS:
+        return required_class("lens-price", "hobby")
     megapixel = row.number("rated_megapixel")
     circle = _circle_class(circle_mm)
     if circle == "large-circle":

@@ -13,7 +13,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.catalog.catalogue import plain_name
 from uwopt.figures import DesignRows, Figures, SettingRows
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED
 from uwopt.mission import Limits
@@ -214,6 +213,6 @@ def system_margins(
         if limit is not None:
             yield MarginRows(name, value, limit * every, "<=", unit)
     for part, rating in ratings_m.items():
-        if rating is not None or plain_name(part) not in accepted:
+        if rating is not None or part not in accepted:
             known = 0.0 if rating is None else rating
             yield MarginRows(f"depth_rating_m ({part})", known * every, depth_m * every, ">=", "m")

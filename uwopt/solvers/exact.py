@@ -166,7 +166,14 @@ class Search:
             self.account.discarded["bound"] += every * (len(rows) - len(useful))
             self._sample("bound", np.nonzero(floor[rows] > self.ranking.threshold())[0], rows, any_light=True)
             if len(useful):
-                finished = self._best_first(useful)
+                before = (self.account.evaluated, dict(self.account.discarded))
+                try:
+                    finished = self._best_first(useful)
+                except KeyboardInterrupt:  # keep what was found; these imagers count as not reached
+                    self.interrupted = True
+                    self.account.evaluated, self.account.discarded = before
+                    self.account.discarded["not_reached"] = every * len(useful)
+                    finished = float(floor[useful].min())
                 if finished is not None:
                     return self._cut_short(finished, every, floor, order[position + len(rows) :])
             position += len(rows)
@@ -195,6 +202,8 @@ class Search:
             for k in range(len(self.tables.lightings))
         ]
         self.bounds_s += time.perf_counter() - start
+        if not bounds:
+            return None
         n = len(rows)
         value = np.concatenate([b.value for b in bounds])
         power = np.concatenate([b.power for b in bounds])
@@ -213,20 +222,14 @@ class Search:
             ahead = ahead[value[ahead] <= threshold]
             if len(ahead) == 0:
                 break
-            if self.interrupted or (self.deadline is not None and time.perf_counter() > self.deadline):
+            if self.deadline is not None and time.perf_counter() > self.deadline:
                 rest = order[position:]
                 self.account.discarded["not_reached"] = int(size[rest].sum())
                 return float(value[rest].min())
             tied = np.isfinite(threshold) & (value[ahead] >= threshold - 2 * TIE * abs(threshold))
             useful = ahead[~(tied & (power[ahead] > self.ranking.power_threshold()))]
-            before = (self.account.evaluated, dict(self.account.discarded))
             self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
-            try:
-                self._evaluate_units(useful // n, rows[useful % n])
-            except KeyboardInterrupt:  # keep what was found; the units at hand count as not reached
-                self.interrupted = True
-                self.account.evaluated, self.account.discarded = before
-                continue
+            self._evaluate_units(useful // n, rows[useful % n])
             position += len(ahead)
             batch = min(2 * batch, LARGEST_BATCH)
         self.account.discarded["bound"] += int(size[order[position:]].sum())

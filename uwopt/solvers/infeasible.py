@@ -113,14 +113,21 @@ def judged_by(mission: Mission, found: Sought, objective: Objective) -> Design:
 
 
 def asked_value(mission: Mission, section: str, key: str) -> float | None:
-    """What the mission asks for, None when it does not."""
-    if key == "min_snr_db":
-        ratio = mission.requirements.min_snr
-        return None if ratio is None else 20.0 * math.log10(ratio)
+    """What the mission asks for, in any scene the first that does; None when none does."""
     if key == "depth_rating_m":
         return mission.required_depth_m or None
-    value = getattr(getattr(mission, section), key)
-    return None if value is None else float(value)
+    if section == "limits":
+        value = getattr(mission.limits, key)
+        return None if value is None else float(value)
+    for view in mission.views:
+        if key == "min_snr_db":
+            ratio = view.requirements.min_snr
+            value = None if ratio is None else 20.0 * math.log10(ratio)
+        else:
+            value = getattr(view.requirements, key)
+        if value is not None:
+            return float(value)
+    return None
 
 
 def without(mission: Mission, section: str, key: str) -> Mission | None:

@@ -15,9 +15,9 @@ from typing import Any, Literal
 import numpy as np
 
 from uwopt.catalog.catalogue import Catalog
-from uwopt.catalog.choose import Choice, Selection, select
+from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, matches, select
 from uwopt.catalog.compatibility import explain_pair
-from uwopt.errors import SolverError
+from uwopt.errors import MissionError, SolverError
 from uwopt.evaluation import DesignModel, Hardware, evaluate_design
 from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
@@ -52,13 +52,26 @@ def selected(
     names = Choice.__dataclass_fields__
     wanted = {name: getattr(mission.catalog, name) for name in names if name != "generic"}
     choice = Choice(**wanted, generic=generic)
-    return select(
+    made = select(
         catalog,
         choice,
         required_depth_m=mission.required_depth_m if depth_m is None else depth_m,
         camera_count=mission.vehicle.camera_count,
         **select_problem_mission(mission),
     )
+    idle = [text for text in made.warnings if names_nothing(mission, catalog, text)]
+    if idle:
+        raise MissionError([f"{mission.source_name}: {text}" for text in idle])
+    return made
+
+
+def names_nothing(mission: Mission, catalog: Catalog, warning: str) -> bool:
+    """Whether a warning is of a kind of part of which no pattern matches anything: nothing could be found."""
+    for kind, key in PATTERN_KEYS.items():
+        patterns = getattr(mission.catalog, key)
+        if warning.startswith(f"catalog.{key}:") and patterns:
+            return not any(matches(p, part) for p in patterns for part in catalog.parts(kind))
+    return False
 
 
 def build_problem(mission: Mission, selection: Selection, **changes: Any) -> Problem:
