@@ -173,7 +173,7 @@ class DesignModel:
             ),
             *self.port_margins(index),
             *system_margins(
-                limits, cost=terms["cost"], cost_limit_value=terms["cost_limit_value"], power_w=terms["power_w"],
+                limits, cost_limit_value=terms["cost_limit_value"], power_w=terms["power_w"],
                 peak_power_w=figures.light_peak_power_w + terms["camera_power_w"], mass_kg=terms["mass_kg"],
                 data_rate_mb_s=figures.data_rate_mb_s * self.problem.mission.vehicle.camera_count,
                 depth_m=self.problem.mission.required_depth_m, ratings_m=self.ratings_m(),

@@ -210,7 +210,10 @@ def overlap(scene: SceneOptics, view: Views, rate_hz: Array) -> Array:
     if speed == 0.0:
         return np.ones_like(view.footprint_along_m)
     with np.errstate(divide="ignore"):
-        return np.asarray(1.0 - speed / (rate_hz[:, None] * view.footprint_along_m))
+        shared = operation.overlap_at_rate(
+            rate_hz[:, None], speed_m_s=speed, footprint_along_m=view.footprint_along_m
+        )
+    return np.asarray(shared)
 
 
 def power_w(rows: DesignRows, settings: SettingRows, collected_s: Array) -> tuple[Array, Array]:
@@ -224,10 +227,15 @@ def power_w(rows: DesignRows, settings: SettingRows, collected_s: Array) -> tupl
         pulse_s=np.where(lights.kind == PULSED, settings.pulse_s, collected_s),
         frame_rate_hz=settings.rate_hz,
     )
-    flashing = lights.pulse_energy_j * settings.level * count * settings.rate_hz
+    flashing = light_model.flash_power_w(
+        lights.pulse_energy_j * settings.level,
+        count=count,
+        frame_rate_hz=settings.rate_hz,
+        charging_efficiency=1.0,  # the pulse's energy is counted at the supply
+    )
     mean = np.where(lights.kind == CONTINUOUS, burning, np.where(lights.kind == PULSED, pulsed, flashing))
     peak = np.where(lights.kind == FLASH, flashing, burning)
-    return mean, peak
+    return np.asarray(mean), np.asarray(peak)
 
 
 def levers_m(scene: SceneOptics, outer_radius_m: Array) -> Array:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.records import Camera, Curve, Lens, Light, Part, Port, Quantity
+from uwopt.model.light import flash_light_lm_s
 
 Array = NDArray[Any]
 End = Literal["central", "good", "bad"]
@@ -316,7 +317,7 @@ def light_rows(
             output[row] = measured_lumens(part.beam_profile) / flux[row]
     return Lights(
         kind=kind,
-        full_light=np.where(flash, stored * efficacy, flux),
+        full_light=np.where(flash, flash_light_lm_s(stored, efficacy_lm_s_per_j=efficacy), flux),
         output_factor=np.ones(len(parts)) if paper else output,
         full_power_w=np.where(flash, 0.0, column(parts, "power_w", 0.0, end=end)),
         pulse_energy_j=np.where(flash, stored / charging, 0.0),

@@ -127,7 +127,9 @@ def test_owned_camera_costs_nothing():
     assert selection.cameras[0].price == exact(0.0, "user", "owned")
     one_of_two = select(CATALOG, Choice(owned=[{"id": "flir-bfs-1"}]), camera_count=2).cameras[0].price
     assert one_of_two is not None and one_of_two.value == 400.0  # each of the two costs half of 800
-    none = select(CATALOG, Choice(owned=[{"id": "flir-bfs-1", "quantity": 0}]), camera_count=1).cameras[0].price
+    none = (
+        select(CATALOG, Choice(owned=[{"id": "flir-bfs-1", "quantity": 0}]), camera_count=1).cameras[0].price
+    )
     assert none == exact(800.0)
 
 

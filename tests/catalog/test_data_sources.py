@@ -86,7 +86,10 @@ def test_the_two_water_tables_disagree_as_their_sources_do():
     # Beam attenuation of type III at 525 nm: 0.37 1/m in one table, 1.11 1/m in the other (two digits).
     found = [
         float(np.interp(525.0, profile.wavelength_nm, profile.attenuation_per_m))
-        for profile in (spectra.water_profile("III", "solonenko-mobley"), spectra.water_profile("III", "measured"))
+        for profile in (
+            spectra.water_profile("III", "solonenko-mobley"),
+            spectra.water_profile("III", "measured"),
+        )
     ]
     assert sorted(found) == pytest.approx([0.37, 1.11], abs=0.005)
 

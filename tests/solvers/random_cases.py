@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -12,11 +12,13 @@ import brute_force as brute
 import numpy as np
 import small_catalogues as small
 
+from uwopt.catalog.records import Light, exact
 from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
 from uwopt.solvers.exact import Outcome, Search
 
+UNITS = ("lm", "w", "deg", "j", "us", "s", "hz")
 THOROUGH = bool(os.environ.get("UWOPT_THOROUGH"))
 TOP = 4
 
@@ -92,15 +94,56 @@ def enumerated(seed: int) -> list[Any]:
     return brute.enumerate_all(bench(seed), case(seed).objective)
 
 
-def ranked(seed: int) -> dict[tuple[int, ...], Any]:
+def ranked(found: list[Any]) -> dict[tuple[int, ...], Any]:
     """The best of each camera, lens, port and light that has a feasible design, best first."""
     best: dict[tuple[int, ...], Any] = {}
-    for found in enumerated(seed):
-        if math.isfinite(found.value):
-            best.setdefault(ids(found.hardware), found)
+    for one in found:
+        if math.isfinite(one.value):
+            best.setdefault(ids(one.hardware), one)
     return best
 
 
 def ids(hardware: Any) -> tuple[int, ...]:
     """What counts as other hardware."""
     return hardware.camera, hardware.lens, hardware.port, hardware.light
+
+
+def planted(
+    objective: Any,
+    lights: tuple[Light, ...],
+    requirements: dict[str, Any],
+    *,
+    camera: dict[str, Any] | None = None,
+    **vehicle: Any,
+) -> Case:
+    """One camera behind a dome, a lens and the lamps given: cases made to hit one rule each."""
+    rng = np.random.default_rng(7)
+    plain = {
+        "objective": objective, "physics": "full", "limits": {}, "requirements": {"overlap": 0.3, **requirements},
+        "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3, "orientation": "landscape", "light_count": 1, **vehicle},
+        "scenes": [{"water": "II", "seafloor": 0.2, "depth_m": 100.0}],
+    }  # fmt: skip
+    body = {
+        "mounts": ("C",), "shutter": "global", "saturation_e": exact(20_000.0), "power_w": exact(2.0),
+        "dark_current_e_s": None, **(camera or {}),
+    }  # fmt: skip
+    glass = {
+        "mounts": ("C",), "image_circle_mm": 20.0, "focal_length_mm": 8.0, "f_number_min": exact(1.4),
+        "f_number_max": exact(16.0), "min_object_distance_m": None,
+    }  # fmt: skip
+    parts = Parts(
+        (replace(small.camera(rng, "cam"), **body),), (replace(small.lens(rng, "lens"), **glass),),
+        (replace(small.port(rng, "port"), geometry="dome", outer_radius_mm=80.0),), lights,
+    )  # fmt: skip
+    return Case(parts, small.loaded(plain), Objective.of(objective))
+
+
+def lamp(name: str, **given: Any) -> Light:
+    """A lamp with numbers as given, all exact."""
+    known = {key: exact(value) if isinstance(value, float) and key.rpartition("_")[2] in UNITS else value
+             for key, value in given.items()}  # fmt: skip
+    common: dict[str, Any] = {
+        "price": exact(500.0), "mass_g": exact(500.0), "depth_rating_m": 6000.0, "beam_medium": "water",
+        "beam_angle_deg": exact(80.0),
+    }  # fmt: skip
+    return Light(id=name, **{**common, **known})

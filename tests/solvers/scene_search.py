@@ -88,9 +88,18 @@ class SceneSearch:
         return min(least + offset, flash), min(most + offset, flash, blur)
 
     def _levels(self) -> tuple[Array, bool]:
-        """Levels that the lamp has within peak power (their ends if it dims freely), and whether it does."""
-        light, peak = self.light, self.model.problem.mission.limits.peak_power_w
-        top = min(1.0, peak / self.full_w) if peak is not None and self.full_w > 0 else 1.0
+        """Levels that the lamp has within peak power (their ends if it dims freely), and whether it does.
+
+        Cameras and extras draw all the time; what is left of the peak is for the lamps.
+        """
+        light, mission = self.light, self.model.problem.mission
+        peak, always = mission.limits.peak_power_w, sum(item.power_w for item in mission.catalog.extras)
+        always += mission.vehicle.camera_count * float(self.cam.power_w[0])
+        top = 1.0
+        if peak is not None:
+            top = min(1.0, (peak - always) / self.full_w) if self.full_w > 0 else float(peak >= always)
+            if top < 0.0 or (top == 0.0 and peak < always):
+                return np.empty(0), False
         if not light.dims_freely[0]:
             steps = light.levels[0][~np.isnan(light.levels[0])]
             return steps[steps <= top * (1 + 1e-12)], False

@@ -61,7 +61,13 @@ def scene(**changed: Any) -> SceneRows:
 
 STEPS: dict[str, Any] = dict(dims_freely=False, levels=[0.25, 0.5, 1.0])
 FLASHES: dict[str, Any] = dict(
-    kind=FLASH, light_lm=3.5e6, pulse_energy_j=120.0, full_power_w=0.0, time_min_s=1e-3, time_max_s=1e-3, **STEPS
+    kind=FLASH,
+    light_lm=3.5e6,
+    pulse_energy_j=120.0,
+    full_power_w=0.0,
+    time_min_s=1e-3,
+    time_max_s=1e-3,
+    **STEPS,
 )
 ALTITUDES: dict[str, Any] = dict(signal_e=[150.0, 100.0, 60.0], nominal=1, min_snr=20.0)
 

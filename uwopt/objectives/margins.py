@@ -197,11 +197,10 @@ def pulse_margins(rows: DesignRows, settings: SettingRows, triggered: Array) -> 
 
 
 def system_margins(
-    limits: Limits, *, cost: Array, cost_limit_value: Array, power_w: Array, peak_power_w: Array, mass_kg: Array,
+    limits: Limits, *, cost_limit_value: Array, power_w: Array, peak_power_w: Array, mass_kg: Array,
     data_rate_mb_s: Array, depth_m: float, ratings_m: dict[str, float | None], accepted: frozenset[str],
 ) -> Iterator[MarginRows]:  # fmt: skip
     """Limits of the whole system: money, power, mass, data and depth."""
-    del cost
     every = np.ones(len(power_w))
     for name, value, limit, unit in (
         ("cost", cost_limit_value, limits.cost, limits.currency),

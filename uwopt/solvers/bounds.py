@@ -269,5 +269,3 @@ class Bounds:
                 most, read_noise_e=cameras.read_noise_e, gain_dn_per_e=np.inf, prnu_frac=cameras.prnu_frac
             )
         return np.asarray(sensor.to_db(np.maximum(snr, 1e-300)))
-
-    # ------------------------------------------------------------ best first

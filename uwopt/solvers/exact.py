@@ -64,18 +64,6 @@ class Outcome:
     interrupted: bool = False
 
 
-def search(
-    problem: Problem,
-    objective: Objective,
-    *,
-    top: int = 5,
-    deadline_s: float | None = None,
-    progress: Callable[[float, str], None] | None = None,
-) -> Outcome:
-    """The best designs and the certificate's numbers; see the module's docstring."""
-    return Search(problem, objective, top=top, deadline_s=deadline_s, progress=progress).run()
-
-
 class Search:
     """State of one search."""
 
@@ -91,9 +79,7 @@ class Search:
         self.limits = problem.mission.limits
         self.bounds_s = 0.0
         self.interrupted = False
-        self.without_dark = (
-            np.inf
-        )  # best value if no sensor had dark current, where that matters to the proof
+        self.without_dark = np.inf  # best value without any dark current, where that matters to the proof
         self._samples: dict[str, list[tuple[int, int | None]]] = {}  # rule -> (imager, lighting or any)
 
     # ------------------------------------------------------------ run

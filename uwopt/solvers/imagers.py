@@ -165,7 +165,7 @@ def imagers_behind(
             )
         )
     alive = np.ones(len(camera), bool)
-    for rule, passes in rules(problem, cameras, lenses, port, seen, focused, maps):
+    for rule, passes in rules(problem, cameras, lenses, port, seen, focused):
         failed = alive & ~passes
         discarded[rule] += int(failed.sum())
         lost = np.nonzero(failed)[0]
@@ -187,7 +187,6 @@ def rules(
     port: int,
     seen: list[Views],
     focused: list[Focused],
-    maps: list[Any],
 ) -> Iterator[tuple[str, Array]]:
     """Each rule in turn with the imagers that pass it."""
     limits, count = problem.mission.limits, problem.mission.vehicle.camera_count
@@ -195,9 +194,7 @@ def rules(
     yield "view", all_of(view_clears(problem, port, view) for view in seen)
     yield (
         "focus",
-        all_of(
-            focus_reached(scene, at, lenses, extra) for (scene, _, extra), at in zip(every, maps, strict=True)
-        ),
+        all_of(focus_reached(lenses, extra) for extra in focused),
     )
     yield (
         "max_gsd_mm",
@@ -257,9 +254,8 @@ def view_clears(problem: Problem, port: int, view: Views) -> Array:
     return np.asarray(corner * ports.gap_m[port] <= ports.clear_radius_m[port])
 
 
-def focus_reached(scene: Any, at: Any, lenses: Any, focused: Focused) -> Array:
+def focus_reached(lenses: Any, focused: Focused) -> Array:
     """Whether the lens focuses on what it must: the virtual image lies beyond its nearest distance."""
-    del scene, at
     with np.errstate(divide="ignore"):
         distance = 1.0 / focused.dioptre_per_m
     beyond_focal = distance > lenses.focal_length_m

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED
-from uwopt.model import sensor
+from uwopt.model import light, sensor
 from uwopt.rows import SceneRows
 
 Array = NDArray[Any]
@@ -199,10 +199,14 @@ def stepped_level(rows: SceneRows, need: Array, cap: Array) -> Array:
 
 def drawn_power_w(rows: SceneRows, level: Array, time_s: Array) -> Array:
     """Mean electrical power of all lights (PHYSICS section 1)."""
-    burning = rows.full_power_w * level
-    duty = np.minimum(1.0, time_s * rows.rate_hz)
-    flashing = rows.pulse_energy_j * level * rows.rate_hz
-    return np.where(rows.kind == CONTINUOUS, burning, np.where(rows.kind == PULSED, burning * duty, flashing))
+    burning = light.continuous_power_w(level, full_power_w=rows.full_power_w, count=1)
+    pulsed = light.pulsed_led_power_w(
+        level, full_power_w=rows.full_power_w, count=1, pulse_s=time_s, frame_rate_hz=rows.rate_hz
+    )
+    flashing = light.flash_power_w(
+        rows.pulse_energy_j * level, count=1, frame_rate_hz=rows.rate_hz, charging_efficiency=1.0
+    )
+    return np.where(rows.kind == CONTINUOUS, burning, np.where(rows.kind == PULSED, pulsed, flashing))
 
 
 def best_gain(rows: SceneRows, light_x: Array) -> Array:
