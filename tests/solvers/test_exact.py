@@ -28,7 +28,7 @@ from uwopt.solvers.exact import Outcome
 from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.rounding import exact_settings
 
-CASES = range(600) if THOROUGH else range(20)
+CASES = range(600) if THOROUGH else range(24)
 FEW = range(100) if THOROUGH else range(6)
 BEATEN_REL = 1e-6  # the enumeration may find rounding, nothing more
 REACHED_REL = 2e-3  # what its grids of SNR against power may miss
