@@ -84,8 +84,7 @@ def chunk(search: Search, imagers: Any, signals: list[Any], rng: np.random.Gener
         view=hardware.scenes[0].view.take(i),
         focus_map=focus,
         lever_m=levers_m(scene, problem.ports.outer_radius_m[hardware.port[i]]),
-        signal_e=signals[k][drawn] * problem.lights.output_factor[j][:, None],
-        worst_e=None,
+        light=signals[k].take(drawn).scaled(problem.lights.output_factor[j]),
     )
     settings = SettingRows(
         f_number=np.exp(rng.uniform(np.log(1.4), np.log(16), CHUNK)),

@@ -32,8 +32,6 @@ Source = str | Path | Mapping[str, Any]
 Progress = Callable[[float, str], None]
 SOLVERS = ("exact", "casadi", "nlopt")
 UNBUILT = {
-    "min_contrast": "veils are not modelled yet",
-    "min_uniformity": "the search does not weigh the evenness of the image yet",
     "min_mtf_half_nyquist": "sharpness is not modelled yet",
 }
 NOT_MODELLED = (

@@ -17,6 +17,7 @@ from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.records import Part, Quantity
 from uwopt.figures import DesignRows, Figures, SettingRows, figures_of, full_light_lm, levers_m
 from uwopt.hardware import CONTINUOUS, FLASH, Cameras, Lenses, Lights
+from uwopt.image_light import ImageLight
 from uwopt.model import beam as beams
 from uwopt.model import imaging, sensor
 from uwopt.model import lens as lens_model
@@ -79,9 +80,6 @@ class DesignModel:
 
     def _rows(self, index: int) -> DesignRows:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
-        output = self.lights.output_factor[0]
-        signal = self.signal_e(index) * output
-        worst = None if scene.paper else self.signal_e(index, darkest=True) * output
         return DesignRows(
             cameras=self.cameras,
             lenses=self.lenses,
@@ -90,17 +88,17 @@ class DesignModel:
             view=view,
             focus_map=self.maps[index],
             lever_m=levers_m(scene, np.array([self.shapes[index].outer_radius_m])),
-            signal_e=signal,
-            worst_e=worst,
+            light=self.image_light(index, pixels=not scene.paper),
         )
 
-    def signal_e(self, index: int, *, darkest: bool = False, channel: str | None = None) -> Array:
-        """Electrons per lm s behind the lamps' windows, (1, n_altitudes)."""
+    def image_light(self, index: int, *, pixels: bool = False, channel: str | None = None) -> ImageLight:
+        """Electrons per lm s of nameplate light."""
         hw = self.hardware
-        return self.problem.signal_e(
+        light = self.problem.image_light(
             index, self.views[index], np.array([hw.camera]), port_index=hw.port,
-            optics=int(self.lights.optics_index[0]), mount=hw.mount, count=hw.count, darkest=darkest, channel=channel,
+            optics=int(self.lights.optics_index[0]), mount=hw.mount, count=hw.count, pixels=pixels, channel=channel,
         )  # fmt: skip
+        return light.scaled(self.lights.output_factor)
 
     # ------------------------------------------------------------ settings
 
@@ -172,6 +170,7 @@ class DesignModel:
                 scene, self.rows[index], settings, figures, limits, level_tolerance_rel=level_tolerance_rel
             ),
             *self.port_margins(index),
+            *self.evenness_margins(index),
             *system_margins(
                 limits, cost_limit_value=terms["cost_limit_value"], power_w=terms["power_w"],
                 peak_power_w=figures.light_peak_power_w + terms["camera_power_w"], mass_kg=terms["mass_kg"],
@@ -189,6 +188,20 @@ class DesignModel:
         view = self.views[index]
         corner_mm = np.hypot(view.tan_along, view.tan_across) * port.gap_m * 1e3
         return [MarginRows("port_clears_view_mm", corner_mm, port.clear_radius_m * 1e3, "<=", "mm")]
+
+    def evenness_margins(self, index: int) -> list[MarginRows]:
+        """Least over mean floor illuminance, where the mission asks for it."""
+        scene, hw = self.problem.scenes[index], self.hardware
+        wanted = scene.view.requirements.min_uniformity
+        if wanted is None:
+            return []
+        reached = self.problem.uniformity(
+            index, self.views[index], port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
+            count=hw.count,
+        )  # fmt: skip
+        worst = int(reached.argmin())
+        value, where = np.array([reached[worst]]), np.array([scene.range_m[worst]])
+        return [MarginRows("min_uniformity", value, np.array([wanted]), ">=", "", where)]
 
     def accepted_unrated(self) -> frozenset[str]:
         """Parts of this design whose unknown depth rating the mission accepts, however it spells their ids."""
@@ -370,9 +383,9 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "effective_focal_length_mm": effective_focal_mm(model, index),
         **illuminance(model, index, settings),
         "electrons_signal": float(figures.electrons_signal[0, at]),
-        "electrons_forward": None,
-        "electrons_backscatter": None,
-        "electrons_sun": None,
+        "electrons_forward": at_nominal(figures.electrons_forward, at),
+        "electrons_backscatter": at_nominal(figures.electrons_backscatter, at),
+        "electrons_sun": at_nominal(figures.electrons_sun, at),
         "electrons_dark": float(figures.electrons_dark[0]),
         "mean_level": mean_level,
         "mean_dn": mean_level * float(2.0 ** cam.bits[0] - 1.0),
@@ -381,8 +394,8 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "snr_db": decibels(snr),
         "snr_db_min": None if figures.snr_darkest is None else decibels(float(figures.snr_darkest[0, at])),
         **colour_snr(model, index, settings, figures),
-        "contrast": None,
-        "veil_ratio": None,
+        "contrast": at_nominal(figures.contrast, at),
+        "veil_ratio": veil_ratio(figures, at),
         "mtf50_cyc_per_px": None,
         "mtf_half_nyquist": None,
         "resolution_10_mm": None,
@@ -412,6 +425,20 @@ def _nominal_view(view: Any) -> Any:
         for name in ("footprint_along_m", "footprint_across_m", "gsd_m", "pixel_along_m", "pixel_across_m")
     }
     return replace(view, **middle)
+
+
+def at_nominal(column: Array | None, altitude: int) -> float | None:
+    """A figure of the only design at one altitude; None when it is left out."""
+    return None if column is None else float(column[0, altitude])
+
+
+def veil_ratio(figures: Figures, altitude: int) -> float | None:
+    """Veil over image-forming electrons; None where veils are left out or nothing forms an image."""
+    if figures.contrast is None or not figures.electrons_signal[0, altitude] > 0:
+        return None
+    veils = (figures.electrons_forward, figures.electrons_backscatter)
+    veil = sum(float(column[0, altitude]) for column in veils if column is not None)
+    return veil / float(figures.electrons_signal[0, altitude])
 
 
 def decibels(ratio: float) -> float | None:
@@ -446,20 +473,11 @@ def illuminance(model: DesignModel, index: int, settings: SettingRows) -> dict[s
     """Floor illuminance over the footprint at the nominal altitude, while the lights are on."""
     problem, hw = model.problem, model.hardware
     scene, view = problem.scenes[index], model.views[index]
-    optics = problem.optics[int(model.lights.optics_index[0])]
     lumens = float(full_light_lm(model.lights, np.array([hw.count]))[0]) * float(settings.level[0])
     lumens *= float(model.lights.output_factor[0])
-    range_m = float(scene.range_m[scene.nominal])
-    weight = scene.photopic * relative_spectrum((optics.spectrum_id, optics.spectrum), scene.wavelength_nm)
-    if scene.paper:
-        axis = float(beams.intensity_per_sr(np.array([1.0]), optics.beam)[0]) / range_m**2
-        loss = float((weight * np.exp(-scene.lamp_attenuation_per_m * range_m)).sum() / weight.sum())
-        value = lumens * axis * loss
-        return {"floor_illuminance_mean_lx": value, "floor_illuminance_min_lx": value, "uniformity": 1.0}
-    mean, least = imaging.footprint_illuminance_per_lm(
-        float(view.tan_along[0]), float(view.tan_across[0]), shape=model.shapes[index], range_m=range_m,
-        lamps=hw.mount.lamps(hw.count), beam=optics.beam, weight=weight,
-        attenuation_per_m=scene.lamp_attenuation_per_m,
+    mean, least = problem.footprint_light(
+        index, view, port_index=hw.port, optics=int(model.lights.optics_index[0]), mount=hw.mount,
+        count=hw.count, altitude=scene.nominal,
     )  # fmt: skip
     return {
         "floor_illuminance_mean_lx": lumens * mean,
@@ -479,11 +497,13 @@ def colour_snr(
     scene, cam = model.problem.scenes[index], model.cameras
     out: dict[str, float | None] = {}
     for name in names:
-        signal = model.signal_e(index, channel=name)[0, scene.nominal] * float(model.lights.output_factor[0])
-        electrons = float(signal * figures.light_x[0])
+        light = model.image_light(index, channel=name)
+        x = float(figures.light_x[0])
+        veil = light.veil_e
         out[f"snr_{name}"] = float(
             sensor.snr(
-                electrons,
+                float(light.signal_e[0, scene.nominal]) * x,
+                veil_e=0.0 if veil is None else float(veil[0, scene.nominal]) * x,
                 read_noise_e=float(cam.read_noise_e[0]),
                 gain_dn_per_e=float(cam.gain_dn_per_e[0] * settings.gain[0]),
                 dark_e=float(figures.electrons_dark[0]),

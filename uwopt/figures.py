@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.image_light import ImageLight, SunLight, added
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED, Cameras, Lenses, Lights
 from uwopt.model import lens as lens_model
 from uwopt.model import light as light_model
@@ -52,8 +53,8 @@ class DesignRows:
     view: Views
     focus_map: FocusMap  # fields may be arrays
     lever_m: Array  # (n, 3) distance from the camera's turning point to the floor
-    signal_e: Array  # (n, n_altitudes) electrons per lm s of nameplate light, image mean
-    worst_e: Array | None  # the same at the darkest pixel
+    light: ImageLight  # electrons per lm s of nameplate light
+    sun: SunLight | None = None  # electrons per second of open shutter
 
     def by_altitude(self) -> DesignRows:
         """The same rows with each altitude contiguous, so that millions of designs are worked through faster."""
@@ -62,7 +63,7 @@ class DesignRows:
             columns = {f.name: getattr(rows, f.name) for f in fields(rows)}
             return replace(rows, **{k: np.asfortranarray(v) for k, v in columns.items() if np.ndim(v) == 2})
 
-        return replace(packed(self), view=packed(self.view))
+        return replace(packed(self), view=packed(self.view), light=packed(self.light))
 
 
 def light_time_s(rows: DesignRows, settings: SettingRows) -> Array:
@@ -86,9 +87,12 @@ class Figures:
     working_f_number: Array
     light_x: Array
     light_time_s: Array
-    electrons_signal: Array  # (n, n_altitudes)
-    electrons_darkest: Array | None
+    electrons_signal: Array  # (n, n_altitudes), image-forming, of lamps and sun
+    electrons_forward: Array | None  # veils, (n, n_altitudes); None: left out
+    electrons_backscatter: Array | None
+    electrons_sun: Array | None  # of all these, what the sun brings
     electrons_dark: Array
+    contrast: Array | None  # (n, n_altitudes)
     snr: Array  # (n, n_altitudes)
     snr_darkest: Array | None
     mean_level: Array  # (n, n_altitudes)
@@ -119,16 +123,18 @@ def figures_of(scene: SceneOptics, rows: DesignRows, settings: SettingRows) -> F
     light_x = full_light_lm(rows.lights, rows.count) * settings.level * collected_s / np.square(working)
     gain = cam.gain_dn_per_e * settings.gain
     dark = cam.dark_current_e_s * settings.exposure_s
-    signal = rows.signal_e * light_x[:, None]
-    darkest = None if rows.worst_e is None else rows.worst_e * light_x[:, None]
+    open_y = open_s(rows, settings) / np.square(working)
+    seen = electrons_in_image(rows, light_x, open_y)
     noise = dict(
         read_noise_e=cam.read_noise_e[:, None],
         gain_dn_per_e=gain[:, None],
         dark_e=dark[:, None],
         prnu_frac=cam.prnu_frac[:, None],
     )
+    veil = 0.0 if seen.veil_e is None else seen.veil_e
+    every = seen.signal_e if seen.veil_e is None else seen.signal_e + seen.veil_e
     level = sensor.mean_level(
-        signal,
+        every,
         gain_dn_per_e=gain[:, None],
         bits=cam.bits[:, None],
         dark_e=dark[:, None],
@@ -140,14 +146,17 @@ def figures_of(scene: SceneOptics, rows: DesignRows, settings: SettingRows) -> F
         working_f_number=working,
         light_x=light_x,
         light_time_s=collected_s,
-        electrons_signal=signal,
-        electrons_darkest=darkest,
+        electrons_signal=seen.signal_e,
+        electrons_forward=seen.forward_e,
+        electrons_backscatter=seen.backscatter_e,
+        electrons_sun=seen.sun_e,
         electrons_dark=dark,
-        snr=np.asarray(sensor.snr(signal, **noise)),
-        snr_darkest=None if darkest is None else np.asarray(sensor.snr(darkest, **noise)),
+        contrast=None if seen.veil_e is None else share_of(seen.signal_e, every),
+        snr=np.asarray(sensor.snr(seen.signal_e, veil_e=veil, **noise)),
+        snr_darkest=None if seen.worst_e is None else darkest_snr(seen, noise),
         mean_level=np.asarray(level),
-        saturation_fraction=saturation_fraction(scene, cam, level, signal, dark),
-        blur_px=blur_px(scene, rows, collected_s),
+        saturation_fraction=saturation_fraction(scene, cam, level, every, dark),
+        blur_px=blur_px(scene, rows, collected_s if rows.sun is None else open_s(rows, settings)),
         skew_px=skew_px(scene, rows),
         overlap=overlap(scene, view, settings.rate_hz),
         dof_near_m=near,
@@ -158,6 +167,61 @@ def figures_of(scene: SceneOptics, rows: DesignRows, settings: SettingRows) -> F
         duty_frac=np.asarray(light_model.duty_frac(collected_s, frame_rate_hz=settings.rate_hz)),
         data_rate_mb_s=cam.frame_mb * settings.rate_hz,
     )
+
+
+@dataclass(frozen=True)
+class Electrons:
+    """Electrons of n designs, image means (n, n_altitudes) and at the pixels that may be worst."""
+
+    signal_e: Array
+    forward_e: Array | None
+    backscatter_e: Array | None
+    sun_e: Array | None
+    veil_e: Array | None
+    worst_e: Array | None
+    worst_veil_e: Array | None
+
+
+def electrons_in_image(rows: DesignRows, light_x: Array, open_y: Array) -> Electrons:
+    """The lamps' constants times light, the sun's times open shutter over N_w^2."""
+    lamps, sun = rows.light, rows.sun
+
+    def lit(column: Array | None) -> Array | None:
+        return None if column is None else column * light_x.reshape(-1, *([1] * (column.ndim - 1)))
+
+    def sunlit(column: Array | None) -> Array | None:
+        return None if column is None else column * open_y.reshape(-1, *([1] * (column.ndim - 1)))
+
+    signal, forward, back = lit(lamps.signal_e), lit(lamps.forward_e), lit(lamps.backscatter_e)
+    worst, worst_veil = lit(lamps.worst_e), lit(lamps.worst_veil_e)
+    sun_e = None
+    assert signal is not None
+    if sun is not None:
+        sun_signal, sun_forward, sun_path = (sunlit(c) for c in (sun.signal_e_s, sun.forward_e_s, sun.path_e_s))
+        sun_e = added(sun_signal, added(sun_forward, sun_path))
+        signal, forward, back = signal + sun_signal, added(forward, sun_forward), added(back, sun_path)
+        if worst is not None:
+            worst = added(worst, sunlit(sun.worst_e_s))
+            worst_veil = added(worst_veil, sunlit(sun.worst_veil_e_s))
+    return Electrons(signal, forward, back, sun_e, added(forward, back), worst, worst_veil)
+
+
+def share_of(part: Array, whole: Array) -> Array:
+    """Part over whole; 0 where there is nothing."""
+    return np.asarray(part / np.where(whole > 0.0, whole, 1.0))
+
+
+def darkest_snr(seen: Electrons, noise: dict[str, Array]) -> Array:
+    """Lowest SNR over the pixels, (n, n_altitudes)."""
+    assert seen.worst_e is not None
+    veil = 0.0 if seen.worst_veil_e is None else seen.worst_veil_e
+    at_pixels = {name: column[:, :, None] for name, column in noise.items()}
+    return np.asarray(sensor.snr(seen.worst_e, veil_e=veil, **at_pixels).min(axis=2))
+
+
+def open_s(rows: DesignRows, settings: SettingRows) -> Array:
+    """Time that collects sunlight: the whole exposure and its offset."""
+    return np.asarray(settings.exposure_s + rows.cameras.exposure_offset_s)
 
 
 def saturation_fraction(scene: SceneOptics, cam: Cameras, level: Array, signal: Array, dark: Array) -> Array:

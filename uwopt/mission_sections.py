@@ -317,6 +317,11 @@ class Scene(Section):
     backscatter_ratio: Annotated[float, Field(gt=0, le=0.5), NUMBER] = Field(
         default=0.0183, description="backscattered share of all scattering, b_b / b"
     )
+    phase_function: Text = Field(
+        default="fournier-forand",
+        description="how particles scatter: fournier-forand or henyey-greenstein for the backscatter_ratio, "
+        "petzold-<station> as measured, or the name of a CSV file (angle_deg, phase_per_sr)",
+    )
     sun_lux: Annotated[float, Field(ge=0, le=200_000), NUMBER] = Field(
         default=0.0, description="sunlight at the surface in lux, 0 for night"
     )

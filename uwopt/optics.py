@@ -19,7 +19,7 @@ from uwopt.catalog.records import Curve, Light
 from uwopt.hardware import FAVOURED, Cameras, Lenses, Ports, Rows, number
 from uwopt.mission import Requirements
 from uwopt.model import beam as beams
-from uwopt.model import imaging, lens, operation, port, sensor
+from uwopt.model import imaging, lens, operation, port, sensor, veil
 from uwopt.model.imaging import Lamps, PortShape
 from uwopt.model.spectrum import resample
 from uwopt.model.water import PathTable, build_path_table
@@ -29,6 +29,7 @@ Array = NDArray[Any]
 PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
 REACH_STEP = 1.3
 TINY = 1e-300  # in place of a sum of weights that is zero: a black floor, a blind sensor
+LAMP_FRONT_M = 0.02  # radius of a lamp's front, unless known: nearer than that its light is not a point's
 WIDEST_DISC_RAD = float(np.deg2rad(85.0))
 
 
@@ -506,24 +507,73 @@ class Contraction:
         self._reach_m = (rounded_up(max(lamp_reach_m, near)), rounded_up(max(camera_reach_m, near)))
 
     def table(
-        self, spectrum: int, efficiency: int, channel: str | None = None, *, lowest_m: float = 0.0
-    ) -> PathTable:
-        """Loss over lamp leg and camera leg, as a table over both lengths."""
+        self, spectrum: int, efficiency: int, channel: str | None = None, *, lowest_m: float = 0.0,
+        diffuse: bool = False,
+    ) -> PathTable:  # fmt: skip
+        """Loss over lamp leg and camera leg, as a table over both lengths.
+
+        `diffuse`: light counts that reaches the camera at all, forming an image or not (exp(-K r) on the
+        camera leg too).
+        """
         scene = self.scene
         near = float(scene.range_m[0])
         lowest = min(lowest_m, near) * 0.999
-        key = ("table", *self._key(spectrum, efficiency, channel), self._reach_m, lowest)
+        key = ("table", *self._key(spectrum, efficiency, channel), self._reach_m, lowest, diffuse)
         if key not in scene.cache:
             scene.cache[key] = build_path_table(
                 self.weight(spectrum, efficiency, channel),
                 wavelength_nm=None,  # the weight holds the trapezoid's steps
                 k_lamp_per_m=scene.lamp_attenuation_per_m,
-                c_camera_per_m=scene.attenuation_per_m,
+                c_camera_per_m=scene.lamp_attenuation_per_m if diffuse else scene.attenuation_per_m,
                 lamp_range_m=(lowest, self._reach_m[0]),
                 camera_range_m=(near * 0.999, self._reach_m[1]),
             )
         table: PathTable = scene.cache[key]
         return table
+
+    def scatterers(self, spectrum: int, efficiency: int, channel: str | None = None) -> tuple[Scatterer, ...]:
+        """What scatters on the way to the camera, particles and molecules, each with its loss table."""
+        scene = self.scene
+        key = ("scatter", *self._key(spectrum, efficiency, channel), self._reach_m)
+        if key not in scene.cache:
+            lamp_end, camera_end = (
+                min(reach, LAMP_FRONT_M + veil.OPTICAL_REACH / max(float(least.min()), TINY))
+                for reach, least in zip(
+                    self._reach_m, (scene.lamp_attenuation_per_m, scene.attenuation_per_m), strict=True
+                )
+            )
+            scene.cache[key] = tuple(
+                veil.Scatterer(
+                    phase=part.phase,
+                    table=build_path_table(
+                        self.scatter_weight(part.scattering_per_m, spectrum, efficiency, channel),
+                        wavelength_nm=None,
+                        k_lamp_per_m=scene.lamp_attenuation_per_m,
+                        c_camera_per_m=scene.attenuation_per_m,
+                        lamp_range_m=(LAMP_FRONT_M, max(lamp_end, 2 * LAMP_FRONT_M)),
+                        camera_range_m=(0.0, camera_end),
+                    ),
+                )
+                for part in scene.scattering
+            )
+        found: tuple[veil.Scatterer, ...] = scene.cache[key]
+        return found
+
+    def scatter_weight(
+        self, scattering_per_m: Array, spectrum: int, efficiency: int, channel: str | None = None
+    ) -> Array:
+        """Weight by wavelength of light that the water scatters; see `imaging.scatter_weight`."""
+        scene = self.scene
+        return imaging.scatter_weight(
+            relative_spectrum(self.spectrum_names[spectrum], scene.wavelength_nm),
+            wavelength_nm=scene.wavelength_nm,
+            photopic=scene.photopic,
+            scattering_per_m=scattering_per_m,
+            quantum_efficiency=efficiency_curve(
+                self.efficiencies[efficiency], scene.wavelength_nm, channel=channel
+            ),
+            n_water=scene.radiance_index,
+        )
 
 
 def rounded_up(length_m: float) -> float:

@@ -32,7 +32,9 @@ from uwopt.hardware import (
     port_rows,
 )
 from uwopt.mission import Mission
+from uwopt.image_light import ImageLight, LampField
 from uwopt.model import imaging
+from uwopt.model.fidelity import FULL, PAPER, Effects
 from uwopt.model.imaging import Lamps, PortShape
 from uwopt.optics import (
     Contraction,
@@ -42,8 +44,8 @@ from uwopt.optics import (
     light_optics,
     mounted_lamps,
     on_axis_gain,
-    one_side,
     port_shape,
+    relative_spectrum,
 )
 from uwopt.rows import SceneRows
 from uwopt.scene import SceneOptics, glass_index, scene_optics
@@ -109,8 +111,10 @@ class Problem:
         mounts: Sequence[Mount] | None = None,
         water_table: str | None = None,
         scenes: list[SceneOptics] | None = None,
+        effects: Effects = FULL,
     ):
         self.mission, self.parts, self.paper, self.end = mission, parts, paper, end
+        self.effects = PAPER if paper else effects
         self.owned_lights = owned_lights or {}
         self.count_range = counts or light_counts(mission)
         self.mounts = list(mounts) if mounts is not None else mission_mounts(mission)
@@ -161,62 +165,59 @@ class Problem:
         owned = np.array([self.owned_lights.get(part.id, 0) for part in self.parts.lights], float)
         return np.asarray(np.maximum(count - owned[light], 0.0))
 
-    # ------------------------------------------------------------ signal
+    # ------------------------------------------------------------ light
 
-    def field_gain(
-        self, scene_index: int, view: Views, *, port_index: int, optics: int, mount: Mount, efficiency: int,
-        count: int = 2, altitudes: Sequence[int] | None = None, darkest: bool = False, channel: str | None = None,
-    ) -> Array:  # fmt: skip
-        """Mean (or darkest) gain over the image [1/m^2], water included, (n, n_altitudes).
-
-        All rows of `view` share port, light optics, mount and efficiency curve.
-        """
-        scene, contraction = self.scenes[scene_index], self.contractions[scene_index]
-        chosen = range(len(scene.range_m)) if altitudes is None else altitudes
-        beam = self.optics[optics].beam
-        spectrum = int(contraction.spectrum_of[optics])
-        if self.paper:
-            loss = contraction.straight_loss(spectrum, efficiency, channel)
-            gain = on_axis_gain(beam, scene.range_m) * loss
-            return np.broadcast_to(gain[list(chosen)], (len(view.tan_along), len(list(chosen))))
-        shape = self.shape(port_index, scene_index)
-        lamps = mount.lamps(count)
-        table = self.table(scene_index, spectrum, efficiency, channel)
-        columns = []
-        for index in chosen:
-            common = dict(shape=shape, range_m=float(scene.range_m[index]), beam=beam, table=table)
-            if darkest:
-                columns.append(imaging.field_minimum(view.tan_along, view.tan_across, lamps=lamps, **common))
-            else:
-                columns.append(
-                    imaging.field_mean(view.tan_along, view.tan_across, lamps=one_side(lamps), **common)
-                )
-        return np.stack(columns, axis=1)
-
-    def signal_e(
+    def image_light(
         self, scene_index: int, view: Views, camera: Array, *, port_index: int, optics: int, mount: Mount,
-        count: int = 2, altitudes: Sequence[int] | None = None, darkest: bool = False, channel: str | None = None,
-    ) -> Array:  # fmt: skip
-        """Electrons per lm s of light behind the lamps' windows, by altitude: the constant C of the imaging chain.
+        count: int = 2, channel: str | None = None, pixels: bool = False, veils: bool = True,
+    ) -> ImageLight:  # fmt: skip
+        """Electrons per lm s of light behind the lamps' windows, by altitude: the constants of the imaging chain.
 
         All rows of `view` share the port; `camera` says whose sensor each is. `channel` picks one colour.
+        `pixels`: also at the pixels that may be the worst. Without `veils` only the image-forming light.
         """
-        contraction = self.contractions[scene_index]
-        spectrum = int(contraction.spectrum_of[optics])
         efficiency = self.cameras.qe_index[camera]
-        columns = len(self.scenes[scene_index].range_m) if altitudes is None else len(altitudes)
-        out = np.empty((len(camera), columns))
+        parts = []
         for curve in np.unique(efficiency):
             mine = np.nonzero(efficiency == curve)[0]
-            gain = self.field_gain(
-                scene_index, view.take(mine), port_index=port_index, optics=optics, mount=mount,
-                efficiency=int(curve), count=count, altitudes=altitudes, darkest=darkest, channel=channel,
+            field = LampField(
+                self, scene_index, port_index=port_index, optics=optics, mount=mount, count=count,
+                efficiency=int(curve), channel=channel,
             )  # fmt: skip
-            response = contraction.response(spectrum, int(curve), channel)
-            out[mine] = gain * (view.collecting_m2[mine] * response)[:, None]
-        return out
+            parts.append((mine, field.light(view.take(mine), pixels=pixels, veils=veils)))
+        return ImageLight.joined(parts, len(camera))
 
-    def table(self, scene_index: int, spectrum: int, efficiency: int, channel: str | None = None) -> Any:
+    def footprint_light(
+        self, scene_index: int, view: Views, *, port_index: int, optics: int, mount: Mount, count: int,
+        altitude: int,
+    ) -> tuple[float, float]:  # fmt: skip
+        """Mean and least floor illuminance per lumen over one imager's footprint [1/m^2]."""
+        scene, item = self.scenes[scene_index], self.optics[optics]
+        range_m = float(scene.range_m[altitude])
+        spectrum = relative_spectrum((item.spectrum_id, item.spectrum), scene.wavelength_nm)
+        weight = scene.photopic * spectrum
+        if self.paper:
+            axis = float(on_axis_gain(item.beam, np.array([range_m]))[0])
+            loss = float((weight * np.exp(-scene.lamp_attenuation_per_m * range_m)).sum() / weight.sum())
+            return axis * loss, axis * loss
+        return imaging.footprint_illuminance_per_lm(
+            float(view.tan_along[0]), float(view.tan_across[0]), shape=self.shape(port_index, scene_index),
+            range_m=range_m, lamps=mount.lamps(count), beam=item.beam, weight=weight,
+            attenuation_per_m=scene.lamp_attenuation_per_m,
+        )  # fmt: skip
+
+    def uniformity(self, scene_index: int, view: Views, **hardware: Any) -> Array:
+        """Least over mean floor illuminance at every altitude; 0 where the footprint is dark."""
+        pairs = [
+            self.footprint_light(scene_index, view, altitude=n, **hardware)
+            for n in range(len(self.scenes[scene_index].range_m))
+        ]
+        return np.array([least / mean if mean > 0 else 0.0 for mean, least in pairs])
+
+    def table(
+        self, scene_index: int, spectrum: int, efficiency: int, channel: str | None = None, *,
+        diffuse: bool = False,
+    ) -> Any:  # fmt: skip
         """Water's loss table of one scene, light spectrum and efficiency curve."""
         lowest = min(
             [float(self.scenes[scene_index].range_m[0])]
@@ -226,7 +227,9 @@ class Problem:
                 for m in mount.explicit
             ]
         )
-        return self.contractions[scene_index].table(spectrum, efficiency, channel, lowest_m=max(lowest, 1e-4))
+        return self.contractions[scene_index].table(
+            spectrum, efficiency, channel, lowest_m=max(lowest, 1e-4), diffuse=diffuse
+        )
 
     def set_reach(self, scene_index: int, widest_m: float) -> None:
         """Tell the water tables how far from the axis any image reaches."""
@@ -243,7 +246,7 @@ class Problem:
 
     def scene_rows(
         self, scene_index: int, *, camera: Array, light: Array, count: Array, focused: Focused,
-        signal_e: Array, worst_e: Array | None,
+        image_light: ImageLight,
     ) -> SceneRows:  # fmt: skip
         """What the settings of n designs depend on in one scene."""
         scene = self.scenes[scene_index]
@@ -262,9 +265,13 @@ class Problem:
         allowed = (focused.rate_hz <= lamp.max_rate_hz * (1 + 1e-12)) | (lamp.kind == CONTINUOUS)
         if needs.max_skew_px is not None:
             allowed &= (focused.skew_px <= needs.max_skew_px) | (lamp.kind != CONTINUOUS)
+        shining = image_light.scaled(lamp.output_factor)
         return SceneRows(
-            signal_e=signal_e * lamp.output_factor[:, None],
-            worst_e=None if worst_e is None else worst_e * lamp.output_factor[:, None],
+            signal_e=shining.signal_e,
+            worst_e=shining.worst_e,
+            veil_e=shining.veil_e,
+            worst_veil_e=shining.worst_veil_e,
+            min_contrast=needs.min_contrast or 0.0,
             nominal=scene.nominal,
             read_noise_e=cam.read_noise_e,
             gain_dn_per_e=cam.gain_dn_per_e,

@@ -18,8 +18,10 @@ WHOLE_FLASH = 1.0 - 1e-9  # of its duration: the shutter stays open for all of i
 class SceneRows:
     """What the settings of n designs depend on in one scene. Arrays (n,) or (n, n_altitudes), SI.
 
-    `signal_e`: electrons per lm s of nameplate light at N_w = 1, image mean, by altitude;
-    `worst_e`: the same at the darkest pixel, or None when the requirement holds for the mean.
+    `signal_e`: image-forming electrons per lm s of nameplate light at N_w = 1, image mean, by altitude;
+    `veil_e`: electrons of the same light that form no image. `worst_e` and `worst_veil_e`: both at the
+    pixels that may be the worst, (n, n_altitudes, n_pixels), or None when the requirement holds for the mean.
+    `sun_*`: electrons per second of open shutter at N_w = 1, None without sun.
     Times are those that collect light: exposure plus offset, or the pulse.
     """
 
@@ -56,7 +58,19 @@ class SceneRows:
     min_snr: float
     mean_level: float | None
     highlight_ratio: float
-    optimistic: bool = False  # a bound: what can only hurt is left out
+    optimistic: bool = False  # a bound, for any veil: no veil counts, and no level is asked of the gain
+    veil_e: Array | None = None
+    worst_veil_e: Array | None = None
+    sun_signal_e_s: Array | None = None
+    sun_veil_e_s: Array | None = None
+    worst_sun_signal_e_s: Array | None = None
+    worst_sun_veil_e_s: Array | None = None
+    min_contrast: float = 0.0
+
+    @property
+    def total_e(self) -> Array:
+        """All electrons per lm s, image mean, by altitude."""
+        return self.signal_e if self.veil_e is None else self.signal_e + self.veil_e
 
     def take(self, index: Array) -> SceneRows:
         """These rows only."""

@@ -6,17 +6,20 @@ and in how many altitudes stand for the tolerance.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.catalog import spectra
+from uwopt.catalog import phase_functions, spectra
 from uwopt.errors import RangeError
 from uwopt.mission import SceneView
 from uwopt.model import water
+from uwopt.model.scattering import look_up, molecular_per_sr
 from uwopt.model.spectrum import resample, wavelength_grid_nm
 
 Array = NDArray[Any]
@@ -26,6 +29,16 @@ DESIGN_WAVELENGTH_NM = 550.0  # rays and virtual images are computed for green l
 PAPER_ALTITUDES = 3
 FULL_ALTITUDES = 5
 GRID_STEP_NM = 1.0  # efficiency curves are digitised at about 2 nm; 5 nm would err by up to 2e-3
+
+
+@dataclass(frozen=True)
+class Scattering:
+    """One of the things that scatter in a water: particles, or the water's molecules."""
+
+    name: str
+    scattering_per_m: Array  # b on the grid
+    phase: Callable[[Array], Array]  # of the cosine of the scattering angle, 1 over the sphere [1/sr]
+    key: str  # what the phase function depends on, for caches
 
 
 @dataclass(frozen=True)
@@ -45,6 +58,8 @@ class SceneOptics:
     n_water_spectrum: Array
     water_table: str
     notes: tuple[str, ...] = field(default=())
+    scattering: tuple[Scattering, ...] = ()  # none in physics `paper`, or where the water's b is unknown
+    diffuse_attenuation_per_m: Array | None = None  # K_d, of daylight
     # Weights and loss tables by light spectrum and efficiency curve, shared by all problems in this scene.
     cache: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
@@ -52,6 +67,11 @@ class SceneOptics:
     def name(self) -> str:
         """Name of the scene."""
         return self.view.scene.name
+
+    @property
+    def scatters(self) -> bool:
+        """Whether light that forms no image reaches the camera at all."""
+        return bool(self.scattering) or not np.array_equal(self.attenuation_per_m, self.lamp_attenuation_per_m)
 
     @property
     def radiance_index(self) -> Array | float:
@@ -72,6 +92,7 @@ def scene_optics(
     grid = wavelength_grid_nm(step_nm)
     table = water_table or scene.water_table or ("solonenko-mobley" if paper else None)
     profile = spectra.water_profile(str(scene.water), table=table, base_dir=base_dir)  # type: ignore[arg-type]
+    scattering: tuple[Scattering, ...] = ()
     if profile.a_per_m is not None and profile.b_per_m is not None:
         a, b = (
             absorption(profile, grid, paper=paper),
@@ -79,6 +100,7 @@ def scene_optics(
         )
         c = water.beam_attenuation_per_m(a, b)
         lamp = c if paper else lamp_attenuation(profile, grid, a, b, scene.backscatter_ratio)
+        scattering = () if paper else scatterers_of(grid, b, scene, base_dir)
     else:
         c = resample(
             grid, table_nm=profile.wavelength_nm, table_values=profile.attenuation_per_m, outside="hold"
@@ -112,6 +134,34 @@ def scene_optics(
         n_water_spectrum=index,
         water_table=profile.table,
         notes=profile.notes + floor.notes,
+        scattering=scattering,
+        diffuse_attenuation_per_m=daylight_attenuation(profile, grid, c),
+    )
+
+
+def daylight_attenuation(profile: spectra.WaterProfile, grid: Array, c_per_m: Array) -> Array:
+    """K_d of daylight: the profile's, at most c; c where the profile has none."""
+    if profile.kd_per_m is None or profile.kd_wavelength_nm is None:
+        return c_per_m
+    kd = resample(grid, table_nm=profile.kd_wavelength_nm, table_values=profile.kd_per_m, outside="hold")
+    return np.asarray(np.minimum(kd, c_per_m))
+
+
+def scatterers_of(grid: Array, b_per_m: Array, scene: Any, base_dir: Path | None) -> tuple[Scattering, ...]:
+    """Particles, and the water's molecules unless the phase function was measured with the water in it."""
+    known = phase_functions.phase_function(
+        scene.phase_function, backscatter_ratio=scene.backscatter_ratio, base_dir=base_dir
+    )
+    key = f"{scene.phase_function} {scene.backscatter_ratio!r}"
+    particles = partial(look_up, table=known.table)
+    if known.includes_water:
+        return (Scattering("water with particles", b_per_m, particles, key),)
+    molecular = np.minimum(
+        phase_functions.pure_water_scattering_per_m(grid, salinity_psu=scene.salinity_psu), b_per_m
+    )
+    return (
+        Scattering("particles", b_per_m - molecular, particles, key),
+        Scattering("molecules", molecular, molecular_per_sr, "molecules"),
     )
 
 

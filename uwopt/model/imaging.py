@@ -29,6 +29,7 @@ TABLE_ORDER = 48  # for measured profiles, whose knots are half a degree apart
 EDGE_CELLS = 96  # midpoint cells a side, with the edge's share of each cell, for beams that end sharply
 MOST_ORDER = 768
 MAX_NODES_AT_ONCE = 400_000
+PIXELS_A_SIDE = 17  # of the grid on which the worst pixel is looked for
 
 
 class PortShape(NamedTuple):
@@ -83,8 +84,48 @@ def signal_weight(
     flux = light.spectral_flux_w_nm(
         1.0, relative_spectrum=relative_spectrum, wavelength_nm=wavelength_nm, photopic=photopic
     )
-    radiance_in_air = seafloor.lambertian_radiance(flux, reflectance=reflectance) / np.square(n_water)
-    irradiance = lens.image_irradiance(radiance_in_air, transmission=1.0, working_f_number=1.0)
+    radiance = seafloor.lambertian_radiance(flux, reflectance=reflectance)
+    return radiance_weight(
+        radiance, wavelength_nm=wavelength_nm, quantum_efficiency=quantum_efficiency, n_water=n_water
+    )
+
+
+def scatter_weight(
+    relative_spectrum: Array,
+    *,
+    wavelength_nm: Array,
+    photopic: Array,
+    scattering_per_m: Array,
+    quantum_efficiency: Array,
+    n_water: Array | float,
+) -> Array:
+    """The same for light that water scatters towards the camera, phase function and geometry apart.
+
+        w(lambda) = Phi(lambda)/lm * b(lambda) * 1/n_w^2 * pi/4 * eta lambda/(h c) * d lambda
+
+    Returns
+    -------
+    (n_wavelength,) [electrons m^-2 (lm s m^-2)^-1 m^-1 sr]; physics page, section 8.
+    """
+    flux = light.spectral_flux_w_nm(
+        1.0, relative_spectrum=relative_spectrum, wavelength_nm=wavelength_nm, photopic=photopic
+    )
+    return radiance_weight(
+        flux * scattering_per_m, wavelength_nm=wavelength_nm, quantum_efficiency=quantum_efficiency,
+        n_water=n_water,
+    )  # fmt: skip
+
+
+def radiance_weight(
+    radiance_in_water: Array, *, wavelength_nm: Array, quantum_efficiency: Array, n_water: Array | float
+) -> Array:
+    """Electrons per second and m^2 of pixel, by wavelength, of a radiance in water, for N_w = 1.
+
+        L / n_w^2 * pi/4 * eta lambda/(h c) * d lambda,   trapezoid weights in place of the integral
+    """
+    irradiance = lens.image_irradiance(
+        radiance_in_water / np.square(n_water), transmission=1.0, working_f_number=1.0
+    )
     density = sensor.electron_rate_per_m2_s_nm(
         irradiance, wavelength_nm=wavelength_nm, quantum_efficiency=quantum_efficiency
     )
@@ -151,12 +192,13 @@ def lamp_light(
 
 def local_gain(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    table: PathTable, edge_share: bool = False,
+    table: PathTable, edge_share: bool = False, window_angle: bool = False,
 ) -> Array:  # fmt: skip
     """cos^4 times illuminance per lumen times water's loss at each field point [1/m^2].
 
     The loss is relative to `signal_weight` summed over wavelengths. With `edge_share`, points are
     cells of a regular grid and a beam that ends sharply counts by the share of the cell it covers.
+    With `window_angle`, a flat window's transmittance counts relative to that on its axis.
     """
     x_m, y_m, path_m = floor_point(tan_along, tan_across, shape=shape, range_m=range_m)
     total = np.zeros(np.broadcast(x_m, y_m).shape)
@@ -170,7 +212,20 @@ def local_gain(
         else:
             vacuum, range_lamp, _ = lamp_light(x_m, y_m, lamps=lamps, index=index, beam=beam, range_m=range_m)
         total += share * vacuum * np.exp(log_mean_transmission(table, range_lamp, path_m))
-    return np.asarray(total * lens.cos4_field(tan_along, tan_across))
+    return np.asarray(
+        total * field_loss(tan_along, tan_across, shape=shape, window_angle=window_angle)
+    )
+
+
+def field_loss(tan_along: Array, tan_across: Array, *, shape: PortShape, window_angle: bool) -> Array:
+    """What lens and window pass off the axis, relative to the axis: cos^4, and T(theta) / T(0) of a flat one."""
+    loss = lens.cos4_field(tan_along, tan_across)
+    if shape.is_dome or not window_angle:
+        return np.asarray(loss)
+    oblique = port.flat_port_transmittance(
+        np.hypot(tan_along, tan_across), n_water=shape.n_water, n_glass=shape.n_glass
+    )
+    return np.asarray(loss * oblique / port.normal_port_transmittance(n_water=shape.n_water, n_glass=shape.n_glass))
 
 
 def covered_share(level: Array, edge: float) -> Array:
@@ -186,7 +241,7 @@ def covered_share(level: Array, edge: float) -> Array:
 
 def field_mean(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    table: PathTable, order: int | None = None,
+    table: PathTable, order: int | None = None, window_angle: bool = False,
 ) -> Array:  # fmt: skip
     """Mean over the image rectangle of `local_gain`, for many images at once [1/m^2].
 
@@ -217,6 +272,7 @@ def field_mean(
             lamps=lamps,
             beam=beam,
             table=table,
+            window_angle=window_angle,
         )
     return mean
 
@@ -245,10 +301,12 @@ def orders_needed(
 
 def mean_of_order(
     n: int, tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    table: PathTable,
+    table: PathTable, window_angle: bool = False,
 ) -> Array:  # fmt: skip
     """`field_mean` with n nodes or cells a side."""
-    common: dict[str, Any] = dict(shape=shape, range_m=range_m, lamps=lamps, beam=beam, table=table)
+    common: dict[str, Any] = dict(
+        shape=shape, range_m=range_m, lamps=lamps, beam=beam, table=table, window_angle=window_angle
+    )
     if beams.has_sharp_edge(beam):
         fine = rule_mean(tan_along, tan_across, cells(n), cells(n), edge_share=True, **common)
         half = rule_mean(tan_along, tan_across, cells(n // 2), cells(n // 2), edge_share=True, **common)
@@ -256,7 +314,7 @@ def mean_of_order(
             (4.0 * fine - half) / 3.0, 0.0
         )  # the midpoint rule's error is quadratic in the cell
     along_rule = gauss(n)
-    if all(x == 0.0 for x in lamps.x_m) and all(aim[0] == 0.0 for aim in lamps.aim):
+    if along_symmetric(lamps):
         nodes, weights = gauss(max(4, n // 2))
         along_rule = (0.5 * (nodes + 1.0), weights)
     return rule_mean(tan_along, tan_across, along_rule, gauss(n), **common)
@@ -280,26 +338,22 @@ def rule_mean(
     return mean
 
 
-def field_minimum(
-    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    table: PathTable, n_points: int = 17,
-) -> Array:  # fmt: skip
-    """Lowest `local_gain` over the image, corners and edges included [1/m^2].
+def pixel_grid(
+    tan_along: Array, tan_across: Array, *, n_points: int = PIXELS_A_SIDE, half: bool = False
+) -> tuple[Array, Array]:
+    """Field points on a regular grid over each image, corners and edges included, (n, n_pixels) each.
 
-    Searched on a regular grid of n_points a side. With smooth beams the darkest point lies on the
-    image's border, mostly a corner, which the grid holds exactly.
+    `half` leaves out what mirrors along the motion: enough when no lamp stands or leans along it.
     """
     nodes = np.linspace(-1.0, 1.0, n_points)
-    lowest = np.empty(len(tan_along))
-    step = max(1, MAX_NODES_AT_ONCE // n_points**2)
-    for start in range(0, len(tan_along), step):
-        rows = slice(start, start + step)
-        along, across = np.broadcast_arrays(
-            tan_along[rows, None, None] * nodes[:, None], tan_across[rows, None, None] * nodes
-        )
-        value = local_gain(along, across, shape=shape, range_m=range_m, lamps=lamps, beam=beam, table=table)
-        lowest[rows] = value.min(axis=(-2, -1))
-    return lowest
+    along_nodes = nodes[n_points // 2 :] if half else nodes
+    along, across = (g.ravel() for g in np.meshgrid(along_nodes, nodes, indexing="ij"))
+    return tan_along[:, None] * along, tan_across[:, None] * across
+
+
+def along_symmetric(lamps: Lamps) -> bool:
+    """Whether no lamp stands or leans along the motion, so that half of an image stands for the whole."""
+    return all(x == 0.0 for x in lamps.x_m) and all(aim[0] == 0.0 for aim in lamps.aim)
 
 
 @cache

@@ -311,11 +311,14 @@ def light_for_snr(
     gain_dn_per_e: Numeric = np.inf,
     level_per_light_e: Numeric = 0.0,
     level_dn: Numeric = np.inf,
+    other_signal_e: Numeric = 0.0,
+    other_light_e: Numeric = 0.0,
+    other_level_e: Numeric = 0.0,
 ) -> Numeric:
     """Least light X whose signal C X reaches a wanted SNR; the inverse of (7) with X in place of electrons.
 
-        (C X)^2 = S^2 (sigma_d^2 + sigma_q^2 / K^2 + mu_dark + A X + (PRNU A X)^2)
-        1 / K = 1 / gain, or (L X + mu_dark) / T where the gain keeps some level at T digital numbers
+        (C X + s)^2 = S^2 (sigma_d^2 + sigma_q^2 / K^2 + mu_dark + A X + a + (PRNU (A X + a))^2)
+        1 / K = 1 / gain, or (L X + l + mu_dark) / T where the gain keeps some level at T digital numbers
 
     Parameters
     ----------
@@ -325,14 +328,18 @@ def light_for_snr(
     read_noise_e, dark_e, prnu_frac : broadcast, as in `snr`
     gain_dn_per_e : broadcast [DN per electron], a gain that does not depend on the light
     level_per_light_e, level_dn : broadcast, L [e per unit of light] and T [DN] of a gain that follows it
+    other_signal_e, other_light_e, other_level_e : broadcast [e], s, a and l: image-forming electrons, all
+        electrons and those of the level that do not grow with the lamps (the sun's)
 
     Returns
     -------
-    (...,) in the unit of light, inf where no amount is enough.
+    (...,) in the unit of light, inf where no amount is enough, 0 where none is needed.
 
     Notes
     -----
     A quadratic in X with one positive root while the noise that grows with X stays below the signal.
+    With other light that is enough by itself the answer is 0, though lamps with much more veil than
+    signal could undo it.
 
     References
     ----------
@@ -341,10 +348,18 @@ def light_for_snr(
     total = signal_per_light_e if total_per_light_e is None else total_per_light_e
     follow = QUANTISATION_VARIANCE_DN2 / level_dn**2
     fixed = QUANTISATION_VARIANCE_DN2 / gain_dn_per_e**2
-    snr2 = snr**2
-    square = signal_per_light_e**2 - snr2 * (prnu_frac**2 * total**2 + follow * level_per_light_e**2)
-    slope = snr2 * (total + 2.0 * follow * level_per_light_e * dark_e)
-    floor = snr2 * (read_noise_e**2 + fixed + dark_e + follow * dark_e**2)
+    snr2, prnu2 = snr**2, prnu_frac**2
+    base_e = dark_e + other_level_e
+    square = signal_per_light_e**2 - snr2 * (prnu2 * total**2 + follow * level_per_light_e**2)
+    noise_slope = snr2 * (total * (1.0 + 2.0 * prnu2 * other_light_e) + 2.0 * follow * level_per_light_e * base_e)
+    slope = noise_slope - 2.0 * signal_per_light_e * other_signal_e
+    noise_floor = read_noise_e**2 + fixed + dark_e + other_light_e + prnu2 * other_light_e**2 + follow * base_e**2
+    floor = snr2 * noise_floor - other_signal_e**2
     reachable = np.where(square > 0.0, square, 1.0)
-    root = 0.5 * (slope + np.sqrt(slope**2 + 4.0 * reachable * floor)) / reachable
-    return np.where(square > 0.0, root, np.where(snr2 > 0.0, np.inf, 0.0))[()]
+    wanting = np.maximum(floor, 0.0)
+    # The larger root, written so that nothing cancels where the slope is negative (other light that helps).
+    half = 0.5 * np.sqrt(slope**2 + 4.0 * reachable * wanting)
+    safe = np.where(half - 0.5 * slope > 0.0, half - 0.5 * slope, 1.0)
+    root = np.where(slope >= 0.0, (0.5 * slope + half) / reachable, wanting / safe)
+    enough = (snr2 == 0.0) | (floor < 0.0) | ((floor == 0.0) & (slope <= 0.0))
+    return np.where(enough, 0.0, np.where(square > 0.0, root, np.inf))[()]

@@ -236,7 +236,7 @@ class Bounds:
             need = sensor.electrons_for_snr(
                 needs.min_snr, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
             )
-        if needs.mean_level is None:
+        if needs.mean_level is None or self.problem.effects.veils:  # veils help to fill the range
             return np.asarray(need), np.zeros(len(rows))
         wanted_dn = needs.mean_level * (2.0**cameras.bits - 1.0) - cameras.black_level_dn
         by_gain = wanted_dn / (cameras.gain_dn_per_e * cameras.max_gain)

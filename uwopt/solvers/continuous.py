@@ -114,7 +114,7 @@ class Task:
     def value(self, scenes: Sequence[Scene], settings: Sequence[Settings]) -> float:
         """The minimised objective of settings, comparable with that of the exact search."""
         light_w = worst_light_w(scenes, settings)
-        snr = min(float(s.snr(s.signal_e[s.nominal], at)) for s, at in zip(scenes, settings, strict=True))
+        snr = min(float(s.nominal_snr(at)) for s, at in zip(scenes, settings, strict=True))
         terms = Terms(
             power=np.array(self.camera_power_w + light_w),
             cost=np.array(self.cost),
@@ -384,5 +384,5 @@ def merit_of(program: Program, settings: Sequence[Settings]) -> float:
     if program.goal == "power":
         return float(np.log(light_w)) if light_w > 0.0 else -np.inf
     pairs = zip(program.scenes, settings, strict=True)
-    log_snr = float(np.log(min(scene.snr(scene.signal_e[scene.nominal], at) for scene, at in pairs)))
+    log_snr = float(np.log(min(scene.nominal_snr(at) for scene, at in pairs)))
     return program.power_weight * light_w / program.sum_unit - log_snr if program.goal == "sum" else -log_snr

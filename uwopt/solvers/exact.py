@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.image_light import ImageLight
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.problem import Problem
 from uwopt.rows import SceneRows
@@ -33,8 +34,27 @@ FIRST_CHUNK, LARGEST_CHUNK = 4096, 65536  # imagers that are bounded together
 MOST_UNITS = 6_000_000  # imagers times lightings: what memory allows
 SAMPLES_A_TIME, MOST_SAMPLES = 64, 1024
 MOST_ROWS_AT_ONCE = 60_000
+FIRST_VEILS, LARGEST_VEILS = 8, 256  # imagers whose veils are worked out together
 TOO_FEW_TO_BOUND = 8  # units: evaluating them is cheaper
 RULES = (*IMAGER_RULES, *(rule for rule in UNIT_RULES if rule not in IMAGER_RULES))
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Designs as (unit, light, count): `unit` points into `imager`."""
+
+    imager: Array
+    unit: Array
+    light: Array
+    count: Array
+    cost: Array
+    mass: Array
+
+    def take(self, index: Array) -> Pairs:
+        """These designs only; the list of imagers stays."""
+        return Pairs(
+            self.imager, self.unit[index], self.light[index], self.count[index], self.cost[index], self.mass[index]
+        )
 
 
 @dataclass
@@ -256,14 +276,16 @@ class Search:
         for k in np.unique(lighting_index):
             rows = imager[lighting_index == k]
             lighting, table = self.tables.lightings[k], self.bounds.light_tables[k]
-            signals = [self.tables.exact(s, lighting, rows) for s in range(len(self.problem.scenes))]
+            lights = [
+                self.tables.exact(s, lighting, rows, veils=False) for s in range(len(self.problem.scenes))
+            ]
             step = max(1, MOST_ROWS_AT_ONCE // len(table.light))
             for start in range(0, len(rows), step):
-                part = slice(start, start + step)
-                self._evaluate_pairs(rows[part], [s[part] for s in signals], lighting, table)
+                part = np.arange(start, min(start + step, len(rows)))
+                self._evaluate_pairs(rows[part], [light.take(part) for light in lights], lighting, table)
 
     def _evaluate_pairs(
-        self, imager: Array, signals: list[Array], lighting: Lighting, table: LightTable
+        self, imager: Array, lights: list[ImageLight], lighting: Lighting, table: LightTable
     ) -> None:
         """Every (imager, light, count): drop what misses a limit or cannot win, solve the rest."""
         n_light = len(table.light)
@@ -290,25 +312,58 @@ class Search:
         keep = np.nonzero(rule < 0)[0]
         self.account.evaluated += len(keep)
         if len(keep):
-            self._solve_pairs(
-                imager[unit[keep]], unit[keep], item[keep], signals, lighting, table, cost[keep], mass[keep]
-            )
+            pairs = Pairs(imager, unit[keep], table.light[item[keep]], table.count[item[keep]], cost[keep], mass[keep])
+            self._solve_pairs(pairs, lights, lighting)
 
-    def _solve_pairs(
-        self, imager: Array, unit: Array, item: Array, signals: list[Array], lighting: Lighting, table: LightTable,
-        cost: Array, mass: Array,
-    ) -> None:  # fmt: skip
-        """Closed-form settings of these designs, and their place among the best."""
-        light, count = table.light[item], table.count[item]
-        solved = self.solve(imager, [s[unit] for s in signals], light, count, lighting, cost, mass)
-        self.ranking.add(imager, light, count, lighting, *solved)
+    def _solve_pairs(self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting) -> None:
+        """Settings of these designs, and their place among the best.
+
+        Where there are veils, designs are bounded first as if there were none; the veils' integrals are
+        worked out for those that may still win, best bound first.
+        """
+        if not self.problem.effects.veils:
+            self._rank(pairs, [light.take(pairs.unit) for light in lights], lighting)
+            return
+        bound = self.solve(pairs, [light.take(pairs.unit) for light in lights], lighting, optimistic=True)[0]
+        least = np.full(len(pairs.imager), np.inf)
+        np.minimum.at(least, pairs.unit, bound)
+        order = np.argsort(least, kind="stable")
+        order = order[np.isfinite(least[order])]
+        position, batch, solved = 0, FIRST_VEILS, 0
+        while position < len(order):
+            units = order[position : position + batch]
+            units = units[least[units] <= self.ranking.threshold()]
+            if len(units) == 0:
+                break
+            full = [
+                self.tables.exact(s, lighting, pairs.imager[units]) for s in range(len(self.problem.scenes))
+            ]
+            place = np.full(len(pairs.imager), -1)
+            place[units] = np.arange(len(units))
+            hopeful = (place[pairs.unit] >= 0) & (bound <= self.ranking.threshold())
+            some = pairs.take(hopeful)
+            self._rank(some, [light.take(place[some.unit]) for light in full], lighting)
+            solved += len(some.unit)
+            position += len(units)
+            batch = min(2 * batch, LARGEST_VEILS)
+        spared = int(np.isfinite(bound).sum()) - solved
+        self.account.evaluated -= spared
+        self.account.discarded["bound"] += spared
+
+    def _rank(self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting) -> None:
+        """Solve these designs and put them in their place among the best."""
+        solved = self.solve(pairs, lights, lighting)
+        self.ranking.add(pairs.imager[pairs.unit], pairs.light, pairs.count, lighting, *solved)
 
     def solve(
-        self, imager: Array, signals: list[Array], light: Array, count: Array, lighting: Lighting, cost: Array,
-        mass: Array,
-    ) -> tuple[Array, Terms, list[Chosen], list[Array]]:  # fmt: skip
-        """Objective (inf where infeasible), its terms, settings and exposures of these designs."""
-        rows = self.rows(imager, signals, light, count, lighting)
+        self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting, *, optimistic: bool = False
+    ) -> tuple[Array, Terms, list[Chosen], list[Array]]:
+        """Objective (inf where infeasible), its terms, settings and exposures of these designs.
+
+        `optimistic`: lower bounds for any veil that the lights may have.
+        """
+        imager, cost, mass = pairs.imager[pairs.unit], pairs.cost, pairs.mass
+        rows = self.rows(imager, lights, pairs.light, pairs.count, lighting, optimistic=optimistic)
         motorised = self.motorised[imager]
         camera_power = self.imagers.camera_power_w[imager]
         chosen, feasible, snr_db = best_settings(
@@ -321,7 +376,7 @@ class Search:
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
         value = np.where(feasible & np.isfinite(value), value, np.inf)
-        if self.objective.weight("snr_db"):
+        if self.objective.weight("snr_db") and not optimistic:
             self._bound_by_dark(rows, motorised, camera_power, feasible, terms)
         return value, terms, chosen, [r.exposure_s(c.time_s) for r, c in zip(rows, chosen, strict=True)]
 
@@ -342,42 +397,53 @@ class Search:
         self.without_dark = min(self.without_dark, float(np.nanmin(np.where(feasible, best, np.inf))))
 
     def rows(
-        self, imager: Array, signals: list[Array], light: Array, count: Array, lighting: Lighting
-    ) -> list[SceneRows]:
+        self, imager: Array, lights: list[ImageLight], light: Array, count: Array, lighting: Lighting, *,
+        optimistic: bool = False,
+    ) -> list[SceneRows]:  # fmt: skip
         """The settings' view of these designs, by scene."""
         result = []
-        for index, signal in enumerate(signals):
-            scene = self.problem.scenes[index]
-            worst = None
-            if (
-                scene.view.requirements.snr_at == "worst"
-                and scene.view.requirements.min_snr
-                and not self.problem.paper
-            ):
-                worst = self._darkest(index, imager, count, lighting)
-            result.append(
-                self.problem.scene_rows(
-                    index,
-                    camera=self.imagers.camera[imager],
-                    light=light,
-                    count=count,
-                    focused=self.imagers.scenes[index].focused.take(imager),
-                    signal_e=signal,
-                    worst_e=worst,
-                )
-            )
+        for index, seen in enumerate(lights):
+            needs = self.problem.scenes[index].view.requirements
+            at_worst = needs.snr_at == "worst" and needs.min_snr and not self.problem.paper
+            if at_worst and not optimistic:
+                seen = self._with_pixels(index, imager, count, lighting, seen)
+            rows = self.problem.scene_rows(
+                index, camera=self.imagers.camera[imager], light=light, count=count,
+                focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
+            )  # fmt: skip
+            if needs.min_uniformity is not None and not optimistic:
+                even = self._even_enough(index, imager, light, count, lighting, needs.min_uniformity)
+                rows = replace(rows, time_max_s=np.where(even, rows.time_max_s, -1.0))
+            result.append(replace(rows, optimistic=optimistic))
         return result
 
-    def _darkest(self, scene_index: int, imager: Array, count: Array, lighting: Lighting) -> Array:
-        """Electrons per lm s at the darkest pixel; the share of lamps on each side depends on their number."""
+    def _even_enough(
+        self, scene_index: int, imager: Array, light: Array, count: Array, lighting: Lighting, wanted: float
+    ) -> Array:
+        """Whether the floor is lit evenly enough over each footprint; one integral an imager and number."""
         unique, back = np.unique(np.stack([imager, count]), axis=1, return_inverse=True)
-        out = np.empty((unique.shape[1], len(self.problem.scenes[scene_index].range_m)))
+        view = self.imagers.scenes[scene_index].view
+        least = [
+            self.problem.uniformity(
+                scene_index, view.take(np.array([row])), port_index=int(self.imagers.port[row]),
+                optics=lighting.optics, mount=lighting.mount, count=int(number),
+            ).min()
+            for row, number in unique.T
+        ]  # fmt: skip
+        return np.asarray((np.array(least) >= wanted * (1 - 1e-9))[back.reshape(-1)])
+
+    def _with_pixels(
+        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, seen: ImageLight
+    ) -> ImageLight:
+        """With the light at the worst pixels; the share of lamps on each side depends on their number."""
+        unique, back = np.unique(np.stack([imager, count]), axis=1, return_inverse=True)
+        parts = []
         for number in np.unique(unique[1]):
-            mine = unique[1] == number
-            out[mine] = self.tables.exact(
-                scene_index, lighting, unique[0, mine], count=int(number), darkest=True
-            )
-        return np.asarray(out[back.reshape(-1)])
+            mine = np.nonzero(unique[1] == number)[0]
+            at = self.tables.exact(scene_index, lighting, unique[0, mine], count=int(number), pixels=True)
+            parts.append((mine, at))
+        pixels = ImageLight.joined(parts, unique.shape[1]).take(back.reshape(-1))
+        return replace(seen, worst_e=pixels.worst_e, worst_veil_e=pixels.worst_veil_e)
 
 
 def snr_ceiling(objective: Objective) -> float:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.image_light import ImageLight
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, flat_slope_m
 from uwopt.model.port import flat_floor_derivative
@@ -114,20 +115,22 @@ class FieldTables:
     # ------------------------------------------------------------ exact
 
     def exact(
-        self, scene_index: int, lighting: Lighting, rows: Array, *, count: int = 2, darkest: bool = False
-    ) -> Array:
-        """Electrons per lm s of these imagers at every altitude, (n, n_altitudes)."""
+        self, scene_index: int, lighting: Lighting, rows: Array, *, count: int = 2, pixels: bool = False,
+        veils: bool = True,
+    ) -> ImageLight:  # fmt: skip
+        """Electrons per lm s of these imagers at every altitude."""
         problem, imagers = self.problem, self.imagers
         view = imagers.scenes[scene_index].view
-        out = np.empty((len(rows), len(problem.scenes[scene_index].range_m)))
         port = np.zeros(len(rows), int) if problem.paper else imagers.port[rows]
+        parts = []
         for value in np.unique(port):
             mine = np.nonzero(port == value)[0]
-            out[mine] = problem.signal_e(
+            light = problem.image_light(
                 scene_index, view.take(rows[mine]), imagers.camera[rows[mine]], port_index=int(value),
-                optics=lighting.optics, mount=lighting.mount, count=count, darkest=darkest,
+                optics=lighting.optics, mount=lighting.mount, count=count, pixels=pixels, veils=veils,
             )  # fmt: skip
-        return out
+            parts.append((mine, light))
+        return ImageLight.joined(parts, len(rows))
 
 
 @dataclass(frozen=True)

@@ -63,17 +63,18 @@ def _of_scene(scene: Scene, at: Settings) -> dict[str, float]:
     else:
         found["level_low"] = _over(scene.min_level, at.level)
         found["level_high"] = _over(at.level, scene.max_level)
-    for altitude, signal_e in enumerate(scene.signal_e):
-        if scene.min_snr > 0.0:
-            reached = scene.snr(scene.wanted_signal_e[altitude], at)
-            found[f"min_snr_{altitude}"] = 1.0 - reached / scene.min_snr
+    if scene.min_snr > 0.0:
+        for pixel, (signal_e, total_e) in enumerate(scene.wanted):
+            reached = scene.snr(signal_e, at, total_e=total_e)
+            found[f"min_snr_{pixel}"] = 1.0 - reached / scene.min_snr
+    for altitude, signal_e in enumerate(scene.total_e):
         digital_dn = scene.digital_dn(signal_e, at, offset_dn=scene.black_level_dn)
         found[f"saturation_{altitude}"] = _over(scene.highlight_ratio * digital_dn, scene.full_scale_dn)
         collected_e = scene.electrons(signal_e, at) + scene.dark_e(at)
         if np.isfinite(scene.well_e):
             found[f"full_well_{altitude}"] = _over(scene.highlight_ratio * collected_e, scene.well_e)
     if scene.mean_level is not None:
-        nominal_dn = scene.digital_dn(scene.signal_e[scene.nominal], at, offset_dn=scene.black_level_dn)
+        nominal_dn = scene.digital_dn(scene.total_e[scene.nominal], at, offset_dn=scene.black_level_dn)
         found["mean_level"] = abs(nominal_dn / (scene.mean_level * scene.full_scale_dn) - 1.0)
     return found
 

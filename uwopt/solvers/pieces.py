@@ -47,7 +47,8 @@ class Scene:
     """One design in one scene, as plain floats (CasADi takes no NumPy scalars); see `SceneRows`."""
 
     signal_e: tuple[float, ...]  # image mean, by altitude
-    wanted_signal_e: tuple[float, ...]  # of the pixel that min_snr is asked of
+    total_e: tuple[float, ...]  # veils included
+    wanted: tuple[tuple[float, float], ...]  # signal and total of each pixel that min_snr is asked of
     nominal: int
     read_noise_e: float
     gain_dn_per_e: float
@@ -94,7 +95,8 @@ class Scene:
         steps = tuple(float(v) for v in rows.levels[0] if np.isfinite(v) and 0.0 < v <= top)
         return Scene(
             signal_e=signal,
-            wanted_signal_e=signal if rows.worst_e is None else tuple(float(v) for v in rows.worst_e[0]),
+            total_e=tuple(float(v) for v in rows.total_e[0]),
+            wanted=wanted_pixels(rows),
             nominal=rows.nominal,
             kind=int(rows.kind[0]),
             dims_freely=free,
@@ -130,15 +132,20 @@ class Scene:
         working = at.f_number * self.working_factor
         return signal_e * self.light_lm * at.level * at.time_s / working**2
 
-    def snr(self, signal_e: float, at: Settings) -> Symbolic:
-        """SNR of such a pixel."""
+    def snr(self, signal_e: float, at: Settings, *, total_e: float | None = None) -> Symbolic:
+        """SNR of such a pixel; `total_e` counts its veils too."""
         return sensor.snr(
             self.electrons(signal_e, at),
+            veil_e=0.0 if total_e is None else self.electrons(total_e - signal_e, at),
             read_noise_e=self.read_noise_e,
             gain_dn_per_e=self.gain_dn_per_e * at.gain,
             dark_e=self.dark_e(at),
             prnu_frac=self.prnu_frac,
         )
+
+    def nominal_snr(self, at: Settings) -> Symbolic:
+        """SNR of the image mean at the nominal altitude."""
+        return self.snr(self.signal_e[self.nominal], at, total_e=self.total_e[self.nominal])
 
     def digital_dn(self, signal_e: float, at: Settings, *, offset_dn: float) -> Symbolic:
         """Mean digital number of such a pixel."""
@@ -164,6 +171,22 @@ class Scene:
         return light.flash_power_w(
             self.pulse_energy_j * at.level, count=1, frame_rate_hz=self.rate_hz, charging_efficiency=1.0
         )
+
+
+def wanted_pixels(rows: SceneRows) -> tuple[tuple[float, float], ...]:
+    """Signal and total per lm s of the pixels and altitudes that min_snr is asked of; a worse one covers others."""
+    if rows.worst_e is None:
+        signal, veil = rows.signal_e[0], None if rows.veil_e is None else rows.veil_e[0]
+    else:
+        signal = rows.worst_e[0].ravel()
+        veil = None if rows.worst_veil_e is None else rows.worst_veil_e[0].ravel()
+    pairs = sorted((float(s), float(v)) for s, v in zip(signal, np.zeros_like(signal) if veil is None else veil,
+                                                        strict=True))  # fmt: skip
+    kept: list[tuple[float, float]] = []
+    for one, over in pairs:  # a pixel with more signal and less veil than another is never the worst
+        if not kept or over > kept[-1][1]:
+            kept.append((one, over))
+    return tuple((one, one + over) for one, over in kept)
 
 
 @dataclass(frozen=True)
@@ -254,9 +277,12 @@ def ruled_out(scene: Scene, piece: Piece) -> bool:
     bright = Settings(scene.n_low, longest, piece.level_high, scene.max_gain, piece.exposure_s(longest))
     widest = max(scene.n_high, scene.n_low)
     dim = Settings(widest, shortest, piece.level_low, 1.0, piece.exposure_s(shortest))
-    nominal, brightest = scene.signal_e[scene.nominal], max(scene.signal_e)
+    nominal, brightest = scene.total_e[scene.nominal], max(scene.total_e)
     wanted, headroom = wanted_dn(scene), headroom_dn(scene)
-    if scene.min_snr > 0.0 and scene.snr(min(scene.wanted_signal_e), bright) < scene.min_snr * (1.0 - 1e-9):
+    if scene.min_snr > 0.0 and any(
+        scene.snr(signal, bright, total_e=total) < scene.min_snr * (1.0 - 1e-9)
+        for signal, total in scene.wanted
+    ):
         return True
     if headroom <= 0.0 or scene.digital_dn(brightest, dim, offset_dn=0.0) > headroom * (1.0 + 1e-9):
         return True

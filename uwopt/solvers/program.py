@@ -100,7 +100,7 @@ class Program:
                 for name, pair in ranges.items()
             }
             snr = min(
-                scene.snr(scene.signal_e[scene.nominal], self._pick(chosen, index))
+                scene.nominal_snr(self._pick(chosen, index))
                 for index, scene in enumerate(self.scenes)
             )
             with np.errstate(divide="ignore"):
@@ -161,7 +161,7 @@ class Program:
                 x[index] = np.log(max(s.light_power_w(a) for s, a in zip(self.scenes, at, strict=True)))
             elif name == "snr":
                 x[index] = np.log(
-                    min(s.snr(s.signal_e[s.nominal], a) for s, a in zip(self.scenes, at, strict=True))
+                    min(s.nominal_snr(a) for s, a in zip(self.scenes, at, strict=True))
                 )
             elif name == "violation":
                 inequalities, equalities = self._plain_rules(list(x))
@@ -247,7 +247,10 @@ class Program:
         names, equal = [], []
         for index, (scene, piece) in enumerate(zip(self.scenes, self.pieces, strict=True)):
             if scene.min_snr > 0.0:
-                names.append(f"min_snr[{index}]")
+                several = len(scene.wanted) > 1
+                names += [
+                    f"min_snr[{index}]" + (f" at {n}" if several else "") for n in range(len(scene.wanted))
+                ]
             if max(scene.signal_e) > 0.0:
                 names.append(f"saturation[{index}]")
             if np.isfinite(scene.well_e) and max(scene.signal_e) > 0.0:
@@ -274,22 +277,24 @@ class Program:
             inequalities += self._scene_rules(scene, at)
             wanted = wanted_dn(scene)
             if wanted is not None:
-                nominal_dn = scene.digital_dn(scene.signal_e[scene.nominal], at, offset_dn=0.0)
+                nominal_dn = scene.digital_dn(scene.total_e[scene.nominal], at, offset_dn=0.0)
                 equalities.append(np.log(nominal_dn / wanted))
             if self._power_rule(scene, piece):
                 limit = epigraph["power"] if "power" in epigraph else float(np.log(self.light_limit_w))
                 inequalities.append(np.log(piece.light_power_w(scene, at)) - limit)
             if self.goal in ("snr", "sum"):
-                inequalities.append(epigraph["snr"] - np.log(scene.snr(scene.signal_e[scene.nominal], at)))
+                inequalities.append(epigraph["snr"] - np.log(scene.nominal_snr(at)))
         return inequalities, equalities
 
     @staticmethod
     def _scene_rules(scene: Scene, at: Settings) -> list[Symbolic]:
         """Enough SNR where it is darkest, no saturation where it is brightest: both grow with signal."""
         rules: list[Symbolic] = []
-        brightest = max(scene.signal_e)
+        brightest = max(scene.total_e)
         if scene.min_snr > 0.0:
-            rules.append(-np.log(scene.snr(min(scene.wanted_signal_e), at) / scene.min_snr))
+            rules += [
+                -np.log(scene.snr(signal, at, total_e=total) / scene.min_snr) for signal, total in scene.wanted
+            ]
         if brightest > 0.0:
             rules.append(np.log(scene.digital_dn(brightest, at, offset_dn=0.0) / headroom_dn(scene)))
         if np.isfinite(scene.well_e) and brightest > 0.0:

@@ -109,8 +109,8 @@ def hardware_of(found: Found) -> Hardware:
 def scene_rows_of(search: Search, found: Found) -> list[SceneRows]:
     """The settings' view of one found design, by scene."""
     imager = np.array([found.imager])
-    signals = [search.tables.exact(i, found.lighting, imager) for i in range(len(search.problem.scenes))]
-    return search.rows(imager, signals, np.array([found.light]), np.array([found.count]), found.lighting)
+    lights = [search.tables.exact(i, found.lighting, imager) for i in range(len(search.problem.scenes))]
+    return search.rows(imager, lights, np.array([found.light]), np.array([found.count]), found.lighting)
 
 
 def design_of(sought: Sought, found: Found, objective: Objective, *, with_rounding: bool = True) -> Design:

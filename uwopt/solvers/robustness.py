@@ -19,7 +19,7 @@ from uwopt.hardware import FAVOURED
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
 from uwopt.solvers.bounds import ROUND
-from uwopt.solvers.exact import Search
+from uwopt.solvers.exact import Pairs, Search
 from uwopt.solvers.imagers import limit
 from uwopt.solvers.ranking import Found
 from uwopt.solvers.recommend import Sought
@@ -192,8 +192,9 @@ def values_under(search: Search, imagers: Any, rows: Any, light_index: int, coun
     limit_cost = imagers.limit_cost[rows] + to_buy * problem.lights.limit_price[light]
     mass = imagers.mass_kg[rows] + number * problem.lights.mass_kg[light]
     unique, back = np.unique(rows, return_inverse=True)
-    signals = [search.tables.exact(i, lighting, unique)[back] for i in range(len(problem.scenes))]
-    value = search.solve(rows, signals, light, number, lighting, cost, mass)[0]
+    lights = [search.tables.exact(i, lighting, unique) for i in range(len(problem.scenes))]
+    pairs = Pairs(unique, back, light, number, cost, mass)
+    value = search.solve(pairs, [seen.take(back) for seen in lights], lighting)[0]
     within = (limit_cost <= limit(limits.cost) * ROUND) & (mass <= limit(limits.mass_kg) * ROUND)
     return np.where(within, value, np.inf)
 

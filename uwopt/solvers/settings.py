@@ -49,70 +49,136 @@ def with_exposure(rows: SceneRows, chosen: Chosen) -> SceneRows:
     return replace(rows, dark_time_s=np.where(np.isfinite(exposure), exposure, rows.dark_time_s))
 
 
-def window(rows: SceneRows, *, snr_floor: Array | float = 0.0) -> tuple[Array, Array]:
+@dataclass(frozen=True)
+class Sun:
+    """Electrons of the sun at one choice of shutter and f-number, image mean by altitude (n, n_altitudes)."""
+
+    signal_e: Array
+    total_e: Array
+    worst_signal_e: Array | None = None  # (n, n_altitudes, n_pixels)
+    worst_total_e: Array | None = None
+
+    @staticmethod
+    def at(rows: SceneRows, open_over_n2_s: Array) -> Sun | None:
+        """With the shutter open for a time, over the square of the working f-number; None without sun."""
+        if rows.sun_signal_e_s is None or rows.sun_veil_e_s is None:
+            return None
+        share = open_over_n2_s[:, None]
+        signal, veil = rows.sun_signal_e_s * share, rows.sun_veil_e_s * share
+        if rows.worst_sun_signal_e_s is None or rows.worst_sun_veil_e_s is None:
+            return Sun(signal, signal + veil)
+        worst, over = (c * share[:, None] for c in (rows.worst_sun_signal_e_s, rows.worst_sun_veil_e_s))
+        return Sun(signal, signal + veil, worst, worst + over)
+
+
+def window(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | None = None) -> tuple[Array, Array]:
     """Lowest and highest X that the requirements on SNR, level and saturation allow; inf: none does.
 
     `snr_floor` is wanted at the nominal altitude beside the mission's own requirement over all.
     """
-    signal = rows.signal_e
-    nominal = signal[:, rows.nominal]
+    total = rows.total_e
+    nominal = total[:, rows.nominal]
     dark = dark_e(rows)
-    brightest = signal.max(axis=1)
+    other = np.zeros_like(total) if sun is None else sun.total_e
+    other_nominal = other[:, rows.nominal] + dark
     headroom_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        high = (rows.well_e / rows.highlight_ratio - dark) / brightest
+        well = (rows.well_e / rows.highlight_ratio - dark)[:, None]
+        high = ((well - other) / total).min(axis=1)
         low = np.zeros(len(nominal))
         if rows.mean_level is None:
-            high = np.minimum(high, (headroom_dn / rows.gain_dn_per_e - dark) / brightest)
+            full = (headroom_dn / rows.gain_dn_per_e - dark)[:, None]
+            high = np.minimum(high, ((full - other) / total).min(axis=1))
+        elif rows.optimistic:
+            wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
+            high = np.minimum(high, (wanted_dn / rows.gain_dn_per_e - other_nominal) / nominal)
         else:
             wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
-            low = (wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - dark) / nominal
-            high = np.minimum(high, (wanted_dn / rows.gain_dn_per_e - dark) / nominal)
-            excess = wanted_dn * brightest - headroom_dn * nominal
-            glare = np.where(
-                excess > SLACK * wanted_dn * brightest, dark * (headroom_dn - wanted_dn) / excess, np.inf
-            )
-            high = np.minimum(high, glare)
-        for altitude in range(signal.shape[1]):
-            low = np.maximum(low, light_for_snr(rows, altitude, rows.min_snr, worst=rows.worst_e is not None))
-        low = np.maximum(low, light_for_snr(rows, rows.nominal, snr_floor, worst=False))
-    if rows.optimistic:
-        high = np.full_like(high, np.inf)
+            low = (wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - other_nominal) / nominal
+            high = np.minimum(high, (wanted_dn / rows.gain_dn_per_e - other_nominal) / nominal)
+            # The gain follows the nominal level; the brightest altitude must not saturate with it.
+            excess = wanted_dn[:, None] * total - (headroom_dn * nominal)[:, None]
+            spare = (headroom_dn * other_nominal)[:, None] - wanted_dn[:, None] * (other + dark[:, None])
+            steep = np.abs(excess) > SLACK * wanted_dn[:, None] * total
+            high = np.minimum(high, np.where(steep & (excess > 0), spare / excess, np.inf).min(axis=1))
+            low = np.maximum(low, np.where(steep & (excess < 0), spare / excess, 0.0).max(axis=1))
+        for altitude in range(total.shape[1]):
+            wanted = light_for_snr(rows, altitude, rows.min_snr, worst=rows.worst_e is not None, sun=sun)
+            low = np.maximum(low, wanted)
+        low = np.maximum(low, light_for_snr(rows, rows.nominal, snr_floor, worst=False, sun=sun))
+    if rows.min_contrast > 0.0 and sun is None:
+        high = np.where(contrast(rows) < rows.min_contrast * (1 - 1e-9), -np.inf, high)
     low = np.maximum(np.where(np.isnan(low), np.inf, low), 0.0)
     return low, np.where(np.isnan(high), -np.inf, high)
 
 
-def light_for_snr(rows: SceneRows, altitude: int, snr: Array | float, *, worst: bool) -> Array:
-    """Least X that reaches an SNR at one altitude, with the gain at its best.
+def contrast(rows: SceneRows) -> Array:
+    """Image-forming over all light of the lamps, image mean, at the worst altitude; no setting changes it."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = (rows.signal_e / rows.total_e).min(axis=1)
+    return np.where(np.isfinite(share), share, 0.0)
+
+
+def light_for_snr(
+    rows: SceneRows, altitude: int, snr: Array | float, *, worst: bool, sun: Sun | None = None
+) -> Array:
+    """Least X that reaches an SNR at one altitude, with the gain at its best; at the worst of its pixels.
 
     The gain lowers quantisation noise; it is as high as the wanted mean level or saturation lets it
     be. Up to the X where the highest gain fills the range, that gain counts; beyond it the noise
     follows the level. SNR grows with X throughout, so the larger of the two answers that apply holds.
     """
-    pixel = rows.worst_e if worst and rows.worst_e is not None else rows.signal_e
-    signal = pixel[:, altitude]
-    dark = dark_e(rows)
-    common = dict(read_noise_e=rows.read_noise_e, dark_e=dark, prnu_frac=rows.prnu_frac)
-    if rows.optimistic:
-        return sensor.light_for_snr(snr, signal_per_light_e=signal, **common)
+    at_worst = worst and rows.worst_e is not None
+    if at_worst and rows.worst_e is not None:
+        signal = rows.worst_e[:, altitude]
+        veil: Any = 0.0 if rows.worst_veil_e is None else rows.worst_veil_e[:, altitude]
+    else:
+        signal = rows.signal_e[:, altitude]
+        veil = 0.0 if rows.veil_e is None else rows.veil_e[:, altitude]
+    if signal.ndim == 1:
+        signal = signal[:, None]
+        veil = veil if np.ndim(veil) == 0 else veil[:, None]
+    dark = dark_e(rows)[:, None]
+    common: dict[str, Any] = dict(
+        read_noise_e=rows.read_noise_e[:, None],
+        dark_e=dark,
+        prnu_frac=rows.prnu_frac[:, None],
+        signal_per_light_e=signal,
+        total_per_light_e=signal + veil,
+    )
+    other = np.zeros((len(signal), 1))
+    if sun is not None:
+        picked = (sun.signal_e, sun.total_e)
+        if at_worst and sun.worst_signal_e is not None and sun.worst_total_e is not None:
+            picked = (sun.worst_signal_e, sun.worst_total_e)
+        one, every = (np.reshape(p[:, altitude], (len(signal), -1)) for p in picked)
+        common.update(other_signal_e=one, other_light_e=every)
+        other = sun.total_e
+    wanted = np.reshape(np.asarray(snr, float), (-1, 1))
+    total = rows.total_e
     if rows.mean_level is not None:
         wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
-        return sensor.light_for_snr(
-            snr,
-            signal_per_light_e=signal,
-            level_per_light_e=rows.signal_e[:, rows.nominal],
-            level_dn=wanted_dn,
-            **common,
+        return np.asarray(
+            sensor.light_for_snr(
+                wanted,
+                level_per_light_e=total[:, rows.nominal, None],
+                level_dn=wanted_dn[:, None],
+                other_level_e=other[:, min(rows.nominal, other.shape[1] - 1), None],
+                **common,
+            ).max(axis=1)
         )
-    brightest = rows.signal_e.max(axis=1)
-    headroom_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
-    top_gain = rows.gain_dn_per_e * rows.max_gain
-    fills = (headroom_dn / top_gain - dark) / brightest
-    at_top_gain = sensor.light_for_snr(snr, signal_per_light_e=signal, gain_dn_per_e=top_gain, **common)
+    brightest = total.max(axis=1)[:, None]
+    other_brightest = other.max(axis=1)[:, None]
+    headroom_dn = (rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn)[:, None]
+    top_gain = (rows.gain_dn_per_e * rows.max_gain)[:, None]
+    fills = (headroom_dn / top_gain - dark - other_brightest) / brightest
+    at_top_gain = sensor.light_for_snr(wanted, gain_dn_per_e=top_gain, **common)
     following = sensor.light_for_snr(
-        snr, signal_per_light_e=signal, level_per_light_e=brightest, level_dn=headroom_dn, **common
+        wanted, level_per_light_e=brightest, level_dn=headroom_dn, other_level_e=other_brightest, **common
     )
-    return np.where(at_top_gain <= fills, at_top_gain, np.maximum(following, fills))
+    return np.asarray(
+        np.where(at_top_gain <= fills, at_top_gain, np.maximum(following, fills)).max(axis=1)
+    )
 
 
 def reach(rows: SceneRows) -> tuple[Array, Array]:
@@ -213,10 +279,10 @@ def best_gain(rows: SceneRows, light_x: Array) -> Array:
     """The gain that gives the wanted mean level; without one, the highest that does not saturate."""
     dark = dark_e(rows)
     if rows.mean_level is not None:
-        level_e = rows.signal_e[:, rows.nominal] * light_x + dark
+        level_e = rows.total_e[:, rows.nominal] * light_x + dark
         wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
     else:
-        level_e = rows.signal_e.max(axis=1) * light_x + dark
+        level_e = rows.total_e.max(axis=1) * light_x + dark
         wanted_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.clip(wanted_dn / (rows.gain_dn_per_e * level_e), 1.0, rows.max_gain)
@@ -313,8 +379,9 @@ def nominal_snr(rows: SceneRows, light_x: Array) -> Array:
     return np.asarray(
         sensor.snr(
             rows.signal_e[:, rows.nominal] * light_x,
+            veil_e=0.0 if rows.veil_e is None else rows.veil_e[:, rows.nominal] * light_x,
             read_noise_e=rows.read_noise_e,
-            gain_dn_per_e=np.inf if rows.optimistic else gain,
+            gain_dn_per_e=gain,
             dark_e=dark_e(rows),
             prnu_frac=rows.prnu_frac,
         )

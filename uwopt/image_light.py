@@ -1,0 +1,220 @@
+"""What the lamps' light becomes in the pixels of many imagers: signal, veils, and where the image is worst.
+
+Everything is in electrons per lm s of light behind the lamps' windows, at a working f-number of 1, by
+altitude: constants of hardware and scene that settings only scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.model import imaging, veil
+from uwopt.optics import Views, on_axis_gain, one_side
+
+if TYPE_CHECKING:
+    from uwopt.problem import Mount, Problem
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class ImageLight:
+    """Electrons per lm s, (n, n_altitudes) image means; (n, n_altitudes, n_pixels) at pixels.
+
+    A veil that is None is left out of the model, or absent.
+    """
+
+    signal_e: Array
+    forward_e: Array | None = None
+    backscatter_e: Array | None = None
+    worst_e: Array | None = None  # at the pixels that may be the worst
+    worst_veil_e: Array | None = None
+
+    @property
+    def veil_e(self) -> Array | None:
+        """Electrons that form no image."""
+        return added(self.forward_e, self.backscatter_e)
+
+    def take(self, index: Array) -> ImageLight:
+        """These rows only."""
+        return self._each(lambda column: column[index])
+
+    def scaled(self, factor: Array) -> ImageLight:
+        """Every row times its own factor."""
+        return self._each(lambda column: column * factor.reshape(-1, *([1] * (column.ndim - 1))))
+
+    def _each(self, change: Any) -> ImageLight:
+        columns = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return ImageLight(**{name: None if c is None else change(c) for name, c in columns.items()})
+
+    @staticmethod
+    def joined(parts: Sequence[tuple[Array, ImageLight]], count: int) -> ImageLight:
+        """Groups of rows put back in their places; a group with fewer pixels repeats its last."""
+        columns: dict[str, Array | None] = {}
+        for name in ImageLight.__dataclass_fields__:
+            pieces = [(rows, getattr(light, name)) for rows, light in parts]
+            if not pieces or pieces[0][1] is None:
+                columns[name] = None
+                continue
+            deepest = max((piece.shape[2:] for _, piece in pieces), default=())
+            out = np.empty((count, *pieces[0][1].shape[1:2], *deepest))
+            for rows, piece in pieces:
+                if piece.ndim == 3 and piece.shape[2] < out.shape[2]:
+                    piece = np.pad(piece, ((0, 0), (0, 0), (0, out.shape[2] - piece.shape[2])), mode="edge")
+                out[rows] = piece
+            columns[name] = out
+        return ImageLight(**columns)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class SunLight:
+    """Electrons per second of open shutter from the sun, at a working f-number of 1; shapes as `ImageLight`."""
+
+    signal_e_s: Array
+    forward_e_s: Array
+    path_e_s: Array
+    worst_e_s: Array | None = None
+    worst_veil_e_s: Array | None = None
+
+
+def added(one: Array | None, other: Array | None) -> Array | None:
+    """The sum of what is there."""
+    if one is None or other is None:
+        return other if one is None else one
+    return np.asarray(one + other)
+
+
+class LampField:
+    """One lighting seen by imagers that share scene, port and efficiency curve."""
+
+    def __init__(
+        self, problem: Problem, scene_index: int, *, port_index: int, optics: int, mount: Mount, count: int,
+        efficiency: int, channel: str | None = None,
+    ):  # fmt: skip
+        self.problem, self.scene_index, self.effects = problem, scene_index, problem.effects
+        self.scene, self.contraction = problem.scenes[scene_index], problem.contractions[scene_index]
+        self.shape = problem.shape(port_index, scene_index)
+        self.beam = problem.optics[optics].beam
+        self.spectrum = int(self.contraction.spectrum_of[optics])
+        self.efficiency, self.channel = efficiency, channel
+        self.lamps = mount.lamps(count)
+
+    # ------------------------------------------------------------ means
+
+    def light(self, view: Views, *, pixels: bool, veils: bool) -> ImageLight:
+        """All light of these imagers."""
+        columns = view.collecting_m2[:, None]
+        response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
+        if self.problem.paper:
+            loss = self.contraction.straight_loss(self.spectrum, self.efficiency, self.channel)
+            return ImageLight(columns * response * (on_axis_gain(self.beam, self.scene.range_m) * loss)[None, :])
+        signal = columns * response * self.mean_gain(view, diffuse=False)
+        forward = backscatter = None
+        if veils and self.effects.forward_veil and self.scene.scatters:
+            every = columns * response * self.mean_gain(view, diffuse=True)
+            forward = np.maximum(every - signal, 0.0)
+        if veils and self.effects.backscatter and self.scene.scatters:
+            backscatter = columns * self.mean_backscatter(view)
+        worst, worst_veil = self.at_worst_pixels(view, veils=veils) if pixels else (None, None)
+        return ImageLight(signal, forward, backscatter, worst, worst_veil)
+
+    def common(self, range_m: float) -> dict[str, Any]:
+        """What all field functions take."""
+        return dict(shape=self.shape, range_m=range_m, beam=self.beam)
+
+    def loss_table(self, *, diffuse: bool) -> Any:
+        """Water's loss on both legs; see `Contraction.table`."""
+        return self.problem.table(
+            self.scene_index, self.spectrum, self.efficiency, self.channel, diffuse=diffuse
+        )
+
+    def mean_gain(self, view: Views, *, diffuse: bool) -> Array:
+        """Mean of `imaging.local_gain` over the image, (n, n_altitudes) [1/m^2]."""
+        table = self.loss_table(diffuse=diffuse)
+        return np.stack(
+            [
+                imaging.field_mean(
+                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), table=table,
+                    window_angle=self.effects.window_angle, **self.common(float(range_m)),
+                )
+                for range_m in self.scene.range_m
+            ],
+            axis=1,
+        )  # fmt: skip
+
+    def scatterers(self) -> Any:
+        """Particles and molecules with their loss tables."""
+        return self.contraction.scatterers(self.spectrum, self.efficiency, self.channel)
+
+    def mean_backscatter(self, view: Views) -> Array:
+        """Mean of the lamps' path radiance over the image, (n, n_altitudes)."""
+        scatterers = self.scatterers()
+        return np.stack(
+            [
+                veil.mean_backscatter(
+                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=scatterers,
+                    **self.common(float(range_m)),
+                )
+                for range_m in self.scene.range_m
+            ],
+            axis=1,
+        )  # fmt: skip
+
+    # ------------------------------------------------------------ pixels
+
+    def at_worst_pixels(self, view: Views, *, veils: bool) -> tuple[Array, Array | None]:
+        """Signal and veil at every pixel of a grid that some setting could make the worst."""
+        along, across = imaging.pixel_grid(
+            view.tan_along, view.tan_across, half=imaging.along_symmetric(self.lamps)
+        )
+        signal, veil_there = self.at_pixels(view, along, across, veils=veils)
+        keep = worst_candidates(signal, veil_there)
+        return signal[:, :, keep], None if veil_there is None else veil_there[:, :, keep]
+
+    def at_pixels(self, view: Views, along: Array, across: Array, *, veils: bool) -> tuple[Array, Array | None]:
+        """Signal and veil at field points (n, n_pixels) of these imagers, (n, n_altitudes, n_pixels)."""
+        collecting = view.collecting_m2[:, None]
+        response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
+        signals, veil_sum = [], []
+        scatters = veils and self.scene.scatters
+        for range_m in self.scene.range_m:
+            common = dict(lamps=self.lamps, **self.common(float(range_m)))
+            window = self.effects.window_angle
+            signal = response * imaging.local_gain(
+                along, across, table=self.loss_table(diffuse=False), window_angle=window, **common
+            )
+            over = np.zeros_like(signal)
+            if scatters and self.effects.forward_veil:
+                every = imaging.local_gain(
+                    along, across, table=self.loss_table(diffuse=True), window_angle=window, **common
+                )
+                over = np.maximum(every * response - signal, 0.0)
+            if scatters and self.effects.backscatter:
+                over = over + veil.backscatter_gain(along, across, scatterers=self.scatterers(), **common)
+            signals.append(signal * collecting)
+            veil_sum.append(over * collecting)
+        has_veil = scatters and self.effects.veils
+        return np.stack(signals, axis=1), np.stack(veil_sum, axis=1) if has_veil else None
+
+
+def worst_candidates(signal: Array, veil_there: Array | None) -> Array:
+    """Pixels with, for some row and altitude, no other pixel that has less signal and more veil.
+
+    Arrays (n, n_altitudes, n_pixels); returns the indices of these pixels.
+    """
+    if veil_there is None:
+        return np.unique(signal.argmin(axis=2))
+    flat_signal, flat_veil = (a.reshape(-1, a.shape[2]) for a in (signal, veil_there))
+    order = np.lexsort((-flat_veil, flat_signal), axis=1)
+    sorted_veil = np.take_along_axis(flat_veil, order, axis=1)
+    before = np.maximum.accumulate(sorted_veil, axis=1)
+    leads = np.ones_like(sorted_veil, bool)
+    leads[:, 1:] = sorted_veil[:, 1:] > before[:, :-1]
+    keep = np.zeros_like(leads)
+    np.put_along_axis(keep, order, leads, axis=1)
+    return np.nonzero(keep.any(axis=0))[0]

@@ -1,0 +1,481 @@
+"""Where scattered light goes: phase functions, and one look-up table for all of them.
+
+A phase function p(psi) is the share of the scattered light that goes into a unit of solid angle at the
+scattering angle psi; its integral over the sphere is 1. Quadratures of backscatter ask for it millions of
+times: `PhaseTable` answers with one square root, one multiplication and one linear interpolation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from uwopt.errors import RangeError
+from uwopt.model.spectrum import FloatArray
+
+SEA_WATER_DEPOLARISATION = 0.039  # Farinato and Rowell (1976), as Zhang, Hu and He (2009) recommend
+
+# Refractive index against slope of the size distribution, n = 1.01 + 0.1542 (mu - 3): Mobley et al. (2002).
+MOBLEY_INDEX_AT_3 = 1.01
+MOBLEY_INDEX_PER_SLOPE = 0.1542
+FOURNIER_FORAND_RATIOS = (1e-4, 0.4)  # backscatter ratios that the Ocean Optics Web Book tabulates
+SMALLEST_ANGLE_RAD = 1e-9  # the Fournier-Forand function has a pole at 0
+
+N_CELL = 32768  # of a look-up table: relative error below 1e-5 beyond 5 deg, 256 kB
+N_HALVING = 14  # steps from the first node towards 0, where forward peaks are integrated
+MAX_FORWARD_POWER = 1.999  # p ~ angle^-2 has no finite integral
+CHUNK = 16384  # points looked up at a time, so that intermediate arrays stay in the cache
+MAX_NORM_ERROR = 0.02
+MIN_LAST_ANGLE_RAD = np.radians(170.0)  # lamps beside a camera scatter back at 150-180 deg
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseTable:
+    """A phase function at equal steps of sin(psi/2), from 0 to 1; the last value stands twice."""
+
+    phase_per_sr: FloatArray  # (n_cell + 2,); linear between the nodes
+
+    @property
+    def n_cell(self) -> int:
+        """Number of steps."""
+        return self.phase_per_sr.size - 2
+
+
+# ---------------------------------------------------------------- formulas
+
+
+def henyey_greenstein_per_sr(cos_angle: ArrayLike, *, asymmetry: float) -> FloatArray:
+    """Henyey-Greenstein phase function.
+
+        p = (1 - g^2) / (4 pi (1 + g^2 - 2 g cos psi)^(3/2))
+
+    Parameters
+    ----------
+    cos_angle : (...,) [1], cosine of the scattering angle
+    asymmetry : scalar [1], g, the mean cosine; above -1 and below 1
+
+    Returns
+    -------
+    (...,) [sr^-1]
+
+    Notes
+    -----
+    Made for interstellar dust; for a wanted b_b/b its forward peak is too low and its middle too high for sea
+    water, so that Fournier-Forand is preferred.
+
+    References
+    ----------
+    Henyey and Greenstein (1941), Astrophys. J. 93, 70.
+    """
+    g = float(asymmetry)
+    if not -1 < g < 1:
+        raise RangeError(f"asymmetry of a phase function is {g:g}; it must be above -1 and below 1")
+    # 1 + g^2 - 2 g c as a sum of positive terms: no cancellation at the forward peak.
+    denominator = (1 - g) ** 2 + 2 * g * (1 - np.asarray(cos_angle, dtype=float))
+    return np.asarray((1 - g) * (1 + g) / (4 * np.pi * denominator**1.5), dtype=float)
+
+
+def henyey_greenstein_backscatter_ratio(asymmetry: float) -> float:
+    """Share scattered beyond 90 degrees by Henyey-Greenstein's function of mean cosine g.
+
+    b_b/b = (1 - g)/(2 g) ((1 + g)/sqrt(1 + g^2) - 1), here in a form that is regular at g = 0.
+    """
+    g = float(asymmetry)
+    root = float(np.hypot(1.0, g))
+    return (1 - g) / (root * (1 + g + root))
+
+
+def asymmetry_for_backscatter(ratio: float) -> float:
+    """Mean cosine g of the Henyey-Greenstein function that scatters a wanted share b_b/b backwards.
+
+    Parameters
+    ----------
+    ratio : scalar [1], b_b/b, above 0 and below 1; 0.5 is g = 0
+
+    Returns
+    -------
+    scalar [1], root of `henyey_greenstein_backscatter_ratio`, to 1e-15
+    """
+    from scipy.optimize import brentq
+
+    if not 0 < ratio < 1:
+        raise RangeError(f"backscatter ratio b_b/b is {ratio:g}; it must be above 0 and below 1")
+    excess = lambda g: henyey_greenstein_backscatter_ratio(g) - ratio  # noqa: E731
+    return float(brentq(excess, -1.0, 1.0, xtol=1e-16, rtol=1e-15))
+
+
+def fournier_forand_per_sr(angle_rad: ArrayLike, *, index: float, slope: float) -> FloatArray:
+    """Fournier-Forand phase function: particles of all sizes, their numbers falling as a power of the size.
+
+        p = [nu (1 - d) - (1 - d^nu) + (d (1 - d^nu) - nu (1 - d)) / sin^2(psi/2)] / (4 pi (1 - d)^2 d^nu)
+            + (1 - d180^nu) (3 cos^2 psi - 1) / (16 pi (d180 - 1) d180^nu)
+        nu = (3 - mu)/2,   d = 4 sin^2(psi/2) / (3 (n - 1)^2),   d180 = d at psi = 180 deg
+
+    Parameters
+    ----------
+    angle_rad : (...,) [rad], scattering angle, 0 to pi
+    index : scalar [1], n, refractive index of the particles relative to water, above 1 and below 2
+    slope : scalar [1], mu of the number density ~ size^-mu, above 3 and at most 5
+
+    Returns
+    -------
+    (...,) [sr^-1]; it rises without end towards 0, an angle below 1e-9 rad counts as 1e-9 rad
+
+    Notes
+    -----
+    Anomalous diffraction, spheres without absorption; integrates to 1. The removable pole at d = 1 (some
+    degrees from the axis) is bridged by its series.
+
+    References
+    ----------
+    Fournier and Forand (1994), Proc. SPIE 2258, 194, doi:10.1117/12.190063; this form: Fournier and Jonasz
+    (1999), Proc. SPIE 3761, 62, doi:10.1117/12.366488.
+    """
+    d180 = _ff_delta(1.0, index, slope)
+    s = (slope - 3) / 2  # -nu
+    angle = np.maximum(np.asarray(angle_rad, dtype=float), SMALLEST_ANGLE_RAD)
+    sin2 = np.sin(angle / 2) ** 2
+    q, h = _ff_parts(d180 * sin2, s)
+    q180, _ = _ff_parts(np.asarray(d180), s)
+    back = q180 / (16 * np.pi) * (3 * np.cos(angle) ** 2 - 1)
+    return np.asarray(((h + q) / sin2 - h) / (4 * np.pi) + back, dtype=float)
+
+
+def fournier_forand_backscatter_ratio(index: float, *, slope: float) -> float:
+    """Share scattered beyond 90 degrees by the Fournier-Forand function, in closed form.
+
+        b_b/b = 1 - (1 - d90^(nu+1) - (1 - d90^nu)/2) / ((1 - d90) d90^nu) = (d90^-nu - 1) / (2 (d90 - 1))
+
+    with d90 = 2 / (3 (n - 1)^2). Source: Mobley, Sundman and Boss (2002), Appl. Opt. 41, 1035.
+    """
+    q, _ = _ff_parts(np.asarray(_ff_delta(0.5, index, slope)), (slope - 3) / 2)
+    return float(q / 2)
+
+
+def fournier_forand_for_backscatter(ratio: float) -> tuple[float, float]:
+    """Index n and slope mu of the Fournier-Forand function that scatters a wanted share b_b/b backwards.
+
+        n = 1.01 + 0.1542 (mu - 3), and mu such that b_b/b is met
+
+    Parameters
+    ----------
+    ratio : scalar [1], b_b/b of the particles, 1e-4 to 0.4
+
+    Returns
+    -------
+    n, mu : scalars [1]; `fournier_forand_backscatter_ratio` of them is the ratio, to 1e-12
+
+    Notes
+    -----
+    Many pairs have the same ratio; for one ratio their functions differ little. The line gives Petzold's mean
+    (n = 1.10, mu = 3.5835, b_b/b = 0.0183) and mixtures of living (n low) and mineral (n high) particles.
+
+    References
+    ----------
+    Mobley, Sundman and Boss (2002), Appl. Opt. 41, 1035, doi:10.1364/AO.41.001035.
+    """
+    from scipy.optimize import brentq
+
+    low, high = FOURNIER_FORAND_RATIOS
+    if not low <= ratio <= high:
+        raise RangeError(
+            f"backscatter ratio b_b/b is {ratio:g}; a Fournier-Forand function takes {low:g} to {high:g}"
+        )
+
+    def excess(slope: float) -> float:
+        return fournier_forand_backscatter_ratio(_mobley_index(slope), slope=slope) - ratio
+
+    slope = float(brentq(excess, 3.001, 5.0, xtol=1e-15, rtol=1e-14))
+    return _mobley_index(slope), slope
+
+
+def _mobley_index(slope: float) -> float:
+    return MOBLEY_INDEX_AT_3 + MOBLEY_INDEX_PER_SLOPE * (slope - 3)
+
+
+def _ff_delta(sin2: float, index: float, slope: float) -> float:
+    if not (1 < index < 2 and 3 < slope <= 5):
+        raise RangeError(
+            f"a Fournier-Forand function of index {index:g} and slope {slope:g} is not defined; "
+            "the index must be above 1 and below 2, the slope above 3 and at most 5"
+        )
+    return 4 * sin2 / (3 * (index - 1) ** 2)
+
+
+def _ff_parts(delta: FloatArray, s: float) -> tuple[FloatArray, FloatArray]:
+    """q = (d^s - 1)/(d - 1) and h = (q - s d^s)/(d - 1): the two quotients that are 0/0 at d = 1."""
+    y = delta - 1
+    near = np.abs(y) < 0.05  # direct formulas lose eps/y^2 = 1e-13; 12 terms leave 0.05^12
+    y_direct = np.where(near, 1.0, y)
+    log_delta = np.log(np.where(near, 2.0, delta))
+    power = np.exp(s * log_delta)
+    q = np.expm1(s * log_delta) / y_direct
+    h = (q - s * power) / y_direct
+    if np.any(near):
+        y_near = np.where(near, y, 0.0)
+        binomial = np.cumprod([1.0, *((s - k) / (k + 1) for k in range(14))])
+        q_series = np.polynomial.polynomial.polyval(y_near, binomial[1:14])
+        h_series = np.polynomial.polynomial.polyval(y_near, binomial[2:14] - s * binomial[1:13])
+        q, h = np.where(near, q_series, q), np.where(near, h_series, h)
+    return q, h
+
+
+def molecular_per_sr(cos_angle: ArrayLike, *, depolarisation: float = SEA_WATER_DEPOLARISATION) -> FloatArray:
+    """Phase function of water itself: scattering by fluctuations of density and concentration.
+
+        p = 3 / (4 pi (3 + f)) (1 + f cos^2 psi),   f = (1 - delta) / (1 + delta)
+
+    Parameters
+    ----------
+    cos_angle : (...,) [1], cosine of the scattering angle
+    depolarisation : scalar [1], delta of natural light scattered at 90 degrees, 0 to below 1
+
+    Returns
+    -------
+    (...,) [sr^-1]; the integral over the sphere is 1, half of it beyond 90 degrees
+
+    Notes
+    -----
+    Valid for fresh and sea water; 0.09 gives Morel's older f = 0.835.
+
+    References
+    ----------
+    Morel (1974) in Optical Aspects of Oceanography; Zhang, Hu and He (2009), Opt. Express 17, 5698,
+    doi:10.1364/OE.17.005698.
+    """
+    if not 0 <= depolarisation < 1:
+        raise RangeError(f"depolarisation is {depolarisation:g}; it must be at least 0 and below 1")
+    f = (1 - depolarisation) / (1 + depolarisation)
+    return np.asarray(3 / (4 * np.pi * (3 + f)) * (1 + f * np.square(cos_angle)), dtype=float)
+
+
+# ---------------------------------------------------------------- the table
+
+
+def phase_table(angle_rad: ArrayLike, phase_per_sr: ArrayLike) -> PhaseTable:
+    """Look-up table of a phase function that is known at some angles.
+
+    Parameters
+    ----------
+    angle_rad : (n,) [rad], scattering angles, increasing within 0 to pi; the last at least 170 deg
+    phase_per_sr : (n,) [sr^-1], above 0; its integral over the sphere must be 0.98 to 1.02
+
+    Returns
+    -------
+    PhaseTable, scaled so that its integral is 1
+
+    Notes
+    -----
+    Monotone cubic (PCHIP) in log p against log psi, so that no new peaks arise and nothing has a kink. The
+    function is even about 180 deg, as it is for particles in random orientation: flat there, and held from
+    the last angle on. Below the first angle it goes on as the power law through the first two; if the first
+    is 0, log p is taken as quadratic up to the second. RangeError where the angles or values cannot be those
+    of a phase function, or the integral is off by more than 2 %.
+    """
+    return _normalised(_sampled(angle_rad, phase_per_sr))
+
+
+def scattering_coefficient_per_m(angle_rad: ArrayLike, vsf_per_m_sr: ArrayLike) -> float:
+    """Scattering coefficient b = 2 pi * integral of the volume scattering function * sin psi d psi [1/m].
+
+    Interpolated as in `phase_table`, which takes the same function divided by this b.
+    """
+    masses, tail = _masses(_sampled(angle_rad, vsf_per_m_sr))
+    return 8 * np.pi * (tail + float(np.sum(masses)))
+
+
+def phase_table_of(function: Callable[[FloatArray], ArrayLike]) -> PhaseTable:
+    """Look-up table of a formula p(psi) [sr^-1] that takes an array of scattering angles [rad], 0 excluded.
+
+    The formula is evaluated at the nodes, and on the way to 0 for the integral of its forward peak, which
+    must be 0.98 to 1.02 over the sphere, as for `phase_table`.
+    """
+    phase = np.asarray(function(_sample_angle_rad()), dtype=float)
+    if not np.all(np.isfinite(phase) & (phase > 0)):
+        raise RangeError("a phase function must be finite and above 0 at every angle above 0 deg")
+    return _normalised(phase)
+
+
+def look_up(cos_angle: ArrayLike, table: PhaseTable) -> Any:
+    """Phase function at any scattering angle, from a table.
+
+        x = sin(psi/2) = sqrt((1 - cos psi)/2), then linear in x
+
+    Parameters
+    ----------
+    cos_angle : (...,) [1], cosine of the scattering angle; round-off beyond -1 and 1 does no harm
+    table : PhaseTable
+
+    Returns
+    -------
+    (...,) [sr^-1]
+
+    Notes
+    -----
+    Relative error below 1e-5 from 5 to 180 deg, against the formula or the smooth curve through the knots;
+    2e-4 from 0.2 deg on, 6e-4 from 0.1 deg on; below 0.0035 deg a finite value that keeps the integral.
+    """
+    cosine = np.asarray(cos_angle, dtype=float)
+    phase = table.phase_per_sr
+    flat, result = cosine.reshape(-1), np.empty(cosine.size)
+    for start in range(0, flat.size, CHUNK):
+        piece = slice(start, start + CHUNK)
+        place = np.subtract(1.0, flat[piece])
+        np.abs(place, out=place)
+        place *= 0.5 * table.n_cell**2
+        np.sqrt(place, out=place)
+        cell = place.astype(np.intp)
+        place -= cell
+        low = phase.take(cell, mode="clip")
+        high = phase[1:].take(cell, mode="clip")
+        high -= low
+        high *= place
+        np.add(low, high, out=result[piece])
+    return result.reshape(cosine.shape)[()]
+
+
+def solid_angle_integral(table: PhaseTable) -> float:
+    """Integral of a table over the sphere = 2 pi * integral of p sin psi d psi [1]; 1 by construction."""
+    return _moment(table, 0.0, cosine_power=0)
+
+
+def backscatter_ratio(table: PhaseTable) -> float:
+    """Share of a table scattered beyond 90 degrees: b_b/b [1]."""
+    return _moment(table, np.sqrt(0.5), cosine_power=0)
+
+
+def mean_cosine(table: PhaseTable) -> float:
+    """Mean cosine of the scattering angle, g = 2 pi * integral of p cos psi sin psi d psi [1]."""
+    return _moment(table, 0.0, cosine_power=1)
+
+
+def _sample_x() -> FloatArray:
+    """sin(psi/2) where a function is sampled: the first node halved again and again, then all nodes but 0."""
+    return np.concatenate([0.5 ** np.arange(N_HALVING, 0, -1), np.arange(1, N_CELL + 1)]) / N_CELL
+
+
+def _sample_angle_rad() -> FloatArray:
+    x = _sample_x()
+    return np.asarray(2 * np.arctan2(x, np.sqrt((1 - x) * (1 + x))), dtype=float)
+
+
+def _moment(table: PhaseTable, x_from: float, *, cosine_power: int) -> float:
+    """Integral of p cos^k over the solid angle with sin(psi/2) above x_from: exact for the table."""
+    x = np.arange(table.n_cell + 1) / table.n_cell
+    edges = np.concatenate([[x_from], x[x > x_from]])
+    abscissa, weight = np.polynomial.legendre.leggauss(3)  # exact up to x^5; the integrand has x^4 at most
+    half = np.diff(edges) / 2
+    at = (edges[:-1] + half)[:, None] + half[:, None] * abscissa
+    values = np.interp(at, x, table.phase_per_sr[:-1])
+    # d Omega = 2 pi sin psi d psi = 8 pi x dx
+    return float(np.sum(8 * np.pi * values * at * (1 - 2 * at * at) ** cosine_power * weight * half[:, None]))
+
+
+def _checked_knots(angle_rad: ArrayLike, phase_per_sr: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    angle, phase = np.asarray(angle_rad, dtype=float), np.asarray(phase_per_sr, dtype=float)
+    if angle.ndim != 1 or angle.size < 4 or angle.shape != phase.shape:
+        raise RangeError("a phase function needs four angles or more in one row, and a value for each")
+    if not (np.all(np.diff(angle) > 0) and angle[0] >= 0 and angle[-1] <= np.pi * (1 + 1e-9)):
+        raise RangeError("the angles of a phase function must increase within 0 to 180 deg")
+    if angle[-1] < MIN_LAST_ANGLE_RAD * (1 - 1e-9):
+        raise RangeError(
+            f"a phase function ends at {np.degrees(angle[-1]):.4g} deg; it must reach 170 deg or more: extend it"
+        )
+    if not np.all(np.isfinite(phase) & (phase > 0)):
+        raise RangeError("the values of a phase function must be finite and above 0")
+    return angle, phase
+
+
+def _forward(at_rad: FloatArray, angle: FloatArray, log_phase: FloatArray) -> FloatArray:
+    """log p below the first angle above 0: a power law, or a parabola from the value at 0."""
+    if angle[0] == 0:
+        return log_phase[0] + (log_phase[1] - log_phase[0]) * (at_rad / angle[1]) ** 2
+    power = -(log_phase[1] - log_phase[0]) / np.log(angle[1] / angle[0])
+    if power >= MAX_FORWARD_POWER:
+        raise RangeError(
+            f"the phase function rises like angle^-{power:.3g} towards 0 deg, which has no finite integral; "
+            f"add angles below the first, {np.degrees(angle[0]):.3g} deg"
+        )
+    return np.asarray(log_phase[0] - max(power, 0.0) * np.log(at_rad / angle[0]), dtype=float)
+
+
+def _between(at_rad: FloatArray, angle: FloatArray, log_phase: FloatArray) -> FloatArray:
+    """log p from the first angle above 0 on: PCHIP, and over the last interval an even function about pi.
+
+    There log p = log p(pi) + D (a t^2 + (1 - a) t^4), t = (pi - psi)/(pi - psi_last): it meets value and slope
+    at psi_last and is monotone for the slopes that PCHIP gives.
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    if np.pi - angle[-1] < 1e-9:
+        angle = np.append(angle[:-1], np.pi)
+    else:
+        angle, log_phase = np.append(angle, np.pi), np.append(log_phase, log_phase[-1])
+    curve = PchipInterpolator(np.log(angle), log_phase)
+    value = np.asarray(curve(np.log(at_rad)), dtype=float)
+    last_rad = angle[-2]
+    span_rad = np.pi - last_rad
+    rise = log_phase[-2] - log_phase[-1]
+    slope = -float(curve.derivative()(np.log(last_rad))) / last_rad * span_rad  # d log p / d t at t = 1
+    t2 = ((np.pi - at_rad) / span_rad) ** 2
+    even = log_phase[-1] + (2 * rise - slope / 2) * t2 + (slope / 2 - rise) * t2 * t2
+    return np.where(at_rad > last_rad, even, value)
+
+
+def _normalised(sampled: FloatArray) -> PhaseTable:
+    """Table whose integral is 1, from values at `_sample_x`; the value at node 0 is chosen here.
+
+    Chords of a convex curve lie above it. Each cell's surplus, against a power law between its ends, is taken
+    off its two nodes: the table then keeps the integral, and its largest error falls to two thirds.
+    """
+    sample_x = _sample_x()
+    sample_mass, tail_mass = _masses(sampled)
+    integral = 8 * np.pi * (tail_mass + float(np.sum(sample_mass)))  # d Omega = 8 pi x dx
+    if not abs(integral - 1) <= MAX_NORM_ERROR:
+        raise RangeError(
+            f"the integral of the phase function over the sphere is {integral:.4g}; it must be "
+            f"{1 - MAX_NORM_ERROR:g} to {1 + MAX_NORM_ERROR:g}: divide by the scattering coefficient b, "
+            "and give angles small enough to hold the forward peak"
+        )
+    x, phase, mass = sample_x[N_HALVING:], sampled[N_HALVING:], sample_mass[N_HALVING:]
+    first_mass = tail_mass + float(np.sum(sample_mass[:N_HALVING]))
+    step = x[0]
+    left, right = step / 6 * (2 * x[:-1] + x[1:]), step / 6 * (x[:-1] + 2 * x[1:])
+    half_surplus = (left * phase[:-1] + right * phase[1:] - mass) / 2
+    surplus, weight = np.zeros_like(phase), np.zeros_like(phase)
+    surplus[:-1] += half_surplus
+    surplus[1:] += half_surplus
+    weight[:-1] += left
+    weight[1:] += right
+    corrected = phase - surplus / weight
+    first = 6 * first_mass / step**2 - 2 * corrected[0]
+    values = np.concatenate([[first], corrected, corrected[-1:]]) / integral
+    values.setflags(write=False)
+    return PhaseTable(values)
+
+
+def _sampled(angle_rad: ArrayLike, values: ArrayLike) -> FloatArray:
+    """Values at `_sample_x` of a function known at some angles."""
+    angle, phase = _checked_knots(angle_rad, values)
+    sample_rad = _sample_angle_rad()
+    first = 1 if angle[0] == 0 else 0
+    outer = _forward(sample_rad, angle, np.log(phase))
+    inner = _between(sample_rad, angle[first:], np.log(phase[first:]))
+    return np.asarray(np.exp(np.where(sample_rad < angle[first], outer, inner)), dtype=float)
+
+
+def _masses(sampled: FloatArray) -> tuple[FloatArray, float]:
+    """Integrals of p x dx from sample to sample, and from 0 to the first, p a power law between samples."""
+    x = _sample_x()
+    forward_power = float(np.clip(np.log2(sampled[0] / sampled[1]), 0.0, MAX_FORWARD_POWER))
+    tail = float(sampled[0] * x[0] ** 2 / (2 - forward_power))
+    span = np.log(x[1:] / x[:-1])
+    exponent = np.log(sampled[1:] / sampled[:-1]) / span + 2
+    flat = np.abs(exponent) < 1e-9
+    safe = np.where(flat, 1.0, exponent)
+    growth = np.where(flat, span, np.expm1(safe * span) / safe)
+    return np.asarray(sampled[:-1] * x[:-1] ** 2 * growth, dtype=float), tail

@@ -1,0 +1,432 @@
+"""Sharpness: how much of a detail's contrast arrives in the pixels, and what detail costs on the ground.
+
+The modulation transfer of the image-forming light is a product of factors, each a function of the
+frequency nu in cycles per pixel: pixel, diffraction, motion, defocus, lens rating, lateral colour. The
+first five are 1 at nu = 0, fall, and are 0 beyond their first null, so that they are monotone in frequency
+and in their cause: contrast that comes back with reversed sign is no resolution. Lateral colour has no
+null but humps; where a falling transfer is needed its least value so far counts. Light scattered forward
+has no factor here; it counts as a veil.
+
+"Along" is the direction of motion, "across" the other. Functions marked [sym] also take CasADi scalars;
+beyond a null "0" means below 1e-15, so that derivatives stay finite there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.model.lateral import SpreadTable, spread_mtf
+
+Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
+Array = NDArray[np.float64]
+
+TEXTURE_CONTRAST = 0.1  # C_t, rms contrast of the floor's texture at every frequency (physics page, 8)
+NYQUIST_CYC_PER_PX = 0.5
+HALF_NYQUIST_CYC_PER_PX = 0.25
+#: Gauss-Legendre nodes of `information_bit_per_px` in radius and angle, by the largest lateral colour [px
+#: rms] they serve: wide colour is a narrow ridge in one direction. Relative error: 1e-5, beyond 4 px 1e-4.
+ORDERS: tuple[tuple[float, int, int], ...] = (
+    (0.0, 13, 7),
+    (0.6, 13, 12),
+    (1.5, 20, 16),
+    (np.inf, 48, 40),
+)
+
+# First zero of J1. Source: Abramowitz and Stegun, table 9.5.
+J1_ZERO = 3.8317059702075123
+# Both transforms as their first factor times an entire function g of u = (x / first zero)^2, interpolated in
+# the Chebyshev nodes of 0 <= u <= 1 with 40 digits (mpmath.chebyfit); errors under 5e-16 and exactly 0 at the null:
+# sin(x)/x = (1 - u) (g0 + g1 u + ... + g9 u^9), first zero pi
+_SINC = (
+    1.0,
+    -0.6449340668482253,
+    0.166808358435089,
+    -0.023943465686467654,
+    0.0022043821275129897,
+    -0.0001416988928454464,
+    6.729861121066238e-06,
+    -2.45947023644184e-07,
+    7.1034871836109255e-09,
+    -1.5264822109561645e-10,
+)
+# 2 J1(x)/x = (1 - u) (g0 + g1 u + ... + g9 u^9), first zero J1_ZERO
+_JINC = (
+    0.9999999999999999,
+    -0.8352463302654585,
+    0.28746336731789346,
+    -0.055944774743414395,
+    0.007079078419381147,
+    -0.0006318742384973343,
+    4.2005674928998e-05,
+    -2.1619128140998263e-06,
+    8.804238184890142e-08,
+    -2.5918481989620593e-09,
+)
+
+_BEFORE_CUTOFF = 1.0 - 1e-12  # of a frequency over the cut-off: acos has an infinite slope at 1
+_COS_45 = np.sqrt(0.5)
+_HUGE = 1e300  # a blur that is called infinite: 0 at every frequency but 0
+_BLOCK_NODES = 40_000  # quadrature nodes held at once, so that arrays stay in the cache
+_CONVERGED = 1e-12  # of a frequency relative to the first null
+_MOST_STEPS = 100
+
+
+# ---------------------------------------------------------------- factors
+
+
+def sinc_mtf(frequency_cyc_per_px: Numeric, *, width_px: Numeric = 1.0) -> Numeric:
+    """Transfer of a box: of the pixel (width 1, 100 % fill), or of uniform motion.
+
+        MTF = |sin(pi nu w) / (pi nu w)|, 0 from nu w = 1 on                                         [sym]
+
+    frequency_cyc_per_px : (...,), either sign; width_px : broadcast [px], >= 0. Returns (...,) 0..1.
+    Physics page, section 8.
+    """
+    return _to_first_null(frequency_cyc_per_px * np.minimum(width_px, _HUGE), _SINC)
+
+
+def diffraction_mtf(frequency_cyc_per_px: Numeric, *, cycle_px: Numeric) -> Numeric:
+    """Transfer of a perfect lens with a circular pupil, incoherent light.
+
+        MTF = (2/pi) (acos s - s sqrt(1 - s^2)),   s = nu lambda N_w / p, 0 from s = 1 on            [sym]
+
+    frequency_cyc_per_px : (...,) >= 0; cycle_px : broadcast [px], lambda N_w / p, the period at the cut-off
+    (`Sharpness.diffraction_px`). Returns (...,) 0..1. Goodman, Introduction to Fourier Optics, section 6.3.
+    """
+    s = np.minimum(frequency_cyc_per_px * np.minimum(cycle_px, _HUGE), _BEFORE_CUTOFF)
+    return (2.0 / np.pi) * (np.arccos(s) - s * np.sqrt(1.0 - s**2))
+
+
+def defocus_mtf(frequency_cyc_per_px: Numeric, *, disc_px: Numeric) -> Numeric:
+    """Transfer of a uniform disc, the geometric image of a point out of focus.
+
+        MTF = |2 J1(pi c nu) / (pi c nu)|, 0 from the first zero on, c nu = 1.2197                   [sym]
+
+    frequency_cyc_per_px : (...,) >= 0; disc_px : broadcast [px], diameter c >= 0. Returns (...,) 0..1.
+    Physics page, section 8.
+    """
+    return _to_first_null(np.pi / J1_ZERO * frequency_cyc_per_px * np.minimum(disc_px, _HUGE), _JINC)
+
+
+def lens_rating_mtf(frequency_cyc_per_px: Numeric, *, rated_pitch_px: Numeric) -> Numeric:
+    """Transfer that a lens's rating stands for: one half at the Nyquist frequency of the rated pixel.
+
+        MTF = 0.5^((nu / nu_r)^2),   nu_r = 1 / (2 rated pitch)                                      [sym]
+
+    frequency_cyc_per_px : (...,); rated_pitch_px : broadcast, rated pitch over the camera's, 0 if unknown:
+    the factor is 1 then. Returns (...,) 0..1. An assumption: makers do not say what a rating means.
+    Physics page, section 8.
+    """
+    return np.exp(-np.log(2.0) * (2.0 * frequency_cyc_per_px * rated_pitch_px) ** 2)
+
+
+def _to_first_null(ratio: Numeric, coefficients: tuple[float, ...]) -> Numeric:
+    """(1 - u) g(u) with u the square of a frequency over its first null, held at 1 from there on [sym]."""
+    u = np.minimum(np.abs(ratio), 1.0) ** 2
+    value = coefficients[-1] * u + coefficients[-2]
+    for coefficient in coefficients[-3::-1]:
+        value *= u  # in place where it is an array
+        value += coefficient
+    return (1.0 - u) * value
+
+
+# ---------------------------------------------------------------- product
+
+
+@dataclass(frozen=True)
+class Sharpness:
+    """All that decides the transfer at one field point; numbers or arrays over designs that broadcast.
+
+    Lateral colour smears along the radius from the image's centre. Its k per cycle per px,
+    2 pi `lateral.radius_slope_px`, is given as a vector: times the radius's direction along and across.
+    """
+
+    working_f_number: Numeric
+    wavelength_nm: Numeric  # electron-weighted mean
+    pixel_pitch_m: Numeric
+    motion_blur_px: Numeric = 0.0  # along
+    defocus_px: Numeric = 0.0  # diameter of the blur disc
+    rated_pitch_px: Numeric = 0.0  # pitch the lens is rated for over the camera's; 0 unknown, factor 1
+    lateral_k_along: Numeric = 0.0
+    lateral_k_across: Numeric = 0.0
+    spread: SpreadTable | None = None  # shared by all designs; None: no lateral colour
+
+    @property
+    def diffraction_px(self) -> Numeric:
+        """Period of the finest detail that passes the pupil, lambda N_w / p [px] [sym]."""
+        return self.working_f_number * (self.wavelength_nm * 1e-9 / self.pixel_pitch_m)
+
+
+def round_mtf(frequency_cyc_per_px: Numeric, *, sharpness: Sharpness) -> Numeric:
+    """Product of the factors that are the same in all directions: diffraction, defocus, lens rating [sym].
+
+    frequency_cyc_per_px : (...,) >= 0, broadcast with the fields; returns 0..1. Physics page, section 8.
+    """
+    return (
+        diffraction_mtf(frequency_cyc_per_px, cycle_px=sharpness.diffraction_px)
+        * defocus_mtf(frequency_cyc_per_px, disc_px=sharpness.defocus_px)
+        * lens_rating_mtf(frequency_cyc_per_px, rated_pitch_px=sharpness.rated_pitch_px)
+    )
+
+
+def mtf(
+    along_cyc_per_px: Numeric, *, across_cyc_per_px: Numeric, sharpness: Sharpness, falling: bool = False
+) -> Numeric:
+    """Transfer of the whole chain at a frequency vector.
+
+        MTF = sinc(nu_al) sinc(nu_ac) sinc(b nu_al) D(|nu|) B(|nu|) R(|nu|) |Phi(k . nu)|            [sym]
+
+    along_cyc_per_px, across_cyc_per_px : (...,), broadcast with the fields of sharpness; falling : as in
+    `lateral.spread_mtf`. Returns (...,) 0..1. [sym] without `spread`. Physics page, section 8.
+    """
+    frequency = np.sqrt(along_cyc_per_px**2 + across_cyc_per_px**2)
+    value = round_mtf(frequency, sharpness=sharpness) * sinc_mtf(along_cyc_per_px)
+    value = value * sinc_mtf(across_cyc_per_px)
+    value = value * sinc_mtf(along_cyc_per_px, width_px=sharpness.motion_blur_px)
+    if sharpness.spread is None:
+        return value
+    k = sharpness.lateral_k_along * along_cyc_per_px + sharpness.lateral_k_across * across_cyc_per_px
+    return value * spread_mtf(k, table=sharpness.spread, falling=falling)
+
+
+def mtf_along(frequency_cyc_per_px: Numeric, *, sharpness: Sharpness, falling: bool = False) -> Numeric:
+    """Transfer of detail that alternates along the motion, 0..1; arguments broadcast. See `mtf` [sym]."""
+    return mtf(frequency_cyc_per_px, across_cyc_per_px=0.0, sharpness=sharpness, falling=falling)
+
+
+def mtf_across(frequency_cyc_per_px: Numeric, *, sharpness: Sharpness, falling: bool = False) -> Numeric:
+    """Transfer of detail that alternates across the motion, 0..1; arguments broadcast. See `mtf` [sym]."""
+    return mtf(0.0, across_cyc_per_px=frequency_cyc_per_px, sharpness=sharpness, falling=falling)
+
+
+def mtf_half_nyquist(sharpness: Sharpness) -> Numeric:
+    """Transfer at 0.25 cycles per px, the worse of along and across, 0..1 [sym]. Physics page, section 12."""
+    nu = HALF_NYQUIST_CYC_PER_PX
+    return np.minimum(mtf_along(nu, sharpness=sharpness), mtf_across(nu, sharpness=sharpness))
+
+
+# ---------------------------------------------------------------- frequencies of a level
+
+
+def frequencies_at_cyc_per_px(level: float, *, sharpness: Sharpness) -> tuple[Array, Array]:
+    """Frequencies along and across at which the transfer has fallen to a level.
+
+        MTF(nu) = level
+
+    Parameters
+    ----------
+    level : scalar, 0 < level < 1
+    sharpness : fields broadcast to (...,)
+
+    Returns
+    -------
+    along, across : (...,) [cycles per px], 0..1; 0 where the blur is infinite. Relative error 1e-12.
+
+    Notes
+    -----
+    The product falls from 1 to 0 between nu = 0 and its first null, 1 cycle per px at the latest: one root,
+    held between two bounds by false position after Illinois, every fourth step a bisection.
+    """
+    disc_null = 1.0 / np.maximum(np.minimum(sharpness.defocus_px, _HUGE) * (np.pi / J1_ZERO), 1.0)
+    pupil_null = 1.0 / np.maximum(np.minimum(sharpness.diffraction_px, _HUGE), 1.0)
+    null = np.minimum(disc_null, pupil_null)
+    motion_null = 1.0 / np.maximum(np.minimum(sharpness.motion_blur_px, _HUGE), 1.0)
+    shape = _shape(sharpness)
+    along = _root(mtf_along, level, sharpness, np.broadcast_to(np.minimum(null, motion_null), shape))
+    return along, _root(mtf_across, level, sharpness, np.broadcast_to(null, shape))
+
+
+def mtf50_cyc_per_px(sharpness: Sharpness) -> Array:
+    """Frequency at which half the contrast is left, the worse of along and across [cycles per px]."""
+    along, across = frequencies_at_cyc_per_px(0.5, sharpness=sharpness)
+    return np.minimum(along, across)
+
+
+def resolution_10_m(
+    sharpness: Sharpness, *, ground_sample_along_m: Numeric, ground_sample_across_m: Numeric
+) -> Array:
+    """Smallest detail with a tenth of its contrast left: the ground length of one full cycle.
+
+        resolution = GSD / nu_10, the worse of along and across
+
+    sharpness : fields (...,); ground samples : broadcast [m per px] at the field point. Returns (...,) [m], a
+    dark and a bright stripe together (a line pair); inf where nothing is resolved. Frequencies beyond Nyquist count
+    as such: below 2 px per cycle the image shows aliases. Physics page, section 12.
+    """
+    along, across = frequencies_at_cyc_per_px(0.1, sharpness=sharpness)
+    with np.errstate(divide="ignore", over="ignore"):
+        return np.maximum(ground_sample_along_m / along, ground_sample_across_m / across)
+
+
+_NUMBERS = tuple(field.name for field in fields(Sharpness) if field.name != "spread")
+
+
+def _shape(sharpness: Sharpness, *others: Numeric) -> tuple[int, ...]:
+    """Common shape of the fields that are numbers, and of others."""
+    numbers = [getattr(sharpness, name) for name in _NUMBERS]
+    return np.broadcast_shapes(*(np.shape(number) for number in (*numbers, *others)))
+
+
+def _root(transfer: Any, level: float, sharpness: Sharpness, null: Array) -> Array:
+    """Where a transfer that falls from 1 at 0 to 0 at its null meets a level; Illinois and bisection."""
+    low, high = np.zeros(null.shape), null * 1.0
+    at_low, at_high = np.full(null.shape, 1.0 - level), np.full(null.shape, -level)
+    side = np.zeros(null.shape)  # 1: the low end moved last, -1: the high end
+    for step in range(1, _MOST_STEPS):
+        share = 0.5 if step % 4 == 0 else at_low / (at_low - at_high)
+        nu = low + share * (high - low)
+        value = transfer(nu, sharpness=sharpness, falling=True) - level
+        above = value >= 0.0
+        stuck = np.where(above, side > 0, side < 0)  # twice the same end: halve the other's weight
+        at_low = np.where(above, value, np.where(stuck, 0.5 * at_low, at_low))
+        at_high = np.where(above, np.where(stuck, 0.5 * at_high, at_high), value)
+        moved = np.where(above, nu - low, high - nu)
+        low, high = np.where(above, nu, low), np.where(above, high, nu)
+        side = np.where(above, 1.0, -1.0)
+        if np.all((high - low <= _CONVERGED * null) | (np.abs(value) <= 1e-14) | (moved <= 0.0)):
+            break
+    return nu
+
+
+# ---------------------------------------------------------------- information
+
+
+def information_bit_per_px(
+    snr: Numeric,
+    *,
+    sharpness: Sharpness,
+    texture_contrast: float = TEXTURE_CONTRAST,
+    orders: tuple[int, int] | None = None,
+) -> Array:
+    """Information that one pixel carries about a texture of the floor.
+
+        I = mean over |nu_x|, |nu_y| <= 1/2 of (1/2) log2(1 + (C_t SNR)^2 MTF(nu)^2)
+
+    Parameters
+    ----------
+    snr : (...,) of a pixel on the plain floor, as a ratio
+    sharpness : fields broadcast
+    texture_contrast : scalar, C_t
+    orders : Gauss-Legendre nodes in radius and angle of each of the parts below; None: as `ORDERS` says
+
+    Returns
+    -------
+    (...,) [bit per pixel].
+
+    Notes
+    -----
+    Polar nodes in octants, so that the circle on which pupil or defocus end the transfer is an edge of the
+    rule and not a kink inside it: out to the square's side where the circle lies beyond, to the circle where
+    it lies inside. Octants that are mirror images in |MTF| are computed once.
+
+    References
+    ----------
+    Shannon's capacity of a Gaussian channel per sample, frequency by frequency. Physics page, section 8.
+    """
+    shape = _shape(sharpness, snr)
+    columns = [
+        np.broadcast_to(np.asarray(getattr(sharpness, name), dtype=float), shape).reshape(-1, 1, 1)
+        for name in _NUMBERS
+    ]
+    gain = np.broadcast_to(texture_contrast * np.asarray(snr, dtype=float), shape).reshape(-1, 1, 1)
+    table = Sharpness(*columns, spread=sharpness.spread)
+    colour_px = _colour_rms_px(table)
+    mean_nat = np.zeros(gain.shape[0])
+    lowest_px = -1.0
+    for highest_px, *usual in ORDERS:
+        rows = np.flatnonzero((colour_px > lowest_px) & (colour_px <= highest_px))
+        part = _rows(table, rows, spread=sharpness.spread if highest_px > 0.0 else None)
+        mean_nat[rows] = _square_mean_nat(gain[rows], part, orders or (usual[0], usual[1]))
+        lowest_px = highest_px
+    return (mean_nat / np.log(2.0)).reshape(shape)[()]
+
+
+def information_bit_per_m2(bit_per_px: Numeric, *, pixel_area_m2: Numeric) -> Numeric:
+    """Information per area of floor, bit per px / ground area of a pixel [bit/m^2]; broadcasts [sym]."""
+    return bit_per_px / pixel_area_m2
+
+
+def _colour_rms_px(table: Sharpness) -> Array:
+    """Lateral colour of each design [px rms] to first order, from columns: (n,)."""
+    index_rms = 0.0 if table.spread is None else table.spread.index_rms
+    k = np.hypot(table.lateral_k_along, table.lateral_k_across)
+    return np.asarray(k * (index_rms / (2.0 * np.pi)), dtype=float)[:, 0, 0]
+
+
+def _rows(table: Sharpness, rows: Array, *, spread: SpreadTable | None) -> Sharpness:
+    """Some designs of a table of columns."""
+    return Sharpness(*(getattr(table, name)[rows] for name in _NUMBERS), spread=spread)
+
+
+@cache
+def _gauss_unit(order: int) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes and weights on [0, 1]."""
+    nodes, weights = np.polynomial.legendre.leggauss(order)
+    return (nodes + 1.0) / 2.0, weights / 2.0
+
+
+def _square_mean_nat(gain: Array, sharpness: Sharpness, orders: tuple[int, int]) -> Array:
+    """Mean of (1/2) ln(1 + (gain MTF)^2) over the Nyquist square; columns (n, 1, 1) give (n,).
+
+    Octant 0 <= phi <= pi/4: up to the angle where the cut-off circle enters the square the radius ends at
+    the side, 0.5 / cos phi; beyond that angle at the circle. Designs whose circle lies outside the square
+    share their nodes, and those whose circle lies inside share the angles.
+    """
+    cycle_px = np.maximum(sharpness.diffraction_px, sharpness.defocus_px * (np.pi / J1_ZERO))
+    cutoff = 1.0 / np.clip(cycle_px, 1.0, _HUGE)
+    enters = np.arccos(np.clip(NYQUIST_CYC_PER_PX / cutoff, _COS_45, 1.0))
+    outside, inside = cutoff * _COS_45 >= NYQUIST_CYC_PER_PX, cutoff <= NYQUIST_CYC_PER_PX
+    eighth = np.full((1, 1, 1), np.pi / 4.0)
+    total = np.zeros(gain.shape[0])
+    block = max(1, _BLOCK_NODES // (orders[0] * orders[1]))
+    for chosen, first, last, to_side in (
+        (outside, 0.0 * eighth, eighth, True),
+        (inside, 0.0 * eighth, eighth, False),
+        (~outside & ~inside, 0.0 * enters, enters, True),
+        (~outside & ~inside, enters, eighth + 0.0 * enters, False),
+    ):
+        every = np.flatnonzero(chosen)
+        for start in range(0, every.size, block):
+            rows = every[start : start + block]
+            low, high = (angle[rows] if angle.size == total.size else angle for angle in (first, last))
+            part = _rows(sharpness, rows, spread=sharpness.spread)
+            radius_end = None if to_side else cutoff[rows]
+            total[rows] += _sector_integral(gain[rows], part, low, high - low, radius_end, orders)
+    return total
+
+
+def _sector_integral(
+    gain: Array,
+    sharpness: Sharpness,
+    first: Array,
+    width: Array,
+    radius_end: Array | None,
+    orders: tuple[int, int],
+) -> Array:
+    """Part of the mean from a sector of all octants, out to a radius or (None) to the square's side: (n,)."""
+    nodes, weights = _gauss_unit(orders[0])
+    angle_nodes, angle_weights = _gauss_unit(orders[1])
+    phi = first + width * angle_nodes[:, np.newaxis]  # (n or 1, angles, 1)
+    end = NYQUIST_CYC_PER_PX / np.cos(phi) if radius_end is None else radius_end
+    radius = end * nodes  # (n or 1, angles or 1, nodes)
+    large, small = radius * np.cos(phi), radius * np.sin(phi)
+    common = (gain * round_mtf(radius, sharpness=sharpness)) * (sinc_mtf(large) * sinc_mtf(small))
+    signs = (1.0,) if sharpness.spread is None else (1.0, -1.0)
+    product = np.zeros(())  # product of 1 + power over the octants, less 1: one logarithm for all
+    for along, across in ((large, small), (small, large)):
+        moving = common * sinc_mtf(along, width_px=sharpness.motion_blur_px)
+        for sign in signs:
+            transfer = moving
+            if sharpness.spread is not None:
+                k = sharpness.lateral_k_along * along + sign * sharpness.lateral_k_across * across
+                transfer = moving * spread_mtf(k, table=sharpness.spread)
+            power = transfer**2
+            product = product + power * (1.0 + product)
+    # half a logarithm in each of eight octants, of which 2 or 4 were summed
+    by_angle = ((np.log1p(product) * radius) @ weights) * end[..., 0]  # (n, angles)
+    return 4.0 / (2.0 * len(signs)) * ((by_angle @ angle_weights) * width[:, 0, 0])
