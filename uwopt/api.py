@@ -31,9 +31,6 @@ from uwopt.system import System, load_system
 Source = str | Path | Mapping[str, Any]
 Progress = Callable[[float, str], None]
 SOLVERS = ("exact", "casadi", "nlopt")
-UNBUILT = {
-    "min_mtf_half_nyquist": "sharpness is not modelled yet",
-}
 NOT_MODELLED = (
     "backscatter and forward-scatter veils", "sunlight", "curved dome image", "MTF and resolution",
     "lateral colour", "Fresnel loss by angle", "choice of effects by physics auto",
@@ -52,39 +49,12 @@ def load_catalog(mission: Mission | None = None) -> Catalog:
 def prepared(mission: Source | Mission, physics: str | None, objective: Any) -> Mission:
     """A mission with the physics and objective of the call."""
     loaded = load_mission(mission)
-    refuse_unbuilt(loaded)
     changes: dict[str, Any] = {}
     if physics is not None:
         changes["physics"] = physics
     if objective is not None:
         changes["objective"] = objective
     return loaded.with_changes(**changes) if changes else loaded
-
-
-def refuse_unbuilt(mission: Mission) -> None:
-    """Raise where a mission asks for what cannot be held yet: silence would look like a promise kept."""
-    faults = [
-        f"{mission.source_name}: requirements.{key} (scene {view.scene.name}) cannot be held yet, because {why}; "
-        "leave it out"
-        for view in mission.views
-        for key, why in UNBUILT.items()
-        if getattr(view.requirements, key) is not None
-    ]
-    if faults:
-        raise MissionError(faults)
-
-
-def unbuilt_warnings(mission: Mission) -> list[dict[str, str]]:
-    """What a mission names and the model leaves out, with the consequence."""
-    notes = []
-    for view in mission.views:
-        if view.scene.sun_lux > 0:
-            text = f"{view.scene.name}: sunlight is not modelled yet; signal and veil are those of the lamps alone"
-            notes.append({"code": "not_modelled", "path": "scene.sun_lux", "message": text})
-        if view.requirements.dof_at == "corner":
-            text = f"{view.scene.name}: depth of field is held on the axis; a dome's curved image is not modelled yet"
-            notes.append({"code": "not_modelled", "path": "requirements.dof_at", "message": text})
-    return notes
 
 
 def solve(
@@ -283,7 +253,6 @@ def base_result(command: str, mission: Mission, goal: Objective, problem: Proble
             "name": goal.name, "direction": goal.direction, "value": None, "unit": goal.unit(mission.limits.currency)
         },
         uwopt_version=uwopt.__version__,
-        warnings=unbuilt_warnings(mission),
         seed=mission.seed,
         versions=versions(),
     )  # fmt: skip

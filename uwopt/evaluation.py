@@ -15,18 +15,35 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.records import Part, Quantity
-from uwopt.figures import DesignRows, Figures, SettingRows, figures_of, full_light_lm, levers_m
+from uwopt.figures import (
+    DesignRows,
+    Figures,
+    SettingRows,
+    electrons_in_image,
+    figures_of,
+    full_light_lm,
+    levers_m,
+    open_s,
+)
 from uwopt.hardware import CONTINUOUS, FLASH, Cameras, Lenses, Lights
-from uwopt.image_light import ImageLight
-from uwopt.model import beam as beams
-from uwopt.model import imaging, sensor
+from uwopt.image_light import ImageLight, SunLight
+from uwopt.model import lateral, sensor, sharpness
 from uwopt.model import lens as lens_model
+from uwopt.model.defocus import defocus_px
 from uwopt.model.port import dome_virtual_image_distance_m, lens_dioptre_per_m
 from uwopt.objectives.margins import MarginRows, scene_margins, system_margins
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.optics import blur_time_s, focus_map, relative_spectrum, required_rate_hz, views
+from uwopt.optics import (
+    blur_time_s,
+    field_dioptres_per_m,
+    focus_map,
+    relative_spectrum,
+    required_rate_hz,
+    views,
+)
 from uwopt.problem import Mount, Problem
 from uwopt.result import Design, Margin, SceneResult
+from uwopt.sharp import SharpRows, arriving, mean_wavelength_nm
 
 Array = NDArray[Any]
 
@@ -89,7 +106,25 @@ class DesignModel:
             focus_map=self.maps[index],
             lever_m=levers_m(scene, np.array([self.shapes[index].outer_radius_m])),
             light=self.image_light(index, pixels=not scene.paper),
+            sun=self.sun_light(index, pixels=True),
+            sharp=None,
         )
+
+    def sharp_rows(self, index: int, dioptre_per_m: float) -> SharpRows:
+        """What sharpness depends on at this focus."""
+        hw = self.hardware
+        return self.problem.sharp_rows(
+            index, self.views[index], camera=np.array([hw.camera]), lens=np.array([hw.lens]), port=np.array([hw.port]),
+            optics=int(self.lights.optics_index[0]), dioptre_per_m=np.array([dioptre_per_m]),
+        )  # fmt: skip
+
+    def sun_light(self, index: int, *, pixels: bool = False, channel: str | None = None) -> SunLight | None:
+        """Electrons per second from the sun."""
+        hw = self.hardware
+        return self.problem.sun_light(
+            index, self.views[index], np.array([hw.camera]), port_index=np.array([hw.port]), mount=hw.mount,
+            count=hw.count, channel=channel, pixels=pixels,
+        )  # fmt: skip
 
     def image_light(self, index: int, *, pixels: bool = False, channel: str | None = None) -> ImageLight:
         """Electrons per lm s of nameplate light."""
@@ -155,9 +190,13 @@ class DesignModel:
 
     # ------------------------------------------------------------ results
 
-    def figures(self, index: int, settings: SettingRows) -> Figures:
-        """Figures of one scene."""
-        return figures_of(self.problem.scenes[index], self.rows[index], settings)
+    def figures(self, index: int, settings: SettingRows, *, information: bool = False) -> Figures:
+        """Figures of one scene, for one or many settings with a common focus."""
+        scene, rows = self.problem.scenes[index], self.rows[index]
+        if not scene.paper and (information or scene.view.requirements.min_mtf_half_nyquist is not None):
+            sharp = self.sharp_rows(index, float(settings.dioptre_per_m[0]))
+            rows = replace(rows, sharp=sharp.take(np.zeros(len(settings.f_number), int)))
+        return figures_of(scene, rows, settings, information=information)
 
     def margins(
         self, index: int, settings: SettingRows, figures: Figures, *, level_tolerance_rel: float = 1e-6
@@ -258,11 +297,15 @@ def evaluate_design(
     """Everything a result says of one design with these settings."""
     model = DesignModel(problem, hardware)
     scenes, powers, snrs, peaks, light_powers = [], [], [], [], []
+    contrasts, information = [], []
     for index, wanted in enumerate(given):
-        settings = model.settings(index, wanted)
-        figures = model.figures(index, settings)
-        margins = model.margins(index, settings, figures, level_tolerance_rel=level_tolerance_rel)
         scene = problem.scenes[index]
+        settings = model.settings(index, wanted)
+        figures = model.figures(index, settings, information=not scene.paper)
+        margins = model.margins(index, settings, figures, level_tolerance_rel=level_tolerance_rel)
+        contrasts.append(1.0 if figures.contrast is None else float(figures.contrast[0, scene.nominal]))
+        bits = figures.information_bit_per_m2
+        information.append(math.nan if bits is None else float(bits[0]))
         terms = model.totals(index, figures)
         powers.append(float(terms["power_w"][0]))
         light_powers.append(float(figures.light_power_w[0]))
@@ -280,7 +323,8 @@ def evaluate_design(
         )
     cost, mass = float(terms["cost"][0]), float(terms["mass_kg"][0])
     gsd_mm = max(float(view.gsd_m[0, 1]) * 1e3 for view in model.views)
-    one = Terms(*(np.array([v]) for v in (max(powers), cost, mass, min(snrs), gsd_mm)))
+    worst = (max(powers), cost, mass, min(snrs), gsd_mm, min(contrasts), min(information))
+    one = Terms(*(np.array([v]) for v in worst))
     minimised = float(objective.cost_to_minimise(one)[0])
     feasible = all(m.satisfied for s in scenes for m in s.margins)
     return Design(
@@ -396,11 +440,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         **colour_snr(model, index, settings, figures),
         "contrast": at_nominal(figures.contrast, at),
         "veil_ratio": veil_ratio(figures, at),
-        "mtf50_cyc_per_px": None,
-        "mtf_half_nyquist": None,
-        "resolution_10_mm": None,
-        "lateral_colour_px": None,
-        "defocus_corner_px": None,
+        **sharpness_figures(model, index, settings, figures),
         "airy_diameter_um": airy_um(model, index, float(figures.working_f_number[0])),
         "power_w": float(model.totals(index, figures)["power_w"][0]),
         "light_power_w": float(figures.light_power_w[0]),
@@ -410,7 +450,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "currency": model.problem.mission.limits.currency,
         "mass_kg": float(model.totals(index, figures)["mass_kg"][0]),
         "data_rate_mb_s": float(figures.data_rate_mb_s[0]) * model.problem.mission.vehicle.camera_count,
-        "information_bit_per_m2": None,
+        "information_bit_per_m2": at_one(figures.information_bit_per_m2),
     }
     return {key: (None if isinstance(v, float) and not math.isfinite(v) else v) for key, v in out.items()}
 
@@ -430,6 +470,59 @@ def _nominal_view(view: Any) -> Any:
 def at_nominal(column: Array | None, altitude: int) -> float | None:
     """A figure of the only design at one altitude; None when it is left out."""
     return None if column is None else float(column[0, altitude])
+
+
+def at_one(column: Array | None) -> float | None:
+    """A figure of the only design; None when it is left out."""
+    return None if column is None else float(column[0])
+
+
+SHARPNESS = (
+    "mtf50_cyc_per_px", "mtf_half_nyquist", "resolution_10_mm", "lateral_colour_px", "defocus_corner_px",
+)  # fmt: skip
+
+
+def sharpness_figures(
+    model: DesignModel, index: int, settings: SettingRows, figures: Figures
+) -> dict[str, float | None]:
+    """MTF where the mission wants the image sharp, and what colours and defocus do at the corner."""
+    scene, problem, view = model.problem.scenes[index], model.problem, model.views[index]
+    if scene.paper:
+        return dict.fromkeys(SHARPNESS)
+    dioptre = float(settings.dioptre_per_m[0])
+    rows = model.sharp_rows(index, dioptre)
+    f_number, working = settings.f_number, figures.working_f_number
+    sunlit = model.rows[index].sun is not None
+    blur_s = open_s(model.rows[index], settings) if sunlit else figures.light_time_s
+    (group, spread), *_ = rows.groups()
+    at = rows.at(
+        group, spread, working_f_number=working, blur_px=rows.blur_px_per_s[:, 1] * blur_s,
+        disc_px=rows.place_disc_px[:, 1] / f_number, field="place",
+    )  # fmt: skip
+    resolution_m = sharpness.resolution_10_m(
+        at, ground_sample_along_m=view.gsd_m[:, 1], ground_sample_across_m=view.gsd_m[:, 1]
+    )
+    spectrum = int(problem.contractions[index].spectrum_of[int(model.lights.optics_index[0])])
+    electrons = arriving(scene, problem.contractions[index], spectrum, int(model.cameras.qe_index[0]))
+    corner = np.hypot(view.tan_along, view.tan_across)
+    colour = 0.0 if model.shapes[index].is_dome else float(
+        lateral.lateral_colour_px(
+            corner, n_water=scene.n_water_spectrum, n_design=scene.n_water, electrons=electrons,
+            focal_length_m=view.focal_length_m, pixel_pitch_m=model.cameras.pixel_pitch_m,
+        )[0]
+    )  # fmt: skip
+    bent = field_dioptres_per_m(view.corner_image, float(scene.range_m[scene.nominal]))
+    disc = defocus_px(
+        bent, f_number=f_number[:, None], focal_length_m=view.focal_length_m[:, None],
+        pixel_pitch_m=model.cameras.pixel_pitch_m[:, None], focus_dioptre_per_m=dioptre,
+    )  # fmt: skip
+    return {
+        "mtf50_cyc_per_px": float(sharpness.mtf50_cyc_per_px(at)[0]),
+        "mtf_half_nyquist": float(sharpness.mtf_half_nyquist(at)[0]),
+        "resolution_10_mm": float(resolution_m[0]) * 1e3,
+        "lateral_colour_px": colour,
+        "defocus_corner_px": float(disc.max()),
+    }
 
 
 def veil_ratio(figures: Figures, altitude: int) -> float | None:
@@ -497,13 +590,13 @@ def colour_snr(
     scene, cam = model.problem.scenes[index], model.cameras
     out: dict[str, float | None] = {}
     for name in names:
-        light = model.image_light(index, channel=name)
-        x = float(figures.light_x[0])
-        veil = light.veil_e
+        light, sun = model.image_light(index, channel=name), model.sun_light(index, channel=name)
+        open_y = open_s(model.rows[index], settings) / np.square(figures.working_f_number)
+        seen = electrons_in_image(replace(model.rows[index], light=light, sun=sun), figures.light_x, open_y)
         out[f"snr_{name}"] = float(
             sensor.snr(
-                float(light.signal_e[0, scene.nominal]) * x,
-                veil_e=0.0 if veil is None else float(veil[0, scene.nominal]) * x,
+                float(seen.signal_e[0, scene.nominal]),
+                veil_e=0.0 if seen.veil_e is None else float(seen.veil_e[0, scene.nominal]),
                 read_noise_e=float(cam.read_noise_e[0]),
                 gain_dn_per_e=float(cam.gain_dn_per_e[0] * settings.gain[0]),
                 dark_e=float(figures.electrons_dark[0]),
@@ -517,17 +610,11 @@ def airy_um(model: DesignModel, index: int, working_f_number: float) -> float:
     """Airy disc at the electron-weighted mean wavelength of the light that arrives."""
     problem = model.problem
     scene, contraction = problem.scenes[index], problem.contractions[index]
-    weight = contraction.weight(
-        int(contraction.spectrum_of[int(model.lights.optics_index[0])]), int(model.cameras.qe_index[0])
-    )
-    loss = (scene.attenuation_per_m + scene.lamp_attenuation_per_m) * float(scene.range_m[scene.nominal])
-    arriving = weight * np.exp(-(loss - loss.min()))
-    if not arriving.sum() > 0:  # nothing arrives: the lamp's own colour
-        arriving = relative_spectrum(
-            contraction.spectrum_names[int(contraction.spectrum_of[int(model.lights.optics_index[0])])],
-            scene.wavelength_nm,
-        )
-    mean_nm = float((arriving * scene.wavelength_nm).sum() / arriving.sum())
+    spectrum = int(contraction.spectrum_of[int(model.lights.optics_index[0])])
+    seen = arriving(scene, contraction, spectrum, int(model.cameras.qe_index[0]))
+    if not seen.sum() > 0:  # nothing arrives: the lamp's own colour
+        seen = relative_spectrum(contraction.spectrum_names[spectrum], scene.wavelength_nm)
+    mean_nm = mean_wavelength_nm(scene, seen)
     return float(lens_model.airy_diameter_m(mean_nm, working_f_number=working_f_number)) * 1e6
 
 

@@ -13,14 +13,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.image_light import ImageLight, SunLight, added
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED, Cameras, Lenses, Lights
+from uwopt.image_light import ImageLight, SunLight, added
 from uwopt.model import lens as lens_model
 from uwopt.model import light as light_model
 from uwopt.model import operation, sensor
 from uwopt.model.port import FocusMap, water_distance_m
-from uwopt.optics import Views, altitudes_m, motion_across, motion_along
+from uwopt.optics import Views, altitudes_m, held_at_corner, motion_across, motion_along
 from uwopt.scene import SceneOptics
+from uwopt.sharp import SharpRows
 
 Array = NDArray[Any]
 
@@ -55,6 +56,7 @@ class DesignRows:
     lever_m: Array  # (n, 3) distance from the camera's turning point to the floor
     light: ImageLight  # electrons per lm s of nameplate light
     sun: SunLight | None = None  # electrons per second of open shutter
+    sharp: SharpRows | None = None  # what MTF and information depend on
 
     def by_altitude(self) -> DesignRows:
         """The same rows with each altitude contiguous, so that millions of designs are worked through faster."""
@@ -107,10 +109,14 @@ class Figures:
     light_peak_power_w: Array
     duty_frac: Array
     data_rate_mb_s: Array
+    mtf_half_nyquist: Array | None  # (n, 3), where the mission wants it
+    information_bit_per_m2: Array | None  # (n,), nominal altitude
 
 
-def figures_of(scene: SceneOptics, rows: DesignRows, settings: SettingRows) -> Figures:
-    """All figures that requirements need, for n designs in one scene."""
+def figures_of(
+    scene: SceneOptics, rows: DesignRows, settings: SettingRows, *, information: bool = False
+) -> Figures:
+    """All figures that requirements need, for n designs in one scene; `information` where it is asked for."""
     cam, view = rows.cameras, rows.view
     factor = 1.0
     if not scene.paper:
@@ -140,8 +146,12 @@ def figures_of(scene: SceneOptics, rows: DesignRows, settings: SettingRows) -> F
         dark_e=dark[:, None],
         offset_dn=cam.black_level_dn[:, None],
     )
-    near, far = depth_of_field_m(rows, settings)
+    near, far = depth_of_field_m(scene, rows, settings)
     power, peak = power_w(rows, settings, collected_s)
+    snr = np.asarray(sensor.snr(seen.signal_e, veil_e=veil, **noise))
+    blur_s = collected_s if rows.sun is None else open_s(rows, settings)
+    apertures = dict(f_number=settings.f_number, working_f_number=working, blur_s=blur_s)
+    needs_mtf = rows.sharp is not None and scene.view.requirements.min_mtf_half_nyquist is not None
     return Figures(
         working_f_number=working,
         light_x=light_x,
@@ -152,11 +162,11 @@ def figures_of(scene: SceneOptics, rows: DesignRows, settings: SettingRows) -> F
         electrons_sun=seen.sun_e,
         electrons_dark=dark,
         contrast=None if seen.veil_e is None else share_of(seen.signal_e, every),
-        snr=np.asarray(sensor.snr(seen.signal_e, veil_e=veil, **noise)),
+        snr=snr,
         snr_darkest=None if seen.worst_e is None else darkest_snr(seen, noise),
         mean_level=np.asarray(level),
         saturation_fraction=saturation_fraction(scene, cam, level, every, dark),
-        blur_px=blur_px(scene, rows, collected_s if rows.sun is None else open_s(rows, settings)),
+        blur_px=blur_px(scene, rows, blur_s),
         skew_px=skew_px(scene, rows),
         overlap=overlap(scene, view, settings.rate_hz),
         dof_near_m=near,
@@ -166,6 +176,10 @@ def figures_of(scene: SceneOptics, rows: DesignRows, settings: SettingRows) -> F
         light_peak_power_w=peak,
         duty_frac=np.asarray(light_model.duty_frac(collected_s, frame_rate_hz=settings.rate_hz)),
         data_rate_mb_s=cam.frame_mb * settings.rate_hz,
+        mtf_half_nyquist=rows.sharp.mtf_half_nyquist(**apertures) if needs_mtf and rows.sharp else None,
+        information_bit_per_m2=rows.sharp.information_bit_per_m2(snr[:, scene.nominal], **apertures)
+        if information and rows.sharp
+        else None,
     )
 
 
@@ -197,7 +211,9 @@ def electrons_in_image(rows: DesignRows, light_x: Array, open_y: Array) -> Elect
     sun_e = None
     assert signal is not None
     if sun is not None:
-        sun_signal, sun_forward, sun_path = (sunlit(c) for c in (sun.signal_e_s, sun.forward_e_s, sun.path_e_s))
+        sun_signal, sun_forward, sun_path = (
+            sunlit(c) for c in (sun.signal_e_s, sun.forward_e_s, sun.path_e_s)
+        )
         sun_e = added(sun_signal, added(sun_forward, sun_path))
         signal, forward, back = signal + sun_signal, added(forward, sun_forward), added(back, sun_path)
         if worst is not None:
@@ -231,16 +247,27 @@ def saturation_fraction(scene: SceneOptics, cam: Cameras, level: Array, signal: 
     return np.asarray(ratio * np.maximum(level.max(axis=1), in_well))
 
 
-def depth_of_field_m(rows: DesignRows, settings: SettingRows) -> tuple[Array, Array]:
-    """Nearest and farthest sharp distance in water; inf where infinity is sharp."""
+def depth_of_field_m(scene: SceneOptics, rows: DesignRows, settings: SettingRows) -> tuple[Array, Array]:
+    """Nearest and farthest sharp distance in water; inf where infinity is sharp.
+
+    On the axis; where the mission wants the corners sharp too, at both.
+    """
+    lens = dict(focal_length_m=rows.view.focal_length_m, circle_of_confusion_m=rows.view.coc_m)
     near, far = lens_model.near_far_water_m(
-        settings.f_number,
-        focal_length_m=rows.view.focal_length_m,
-        circle_of_confusion_m=rows.view.coc_m,
-        focus_dioptre_per_m=settings.dioptre_per_m,
-        focus_map=rows.focus_map,
+        settings.f_number, focus_dioptre_per_m=settings.dioptre_per_m, focus_map=rows.focus_map, **lens
     )
-    return np.asarray(near), np.asarray(far)
+    if not held_at_corner(scene):
+        return np.asarray(near), np.asarray(far)
+    high, low = lens_model.near_far_dioptre_per_m(
+        settings.f_number, focus_dioptre_per_m=settings.dioptre_per_m, **lens
+    )
+    places = rows.view.corner_image
+    with np.errstate(divide="ignore"):
+        first, last = (
+            places[..., 1] / np.maximum(end[:, None] - places[..., 0], 0.0) - places[..., 2]
+            for end in (np.asarray(high), np.asarray(low))
+        )
+    return np.maximum(near, first.max(axis=1)), np.minimum(far, last.min(axis=1))
 
 
 def blur_px(scene: SceneOptics, rows: DesignRows, collected_s: Array) -> Array:

@@ -14,6 +14,7 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.catalog.compatibility import rated_pitch_um
 from uwopt.catalog.records import Camera, Curve, Lens, Light, Part, Port, Quantity
 from uwopt.model.light import flash_light_lm_s
 
@@ -89,6 +90,7 @@ class Lenses(Rows):
     f_number_max: Array
     transmission: Array
     min_object_distance_m: Array
+    rated_pitch_m: Array  # pixel pitch that the maker rates the lens for; 0 when unknown
     motorised: Array
     price: Array
     limit_price: Array  # what counts against a budget: the price, or its high end
@@ -248,6 +250,7 @@ def lens_rows(
         f_number_max=column(parts, "f_number_max", 16.0, end=end),
         transmission=column(parts, "transmission_frac", 1.0, end=end),
         min_object_distance_m=column(parts, "min_object_distance_m", 0.0, end=end),
+        rated_pitch_m=np.array([(rated_pitch_um(part) or 0.0) * 1e-6 for part in parts], float),
         motorised=np.array([part.aperture_control == "motorised" for part in parts], bool),
         price=price_column(parts, money, end),
         limit_price=price_column(parts, money, limit_end(end, high_basis)),

@@ -49,7 +49,7 @@ class ImageLight:
         return self._each(lambda column: column * factor.reshape(-1, *([1] * (column.ndim - 1))))
 
     def _each(self, change: Any) -> ImageLight:
-        columns = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        columns: dict[str, Any] = {name: getattr(self, name) for name in self.__dataclass_fields__}
         return ImageLight(**{name: None if c is None else change(c) for name, c in columns.items()})
 
     @staticmethod
@@ -80,6 +80,16 @@ class SunLight:
     path_e_s: Array
     worst_e_s: Array | None = None
     worst_veil_e_s: Array | None = None
+
+    def take(self, index: Array) -> SunLight:
+        """These rows only."""
+        columns: dict[str, Any] = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return SunLight(**{name: None if c is None else c[index] for name, c in columns.items()})
+
+    @property
+    def veil_e_s(self) -> Array:
+        """What forms no image."""
+        return np.asarray(self.forward_e_s + self.path_e_s)
 
 
 def added(one: Array | None, other: Array | None) -> Array | None:
@@ -112,7 +122,9 @@ class LampField:
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
         if self.problem.paper:
             loss = self.contraction.straight_loss(self.spectrum, self.efficiency, self.channel)
-            return ImageLight(columns * response * (on_axis_gain(self.beam, self.scene.range_m) * loss)[None, :])
+            return ImageLight(
+                columns * response * (on_axis_gain(self.beam, self.scene.range_m) * loss)[None, :]
+            )
         signal = columns * response * self.mean_gain(view, diffuse=False)
         forward = backscatter = None
         if veils and self.effects.forward_veil and self.scene.scatters:
@@ -173,10 +185,14 @@ class LampField:
             view.tan_along, view.tan_across, half=imaging.along_symmetric(self.lamps)
         )
         signal, veil_there = self.at_pixels(view, along, across, veils=veils)
+        if self.scene.sunlit and self.effects.sunlight:  # which is worst depends on lamps and sun together
+            return signal, veil_there
         keep = worst_candidates(signal, veil_there)
         return signal[:, :, keep], None if veil_there is None else veil_there[:, :, keep]
 
-    def at_pixels(self, view: Views, along: Array, across: Array, *, veils: bool) -> tuple[Array, Array | None]:
+    def at_pixels(
+        self, view: Views, along: Array, across: Array, *, veils: bool
+    ) -> tuple[Array, Array | None]:
         """Signal and veil at field points (n, n_pixels) of these imagers, (n, n_altitudes, n_pixels)."""
         collecting = view.collecting_m2[:, None]
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)

@@ -19,7 +19,7 @@ from uwopt.catalog.records import Curve, Light
 from uwopt.hardware import FAVOURED, Cameras, Lenses, Ports, Rows, number
 from uwopt.mission import Requirements
 from uwopt.model import beam as beams
-from uwopt.model import imaging, lens, operation, port, sensor, veil
+from uwopt.model import defocus, imaging, lens, operation, port, sensor, veil
 from uwopt.model.imaging import Lamps, PortShape
 from uwopt.model.spectrum import resample
 from uwopt.model.water import PathTable, build_path_table
@@ -29,6 +29,7 @@ Array = NDArray[Any]
 PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
 REACH_STEP = 1.3
 TINY = 1e-300  # in place of a sum of weights that is zero: a black floor, a blind sensor
+RMS_FIELD = 1.0 / np.sqrt(3.0)  # of the corner's tangent: the 2-point Gauss rule's node along and across
 LAMP_FRONT_M = 0.02  # radius of a lamp's front, unless known: nearer than that its light is not a point's
 WIDEST_DISC_RAD = float(np.deg2rad(85.0))
 
@@ -50,6 +51,9 @@ class Views(Rows):
     coc_m: Array  # circle of confusion
     focal_length_m: Array  # effective
     collecting_m2: Array  # p^2 * T_lens * T_port * QE scale
+    axis_image: Array  # (n, 2, 3) where the floor's image lies on the axis; see `image_places`
+    corner_image: Array  # the same at the corner
+    rms_image: Array  # the same at the field point that stands for the image's mean
 
 
 def port_shape(ports: Ports, index: int, scene: SceneOptics) -> PortShape:
@@ -90,7 +94,54 @@ def views(
         coc_m=coc,
         focal_length_m=effective,
         collecting_m2=np.square(pitch) * transmission * cameras.qe_scale,
+        axis_image=image_places(scene, shape, None, len(along)),
+        corner_image=image_places(scene, shape, np.hypot(along, across)),
+        rms_image=image_places(scene, shape, np.hypot(along, across) * RMS_FIELD),
     )
+
+
+def image_places(
+    scene: SceneOptics, shape: PortShape, tan_air: Array | None, count: int | None = None
+) -> Array:
+    """Where a port shows the floor at a field point: dioptre = p0 + p1 / (range + p2), for both images.
+
+    (n, 2, 3): tangential and sagittal image of a flat port, the same twice for a dome. On the axis
+    (`tan_air` None) it is the port's focus map. Physics page, section 4; `uwopt.model.defocus` for the equations.
+    """
+    at = focus_map(scene, shape)
+    n = len(tan_air) if tan_air is not None else count
+    axis = np.broadcast_to(np.array([at.infinity_per_m, at.scale, at.setback_m], float), (n or 0, 2, 3))
+    if scene.paper or tan_air is None:
+        return np.array(axis)
+    if shape.is_dome:
+        places = np.array(axis)
+        places[:, :, 0] *= np.sqrt(1.0 + np.square(tan_air))[:, None]
+        return places
+    places = np.zeros((len(tan_air), 2, 3))
+    one, other = (
+        1.0 / np.array(image)
+        for image in zip(
+            *(
+                defocus.flat_field_dioptres_per_m(
+                    range_m, tan_air=tan_air, gap_m=shape.gap_m, thickness_m=shape.thickness_m,
+                    n_glass=shape.n_glass, n_water=shape.n_water,
+                )
+                for range_m in (0.0, 1.0)
+            ),
+            strict=True,
+        )
+    )  # fmt: skip
+    for index, (start, end) in enumerate((one, other)):  # the image's distance is linear in the range
+        places[:, index, 1] = 1.0 / (end - start)
+        places[:, index, 2] = start / (end - start)
+    return places
+
+
+def field_dioptres_per_m(places: Array, range_m: Array | float) -> Array:
+    """Dioptres of the floor's two images (n, 2, ...) at ranges (...), from `image_places`."""
+    ranges = np.asarray(range_m, float)
+    spread = (slice(None), slice(None), *([None] * ranges.ndim))
+    return np.asarray(places[..., 0][spread] + places[..., 1][spread] / (ranges + places[..., 2][spread]))
 
 
 def altitudes_m(scene: SceneOptics) -> Array:
@@ -210,8 +261,12 @@ def place_focus(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap], se
     wanted = [scene.view.requirements.min_dof_m for scene in scenes]
     if len(scenes) == 1 and (scenes[0].paper or wanted[0] is None):
         return focus_at_altitude(scenes[0], maps[0], seen[0])
-    near, far = dioptre_interval(scenes, maps)
-    dioptre = np.full(count, lens.focus_for_interval(near, far_dioptre_per_m=far))
+    near, far = (np.full(count, end) for end in dioptre_interval(scenes, maps))
+    for scene, view in zip(scenes, seen, strict=True):
+        if held_at_corner(scene):
+            ends = field_dioptres_per_m(view.corner_image, depth_ends_m(scene))
+            near, far = np.maximum(near, ends.max(axis=(1, 2))), np.minimum(far, ends.min(axis=(1, 2)))
+    dioptre = np.asarray(lens.focus_for_interval(near, far_dioptre_per_m=far))
     n_depth = np.zeros(count)
     for scene, view in zip(scenes, seen, strict=True):
         if scene.view.requirements.min_dof_m is not None:
@@ -225,6 +280,18 @@ def place_focus(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap], se
                 ),
             )
     return Focus([dioptre] * len(scenes), n_depth)
+
+
+def held_at_corner(scene: SceneOptics) -> bool:
+    """Whether the wanted depth of field must hold in the corners too."""
+    needs = scene.view.requirements
+    return needs.dof_at == "corner" and needs.min_dof_m is not None and not scene.paper
+
+
+def depth_ends_m(scene: SceneOptics) -> Array:
+    """Nearest and farthest distance that must be sharp in a scene that asks for a depth of field."""
+    near, far = float(scene.range_m[0]), float(scene.range_m[-1])
+    return np.array([near, max(far, near + (scene.view.requirements.min_dof_m or 0.0))])
 
 
 def dioptre_interval(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap]) -> tuple[float, float]:
@@ -459,13 +526,13 @@ class Contraction:
         self._curve_keys = [tuple(sorted(curves.items())) for curves in efficiencies]
         self._reach_m = (0.0, 0.0)
 
-    def _key(self, spectrum: int, efficiency: int, channel: str | None) -> tuple[Any, ...]:
+    def key(self, spectrum: int, efficiency: int, channel: str | None) -> tuple[Any, ...]:
         """What a weight depends on, in the scene's cache."""
         return (self.spectrum_names[spectrum], self._curve_keys[efficiency], channel)
 
     def weight(self, spectrum: int, efficiency: int, channel: str | None = None) -> Array:
         """Signal weight by wavelength; see `imaging.signal_weight`."""
-        key = ("weight", *self._key(spectrum, efficiency, channel))
+        key = ("weight", *self.key(spectrum, efficiency, channel))
         scene = self.scene
         if key not in scene.cache:
             scene.cache[key] = imaging.signal_weight(
@@ -518,7 +585,7 @@ class Contraction:
         scene = self.scene
         near = float(scene.range_m[0])
         lowest = min(lowest_m, near) * 0.999
-        key = ("table", *self._key(spectrum, efficiency, channel), self._reach_m, lowest, diffuse)
+        key = ("table", *self.key(spectrum, efficiency, channel), self._reach_m, lowest, diffuse)
         if key not in scene.cache:
             scene.cache[key] = build_path_table(
                 self.weight(spectrum, efficiency, channel),
@@ -531,10 +598,10 @@ class Contraction:
         table: PathTable = scene.cache[key]
         return table
 
-    def scatterers(self, spectrum: int, efficiency: int, channel: str | None = None) -> tuple[Scatterer, ...]:
+    def scatterers(self, spectrum: int, efficiency: int, channel: str | None = None) -> tuple[veil.Scatterer, ...]:
         """What scatters on the way to the camera, particles and molecules, each with its loss table."""
         scene = self.scene
-        key = ("scatter", *self._key(spectrum, efficiency, channel), self._reach_m)
+        key = ("scatter", *self.key(spectrum, efficiency, channel), self._reach_m)
         if key not in scene.cache:
             lamp_end, camera_end = (
                 min(reach, LAMP_FRONT_M + veil.OPTICAL_REACH / max(float(least.min()), TINY))

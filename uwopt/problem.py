@@ -31,8 +31,8 @@ from uwopt.hardware import (
     light_rows,
     port_rows,
 )
+from uwopt.image_light import ImageLight, LampField, SunLight
 from uwopt.mission import Mission
-from uwopt.image_light import ImageLight, LampField
 from uwopt.model import imaging
 from uwopt.model.fidelity import FULL, PAPER, Effects
 from uwopt.model.imaging import Lamps, PortShape
@@ -49,6 +49,7 @@ from uwopt.optics import (
 )
 from uwopt.rows import SceneRows
 from uwopt.scene import SceneOptics, glass_index, scene_optics
+from uwopt.sharp import SharpRows, sharp_rows
 
 Array = NDArray[Any]
 SHORTEST_TIME_S = 1e-9
@@ -187,6 +188,51 @@ class Problem:
             parts.append((mine, field.light(view.take(mine), pixels=pixels, veils=veils)))
         return ImageLight.joined(parts, len(camera))
 
+    def sun_light(
+        self, scene_index: int, view: Views, camera: Array, *, port_index: Array, mount: Mount | None = None,
+        count: int = 2, channel: str | None = None, pixels: bool = False,
+    ) -> SunLight | None:  # fmt: skip
+        """Electrons per second of open shutter from the sun; None without sun.
+
+        With `pixels` at the grid that the lamps at `mount` are seen on.
+        """
+        if not self.scenes[scene_index].sunlit or not self.effects.sunlight:
+            return None
+        from uwopt.sun_field import SunField
+
+        half = pixels and mount is not None and imaging.along_symmetric(mount.lamps(count))
+        efficiency = self.cameras.qe_index[camera]
+        columns: dict[str, Any] = {}
+        for port in np.unique(port_index):
+            for curve in np.unique(efficiency):
+                mine = np.nonzero((port_index == port) & (efficiency == curve))[0]
+                if len(mine) == 0:
+                    continue
+                field = SunField(
+                    self, scene_index, port_index=int(port), efficiency=int(curve), channel=channel
+                )
+                light = field.light(view.take(mine), pixels=pixels, half_grid=half)
+                for name in light.__dataclass_fields__:
+                    part = getattr(light, name)
+                    if part is None:
+                        continue
+                    column = columns.setdefault(name, np.empty((len(camera), *part.shape[1:])))
+                    column[mine] = part
+        return SunLight(**columns)
+
+    def sharp_rows(
+        self, scene_index: int, view: Views, *, camera: Array, lens: Array, port: Array, optics: int,
+        dioptre_per_m: Array,
+    ) -> SharpRows:  # fmt: skip
+        """What the sharpness of designs under one light depends on beside their settings."""
+        contraction = self.contractions[scene_index]
+        return sharp_rows(
+            self.scenes[scene_index], contraction, view, cameras=self.cameras.take(camera),
+            lenses=self.lenses.take(lens), ports=self.ports.take(port), spectrum=int(contraction.spectrum_of[optics]),
+            dioptre_per_m=dioptre_per_m, lateral_colour=self.effects.lateral_colour,
+            image_curvature=self.effects.image_curvature,
+        )  # fmt: skip
+
     def footprint_light(
         self, scene_index: int, view: Views, *, port_index: int, optics: int, mount: Mount, count: int,
         altitude: int,
@@ -246,7 +292,7 @@ class Problem:
 
     def scene_rows(
         self, scene_index: int, *, camera: Array, light: Array, count: Array, focused: Focused,
-        image_light: ImageLight,
+        image_light: ImageLight, sun: SunLight | None = None, sharp: SharpRows | None = None,
     ) -> SceneRows:  # fmt: skip
         """What the settings of n designs depend on in one scene."""
         scene = self.scenes[scene_index]
@@ -271,7 +317,13 @@ class Problem:
             worst_e=shining.worst_e,
             veil_e=shining.veil_e,
             worst_veil_e=shining.worst_veil_e,
+            sun_signal_e_s=None if sun is None else sun.signal_e_s,
+            sun_veil_e_s=None if sun is None else sun.veil_e_s,
+            worst_sun_signal_e_s=None if sun is None else sun.worst_e_s,
+            worst_sun_veil_e_s=None if sun is None else sun.worst_veil_e_s,
             min_contrast=needs.min_contrast or 0.0,
+            min_mtf=needs.min_mtf_half_nyquist or 0.0,
+            sharp=sharp,
             nominal=scene.nominal,
             read_noise_e=cam.read_noise_e,
             gain_dn_per_e=cam.gain_dn_per_e,

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.hardware import CONTINUOUS, PULSED
+
+if TYPE_CHECKING:
+    from uwopt.sharp import SharpRows
 
 Array = NDArray[Any]
 WHOLE_FLASH = 1.0 - 1e-9  # of its duration: the shutter stays open for all of it
@@ -66,6 +69,8 @@ class SceneRows:
     worst_sun_signal_e_s: Array | None = None
     worst_sun_veil_e_s: Array | None = None
     min_contrast: float = 0.0
+    min_mtf: float = 0.0  # at half the Nyquist frequency
+    sharp: SharpRows | None = None  # only where MTF or information are asked for
 
     @property
     def total_e(self) -> Array:
@@ -74,12 +79,23 @@ class SceneRows:
 
     def take(self, index: Array) -> SceneRows:
         """These rows only."""
-        picked = {
+        picked: dict[str, Any] = {
             f.name: getattr(self, f.name)[index]
             for f in fields(self)
             if isinstance(getattr(self, f.name), np.ndarray)
         }
+        if self.sharp is not None:
+            picked["sharp"] = self.sharp.take(index)
         return replace(self, **picked)
+
+    @property
+    def sunlit(self) -> bool:
+        """Whether light counts that does not come from the lamps."""
+        return self.sun_signal_e_s is not None
+
+    def open_s(self, exposure_s: Array) -> Array:
+        """Time that collects sunlight in an exposure."""
+        return np.asarray(exposure_s + self.exposure_offset_s)
 
     def exposure_s(self, time_s: Array) -> Array:
         """Exposure to set so that light is collected for a time.

@@ -19,7 +19,7 @@ from uwopt.catalog import phase_functions, spectra
 from uwopt.errors import RangeError
 from uwopt.mission import SceneView
 from uwopt.model import water
-from uwopt.model.scattering import look_up, molecular_per_sr
+from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr
 from uwopt.model.spectrum import resample, wavelength_grid_nm
 
 Array = NDArray[Any]
@@ -37,8 +37,12 @@ class Scattering:
 
     name: str
     scattering_per_m: Array  # b on the grid
-    phase: Callable[[Array], Array]  # of the cosine of the scattering angle, 1 over the sphere [1/sr]
-    key: str  # what the phase function depends on, for caches
+    table: PhaseTable | None  # phase function of particles; None: the molecules' own
+
+    @property
+    def phase(self) -> Callable[[Array], Array]:
+        """Phase function of the cosine of the scattering angle, 1 over the sphere [1/sr]."""
+        return molecular_per_sr if self.table is None else partial(look_up, table=self.table)
 
 
 @dataclass(frozen=True)
@@ -71,7 +75,14 @@ class SceneOptics:
     @property
     def scatters(self) -> bool:
         """Whether light that forms no image reaches the camera at all."""
-        return bool(self.scattering) or not np.array_equal(self.attenuation_per_m, self.lamp_attenuation_per_m)
+        return bool(self.scattering) or not np.array_equal(
+            self.attenuation_per_m, self.lamp_attenuation_per_m
+        )
+
+    @property
+    def sunlit(self) -> bool:
+        """Whether any sunlight is to be reckoned with."""
+        return not self.paper and self.view.scene.sun_lux > 0.0
 
     @property
     def radiance_index(self) -> Array | float:
@@ -152,16 +163,14 @@ def scatterers_of(grid: Array, b_per_m: Array, scene: Any, base_dir: Path | None
     known = phase_functions.phase_function(
         scene.phase_function, backscatter_ratio=scene.backscatter_ratio, base_dir=base_dir
     )
-    key = f"{scene.phase_function} {scene.backscatter_ratio!r}"
-    particles = partial(look_up, table=known.table)
     if known.includes_water:
-        return (Scattering("water with particles", b_per_m, particles, key),)
+        return (Scattering("water with particles", b_per_m, known.table),)
     molecular = np.minimum(
         phase_functions.pure_water_scattering_per_m(grid, salinity_psu=scene.salinity_psu), b_per_m
     )
     return (
-        Scattering("particles", b_per_m - molecular, particles, key),
-        Scattering("molecules", molecular, molecular_per_sr, "molecules"),
+        Scattering("particles", b_per_m - molecular, known.table),
+        Scattering("molecules", molecular, None),
     )
 
 

@@ -121,7 +121,7 @@ def radiance_weight(
 ) -> Array:
     """Electrons per second and m^2 of pixel, by wavelength, of a radiance in water, for N_w = 1.
 
-        L / n_w^2 * pi/4 * eta lambda/(h c) * d lambda,   trapezoid weights in place of the integral
+    L / n_w^2 * pi/4 * eta lambda/(h c) * d lambda,   trapezoid weights in place of the integral
     """
     irradiance = lens.image_irradiance(
         radiance_in_water / np.square(n_water), transmission=1.0, working_f_number=1.0
@@ -212,9 +212,7 @@ def local_gain(
         else:
             vacuum, range_lamp, _ = lamp_light(x_m, y_m, lamps=lamps, index=index, beam=beam, range_m=range_m)
         total += share * vacuum * np.exp(log_mean_transmission(table, range_lamp, path_m))
-    return np.asarray(
-        total * field_loss(tan_along, tan_across, shape=shape, window_angle=window_angle)
-    )
+    return np.asarray(total * field_loss(tan_along, tan_across, shape=shape, window_angle=window_angle))
 
 
 def field_loss(tan_along: Array, tan_across: Array, *, shape: PortShape, window_angle: bool) -> Array:
@@ -225,7 +223,9 @@ def field_loss(tan_along: Array, tan_across: Array, *, shape: PortShape, window_
     oblique = port.flat_port_transmittance(
         np.hypot(tan_along, tan_across), n_water=shape.n_water, n_glass=shape.n_glass
     )
-    return np.asarray(loss * oblique / port.normal_port_transmittance(n_water=shape.n_water, n_glass=shape.n_glass))
+    return np.asarray(
+        loss * oblique / port.normal_port_transmittance(n_water=shape.n_water, n_glass=shape.n_glass)
+    )
 
 
 def covered_share(level: Array, edge: float) -> Array:

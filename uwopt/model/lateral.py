@@ -21,13 +21,13 @@ from uwopt.model.port import flat_floor_derivative
 from uwopt.model.spectrum import trapezoid_weights_nm
 
 Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 
 DESIGN_NM = 550.0  # wavelength at which a pixel's place and its angle in air belong together
 
-_STEP = 1.0 / 400.0  # of the table, in k times the rms of n: linear look-up errs by step^2 / 8 = 8e-7
-_TABLE_END = 40.0  # in the same unit; 40 is a spread of 6.4 px rms at 1 cycle per px
-_BLOCK = 2048  # table rows computed at once
+_STEP = 1.0 / 200.0  # of the table, in k times the rms of n: linear look-up errs by step^2 / 8 = 3e-6
+_TABLE_END = 24.0  # in the same unit; 24 is a spread of 7.6 px rms at 0.5 cycles per px
+_BLOCK = 512  # table rows computed at once, so that they stay in the cache
 _SERIES_BELOW = 1e-3  # of u in (sin u - u cos u) / u^2, which cancels there
 _LARGEST_SINE = 1.0 - 1e-12  # a wavelength that would be totally reflected is held at grazing
 
@@ -216,7 +216,7 @@ def spread_mtf(k: Numeric, *, table: SpreadTable, falling: bool = False) -> Nume
 
     Returns
     -------
-    (...,) 0..1, linear in the table (error 1e-6); beyond its end falling as 1/k, the slowest that the
+    (...,) 0..1, linear in the table (error 3e-6); beyond its end falling as 1/k, the slowest that the
     transform of a spectrum cut off at an edge of the grid can fall.
 
     References

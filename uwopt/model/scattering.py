@@ -23,7 +23,7 @@ SEA_WATER_DEPOLARISATION = 0.039  # Farinato and Rowell (1976), as Zhang, Hu and
 MOBLEY_INDEX_AT_3 = 1.01
 MOBLEY_INDEX_PER_SLOPE = 0.1542
 FOURNIER_FORAND_RATIOS = (1e-4, 0.4)  # backscatter ratios that the Ocean Optics Web Book tabulates
-SMALLEST_ANGLE_RAD = 1e-9  # the Fournier-Forand function has a pole at 0
+SMALLEST_ANGLE_RAD = 1e-9  # the Fournier-Forand function has a pole at 0; a smaller knot counts as 0
 
 N_CELL = 32768  # of a look-up table: relative error below 1e-5 beyond 5 deg, 256 kB
 N_HALVING = 14  # steps from the first node towards 0, where forward peaks are integrated
@@ -104,7 +104,10 @@ def asymmetry_for_backscatter(ratio: float) -> float:
 
     if not 0 < ratio < 1:
         raise RangeError(f"backscatter ratio b_b/b is {ratio:g}; it must be above 0 and below 1")
-    excess = lambda g: henyey_greenstein_backscatter_ratio(g) - ratio  # noqa: E731
+
+    def excess(asymmetry: float) -> float:
+        return henyey_greenstein_backscatter_ratio(asymmetry) - ratio
+
     return float(brentq(excess, -1.0, 1.0, xtol=1e-16, rtol=1e-15))
 
 
@@ -139,10 +142,10 @@ def fournier_forand_per_sr(angle_rad: ArrayLike, *, index: float, slope: float) 
     s = (slope - 3) / 2  # -nu
     angle = np.maximum(np.asarray(angle_rad, dtype=float), SMALLEST_ANGLE_RAD)
     sin2 = np.sin(angle / 2) ** 2
-    q, h = _ff_parts(d180 * sin2, s)
-    q180, _ = _ff_parts(np.asarray(d180), s)
+    _, g, h = _ff_parts(d180 * sin2, s)
+    q180, _, _ = _ff_parts(np.asarray(d180), s)
     back = q180 / (16 * np.pi) * (3 * np.cos(angle) ** 2 - 1)
-    return np.asarray(((h + q) / sin2 - h) / (4 * np.pi) + back, dtype=float)
+    return np.asarray((g / sin2 - h) / (4 * np.pi) + back, dtype=float)
 
 
 def fournier_forand_backscatter_ratio(index: float, *, slope: float) -> float:
@@ -152,7 +155,7 @@ def fournier_forand_backscatter_ratio(index: float, *, slope: float) -> float:
 
     with d90 = 2 / (3 (n - 1)^2). Source: Mobley, Sundman and Boss (2002), Appl. Opt. 41, 1035.
     """
-    q, _ = _ff_parts(np.asarray(_ff_delta(0.5, index, slope)), (slope - 3) / 2)
+    q, _, _ = _ff_parts(np.asarray(_ff_delta(0.5, index, slope)), (slope - 3) / 2)
     return float(q / 2)
 
 
@@ -206,22 +209,28 @@ def _ff_delta(sin2: float, index: float, slope: float) -> float:
     return 4 * sin2 / (3 * (index - 1) ** 2)
 
 
-def _ff_parts(delta: FloatArray, s: float) -> tuple[FloatArray, FloatArray]:
-    """q = (d^s - 1)/(d - 1) and h = (q - s d^s)/(d - 1): the two quotients that are 0/0 at d = 1."""
+def _ff_parts(delta: FloatArray, s: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The three quotients that are 0/0 at d = 1, where their series stand instead.
+
+    q = (d^s - 1)/(d - 1),   g = (q d - s d^s)/(d - 1),   h = (q - s d^s)/(d - 1) = g - q
+    """
     y = delta - 1
     near = np.abs(y) < 0.05  # direct formulas lose eps/y^2 = 1e-13; 12 terms leave 0.05^12
     y_direct = np.where(near, 1.0, y)
     log_delta = np.log(np.where(near, 2.0, delta))
     power = np.exp(s * log_delta)
     q = np.expm1(s * log_delta) / y_direct
-    h = (q - s * power) / y_direct
+    g, h = (q * delta - s * power) / y_direct, (q - s * power) / y_direct
     if np.any(near):
         y_near = np.where(near, y, 0.0)
         binomial = np.cumprod([1.0, *((s - k) / (k + 1) for k in range(14))])
         q_series = np.polynomial.polynomial.polyval(y_near, binomial[1:14])
         h_series = np.polynomial.polynomial.polyval(y_near, binomial[2:14] - s * binomial[1:13])
-        q, h = np.where(near, q_series, q), np.where(near, h_series, h)
-    return q, h
+        q, g, h = (
+            np.where(near, series, direct)
+            for series, direct in ((q_series, q), (h_series + q_series, g), (h_series, h))
+        )
+    return q, g, h
 
 
 def molecular_per_sr(cos_angle: ArrayLike, *, depolarisation: float = SEA_WATER_DEPOLARISATION) -> FloatArray:
@@ -318,6 +327,7 @@ def look_up(cos_angle: ArrayLike, table: PhaseTable) -> Any:
     -----
     Relative error below 1e-5 from 5 to 180 deg, against the formula or the smooth curve through the knots;
     2e-4 from 0.2 deg on, 6e-4 from 0.1 deg on; below 0.0035 deg a finite value that keeps the integral.
+    A peak straight back is resolved if it is wider than some 20 deg, as all those of sea water are.
     """
     cosine = np.asarray(cos_angle, dtype=float)
     phase = table.phase_per_sr
@@ -379,6 +389,7 @@ def _checked_knots(angle_rad: ArrayLike, phase_per_sr: ArrayLike) -> tuple[Float
     angle, phase = np.asarray(angle_rad, dtype=float), np.asarray(phase_per_sr, dtype=float)
     if angle.ndim != 1 or angle.size < 4 or angle.shape != phase.shape:
         raise RangeError("a phase function needs four angles or more in one row, and a value for each")
+    angle = np.where(np.abs(angle) < SMALLEST_ANGLE_RAD, 0.0, angle)
     if not (np.all(np.diff(angle) > 0) and angle[0] >= 0 and angle[-1] <= np.pi * (1 + 1e-9)):
         raise RangeError("the angles of a phase function must increase within 0 to 180 deg")
     if angle[-1] < MIN_LAST_ANGLE_RAD * (1 - 1e-9):

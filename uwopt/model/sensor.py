@@ -351,9 +351,13 @@ def light_for_snr(
     snr2, prnu2 = snr**2, prnu_frac**2
     base_e = dark_e + other_level_e
     square = signal_per_light_e**2 - snr2 * (prnu2 * total**2 + follow * level_per_light_e**2)
-    noise_slope = snr2 * (total * (1.0 + 2.0 * prnu2 * other_light_e) + 2.0 * follow * level_per_light_e * base_e)
+    noise_slope = snr2 * (
+        total * (1.0 + 2.0 * prnu2 * other_light_e) + 2.0 * follow * level_per_light_e * base_e
+    )
     slope = noise_slope - 2.0 * signal_per_light_e * other_signal_e
-    noise_floor = read_noise_e**2 + fixed + dark_e + other_light_e + prnu2 * other_light_e**2 + follow * base_e**2
+    noise_floor = (
+        read_noise_e**2 + fixed + dark_e + other_light_e + prnu2 * other_light_e**2 + follow * base_e**2
+    )
     floor = snr2 * noise_floor - other_signal_e**2
     reachable = np.where(square > 0.0, square, 1.0)
     wanting = np.maximum(floor, 0.0)

@@ -262,9 +262,9 @@ def _fresnel_transmittance(elevation_rad: ArrayLike, n_water: ArrayLike) -> Floa
     n = np.asarray(n_water, dtype=float)
     cos_air = np.sin(_checked_elevation(elevation_rad))
     cos_water = refracted_cos_zenith(elevation_rad, n_water=n)
-    senkrecht = (cos_air - n * cos_water) / (cos_air + n * cos_water)
-    parallel = (n * cos_air - cos_water) / (n * cos_air + cos_water)
-    return np.asarray(1 - (senkrecht**2 + parallel**2) / 2, dtype=float)
+    across = (cos_air - n * cos_water) / (cos_air + n * cos_water)
+    along = (n * cos_air - cos_water) / (n * cos_air + cos_water)
+    return np.asarray(1 - (across**2 + along**2) / 2, dtype=float)
 
 
 def _checked_elevation(elevation_rad: ArrayLike) -> FloatArray:

@@ -13,23 +13,22 @@ approach, and its aim. With r = delta + D sinh(y)
     r_s = D cosh(y),   dr / r_s^2 = dy / (D cosh(y)),   cos(psi) = -tanh(y),
     cos(theta_s) = (A + B sinh(y)) / cosh(y) = M cos(alpha - alpha_0),   tan(alpha) = sinh(y)
 
-(A, B: components of the aim across the ray, towards it, and along it; M^2 = A^2 + B^2). The singular 1/r_s^2 is gone, the
-lit part of a ray is one interval of alpha, and the water's loss ends the integrand on a scale of order 1
-in y, however thin or thick the water. What is left is smooth: Gauss-Legendre in y.
+(A, B: components of the aim from the lamp square to the ray, and along the ray; M^2 = A^2 + B^2). The
+singular 1/r_s^2 is gone, the lit part of a ray is one interval of alpha, and water's loss ends the
+integrand within about one unit of y, thin or thick. What is left is smooth: Gauss-Legendre in y.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from uwopt.errors import RangeError
 from uwopt.model import beam as beams
 from uwopt.model import lens, port
 from uwopt.model.imaging import Lamps, PortShape, gauss
@@ -37,18 +36,20 @@ from uwopt.model.path_table import PathTable, log_mean_transmission
 
 Array = NDArray[Any]
 
-NODES_AT_ONCE = 60_000  # along rays: some ten arrays of them stay in the processor's cache
+NODES_AT_ONCE = 20_000  # along rays: some twenty arrays of them stay in the processor's cache
 LEAST_DISTANCE_M = 1e-9  # a ray through the lamp itself has no finite veil; this keeps it a number
 TABLE_NODES = 512  # along a ray, where a measured profile is read
-TABLE_NODES_IN_MEAN = 160  # its wiggles average out over the rays of an image
+TABLE_NODES_IN_MEAN = 256  # its wiggles average out over the rays of an image
 N_PROBES = 17  # along a ray, to find where it shines
 CUT_LOG = 13.0  # what is fainter than the brightest probe by this is left out
 MOST_ZOOMS = 8
 WIDE_EXPONENT = 6.0  # cosine-power lobes of 55 deg or more, and
 EVEN_LOG = 5.0  # water that leaves e^-5 or more, are integrated without probing
 FIELD_ORDERS = (4, 6, 8, 12, 18, 26, 38, 56, 80, 112, 160, 224)
+MOST_RUNG = 4  # of the ladder, to begin at
+SPOT_ORDER = 18  # a beam that ends sharply may leave a lit spot that lower orders miss
 SMOOTH_CHANGE = 5e-4  # of the mean between two orders: a smooth integrand's error is then under 5e-5
-EDGE_CHANGE = 7e-5  # where a beam's edge crosses the image, errors fall with the square of the order only
+EDGE_CHANGE = 1.2e-4  # where a beam's edge crosses the image, errors fall with the square of the order only
 OPTICAL_REACH = 60.0  # attenuation lengths behind which light no longer counts; see `path_ranges_m`
 
 
@@ -236,6 +237,7 @@ def _log_ray_integral(
     cosh, sinh = _hyperbolic(y)
     logs = _log_losses(cosh, sinh, view, scatterers)
     top = np.max([log.max(axis=-1) for log in logs], axis=0)
+    top = np.where(np.isneginf(top), 0.0, top)  # nothing scatters
     cos_scatter = -sinh / cosh
     scattered = sum(
         np.exp(log - top[..., None]) * scatterer.phase(cos_scatter)
@@ -350,7 +352,7 @@ def ray_order(low: Array, high: Array, beam: beams.Beam) -> int:
     """
     span = float(np.max(high - low, initial=0.0))
     exponent = beam.exponent if beam.kind == "cosine-power" and beam.exponent else 1.0
-    return int(np.ceil(8.0 + 1.5 * span + 1.6 * np.log(max(exponent, 1.0))))
+    return int(np.ceil(9.0 + 1.5 * span + 1.9 * np.log(max(exponent, 1.0))))
 
 
 def mean_backscatter(
@@ -402,19 +404,20 @@ def log_mean_backscatter(
     if order:
         return _log_means((order,), along, across, **common)[0]
     ladder = FIELD_ORDERS[_first_rung(along, across, shape, range_m, lamps, beam) :]
-    pairs = 3 if has_steep_flank(beam) else 2
-    allowed = EDGE_CHANGE if has_steep_flank(beam) else SMOOTH_CHANGE
-    recent = _log_means(ladder[:pairs], along, across, **common)
+    steep = has_steep_flank(beam)
+    allowed = EDGE_CHANGE if steep else SMOOTH_CHANGE
+    together = 3 if steep or _front_plane_may_show(lamps, beam) else 2
+    recent = _log_means(ladder[:together], along, across, **common)
     mean = recent[-1].copy()
-    pending = np.nonzero(~_settled(recent, allowed))[0]
+    pending = np.nonzero(~_settled(recent, allowed, may_hide=steep))[0]
     recent = recent[:, pending]
-    for n in ladder[pairs:]:
+    for n in ladder[together:]:
         if not pending.size:
             break
         finer = _log_means((n,), along[pending], across[pending], **common)
         recent = np.concatenate([recent[1:], finer])
         mean[pending] = finer[0]
-        moving = ~_settled(recent, allowed)
+        moving = ~_settled(recent, allowed, may_hide=steep and n < SPOT_ORDER)
         pending, recent = pending[moving], recent[:, moving]
     return mean
 
@@ -424,24 +427,48 @@ def has_steep_flank(beam: beams.Beam) -> bool:
     return beams.has_sharp_edge(beam) or beam.kind == "tabulated"
 
 
+def _front_plane_may_show(lamps: Lamps, beam: beams.Beam) -> bool:
+    """True where a wide lobe is tilted or stands in front of the port: it ends in the image with a kink."""
+    wide = beam.kind == "cosine-power" and (beam.exponent or 0.0) < WIDE_EXPONENT
+    return wide and (any(z > 0.0 for z in lamps.z_m) or any(aim[2] < 0.999 for aim in lamps.aim))
+
+
 def _first_rung(
     along: Array, across: Array, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam
 ) -> int:
-    """Where on the ladder of orders to begin: one below what the lamp's spot on the floor asks for."""
+    """Where on the ladder of orders to begin: one below what spot and place of the lamps ask for."""
+    u, v = float(np.max(along, initial=0.0)), float(np.max(across, initial=0.0))
     depth_m = range_m + shape.outer_radius_m + shape.gap_m + shape.thickness_m
-    half_m = depth_m * float(np.max(np.maximum(along, across), initial=0.0))
     height_m = max(range_m - max(lamps.z_m), 1e-3 * range_m)
-    spot_m = np.tan(min(beams.half_power_angle_rad(beam), 1.5)) * height_m
-    wanted = 2.7 * 1.18 * half_m / spot_m  # as in `imaging.orders_needed`
+    spot_m = np.tan(min(_half_power_angle_rad(beam), 1.5)) * height_m
+    wanted = 2.7 * 1.18 * max(u, v) * depth_m / spot_m  # as in `imaging.orders_needed`
+    for x, y, z in zip(lamps.x_m, lamps.y_m, lamps.z_m, strict=True):
+        if z > 0.0:  # in front of the port the veil is nearly singular beside the field of view
+            if shape.is_dome:
+                half_x, half_y = (t * (z + shape.outer_radius_m) for t in (u, v))
+            else:
+                half_x, half_y = (
+                    t * shape.gap_m + shape.thickness_m * t + z * port.water_tangent(t, n=shape.n_water)
+                    for t in (u, v)
+                )
+            beside = np.hypot(max(abs(x) - half_x, 0.0), max(abs(y) - half_y, 0.0)) / max(half_x, half_y)
+            # Gauss-Legendre falls like rho^(-2 n), rho the ellipse through the singularity
+            wanted = max(wanted, 8.0 / np.arcsinh(max(beside, 0.05)))
     rung = int(np.searchsorted(FIELD_ORDERS, wanted)) - 1
-    return min(max(rung, 0), 4)
+    return min(max(rung, 0), MOST_RUNG)
 
 
-def _settled(recent: Array, allowed: float) -> Array:
-    """Whether the means (rungs, n) of the last orders agree; a dark image, -inf throughout, does."""
+@lru_cache(maxsize=256)
+def _half_power_angle_rad(beam: beams.Beam) -> float:
+    return beams.half_power_angle_rad(beam)
+
+
+def _settled(recent: Array, allowed: float, *, may_hide: bool) -> Array:
+    """Whether the means (rungs, n) of the last orders agree; an image dark throughout does, if nothing may
+    hide between the nodes."""
     with np.errstate(invalid="ignore"):
         steady = np.all(np.abs(np.diff(recent, axis=0)) <= allowed, axis=0)
-    return np.asarray(steady | np.all(np.isneginf(recent), axis=0))
+    return np.asarray(steady | (np.all(np.isneginf(recent), axis=0) & (not may_hide)))
 
 
 def _log_means(orders: tuple[int, ...], along: Array, across: Array, **common: Any) -> Array:

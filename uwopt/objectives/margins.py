@@ -139,6 +139,10 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         limit_db = float(sensor.to_db(needs.min_snr))
         value_db = np.asarray(sensor.to_db(np.maximum(value, 1e-300)))
         yield MarginRows("min_snr_db", value_db, at_all(figures, limit_db), ">=", "dB", where)
+    if figures.mtf_half_nyquist is not None and needs.min_mtf_half_nyquist is not None:
+        value, where = worst(figures.mtf_half_nyquist, three, highest=False)
+        least = at_all(figures, needs.min_mtf_half_nyquist)
+        yield MarginRows("min_mtf_half_nyquist", value, least, ">=", "", where)
     if needs.min_contrast is not None:
         share = np.ones_like(figures.snr) if figures.contrast is None else figures.contrast
         value, where = worst(share, scene.range_m, highest=False)

@@ -13,9 +13,10 @@ from uwopt.errors import MissionError
 
 Array = NDArray[Any]
 
-UNITS = {"power": "W", "cost": "", "mass": "kg", "snr_db": "dB", "gsd_mm": "mm"}
-MAXIMISED = ("snr_db",)
-NOT_YET = ("contrast", "information")
+UNITS = {
+    "power": "W", "cost": "", "mass": "kg", "snr_db": "dB", "gsd_mm": "mm", "contrast": "", "information": "bit/m2",
+}  # fmt: skip
+MAXIMISED = ("snr_db", "contrast", "information")
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,8 @@ class Terms:
     mass: Array
     snr_db: Array
     gsd_mm: Array
+    contrast: Array | float = 0.0  # these two only where an objective asks for them
+    information: Array | float = 0.0
 
 
 @dataclass(frozen=True)
@@ -41,12 +44,7 @@ class Objective:
         weights = {wanted: 1.0} if isinstance(wanted, str) else dict(wanted)
         unknown = [name for name in weights if name not in UNITS]
         if unknown:
-            later = [name for name in unknown if name in NOT_YET]
-            raise MissionError(
-                f"objective: {', '.join(unknown)} cannot be solved for yet"
-                if later
-                else f"objective: {', '.join(unknown)} is not one of {', '.join(UNITS)}"
-            )
+            raise MissionError(f"objective: {', '.join(unknown)} is not one of {', '.join(UNITS)}")
         return Objective(weights)
 
     @property

@@ -53,7 +53,12 @@ class Pairs:
     def take(self, index: Array) -> Pairs:
         """These designs only; the list of imagers stays."""
         return Pairs(
-            self.imager, self.unit[index], self.light[index], self.count[index], self.cost[index], self.mass[index]
+            self.imager,
+            self.unit[index],
+            self.light[index],
+            self.count[index],
+            self.cost[index],
+            self.mass[index],
         )
 
 
@@ -312,7 +317,9 @@ class Search:
         keep = np.nonzero(rule < 0)[0]
         self.account.evaluated += len(keep)
         if len(keep):
-            pairs = Pairs(imager, unit[keep], table.light[item[keep]], table.count[item[keep]], cost[keep], mass[keep])
+            pairs = Pairs(
+                imager, unit[keep], table.light[item[keep]], table.count[item[keep]], cost[keep], mass[keep]
+            )
             self._solve_pairs(pairs, lights, lighting)
 
     def _solve_pairs(self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting) -> None:

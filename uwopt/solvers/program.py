@@ -99,10 +99,7 @@ class Program:
                 name: float(np.exp(pair[1 - end if name.startswith("f_number") else end]))
                 for name, pair in ranges.items()
             }
-            snr = min(
-                scene.nominal_snr(self._pick(chosen, index))
-                for index, scene in enumerate(self.scenes)
-            )
+            snr = min(scene.nominal_snr(self._pick(chosen, index)) for index, scene in enumerate(self.scenes))
             with np.errstate(divide="ignore"):
                 ends.append(float(np.log(snr)))
         return ends[0], ends[1]
@@ -160,9 +157,7 @@ class Program:
             if name == "power":
                 x[index] = np.log(max(s.light_power_w(a) for s, a in zip(self.scenes, at, strict=True)))
             elif name == "snr":
-                x[index] = np.log(
-                    min(s.nominal_snr(a) for s, a in zip(self.scenes, at, strict=True))
-                )
+                x[index] = np.log(min(s.nominal_snr(a) for s, a in zip(self.scenes, at, strict=True)))
             elif name == "violation":
                 inequalities, equalities = self._plain_rules(list(x))
                 x[index] = max([low[index], *inequalities, *(abs(value) for value in equalities)])
@@ -293,7 +288,8 @@ class Program:
         brightest = max(scene.total_e)
         if scene.min_snr > 0.0:
             rules += [
-                -np.log(scene.snr(signal, at, total_e=total) / scene.min_snr) for signal, total in scene.wanted
+                -np.log(scene.snr(signal, at, total_e=total) / scene.min_snr)
+                for signal, total in scene.wanted
             ]
         if brightest > 0.0:
             rules.append(np.log(scene.digital_dn(brightest, at, offset_dn=0.0) / headroom_dn(scene)))

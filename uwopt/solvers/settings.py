@@ -176,9 +176,7 @@ def light_for_snr(
     following = sensor.light_for_snr(
         wanted, level_per_light_e=brightest, level_dn=headroom_dn, other_level_e=other_brightest, **common
     )
-    return np.asarray(
-        np.where(at_top_gain <= fills, at_top_gain, np.maximum(following, fills)).max(axis=1)
-    )
+    return np.asarray(np.where(at_top_gain <= fills, at_top_gain, np.maximum(following, fills)).max(axis=1))
 
 
 def reach(rows: SceneRows) -> tuple[Array, Array]:

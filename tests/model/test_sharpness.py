@@ -1,0 +1,371 @@
+"""Sharpness against SciPy's Bessel functions, pupils and boxes transformed numerically, and plain sums."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import casadi
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import optimize, special
+
+from uwopt.model import lateral, sharpness
+from uwopt.model.sharpness import Sharpness
+
+FREQUENCIES = np.linspace(0.0, 1.0, 401)
+GOOD = Sharpness(working_f_number=2.8, wavelength_nm=540.0, pixel_pitch_m=3.45e-6)
+PLAIN = replace(GOOD, motion_blur_px=0.5, defocus_px=1.5, rated_pitch_px=0.8)
+NOTHING = replace(GOOD, working_f_number=0.0)  # a pixel and no lens at all
+
+blurs = st.floats(0.0, 4.0)
+f_numbers = st.floats(1.0, 32.0)
+discs = st.floats(0.0, 12.0)
+ratings = st.floats(0.0, 3.0)
+
+
+@pytest.fixture(params=["SX", "MX"])
+def symbol(request: pytest.FixtureRequest) -> Iterator[Any]:
+    """A CasADi symbol, with NumPy functions made aware of CasADi for the time of one test."""
+    mode = casadi.GlobalOptions.getNumpyMode()
+    casadi.GlobalOptions.setNumpyMode(1)
+    yield getattr(casadi, request.param).sym("x")
+    casadi.GlobalOptions.setNumpyMode(mode)
+
+
+def led_table() -> lateral.SpreadTable:
+    """A white lamp's two humps over an index that falls with wavelength, as sea water's does."""
+    wavelength = np.linspace(400.0, 700.0, 61)
+    lamp = 2.1 * np.exp(-0.5 * ((wavelength - 450.7) / 11.67) ** 2)
+    lamp += 1.85 * np.exp(-0.5 * ((wavelength - 565.4) / 64.6) ** 2)
+    index = 1.3247 + 3.3e3 / wavelength**2 + 3.2e7 / wavelength**4
+    return lateral.spread_table(wavelength, electrons_per_nm=lamp * wavelength, n_water=index)
+
+
+LED = led_table()
+
+
+def with_colour(base: Sharpness, spread_px: float, direction_rad: float) -> Sharpness:
+    k = 2.0 * math.pi * spread_px / LED.index_rms
+    return replace(
+        base,
+        lateral_k_along=k * math.cos(direction_rad),
+        lateral_k_across=k * math.sin(direction_rad),
+        spread=LED,
+    )
+
+
+# ---------------------------------------------------------------- factors
+
+
+@pytest.mark.parametrize("width_px", [0.25, 1.0, 1.7])
+def test_box_transfer_is_the_fourier_transform_of_a_box(width_px: float) -> None:
+    # midpoint sum over the box; its error is (pi nu w / n)^2 / 24
+    places = (np.arange(20_000) + 0.5) / 20_000 * width_px - width_px / 2
+    for nu in np.linspace(0.0, 1.0 / width_px, 9):
+        expected = np.abs(np.mean(np.exp(2j * math.pi * nu * places)))
+        assert sharpness.sinc_mtf(nu, width_px=width_px) == pytest.approx(expected, abs=1e-8)
+
+
+def test_box_transfer_is_that_of_numpy_up_to_its_null() -> None:
+    assert sharpness.sinc_mtf(FREQUENCIES) == pytest.approx(np.sinc(FREQUENCIES), abs=5e-16)
+
+
+@pytest.mark.parametrize("disc_px", [0.0, 0.3, 1.0, 1.2])
+def test_disc_transfer_is_that_of_the_bessel_function(disc_px: float) -> None:
+    # 1.2 < 1.2197: the null lies beyond 1 cycle per px
+    x = np.maximum(math.pi * disc_px * FREQUENCIES, 1e-12)
+    expected = 2.0 * special.j1(x) / x
+    assert sharpness.defocus_mtf(FREQUENCIES, disc_px=disc_px) == pytest.approx(expected, abs=1e-14)
+
+
+def test_first_zero_of_the_bessel_function() -> None:
+    assert special.jn_zeros(1, 1)[0] == pytest.approx(sharpness.J1_ZERO, rel=1e-15)
+
+
+def disc_overlap(shift: float) -> float:
+    """Area common to two unit circles, centres `shift` apart, over the area of one: by quadrature of chords."""
+    y, weights = np.polynomial.legendre.leggauss(400)
+    reach = math.sqrt(max(1.0 - shift**2 / 4, 0.0))
+    angle = y * math.asin(reach)  # y = sin(angle): chords without a root at their ends
+    chord = np.maximum(2 * np.cos(angle) - shift, 0.0)
+    return float(weights @ (chord * np.cos(angle))) * math.asin(reach) / math.pi
+
+
+def test_diffraction_is_the_autocorrelation_of_a_circular_pupil() -> None:
+    for s in np.linspace(0.0, 1.0, 21):
+        expected = disc_overlap(2.0 * s)
+        assert sharpness.diffraction_mtf(s, cycle_px=1.0) == pytest.approx(expected, abs=1e-9)
+
+
+def test_diffraction_by_hand() -> None:
+    # F8, 550 nm, 3.45 um: period 8 * 0.55 / 3.45 = 1.27536 px; s = 0.5 at nu = 0.39204,
+    # (2/pi) (acos 0.5 - 0.5 sqrt(0.75)) = 2/3 - sqrt(3)/(2 pi) = 0.391002
+    sharp = Sharpness(working_f_number=8.0, wavelength_nm=550.0, pixel_pitch_m=3.45e-6)
+    assert sharp.diffraction_px == pytest.approx(1.275362, rel=1e-6)
+    got = sharpness.diffraction_mtf(0.5 / 1.2753623, cycle_px=sharp.diffraction_px)
+    assert got == pytest.approx(0.391002, abs=1e-6)
+
+
+def test_lens_rating_halves_the_contrast_at_its_nyquist_frequency() -> None:
+    # rated for 2.4 um on 3.45 um pixels: nu_r = 1 / (2 * 2.4 um) = 0.5 / 0.69565 cycles per px
+    rated_px = 2.4 / 3.45
+    assert sharpness.lens_rating_mtf(0.5 / rated_px, rated_pitch_px=rated_px) == pytest.approx(0.5)
+    assert sharpness.lens_rating_mtf(1.0 / rated_px, rated_pitch_px=rated_px) == pytest.approx(0.5**4)
+
+
+@pytest.mark.parametrize("infinite", [1e6, 1e200, math.inf])
+def test_each_factor_is_zero_beyond_its_null_and_one_without_cause(infinite: float) -> None:
+    for factor, cause in (
+        (sharpness.sinc_mtf, "width_px"),
+        (sharpness.diffraction_mtf, "cycle_px"),
+        (sharpness.defocus_mtf, "disc_px"),
+    ):
+        assert factor(0.5, **{cause: infinite}) == pytest.approx(0.0, abs=1e-15)
+        assert factor(0.0, **{cause: infinite}) == 1.0
+        assert factor(0.5, **{cause: 0.0}) == 1.0
+    assert sharpness.lens_rating_mtf(0.5, rated_pitch_px=0.0) == 1.0
+
+
+@given(cause=st.floats(0.0, 20.0), more=st.floats(0.0, 5.0), nu=st.floats(0.0, 2.0))
+def test_factors_fall_with_frequency_and_cause(cause: float, more: float, nu: float) -> None:
+    for factor, name in (
+        (sharpness.sinc_mtf, "width_px"),
+        (sharpness.diffraction_mtf, "cycle_px"),
+        (sharpness.defocus_mtf, "disc_px"),
+        (sharpness.lens_rating_mtf, "rated_pitch_px"),
+    ):
+        here = factor(nu, **{name: cause})
+        assert 0.0 <= here <= 1.0
+        assert factor(nu, **{name: cause + more}) <= here + 1e-15
+        assert factor(nu + 0.1 * more, **{name: cause}) <= here + 1e-15
+
+
+# ---------------------------------------------------------------- product and levels
+
+
+@settings(deadline=None)  # a loaded machine is no failure
+@given(
+    n=f_numbers,
+    blur=blurs,
+    disc=discs,
+    rating=ratings,
+    spread=st.floats(0.0, 4.0),
+    level=st.floats(0.01, 0.9),
+)
+def test_frequencies_at_a_level_are_those_of_a_root_finder(
+    n: float, blur: float, disc: float, rating: float, spread: float, level: float
+) -> None:
+    base = replace(GOOD, working_f_number=n, motion_blur_px=blur, defocus_px=disc, rated_pitch_px=rating)
+    sharp = with_colour(base, spread, 0.6)
+    for got, transfer in zip(
+        sharpness.frequencies_at_cyc_per_px(level, sharpness=sharp),
+        (sharpness.mtf_along, sharpness.mtf_across),
+        strict=True,
+    ):
+        root = optimize.brentq(
+            lambda nu, f=transfer: float(f(nu, sharpness=sharp, falling=True)) - level, 0.0, 1.0, xtol=1e-14
+        )
+        assert got == pytest.approx(root, rel=1e-9, abs=1e-12)
+
+
+def test_a_bare_pixel_resolves_what_a_sinc_does() -> None:
+    # sinc(x) = 1/2 at x = 0.6033545; at half Nyquist sin(pi/4)/(pi/4) = 0.9003163
+    assert sharpness.mtf50_cyc_per_px(NOTHING) == pytest.approx(0.6033545, abs=1e-7)
+    assert sharpness.mtf_half_nyquist(NOTHING) == pytest.approx(0.9003163, abs=1e-7)
+
+
+def test_motion_counts_along_and_the_worse_direction_is_reported() -> None:
+    # one pixel of blur doubles the sinc along: sinc^2 = 1/2 at nu = 0.4429465
+    moving = replace(NOTHING, motion_blur_px=1.0)
+    along, across = sharpness.frequencies_at_cyc_per_px(0.5, sharpness=moving)
+    assert along == pytest.approx(0.4429465, abs=1e-7)
+    assert across == pytest.approx(0.6033545, abs=1e-7)
+    assert sharpness.mtf50_cyc_per_px(moving) == along
+    assert sharpness.mtf_half_nyquist(moving) == pytest.approx(0.9003163**2, abs=1e-6)
+
+
+def test_resolution_is_a_full_cycle_on_the_ground() -> None:
+    # sinc = 0.1 at nu = 0.9094... of a bare pixel: a cycle is 1.0996 px; across pixels of 2 mm decide
+    nu10 = optimize.brentq(lambda nu: np.sinc(nu) - 0.1, 0.5, 1.0)
+    got = sharpness.resolution_10_m(NOTHING, ground_sample_along_m=1e-3, ground_sample_across_m=2e-3)
+    assert got == pytest.approx(2e-3 / nu10, rel=1e-9)
+
+
+def test_infinite_blur_resolves_nothing_without_nan() -> None:
+    blind = replace(GOOD, defocus_px=np.array([math.inf, 1.0]), working_f_number=np.array([4.0, math.inf]))
+    along, across = sharpness.frequencies_at_cyc_per_px(0.1, sharpness=blind)
+    assert np.all(along < 1e-200) and np.all(across < 1e-200)
+    length = sharpness.resolution_10_m(blind, ground_sample_along_m=1e-3, ground_sample_across_m=1e-3)
+    assert np.all(length > 1e100)
+    assert np.all(sharpness.information_bit_per_px(100.0, sharpness=blind) == 0.0)
+
+
+def test_transfer_along_and_across_are_the_ends_of_the_plane() -> None:
+    sharp = with_colour(PLAIN, 1.0, 0.4)
+    nu = FREQUENCIES
+    assert sharpness.mtf_along(nu, sharpness=sharp) == pytest.approx(
+        sharpness.mtf(nu, across_cyc_per_px=0 * nu, sharpness=sharp), abs=1e-15
+    )
+    assert sharpness.mtf_across(0.3, sharpness=sharp) == pytest.approx(
+        np.sinc(0.3)
+        * sharpness.round_mtf(0.3, sharpness=sharp)
+        * lateral.spread_mtf(0.3 * sharp.lateral_k_across, table=LED)
+    )
+
+
+# ---------------------------------------------------------------- information
+
+
+def plain_sum_bit_per_px(snr: float, sharp: Sharpness, cells: int) -> float:
+    """Mean over midpoints of equal cells of the whole Nyquist square, factors from NumPy and SciPy."""
+    nu = (np.arange(cells) + 0.5) / cells - 0.5
+    along, across = nu[:, np.newaxis], nu
+    radius = np.hypot(along, across)
+    x = np.pi * np.maximum(sharp.defocus_px, 1e-9) * radius
+    disc = np.where(x < special.jn_zeros(1, 1)[0], 2.0 * special.j1(x) / x, 0.0)
+    s = np.minimum(radius * sharp.diffraction_px, 1.0)
+    pupil = (2 * np.arccos(s) - np.sin(2 * np.arccos(s))) / np.pi
+    moving = np.where(np.abs(along) * sharp.motion_blur_px < 1.0, np.sinc(along * sharp.motion_blur_px), 0.0)
+    rating = 0.5 ** ((2 * sharp.rated_pitch_px * radius) ** 2)
+    value = disc * pupil * moving * rating * np.sinc(along) * np.sinc(across)
+    if sharp.spread is not None:
+        k = sharp.lateral_k_along * along + sharp.lateral_k_across * across
+        value = value * lateral.spread_mtf(k, table=sharp.spread)
+    return float(np.mean(0.5 * np.log2(1.0 + (0.1 * snr * value) ** 2)))
+
+
+CASES = {
+    "sharp": GOOD,
+    "plain": PLAIN,
+    "cut-off between side and corner": replace(GOOD, working_f_number=11.0),  # at 0.581 cycles per px
+    "cut-off inside": replace(GOOD, working_f_number=16.0, motion_blur_px=1.0),
+    "corner of a dome out of focus": replace(PLAIN, defocus_px=8.5),
+    "fast": replace(PLAIN, motion_blur_px=3.0),
+    "little colour": with_colour(PLAIN, 0.5, 0.7),
+    "much colour, backward": with_colour(GOOD, 3.0, 2.2),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("snr", [3.0, 30.0, 250.0])
+def test_information_is_that_of_a_plain_sum(name: str, snr: float) -> None:
+    # midpoint sum with 1500^2 cells: 1e-5 in the kinks of the worst case, mostly far less
+    expected = plain_sum_bit_per_px(snr, CASES[name], 1500)
+    assert sharpness.information_bit_per_px(snr, sharpness=CASES[name]) == pytest.approx(expected, rel=2e-5)
+
+
+def random_designs(n: int, most_motion_px: float) -> tuple[np.ndarray, Sharpness]:
+    """SNR (0 to 48 dB) and designs spread over what catalogues hold."""
+    rng = np.random.default_rng(3)
+    sharp = Sharpness(
+        working_f_number=rng.choice([1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0], n),
+        wavelength_nm=rng.uniform(450.0, 620.0, n),
+        pixel_pitch_m=rng.uniform(2e-6, 9e-6, n),
+        motion_blur_px=rng.uniform(0.0, most_motion_px, n),
+        defocus_px=rng.choice([0.0, 0.5, 1.0, 2.0, 4.0, 8.0], n) * rng.uniform(0.8, 1.2, n),
+        rated_pitch_px=rng.uniform(0.0, 1.5, n),
+    )
+    return 10 ** rng.uniform(0.0, 2.4, n), sharp
+
+
+def test_default_orders_are_good_to_1e_5() -> None:
+    snr, sharp = random_designs(600, most_motion_px=2.0)
+    fine = sharpness.information_bit_per_px(snr, sharpness=sharp, orders=(100, 60))
+    assert sharpness.information_bit_per_px(snr, sharpness=sharp) == pytest.approx(fine, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("motion_px", "colour_px"), [(4.0, 0.0), (2.0, 0.6), (2.0, 0.8), (2.0, 1.9), (4.0, 3.9)]
+)
+def test_default_orders_with_much_motion_or_colour_are_good_to_5e_5(
+    motion_px: float, colour_px: float
+) -> None:
+    snr, sharp = random_designs(200, most_motion_px=motion_px)
+    sharp = with_colour(sharp, colour_px, 0.7)
+    fine = sharpness.information_bit_per_px(snr, sharpness=sharp, orders=(160, 120))
+    assert sharpness.information_bit_per_px(snr, sharpness=sharp) == pytest.approx(fine, rel=5e-5)
+
+
+def test_information_without_any_blur_is_shannons() -> None:
+    # a lens-less pixel far below its null: only sinc sinc is left. Small SNR: (1/2) log2(1+x) -> x / (2 ln 2),
+    # mean of sinc^2 over half a cycle squared = (integral of sinc^2 from -1/2 to 1/2)^2 = 0.7736990^2
+    snr = 1e-4
+    expected = (0.1 * snr) ** 2 * 0.7736990**2 / (2 * math.log(2))
+    assert sharpness.information_bit_per_px(snr, sharpness=NOTHING) == pytest.approx(expected, rel=1e-5)
+
+
+def test_information_does_not_change_when_the_radius_points_the_other_way() -> None:
+    one, other = with_colour(PLAIN, 1.5, 0.4), with_colour(PLAIN, 1.5, 0.4 + math.pi)
+    mirrored = with_colour(PLAIN, 1.5, -0.4)
+    bits = [sharpness.information_bit_per_px(40.0, sharpness=s) for s in (one, other, mirrored)]
+    assert bits[1:] == pytest.approx([bits[0]] * 2, rel=1e-12)
+
+
+@given(n=f_numbers, blur=blurs, disc=discs, rating=ratings, snr=st.floats(0.0, 300.0))
+def test_information_rises_with_snr_and_falls_with_blur(
+    n: float, blur: float, disc: float, rating: float, snr: float
+) -> None:
+    base = replace(GOOD, working_f_number=n, motion_blur_px=blur, defocus_px=disc, rated_pitch_px=rating)
+    bit = sharpness.information_bit_per_px(snr, sharpness=base)
+    slack = 1e-4 * bit + 1e-15  # the rule's error
+    assert 0.0 <= bit <= 0.5 * math.log2(1.0 + (0.1 * snr) ** 2) + 1e-15
+    assert sharpness.information_bit_per_px(snr + 1.0, sharpness=base) >= bit - slack
+    for worse in ({"motion_blur_px": blur + 0.5}, {"defocus_px": disc + 0.5}, {"working_f_number": n + 1.0}):
+        assert sharpness.information_bit_per_px(snr, sharpness=replace(base, **worse)) <= bit + slack
+
+
+def test_designs_broadcast_and_do_not_disturb_each_other() -> None:
+    table = replace(
+        PLAIN,
+        working_f_number=np.array([2.8, 8.0, 16.0]),
+        defocus_px=np.array([[0.0], [1.8]]),
+    )
+    for sharp in (table, with_colour(table, 0.5, 1.0)):
+        bits = sharpness.information_bit_per_px(30.0, sharpness=sharp)
+        mtf50 = sharpness.mtf50_cyc_per_px(sharp)
+        assert bits.shape == mtf50.shape == (2, 3)
+        single = replace(sharp, working_f_number=16.0, defocus_px=1.8)
+        assert bits[1, 2] == pytest.approx(float(sharpness.information_bit_per_px(30.0, sharpness=single)))
+        assert mtf50[1, 2] == pytest.approx(float(sharpness.mtf50_cyc_per_px(single)), rel=1e-10)
+
+
+def test_information_per_area_by_hand() -> None:
+    # 0.8 bit on 2 mm x 1 mm: 0.8 / 2e-6 m2
+    assert sharpness.information_bit_per_m2(0.8, pixel_area_m2=2e-6) == pytest.approx(4e5)
+
+
+# ---------------------------------------------------------------- symbols
+
+
+def test_factors_accept_symbols(symbol: Any) -> None:
+    sharp = replace(PLAIN, working_f_number=symbol * 8.0, defocus_px=symbol * 2.0, motion_blur_px=symbol)
+    expressions = [
+        sharpness.sinc_mtf(symbol, width_px=0.7),
+        sharpness.diffraction_mtf(symbol, cycle_px=1.3),
+        sharpness.defocus_mtf(symbol, disc_px=1.1),
+        sharpness.lens_rating_mtf(symbol, rated_pitch_px=0.8),
+        sharpness.mtf(0.2, across_cyc_per_px=0.1, sharpness=sharp),
+        sharpness.mtf_half_nyquist(sharp),
+    ]
+    function = casadi.Function(
+        "mtf", [symbol], [*expressions, *(casadi.gradient(e, symbol) for e in expressions)]
+    )
+    # 2.0 lies beyond every null: zeros, and slopes that are finite
+    for x in (0.01, 0.4, 0.9, 2.0):
+        number = replace(PLAIN, working_f_number=x * 8.0, defocus_px=x * 2.0, motion_blur_px=x)
+        expected = [
+            sharpness.sinc_mtf(x, width_px=0.7),
+            sharpness.diffraction_mtf(x, cycle_px=1.3),
+            sharpness.defocus_mtf(x, disc_px=1.1),
+            sharpness.lens_rating_mtf(x, rated_pitch_px=0.8),
+            sharpness.mtf(0.2, across_cyc_per_px=0.1, sharpness=number),
+            sharpness.mtf_half_nyquist(number),
+        ]
+        got = [float(value) for value in function(x)]
+        assert got[: len(expected)] == pytest.approx(expected, rel=1e-9, abs=1e-15)
+        assert np.all(np.isfinite(got))
