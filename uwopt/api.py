@@ -15,8 +15,9 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Choice, select
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.catalog.load import load_catalog as _load_catalog
+from uwopt.design_model import Hardware, SceneSettings
 from uwopt.errors import MissionError
-from uwopt.evaluation import Hardware, SceneSettings, evaluate_design
+from uwopt.evaluation import evaluate_design
 from uwopt.hardware import FLASH
 from uwopt.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective

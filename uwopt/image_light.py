@@ -7,7 +7,7 @@ altitude: constants of hardware and scene that settings only scale.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -50,7 +50,8 @@ class ImageLight:
 
     def _each(self, change: Any) -> ImageLight:
         columns: dict[str, Any] = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return ImageLight(**{name: None if c is None else change(c) for name, c in columns.items()})
+        changed: dict[str, Any] = {n: None if c is None else change(c) for n, c in columns.items()}
+        return ImageLight(**changed)
 
     @staticmethod
     def joined(parts: Sequence[tuple[Array, ImageLight]], count: int) -> ImageLight:
@@ -84,7 +85,8 @@ class SunLight:
     def take(self, index: Array) -> SunLight:
         """These rows only."""
         columns: dict[str, Any] = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return SunLight(**{name: None if c is None else c[index] for name, c in columns.items()})
+        picked: dict[str, Any] = {n: None if c is None else c[index] for n, c in columns.items()}
+        return SunLight(**picked)
 
     @property
     def veil_e_s(self) -> Array:
@@ -116,8 +118,16 @@ class LampField:
 
     # ------------------------------------------------------------ means
 
-    def light(self, view: Views, *, pixels: bool, veils: bool) -> ImageLight:
-        """All light of these imagers."""
+    def light(
+        self, view: Views, *, pixels: bool, veils: bool, means: bool = True, known: Array | None = None
+    ) -> ImageLight:
+        """All light of these imagers; `known` is the image-forming light where it is known already.
+
+        Without `means` only the pixels count, and the darkest stands for the mean.
+        """
+        if not means:
+            worst, worst_veil = self.at_worst_pixels(view, veils=veils)
+            return ImageLight(worst.min(axis=2), worst_e=worst, worst_veil_e=worst_veil)
         columns = view.collecting_m2[:, None]
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
         if self.problem.paper:
@@ -125,15 +135,18 @@ class LampField:
             return ImageLight(
                 columns * response * (on_axis_gain(self.beam, self.scene.range_m) * loss)[None, :]
             )
-        signal = columns * response * self.mean_gain(view, diffuse=False)
+        signal = columns * response * self.mean_gain(view, diffuse=False) if known is None else known
         forward = backscatter = None
         if veils and self.effects.forward_veil and self.scene.scatters:
             every = columns * response * self.mean_gain(view, diffuse=True)
             forward = np.maximum(every - signal, 0.0)
         if veils and self.effects.backscatter and self.scene.scatters:
             backscatter = columns * self.mean_backscatter(view)
-        worst, worst_veil = self.at_worst_pixels(view, veils=veils) if pixels else (None, None)
-        return ImageLight(signal, forward, backscatter, worst, worst_veil)
+        light = ImageLight(signal, forward, backscatter)
+        if not pixels:
+            return light
+        worst, worst_veil = self.at_worst_pixels(view, veils=veils)
+        return replace(light, worst_e=worst, worst_veil_e=worst_veil)
 
     def common(self, range_m: float) -> dict[str, Any]:
         """What all field functions take."""

@@ -598,7 +598,9 @@ class Contraction:
         table: PathTable = scene.cache[key]
         return table
 
-    def scatterers(self, spectrum: int, efficiency: int, channel: str | None = None) -> tuple[veil.Scatterer, ...]:
+    def scatterers(
+        self, spectrum: int, efficiency: int, channel: str | None = None
+    ) -> tuple[veil.Scatterer, ...]:
         """What scatters on the way to the camera, particles and molecules, each with its loss table."""
         scene = self.scene
         key = ("scatter", *self.key(spectrum, efficiency, channel), self._reach_m)

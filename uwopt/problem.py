@@ -170,12 +170,14 @@ class Problem:
 
     def image_light(
         self, scene_index: int, view: Views, camera: Array, *, port_index: int, optics: int, mount: Mount,
-        count: int = 2, channel: str | None = None, pixels: bool = False, veils: bool = True,
+        count: int = 2, channel: str | None = None, pixels: bool = False, veils: bool = True, means: bool = True,
+        known: Array | None = None,
     ) -> ImageLight:  # fmt: skip
         """Electrons per lm s of light behind the lamps' windows, by altitude: the constants of the imaging chain.
 
         All rows of `view` share the port; `camera` says whose sensor each is. `channel` picks one colour.
-        `pixels`: also at the pixels that may be the worst. Without `veils` only the image-forming light.
+        `pixels`: also at the pixels that may be the worst; without `means` there alone. Without `veils` only the
+        image-forming light, which may be `known`.
         """
         efficiency = self.cameras.qe_index[camera]
         parts = []
@@ -185,7 +187,9 @@ class Problem:
                 self, scene_index, port_index=port_index, optics=optics, mount=mount, count=count,
                 efficiency=int(curve), channel=channel,
             )  # fmt: skip
-            parts.append((mine, field.light(view.take(mine), pixels=pixels, veils=veils)))
+            signal = None if known is None else known[mine]
+            light = field.light(view.take(mine), pixels=pixels, veils=veils, means=means, known=signal)
+            parts.append((mine, light))
         return ImageLight.joined(parts, len(camera))
 
     def sun_light(

@@ -51,8 +51,12 @@ class SharpRows:
 
     def take(self, index: Array) -> SharpRows:
         """These rows only."""
-        columns: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(self)}
-        return replace(self, **{n: c[index] for n, c in columns.items() if isinstance(c, np.ndarray)})
+        picked: dict[str, Any] = {
+            f.name: getattr(self, f.name)[index]
+            for f in fields(self)
+            if isinstance(getattr(self, f.name), np.ndarray)
+        }
+        return replace(self, **picked)
 
     def groups(self) -> list[tuple[Array, SpreadTable | None]]:
         """Rows that share the colours they detect; None where no colour is spread."""

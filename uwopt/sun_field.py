@@ -110,14 +110,14 @@ class SunField:
     def path_electrons(self, path_m: Array, cos_field: Array, range_m: float) -> Array:
         """Electrons a second and m^2 of the light that the water between sends to the camera."""
         scene = self.scene
-        if not scene.scattering:
+        if not scene.scattering or scene.scattering[0].table is None:
             return np.zeros(len(path_m))
         first, molecules = scene.scattering[0], scene.scattering[1:]
         # The ray's vertical extent is the altitude, behind a dome's round face a little more: kept under water.
         depth_m = np.maximum(scene.view.scene.depth_m, path_m * cos_field)
         radiance = sunlight.path_radiance_w_m2_sr_nm(
             self.surface(), kd_per_m=self.kd(), attenuation_per_m=scene.attenuation_per_m,
-            scattering_per_m=first.scattering_per_m, table=first.table,
+            scattering_per_m=first.scattering_per_m, table=scene.scattering[0].table,
             molecular_scattering_per_m=molecules[0].scattering_per_m if molecules else 0.0, depth_m=depth_m,
             path_m=path_m, cos_field=cos_field, elevation_rad=self.elevation_rad(), n_water=scene.n_water,
         )  # fmt: skip

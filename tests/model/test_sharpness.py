@@ -87,9 +87,12 @@ def test_first_zero_of_the_bessel_function() -> None:
     assert special.jn_zeros(1, 1)[0] == pytest.approx(sharpness.J1_ZERO, rel=1e-15)
 
 
+NODES = np.polynomial.legendre.leggauss(60)
+
+
 def disc_overlap(shift: float) -> float:
     """Area common to two unit circles, centres `shift` apart, over the area of one: by quadrature of chords."""
-    y, weights = np.polynomial.legendre.leggauss(400)
+    y, weights = NODES
     reach = math.sqrt(max(1.0 - shift**2 / 4, 0.0))
     angle = y * math.asin(reach)  # y = sin(angle): chords without a root at their ends
     chord = np.maximum(2 * np.cos(angle) - shift, 0.0)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scene_search import SceneSearch
 
 from uwopt.catalog.compatibility import image_circle_ok, mount_compatible, sensor_diagonal_mm
-from uwopt.evaluation import DesignModel, Hardware, SceneSettings
+from uwopt.design_model import DesignModel, Hardware, SceneSettings
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.optics import place_focus
 from uwopt.problem import Problem

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.evaluation import DesignModel
+from uwopt.design_model import DesignModel
 from uwopt.figures import SettingRows, depth_of_field_m, skew_px
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED
 from uwopt.model import sensor

@@ -19,7 +19,8 @@ import small_catalogues as small
 from random_cases import THOROUGH, TOP, Case, bench, case, enumerated, ids, lamp, planted, ranked
 
 from uwopt.catalog.records import exact
-from uwopt.evaluation import DesignModel, SceneSettings, evaluate_design
+from uwopt.design_model import DesignModel, SceneSettings
+from uwopt.evaluation import evaluate_design
 from uwopt.hardware import CONTINUOUS
 from uwopt.optics import place_focus
 from uwopt.problem import Parts, Problem

@@ -115,7 +115,7 @@ def radius_slope_px(
 
     Arguments as in `lateral_colour_px`; returns (...,) [px per unit of index]. Times 2 pi it is the number
     k per cycle per px that `spread_mtf` takes; times the rms of the index it is the spread to first order,
-    0.3 % low at 40 degrees in air (1 % at 60) under a white lamp. Physics page, section 4.
+    0.2 % low at 40 degrees in air (1 % at 60) under a white lamp. Physics page, section 4.
     """
     return focal_length_m / pixel_pitch_m * tan_air * (1.0 + tan_air**2) / n_design
 
@@ -177,7 +177,7 @@ def spread_table(wavelength_nm: ArrayLike, *, electrons_per_nm: ArrayLike, n_wat
     -----
     Density and index are linear between samples, and each segment is integrated in closed form: a sum over
     samples alone would come back to 1 at large k. The two humps of a white lamp make |Phi| rise a little
-    after its first dips (by 0.03); `least_so_far` is for those who need a falling transfer.
+    after its first dips (by 0.04); `least_so_far` is for those who need a falling transfer.
 
     References
     ----------

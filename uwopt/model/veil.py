@@ -46,6 +46,8 @@ MOST_ZOOMS = 8
 WIDE_EXPONENT = 6.0  # cosine-power lobes of 55 deg or more, and
 EVEN_LOG = 5.0  # water that leaves e^-5 or more, are integrated without probing
 FIELD_ORDERS = (4, 6, 8, 12, 18, 26, 38, 56, 80, 112, 160, 224)
+BOX_POINTS = 25  # a side of the grid that finds the lit part of an image
+BISECTIONS = 12  # of one cell of that grid: what is missed counts with the square
 MOST_RUNG = 4  # of the ladder, to begin at
 SPOT_ORDER = 18  # a beam that ends sharply may leave a lit spot that lower orders miss
 SMOOTH_CHANGE = 5e-4  # of the mean between two orders: a smooth integrand's error is then under 5e-5
@@ -168,7 +170,10 @@ def log_backscatter_gain(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
     scatterers: tuple[Scatterer, ...], order: int | None = None,
 ) -> Array:  # fmt: skip
-    """ln of `backscatter_gain`; -inf where no lamp lights the ray."""
+    """ln of `backscatter_gain` (same arguments), (...,) [ln of weight integral / (m sr)].
+
+    -inf where no lamp lights the ray; finite where e^x underflows.
+    """
     return _log_gain(
         tan_along,
         tan_across,
@@ -190,7 +195,7 @@ def _log_gain(
     total = np.full(rays.path_m.shape, -np.inf)
     with np.errstate(divide="ignore", under="ignore"):
         for index, share in enumerate(lamps.share):
-            view = lamp_view(rays, lamps=lamps, index=index, beam=beam)
+            view = _lamp_view(rays, lamps=lamps, index=index, beam=beam)
             from_lamp = _log_ray_integral(
                 view, beam=beam, scatterers=scatterers, order=ray_nodes, table_nodes=table_nodes
             )
@@ -198,20 +203,23 @@ def _log_gain(
         return np.asarray(total + np.log(lens.cos4_field(tan_along, tan_across)))
 
 
-def lamp_view(rays: Rays, *, lamps: Lamps, index: int, beam: beams.Beam) -> _View:
+def _lamp_view(rays: Rays, *, lamps: Lamps, index: int, beam: beams.Beam) -> _View:
     """How each ray sees one lamp, and which part of the ray it lights."""
     aim = lamps.aim[index]
     from_lamp = (rays.x_m - lamps.x_m[index], rays.y_m - lamps.y_m[index], rays.z_m - lamps.z_m[index])
     direction = (rays.along_x, rays.along_y, rays.along_z)
-    closest_m = -sum(q * u for q, u in zip(from_lamp, direction, strict=True))
-    across = [q + closest_m * u for q, u in zip(from_lamp, direction, strict=True)]
-    distance_m = np.maximum(np.sqrt(sum(q * q for q in across)), LEAST_DISTANCE_M)
-    aim_across = sum(q * a for q, a in zip(across, aim, strict=True)) / distance_m
-    aim_along = sum(u * a for u, a in zip(direction, aim, strict=True))
+    closest_m = -_dot(from_lamp, direction)
+    across = tuple(q + closest_m * u for q, u in zip(from_lamp, direction, strict=True))
+    distance_m = np.maximum(np.sqrt(_dot(across, across)), LEAST_DISTANCE_M)
+    aim_across, aim_along = _dot(across, aim) / distance_m, _dot(direction, aim)
     first, last = _lit_angles(aim_across, aim_along, beam)
     low = np.maximum(np.arcsinh(-closest_m / distance_m), np.arcsinh(np.tan(first)))
     high = np.minimum(np.arcsinh((rays.path_m - closest_m) / distance_m), np.arcsinh(np.tan(last)))
     return _View(distance_m, closest_m, aim_across, aim_along, low, np.maximum(low, high))
+
+
+def _dot(a: tuple[Array, ...], b: tuple[Any, ...]) -> Array:
+    return np.asarray(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
 
 def _lit_angles(aim_across: Array, aim_along: Array, beam: beams.Beam) -> tuple[Array, Array]:
@@ -231,7 +239,7 @@ def _log_ray_integral(
     low, high = view.low, view.high
     if _is_uneven(view, beam, scatterers):
         low, high = _bright_part(view, open_beam, scatterers)
-    n = order or ray_order(low, high, beam)
+    n = order or _ray_order(low, high, beam)
     span = high - low
     y = low[..., None] + span[..., None] * (0.5 * (gauss(n)[0] + 1.0))
     cosh, sinh = _hyperbolic(y)
@@ -296,7 +304,11 @@ def _log_losses(cosh: Array, sinh: Array, view: _View, scatterers: tuple[Scatter
 
 
 def log_transmission_anywhere(table: PathTable, lamp_range_m: Array, camera_range_m: Array) -> Array:
-    """`log_mean_transmission`, beyond the table's ranges continued with the attenuation at its far corner."""
+    """`log_mean_transmission` [ln], for any ranges (...,) [m].
+
+    Beyond the table's ranges: ln T = ln T(nearest range inside) - slope * excess, with the attenuation at
+    the table's far corner. Good to some per cent of the excess; meant for what is too dark to matter.
+    """
     lamp = np.clip(lamp_range_m, *table.lamp_range_m)
     camera = np.clip(camera_range_m, *table.camera_range_m)
     inside = log_mean_transmission(table, lamp, camera)
@@ -344,7 +356,7 @@ def _bright_part(view: _View, beam: beams.Beam, scatterers: tuple[Scatterer, ...
     return low, high
 
 
-def ray_order(low: Array, high: Array, beam: beams.Beam) -> int:
+def _ray_order(low: Array, high: Array, beam: beams.Beam) -> int:
     """Gauss-Legendre nodes along the rays: more for long bright parts and for narrow lobes.
 
     Measured: 1e-5 or better against composite rules of 10^4 nodes, over lobes of 10-120 deg, altitudes of
@@ -374,8 +386,12 @@ def mean_backscatter(
     -----
     Lamps that mirror each other across track give the same mean: one side, with both shares, will do.
     Half of the image stands for the whole along each direction in which no lamp stands or leans.
-    Default: relative error 1e-4 or less for lobes; for beams that end within the image and for measured
-    profiles see `EDGE_CHANGE`.
+    For a beam that ends sharply the nodes are laid within the part of the image that it lights.
+    Default: relative error 1e-4 or less, judged by the change between orders; the last order is 224.
+
+    References
+    ----------
+    Jaffe (1990), IEEE J. Oceanic Eng. 15(2), 101-111; physics page, section 8.
     """
     return np.exp(
         log_mean_backscatter(
@@ -395,26 +411,30 @@ def log_mean_backscatter(
     tan_along_half: Array, tan_across_half: Array, *, shape: PortShape, range_m: float, lamps: Lamps,
     beam: beams.Beam, scatterers: tuple[Scatterer, ...], order: int | None = None,
 ) -> Array:  # fmt: skip
-    """ln of `mean_backscatter`; -inf where no lamp lights the water before the image."""
+    """ln of `mean_backscatter` (same arguments), (n,) [ln of weight integral / (m sr)].
+
+    -inf where no lamp lights the water before the image; finite where e^x underflows.
+    """
     along, across = np.atleast_1d(np.asarray(tan_along_half, float), np.asarray(tan_across_half, float))
     common: dict[str, Any] = dict(
         shape=shape, range_m=range_m, lamps=lamps, beam=beam, scatterers=scatterers, ray_nodes=None,
         table_nodes=TABLE_NODES_IN_MEAN,
     )  # fmt: skip
     if order:
-        return _log_means((order,), along, across, **common)[0]
+        return _log_means((order,), along, across, _lit_boxes(along, across, **common), **common)[0]
     ladder = FIELD_ORDERS[_first_rung(along, across, shape, range_m, lamps, beam) :]
-    steep = has_steep_flank(beam)
+    steep = _has_steep_flank(beam)
     allowed = EDGE_CHANGE if steep else SMOOTH_CHANGE
     together = 3 if steep or _front_plane_may_show(lamps, beam) else 2
-    recent = _log_means(ladder[:together], along, across, **common)
+    boxes = _lit_boxes(along, across, **common)
+    recent = _log_means(ladder[:together], along, across, boxes, **common)
     mean = recent[-1].copy()
     pending = np.nonzero(~_settled(recent, allowed, may_hide=steep))[0]
     recent = recent[:, pending]
     for n in ladder[together:]:
         if not pending.size:
             break
-        finer = _log_means((n,), along[pending], across[pending], **common)
+        finer = _log_means((n,), along[pending], across[pending], boxes[:, :, pending], **common)
         recent = np.concatenate([recent[1:], finer])
         mean[pending] = finer[0]
         moving = ~_settled(recent, allowed, may_hide=steep and n < SPOT_ORDER)
@@ -422,7 +442,7 @@ def log_mean_backscatter(
     return mean
 
 
-def has_steep_flank(beam: beams.Beam) -> bool:
+def _has_steep_flank(beam: beams.Beam) -> bool:
     """True where the mean over an image converges slowly: sharp edges and measured profiles."""
     return beams.has_sharp_edge(beam) or beam.kind == "tabulated"
 
@@ -471,23 +491,123 @@ def _settled(recent: Array, allowed: float, *, may_hide: bool) -> Array:
     return np.asarray(steady | (np.all(np.isneginf(recent), axis=0) & (not may_hide)))
 
 
-def _log_means(orders: tuple[int, ...], along: Array, across: Array, **common: Any) -> Array:
+def _log_means(orders: tuple[int, ...], along: Array, across: Array, boxes: Array, **common: Any) -> Array:
     """ln of the mean over each image by product rules: (orders, images), a few images at a time.
 
     The rules' nodes are evaluated together, which for few images costs little more than one of them.
+    With boxes, each lamp has nodes of its own, all where it shines.
     """
     lamps = common["lamps"]
-    rules = [_image_rule(n, lamps) for n in orders]
-    ends = np.cumsum([0, *(len(weight) for _, _, weight in rules)])
-    u, v, weight = (np.concatenate(parts) for parts in zip(*rules, strict=True))
-    mean = np.empty((len(orders), len(along)))
-    step = max(1, NODES_AT_ONCE // (len(u) * N_PROBES))
+    if len(boxes):
+        by_lamp = [
+            _log_means_of_nodes(
+                [_lit_rule(n, along, across, box, lamp, **common) for n in orders],
+                along, across, **(common | dict(lamps=lamp)),
+            )
+            for lamp, box in zip(_each_lamp(lamps), boxes, strict=True)
+        ]  # fmt: skip
+        return np.asarray(np.logaddexp.reduce(by_lamp, axis=0))
+    return _log_means_of_nodes([_image_rule(n, lamps) for n in orders], along, across, **common)
+
+
+def _log_means_of_nodes(
+    rules: list[tuple[Array, Array, Array]], along: Array, across: Array, **common: Any
+) -> Array:
+    """ln of the means by rules (nodes u, v and weights), each of shape (k,) or (images, k)."""
+    ends = np.cumsum([0, *(weight.shape[-1] for _, _, weight in rules)])
+    u, v, weight = (np.concatenate(parts, axis=-1) for parts in zip(*rules, strict=True))
+    u, v, weight = (np.broadcast_to(part, (len(along), ends[-1])) for part in (u, v, weight))
+    mean = np.empty((len(rules), len(along)))
+    step = max(1, NODES_AT_ONCE // (int(ends[-1]) * N_PROBES))
     for start in range(0, len(along), step):
         rows = slice(start, start + step)
-        log_gain = np.log(weight) + _log_gain(along[rows, None] * u, across[rows, None] * v, **common)
-        for i in range(len(orders)):
+        log_gain = _log_gain(along[rows, None] * u[rows], across[rows, None] * v[rows], **common)
+        with np.errstate(divide="ignore"):
+            log_gain = log_gain + np.log(weight[rows])
+        for i in range(len(rules)):
             mean[i, rows] = _log_sum(log_gain[:, ends[i] : ends[i + 1]])
     return mean
+
+
+def _each_lamp(lamps: Lamps) -> list[Lamps]:
+    return [
+        Lamps((x,), (y,), (z,), (aim,), (share,))
+        for x, y, z, aim, share in zip(lamps.x_m, lamps.y_m, lamps.z_m, lamps.aim, lamps.share, strict=True)
+    ]
+
+
+def _is_lit(u: Array, v: Array, along: Array, across: Array, lamp: Lamps, **common: Any) -> Array:
+    """Whether field points (images, ...) see water that the lamp lights."""
+    lead = (-1, *([1] * (u.ndim - 1)))
+    rays = camera_rays(
+        along.reshape(lead) * u, across.reshape(lead) * v, shape=common["shape"], range_m=common["range_m"]
+    )
+    view = _lamp_view(rays, lamps=lamp, index=0, beam=common["beam"])
+    return np.asarray(view.high > view.low)
+
+
+def _lit_boxes(along: Array, across: Array, **common: Any) -> Array:
+    """The part of each image that each lamp lights, for beams that end sharply: (lamps, 4, images).
+
+    First and last u with lit points, and the v between which they lie, in half widths of the image. Empty
+    where nothing is to be cut: smooth beams, or images that are lit all over.
+    """
+    if not beams.has_sharp_edge(common["beam"]):
+        return np.empty((0, 4, len(along)))
+    boxes = [_lit_box(along, across, lamp, **common) for lamp in _each_lamp(common["lamps"])]
+    whole = all(np.all(found) for _, found in boxes)
+    return np.empty((0, 4, len(along))) if whole else np.array([box for box, _ in boxes])
+
+
+def _lit_box(along: Array, across: Array, lamp: Lamps, **common: Any) -> tuple[Array, Array]:
+    """(4, images): u from, u to, v from, v to; and whether all of the grid was lit."""
+    box = np.repeat([[-1.0], [1.0], [-1.0], [1.0]], len(along), axis=1)
+    steps = np.linspace(0.0, 1.0, BOX_POINTS)
+    lit_all = np.zeros(len(along), dtype=bool)
+    for turn in range(2):
+        u = (box[0] + np.multiply.outer(steps, box[1] - box[0])).T[:, :, None]
+        v = (box[2] + np.multiply.outer(steps, box[3] - box[2])).T[:, None, :]
+        lit = _is_lit(u, v, along, across, lamp, **common)
+        if turn == 0:
+            lit_all = np.asarray(lit.all(axis=(1, 2)))
+        for axis, (low, high) in ((2, (0, 1)), (1, (2, 3))):
+            some = np.asarray(lit.any(axis=axis))
+            first = np.argmax(some, axis=-1)
+            last = BOX_POINTS - 1 - np.argmax(some[:, ::-1], axis=-1)
+            span, start = box[high] - box[low], box[low].copy()
+            box[low] = start + span * steps[np.maximum(first - 1, 0)]
+            box[high] = start + span * steps[np.minimum(last + 1, BOX_POINTS - 1)]
+    return box, lit_all
+
+
+def _lit_rule(
+    n: int, along: Array, across: Array, box: Array, lamp: Lamps, **common: Any
+) -> tuple[Array, Array, Array]:
+    """Nodes u, v and weights (images, n * n): Gauss in u over the box, and in v over the lit part of each u.
+
+    Behind a dome the lit part of an image is convex (a convex beam seen from a point), so it is one
+    interval of v; its ends are found by bisection.
+    """
+    nodes, weights = gauss(n)
+    u = box[0][:, None] + (box[1] - box[0])[:, None] * (0.5 * (nodes + 1.0))
+    steps = np.linspace(0.0, 1.0, BOX_POINTS)
+    grid = (box[2] + np.multiply.outer(steps, box[3] - box[2])).T[:, None, :]
+    lit = _is_lit(u[:, :, None], grid, along, across, lamp, **common)
+    grid = np.broadcast_to(grid, lit.shape)
+    first = np.argmax(lit, axis=-1)
+    last = BOX_POINTS - 1 - np.argmax(lit[..., ::-1], axis=-1)
+    dark_at = np.stack([np.maximum(first - 1, 0), np.minimum(last + 1, BOX_POINTS - 1)], axis=-1)
+    inside, outside = (np.take_along_axis(grid, at, -1) for at in (np.stack([first, last], axis=-1), dark_at))
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (inside + outside)
+        is_in = _is_lit(np.repeat(u[:, :, None], 2, -1), middle, along, across, lamp, **common)
+        inside, outside = np.where(is_in, middle, inside), np.where(is_in, outside, middle)
+    span = np.where(lit.any(axis=-1), inside[..., 1] - inside[..., 0], 0.0)
+    v = inside[..., :1] + span[..., None] * (0.5 * (nodes + 1.0))
+    weight = 0.25 * (box[1] - box[0])[:, None, None] * (weights[:, None] * span[..., None]) * weights
+    u = np.broadcast_to(u[:, :, None], v.shape)
+    flat = (len(along), -1)
+    return u.reshape(flat), v.reshape(flat), weight.reshape(flat)
 
 
 def _image_rule(n: int, lamps: Lamps) -> tuple[Array, Array, Array]:

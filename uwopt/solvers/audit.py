@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.compatibility import explain_pair
-from uwopt.evaluation import DesignModel, Hardware
+from uwopt.design_model import DesignModel, Hardware
 from uwopt.figures import SettingRows, figures_of
 from uwopt.hardware import CONTINUOUS, FLASH
 from uwopt.objectives.margins import SATISFIED_REL

@@ -343,7 +343,8 @@ class Search:
             if len(units) == 0:
                 break
             full = [
-                self.tables.exact(s, lighting, pairs.imager[units]) for s in range(len(self.problem.scenes))
+                self.tables.exact(s, lighting, pairs.imager[units], known=light.take(units))
+                for s, light in enumerate(lights)
             ]
             place = np.full(len(pairs.imager), -1)
             place[units] = np.arange(len(units))
@@ -447,7 +448,9 @@ class Search:
         parts = []
         for number in np.unique(unique[1]):
             mine = np.nonzero(unique[1] == number)[0]
-            at = self.tables.exact(scene_index, lighting, unique[0, mine], count=int(number), pixels=True)
+            at = self.tables.exact(
+                scene_index, lighting, unique[0, mine], count=int(number), pixels=True, means=False
+            )
             parts.append((mine, at))
         pixels = ImageLight.joined(parts, unique.shape[1]).take(back.reshape(-1))
         return replace(seen, worst_e=pixels.worst_e, worst_veil_e=pixels.worst_veil_e)

@@ -116,9 +116,9 @@ class FieldTables:
 
     def exact(
         self, scene_index: int, lighting: Lighting, rows: Array, *, count: int = 2, pixels: bool = False,
-        veils: bool = True,
+        veils: bool = True, means: bool = True, known: ImageLight | None = None,
     ) -> ImageLight:  # fmt: skip
-        """Electrons per lm s of these imagers at every altitude."""
+        """Electrons per lm s of these imagers at every altitude; see `Problem.image_light`."""
         problem, imagers = self.problem, self.imagers
         view = imagers.scenes[scene_index].view
         port = np.zeros(len(rows), int) if problem.paper else imagers.port[rows]
@@ -128,6 +128,7 @@ class FieldTables:
             light = problem.image_light(
                 scene_index, view.take(rows[mine]), imagers.camera[rows[mine]], port_index=int(value),
                 optics=lighting.optics, mount=lighting.mount, count=count, pixels=pixels, veils=veils,
+                means=means, known=None if known is None else known.signal_e[mine],
             )  # fmt: skip
             parts.append((mine, light))
         return ImageLight.joined(parts, len(rows))

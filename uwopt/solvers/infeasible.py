@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from uwopt.catalog.catalogue import Catalog
-from uwopt.evaluation import DesignModel, Hardware, evaluate_design
+from uwopt.design_model import DesignModel, Hardware
+from uwopt.evaluation import evaluate_design
 from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem

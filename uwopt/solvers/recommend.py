@@ -17,8 +17,9 @@ import numpy as np
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, matches, select
 from uwopt.catalog.compatibility import explain_pair
+from uwopt.design_model import DesignModel, Hardware
 from uwopt.errors import MissionError, SolverError
-from uwopt.evaluation import DesignModel, Hardware, evaluate_design
+from uwopt.evaluation import evaluate_design
 from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem

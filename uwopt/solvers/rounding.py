@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.evaluation import DesignModel, Hardware, SceneSettings, evaluate_design
+from uwopt.design_model import DesignModel, Hardware, SceneSettings
+from uwopt.evaluation import evaluate_design
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Problem

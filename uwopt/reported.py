@@ -1,0 +1,291 @@
+"""Figures and settings of a design by the names that reports use, in the field's units."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.design_model import DesignModel
+from uwopt.figures import (
+    Figures,
+    SettingRows,
+    electrons_in_image,
+    full_light_lm,
+    open_s,
+)
+from uwopt.hardware import CONTINUOUS, FLASH
+from uwopt.model import lateral, sensor, sharpness
+from uwopt.model import lens as lens_model
+from uwopt.model.defocus import defocus_px
+from uwopt.model.port import dome_virtual_image_distance_m
+from uwopt.optics import (
+    blur_time_s,
+    field_dioptres_per_m,
+    relative_spectrum,
+    required_rate_hz,
+)
+from uwopt.sharp import arriving, mean_wavelength_nm
+
+Array = NDArray[Any]
+
+
+def plain_settings(
+    model: DesignModel, index: int, settings: SettingRows, figures: Figures
+) -> dict[str, float | None]:
+    """Settings in the field's units."""
+    kind = int(model.lights.kind[0])
+    level, pulse = float(settings.level[0]), float(settings.pulse_s[0])
+    flux = None if kind == FLASH else float(model.lights.full_light[0]) * model.hardware.count * level
+    energy = float(model.lights.stored_energy_j[0]) * level if kind == FLASH else None
+    focus = float(figures.focus_distance_m[0])
+    return {
+        "f_number": float(settings.f_number[0]),
+        "exposure_ms": float(settings.exposure_s[0]) * 1e3,
+        "pulse_ms": pulse * 1e3 if kind != CONTINUOUS and math.isfinite(pulse) else None,
+        "gain": float(settings.gain[0]),
+        "gain_db": 20.0 * math.log10(float(settings.gain[0])) if settings.gain[0] > 0 else None,
+        "flux_lm": flux,
+        "dim_frac": level,
+        "flash_energy_j": energy,
+        "frame_rate_hz": float(settings.rate_hz[0]),
+        "focus_distance_m": focus if math.isfinite(focus) else None,
+    }
+
+
+def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures: Figures) -> dict[str, Any]:
+    """Figures at the nominal altitude, by the names that reports use."""
+    scene, view = model.problem.scenes[index], model.views[index]
+    landscape, at = model.hardware.landscape, scene.nominal
+    along, across = float(view.footprint_along_m[0, 1]), float(view.footprint_across_m[0, 1])
+    snr = float(figures.snr[0, at])
+    needs = scene.view.requirements
+    speed = scene.view.vehicle.speed_m_s
+    nominal_rate = float(required_rate_hz(needs, speed, view.footprint_along_m[:, 1:2])[0, 0])
+    far = float(figures.dof_far_m[0])
+    near = float(figures.dof_near_m[0])
+    cam = model.cameras
+    mean_level = float(figures.mean_level[0, at])
+    blur_limit = float(blur_time_s(_at_nominal(scene), model.shapes[index], _nominal_view(view))[0])
+    out: dict[str, Any] = {
+        "fov_x_m": across if landscape else along,
+        "fov_y_m": along if landscape else across,
+        "gsd_mm": float(view.gsd_m[0, 1]) * 1e3,
+        "blur_px": float(figures.blur_px[0, 1]),
+        "skew_px": float(figures.skew_px[0, 1]),
+        "swath_m": across,
+        "overlap": float(figures.overlap[0, 1]),
+        "frame_rate_min_hz": nominal_rate,
+        "exposure_max_ms": blur_limit * 1e3 if math.isfinite(blur_limit) else None,
+        "exposure_ms": float(settings.exposure_s[0]) * 1e3,
+        "pulse_ms": plain_settings(model, index, settings, figures)["pulse_ms"],
+        "f_number": float(settings.f_number[0]),
+        "working_f_number": float(figures.working_f_number[0]),
+        "gain": float(settings.gain[0]),
+        "flux_lm": plain_settings(model, index, settings, figures)["flux_lm"],
+        "duty_frac": float(figures.duty_frac[0]),
+        "dof_near_m": near,
+        "dof_far_m": far if math.isfinite(far) else None,
+        "dof_far_is_infinite": math.isinf(far),
+        "dof_m": far - near if math.isfinite(far) else None,
+        "focus_distance_m": plain_settings(model, index, settings, figures)["focus_distance_m"],
+        "virtual_image_distance_m": virtual_image_m(model, index),
+        "effective_focal_length_mm": effective_focal_mm(model, index),
+        **illuminance(model, index, settings),
+        "electrons_signal": float(figures.electrons_signal[0, at]),
+        "electrons_forward": at_nominal(figures.electrons_forward, at),
+        "electrons_backscatter": at_nominal(figures.electrons_backscatter, at),
+        "electrons_sun": at_nominal(figures.electrons_sun, at),
+        "electrons_dark": float(figures.electrons_dark[0]),
+        "mean_level": mean_level,
+        "mean_dn": mean_level * float(2.0 ** cam.bits[0] - 1.0),
+        "saturation_fraction": float(figures.saturation_fraction[0]),
+        "snr": snr,
+        "snr_db": decibels(snr),
+        "snr_db_min": None if figures.snr_darkest is None else decibels(float(figures.snr_darkest[0, at])),
+        **colour_snr(model, index, settings, figures),
+        "contrast": at_nominal(figures.contrast, at),
+        "veil_ratio": veil_ratio(figures, at),
+        **sharpness_figures(model, index, settings, figures),
+        "airy_diameter_um": airy_um(model, index, float(figures.working_f_number[0])),
+        "power_w": float(model.totals(index, figures)["power_w"][0]),
+        "light_power_w": float(figures.light_power_w[0]),
+        "light_peak_power_w": float(figures.light_peak_power_w[0]),
+        "camera_power_w": float(model.totals(index, figures)["camera_power_w"][0]),
+        "cost": float(model.totals(index, figures)["cost"][0]),
+        "currency": model.problem.mission.limits.currency,
+        "mass_kg": float(model.totals(index, figures)["mass_kg"][0]),
+        "data_rate_mb_s": float(figures.data_rate_mb_s[0]) * model.problem.mission.vehicle.camera_count,
+        "information_bit_per_m2": at_one(figures.information_bit_per_m2),
+    }
+    return {key: (None if isinstance(v, float) and not math.isfinite(v) else v) for key, v in out.items()}
+
+
+def _at_nominal(scene: Any) -> Any:
+    return replace(scene, range_m=scene.range_m[scene.nominal : scene.nominal + 1], nominal=0)
+
+
+def _nominal_view(view: Any) -> Any:
+    middle = {
+        name: np.repeat(getattr(view, name)[:, 1:2], 3, axis=1)
+        for name in ("footprint_along_m", "footprint_across_m", "gsd_m", "pixel_along_m", "pixel_across_m")
+    }
+    return replace(view, **middle)
+
+
+def at_nominal(column: Array | None, altitude: int) -> float | None:
+    """A figure of the only design at one altitude; None when it is left out."""
+    return None if column is None else float(column[0, altitude])
+
+
+def at_one(column: Array | None) -> float | None:
+    """A figure of the only design; None when it is left out."""
+    return None if column is None else float(column[0])
+
+
+SHARPNESS = (
+    "mtf50_cyc_per_px", "mtf_half_nyquist", "resolution_10_mm", "lateral_colour_px", "defocus_corner_px",
+)  # fmt: skip
+
+
+def sharpness_figures(
+    model: DesignModel, index: int, settings: SettingRows, figures: Figures
+) -> dict[str, float | None]:
+    """MTF where the mission wants the image sharp, and what colours and defocus do at the corner."""
+    scene, problem, view = model.problem.scenes[index], model.problem, model.views[index]
+    if scene.paper:
+        return dict.fromkeys(SHARPNESS)
+    dioptre = float(settings.dioptre_per_m[0])
+    rows = model.sharp_rows(index, dioptre)
+    f_number, working = settings.f_number, figures.working_f_number
+    sunlit = model.rows[index].sun is not None
+    blur_s = open_s(model.rows[index], settings) if sunlit else figures.light_time_s
+    (group, table), *_ = rows.groups()
+    at = rows.at(
+        group, table, working_f_number=working, blur_px=rows.blur_px_per_s[:, 1] * blur_s,
+        disc_px=rows.place_disc_px[:, 1] / f_number, field="place",
+    )  # fmt: skip
+    resolution_m = sharpness.resolution_10_m(
+        at, ground_sample_along_m=view.gsd_m[:, 1], ground_sample_across_m=view.gsd_m[:, 1]
+    )
+    spectrum = int(problem.contractions[index].spectrum_of[int(model.lights.optics_index[0])])
+    electrons = arriving(scene, problem.contractions[index], spectrum, int(model.cameras.qe_index[0]))
+    corner, shape = np.hypot(view.tan_along, view.tan_across), model.shapes[index]
+    colour = 0.0
+    if not shape.is_dome:
+        spread = lateral.lateral_colour_px(
+            corner, n_water=scene.n_water_spectrum, n_design=scene.n_water, electrons=electrons,
+            focal_length_m=view.focal_length_m, pixel_pitch_m=model.cameras.pixel_pitch_m,
+        ) * lateral.finite_range_share(
+            corner, gap_m=shape.gap_m, thickness_m=shape.thickness_m, n_glass=shape.n_glass,
+            n_water=shape.n_water, range_m=float(scene.range_m[scene.nominal]),
+        )  # fmt: skip
+        colour = float(spread[0])
+    bent = field_dioptres_per_m(view.corner_image, float(scene.range_m[scene.nominal]))
+    disc = defocus_px(
+        bent, f_number=f_number[:, None], focal_length_m=view.focal_length_m[:, None],
+        pixel_pitch_m=model.cameras.pixel_pitch_m[:, None], focus_dioptre_per_m=dioptre,
+    )  # fmt: skip
+    return {
+        "mtf50_cyc_per_px": float(sharpness.mtf50_cyc_per_px(at)[0]),
+        "mtf_half_nyquist": float(sharpness.mtf_half_nyquist(at)[0]),
+        "resolution_10_mm": float(resolution_m[0]) * 1e3,
+        "lateral_colour_px": colour,
+        "defocus_corner_px": float(disc.max()),
+    }
+
+
+def veil_ratio(figures: Figures, altitude: int) -> float | None:
+    """Veil over image-forming electrons; None where veils are left out or nothing forms an image."""
+    if figures.contrast is None or not figures.electrons_signal[0, altitude] > 0:
+        return None
+    veils = (figures.electrons_forward, figures.electrons_backscatter)
+    veil = sum(float(column[0, altitude]) for column in veils if column is not None)
+    return veil / float(figures.electrons_signal[0, altitude])
+
+
+def decibels(ratio: float) -> float | None:
+    """20 log10, None where there is no signal."""
+    return 20.0 * math.log10(ratio) if ratio > 0 else None
+
+
+def virtual_image_m(model: DesignModel, index: int) -> float | None:
+    """Virtual image of the floor from the dome's outer vertex."""
+    shape, scene = model.shapes[index], model.problem.scenes[index]
+    if not shape.is_dome:
+        return None
+    return float(
+        dome_virtual_image_distance_m(
+            float(scene.range_m[scene.nominal]),
+            outer_radius_m=shape.outer_radius_m,
+            thickness_m=shape.thickness_m,
+            n_glass=shape.n_glass,
+            n_water=shape.n_water,
+        )
+    )
+
+
+def effective_focal_mm(model: DesignModel, index: int) -> float:
+    """Focal length that the floor sees: n_w f behind a flat port (paraxial), f behind a dome."""
+    focal_mm = float(model.lenses.focal_length_m[0]) * 1e3
+    shape = model.shapes[index]
+    return focal_mm if shape.is_dome else focal_mm * shape.n_water
+
+
+def illuminance(model: DesignModel, index: int, settings: SettingRows) -> dict[str, float]:
+    """Floor illuminance over the footprint at the nominal altitude, while the lights are on."""
+    problem, hw = model.problem, model.hardware
+    scene, view = problem.scenes[index], model.views[index]
+    lumens = float(full_light_lm(model.lights, np.array([hw.count]))[0]) * float(settings.level[0])
+    lumens *= float(model.lights.output_factor[0])
+    mean, least = problem.footprint_light(
+        index, view, port_index=hw.port, optics=int(model.lights.optics_index[0]), mount=hw.mount,
+        count=hw.count, altitude=scene.nominal,
+    )  # fmt: skip
+    return {
+        "floor_illuminance_mean_lx": lumens * mean,
+        "floor_illuminance_min_lx": lumens * least,
+        "uniformity": least / mean if mean > 0 else 0.0,
+    }
+
+
+def colour_snr(
+    model: DesignModel, index: int, settings: SettingRows, figures: Figures
+) -> dict[str, float | None]:
+    """SNR of each channel of a colour sensor at the nominal altitude; None for a mono sensor."""
+    names = ("red", "green", "blue")
+    curves = model.problem.efficiencies[int(model.cameras.qe_index[0])]
+    if not all(name in curves for name in names):
+        return {f"snr_{name}": None for name in names}
+    scene, cam = model.problem.scenes[index], model.cameras
+    out: dict[str, float | None] = {}
+    for name in names:
+        light, sun = model.image_light(index, channel=name), model.sun_light(index, channel=name)
+        open_y = open_s(model.rows[index], settings) / np.square(figures.working_f_number)
+        seen = electrons_in_image(replace(model.rows[index], light=light, sun=sun), figures.light_x, open_y)
+        out[f"snr_{name}"] = float(
+            sensor.snr(
+                float(seen.signal_e[0, scene.nominal]),
+                veil_e=0.0 if seen.veil_e is None else float(seen.veil_e[0, scene.nominal]),
+                read_noise_e=float(cam.read_noise_e[0]),
+                gain_dn_per_e=float(cam.gain_dn_per_e[0] * settings.gain[0]),
+                dark_e=float(figures.electrons_dark[0]),
+                prnu_frac=float(cam.prnu_frac[0]),
+            )
+        )
+    return out
+
+
+def airy_um(model: DesignModel, index: int, working_f_number: float) -> float:
+    """Airy disc at the electron-weighted mean wavelength of the light that arrives."""
+    problem = model.problem
+    scene, contraction = problem.scenes[index], problem.contractions[index]
+    spectrum = int(contraction.spectrum_of[int(model.lights.optics_index[0])])
+    seen = arriving(scene, contraction, spectrum, int(model.cameras.qe_index[0]))
+    if not seen.sum() > 0:  # nothing arrives: the lamp's own colour
+        seen = relative_spectrum(contraction.spectrum_names[spectrum], scene.wavelength_nm)
+    mean_nm = mean_wavelength_nm(scene, seen)
+    return float(lens_model.airy_diameter_m(mean_nm, working_f_number=working_f_number)) * 1e6
