@@ -5,21 +5,26 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from uwopt.batch import Batch, Designs
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Choice, select
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.catalog.load import load_catalog as _load_catalog
-from uwopt.design_model import Hardware, SceneSettings
+from uwopt.design_model import DesignModel, Hardware, SceneSettings
+from uwopt.effects import Influence, effects_kept
 from uwopt.errors import MissionError
 from uwopt.evaluation import evaluate_design
 from uwopt.hardware import FLASH
 from uwopt.mission import Mission, load_mission
+from uwopt.model.fidelity import Effects
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Mount, Parts, Problem
 from uwopt.result import Design, Margin, Result
@@ -33,8 +38,8 @@ Source = str | Path | Mapping[str, Any]
 Progress = Callable[[float, str], None]
 SOLVERS = ("exact", "casadi", "nlopt")
 NOT_MODELLED = (
-    "backscatter and forward-scatter veils", "sunlight", "curved dome image", "MTF and resolution",
-    "lateral colour", "Fresnel loss by angle", "choice of effects by physics auto",
+    "light scattered more than once towards the camera", "shadows and relief of the floor", "ripples of sunlight",
+    "reflections between port and lens", "lens distortion and vignetting beyond cos^4",
 )  # fmt: skip
 
 
@@ -232,17 +237,40 @@ def selection_warnings(sought: Sought) -> list[dict[str, str]]:
     return [{"code": "pattern", "path": "catalog", "message": text} for text in sought.selection.warnings]
 
 
-def base_result(command: str, mission: Mission, goal: Objective, problem: Problem) -> Result:
-    """What every result carries."""
+def influences_of(
+    problem: Problem, hardware: Hardware, given: list[SceneSettings], goal: Objective
+) -> list[Influence]:
+    """How much each effect matters to one design, and what physics `auto` would leave out."""
+    if problem.paper:
+        return []
+    plain = DesignModel(problem.with_effects(Effects.none()), hardware)
+    settings = [plain.settings(index, one) for index, one in enumerate(given)]
+    one = np.array([0])
+    designs = Designs(
+        one + hardware.camera, one + hardware.lens, one + hardware.port, np.array([hardware.landscape]),
+        one + hardware.light, one + hardware.count, hardware.mount,
+    )  # fmt: skip
+    batch = Batch(problem, designs)
+    information = bool(goal.weight("information"))
+    return batch.influences(problem.mission.tolerance, settings, information=information)
+
+
+def base_result(
+    command: str, mission: Mission, goal: Objective, problem: Problem, influences: Sequence[Influence] = ()
+) -> Result:
+    """What every result carries; physics `full` keeps every effect, however small."""
     import uwopt
 
     tables = {scene.name: scene.water_table for scene in problem.scenes}
     physics = {
-        "name": "paper" if problem.paper else "full",
+        "name": mission.physics,
         "asked": mission.physics,
         "tolerance": mission.tolerance,
         "water_table": tables[problem.scenes[0].name] if len(set(tables.values())) == 1 else tables,
-        "effects": [],
+        "effects": [
+            (item if mission.physics == "auto" else replace(item, kept=True, time_saved_s=0.0)).as_dict()
+            for item in influences
+        ],
         "not_modelled": list(NOT_MODELLED),
     }
     return Result(
@@ -285,12 +313,15 @@ def evaluate(mission: Source | Mission, system: Source | System, *, physics: str
     goal = Objective.of(wanted.objective)
     problem, hardware = system_problem(wanted, built)
     given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
+    influences = influences_of(problem, hardware, given, goal)
+    if wanted.physics == "auto":
+        problem = problem.with_effects(effects_kept(influences))
     design = with_compatibility(
         evaluate_design(problem, hardware, given, goal, level_tolerance_rel=LEVEL_TOLERANCE_REL),
         problem,
         wanted,
     )
-    result = base_result("evaluate", wanted, goal, problem)
+    result = base_result("evaluate", wanted, goal, problem, influences)
     return replace(
         result,
         status="feasible" if design.feasible else "violated",

@@ -230,6 +230,22 @@ class LampField:
         has_veil = scatters and self.effects.veils
         return np.stack(signals, axis=1), np.stack(veil_sum, axis=1) if has_veil else None
 
+    def veils_at_pixels(self, view: Views, along: Array, across: Array) -> tuple[Array, Array]:
+        """Forward veil and backscatter over the image-forming light at field points, farthest and nearest."""
+        shares: list[tuple[Array, Array]] = []
+        response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
+        for range_m in (float(self.scene.range_m[0]), float(self.scene.range_m[-1])):
+            common = dict(lamps=self.lamps, **self.common(range_m))
+            signal, every = (
+                imaging.local_gain(along, across, table=self.loss_table(diffuse=d), **common) * response
+                for d in (False, True)
+            )
+            back = veil.backscatter_gain(along, across, scatterers=self.scatterers(), **common)
+            lit = np.maximum(signal, 1e-300)
+            shares.append((np.maximum(every - signal, 0.0) / lit, back / lit))
+        forward, backs = (np.maximum(a, b) for a, b in zip(*shares, strict=True))
+        return forward, backs
+
 
 def worst_candidates(signal: Array, veil_there: Array | None) -> Array:
     """Pixels with, for some row and altitude, no other pixel that has less signal and more veil.

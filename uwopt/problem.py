@@ -7,6 +7,7 @@ the estimates (central, good, bad). A design is a row of indices into these tabl
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -137,6 +138,12 @@ class Problem:
             parts.lights, money=self.money, optics_index=optics_index, end=end, paper=paper, high_basis=high
         )
         self.contractions = [Contraction(scene, self.optics, self.efficiencies) for scene in self.scenes]
+
+    def with_effects(self, effects: Effects) -> Problem:
+        """The same tables in a model that keeps these effects."""
+        changed = copy(self)
+        changed.effects = PAPER if self.paper else effects
+        return changed
 
     def money(self, amount: float, currency: str) -> float:
         """An amount in the mission's currency."""

@@ -193,8 +193,8 @@ def sharpness_figures(
         "mtf50_cyc_per_px": float(sharpness.mtf50_cyc_per_px(at)[0]),
         "mtf_half_nyquist": float(sharpness.mtf_half_nyquist(at)[0]),
         "resolution_10_mm": float(resolution_m[0]) * 1e3,
-        "lateral_colour_px": colour,
-        "defocus_corner_px": float(disc.max()),
+        "lateral_colour_px": colour if problem.effects.lateral_colour else None,
+        "defocus_corner_px": float(disc.max()) if problem.effects.image_curvature else None,
     }
 
 

@@ -6,7 +6,7 @@ Information is that of the field point which stands for the whole image.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -57,6 +57,20 @@ class SharpRows:
             if isinstance(getattr(self, f.name), np.ndarray)
         }
         return replace(self, **picked)
+
+    @staticmethod
+    def joined(parts: Sequence[tuple[Array, SharpRows]], count: int) -> SharpRows:
+        """Groups of rows put back in their places."""
+        columns: dict[str, Any] = {}
+        spreads: tuple[SpreadTable, ...] = ()
+        for rows, part in parts:
+            for f in fields(part):
+                value = getattr(part, f.name)
+                if isinstance(value, np.ndarray):
+                    column = columns.setdefault(f.name, np.empty((count, *value.shape[1:]), value.dtype))
+                    column[rows] = value + (len(spreads) if f.name == "spread_index" else 0)
+            spreads += part.spreads
+        return SharpRows(**columns, spreads=spreads)
 
     def groups(self) -> list[tuple[Array, SpreadTable | None]]:
         """Rows that share the colours they detect; None where no colour is spread."""

@@ -38,6 +38,7 @@ Array = NDArray[Any]
 
 NODES_AT_ONCE = 20_000  # along rays: some twenty arrays of them stay in the processor's cache
 LEAST_DISTANCE_M = 1e-9  # a ray through the lamp itself has no finite veil; this keeps it a number
+PHASE_NODES = 48  # along a ray, where phase functions are read: Petzold's have a knot every 5 deg
 TABLE_NODES = 512  # along a ray, where a measured profile is read
 TABLE_NODES_IN_MEAN = 256  # its wiggles average out over the rays of an image
 N_PROBES = 17  # along a ray, to find where it shines
@@ -241,34 +242,35 @@ def _log_ray_integral(
         low, high = _bright_part(view, open_beam, scatterers)
     n = order or _ray_order(low, high, beam)
     span = high - low
-    y = low[..., None] + span[..., None] * (0.5 * (gauss(n)[0] + 1.0))
-    cosh, sinh = _hyperbolic(y)
+    cosh, sinh = _hyperbolic(low[..., None] + span[..., None] * (0.5 * (gauss(n)[0] + 1.0)))
+    smooth = 1.0 / cosh if beam.kind == "tabulated" else _intensity(cosh, sinh, view, open_beam) / cosh
     logs = _log_losses(cosh, sinh, view, scatterers)
     top = np.max([log.max(axis=-1) for log in logs], axis=0)
     top = np.where(np.isneginf(top), 0.0, top)  # nothing scatters
-    cos_scatter = -sinh / cosh
-    scattered = sum(
-        np.exp(log - top[..., None]) * scatterer.phase(cos_scatter)
-        for log, scatterer in zip(logs, scatterers, strict=True)
+    n_fine = max(n, table_nodes if beam.kind == "tabulated" else PHASE_NODES)
+    read = _measured_curves(n_fine, low, span, view, open_beam, scatterers)
+    total = sum(
+        (smooth * np.exp(log - top[..., None]) * (curve @ _to_coarse(n, n_fine))).sum(axis=-1)
+        for log, curve in zip(logs, read, strict=True)
     )
-    weight = _weighted_intensity(n, table_nodes, low, span, cosh, sinh, view, open_beam)
-    total = (weight * scattered / cosh).sum(axis=-1)
-    return np.asarray(np.log(total * span / view.distance_m) + top)
+    return np.asarray(np.log(np.maximum(total, 0.0) * span / view.distance_m) + top)
 
 
-def _weighted_intensity(
-    n: int, n_fine: int, low: Array, span: Array, cosh: Array, sinh: Array, view: _View, beam: beams.Beam
-) -> Array:
-    """Intensity times quadrature weight at the n nodes.
+def _measured_curves(
+    n: int, low: Array, span: Array, view: _View, beam: beams.Beam, scatterers: tuple[Scatterer, ...]
+) -> list[Array]:
+    """Phase functions, times the intensity of a measured beam, at n nodes along each ray.
 
-    A measured profile is read at many more places than the smooth rest needs: that rest is taken as the
-    polynomial through the nodes, so each reading adds to their weights.
+    Curves that are known at knots are read at more places than the smooth rest needs. That rest is
+    taken as the polynomial through its nodes; `_to_coarse` adds each reading to their weights.
     """
+    cosh, sinh = _hyperbolic(low[..., None] + span[..., None] * (0.5 * (gauss(n)[0] + 1.0)))
+    cos_scatter = -sinh / cosh
+    curves = [scatterer.phase(cos_scatter) for scatterer in scatterers]
     if beam.kind != "tabulated":
-        return np.asarray(_intensity(cosh, sinh, view, beam) * gauss(n)[1])
-    fine = 0.5 * (gauss(n_fine)[0] + 1.0)
-    profile = _intensity(*_hyperbolic(low[..., None] + span[..., None] * fine), view, beam)
-    return np.asarray(profile @ _to_coarse(n, n_fine))
+        return curves
+    profile = _intensity(cosh, sinh, view, beam)
+    return [profile * curve for curve in curves]
 
 
 @cache
