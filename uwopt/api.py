@@ -28,6 +28,7 @@ from uwopt.model.fidelity import Effects
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Mount, Parts, Problem
 from uwopt.result import Design, Margin, Result
+from uwopt.scene_checks import check_physical
 from uwopt.solvers import recommend
 from uwopt.solvers.certificate import certificate
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, design_of, seek
@@ -60,7 +61,9 @@ def prepared(mission: Source | Mission, physics: str | None, objective: Any) -> 
         changes["physics"] = physics
     if objective is not None:
         changes["objective"] = objective
-    return loaded.with_changes(**changes) if changes else loaded
+    made = loaded.with_changes(**changes) if changes else loaded
+    check_physical(made)
+    return made
 
 
 def solve(
@@ -409,7 +412,7 @@ def with_compatibility(design: Design, problem: Problem, mission: Mission) -> De
     faults = [f.rule for f in findings if f.severity == "fault" or f.rule == strict]
     faults += unwanted_kind(problem, mission)
     notes = [{"code": f.rule, "path": "hardware", "message": f.message} for f in findings]
-    notes += breathing_notes(design)
+    notes += [*breathing_notes(design), *design.warnings]
     if not faults:
         return replace(design, warnings=notes)
     missed = [Margin(f"fits: {rule}", 0.0, 1.0, ">=", -1.0, "", None, False, False) for rule in faults]

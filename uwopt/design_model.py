@@ -19,6 +19,7 @@ from uwopt.figures import (
 )
 from uwopt.hardware import CONTINUOUS, FLASH, Cameras, Lenses, Lights
 from uwopt.image_light import ImageLight, SunLight
+from uwopt.model import imaging
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.objectives.margins import MarginRows, scene_margins, system_margins
 from uwopt.optics import (
@@ -94,6 +95,19 @@ class DesignModel:
             sun=self.sun_light(index, pixels=True),
             sharp=None,
         )
+
+    def dark_share(self, index: int) -> float:
+        """Share of the image that no lamp lights, at the nominal altitude."""
+        scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
+        beam = self.problem.optics[int(self.lights.optics_index[0])].beam
+        lamps, range_m = hw.mount.lamps(hw.count), float(scene.range_m[scene.nominal])
+        along, across = imaging.pixel_grid(view.tan_along, view.tan_across, n_points=41)
+        x_m, y_m, _ = imaging.floor_point(along, across, shape=self.shapes[index], range_m=range_m)
+        lit = np.zeros(x_m.shape, bool)
+        for n in range(len(lamps.share)):
+            light, _, _ = imaging.lamp_light(x_m, y_m, lamps=lamps, index=n, beam=beam, range_m=range_m)
+            lit |= light > 0.0
+        return float(1.0 - lit.mean())
 
     def sharp_rows(self, index: int, dioptre_per_m: float) -> SharpRows:
         """What sharpness depends on at this focus."""

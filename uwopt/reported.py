@@ -289,3 +289,22 @@ def airy_um(model: DesignModel, index: int, working_f_number: float) -> float:
         seen = relative_spectrum(contraction.spectrum_names[spectrum], scene.wavelength_nm)
     mean_nm = mean_wavelength_nm(scene, seen)
     return float(lens_model.airy_diameter_m(mean_nm, working_f_number=working_f_number)) * 1e6
+
+
+# ---------------------------------------------------------------- what should be known of the light
+
+
+DARK_SHARE = 0.01  # of the image: a darker part is worth a warning
+
+
+def light_notes(model: DesignModel) -> list[dict[str, str]]:
+    """Warnings of images that the lamps do not fill, and of veils that are stronger than the image."""
+    notes: list[dict[str, str]] = []
+    for index, scene in enumerate(model.problem.scenes):
+        if scene.paper:
+            continue
+        dark = model.dark_share(index)
+        if dark > DARK_SHARE:
+            text = f"{scene.name}: no light reaches {100 * dark:.0f} % of the image"
+            notes.append({"code": "dark_image", "path": "light", "message": text})
+    return notes

@@ -14,12 +14,10 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from uwopt.catalog import spectra
-from uwopt.errors import MissionError
 from uwopt.image_light import SunLight
 from uwopt.model import imaging, port, seafloor, sunlight
 from uwopt.model.spectrum import resample
 from uwopt.optics import TINY, Views, efficiency_curve
-from uwopt.scene import SceneOptics
 
 if TYPE_CHECKING:
     from uwopt.problem import Problem
@@ -30,28 +28,12 @@ IMAGE_ORDER = 12  # Gauss-Legendre nodes over half an image's side
 DIMMEST_LOG = -700.0
 
 
-def check_sun(scene: SceneOptics) -> None:
-    """Raise where sunlight is asked for and cannot be: no sun above the horizon, or no water above the camera."""
-    asked = scene.view.scene
-    if asked.sun_elevation_deg <= 0.0:
-        raise MissionError(
-            f"scene {scene.name!r}: sun_elevation_deg = {asked.sun_elevation_deg:g} is not above the horizon, so "
-            f"sun_lux = {asked.sun_lux:g} lx cannot be sunlight; set sun_lux: 0 or raise the sun"
-        )
-    if asked.depth_m < float(scene.range_m[-1]):
-        raise MissionError(
-            f"scene {scene.name!r}: with sun_lux above 0, depth_m = {asked.depth_m:g} m is the depth of the floor "
-            f"and must be at least the altitude of {scene.range_m[-1]:g} m; deepen the scene or set sun_lux: 0"
-        )
-
-
 class SunField:
     """Daylight seen by imagers that share scene, port and efficiency curve."""
 
     def __init__(self, problem: Problem, scene_index: int, *, port_index: int, efficiency: int,
                  channel: str | None = None):  # fmt: skip
         self.scene, self.effects = problem.scenes[scene_index], problem.effects
-        check_sun(self.scene)
         self.shape = problem.shape(port_index, scene_index)
         self.efficiency = efficiency_curve(
             problem.efficiencies[efficiency], self.scene.wavelength_nm, channel=channel

@@ -122,7 +122,7 @@ def design_of(sought: Sought, found: Found, objective: Objective, *, with_roundi
     given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
     design = evaluate_design(problem, hardware, given, objective)
     check_claim(design, found, objective)
-    design = replace(design, warnings=part_warnings(problem, hardware))
+    design = replace(design, warnings=[*part_warnings(problem, hardware), *design.warnings])
     return with_rounded(sought, found, design, objective) if with_rounding else design
 
 
