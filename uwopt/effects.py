@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from uwopt.figures import SettingRows, full_light_lm
 from uwopt.hardware import CONTINUOUS
-from uwopt.image_light import LampField
+from uwopt.image_light import COARSE_ORDER, SMOOTH_MARGIN, LampField
 from uwopt.model import beam as beams
 from uwopt.model import imaging, port
 from uwopt.model.fidelity import Effects
@@ -29,8 +29,6 @@ from uwopt.sun_field import SunField
 
 Array = NDArray[Any]
 
-COARSE_ORDER = 4  # nodes a side of the image in the bound of backscatter
-MARGIN = 1.5  # a coarse integral times this is a bound
 EDGE_MARGIN = 3.0  # where the beam ends sharply
 FORWARD_MARGIN = 1.05  # the spectrum at the ends of the lamp's ranges bounds what lies between
 PIXELS = 5  # a side, where the worst pixel counts
@@ -123,7 +121,7 @@ def bounds_of(problem: Problem, group: Group, *, information: bool) -> dict[str,
         problem, group.scene_index, port_index=group.port, optics=group.optics, mount=group.mount,
         count=int(group.count.max()), efficiency=int(problem.cameras.qe_index[group.camera[0]]),
     )  # fmt: skip
-    signal = field.light(view, pixels=False, veils=False).signal_e
+    signal = field.light(view, pixels=False, veils="none").signal_e
     signal_s = time.perf_counter() - start
     if scene.scatters:
         found["forward_veil"] = (forward_bound(field, view), signal_s)
@@ -165,7 +163,7 @@ def forward_bound(field: LampField, view: Views) -> float:
 
 def margin(field: LampField) -> float:
     """What a coarse integral is multiplied with."""
-    return EDGE_MARGIN if beams.has_sharp_edge(field.beam) else MARGIN
+    return EDGE_MARGIN if beams.has_sharp_edge(field.beam) else SMOOTH_MARGIN
 
 
 def backscatter_bound(field: LampField, view: Views, signal: Array) -> float:

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.model import beam as beams
 from uwopt.model import imaging, veil
 from uwopt.optics import Views, on_axis_gain, one_side
 
@@ -20,6 +21,11 @@ if TYPE_CHECKING:
     from uwopt.problem import Mount, Problem
 
 Array = NDArray[Any]
+Veils = Literal["none", "forward", "coarse", "all"]  # what is worked out, each with those before it
+
+COARSE_ORDER = 4  # nodes a side of the image in bounds of backscatter
+SMOOTH_MARGIN = 1.5  # times and over a coarse integral: bounds; errors of wide lobes stay below 5 %
+COARSE_FROM_RAD = float(np.deg2rad(15.0))  # half-power angle from which a lobe counts as wide
 
 
 @dataclass(frozen=True)
@@ -34,6 +40,7 @@ class ImageLight:
     backscatter_e: Array | None = None
     worst_e: Array | None = None  # at the pixels that may be the worst
     worst_veil_e: Array | None = None
+    most_veil_e: Array | None = None  # of bounds: no veil is more; the others are then no less than they say
 
     @property
     def veil_e(self) -> Array | None:
@@ -119,14 +126,14 @@ class LampField:
     # ------------------------------------------------------------ means
 
     def light(
-        self, view: Views, *, pixels: bool, veils: bool, means: bool = True, known: Array | None = None
+        self, view: Views, *, pixels: bool, veils: Veils, means: bool = True, known: ImageLight | None = None
     ) -> ImageLight:
-        """All light of these imagers; `known` is the image-forming light where it is known already.
+        """All light of these imagers; `known` holds what has been worked out already.
 
         Without `means` only the pixels count, and the darkest stands for the mean.
         """
         if not means:
-            worst, worst_veil = self.at_worst_pixels(view, veils=veils)
+            worst, worst_veil = self.at_worst_pixels(view, veils=veils != "none")
             return ImageLight(worst.min(axis=2), worst_e=worst, worst_veil_e=worst_veil)
         columns = view.collecting_m2[:, None]
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
@@ -135,17 +142,21 @@ class LampField:
             return ImageLight(
                 columns * response * (on_axis_gain(self.beam, self.scene.range_m) * loss)[None, :]
             )
-        signal = columns * response * self.mean_gain(view, diffuse=False) if known is None else known
+        signal = columns * response * self.mean_gain(view, diffuse=False) if known is None else known.signal_e
         forward = backscatter = None
-        if veils and self.effects.forward_veil and self.scene.scatters:
+        if known is not None and known.forward_e is not None:
+            forward = known.forward_e
+        elif veils != "none" and self.effects.forward_veil and self.scene.scatters:
             every = columns * response * self.mean_gain(view, diffuse=True)
             forward = np.maximum(every - signal, 0.0)
-        if veils and self.effects.backscatter and self.scene.scatters:
+        if veils == "all" and self.effects.backscatter and self.scene.scatters:
             backscatter = columns * self.mean_backscatter(view)
         light = ImageLight(signal, forward, backscatter)
+        if veils == "coarse" and self.effects.backscatter and self.scene.scatters and self.is_wide():
+            light = self.between_bounds(view, light)
         if not pixels:
             return light
-        worst, worst_veil = self.at_worst_pixels(view, veils=veils)
+        worst, worst_veil = self.at_worst_pixels(view, veils=veils != "none")
         return replace(light, worst_e=worst, worst_veil_e=worst_veil)
 
     def common(self, range_m: float) -> dict[str, Any]:
@@ -165,7 +176,7 @@ class LampField:
             [
                 imaging.field_mean(
                     view.tan_along, view.tan_across, lamps=one_side(self.lamps), table=table,
-                    window_angle=self.effects.window_angle, **self.common(float(range_m)),
+                    **self.common(float(range_m)),
                 )
                 for range_m in self.scene.range_m
             ],
@@ -175,6 +186,35 @@ class LampField:
     def scatterers(self) -> Any:
         """Particles and molecules with their loss tables."""
         return self.contraction.scatterers(self.spectrum, self.efficiency, self.channel)
+
+    def is_wide(self) -> bool:
+        """Whether a coarse integral over the image is near enough to bound the fine one."""
+        smooth = self.beam.kind == "cosine-power" and not beams.has_sharp_edge(self.beam)
+        level = all(z <= 0.0 and aim[2] > 0.9 for z, aim in zip(self.lamps.z_m, self.lamps.aim, strict=True))
+        return smooth and level and beams.half_power_angle_rad(self.beam) >= COARSE_FROM_RAD
+
+    def between_bounds(self, view: Views, light: ImageLight) -> ImageLight:
+        """The light with backscatter at its least and its most, from coarse integrals at three altitudes.
+
+        Altitudes between take the lesser and the greater of their neighbours.
+        """
+        count = len(self.scene.range_m)
+        places = sorted({0, count // 2, count - 1})
+        coarse = view.collecting_m2[:, None] * np.stack(
+            [
+                veil.mean_backscatter(
+                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=self.scatterers(),
+                    order=COARSE_ORDER, **self.common(float(self.scene.range_m[n])),
+                )
+                for n in places
+            ],
+            axis=1,
+        )  # fmt: skip
+        before = np.searchsorted(places, np.arange(count), side="right") - 1
+        after = np.searchsorted(places, np.arange(count))
+        least = np.minimum(coarse[:, before], coarse[:, after]) / SMOOTH_MARGIN
+        most = np.maximum(coarse[:, before], coarse[:, after]) * SMOOTH_MARGIN
+        return replace(light, backscatter_e=least, most_veil_e=added(light.forward_e, most))
 
     def mean_backscatter(self, view: Views) -> Array:
         """Mean of the lamps' path radiance over the image, (n, n_altitudes)."""
@@ -213,15 +253,12 @@ class LampField:
         scatters = veils and self.scene.scatters
         for range_m in self.scene.range_m:
             common = dict(lamps=self.lamps, **self.common(float(range_m)))
-            window = self.effects.window_angle
             signal = response * imaging.local_gain(
-                along, across, table=self.loss_table(diffuse=False), window_angle=window, **common
+                along, across, table=self.loss_table(diffuse=False), **common
             )
             over = np.zeros_like(signal)
             if scatters and self.effects.forward_veil:
-                every = imaging.local_gain(
-                    along, across, table=self.loss_table(diffuse=True), window_angle=window, **common
-                )
+                every = imaging.local_gain(along, across, table=self.loss_table(diffuse=True), **common)
                 over = np.maximum(every * response - signal, 0.0)
             if scatters and self.effects.backscatter:
                 over = over + veil.backscatter_gain(along, across, scatterers=self.scatterers(), **common)

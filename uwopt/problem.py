@@ -32,7 +32,7 @@ from uwopt.hardware import (
     light_rows,
     port_rows,
 )
-from uwopt.image_light import ImageLight, LampField, SunLight
+from uwopt.image_light import ImageLight, LampField, SunLight, Veils
 from uwopt.mission import Mission
 from uwopt.model import imaging
 from uwopt.model.fidelity import FULL, PAPER, Effects
@@ -166,7 +166,8 @@ class Problem:
 
     def shape(self, port_index: int, scene_index: int) -> PortShape:
         """One port in one scene's water."""
-        return port_shape(self.ports, port_index, self.scenes[scene_index])
+        plain = port_shape(self.ports, port_index, self.scenes[scene_index])
+        return plain._replace(window_angle=self.effects.window_angle)
 
     def lamps_to_buy(self, light: Array, count: Array) -> Array:
         """How many of `count` lamps are not owned yet."""
@@ -177,14 +178,14 @@ class Problem:
 
     def image_light(
         self, scene_index: int, view: Views, camera: Array, *, port_index: int, optics: int, mount: Mount,
-        count: int = 2, channel: str | None = None, pixels: bool = False, veils: bool = True, means: bool = True,
-        known: Array | None = None,
+        count: int = 2, channel: str | None = None, pixels: bool = False, veils: Veils = "all", means: bool = True,
+        known: ImageLight | None = None,
     ) -> ImageLight:  # fmt: skip
         """Electrons per lm s of light behind the lamps' windows, by altitude: the constants of the imaging chain.
 
         All rows of `view` share the port; `camera` says whose sensor each is. `channel` picks one colour.
-        `pixels`: also at the pixels that may be the worst; without `means` there alone. Without `veils` only the
-        image-forming light, which may be `known`.
+        `pixels`: also at the pixels that may be the worst; without `means` there alone. `veils` says which
+        are worked out, beside what is `known`.
         """
         efficiency = self.cameras.qe_index[camera]
         parts = []
@@ -194,8 +195,8 @@ class Problem:
                 self, scene_index, port_index=port_index, optics=optics, mount=mount, count=count,
                 efficiency=int(curve), channel=channel,
             )  # fmt: skip
-            signal = None if known is None else known[mine]
-            light = field.light(view.take(mine), pixels=pixels, veils=veils, means=means, known=signal)
+            given = None if known is None else known.take(mine)
+            light = field.light(view.take(mine), pixels=pixels, veils=veils, means=means, known=given)
             parts.append((mine, light))
         return ImageLight.joined(parts, len(camera))
 
@@ -328,6 +329,7 @@ class Problem:
             worst_e=shining.worst_e,
             veil_e=shining.veil_e,
             worst_veil_e=shining.worst_veil_e,
+            most_veil_e=shining.most_veil_e,
             sun_signal_e_s=None if sun is None else sun.signal_e_s,
             sun_veil_e_s=None if sun is None else sun.veil_e_s,
             worst_sun_signal_e_s=None if sun is None else sun.worst_e_s,

@@ -64,6 +64,7 @@ class SceneRows:
     optimistic: bool = False  # a bound, for any veil: no veil counts, and no level is asked of the gain
     veil_e: Array | None = None
     worst_veil_e: Array | None = None
+    most_veil_e: Array | None = None  # of bounds: the veil is no more than this
     sun_signal_e_s: Array | None = None
     sun_veil_e_s: Array | None = None
     worst_sun_signal_e_s: Array | None = None
@@ -71,6 +72,7 @@ class SceneRows:
     min_contrast: float = 0.0
     min_mtf: float = 0.0  # at half the Nyquist frequency
     sharp: SharpRows | None = None  # only where MTF or information are asked for
+    open_max_s: Array | None = None  # longest open shutter under the sun; None: as long as the lamps need
 
     @property
     def total_e(self) -> Array:

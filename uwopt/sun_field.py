@@ -60,7 +60,7 @@ class SunField:
         """Floor, forward veil and path (last axis) at field points (n, ...), one array an altitude [e/s]."""
         radius = np.hypot(along, across)
         widest = float(radius.max(initial=1e-6)) * (1 + 1e-9)
-        loss = imaging.field_loss(along, across, shape=self.shape, window_angle=self.effects.window_angle)
+        loss = imaging.field_loss(along, across, shape=self.shape)
         scale = (loss.T * view.collecting_m2).T
         out = []
         for range_m in self.scene.range_m:

@@ -41,6 +41,7 @@ class PortShape(NamedTuple):
     n_glass: float
     gap_m: float
     n_water: float
+    window_angle: bool = False  # count that a flat window passes less off its axis
 
 
 @dataclass(frozen=True)
@@ -192,13 +193,12 @@ def lamp_light(
 
 def local_gain(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    table: PathTable, edge_share: bool = False, window_angle: bool = False,
+    table: PathTable, edge_share: bool = False,
 ) -> Array:  # fmt: skip
     """cos^4 times illuminance per lumen times water's loss at each field point [1/m^2].
 
     The loss is relative to `signal_weight` summed over wavelengths. With `edge_share`, points are
     cells of a regular grid and a beam that ends sharply counts by the share of the cell it covers.
-    With `window_angle`, a flat window's transmittance counts relative to that on its axis.
     """
     x_m, y_m, path_m = floor_point(tan_along, tan_across, shape=shape, range_m=range_m)
     total = np.zeros(np.broadcast(x_m, y_m).shape)
@@ -212,13 +212,13 @@ def local_gain(
         else:
             vacuum, range_lamp, _ = lamp_light(x_m, y_m, lamps=lamps, index=index, beam=beam, range_m=range_m)
         total += share * vacuum * np.exp(log_mean_transmission(table, range_lamp, path_m))
-    return np.asarray(total * field_loss(tan_along, tan_across, shape=shape, window_angle=window_angle))
+    return np.asarray(total * field_loss(tan_along, tan_across, shape=shape))
 
 
-def field_loss(tan_along: Array, tan_across: Array, *, shape: PortShape, window_angle: bool) -> Array:
+def field_loss(tan_along: Array, tan_across: Array, *, shape: PortShape) -> Array:
     """What lens and window pass off the axis, relative to the axis: cos^4, and T(theta) / T(0) of a flat one."""
     loss = lens.cos4_field(tan_along, tan_across)
-    if shape.is_dome or not window_angle:
+    if shape.is_dome or not shape.window_angle:
         return np.asarray(loss)
     oblique = port.flat_port_transmittance(
         np.hypot(tan_along, tan_across), n_water=shape.n_water, n_glass=shape.n_glass
@@ -241,7 +241,7 @@ def covered_share(level: Array, edge: float) -> Array:
 
 def field_mean(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    table: PathTable, order: int | None = None, window_angle: bool = False,
+    table: PathTable, order: int | None = None,
 ) -> Array:  # fmt: skip
     """Mean over the image rectangle of `local_gain`, for many images at once [1/m^2].
 
@@ -272,7 +272,6 @@ def field_mean(
             lamps=lamps,
             beam=beam,
             table=table,
-            window_angle=window_angle,
         )
     return mean
 
@@ -301,12 +300,10 @@ def orders_needed(
 
 def mean_of_order(
     n: int, tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    table: PathTable, window_angle: bool = False,
+    table: PathTable,
 ) -> Array:  # fmt: skip
     """`field_mean` with n nodes or cells a side."""
-    common: dict[str, Any] = dict(
-        shape=shape, range_m=range_m, lamps=lamps, beam=beam, table=table, window_angle=window_angle
-    )
+    common: dict[str, Any] = dict(shape=shape, range_m=range_m, lamps=lamps, beam=beam, table=table)
     if beams.has_sharp_edge(beam):
         fine = rule_mean(tan_along, tan_across, cells(n), cells(n), edge_share=True, **common)
         half = rule_mean(tan_along, tan_across, cells(n // 2), cells(n // 2), edge_share=True, **common)

@@ -30,8 +30,8 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from uwopt.model import beam as beams
-from uwopt.model import lens, port
-from uwopt.model.imaging import Lamps, PortShape, gauss
+from uwopt.model import port
+from uwopt.model.imaging import Lamps, PortShape, field_loss, gauss
 from uwopt.model.path_table import PathTable, log_mean_transmission
 
 Array = NDArray[Any]
@@ -201,7 +201,7 @@ def _log_gain(
                 view, beam=beam, scatterers=scatterers, order=ray_nodes, table_nodes=table_nodes
             )
             total = np.logaddexp(total, from_lamp + np.log(share))
-        return np.asarray(total + np.log(lens.cos4_field(tan_along, tan_across)))
+        return np.asarray(total + np.log(field_loss(tan_along, tan_across, shape=shape)))
 
 
 def _lamp_view(rays: Rays, *, lamps: Lamps, index: int, beam: beams.Beam) -> _View:

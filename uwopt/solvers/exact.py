@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.image_light import ImageLight
+from uwopt.image_light import ImageLight, Veils
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.problem import Problem
 from uwopt.rows import SceneRows
@@ -282,7 +282,7 @@ class Search:
             rows = imager[lighting_index == k]
             lighting, table = self.tables.lightings[k], self.bounds.light_tables[k]
             lights = [
-                self.tables.exact(s, lighting, rows, veils=False) for s in range(len(self.problem.scenes))
+                self.tables.exact(s, lighting, rows, veils="none") for s in range(len(self.problem.scenes))
             ]
             step = max(1, MOST_ROWS_AT_ONCE // len(table.light))
             for start in range(0, len(rows), step):
@@ -331,32 +331,58 @@ class Search:
         if not self.problem.effects.veils:
             self._rank(pairs, [light.take(pairs.unit) for light in lights], lighting)
             return
-        bound = self.solve(pairs, [light.take(pairs.unit) for light in lights], lighting, optimistic=True)[0]
+        found = 0
+        stages: tuple[Veils, ...] = ("none", "forward", "coarse")  # each costs more than the one before
+        for stage in stages:
+            if stage != "none":
+                lights = self._with_veils(pairs.imager, lights, lighting, stage)
+            bound = self._bound(pairs, lights, lighting)
+            found = found or int(np.isfinite(bound).sum())
+            kept = np.nonzero(np.isfinite(bound) & (bound <= self.ranking.threshold()))[0]
+            if len(kept) == 0:
+                break
+            used, back = np.unique(pairs.unit[kept], return_inverse=True)
+            lights = [light.take(used) for light in lights]
+            pairs = replace(pairs.take(kept), imager=pairs.imager[used], unit=back.reshape(-1))
+            bound = bound[kept]
+        solved = 0 if len(kept) == 0 else self._solve_hopeful(pairs, bound, lights, lighting)
+        self.account.evaluated -= found - solved
+        self.account.discarded["bound"] += found - solved
+
+    def _bound(self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting) -> Array:
+        """Lower bounds on the objective from the light known so far; inf: infeasible with any veil."""
+        return self.solve(pairs, [light.take(pairs.unit) for light in lights], lighting, optimistic=True)[0]
+
+    def _with_veils(
+        self, imager: Array, lights: list[ImageLight], lighting: Lighting, veils: Veils
+    ) -> list[ImageLight]:
+        """Further veils beside the light that is known, by scene."""
+        return [
+            self.tables.exact(s, lighting, imager, known=light, veils=veils) for s, light in enumerate(lights)
+        ]
+
+    def _solve_hopeful(self, pairs: Pairs, bound: Array, lights: list[ImageLight], lighting: Lighting) -> int:
+        """Designs that may win, best bound first, with all their veils; how many were solved."""
         least = np.full(len(pairs.imager), np.inf)
         np.minimum.at(least, pairs.unit, bound)
         order = np.argsort(least, kind="stable")
-        order = order[np.isfinite(least[order])]
         position, batch, solved = 0, FIRST_VEILS, 0
         while position < len(order):
             units = order[position : position + batch]
             units = units[least[units] <= self.ranking.threshold()]
             if len(units) == 0:
                 break
-            full = [
-                self.tables.exact(s, lighting, pairs.imager[units], known=light.take(units))
-                for s, light in enumerate(lights)
-            ]
+            full = self._with_veils(
+                pairs.imager[units], [light.take(units) for light in lights], lighting, "all"
+            )
             place = np.full(len(pairs.imager), -1)
             place[units] = np.arange(len(units))
-            hopeful = (place[pairs.unit] >= 0) & (bound <= self.ranking.threshold())
-            some = pairs.take(hopeful)
+            some = pairs.take((place[pairs.unit] >= 0) & (bound <= self.ranking.threshold()))
             self._rank(some, [light.take(place[some.unit]) for light in full], lighting)
             solved += len(some.unit)
             position += len(units)
             batch = min(2 * batch, LARGEST_VEILS)
-        spared = int(np.isfinite(bound).sum()) - solved
-        self.account.evaluated -= spared
-        self.account.discarded["bound"] += spared
+        return solved
 
     def _rank(self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting) -> None:
         """Solve these designs and put them in their place among the best."""
@@ -413,8 +439,9 @@ class Search:
         for index, seen in enumerate(lights):
             needs = self.problem.scenes[index].view.requirements
             at_worst = needs.snr_at == "worst" and needs.min_snr and not self.problem.paper
-            if at_worst and not optimistic:
-                seen = self._with_pixels(index, imager, count, lighting, seen)
+            if at_worst:
+                veils: Veils = "none" if optimistic else "all"
+                seen = self._with_pixels(index, imager, count, lighting, seen, veils)
             rows = self.problem.scene_rows(
                 index, camera=self.imagers.camera[imager], light=light, count=count,
                 focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
@@ -441,7 +468,13 @@ class Search:
         return np.asarray((np.array(least) >= wanted * (1 - 1e-9))[back.reshape(-1)])
 
     def _with_pixels(
-        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, seen: ImageLight
+        self,
+        scene_index: int,
+        imager: Array,
+        count: Array,
+        lighting: Lighting,
+        seen: ImageLight,
+        veils: Veils,
     ) -> ImageLight:
         """With the light at the worst pixels; the share of lamps on each side depends on their number."""
         unique, back = np.unique(np.stack([imager, count]), axis=1, return_inverse=True)
@@ -449,7 +482,13 @@ class Search:
         for number in np.unique(unique[1]):
             mine = np.nonzero(unique[1] == number)[0]
             at = self.tables.exact(
-                scene_index, lighting, unique[0, mine], count=int(number), pixels=True, means=False
+                scene_index,
+                lighting,
+                unique[0, mine],
+                count=int(number),
+                pixels=True,
+                means=False,
+                veils=veils,
             )
             parts.append((mine, at))
         pixels = ImageLight.joined(parts, unique.shape[1]).take(back.reshape(-1))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.image_light import ImageLight
+from uwopt.image_light import ImageLight, Veils
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, flat_slope_m
 from uwopt.model.port import flat_floor_derivative
@@ -116,7 +116,7 @@ class FieldTables:
 
     def exact(
         self, scene_index: int, lighting: Lighting, rows: Array, *, count: int = 2, pixels: bool = False,
-        veils: bool = True, means: bool = True, known: ImageLight | None = None,
+        veils: Veils = "all", means: bool = True, known: ImageLight | None = None,
     ) -> ImageLight:  # fmt: skip
         """Electrons per lm s of these imagers at every altitude; see `Problem.image_light`."""
         problem, imagers = self.problem, self.imagers
@@ -128,7 +128,7 @@ class FieldTables:
             light = problem.image_light(
                 scene_index, view.take(rows[mine]), imagers.camera[rows[mine]], port_index=int(value),
                 optics=lighting.optics, mount=lighting.mount, count=count, pixels=pixels, veils=veils,
-                means=means, known=None if known is None else known.signal_e[mine],
+                means=means, known=None if known is None else known.take(mine),
             )  # fmt: skip
             parts.append((mine, light))
         return ImageLight.joined(parts, len(rows))

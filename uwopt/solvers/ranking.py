@@ -99,7 +99,8 @@ class Ranking:
         im, index = self.imagers, int(imager[i])
         scenes = []
         for scene_index, settings in enumerate(chosen):
-            numbers = {name: float(getattr(settings, name)[i]) for name in settings.__dataclass_fields__}
+            columns = {name: getattr(settings, name) for name in settings.__dataclass_fields__}
+            numbers = {name: float(column[i]) for name, column in columns.items() if column is not None}
             focused = im.scenes[scene_index].focused
             numbers["exposure_s"] = float(exposure[scene_index][i])
             numbers["dioptre_per_m"] = float(focused.dioptre_per_m[index])

@@ -36,6 +36,7 @@ class Chosen:
     light_x: Array  # X, lm s
     light_power_w: Array
     peak_power_w: Array
+    exposure_s: Array | None = None  # None: what the lamps need, `SceneRows.exposure_s`
 
 
 def dark_e(rows: SceneRows) -> Array:
@@ -92,6 +93,9 @@ def window(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | None =
         elif rows.optimistic:
             wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
             high = np.minimum(high, (wanted_dn / rows.gain_dn_per_e - other_nominal) / nominal)
+            if rows.most_veil_e is not None:
+                most = (rows.signal_e + rows.most_veil_e)[:, rows.nominal]
+                low = (wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - other_nominal) / most
         else:
             wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
             low = (wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - other_nominal) / nominal
@@ -273,14 +277,17 @@ def drawn_power_w(rows: SceneRows, level: Array, time_s: Array) -> Array:
     return np.where(rows.kind == CONTINUOUS, burning, np.where(rows.kind == PULSED, pulsed, flashing))
 
 
-def best_gain(rows: SceneRows, light_x: Array) -> Array:
+def best_gain(rows: SceneRows, light_x: Array, sun: Sun | None = None) -> Array:
     """The gain that gives the wanted mean level; without one, the highest that does not saturate."""
     dark = dark_e(rows)
+    every = rows.total_e * light_x[:, None]
+    if sun is not None:
+        every = every + sun.total_e
     if rows.mean_level is not None:
-        level_e = rows.total_e[:, rows.nominal] * light_x + dark
+        level_e = every[:, rows.nominal] + dark
         wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
     else:
-        level_e = rows.total_e.max(axis=1) * light_x + dark
+        level_e = every.max(axis=1) + dark
         wanted_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.clip(wanted_dn / (rows.gain_dn_per_e * level_e), 1.0, rows.max_gain)
