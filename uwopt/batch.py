@@ -101,8 +101,7 @@ class Batch:
         """Hardware of all designs in one scene, light integrals included, with the problem's effects."""
         d, problem, view = self.designs, self.problem, self.views[index]
         scene = problem.scenes[index]
-        needs = scene.view.requirements
-        worst = needs.snr_at == "worst" and needs.min_snr is not None if pixels is None else pixels
+        worst = scene.at_worst if pixels is None else pixels
         parts = []
         for rows, port, optics in self.groups(by_curve=False):
             for count in np.unique(d.count[rows]) if worst else [2]:

@@ -79,9 +79,9 @@ class DesignModel:
         for index, view in enumerate(self.views):
             widest = 0.5 * float(np.hypot(view.footprint_along_m[0, 2], view.footprint_across_m[0, 2]))
             problem.set_reach(index, 1.5 * widest)
-        self.rows = [self._rows(i) for i in range(len(problem.scenes))]
+        self.rows = [self._rows(i, pixels=scene.at_worst) for i, scene in enumerate(problem.scenes)]
 
-    def _rows(self, index: int) -> DesignRows:
+    def _rows(self, index: int, *, pixels: bool) -> DesignRows:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
         return DesignRows(
             cameras=self.cameras,
@@ -91,10 +91,20 @@ class DesignModel:
             view=view,
             focus_map=self.maps[index],
             lever_m=levers_m(scene, np.array([self.shapes[index].outer_radius_m])),
-            light=self.image_light(index, pixels=not scene.paper),
-            sun=self.sun_light(index, pixels=True),
-            sharp=None,
+            light=self.image_light(index, pixels=pixels),
+            sun=self.sun_light(index, pixels=pixels),
         )
+
+    def snr_at_worst(self, index: int, settings: SettingRows) -> float | None:
+        """Lowest SNR over the image at the nominal altitude; None in physics `paper`, which knows no field."""
+        scene = self.problem.scenes[index]
+        if scene.paper:
+            return None
+        rows = (
+            self.rows[index] if self.rows[index].light.worst_e is not None else self._rows(index, pixels=True)
+        )
+        darkest = figures_of(scene, rows, settings).snr_darkest
+        return None if darkest is None else float(darkest[0, scene.nominal])
 
     def dark_share(self, index: int) -> float:
         """Share of the image that no lamp lights, at the nominal altitude."""

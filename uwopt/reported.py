@@ -70,6 +70,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
     cam = model.cameras
     mean_level = float(figures.mean_level[0, at])
     blur_limit = float(blur_time_s(_at_nominal(scene), model.shapes[index], _nominal_view(view))[0])
+    worst = model.snr_at_worst(index, settings)
     out: dict[str, Any] = {
         "fov_x_m": across if landscape else along,
         "fov_y_m": along if landscape else across,
@@ -105,7 +106,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "saturation_fraction": float(figures.saturation_fraction[0]),
         "snr": snr,
         "snr_db": decibels(snr),
-        "snr_db_min": None if figures.snr_darkest is None else decibels(float(figures.snr_darkest[0, at])),
+        "snr_db_min": None if worst is None else decibels(worst),
         **colour_snr(model, index, settings, figures),
         "contrast": at_nominal(figures.contrast, at),
         "veil_ratio": veil_ratio(figures, at),

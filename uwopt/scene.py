@@ -80,6 +80,12 @@ class SceneOptics:
         )
 
     @property
+    def at_worst(self) -> bool:
+        """Whether the SNR is asked of the worst pixel."""
+        needs = self.view.requirements
+        return not self.paper and needs.snr_at == "worst" and needs.min_snr is not None
+
+    @property
     def sunlit(self) -> bool:
         """Whether any sunlight is to be reckoned with."""
         return not self.paper and self.view.scene.sun_lux > 0.0

@@ -88,7 +88,10 @@ class Bench:
         self._reach_once()
         lights = self.problem.lights
         optics = int(lights.optics_index[hardware.light])
-        key = (replace(hardware, light=optics), float(lights.output_factor[hardware.light]))
+        # Image means do not depend on how many lamps share the light: those at + and - mirror each other.
+        alike = not hardware.mount.explicit and not any(scene.at_worst for scene in self.problem.scenes)
+        place = replace(hardware, light=optics, count=0 if alike else hardware.count)
+        key = (place, float(lights.output_factor[hardware.light]))
         if key not in self._models:
             self._models[key] = DesignModel(self.problem, hardware)
         made = self._models[key]
@@ -96,7 +99,8 @@ class Bench:
             return made
         twin = object.__new__(DesignModel)
         twin.__dict__.update(made.__dict__, hardware=hardware, lights=lights.take(np.array([hardware.light])))
-        twin.rows = [replace(rows, lights=twin.lights) for rows in made.rows]
+        count = np.array([hardware.count])
+        twin.rows = [replace(rows, lights=twin.lights, count=count) for rows in made.rows]
         return twin
 
 

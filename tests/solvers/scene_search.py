@@ -117,7 +117,7 @@ class SceneSearch:
         def sharp(f_number: float) -> bool:
             one = np.array([f_number])
             settings = SettingRows(one, one, one, one, one, one, np.array([self.dioptre]))
-            near, far = (float(a[0]) for a in depth_of_field_m(self.rows, settings))
+            near, far = (float(a[0]) for a in depth_of_field_m(self.scene, self.rows, settings))
             return (
                 near <= first * (1 + 1e-10)
                 and far >= last * (1 - 1e-10)
@@ -158,13 +158,16 @@ class SceneSearch:
         """SNR at the nominal altitude, and whether the image is too dark or too bright, gain at its best."""
         cam, nominal, needs = self.cam, self.scene.nominal, self.needs
         dark = float(cam.dark_current_e_s[0]) * self.exposure_s(time_s)[..., None]
-        signal = self.rows.signal_e[0] * light_x[..., None]
+        seen = self.rows.light
+        signal = seen.signal_e[0] * light_x[..., None]
+        veil = np.zeros_like(signal) if seen.veil_e is None else seen.veil_e[0] * light_x[..., None]
+        every = signal + veil
         full, black, gain = (
             2.0 ** float(cam.bits[0]) - 1.0,
             float(cam.black_level_dn[0]),
             float(cam.gain_dn_per_e[0]),
         )
-        shown = signal.max(axis=-1) if needs.mean_level is None else signal[..., nominal]
+        shown = every.max(axis=-1) if needs.mean_level is None else every[..., nominal]
         goal_dn = full / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full
         wanted = (goal_dn - black) / (gain * np.maximum(shown + dark[..., 0], 1e-300))
         system = gain * np.clip(wanted, 1.0, float(cam.max_gain[0]))[..., None]
@@ -172,18 +175,21 @@ class SceneSearch:
             read_noise_e=cam.read_noise_e[0], gain_dn_per_e=system, dark_e=dark, prnu_frac=cam.prnu_frac[0]
         )
         bright = wanted < 1.0
-        level = (system * (signal + dark) + black) / full
+        level = (system * (every + dark) + black) / full
         bright = bright | (needs.highlight_ratio * level.max(axis=-1) > 1.0 + 1e-11)
-        bright |= needs.highlight_ratio * (signal.max(axis=-1) + dark[..., 0]) > cam.saturation_e[0]
+        bright |= needs.highlight_ratio * (every.max(axis=-1) + dark[..., 0]) > cam.saturation_e[0]
         dim = np.zeros(light_x.shape, bool)
         if needs.mean_level is not None:
             dim = wanted > cam.max_gain[0]
         if needs.min_snr is not None:
-            pixel = signal
-            if needs.snr_at == "worst" and self.rows.worst_e is not None:
-                pixel = self.rows.worst_e[0] * light_x[..., None]
-            dim = dim | (np.asarray(sensor.snr(pixel, **noise)).min(axis=-1) < needs.min_snr)
-        return np.asarray(sensor.snr(signal, **noise))[..., nominal], dim, bright
+            snr = np.asarray(sensor.snr(signal, veil_e=veil, **noise))
+            if needs.snr_at == "worst" and seen.worst_e is not None:
+                pixel = seen.worst_e[0] * light_x[..., None, None]
+                over = 0.0 if seen.worst_veil_e is None else seen.worst_veil_e[0] * light_x[..., None, None]
+                there = {name: np.asarray(value)[..., None] for name, value in noise.items()}
+                snr = np.asarray(sensor.snr(pixel, veil_e=over, **there)).min(axis=-1)
+            dim = dim | (snr.min(axis=-1) < needs.min_snr)
+        return np.asarray(sensor.snr(signal, veil_e=veil, **noise))[..., nominal], dim, bright
 
     def light_of(self, numbers: dict[str, float]) -> float:
         """Light X of a setting."""

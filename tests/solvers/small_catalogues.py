@@ -191,7 +191,7 @@ def mission(rng: Rng) -> dict[str, Any]:
         "altitude_m": altitude_m, "altitude_tolerance_m": pick(rng, [0.0, 0.0, 0.1, 0.25]) * altitude_m,
         "speed_m_s": speed_m_s, "orientation": pick(rng, ["any", "landscape", "portrait"]),
         "light_count": [low, low + int(rng.integers(0, 3))], "camera_count": pick(rng, [1, 1, 2]),
-        "light_baseline_m": pick(rng, [0.0, 0.3, 0.5, [0.4, 0.45]]),
+        "light_baseline_m": pick(rng, [0.1, 0.3, 0.5, [0.4, 0.45]]),
         "light_tilt_deg": pick(rng, [0.0, 0.0, 10.0, -15.0]),
         "pitch_rate_deg_s": pick(rng, [0.0, 0.0, 2.0]), "roll_rate_deg_s": pick(rng, [0.0, 0.0, 2.0]),
     }  # fmt: skip

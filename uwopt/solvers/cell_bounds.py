@@ -116,13 +116,12 @@ class SceneCells:
     def open_range_s(self, d: Array, t_lo: Array, t_hi: Array) -> tuple[Array, Array]:
         """Open shutter that goes with light-collecting times: shortest and longest."""
         rows = self.rows
-        kind, offset = rows.kind[d], rows.exposure_offset_s[d]
+        offset = rows.exposure_offset_s[d]
         freely = self.freely_open(d, t_lo)
         around = np.maximum(rows.min_exposure_s[d], t_lo + rows.readout_s[d]) + offset
         most = np.maximum(rows.min_exposure_s[d], t_hi + rows.readout_s[d]) + offset
         if rows.open_max_s is not None:
             most = rows.open_max_s[d]
-        del kind
         return np.where(freely, around, t_lo), np.where(freely, most, t_hi)
 
     def freely_open(self, d: Array, time_s: Array) -> Array:
@@ -223,6 +222,7 @@ class SceneCells:
         power = drawn * np.where(pulsed, least_energy, bottom)
         alive &= np.isfinite(power)
         snr, contrast = self._snr_and_contrast(rows, box, bottom, top, x_lo, x_cap, y_lo, y_hi)
+        alive &= snr >= rows.min_snr * (1 - 1e-9)
         return Reach(alive, power, snr, contrast, x_lo, x_cap, high, top)
 
     def steps(self, d: Array, bottom: Array, top: Array) -> tuple[Array, Array]:
@@ -283,7 +283,10 @@ class SceneCells:
         exposure = self.exposure_s(d, time_s, open_s)
         dark_rows = replace(rows, dark_time_s=exposure)
         y = open_s / square
-        low, high = window_over(rows, y, y, exposure, exposure)
+        if self.constant_window is not None:
+            low, high = (w[d] for w in self.constant_window)
+        else:
+            low, high = window_over(rows, y, y, exposure, exposure)
         per_level = rows.light_lm * time_s / square
         duty = np.where(rows.kind == PULSED, np.minimum(1.0, time_s * rows.rate_hz), 1.0)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -400,6 +403,10 @@ def window_over(
             wanted = closed_form.light_for_snr(
                 quiet, altitude, rows.min_snr, worst=rows.worst_e is not None, sun=helping
             )
+            if (
+                helping is not None
+            ):  # with sun and lamps of another contrast no X is ruled out by this formula
+                wanted = np.where(np.isfinite(wanted), wanted, 0.0)
             low = np.maximum(low, wanted)
         if rows.min_contrast > 0.0 and not rows.optimistic:
             low, high = contrast_window(rows, y_lo, y_hi, low, high)

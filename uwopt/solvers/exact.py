@@ -438,7 +438,7 @@ class Search:
         result = []
         for index, seen in enumerate(lights):
             needs = self.problem.scenes[index].view.requirements
-            at_worst = needs.snr_at == "worst" and needs.min_snr and not self.problem.paper
+            at_worst = self.problem.scenes[index].at_worst
             if at_worst:
                 veils: Veils = "none" if optimistic else "all"
                 seen = self._with_pixels(index, imager, count, lighting, seen, veils)
