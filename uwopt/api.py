@@ -155,12 +155,17 @@ def found_result(
     if alternative is not None and alternative.outcome.best:
         generic = design_of(alternative, alternative.outcome.best[0], goal)
     with recommend.timed(timing, "robustness"):
-        doubt = None if in_haste else doubts(sought, goal)
+        doubt = None if in_haste else doubts(sought, goal, winner)
     with recommend.timed(timing, "second_opinion"):
         opinions = [] if in_haste else second_opinions(sought, goal, solver)
     proven = sought.outcome.complete
+    hardware = recommend.hardware_of(best[0])
+    model = DesignModel(sought.problem, hardware)
+    given = [recommend.exact_settings(model, i, numbers) for i, numbers in enumerate(best[0].settings)]
+    influences = influences_of(sought.problem, hardware, given, goal)
     return replace(
         result,
+        physics={**result.physics, "effects": [item.as_dict() for item in proven_in_full(influences)]},
         status="optimal" if proven else "stopped",
         recommendation=winner,
         runners_up=others,
@@ -174,13 +179,21 @@ def found_result(
     )
 
 
-def doubts(sought: Sought, goal: Objective) -> dict[str, Any] | None:
-    """What the estimates and the choice of water table could change."""
+def doubts(sought: Sought, goal: Objective, winner: Design) -> dict[str, Any] | None:
+    """What the estimates, the choice of water table and the lamps' places could change."""
+    from uwopt.solvers.mounts import polished_mount, tilt_tolerance
     from uwopt.solvers.robustness import robustness
-    from uwopt.solvers.waters import in_other_water
+    from uwopt.solvers.waters import in_other_waters
 
     found = robustness(sought, goal)
-    return None if found is None else {**found, "other_water_table": in_other_water(sought, goal)}
+    if found is None:
+        return None
+    return {
+        **found,
+        "waters": in_other_waters(sought, goal),
+        "tilt": tilt_tolerance(sought, winner, goal),
+        "outside_certificate": polished_mount(sought, goal),
+    }
 
 
 def second_opinions(sought: Sought, goal: Objective, solver: str) -> list[dict[str, Any]]:
@@ -256,6 +269,11 @@ def influences_of(
     batch = Batch(problem, designs)
     information = bool(goal.weight("information"))
     return batch.influences(problem.mission.tolerance, settings, information=information)
+
+
+def proven_in_full(influences: Sequence[Influence]) -> list[Influence]:
+    """What a certified search keeps: every effect that is there at all, whatever `auto` would leave out."""
+    return [replace(item, kept=item.bound > 0.0, time_saved_s=0.0) for item in influences]
 
 
 def base_result(

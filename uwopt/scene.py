@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr
 from uwopt.model.spectrum import resample, wavelength_grid_nm
 
 Array = NDArray[Any]
+LampLeg = Literal["diffuse", "least", "most"]
 
 PAPER_N_WATER = 1.33
 DESIGN_WAVELENGTH_NM = 550.0  # rays and virtual images are computed for green light
@@ -102,9 +103,14 @@ def scene_optics(
     paper: bool,
     base_dir: Path | None = None,
     water_table: str | None = None,
+    lamp_leg: LampLeg = "diffuse",
     step_nm: float = GRID_STEP_NM,
 ) -> SceneOptics:
-    """Tabulate one scene. `water_table` overrides the scene's own choice, to test a decision against it."""
+    """Tabulate one scene.
+
+    `water_table` and `lamp_leg` override the scene's table and K on the way from lamp to floor, to test a
+    decision against them: K_d where it lies between a + b_b (`least`) and c (`most`), or one of these ends.
+    """
     scene = view.scene
     grid = wavelength_grid_nm(step_nm)
     table = water_table or scene.water_table or ("solonenko-mobley" if paper else None)
@@ -116,7 +122,7 @@ def scene_optics(
             resample(grid, table_nm=profile.wavelength_nm, table_values=profile.b_per_m, outside="hold"),
         )
         c = water.beam_attenuation_per_m(a, b)
-        lamp = c if paper else lamp_attenuation(profile, grid, a, b, scene.backscatter_ratio)
+        lamp = c if paper else lamp_attenuation(profile, grid, a, b, scene.backscatter_ratio, lamp_leg)
         scattering = () if paper else scatterers_of(grid, b, scene, base_dir)
     else:
         c = resample(
@@ -200,10 +206,13 @@ def absorption(profile: spectra.WaterProfile, grid: Array, *, paper: bool) -> Ar
 
 
 def lamp_attenuation(
-    profile: spectra.WaterProfile, grid: Array, a: Array, b: Array, backscatter_ratio: float
-) -> Array:
-    """K of the lamp leg: K_d held within a + b_b and c; c where the profile has no K_d."""
+    profile: spectra.WaterProfile, grid: Array, a: Array, b: Array, backscatter_ratio: float,
+    lamp_leg: LampLeg = "diffuse",
+) -> Array:  # fmt: skip
+    """K of the lamp leg: K_d held within a + b_b and c, or one of them; c where the profile has no K_d."""
     c = water.beam_attenuation_per_m(a, b)
+    if lamp_leg != "diffuse":
+        return np.asarray(c if lamp_leg == "most" else a + backscatter_ratio * b)
     if profile.kd_per_m is None or profile.kd_wavelength_nm is None:
         return np.asarray(c)
     kd = resample(grid, table_nm=profile.kd_wavelength_nm, table_values=profile.kd_per_m, outside="hold")

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from uwopt.optics import Contraction
 
 Array = NDArray[Any]
+SPREAD_STEP = 4  # of the spectral grid
 
 
 @dataclass(frozen=True)
@@ -176,7 +177,7 @@ def sharp_rows(
     place_k, rms_k = lateral_k(1.0 if at_corner else 0.0), lateral_k(float(RMS_FIELD))
     curves, index = np.unique(cameras.qe_index, return_inverse=True)
     colours = [arriving(scene, contraction, spectrum, int(q)) for q in curves]
-    spreads = tuple(spread_of(scene, density) for density in colours) if flat.any() else ()
+    spreads = tuple(spread_of(scene, contraction, spectrum, int(q)) for q in curves) if flat.any() else ()
     wavelength = np.array([mean_wavelength_nm(scene, density) for density in colours])
     pixels = cameras.resolution_x_px * cameras.resolution_y_px
     return SharpRows(
@@ -215,9 +216,14 @@ def mean_wavelength_nm(scene: SceneOptics, arriving_e: Array) -> float:
     return float((arriving_e * scene.wavelength_nm).sum() / arriving_e.sum())
 
 
-def spread_of(scene: SceneOptics, arriving_e: Array) -> SpreadTable:
-    """Table of the spread of colours, for lateral colour."""
-    return lateral.spread_table(
-        scene.wavelength_nm, electrons_per_nm=arriving_e / trapezoid_weights_nm(scene.wavelength_nm),
-        n_water=scene.n_water_spectrum,
-    )  # fmt: skip
+def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, efficiency: int) -> SpreadTable:
+    """Table of the spread of colours, for lateral colour; spectra are smooth enough for every fourth wavelength."""
+    key = ("spread", *contraction.key(spectrum, efficiency, None))
+    if key not in scene.cache:
+        density = arriving(scene, contraction, spectrum, efficiency) / trapezoid_weights_nm(scene.wavelength_nm)
+        some = slice(None, None, SPREAD_STEP)
+        scene.cache[key] = lateral.spread_table(
+            scene.wavelength_nm[some], electrons_per_nm=density[some], n_water=scene.n_water_spectrum[some]
+        )
+    table: SpreadTable = scene.cache[key]
+    return table

@@ -99,9 +99,8 @@ def closed_form(
     rows: list[SceneRows], objective: Objective, *, motorised: bool = False, limit_w: float = np.inf
 ) -> float | None:
     """The exact search's value for one design; None when it finds it infeasible."""
-    chosen, feasible, snr_db = best_settings(
-        rows, np.array([motorised]), objective, np.array([CAMERA_W]), limit_w
-    )
+    best = best_settings(rows, np.array([motorised]), objective, np.array([CAMERA_W]), limit_w)
+    chosen, feasible, snr_db = best.chosen, best.feasible, best.snr_db
     power = CAMERA_W + np.max([c.light_power_w for c in chosen], axis=0)
     if not feasible[0] or power[0] > limit_w * (1 + 1e-9):
         return None

@@ -198,6 +198,7 @@ def edge_half_angle_rad(beam: Beam) -> float:
     return _half_angle(beam)
 
 
+@functools.lru_cache(maxsize=1024)
 def half_power_angle_rad(beam: Beam) -> float:
     """Greatest angle from the axis with half the peak intensity [rad]; the edge of a disc or cone."""
     if beam.kind in ("disc", "cone"):

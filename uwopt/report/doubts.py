@@ -139,9 +139,8 @@ def robustness_block(result: Result) -> RenderableType:
             "every requirement still holds" if doubt["feasible_at_bad_end"] else "a requirement may be missed"
         )
         facts.append(("at the bad ends", holds))
-    other = doubt.get("other_water_table")
-    if other:
-        facts.append(("other water table", water_text(other, result)))
+    facts += [("other water", water_text(other, result)) for other in doubt.get("waters") or []]
+    facts += tilt_facts(doubt)
     quotes = doubt.get("quotes_that_matter") or []
     facts.append(
         (
@@ -160,9 +159,40 @@ def robustness_block(result: Result) -> RenderableType:
     return block("How firm this is", lines)
 
 
+def tilt_facts(doubt: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """How far the lamps' tilt may be off, and what places between the grid's points would give."""
+    facts = []
+    tilt = doubt.get("tilt")
+    if tilt:
+        most = tilt["tried_up_to_deg"]
+
+        def ends(name: str) -> str:
+            shown = [tilt.get(f"{name}_{way}_deg") for way in ("outward", "inward")]
+            if None in shown:
+                return "not known"
+            out, inward = (f"{v:.1f}°" + (" or more" if v >= most else "") for v in shown)
+            return f"{out} outward, {inward} inward"
+
+        broken = ", ".join(words.one_line(name) for name in tilt["first_to_break"])
+        facts.append(("tilt may be off", f"{ends('held')} as set" + (f" (then {broken})" if broken else "")))
+        facts.append(("", f"{ends('readjusted')} if light, exposure and gain are set anew"))
+    better = doubt.get("outside_certificate")
+    if better and better["gain_rel"] > 1e-6:
+        facts.append(
+            (
+                "improvement outside the certificate",
+                f"{100 * better['gain_rel']:.2g} % with baseline {better['baseline_m']:.3f} m, "
+                f"tilt {better['tilt_deg']:.2f}°",
+            )
+        )
+    return facts
+
+
 def water_text(other: Mapping[str, Any], result: Result) -> str:
-    """What becomes of the recommendation when the other water table is believed."""
-    table = ", ".join(words.one_line(name) for name in other.get("tables") or [])
+    """What becomes of the recommendation when another water table, or another K, is believed."""
+    case = other.get("case") or {}
+    leg = words.one_line(case.get("lamp_attenuation", ""))
+    table = f"{words.one_line(case.get('water_table', ''))}, lamp leg with K = {leg}"
     value = other.get("objective_value")
     if value is None:
         held = f"{table}: this system is not feasible in it"

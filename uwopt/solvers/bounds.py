@@ -6,14 +6,15 @@ the lights that are able enough, and no quantisation: each term at its least, so
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.hardware import CONTINUOUS, FLASH
-from uwopt.model import sensor
+from uwopt.model import sensor, sharpness
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.problem import Problem
 from uwopt.solvers.fields import FieldTables, Lighting
@@ -59,6 +60,7 @@ class UnitBounds:
     mass: Array
     snr_db: Array
     rule: Array
+    information: Array | float = np.inf  # bit/m2, worst scene
 
     @staticmethod
     def none(n: int) -> UnitBounds:
@@ -70,7 +72,8 @@ class UnitBounds:
     def empty(n: int) -> UnitBounds:
         """No light yet: nothing can be reached."""
         inf = np.full(n, np.inf)
-        return UnitBounds(inf, inf.copy(), inf.copy(), inf.copy(), np.full(n, -np.inf), np.zeros(n, int))
+        lowest = np.full(n, -np.inf)
+        return UnitBounds(inf, inf.copy(), inf.copy(), inf.copy(), lowest, np.zeros(n, int), lowest.copy())
 
     def better_of(self, other: UnitBounds) -> UnitBounds:
         """The lower bound of two groups of lights; a unit fails only if both fail, by the later rule."""
@@ -83,12 +86,32 @@ class UnitBounds:
             np.minimum(self.mass, other.mass),
             np.maximum(self.snr_db, other.snr_db),
             rule,
+            np.maximum(self.information, other.information),
         )
 
 
 def suffix_min(values: Array) -> Array:
     """Least of each value and all after it."""
     return np.minimum.accumulate(values[::-1])[::-1]
+
+
+@cache
+def information_table() -> tuple[Array, Array, Array]:
+    """Bit per px by SNR [dB] and rated pitch [px], blurred by pixel and lens rating alone."""
+    snr_db, rated = np.linspace(-60.0, 120.0, 361), np.linspace(0.0, 4.0, 41)
+    at = sharpness.Sharpness(
+        working_f_number=0.0, wavelength_nm=500.0, pixel_pitch_m=1e-6, rated_pitch_px=rated[None, :]
+    )
+    return snr_db, rated, sharpness.information_bit_per_px(sensor.from_db(snr_db)[:, None], sharpness=at)
+
+
+def bit_per_px_bound(snr_db: Array, rated_pitch_px: Array) -> Array:
+    """Upper bound from the table: the next SNR up, the next rating down; its quadrature errs by 1e-4 at most."""
+    levels, ratings, table = information_table()
+    above = np.searchsorted(levels, snr_db)
+    row = np.minimum(above, len(levels) - 1)
+    column = np.clip(np.searchsorted(ratings, rated_pitch_px, side="right") - 1, 0, len(ratings) - 1)
+    return np.where(above < len(levels), table[row, column] * (1 + 1e-4), np.inf)
 
 
 class Bounds:
@@ -144,7 +167,7 @@ class Bounds:
         imagers = self.imagers
         n = len(rows)
         power, capacity_needed = np.zeros(n), np.zeros(n)
-        snr_db = np.full(n, np.inf)
+        snr_db, information = np.full(n, np.inf), np.full(n, np.inf)
         order = np.argsort(table.effective[own])
         capacity = table.effective[own][order]
         least_drawn = suffix_min(table.power_per_light[own][order])
@@ -158,8 +181,12 @@ class Bounds:
                 used = wanted if kind == CONTINUOUS else light_time * need.rate_hz
                 scene_power = np.where(used > 0, used * drawn, 0.0)
             power = np.maximum(power, np.where(np.isfinite(wanted), scene_power, np.inf))
-            if self.objective.weight("snr_db"):
-                snr_db = np.minimum(snr_db, self._snr_bound(index, capacity[-1] * most, rows))
+            if self.objective.weight("snr_db") or self.objective.weight("information"):
+                electrons = np.full(n, np.inf) if self._sunlit(index) else capacity[-1] * most
+                reached = self._snr_bound(index, electrons, rows)
+                snr_db = np.minimum(snr_db, reached)
+                if self.objective.weight("information"):
+                    information = np.minimum(information, self._information_bound(index, reached, rows))
         at = np.searchsorted(capacity, capacity_needed * (1 - 1e-12))
         reachable = at < len(capacity)
         pick = np.minimum(at, len(capacity) - 1)
@@ -169,7 +196,7 @@ class Bounds:
 
         bounds = UnitBounds(
             np.zeros(n), imagers.camera_power_w[rows] + power, imagers.cost[rows] + least(table.cost),
-            imagers.mass_kg[rows] + least(table.mass_kg), snr_db, np.zeros(n, int),
+            imagers.mass_kg[rows] + least(table.mass_kg), snr_db, np.zeros(n, int), information,
         )  # fmt: skip
         return self._judged(bounds, reachable, imagers.limit_cost[rows] + least(table.limit_cost), rows)
 
@@ -212,11 +239,14 @@ class Bounds:
         )
         for name, passes in checks:
             rule = np.where((rule < 0) & ~passes, UNIT_RULES.index(name), rule)
-        terms = Terms(bounds.power, bounds.cost, bounds.mass, bounds.snr_db, self.imagers.gsd_mm[rows])
+        terms = Terms(
+            bounds.power, bounds.cost, bounds.mass, bounds.snr_db, self.imagers.gsd_mm[rows], 1.0,
+            bounds.information,
+        )  # fmt: skip
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
         value = np.where(rule >= 0, np.inf, value)
-        return UnitBounds(value, bounds.power, bounds.cost, bounds.mass, bounds.snr_db, rule)
+        return replace(bounds, value=value, rule=rule)
 
     def _signal_bound(self, scene_index: int, lighting: Lighting, rows: Array) -> Array:
         """Upper bounds of electrons per lm s at the farthest and the nominal altitude, (n, 2)."""
@@ -232,6 +262,8 @@ class Bounds:
         cameras = self.problem.cameras.take(self.imagers.camera[rows])
         needs = self.problem.scenes[scene_index].view.requirements
         need = np.zeros(len(rows))
+        if self._sunlit(scene_index):  # the sun may bring all of it
+            return need, need
         if needs.min_snr:
             need = sensor.electrons_for_snr(
                 needs.min_snr, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
@@ -242,6 +274,27 @@ class Bounds:
         by_gain = wanted_dn / (cameras.gain_dn_per_e * cameras.max_gain)
         longest = np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
         return np.asarray(need), np.asarray(by_gain - cameras.dark_current_e_s * longest)
+
+    def _sunlit(self, scene_index: int) -> bool:
+        """Whether light counts that no lamp gives."""
+        return bool(self.problem.scenes[scene_index].sunlit and self.problem.effects.sunlight)
+
+    def information_ceiling(self, rows: Array) -> Array:
+        """Information [bit/m2] that no light lets these imagers exceed: at the most electrons the sensor takes."""
+        best = np.full(len(rows), np.inf)
+        if self.objective.weight("information"):
+            for index in range(len(self.imagers.scenes)):
+                reached = self._snr_bound(index, np.full(len(rows), np.inf), rows)
+                best = np.minimum(best, self._information_bound(index, reached, rows))
+        return best
+
+    def _information_bound(self, scene_index: int, snr_db: Array, rows: Array) -> Array:
+        """Information [bit/m2] of a sharp pixel behind the rated lens at an SNR: nothing else blurs."""
+        cameras = self.problem.cameras.take(self.imagers.camera[rows])
+        rated = self.problem.lenses.rated_pitch_m[self.imagers.lens[rows]] / cameras.pixel_pitch_m
+        view = self.imagers.scenes[scene_index].view
+        area = view.footprint_along_m[rows, 1] * view.footprint_across_m[rows, 1]
+        return bit_per_px_bound(snr_db, rated) * (cameras.resolution_x_px * cameras.resolution_y_px) / area
 
     def _longest_time_s(self, focused: Any, rows: Array) -> Array:
         """An upper bound of the light-collecting time of any light."""

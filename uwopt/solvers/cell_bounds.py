@@ -66,7 +66,8 @@ class Reach:
     x_lo: Array
     x_hi: Array
     x_cap: Array  # by level and saturation alone
-    u_hi: Array  # highest level in use
+    u_lo: Array  # levels in use
+    u_hi: Array
 
 
 @dataclass(frozen=True)
@@ -223,7 +224,7 @@ class SceneCells:
         alive &= np.isfinite(power)
         snr, contrast = self._snr_and_contrast(rows, box, bottom, top, x_lo, x_cap, y_lo, y_hi)
         alive &= snr >= rows.min_snr * (1 - 1e-9)
-        return Reach(alive, power, snr, contrast, x_lo, x_cap, high, top)
+        return Reach(alive, power, snr, contrast, x_lo, x_cap, high, bottom, top)
 
     def steps(self, d: Array, bottom: Array, top: Array) -> tuple[Array, Array]:
         """Least and greatest level in use within a range; inf and -inf where there is none."""
@@ -257,14 +258,20 @@ class SceneCells:
             dark_e=closed_form.dark_e(dark_rows), prnu_frac=rows.prnu_frac,
         )  # fmt: skip
         with np.errstate(divide="ignore", invalid="ignore"):
-            free = (rows.kind != CONTINUOUS) & (box.open_hi > box.t_lo)
-            most = np.where(free, np.minimum(box.t_hi / box.open_lo, 1.0), 1.0)
-            least = np.where(free, box.t_lo / box.open_hi, 1.0)
+            most, least = self.lit_share(rows, box)
             r_hi = np.minimum(x_hi / y_lo, rows.light_lm * u_hi * most)
             r_lo = np.maximum(x_lo / y_hi, rows.light_lm * u_lo * least)
             ends = [(lamp * r + sun) / (lamp_all * r + sun + over) for r in (np.minimum(r_lo, r_hi), r_hi)]
         best = np.nanmax(np.stack([*ends, np.zeros_like(r_hi)]), axis=0)
         return np.asarray(snr), np.minimum(best, 1.0)
+
+    def lit_share(self, rows: SceneRows, box: Box) -> tuple[Array, Array]:
+        """Light-collecting over open time, most and least."""
+        free = (rows.kind != CONTINUOUS) & (box.open_hi > box.t_lo)
+        return (
+            np.where(free, np.minimum(box.t_hi / box.open_lo, 1.0), 1.0),
+            np.where(free, box.t_lo / box.open_hi, 1.0),
+        )
 
     def _shortest(self, rows: SceneRows, box: Box, open_s: Array) -> Array:
         """Exposure of the shortest time of boxes."""
@@ -293,9 +300,9 @@ class SceneCells:
             bottom = np.maximum(u_lo, low / per_level)
             top = np.minimum(np.minimum(u_hi, high / per_level), self.share[d] * (1 + 1e-9) / duty)
         bottom, top = self.steps(d, bottom, top)
-        level = bottom if share == 0.0 else top if share == 1.0 else bottom + share * (top - bottom)
-        if 0.0 < share < 1.0:
-            level = np.where(rows.dims_freely, level, bottom)
+        between = np.where(np.isfinite(bottom) & np.isfinite(top) & rows.dims_freely, share, 0.0)
+        level = top if share == 1.0 else np.where(between > 0, (1 - between) * bottom, bottom) + np.where(
+            between > 0, between * top, 0.0)  # fmt: skip
         fits = (bottom <= top * (1 + 4 * SLACK)) & np.isfinite(level)
         level = np.where(fits, level, np.nan)
         light_x = level * per_level

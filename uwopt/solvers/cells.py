@@ -10,7 +10,7 @@ Level and gain have closed forms at fixed f-number and times: least light for po
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -23,12 +23,12 @@ from uwopt.rows import SceneRows
 from uwopt.solvers.cell_bounds import Box, Points, Reach, SceneCells
 from uwopt.solvers.cell_info import RULE_ERROR, Information
 from uwopt.solvers.cell_tangent import DIMMEST, quality_bound, surrogate_bit_per_px
-from uwopt.solvers.settings import Chosen
+from uwopt.solvers.settings import Chosen, nominal_contrast
 
 Array = NDArray[Any]
 QUALITIES = ("snr_db", "contrast", "information")
 BATCH = 4096  # cells halved at a time
-MOST_CELLS = 100_000  # bounded in one call, beside FEWEST a design
+MOST_CELLS = 30_000  # bounded in one call, beside FEWEST a design
 FEWEST = 4_000
 PATTERNS = (
     (0.0, 1.0), (0.5, 0.5), (0.0, 0.5), (0.5, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0), (1.0, 0.5), (0.5, 0.0),
@@ -134,7 +134,7 @@ class CellSearch:
         self.sunlit = [r.sunlit for r in rows]
         weight = {name: objective.weight(name) for name in ("power", *QUALITIES)}
         if weight["contrast"] and not any(self.sunlit):  # no setting changes that of the lamps
-            share = np.min([_lamp_contrast(r) for r in rows], axis=0)
+            share = np.min([nominal_contrast(r) for r in rows], axis=0)
             constant = self.constant = constant - weight["contrast"] * share
             weight["contrast"] = 0.0
         self.power_decides = not any(weight.values())  # among equals
@@ -271,6 +271,14 @@ class CellSearch:
             if self.open_dim[s] >= 0:
                 pool.lo[:, self.open_dim[s]] = np.log(box.open_lo)
                 pool.hi[:, self.open_dim[s]] = np.log(box.open_hi)
+            if self.u_dim[s] >= 0:
+                u_lo = np.where(reach.u_lo > box.u_lo, reach.u_lo * (1 - 1e-13), 0.0)
+                u_hi = np.where(np.isfinite(reach.u_hi), reach.u_hi, 0.0) * (1 + 1e-13)
+                lo, hi = pool.lo[:, self.u_dim[s]], pool.hi[:, self.u_dim[s]]
+                lo = np.minimum(np.maximum(lo, np.log(np.clip(u_lo, 1e-300, 1.0))), hi)
+                hi = np.maximum(np.minimum(hi, np.log(np.maximum(u_hi, 1e-300))), lo)
+                pool.lo[:, self.u_dim[s]], pool.hi[:, self.u_dim[s]] = lo, hi
+                box = replace(box, u_lo=np.clip(np.maximum(box.u_lo, u_lo), 0.0, box.u_hi))
             seen.append((box, reach))
         index = np.nonzero(alive)[0]
         return pool.take(index), [
@@ -460,6 +468,10 @@ class CellSearch:
             score = np.zeros((m, self.n_dims))
             for k in dims:
                 score[:, k] = self._gain_of(pool, k)
+            # Where a half dies at once the side counts as much as the best of the others.
+            dies = np.isnan(score)
+            most = np.where(dies, 0.0, score).max(axis=1)[:, None]
+            score = np.where(dies, np.where(most > 0, most, 1.0), score)
             # Sides that tell little are left alone; of the others the widest, or slivers would never be told apart.
             scaled = width * np.where(np.isin(np.arange(self.n_dims), self.n_dim), 2.0, 1.0)
             tells = score > TELLS * score.max(axis=1)[:, None]
@@ -494,7 +506,7 @@ class CellSearch:
         whole = np.nan_to_num(values[0], nan=0.0)
         scale = np.abs(whole) + 1e-30
         for value in values[1:]:
-            lifted.append(np.where(np.isnan(value), 2.0, np.minimum((value - whole) / scale, 2.0)))
+            lifted.append((value - whole) / scale)
         return np.asarray(lifted[0] + lifted[1])
 
     def _cheap(self, pool: Pool) -> tuple[Array, Array]:
@@ -567,14 +579,6 @@ def _logs(low: Array, high: Array) -> tuple[Array, Array]:
         a = np.log(np.maximum(low, 1e-300))
         b = np.log(np.maximum(high, 1e-300))
     return a, np.maximum(a, b)
-
-
-def _lamp_contrast(rows: SceneRows) -> Array:
-    """Image-forming over all light of the lamps, nominal altitude."""
-    every = rows.total_e[:, rows.nominal]
-    return np.asarray(
-        np.where(every > 0, rows.signal_e[:, rows.nominal] / np.where(every > 0, every, 1.0), 0.0)
-    )
 
 
 def _area(rows: SceneRows) -> Array:

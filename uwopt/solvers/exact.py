@@ -17,13 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.image_light import ImageLight, Veils
+from uwopt.image_light import ImageLight, SunLight, Veils
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.problem import Problem
 from uwopt.rows import SceneRows
+from uwopt.sharp import SharpRows
 from uwopt.solvers.bounds import ROUND, UNIT_RULES, Bounds, LightTable, UnitBounds
 from uwopt.solvers.fields import FieldTables, Lighting
-from uwopt.solvers.goals import best_settings
+from uwopt.solvers.goals import GAP, best_settings
 from uwopt.solvers.imagers import IMAGER_RULES, Imagers, enumerate_imagers, limit
 from uwopt.solvers.ranking import TIE, Found, Ranking
 from uwopt.solvers.settings import Chosen
@@ -35,6 +36,7 @@ MOST_UNITS = 6_000_000  # imagers times lightings: what memory allows
 SAMPLES_A_TIME, MOST_SAMPLES = 64, 1024
 MOST_ROWS_AT_ONCE = 60_000
 FIRST_VEILS, LARGEST_VEILS = 8, 256  # imagers whose veils are worked out together
+ROUGH_GAP = 1e-2  # of bounds over settings that are searched cell by cell
 TOO_FEW_TO_BOUND = 8  # units: evaluating them is cheaper
 RULES = (*IMAGER_RULES, *(rule for rule in UNIT_RULES if rule not in IMAGER_RULES))
 
@@ -104,7 +106,7 @@ class Search:
         self.limits = problem.mission.limits
         self.bounds_s = 0.0
         self.interrupted = False
-        self.without_dark = np.inf  # best value without any dark current, where that matters to the proof
+        self.open_gap_bound = np.inf  # below which no settings get, where they are not optimal to rounding
         self._samples: dict[str, list[tuple[int, int | None]]] = {}  # rule -> (imager, lighting or any)
 
     # ------------------------------------------------------------ run
@@ -143,7 +145,7 @@ class Search:
         floor = self.objective.cost_to_minimise(
             Terms(
                 count * rows.power_w + extra_power, count * rows.price + extra_cost, count * rows.mass_kg + extra_mass,
-                np.full(len(rows.price), snr_ceiling(self.objective)), np.zeros(len(rows.price)),
+                np.full(len(rows.price), snr_ceiling(self.objective)), np.zeros(len(rows.price)), 1.0, np.inf,
             )
         )  # fmt: skip
         return np.asarray(floor <= self.ceiling)
@@ -164,8 +166,11 @@ class Search:
         imagers = self.imagers
         ceiling = np.full(len(imagers), snr_ceiling(self.objective))
         floor = self.objective.cost_to_minimise(
-            Terms(imagers.camera_power_w, imagers.cost, imagers.mass_kg, ceiling, imagers.gsd_mm)
-        )
+            Terms(
+                imagers.camera_power_w, imagers.cost, imagers.mass_kg, ceiling, imagers.gsd_mm, 1.0,
+                self.bounds.information_ceiling(np.arange(len(imagers))),
+            )
+        )  # fmt: skip
         order = np.argsort(floor, kind="stable")
         every = int(sum(len(t.light) for t in self.bounds.light_tables))
         lightings = max(1, len(self.tables.lightings))
@@ -191,7 +196,7 @@ class Search:
             chunk = min(2 * chunk, LARGEST_CHUNK, most)
             self.progress(0.1 + 0.9 * position / len(order), "search")
         return min(
-            self.ranking.best[0].minimised if self.ranking.best else self.ceiling, self.without_dark
+            self.ranking.best[0].minimised if self.ranking.best else self.ceiling, self.open_gap_bound
         ), True
 
     def _cut_short(self, lowest: float, every: int, floor: Array, rest: Array) -> tuple[float, bool]:
@@ -308,7 +313,7 @@ class Search:
         floor = self.objective.cost_to_minimise(
             Terms(
                 imagers.camera_power_w[imager[unit]], cost, mass, np.full(len(unit), snr_ceiling(self.objective)),
-                imagers.gsd_mm[imager[unit]],
+                imagers.gsd_mm[imager[unit]], 1.0, self.bounds.information_ceiling(imager)[unit],
             )
         )  # fmt: skip
         rule = np.where((rule < 0) & (floor > self.ranking.threshold()), UNIT_RULES.index("bound"), rule)
@@ -400,19 +405,33 @@ class Search:
         rows = self.rows(imager, lights, pairs.light, pairs.count, lighting, optimistic=optimistic)
         motorised = self.motorised[imager]
         camera_power = self.imagers.camera_power_w[imager]
-        chosen, feasible, snr_db = best_settings(
-            rows, motorised, self.objective, camera_power, limit(self.limits.power_w)
+        fixed = Terms(camera_power, cost, mass, np.zeros(len(imager)), self.imagers.gsd_mm[imager])
+        hardware = np.unique(np.stack([imager, pairs.light]), axis=1, return_inverse=True)[1].reshape(-1)
+        best = best_settings(
+            rows, motorised, self.objective, camera_power, limit(self.limits.power_w),
+            gap_rel=ROUGH_GAP if optimistic else GAP, constant=self.objective.cost_to_minimise(fixed),
+            cutoff=self.ranking.threshold(), hardware=hardware, top=None if optimistic else self.top,
+        )  # fmt: skip
+        chosen = best.chosen
+        power = camera_power + np.max([c.light_power_w for c in chosen], axis=0)
+        feasible = best.feasible & (power <= limit(self.limits.power_w) * ROUND)
+        terms = Terms(
+            power, cost, mass, best.snr_db, self.imagers.gsd_mm[imager], best.contrast, best.information
         )
-        light_power = np.max([c.light_power_w for c in chosen], axis=0)
-        power = camera_power + light_power
-        feasible &= power <= limit(self.limits.power_w) * ROUND
-        terms = Terms(power, cost, mass, snr_db, self.imagers.gsd_mm[imager])
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
         value = np.where(feasible & np.isfinite(value), value, np.inf)
-        if self.objective.weight("snr_db") and not optimistic:
+        exposure = [
+            r.exposure_s(c.time_s) if c.exposure_s is None else c.exposure_s
+            for r, c in zip(rows, chosen, strict=True)
+        ]
+        if best.lower_bound is not None:
+            if optimistic:
+                return best.lower_bound, terms, chosen, exposure
+            self.open_gap_bound = min(self.open_gap_bound, float(best.lower_bound.min(initial=np.inf)))
+        elif self.objective.weight("snr_db") and not optimistic:
             self._bound_by_dark(rows, motorised, camera_power, feasible, terms)
-        return value, terms, chosen, [r.exposure_s(c.time_s) for r, c in zip(rows, chosen, strict=True)]
+        return value, terms, chosen, exposure
 
     def _bound_by_dark(
         self, rows: list[SceneRows], motorised: Array, camera_power: Array, feasible: Array, terms: Terms
@@ -425,10 +444,10 @@ class Search:
             return
         dark_free = [replace(r, dark_current_e_s=np.zeros_like(r.dark_current_e_s)) for r in rows]
         limit_w = limit(self.limits.power_w)
-        chosen, _, snr_db = best_settings(dark_free, motorised, self.objective, camera_power, limit_w)
-        power = camera_power + np.max([c.light_power_w for c in chosen], axis=0)
-        best = self.objective.cost_to_minimise(replace(terms, power=power, snr_db=snr_db))
-        self.without_dark = min(self.without_dark, float(np.nanmin(np.where(feasible, best, np.inf))))
+        free = best_settings(dark_free, motorised, self.objective, camera_power, limit_w)
+        power = camera_power + np.max([c.light_power_w for c in free.chosen], axis=0)
+        best = self.objective.cost_to_minimise(replace(terms, power=power, snr_db=free.snr_db))
+        self.open_gap_bound = min(self.open_gap_bound, float(np.nanmin(np.where(feasible, best, np.inf))))
 
     def rows(
         self, imager: Array, lights: list[ImageLight], light: Array, count: Array, lighting: Lighting, *,
@@ -445,12 +464,57 @@ class Search:
             rows = self.problem.scene_rows(
                 index, camera=self.imagers.camera[imager], light=light, count=count,
                 focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
+                sun=self._sun(index, imager, count, lighting, pixels=at_worst),
+                sharp=self._sharp(index, imager, lighting),
             )  # fmt: skip
             if needs.min_uniformity is not None and not optimistic:
                 even = self._even_enough(index, imager, light, count, lighting, needs.min_uniformity)
                 rows = replace(rows, time_max_s=np.where(even, rows.time_max_s, -1.0))
             result.append(replace(rows, optimistic=optimistic))
         return result
+
+    def _sharp(self, scene_index: int, imager: Array, lighting: Lighting) -> SharpRows | None:
+        """What MTF and information depend on, where either is asked for."""
+        needs = self.problem.scenes[scene_index].view.requirements
+        if needs.min_mtf_half_nyquist is None and not self.objective.weight("information"):
+            return None
+        unique, back = np.unique(imager, return_inverse=True)
+        imagers, seen = self.imagers, self.imagers.scenes[scene_index]
+        return self.problem.sharp_rows(
+            scene_index, seen.view.take(unique), camera=imagers.camera[unique], lens=imagers.lens[unique],
+            port=imagers.port[unique], optics=lighting.optics,
+            dioptre_per_m=seen.focused.dioptre_per_m[unique],
+        ).take(back)  # fmt: skip
+
+    def _sun(
+        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, *, pixels: bool
+    ) -> SunLight | None:
+        """The sun's light in these images; the pixels looked at depend on the number of lamps."""
+        parts, places = [], []
+        for number in np.unique(count) if pixels else [int(count.max(initial=1))]:
+            mine = np.nonzero(count == number)[0] if pixels else np.arange(len(count))
+            unique, back = np.unique(imager[mine], return_inverse=True)
+            sun = self.problem.sun_light(
+                scene_index, self.imagers.scenes[scene_index].view.take(unique), self.imagers.camera[unique],
+                port_index=self.imagers.port[unique], mount=lighting.mount, count=int(number), pixels=pixels,
+            )  # fmt: skip
+            if sun is None:
+                return None
+            parts.append(sun.take(back))
+            places.append(mine)
+        order = np.argsort(np.concatenate(places), kind="stable")
+        joined: dict[str, Any] = {}
+        for name in SunLight.__dataclass_fields__:
+            columns = [getattr(part, name) for part in parts]
+            if columns[0] is None:
+                joined[name] = None
+                continue
+            deepest = max(column.shape[-1] for column in columns)
+            padded = [
+                np.pad(c, [(0, 0)] * (c.ndim - 1) + [(0, deepest - c.shape[-1])], mode="edge") for c in columns
+            ]
+            joined[name] = np.concatenate(padded)[order]
+        return SunLight(**joined)
 
     def _even_enough(
         self, scene_index: int, imager: Array, light: Array, count: Array, lighting: Lighting, wanted: float

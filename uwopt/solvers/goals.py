@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,16 +12,122 @@ from uwopt.model import sensor
 from uwopt.objectives.objective import Objective
 from uwopt.rows import SceneRows
 from uwopt.solvers import settings as closed_form
+from uwopt.solvers.cells import CellResult, best_by_cells
 
 Array = NDArray[Any]
 DARK_ROUNDS = 25
+GAP = 1e-4  # relative, where cells are searched
 FAINTEST = 1e-6  # of the highest SNR: where a weighing starts when nothing asks for light
 
 
+@dataclass(frozen=True)
+class Best:
+    """Best settings of n designs by scene, the worst scene's figures, and what no settings can beat."""
+
+    chosen: list[closed_form.Chosen]
+    feasible: Array
+    snr_db: Array
+    contrast: Array  # image mean at the nominal altitude
+    information: Array  # bit/m2; 0 where it does not count
+    lower_bound: Array | None = None  # of the minimised objective, constants included; None: the value itself
+
+
+def needs_cells(rows: list[SceneRows], objective: Objective) -> bool:
+    """Whether the closed form does not hold."""
+    return bool(objective.weight("information")) or any(r.sunlit or r.min_mtf > 0 for r in rows)
+
+
 def best_settings(
+    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float, *,
+    gap_rel: float = GAP, constant: Array | float = 0.0, cutoff: float = np.inf, hardware: Array | None = None,
+    top: int | None = None,
+) -> Best:  # fmt: skip
+    """Settings that are best for an objective; the keywords as in `cells.best_by_cells`, for where it is used."""
+    if not needs_cells(rows, objective):
+        return best_closed(rows, motorised, objective, camera_power_w, power_limit_w)
+    if objective.weight("information") or any(r.sunlit for r in rows):
+        return _of_cells(best_by_cells(
+            rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
+            cutoff=cutoff, hardware=hardware, top=top,
+        ))  # fmt: skip
+    return best_where_sharp(
+        rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
+        cutoff=cutoff, hardware=hardware, top=top,
+    )  # fmt: skip
+
+
+def _of_cells(found: CellResult) -> Best:
+    """A search over cells as the best settings."""
+    return Best(
+        found.chosen, found.feasible, found.snr_db, found.contrast, np.nan_to_num(found.information),
+        found.lower_bound,
+    )  # fmt: skip
+
+
+def best_where_sharp(
+    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float, *,
+    constant: Array | float, cutoff: float, **more: Any,
+) -> Best:  # fmt: skip
+    """Best settings whose image is sharp enough as well.
+
+    Without that requirement the closed form holds and is a bound: where its settings happen to be sharp they
+    are best; where it finds none, there are none; where it cannot beat the cutoff, neither can sharp settings.
+    """
+    easy = best_closed(rows, motorised, objective, camera_power_w, power_limit_w)
+    power = np.max([c.light_power_w for c in easy.chosen], axis=0)
+    value = constant + objective.weight("power") * power
+    for name in ("snr_db", "contrast"):
+        if objective.weight(name):
+            value = value - objective.weight(name) * getattr(easy, name)
+    lower = np.where(easy.feasible, value, np.inf)
+    sharp = np.logical_and.reduce([is_sharp(r, c) for r, c in zip(rows, easy.chosen, strict=True)])
+    # The SNR of a fixed point with much dark current is no bound: only what needs no SNR is told here.
+    sure = not objective.weight("snr_db") or not any(np.any(r.dark_current_e_s > 0) for r in rows)
+    open_ = np.nonzero(easy.feasible & ~sharp & ((lower <= cutoff) | (not sure)))[0]
+    feasible = easy.feasible & sharp
+    if len(open_) == 0:
+        return replace(easy, feasible=feasible, lower_bound=lower)
+    hardware = more.pop("hardware")
+    found = best_by_cells(
+        [r.take(open_) for r in rows], motorised[open_], objective, camera_power_w[open_], power_limit_w,
+        constant=np.broadcast_to(constant, lower.shape)[open_], cutoff=cutoff,
+        hardware=None if hardware is None else hardware[open_], **more,
+    )  # fmt: skip
+
+    def placed(all_: Array, some: Array) -> Array:
+        out = np.array(all_)
+        out[open_] = some
+        return out
+
+    chosen = []
+    for r, old, new in zip(rows, easy.chosen, found.chosen, strict=True):
+        old = replace(old, exposure_s=r.exposure_s(old.time_s))
+        names = old.__dataclass_fields__
+        chosen.append(
+            closed_form.Chosen(**{name: placed(getattr(old, name), getattr(new, name)) for name in names})
+        )
+    return Best(
+        chosen, placed(feasible, found.feasible), placed(easy.snr_db, found.snr_db),
+        placed(easy.contrast, found.contrast), easy.information, placed(lower, found.lower_bound),
+    )  # fmt: skip
+
+
+def is_sharp(rows: SceneRows, chosen: closed_form.Chosen) -> Array:
+    """Whether the MTF that is asked for holds at these settings, without sun."""
+    if rows.min_mtf <= 0 or rows.sharp is None:
+        return np.ones(len(chosen.f_number), bool)
+    known = np.isfinite(chosen.f_number) & np.isfinite(chosen.time_s)
+    f_number, time = np.where(known, chosen.f_number, 1.0), np.where(known, chosen.time_s, 0.0)
+    mtf = rows.sharp.mtf_half_nyquist(
+        f_number=f_number, working_f_number=f_number * rows.working_factor, blur_s=time
+    )
+    return np.asarray(known & (mtf.min(axis=1) >= rows.min_mtf * (1 - 1e-9)))
+
+
+def best_closed(
     rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float
-) -> tuple[list[closed_form.Chosen], Array, Array]:
-    """Settings that are best for an objective, whether they exist, and the worst scene's SNR in dB.
+) -> Best:
+    """Best settings in closed form.
 
     Dark current depends on the exposure that is chosen, so the closed form is taken again with the
     exposure of the last round, from the shortest up; dark electrons are few, and two or three rounds
@@ -37,7 +143,8 @@ def best_settings(
         ):
             break
         rows = updated
-    return chosen, feasible, snr_db
+    contrast = np.min([closed_form.nominal_contrast(r) for r in rows], axis=0)
+    return Best(chosen, feasible, snr_db, contrast, np.zeros(len(feasible)))
 
 
 def settings_at_dark(

@@ -123,6 +123,13 @@ def contrast(rows: SceneRows) -> Array:
     return np.where(np.isfinite(share), share, 0.0)
 
 
+def nominal_contrast(rows: SceneRows) -> Array:
+    """Image-forming over all light of the lamps, image mean at the nominal altitude."""
+    every = rows.total_e[:, rows.nominal]
+    lit = every > 0
+    return np.where(lit, rows.signal_e[:, rows.nominal] / np.where(lit, every, 1.0), 0.0)
+
+
 def light_for_snr(
     rows: SceneRows, altitude: int, snr: Array | float, *, worst: bool, sun: Sun | None = None
 ) -> Array:

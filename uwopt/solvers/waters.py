@@ -1,4 +1,4 @@
-"""Whether the recommendation rests on the choice of water table.
+"""Whether the recommendation rests on the choice of water table, or of K on the way from lamp to floor.
 
 Two published tables of the Jerlov types disagree by up to three times. The systems shown are solved
 again in the other table's water; a full search in it is a change of `scene.water_table` away.
@@ -7,8 +7,8 @@ again in the other table's water; a full search in it is a change of `scene.wate
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Any, Literal
 
 import numpy as np
 
@@ -16,47 +16,74 @@ from uwopt.catalog.spectra import water_types
 from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
-from uwopt.scene import SceneOptics, scene_optics
+from uwopt.scene import LampLeg, SceneOptics, scene_optics
 from uwopt.solvers.exact import Search
 from uwopt.solvers.ranking import Found
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.robustness import parts_of, values_at
 
-OTHER = {"measured": "solonenko-mobley", "solonenko-mobley": "measured"}
+LAMP_LEGS: dict[LampLeg, str] = {
+    "diffuse": "K_d, within a + b_b and c", "least": "a + b_b, the least", "most": "c, the most",
+}  # fmt: skip
+OTHER: dict[str, Literal["measured", "solonenko-mobley"]] = {
+    "measured": "solonenko-mobley",
+    "solonenko-mobley": "measured",
+}
 
 
-def other_scenes(mission: Mission, scenes: Sequence[SceneOptics]) -> list[SceneOptics] | None:
-    """The scenes in the other table's water; None when no scene's type stands in both tables."""
-    changed, made = False, []
-    for index, scene in enumerate(scenes):
-        other = OTHER.get(scene.water_table)
-        known = other is not None and scene.view.scene.water in water_types(other)
-        changed = changed or known
-        made.append(
-            scene_optics(mission.scene_view(index), paper=False, base_dir=mission.base_dir, water_table=other)
-            if known
-            else scene
-        )
-    return made if changed else None
-
-
-def in_other_water(sought: Sought, objective: Objective) -> dict[str, Any] | None:
-    """The systems shown, solved again with the other water table; None where there is no other."""
+def in_other_waters(sought: Sought, objective: Objective) -> list[dict[str, Any]]:
+    """The systems shown, solved again with the other water table and with both bounds of K on the lamp leg."""
     problem = sought.problem
     if problem.paper or not sought.outcome.best:
-        return None
-    scenes = other_scenes(problem.mission, problem.scenes)
-    if scenes is None:
-        return None
-    shown = sought.outcome.best
+        return []
+    return [
+        {"case": name, **verdict(sought, objective, scenes)}
+        for name, scenes in variants(problem.mission, problem.scenes)
+    ]
+
+
+def variants(
+    mission: Mission, scenes: Sequence[SceneOptics]
+) -> Iterator[tuple[dict[str, str], list[SceneOptics]]]:
+    """Other waters that the same mission could mean, each unlike the one in use."""
+    for table in (None, "other"):
+        for leg in LAMP_LEGS:
+            if table is None and leg == "diffuse":
+                continue
+            made = [changed_scene(mission, i, scene, table, leg) for i, scene in enumerate(scenes)]
+            if any(one is not None for one in made):
+                full = [one or scene for one, scene in zip(made, scenes, strict=True)]
+                names = sorted({scene.water_table for scene in full})
+                yield {"water_table": " and ".join(names), "lamp_attenuation": LAMP_LEGS[leg]}, full
+
+
+def changed_scene(
+    mission: Mission, index: int, scene: SceneOptics, table: str | None, leg: LampLeg
+) -> SceneOptics | None:
+    """One scene in another water; None where there is no other."""
+    name = scene.water_table
+    if table is not None:
+        other = OTHER.get(name)
+        if other is None or scene.view.scene.water not in water_types(other):
+            return None
+        name = other
+    elif not scene.scattering:
+        return None  # K is c already
+    return scene_optics(
+        mission.scene_view(index), paper=False, base_dir=mission.base_dir,
+        water_table=name if name in OTHER else None, lamp_leg=leg,
+    )  # fmt: skip
+
+
+def verdict(sought: Sought, objective: Objective, scenes: list[SceneOptics]) -> dict[str, Any]:
+    """How the systems shown do in other waters, and whether another of them would be chosen."""
+    problem, shown = sought.problem, sought.outcome.best
     values = [value_in(problem, scenes, found, objective) for found in shown]
     best = int(np.argmin(values))
-    winner = shown[best]
     return {
-        "tables": sorted({scene.water_table for scene in scenes}),
         "feasible": math.isfinite(values[0]),
         "objective_value": objective.reported(values[0]) if math.isfinite(values[0]) else None,
-        "best_of_shown": [part.id for _, part in parts_of(problem, winner)]
+        "best_of_shown": [part.id for _, part in parts_of(problem, shown[best])]
         if math.isfinite(values[best])
         else None,
         "changes": not math.isfinite(values[0]) or values[best] < values[0] - 1e-9 * abs(values[0]),
