@@ -12,7 +12,14 @@ from uwopt.effects import choose
 from uwopt.model.fidelity import Effects
 
 CASES_A_CHUNK, CHUNKS = 25, 20  # 500 random scenes and systems
-RATIOS = ("overlap", "saturation_fraction", "mean_level", "min_contrast", "min_uniformity", "min_mtf_half_nyquist")
+RATIOS = (
+    "overlap",
+    "saturation_fraction",
+    "mean_level",
+    "min_contrast",
+    "min_uniformity",
+    "min_mtf_half_nyquist",
+)
 
 
 def between(rng: np.random.Generator, low: float, high: float) -> float:
@@ -55,8 +62,18 @@ def random_mission(rng: np.random.Generator) -> dict[str, Any]:
 
 def random_system(rng: np.random.Generator) -> dict[str, Any]:
     """A camera, lens, port and lamps that need not be good."""
-    dome = {"geometry": "dome", "outer_radius_mm": between(rng, 30, 150), "thickness_mm": 4.0, "glass": "n_bk7"}
-    flat = {"geometry": "flat", "gap_mm": between(rng, 5, 80), "thickness_mm": between(rng, 3, 20), "glass": "pmma"}
+    dome = {
+        "geometry": "dome",
+        "outer_radius_mm": between(rng, 30, 150),
+        "thickness_mm": 4.0,
+        "glass": "n_bk7",
+    }
+    flat = {
+        "geometry": "flat",
+        "gap_mm": between(rng, 5, 80),
+        "thickness_mm": between(rng, 3, 20),
+        "glass": "pmma",
+    }
     return {
         "camera": {
             "resolution_x_px": 2000, "resolution_y_px": 1500, "pixel_pitch_um": 3.45, "quantum_efficiency": 0.6,
@@ -96,7 +113,9 @@ def test_auto_stays_within_its_tolerance_of_full(chunk: int) -> None:
         full, auto = (evaluate(mission, system, physics=physics) for physics in ("full", "auto"))
         assert full.design is not None and auto.design is not None
         left_out += sum(not e["kept"] and e["bound"] > 0 for e in auto.physics["effects"])
-        assert sum(e["bound"] for e in auto.physics["effects"] if not e["kept"]) <= mission["tolerance"] * (1 + 1e-12)
+        assert sum(e["bound"] for e in auto.physics["effects"] if not e["kept"]) <= mission["tolerance"] * (
+            1 + 1e-12
+        )
         objective = mission["objective"]
         pairs = [(objective, auto.design.objective_value, full.design.objective_value)]
         for ours, theirs in zip(auto.design.scenes, full.design.scenes, strict=True):
@@ -132,4 +151,6 @@ def test_smallest_bounds_are_left_out_until_the_tolerance_is_spent() -> None:
 
 
 def test_every_effect_is_listed_in_the_lights_order() -> None:
-    assert [i.name for i in choose(dict.fromkeys(Effects.names(), (0.0, 0.0)), 0.005)] == list(Effects.names())
+    assert [i.name for i in choose(dict.fromkeys(Effects.names(), (0.0, 0.0)), 0.005)] == list(
+        Effects.names()
+    )

@@ -191,7 +191,7 @@ def worst_pixel_shares(field: LampField, view: Views) -> tuple[float, float]:
 def sun_bound(problem: Problem, group: Group, signal: Array, *, information: bool) -> float:
     """Most that sunlight can be of the lamps' image-forming light; inf where it would smear the image."""
     settings, scene = group.settings, problem.scenes[group.scene_index]
-    if settings is None:
+    if settings is None or scene.at_worst:  # the worst pixel may have no other light
         return KEPT
     cameras, lights = problem.cameras.take(group.camera), problem.lights.take(group.light)
     open_s = settings.exposure_s + cameras.exposure_offset_s

@@ -36,7 +36,7 @@ def evaluate_design(
         settings = model.settings(index, wanted)
         figures = model.figures(index, settings, information=not scene.paper)
         margins = model.margins(index, settings, figures, level_tolerance_rel=level_tolerance_rel)
-        contrasts.append(1.0 if figures.contrast is None else float(figures.contrast[0, scene.nominal]))
+        contrasts.append(float(figures.contrast[0, scene.nominal]))
         bits = figures.information_bit_per_m2
         information.append(math.nan if bits is None else float(bits[0]))
         terms = model.totals(index, figures)

@@ -94,7 +94,7 @@ class Figures:
     electrons_backscatter: Array | None
     electrons_sun: Array | None  # of all these, what the sun brings
     electrons_dark: Array
-    contrast: Array | None  # (n, n_altitudes)
+    contrast: Array  # (n, n_altitudes), 0 where there is no light at all
     snr: Array  # (n, n_altitudes)
     snr_darkest: Array | None
     mean_level: Array  # (n, n_altitudes)
@@ -161,7 +161,7 @@ def figures_of(
         electrons_backscatter=seen.backscatter_e,
         electrons_sun=seen.sun_e,
         electrons_dark=dark,
-        contrast=None if seen.veil_e is None else share_of(seen.signal_e, every),
+        contrast=share_of(seen.signal_e, every),
         snr=snr,
         snr_darkest=None if seen.worst_e is None else darkest_snr(seen, noise),
         mean_level=np.asarray(level),

@@ -279,7 +279,8 @@ class LampField:
             )
             back = veil.backscatter_gain(along, across, scatterers=self.scatterers(), **common)
             lit = np.maximum(signal, 1e-300)
-            shares.append((np.maximum(every - signal, 0.0) / lit, back / lit))
+            with np.errstate(over="ignore"):
+                shares.append((np.maximum(every - signal, 0.0) / lit, back / lit))
         forward, backs = (np.maximum(a, b) for a, b in zip(*shares, strict=True))
         return forward, backs
 

@@ -108,7 +108,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "snr_db": decibels(snr),
         "snr_db_min": None if worst is None else decibels(worst),
         **colour_snr(model, index, settings, figures),
-        "contrast": at_nominal(figures.contrast, at),
+        "contrast": None if has_no_veil(figures) else at_nominal(figures.contrast, at),
         "veil_ratio": veil_ratio(figures, at),
         **sharpness_figures(model, index, settings, figures),
         "airy_diameter_um": airy_um(model, index, float(figures.working_f_number[0])),
@@ -199,9 +199,14 @@ def sharpness_figures(
     }
 
 
+def has_no_veil(figures: Figures) -> bool:
+    """Whether the model left all veils out."""
+    return figures.electrons_forward is None and figures.electrons_backscatter is None
+
+
 def veil_ratio(figures: Figures, altitude: int) -> float | None:
     """Veil over image-forming electrons; None where veils are left out or nothing forms an image."""
-    if figures.contrast is None or not figures.electrons_signal[0, altitude] > 0:
+    if has_no_veil(figures) or not figures.electrons_signal[0, altitude] > 0:
         return None
     veils = (figures.electrons_forward, figures.electrons_backscatter)
     veil = sum(float(column[0, altitude]) for column in veils if column is not None)

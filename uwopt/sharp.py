@@ -220,7 +220,9 @@ def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, effic
     """Table of the spread of colours, for lateral colour; spectra are smooth enough for every fourth wavelength."""
     key = ("spread", *contraction.key(spectrum, efficiency, None))
     if key not in scene.cache:
-        density = arriving(scene, contraction, spectrum, efficiency) / trapezoid_weights_nm(scene.wavelength_nm)
+        density = arriving(scene, contraction, spectrum, efficiency) / trapezoid_weights_nm(
+            scene.wavelength_nm
+        )
         some = slice(None, None, SPREAD_STEP)
         scene.cache[key] = lateral.spread_table(
             scene.wavelength_nm[some], electrons_per_nm=density[some], n_water=scene.n_water_spectrum[some]

@@ -33,7 +33,7 @@ class SunField:
 
     def __init__(self, problem: Problem, scene_index: int, *, port_index: int, efficiency: int,
                  channel: str | None = None):  # fmt: skip
-        self.scene, self.effects = problem.scenes[scene_index], problem.effects
+        self.scene = problem.scenes[scene_index]
         self.shape = problem.shape(port_index, scene_index)
         self.efficiency = efficiency_curve(
             problem.efficiencies[efficiency], self.scene.wavelength_nm, channel=channel
@@ -66,10 +66,8 @@ class SunField:
         for range_m in self.scene.range_m:
             logs = chebyshev.chebval(2.0 * radius / widest - 1.0, self.radial(float(range_m), widest))
             floor, every, path = np.exp(np.maximum(logs, DIMMEST_LOG))
-            forward = np.maximum(every - floor, 0.0) * self.effects.forward_veil
-            out.append(
-                np.stack([floor, forward, path * self.effects.backscatter], axis=-1) * scale[..., None]
-            )
+            forward = np.maximum(every - floor, 0.0)
+            out.append(np.stack([floor, forward, path], axis=-1) * scale[..., None])
         return out
 
     def radial(self, range_m: float, widest: float) -> Array:

@@ -300,7 +300,10 @@ def section() -> str:
     head = ["case", "water", "altitude", "Monte Carlo [e⁻]", "uwopt [e⁻]", "difference", "in σ", "veil / signal"]
     worst = max(seen, key=lambda s: abs(s.difference))
     chi = sum((s.difference / s.sigma) ** 2 for s in seen)
+    off = [s.uwopt_e / s.all_e - 1 for s in all_orders()]
     return f"""\
+**In short:** as defined (single scattering) within {100 * abs(worst.difference):.1f} % of photons, {abs(worst.difference) / worst.sigma:.1f} σ; the ray integral within {common.small(max(quadrature_errors().values()))} of adaptive quadrature; but {common.percent(min(off), 0)} to {common.percent(max(off), 0)} against all orders of scattering.
+
 Independent of: uwopt's ray integral, path tables, phase-function tables and spectra. Photons leave the lamp, collide,
 and each collision is tallied where it falls in the image (`docs/validation/photons.py`); wavelengths, a, b, K_d, K,
 phase functions (own Fournier–Forand; Petzold's points joined by straight lines in log-log) and port rays are worked out

@@ -137,6 +137,8 @@ def section() -> str:
     eight, eight_worst = tank_figure("paper-8", ("IMX250, 30 mm F2.0", "IMX250, 12 mm F4.0"))
     nine, nine_worst = tank_figure("paper-9", ("IMX250, no lens",))
     return f"""\
+**In short:** six figures made again; what 3, 7, 8 and 9 show in the paper could not be established.
+
 The paper's own figures could not be seen here; no page that was found reproduces them. That figure 4 is depth of field
 over aperture and distance and figure 5 the spectrum from lamp to sensor is known to this project at second hand. For 3,
 7, 8 and 9 not even the subject is established: shown are the paper's remaining computed quantities (its tool plots

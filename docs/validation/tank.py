@@ -164,6 +164,8 @@ def section() -> str:
     one_verdict = "met" if one.median <= MEDIAN_MARK and one.worst <= WORST_MARK else "missed"
     head = ["set", "exposure [µs]", "measured", "predicted (a)", "error (a)", "error (b)"]
     return f"""\
+**In short:** one scalar fits {sum(p.fitted for p in points())} lens points within {100 * a.worst:.1f} % (median {100 * a.median:.1f} %); from one set alone {100 * one.worst:.1f} % (median {100 * one.median:.1f} %); the bare sensor is {100 * max(bare_errors):.0f} % off.
+
 Independent of: everything, these are measurements. Physics `full` with veils (forward scatter, backscatter) and the
 window's loss by angle; set-up and what had to be assumed for it as in [validation_full.md](validation_full.md).
 The measured numbers are 8 or 16 bit means published by the paper's authors; their spread is not known.

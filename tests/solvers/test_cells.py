@@ -18,7 +18,7 @@ from uwopt.hardware import CONTINUOUS, FLASH, PULSED
 from uwopt.objectives.objective import Objective
 from uwopt.rows import SceneRows
 from uwopt.sharp import SharpRows
-from uwopt.solvers.cell_info import Information, log_box, log_disc, log_pupil
+from uwopt.solvers.cell_info import log_box, log_disc, log_pupil
 from uwopt.solvers.cells import CellResult, best_by_cells
 from uwopt.solvers.goals import best_settings
 
@@ -65,7 +65,9 @@ def solved(rows: list[SceneRows], wanted: Any, **more: Any) -> CellResult:
 # ---------------------------------------------------------------- the equations, written out
 
 
-def figures(rows: SceneRows, n: Array, tau: Array, open_s: Array, u: Array, *, info: bool) -> dict[str, Array]:
+def figures(
+    rows: SceneRows, n: Array, tau: Array, open_s: Array, u: Array, *, info: bool
+) -> dict[str, Array]:
     """Power, SNR in dB, contrast, information and feasibility of one design at many settings."""
     r = rows.take(np.zeros(len(n), int))
     kind = int(rows.kind[0])
@@ -92,7 +94,12 @@ def figures(rows: SceneRows, n: Array, tau: Array, open_s: Array, u: Array, *, i
         ok &= (gain >= 1 - 1e-8) & (gain <= r.max_gain * (1 + 1e-8))
     k = (k0 * gain)[:, None]
     ok &= (ratio * (k * every + black[:, None]) <= full[:, None] * (1 + 1e-8)).all(axis=1)
-    noise = r.read_noise_e[:, None] ** 2 + 1.0 / 12.0 / k**2 + every + (r.prnu_frac[:, None] * (signal + veil)) ** 2
+    noise = (
+        r.read_noise_e[:, None] ** 2
+        + 1.0 / 12.0 / k**2
+        + every
+        + (r.prnu_frac[:, None] * (signal + veil)) ** 2
+    )
     snr = signal / np.sqrt(noise)
     ok &= (snr >= r.min_snr * (1 - 1e-8)).all(axis=1)
     with np.errstate(invalid="ignore"):
@@ -117,7 +124,9 @@ def figures(rows: SceneRows, n: Array, tau: Array, open_s: Array, u: Array, *, i
     )  # fmt: skip
 
 
-def sample(rows: SceneRows, rng: np.random.Generator, count: int, near: Array | None, width: float) -> list[Array]:
+def sample(
+    rows: SceneRows, rng: np.random.Generator, count: int, near: Array | None, width: float
+) -> list[Array]:
     """Settings all over their ranges in (ln N, ln tau, ln open, level), or near given ones."""
     kind, t0 = int(rows.kind[0]), float(rows.exposure_offset_s[0])
     limits = [(rows.n_low, rows.n_high), (rows.time_min_s, rows.time_max_s)]
@@ -153,7 +162,11 @@ def attacked(rows: SceneRows, objective: Objective, rng: np.random.Generator) ->
         n, tau, open_s, u, extra = sample(rows, rng, count, near, 0.5 * 0.3**step)
         seen = figures(rows, n, tau, open_s, u, info=info)
         value = sum(
-            (objective.weight(name) * sign * seen[name] for name, sign in SIGNS.items() if objective.weight(name)),
+            (
+                objective.weight(name) * sign * seen[name]
+                for name, sign in SIGNS.items()
+                if objective.weight(name)
+            ),
             np.zeros(count),
         )
         value = np.where(seen["ok"], value, np.inf)
@@ -171,7 +184,9 @@ SIGNS = {"power": 1.0, "snr_db": -1.0, "contrast": -1.0, "information": -1.0}
 def value_of(found: CellResult, objective: Objective) -> float:
     """The objective at the answer."""
     power = max(float(c.light_power_w[0]) for c in found.chosen)
-    terms = dict(power=power, snr_db=found.snr_db[0], contrast=found.contrast[0], information=found.information[0])
+    terms = dict(
+        power=power, snr_db=found.snr_db[0], contrast=found.contrast[0], information=found.information[0]
+    )
     return float(sum(objective.weight(n) * s * terms[n] for n, s in SIGNS.items() if objective.weight(n)))
 
 
@@ -187,7 +202,12 @@ def check(rows: SceneRows, wanted: Any, seed: int, *, gap: float = GAP) -> CellR
     value, chosen = value_of(found, objective), found.chosen[0]
     open_s = chosen.exposure_s + rows.exposure_offset_s if rows.sunlit else chosen.time_s
     again = figures(
-        rows, chosen.f_number, chosen.time_s, np.asarray(open_s), chosen.level, info="information" in objective.weights
+        rows,
+        chosen.f_number,
+        chosen.time_s,
+        np.asarray(open_s),
+        chosen.level,
+        info="information" in objective.weights,
     )
     assert again["ok"][0]
     for name in objective.weights:
@@ -214,7 +234,10 @@ def random_rows(rng: np.random.Generator, *, kind: int, **more: Any) -> SceneRow
     if rng.uniform() < 0.25:
         values.update(STEPS)
     look = sharp(
-        blur=np.exp(rng.uniform(5, 8)), place=rng.uniform(0, 6), rms=rng.uniform(0, 8), rated=rng.uniform(0, 1.2)
+        blur=np.exp(rng.uniform(5, 8)),
+        place=rng.uniform(0, 6),
+        rms=rng.uniform(0, 8),
+        rated=rng.uniform(0, 1.2),
     )
     values.update(more)
     return lit(look, **values)
@@ -243,4 +266,81 @@ def test_sunlight_beside_lamps(wanted: str, seed: int) -> None:
         rng, kind=[CONTINUOUS, PULSED][seed % 2], sun=sun, veil=10.0, open_max_s=5e-3, time_max_s=4e-3,
         mean_level=None, min_level=0.0,
     )  # fmt: skip
-    check(rows, wanted, seed, gap=1e-3)
+    check(rows, wanted, seed, gap=1e-2)  # three or four dimensions: the gap is stated, not closed
+
+
+# ---------------------------------------------------------------- limits
+
+
+@pytest.mark.parametrize("kind", [CONTINUOUS, PULSED])
+@pytest.mark.parametrize("wanted", ["power", "snr_db", {"power": 1.0, "snr_db": 2.0}])
+def test_mtf_that_asks_for_nothing_leaves_the_closed_form(wanted: Any, kind: int) -> None:
+    rows, objective = lit(kind=kind), Objective.of(wanted)
+    args = (np.array([False]), objective, CAMERA_W, np.inf)
+    easy, same = best_settings([rows], *args), best_settings([replace(rows, min_mtf=1e-12)], *args)
+    assert same.chosen[0].light_power_w == pytest.approx(easy.chosen[0].light_power_w, rel=1e-9)
+    assert same.snr_db == pytest.approx(easy.snr_db, rel=1e-9)
+    cells = best_by_cells([replace(rows, min_mtf=1e-12)], *args)  # and so do the cells, to their gap
+    value = (
+        objective.weight("power") * easy.chosen[0].light_power_w - objective.weight("snr_db") * easy.snr_db
+    )
+    assert cells.lower_bound[0] <= value[0] + 1e-9 * abs(value[0])
+    assert value_of(cells, objective) == pytest.approx(value[0], rel=2e-4)
+
+
+@pytest.mark.parametrize("kind", [CONTINUOUS, PULSED])
+def test_sun_that_hardly_shines_leaves_the_closed_form(kind: int) -> None:
+    args = (np.array([False]), Objective.of("power"), CAMERA_W, np.inf)
+    dark = best_settings([lit(kind=kind)], *args)
+    faint = best_settings([lit(kind=kind, sun=(1e-9, 1e-9), open_max_s=5e-3)], *args)
+    assert faint.chosen[0].light_power_w == pytest.approx(dark.chosen[0].light_power_w, rel=1e-4)
+
+
+@pytest.mark.parametrize("wanted", ["power", "information"])
+def test_scene_taken_twice_counts_once(wanted: str) -> None:
+    rows = lit(min_mtf=0.3)
+    once, twice = solved([rows], wanted), solved([rows, rows], wanted)
+    objective = Objective.of(wanted)
+    assert value_of(twice, objective) == pytest.approx(value_of(once, objective), rel=2e-4)
+
+
+def test_power_and_information_weighed_together() -> None:
+    for seed, kind in enumerate((CONTINUOUS, PULSED)):
+        check(lit(kind=kind), {"power": 1.0, "information": 1e-4}, seed, gap=2e-4)
+
+
+def test_flash_and_lamp_with_steps() -> None:
+    for rows in (lit(**FLASHES), lit(**STEPS)):
+        check(rows, "information", 3)
+
+
+def test_contrast_under_sun_wants_the_lamps_at_full_level() -> None:
+    # Lamps are cleaner than the sun: their share of the light is greatest at full level, whatever the aperture.
+    # L = 20 klm, C = 100, veil 10; sun 25000 and 40000 e/s: (100 L + 25000) / (110 L + 65000), by hand.
+    found = solved([lit(sun=(25000.0, 40000.0), veil=10.0)], "contrast")
+    assert found.contrast[0] == pytest.approx((100 * 2e4 + 25000) / (110 * 2e4 + 65000), rel=1e-9)
+
+
+def test_contrast_that_no_lamp_reaches_is_proven_infeasible() -> None:
+    found = solved([lit(sun=(100.0, 40000.0), veil=200.0, min_contrast=0.5)], "power")
+    assert not found.feasible[0] and found.lower_bound[0] == np.inf
+
+
+def test_designs_beyond_the_cutoff_are_dropped() -> None:
+    rows = lit(min_mtf=0.3)
+    free = solved([rows], "power")
+    beaten = solved([rows], "power", cutoff=0.5 * value_of(free, Objective.of("power")))
+    assert not beaten.feasible[0] and beaten.dropped[0]
+    assert beaten.lower_bound[0] >= 0.5 * free.lower_bound[0]
+
+
+# ---------------------------------------------------------------- what tangents rest on
+
+
+@pytest.mark.parametrize(("factor", "null"), [(log_pupil, 1.0), (log_disc, 3.83), (log_box, 1.0)])
+def test_factors_of_the_transfer_are_concave_in_logarithms(factor: Any, null: float) -> None:
+    at = np.linspace(np.log(1e-3 * null), np.log(0.999 * null), 4001)
+    value, slope = factor(np.exp(at))
+    assert (np.diff(slope) <= 1e-9).all()
+    # Midpoint differences of the values: an independent slope, with its second-order error.
+    assert np.allclose(np.diff(value) / np.diff(at), 0.5 * (slope[1:] + slope[:-1]), rtol=2e-3, atol=1e-7)

@@ -146,8 +146,7 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         least = at_all(figures, needs.min_mtf_half_nyquist)
         yield MarginRows("min_mtf_half_nyquist", value, least, ">=", "", where)
     if needs.min_contrast is not None:
-        share = np.ones_like(figures.snr) if figures.contrast is None else figures.contrast
-        value, where = worst(share, scene.range_m, highest=False)
+        value, where = worst(figures.contrast, scene.range_m, highest=False)
         yield MarginRows("min_contrast", value, at_all(figures, needs.min_contrast), ">=", "", where)
 
 

@@ -215,7 +215,7 @@ class SceneCells:
         x_cap = np.minimum(high, top * per_level_hi)
         x_lo = np.maximum(low, bottom * per_level_lo)
         alive &= x_lo <= x_cap * (1 + 4 * SLACK)
-        x_cap = np.maximum(x_cap, 0.0)
+        x_cap, x_lo = (np.where(alive, np.maximum(x, 0.0), 0.0) for x in (x_cap, x_lo))
         with np.errstate(divide="ignore", invalid="ignore"):
             least_energy = np.maximum(bottom * duty, low * n2_lo / rows.light_lm * np.minimum(
                 1.0 / box.t_hi, rows.rate_hz))  # fmt: skip
@@ -287,23 +287,20 @@ class SceneCells:
         """Settings at these f-numbers and times; of the levels that fit the one at `share` of the range."""
         rows = self.rows.take(d)
         square = np.square(f_number * rows.working_factor)
+        level, fits, step, exact_s = self._level(d, rows, square, time_s, open_s, u_lo, u_hi, share)
+        if not self.sunlit and not rows.dims_freely.all():
+            # A step too bright for the time gives the least light in a shorter one; dark current follows it.
+            late = ~fits
+            for _ in range(3):
+                time_s = np.where(late, exact_s, time_s)
+                open_s = time_s
+                again, now, _, exact_s = self._level(
+                    d, rows, square, time_s, open_s, u_lo, u_hi, share, step=step
+                )
+            level, fits = np.where(late, again, level), np.where(late, now, fits)
         exposure = self.exposure_s(d, time_s, open_s)
         dark_rows = replace(rows, dark_time_s=exposure)
-        y = open_s / square
-        if self.constant_window is not None:
-            low, high = (w[d] for w in self.constant_window)
-        else:
-            low, high = window_over(rows, y, y, exposure, exposure)
-        per_level = rows.light_lm * time_s / square
-        duty = np.where(rows.kind == PULSED, np.minimum(1.0, time_s * rows.rate_hz), 1.0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            bottom = np.maximum(u_lo, low / per_level)
-            top = np.minimum(np.minimum(u_hi, high / per_level), self.share[d] * (1 + 1e-9) / duty)
-        bottom, top = self.steps(d, bottom, top)
-        between = np.where(np.isfinite(bottom) & np.isfinite(top) & rows.dims_freely, share, 0.0)
-        level = top if share == 1.0 else np.where(between > 0, (1 - between) * bottom, bottom) + np.where(
-            between > 0, between * top, 0.0)  # fmt: skip
-        fits = (bottom <= top * (1 + 4 * SLACK)) & np.isfinite(level)
+        y, per_level = open_s / square, rows.light_lm * time_s / square
         level = np.where(fits, level, np.nan)
         light_x = level * per_level
         sun = Sun.at(rows, y) if self.sunlit else None
@@ -325,6 +322,31 @@ class SceneCells:
             fits &= np.minimum(along, across).min(axis=1) >= rows.min_mtf * (1 - MEETS)
         chosen = closed_form.Chosen(f_number, level, time_s, gain, light_x, power, peak, exposure)
         return Points(chosen, fits, snr, contrast, blur_s)
+
+    def _level(
+        self, d: Array, rows: SceneRows, square: Array, time_s: Array, open_s: Array, u_lo: Array, u_hi: Array,
+        share: float, step: Array | None = None,
+    ) -> tuple[Array, Array, Array, Array]:  # fmt: skip
+        """Level at these times, whether one fits; the step that is bright enough, and its time for least light."""
+        exposure, y = self.exposure_s(d, time_s, open_s), open_s / square
+        if self.constant_window is not None:
+            low, high = (w[d] for w in self.constant_window)
+        else:
+            low, high = window_over(rows, y, y, exposure, exposure)
+        per_level = rows.light_lm * time_s / square
+        duty = np.where(rows.kind == PULSED, np.minimum(1.0, time_s * rows.rate_hz), 1.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            least = np.maximum(u_lo, low / per_level)
+            top = np.minimum(np.minimum(u_hi, high / per_level), self.share[d] * (1 + 1e-9) / duty)
+            if step is None:
+                step, _ = self.steps(d, least, u_hi)
+            exact = np.where(np.isfinite(step), low * square / (rows.light_lm * step), time_s)
+        bottom, top = self.steps(d, least, top)
+        fits = (bottom <= top * (1 + 4 * SLACK)) & np.isfinite(bottom)
+        first, last = np.where(fits, bottom, 0.0), np.where(fits, top, 0.0)
+        place = share if share in (0.0, 1.0) else np.where(rows.dims_freely, share, 0.0)
+        level = first + place * (last - first)
+        return level, fits, step, np.clip(exact, np.minimum(rows.time_min_s, time_s), time_s)
 
 
 def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) -> tuple[Array, Array, Array]:

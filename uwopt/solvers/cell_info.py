@@ -25,6 +25,10 @@ from uwopt.sharp import SharpRows
 Array = NDArray[Any]
 RULE_ERROR = 3e-5  # relative, between these nodes and those of the model (measured at each answer as well)
 MOST_NUMBERS = 1_500_000  # cells x vertices x nodes held at once
+SMEARED_PX, SMEARED_RMS_PX = (
+    2.0,
+    1.0,
+)  # motion that ends inside the square is given finer nodes, those of this colour
 NULL = 1e-9  # of a transfer: below it a tangent says nothing
 J1_ZERO = 3.8317059702075123
 
@@ -102,14 +106,16 @@ def log_box(a: Array) -> tuple[Array, Array]:
 class Information:
     """Information per pixel of designs in one scene, at settings and over cells."""
 
-    def __init__(self, sharp: SharpRows):
+    def __init__(self, sharp: SharpRows, longest_s: Array):
         self.sharp = sharp
+        smears = sharp.blur_px_per_s[:, 1] * longest_s > SMEARED_PX
         n = len(sharp.wavelength_nm)
         self.group, self.place = np.zeros(n, int), np.zeros(n, int)
         self.groups: list[Group] = []
         for rows, spread in sharp.groups():
             k = np.hypot(sharp.rms_k_along[rows], sharp.rms_k_across[rows])
             rms_px = np.zeros(len(rows)) if spread is None else k * spread.index_rms / (2.0 * np.pi)
+            rms_px = np.where(smears[rows], np.maximum(rms_px, SMEARED_RMS_PX), rms_px)
             lowest = -1.0
             for highest, *orders in ORDERS:
                 mine = np.nonzero((rms_px > lowest) & (rms_px <= highest))[0]

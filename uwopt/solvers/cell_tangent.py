@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.hardware import FLASH, PULSED
-from uwopt.model.sharpness import TEXTURE_CONTRAST, defocus_mtf, diffraction_mtf, lens_rating_mtf, sinc_mtf
+from uwopt.model.sharpness import TEXTURE_CONTRAST
 from uwopt.solvers import settings as closed_form
 from uwopt.solvers.cell_bounds import Box, Reach, SceneCells
 from uwopt.solvers.cell_info import Information
@@ -25,22 +25,17 @@ Array = NDArray[Any]
 DIMMEST = 1e-6  # of full level: below it a level has no logarithm, and counts as none in power
 STEP = 1e-4  # of ln light, in the difference that stands for the slope of ln SNR
 DB = 20.0 / np.log(10.0)
-TYPICAL_CYC_PER_PX = 0.3  # where the stand-in for information looks at the transfer
 
 
 def surrogate_bit_per_px(scene: SceneCells, d: Array, box: Box, reach: Reach) -> Array:
-    """Information as if every frequency were a typical one: no bound, but it moves like one."""
-    sharp, nu = scene.sharp, TYPICAL_CYC_PER_PX
+    """A stand-in for information: no bound, but it moves like one."""
+    sharp = scene.sharp
     assert sharp is not None
     blur_s = box.open_lo if scene.sunlit else box.t_lo
     cycle = box.n_lo * scene.rows.working_factor[d] * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
-    transfer = (
-        diffraction_mtf(nu, cycle_px=cycle)
-        * defocus_mtf(nu, disc_px=sharp.rms_disc_px[d, 1] / box.n_hi)
-        * lens_rating_mtf(nu, rated_pitch_px=sharp.rated_pitch_px[d])
-        * np.sqrt(sinc_mtf(nu, width_px=sharp.blur_px_per_s[d, 1] * blur_s))
-    )
-    return np.asarray(0.5 * np.log2(1.0 + np.square(TEXTURE_CONTRAST * reach.snr * transfer)))
+    disc, blur = sharp.rms_disc_px[d, 1] / box.n_hi, sharp.blur_px_per_s[d, 1] * blur_s
+    transfer2 = 1.0 / (1.0 + cycle**2 + disc**2 + blur**2)  # has no null, where nothing would tell any more
+    return np.asarray(0.5 * np.log2(1.0 + np.square(TEXTURE_CONTRAST * reach.snr) * transfer2))
 
 
 def quality_bound(

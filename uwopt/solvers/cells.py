@@ -148,7 +148,7 @@ class CellSearch:
         self.information: list[Information] = []
         if self.weight["information"]:
             assert all(r.sharp is not None for r in rows)
-            self.information = [Information(r.sharp) for r in rows if r.sharp is not None]
+            self.information = [Information(r.sharp, r.time_max_s) for r in rows if r.sharp is not None]
         self._dimensions(own_f_number)
         self.best = np.full(self.n, np.inf)
         self.scale = np.zeros(self.n)  # what the gap is relative to
@@ -489,7 +489,6 @@ class CellSearch:
         """By how much halving one side lifts the bounds of both halves, by a cheap measure."""
         m = len(pool.design)
         middle = 0.5 * (pool.lo[:, dim] + pool.hi[:, dim])
-        lifted = []
         values = []
         for half in (0, 1, 2):
             lo, hi = pool.lo.copy(), pool.hi.copy()
@@ -505,9 +504,7 @@ class CellSearch:
             values.append(value)
         whole = np.nan_to_num(values[0], nan=0.0)
         scale = np.abs(whole) + 1e-30
-        for value in values[1:]:
-            lifted.append((value - whole) / scale)
-        return np.asarray(lifted[0] + lifted[1])
+        return np.asarray((values[1] - whole) / scale + (values[2] - whole) / scale)
 
     def _cheap(self, pool: Pool) -> tuple[Array, Array]:
         """Which cells are alive and their bound with a stand-in for information."""

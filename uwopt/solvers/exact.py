@@ -511,7 +511,8 @@ class Search:
                 continue
             deepest = max(column.shape[-1] for column in columns)
             padded = [
-                np.pad(c, [(0, 0)] * (c.ndim - 1) + [(0, deepest - c.shape[-1])], mode="edge") for c in columns
+                np.pad(c, [(0, 0)] * (c.ndim - 1) + [(0, deepest - c.shape[-1])], mode="edge")
+                for c in columns
             ]
             joined[name] = np.concatenate(padded)[order]
         return SunLight(**joined)
