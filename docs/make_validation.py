@@ -31,11 +31,12 @@ SECTIONS = {  # module in docs/validation: heading
 HEAD = """\
 # Validation
 
-Physics `full` (and `paper`, `auto` where said) against what does not come from uwopt: measurements, photons, traced rays,
-plain sums, other transcriptions of tables. Each section says what the comparison is independent of, the largest error
-found, and what falls short. Every number is computed by `PYTHONPATH=. python docs/make_validation.py`; none is typed by
-hand but the measured ones and those quoted as stated elsewhere. Single formulas are tested in `tests/model/`; physics
-`paper` against its equations is in [paper.md](paper.md), the tank's set-up in [validation_full.md](validation_full.md).
+Physics `full` (and `paper`, `auto` where said) against what does not come from uwopt: measurements, photons, traced
+rays, plain sums, other transcriptions of tables. Each section says what the comparison is independent of, the
+largest error found, and what falls short. Every number is computed by `PYTHONPATH=. python docs/make_validation.py`;
+none is typed by hand but the measured ones and those quoted as stated elsewhere. Single formulas are tested in
+`tests/model/`; physics `paper` against its equations is in [paper.md](paper.md), the tank's set-up in
+[validation_full.md](validation_full.md).
 
 | | section | in short |
 |---|---|---|
@@ -51,8 +52,8 @@ def section(name: str) -> str:
     """A section computed afresh, without its heading."""
     if str(ROOT / "docs") not in sys.path:
         sys.path.insert(0, str(ROOT / "docs"))
-    text: str = importlib.import_module(f"validation.{name}").section()
-    return text.strip()
+    filled = importlib.import_module("validation.common").filled
+    return str(filled(importlib.import_module(f"validation.{name}").section()))
 
 
 def sections_of(page: str) -> dict[str, str]:
@@ -66,8 +67,8 @@ def assembled(texts: dict[str, str]) -> str:
     """The whole page."""
     lines = []
     for name, text in texts.items():
-        short = re.search(r"^\*\*In short:\*\* (.*)$", text, flags=re.MULTILINE)
-        lines.append(f"| {list(SECTIONS).index(name) + 1} | {SECTIONS[name]} | {short.group(1) if short else '-'} |")
+        short = " ".join(text.split("\n\n")[0].split()).removeprefix("**In short:** ")
+        lines.append(f"| {list(SECTIONS).index(name) + 1} | {SECTIONS[name]} | {short} |")
     body = "\n\n".join(f"## {title(name)}\n\n{text}" for name, text in texts.items())
     return HEAD + "\n".join(lines) + "\n\n" + body + "\n"
 

@@ -1,7 +1,8 @@
 """Physics `full`, through `uwopt.evaluate`, against a second computation written for this test.
 
-The second computation follows the physics page from the tables that ship: rays, spectra and the integral over
-the image by brute force in NumPy, every wavelength at every point. It uses nothing of uwopt but those tables.
+The second computation follows the physics page from the tables that ship: rays, spectra, veils and the integral
+over the image by brute force in NumPy, every wavelength at every point. It uses nothing of uwopt but those tables.
+Backscatter is integrated with vectors along each ray, r for r, without the substitutions of `uwopt.model.veil`.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ PLANCK_J_S, LIGHT_M_S, LUMENS_PER_W = 6.62607015e-34, 299_792_458.0, 683.002
 RAYS_NM = 550.0  # rays are traced for green light
 SMOOTH = 1e-4  # what a mean over the image is good for where beams have no edge
 SHARP = 1e-3  # the same where beams end sharply
+BACK_SHARE = 0.0183  # b_b/b of the particles, unless the mission says otherwise
 
 
 # ---------------------------------------------------------------- a case
@@ -163,13 +165,17 @@ def water_index(case: Case, waves_nm: Array) -> Array:
     return 1.31405 + salt - 2.02e-6 * t**2 + by_wave
 
 
+def jerlov_file(table: str) -> str:
+    return "jerlov_iop.csv" if table == "solonenko-mobley" else "jerlov_iop_measured.csv"
+
+
 @cache
 def water_loss(water: str, table: str) -> tuple[Array, Array]:
     """c and K [1/m]: a beyond the table continues as pure water, K_d is kept between a + b_b and c."""
     if water.endswith(".csv"):  # one attenuation for all: both legs lose it
         c = float(Path(water).read_text(encoding="utf-8").splitlines()[-1].split(",")[1])
         return np.full(WAVES_NM.size, c), np.full(WAVES_NM.size, c)
-    file = "jerlov_iop.csv" if table == "solonenko-mobley" else "jerlov_iop_measured.csv"
+    file = jerlov_file(table)
     nm, a_table = column(file, "a_per_m", water_type=water)
     a = resampled(nm, a_table)
     pure = resampled(*column("pure_water.csv", "a_per_m"))
@@ -179,7 +185,53 @@ def water_loss(water: str, table: str) -> tuple[Array, Array]:
         a[beyond] = a_table[end] + pure[beyond] - at_end
     b = resampled(*column(file, "b_per_m", water_type=water))
     kd = resampled(*column("jerlov_iop.csv", "kd_per_m", water_type=water))
-    return a + b, np.clip(kd, a + 0.0183 * b, a + b)
+    return a + b, np.clip(kd, a + BACK_SHARE * b, a + b)
+
+
+def scattering(case: Case) -> tuple[Array, Array]:
+    """b [1/m] of particles and of the water's molecules: those of sea and fresh water by salinity."""
+    if case.water.endswith(".csv"):
+        return np.zeros(WAVES_NM.size), np.zeros(WAVES_NM.size)
+    every = resampled(*column(jerlov_file(case.table), "b_per_m", water_type=case.water))
+    fresh, sea = (
+        np.exp(np.interp(np.log(WAVES_NM), np.log(nm), np.log(b)))
+        for nm, b in (column("pure_water.csv", f"bw_zhang2009_S{s}_T20_per_m") for s in (0, 35))
+    )
+    molecules = np.minimum(fresh + (sea - fresh) * case.salinity / 35.0, every)
+    return every - molecules, molecules
+
+
+@cache
+def fournier_forand() -> tuple[float, float]:
+    """nu and (n - 1)^2 on the line of Mobley et al. (2002) where b_b/b is the wanted."""
+
+    def parts(mu: float) -> tuple[float, float]:
+        return (3.0 - mu) / 2.0, (0.01 + 0.1542 * (mu - 3.0)) ** 2
+
+    def share(mu: float) -> float:
+        nu, square = parts(mu)
+        d = 2.0 / (3.0 * square)
+        return 1.0 - (1.0 - d ** (nu + 1.0) - 0.5 * (1.0 - d**nu)) / ((1.0 - d) * d**nu)
+
+    return parts(brentq(lambda mu: share(mu) - BACK_SHARE, 3.1, 4.5))
+
+
+def particle_phase(cosine: Array) -> Array:
+    """Fournier-Forand as Fournier and Jonasz (1999) print it; not for the degrees where d is 1."""
+    nu, square = fournier_forand()
+    half = (1.0 - cosine) / 2.0  # sin^2(psi/2)
+    d, back = 4.0 * half / (3.0 * square), (4.0 / (3.0 * square)) ** nu
+    first = nu * (1 - d) - (1 - d**nu) + (d * (1 - d**nu) - nu * (1 - d)) / half
+    return np.asarray(
+        first / (4 * math.pi * (1 - d) ** 2 * d**nu)
+        + (1 - back) / (16 * math.pi * (4.0 / (3.0 * square) - 1) * back) * (3 * cosine**2 - 1)
+    )
+
+
+def molecule_phase(cosine: Array) -> Array:
+    """Depolarisation 0.039."""
+    f = (1 - 0.039) / (1 + 0.039)
+    return np.asarray(3 / (4 * math.pi * (3 + f)) * (1 + f * cosine**2))
 
 
 def resampled(waves_nm: Array, values: Array, outside: float | None = None) -> Array:
@@ -285,20 +337,52 @@ class Rays:
         turn = np.arctan2(tan_y, tan_x)
         return reach * np.cos(turn), reach * np.sin(turn), case.altitude / np.cos(in_water), np.cos(angle)
 
+    def off_axis(self, u: Array, v: Array) -> Array:
+        """What lens and window pass, over what they pass on the axis: cos^4, and Fresnel's losses by angle."""
+        cos_air = self.floor(u, v)[3]
+        if self.case.dome:
+            return np.asarray(cos_air**4)
+        sine = np.sqrt(1.0 - cos_air**2)
+        return np.asarray(cos_air**4 * self.window(sine) / self.window(np.array(0.0)))
+
+    def window(self, sine_air: Array) -> Array:
+        """Share of unpolarised light that passes both faces of a flat window, each polarisation on its own."""
+        indices = (self.n_w, self.case.n_glass, 1.0)
+        passed = {"s": np.ones_like(sine_air), "p": np.ones_like(sine_air)}
+        for n_1, n_2 in pairwise(indices):
+            cos_1, cos_2 = (np.sqrt(1.0 - (sine_air / n) ** 2) for n in (n_1, n_2))
+            passed["s"] *= 1.0 - ((n_1 * cos_1 - n_2 * cos_2) / (n_1 * cos_1 + n_2 * cos_2)) ** 2
+            passed["p"] *= 1.0 - ((n_2 * cos_1 - n_1 * cos_2) / (n_2 * cos_1 + n_1 * cos_2)) ** 2
+        return np.asarray((passed["s"] + passed["p"]) / 2.0)
+
+    def start(self, u: Array, v: Array) -> Array:
+        """Where the ray enters the water: on the dome, or on the outer face of the window."""
+        case = self.case
+        tan_x, tan_y = np.broadcast_arrays(u * self.tan_along, v * self.tan_across)
+        if case.dome:
+            toward = np.stack([tan_x, tan_y, np.ones_like(tan_x)], axis=-1)
+            toward /= np.linalg.norm(toward, axis=-1, keepdims=True)
+            return np.asarray(case.radius * toward - [0.0, 0.0, case.radius])
+        angle = np.arctan(np.hypot(tan_x, tan_y))
+        reach = case.gap * np.tan(angle) + case.thickness * np.tan(np.arcsin(np.sin(angle) / case.n_glass))
+        turn = np.arctan2(tan_y, tan_x)
+        return np.stack([reach * np.cos(turn), reach * np.sin(turn), np.zeros_like(reach)], axis=-1)
+
     def lamp(self, x: Array, y: Array, at: Lamp) -> tuple[Array, Array, Array]:
         """Range, cos of the angle from the lamp's axis, cos of the incidence on the floor."""
-        outward_x, outward_y = (-1.0 if at.x < 0 else 1.0), (-1.0 if at.y < 0 else 1.0)
-        aim = np.array(
-            [
-                outward_x * math.tan(math.radians(at.tilt_x)),
-                outward_y * math.tan(math.radians(at.tilt_y)),
-                1.0,
-            ]
-        )
-        aim /= np.linalg.norm(aim)
+        aim = aim_of(at)
         ray = np.stack(np.broadcast_arrays(x - at.x, y - at.y, self.case.altitude - at.z), axis=-1)
         length = np.linalg.norm(ray, axis=-1)
         return length, ray @ aim / length, ray[..., 2] / length
+
+
+def aim_of(at: Lamp) -> Array:
+    """Unit vector of a lamp's axis, leaning away from the port."""
+    outward_x, outward_y = (-1.0 if at.x < 0 else 1.0), (-1.0 if at.y < 0 else 1.0)
+    aim = np.array(
+        [outward_x * math.tan(math.radians(at.tilt_x)), outward_y * math.tan(math.radians(at.tilt_y)), 1.0]
+    )
+    return np.asarray(aim / np.linalg.norm(aim))
 
 
 def object_distance_m(case: Case, range_m: float) -> float:
@@ -318,23 +402,32 @@ def working_f_number(case: Case) -> float:
     return case.f_number * (1.0 + focal_m / (object_m - focal_m))
 
 
-def spectral_weight(case: Case, time_s: float) -> Array:
-    """Electrons of a pixel per lux, by wavelength, before the water's loss and the fall-off."""
+def spectral_weight(case: Case, time_s: float, sent: Array | None = None) -> Array:
+    """Electrons of a pixel per lux, by wavelength, before the water's loss and the fall-off.
+
+    `sent`: radiance in water per irradiance, the floor's M/pi unless given.
+    """
     n_w = water_index(case, WAVES_NM)
     green = float(water_index(case, np.array([RAYS_NM]))[0])
     faces = [1.0 - ((a - b) / (a + b)) ** 2 for a, b in ((green, case.n_glass), (case.n_glass, 1.0))]
-    radiance = led() * floor_reflectance(case.floor) / math.pi / n_w**2 * faces[0] * faces[1]
+    radiance = led() * (floor_reflectance(case.floor) / math.pi if sent is None else sent) / n_w**2 * faces[0] * faces[1]
     on_sensor = math.pi / 4 * radiance * 0.85 / working_f_number(case) ** 2
     pitch_m = case.camera_keys["pixel_pitch_um"] * 1e-6
     per_watt = pitch_m**2 * time_s * efficiency(case) * WAVES_NM * 1e-9 / (PLANCK_J_S * LIGHT_M_S)
     return np.asarray(on_sensor * per_watt * STEPS_NM)
 
 
-def electrons_at(case: Case, u: Array, v: Array, *, time_s: float = 1e-3, only: int | None = None) -> Array:
-    """Electrons of the pixels at u, v, every wavelength on its own; edges of beams not yet cut."""
+def electrons_at(
+    case: Case, u: Array, v: Array, *, time_s: float = 1e-3, only: int | None = None, diffuse: bool = False
+) -> Array:
+    """Electrons of the pixels at u, v, every wavelength on its own; edges of beams not yet cut.
+
+    `diffuse`: all light from the floor, forward veil included, with exp(-K r) on the camera's leg too.
+    """
     rays = Rays(case)
-    x, y, path, cos_air = rays.floor(u, v)
+    x, y, path, _ = rays.floor(u, v)
     weight, (c, k) = spectral_weight(case, time_s), water_loss(case.water, case.table)
+    c = k if diffuse else c
     total = np.zeros(np.broadcast(u, v).shape)
     for number, at in enumerate(case.lamps):
         if only not in (None, number):
@@ -342,8 +435,49 @@ def electrons_at(case: Case, u: Array, v: Array, *, time_s: float = 1e-3, only: 
         length, cos_beam, cos_floor = rays.lamp(x, y, at)
         lux = case.flux_lm / len(case.lamps) * intensity(case, cos_beam) * cos_floor / length**2
         lost = np.exp(-k * length[..., None] - c * path[..., None]) @ weight
-        total += lux * lost * cos_air**4
+        total += lux * lost * rays.off_axis(u, v)
     return total
+
+
+def forward_at(case: Case, u: Array, v: Array) -> Array:
+    """Light of the floor that water scatters on its way to the camera: exp(-K r) - exp(-c r)."""
+    return electrons_at(case, u, v, diffuse=True) - electrons_at(case, u, v)
+
+
+RAY_NODES = 32  # 48 change the backscatter of these cases by 2e-7 or less
+
+
+def backscatter_at(case: Case, u: Array, v: Array) -> Array:
+    """Electrons that lamps send by way of the water: L_b = integral of beta(psi) I / r_s^2 exp(-K r_s - c r) dr.
+
+    Gauss-Legendre along the lit part of each ray, in front of the lamp's front plane; every other wavelength.
+    """
+    rays, (c, k) = Rays(case), (loss[::2] for loss in water_loss(case.water, case.table))
+    scale = spectral_weight(case, 1e-3, np.ones(WAVES_NM.size))
+    halved = np.where(np.arange(0, WAVES_NM.size, 2) % (WAVES_NM.size - 1) == 0, 1.5, 2.0)
+    weights = np.stack([scale[::2] * b[::2] * halved for b in scattering(case)], axis=-1)
+    start = rays.start(u, v)
+    x, y, path, _ = rays.floor(u, v)
+    toward = np.stack(np.broadcast_arrays(x, y, case.altitude), axis=-1) - start
+    toward /= path[..., None]  # the way through the water: a unit vector, or the rays are wrong
+    assert np.linalg.norm(toward, axis=-1) == pytest.approx(1.0, rel=1e-12)
+    total = np.zeros(path.shape)
+    for at in case.lamps:
+        lamp, aim = np.array([at.x, at.y, at.z]), aim_of(at)
+        before, slope = (start - lamp) @ aim, toward @ aim  # depth in front of the lamp: before + slope r
+        crossing = np.clip(-before / slope, 0.0, path)
+        near, far = np.where(slope > 0, crossing, 0.0), np.where(slope > 0, path, crossing)
+        for node, node_weight in zip(*gauss(0.0, 1.0, RAY_NODES), strict=True):
+            r = near + node * (far - near)
+            away = start + r[..., None] * toward - lamp
+            length = np.linalg.norm(away, axis=-1)
+            cos_beam = away @ aim / length
+            turned = -(away * toward).sum(axis=-1) / length  # light goes along `away`, then back along the ray
+            sent = np.exp(-k * length[..., None] - c * r[..., None]) @ weights
+            phased = sent[..., 0] * particle_phase(turned) + sent[..., 1] * molecule_phase(turned)
+            lumens = case.flux_lm / len(case.lamps)
+            total += node_weight * (far - near) * lumens * intensity(case, cos_beam) / length**2 * phased
+    return np.asarray(total * rays.off_axis(u, v))
 
 
 # ---------------------------------------------------------------- means over the image
@@ -354,13 +488,21 @@ def gauss(low: float, high: float, count: int) -> tuple[Array, Array]:
     return low + (nodes + 1) * (high - low) / 2, weights * (high - low) / 2
 
 
-def smooth_mean(case: Case, panels: int = 1, order: int = 32) -> float:
+def smooth_mean(
+    case: Case, panels: int = 1, order: int = 32, values_at: Callable[..., Array] = electrons_at
+) -> float:
     """Mean over the image by Gauss-Legendre, in panels for lobes with kinks."""
     edges = np.linspace(-1.0, 1.0, panels + 1)
     parts = [gauss(low, high, order) for low, high in pairwise(edges)]
     nodes, weights = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
-    values = electrons_at(case, nodes[:, None], nodes[None, :])
+    values = values_at(case, nodes[:, None], nodes[None, :])
     return float(weights @ values @ weights) / 4.0
+
+
+@cache
+def veil_means(case: Case) -> tuple[float, float]:
+    """Mean forward veil and mean backscatter; the latter on 12 x 12 points (24 x 24 change it by 1e-7 or less)."""
+    return smooth_mean(case, values_at=forward_at), smooth_mean(case, order=12, values_at=backscatter_at)
 
 
 def lit_pieces(case: Case, lamp: Lamp, v: float) -> list[tuple[float, float]]:
@@ -504,11 +646,32 @@ def test_narrow_spots_are_met_less_well(half_angle: float, reached: float) -> No
 
 
 @pytest.mark.parametrize("name", SMOOTH_CASES)
+def test_mean_veils_under_smooth_lobes(name: str) -> None:
+    case = SMOOTH_CASES[name]
+    got, (forward, back) = figures(case), veil_means(case)
+    # clear water: a difference of two nearly equal means, each good to 1e-5
+    assert got["electrons_forward"] == pytest.approx(forward, rel=SMOOTH, abs=1e-5 * smooth_mean(case))
+    # here 1 nm of wavelength and the formula of the phase function, there a table of it
+    assert got["electrons_backscatter"] == pytest.approx(back, rel=2 * SMOOTH)
+
+
+@pytest.mark.parametrize("name", SMOOTH_CASES)
+def test_snr_contrast_and_veil_ratio_of_the_means(name: str) -> None:
+    case = SMOOTH_CASES[name]
+    got, signal, veil = figures(case), smooth_mean(case), sum(veil_means(case))
+    assert got["snr"] == pytest.approx(snr_by_hand(signal, veil=veil), rel=SMOOTH)
+    assert got["contrast"] == pytest.approx(signal / (signal + veil), rel=SMOOTH)
+    assert got["veil_ratio"] == pytest.approx(veil / signal, rel=2 * SMOOTH)
+
+
+@pytest.mark.parametrize("name", SMOOTH_CASES)
 def test_darkest_pixel(name: str) -> None:
     case = SMOOTH_CASES[name]
     border = np.linspace(-1.0, 1.0, 41)
-    least = float(electrons_at(case, border[:, None], border[None, :]).min())
-    assert figures(case)["snr_db_min"] == pytest.approx(20 * math.log10(snr_by_hand(least)), abs=0.002)
+    at = (case, border[:, None], border[None, :])
+    signal, veil = electrons_at(*at), forward_at(*at) + backscatter_at(*at)
+    least = float((signal / np.sqrt(noise_variance(signal + veil))).min())
+    assert figures(case)["snr_db_min"] == pytest.approx(20 * math.log10(least), abs=0.002)
 
 
 def test_a_pixel_without_light_has_no_snr_in_decibel() -> None:
@@ -607,20 +770,28 @@ def test_a_flash_gives_its_lumen_seconds_or_the_share_that_the_shutter_passes(
     assert got == pytest.approx(smooth_mean(Case()) * lumen_seconds / 4.0, rel=SMOOTH)
 
 
-def snr_by_hand(electrons: float, dark: float = 0.0, prnu: float = 0.0) -> float:
-    """(7) with read noise 2.4 e and the quantisation of 0.35 DN/e."""
-    variance = 2.4**2 + 1 / 12 / 0.35**2 + electrons + dark + (prnu * electrons) ** 2
-    return electrons / math.sqrt(variance)
+def noise_variance(light: Any, dark: float = 0.0, prnu: float = 0.0) -> Any:
+    """(7) with read noise 2.4 e and the quantisation of 0.35 DN/e; all light counts, veils included."""
+    return 2.4**2 + 1 / 12 / 0.35**2 + light + dark + (prnu * light) ** 2
+
+
+def snr_by_hand(electrons: float, dark: float = 0.0, prnu: float = 0.0, veil: float = 0.0) -> float:
+    """Image-forming electrons over the noise."""
+    return electrons / math.sqrt(noise_variance(electrons + veil, dark, prnu))
 
 
 def test_snr_and_level_with_dark_current_offset_quantisation_and_prnu() -> None:
     camera = (("dark_current_e_s", 500.0), ("black_level_dn", 12.0), ("prnu_frac", 0.02))
     bright = Case(water="I", altitude=1.0, lamps=pair(0.3))
-    got, electrons = figures(replace(bright, camera=camera)), smooth_mean(bright)
+    got, electrons, veil = (
+        figures(replace(bright, camera=camera)),
+        smooth_mean(bright),
+        sum(veil_means(bright)),
+    )
     assert electrons > 100.0  # so that every term counts
     assert got["electrons_dark"] == pytest.approx(0.5)  # 500 e/s for 1 ms
-    assert got["snr"] == pytest.approx(snr_by_hand(electrons, 0.5, 0.02), rel=SMOOTH)
-    assert got["mean_dn"] == pytest.approx(0.35 * (electrons + 0.5) + 12.0, rel=SMOOTH)
+    assert got["snr"] == pytest.approx(snr_by_hand(electrons, 0.5, 0.02, veil), rel=SMOOTH)
+    assert got["mean_dn"] == pytest.approx(0.35 * (electrons + veil + 0.5) + 12.0, rel=SMOOTH)
     assert got["mean_level"] == pytest.approx(got["mean_dn"] / 4095.0, rel=1e-12)
     assert got["saturation_fraction"] == pytest.approx(1.5 * got["mean_level"], rel=1e-12)
 
@@ -631,7 +802,8 @@ def test_snr_over_a_band_of_altitudes_is_that_of_its_far_end_with_the_focus_held
     margin = next(row for row in scene(case).margins if row.requirement == "min_snr_db")
     assert margin.at_altitude_m == 2.5
     # dB: an error of 1e-4 in electrons is 0.001 dB
-    assert margin.value == pytest.approx(20 * math.log10(snr_by_hand(smooth_mean(far))), abs=0.002)
+    expected = 20 * math.log10(snr_by_hand(smooth_mean(far), veil=sum(veil_means(far))))
+    assert margin.value == pytest.approx(expected, abs=0.002)
 
 
 # ---------------------------------------------------------------- geometry

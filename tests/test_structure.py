@@ -56,6 +56,7 @@ MAY_NOT_IMPORT: dict[str, set[str]] = {
 }
 #: module: what it imports against the rule, and why that is so.
 EXCEPTIONS: dict[tuple[str, str], str] = {
+    ("catalog.phase_functions", "model"): "delivers phase functions as the model's look-up tables",
     ("catalog.photometry", "model"): "borrows a type alias, FloatArray",
     ("mission_checks", "catalog"): "a currency must have an exchange rate; imported when one is named",
     ("mission_keys", "catalog"): "Jerlov types and floors are those of the tables; imported when needed",
@@ -267,6 +268,7 @@ WITHOUT_UNIT: dict[str, str] = {
 #: module.function(argument): why it has no unit.
 ARGUMENTS_WITHOUT_UNIT: dict[str, str] = {
     "model.lens.image_irradiance(radiance)": "spectral or not: the result has its unit, without the steradian",
+    "model.imaging.radiance_weight(radiance_in_water)": "per lumen, or per second: the result has its unit",
     "model.port.flat_port_transmittance(absorption_depth)": "an optical depth, which has no unit",
 }
 

@@ -32,7 +32,7 @@ from uwopt.scene_checks import check_physical
 from uwopt.solvers import recommend
 from uwopt.solvers.certificate import certificate
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, design_of, seek
-from uwopt.solvers.rounding import LEVEL_TOLERANCE_REL
+from uwopt.solvers.rounding import LEVEL_TOLERANCE_REL, exact_settings
 from uwopt.system import System, load_system
 
 Source = str | Path | Mapping[str, Any]
@@ -161,7 +161,7 @@ def found_result(
     proven = sought.outcome.complete
     hardware = recommend.hardware_of(best[0])
     model = DesignModel(sought.problem, hardware)
-    given = [recommend.exact_settings(model, i, numbers) for i, numbers in enumerate(best[0].settings)]
+    given = [exact_settings(model, i, numbers) for i, numbers in enumerate(best[0].settings)]
     influences = influences_of(sought.problem, hardware, given, goal)
     return replace(
         result,

@@ -24,6 +24,8 @@ from uwopt.scene import SceneOptics
 from uwopt.sharp import SharpRows
 
 Array = NDArray[Any]
+FEW = 8  # designs that are judged first: what they need, the batch needs
+VEILS = {"forward_veil", "backscatter"}
 
 
 @dataclass(frozen=True)
@@ -71,31 +73,41 @@ class Batch:
                     column[mine] = value
         return Views(**columns)
 
-    def groups(self, *, by_curve: bool) -> Iterator[tuple[Array, int, int]]:
-        """Rows that share port and light optics (and efficiency curve), with both."""
+    def groups(self, *, by_curve: bool, some: Array | None = None) -> Iterator[tuple[Array, int, int]]:
+        """Rows (or some of them) that share port and light optics (and efficiency curve), with both."""
         d, problem = self.designs, self.problem
-        keys = [d.port, problem.lights.optics_index[d.light]]
+        rows = np.arange(len(d)) if some is None else some
+        keys = [d.port[rows], problem.lights.optics_index[d.light[rows]]]
         if by_curve:
-            keys.append(problem.cameras.qe_index[d.camera])
+            keys.append(problem.cameras.qe_index[d.camera[rows]])
         unique, back = np.unique(np.stack(keys), axis=1, return_inverse=True)
         for n in range(unique.shape[1]):
-            yield np.nonzero(back.reshape(-1) == n)[0], int(unique[0, n]), int(unique[1, n])
+            yield rows[back.reshape(-1) == n], int(unique[0, n]), int(unique[1, n])
 
     def influences(
         self, tolerance: float, settings: list[SettingRows] | None = None, *, information: bool = False
     ) -> list[influence.Influence]:
         """Each effect's bound over all these designs, and whether it is kept at this tolerance."""
+        every = np.arange(len(self.designs))
+        few = every[:: max(1, len(every) // FEW)]
+        found = influence.judge(self.problem, self._judged(few, settings), information=information)
+        beyond = {name for name, (bound, _) in found.items() if bound > tolerance}
+        if len(few) < len(every) and not beyond >= VEILS:  # what a few designs need is kept for all
+            found = influence.judge(self.problem, self._judged(every, settings), information=information)
+        return influence.choose(found, tolerance)
+
+    def _judged(self, some: Array, settings: list[SettingRows] | None) -> list[influence.Group]:
+        """Some of the designs in every scene, in groups that share their integrals."""
         d = self.designs
-        groups = [
+        return [
             influence.Group(
                 scene_index=index, view=view.take(rows), camera=d.camera[rows], lens=d.lens[rows], port=port,
                 light=d.light[rows], optics=optics, mount=d.mount, count=d.count[rows],
                 settings=None if settings is None else settings[index].take(rows),
             )
             for index, view in enumerate(self.views)
-            for rows, port, optics in self.groups(by_curve=True)
+            for rows, port, optics in self.groups(by_curve=True, some=some)
         ]  # fmt: skip
-        return influence.choose(influence.judge(self.problem, groups, information=information), tolerance)
 
     def rows(self, index: int, *, pixels: bool | None = None) -> DesignRows:
         """Hardware of all designs in one scene, light integrals included, with the problem's effects."""

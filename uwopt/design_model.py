@@ -33,6 +33,8 @@ from uwopt.sharp import SharpRows
 
 Array = NDArray[Any]
 
+DARK_CELLS = 80  # a side of the image, where its unlit share is counted
+
 
 @dataclass(frozen=True)
 class Hardware:
@@ -111,7 +113,8 @@ class DesignModel:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
         beam = self.problem.optics[int(self.lights.optics_index[0])].beam
         lamps, range_m = hw.mount.lamps(hw.count), float(scene.range_m[scene.nominal])
-        along, across = imaging.pixel_grid(view.tan_along, view.tan_across, n_points=41)
+        middles, _ = imaging.cells(DARK_CELLS)
+        along, across = np.meshgrid(view.tan_along[0] * middles, view.tan_across[0] * middles)
         x_m, y_m, _ = imaging.floor_point(along, across, shape=self.shapes[index], range_m=range_m)
         lit = np.zeros(x_m.shape, bool)
         for n in range(len(lamps.share)):

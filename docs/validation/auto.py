@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - a line of the page's text is as long as the expressions in it
 """Section 9: what physics `auto` leaves out of each mission in problems/, and what that changes."""
 
 from __future__ import annotations
@@ -44,7 +45,8 @@ def as_system(design: Any) -> dict[str, Any]:
     system: dict[str, Any] = {kind: hardware[kind]["id"] for kind in ("camera", "lens", "port", "light")}
     system |= {key: hardware[key] for key in ("camera_count", "light_count", "orientation", "light_mounts")}
     system["scenes"] = {
-        s.name: {key: s.settings[key] for key in SETTINGS if s.settings[key] is not None} for s in design.scenes
+        s.name: {key: s.settings[key] for key in SETTINGS if s.settings[key] is not None}
+        for s in design.scenes
     }
     return system
 
@@ -73,9 +75,7 @@ def compared(case: Case, mission: Path, system: Any) -> Case:
     pairs = [("objective", auto.objective["value"], full.objective["value"])]
     assert auto.design is not None and full.design is not None
     for one, other in zip(auto.design.scenes, full.design.scenes, strict=True):
-        pairs += [
-            (a.requirement, a.value, b.value) for a, b in zip(one.margins, other.margins, strict=True)
-        ]
+        pairs += [(a.requirement, a.value, b.value) for a, b in zip(one.margins, other.margins, strict=True)]
     for requirement, one_value, other_value in pairs:
         off = change(requirement, one_value, other_value)
         if off > case.most:
@@ -110,7 +110,9 @@ def cases() -> tuple[Case, ...]:
 
 def bound(effect: dict[str, Any]) -> str:
     """An effect's bound, in bold when it is kept."""
-    value = "asked" if effect["bound"] is None else ("0" if effect["bound"] == 0 else f"{effect['bound']:.1e}")
+    value = (
+        "asked" if effect["bound"] is None else ("0" if effect["bound"] == 0 else f"{effect['bound']:.1e}")
+    )
     return f"**{value}**" if effect["kept"] else value
 
 
@@ -140,6 +142,6 @@ each effect, in bold where it is kept; the largest change of any requirement's f
 
 {left_out} of {sum(len(c.effects) for c in fine)} effects are left out; the largest change is {worst.most:.1e} ({worst.name}, {worst.where}). The
 contract is {"met by all" if not broken else f"BROKEN by {', '.join(broken)}"}. "asked": a requirement of its own, kept without a bound;
-0: the scene or system has none of it.
+0: no requirement of the mission feels it.
 {("What falls short: " + "; ".join(faults) + ".") if faults else f"Falls short: nothing found; these are {len(cases())} missions, not all."}
 """

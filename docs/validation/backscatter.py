@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - a line of the page's text is as long as the expressions in it
 """Section 3: the backscatter veil against photons, and the ray integral against adaptive quadrature."""
 
 from __future__ import annotations
@@ -92,7 +93,9 @@ def all_orders() -> tuple[Orders, ...]:
         scale = electrons_per_gain(case, told["working_f_number"])
         mean, error = photons.mean_veil(case, N_MULTIPLE, 100 + index, orders=MOST_ORDERS, kind="transport")
         diffuse, _ = photons.mean_veil(case, N_MULTIPLE, 200 + index, kind="diffuse")
-        found.append(Orders(case, told["electrons_backscatter"], scale * mean, scale * error, scale * diffuse))
+        found.append(
+            Orders(case, told["electrons_backscatter"], scale * mean, scale * error, scale * diffuse)
+        )
     return tuple(found)
 
 
@@ -230,7 +233,8 @@ def photon_rows(of: tuple[Seen, ...]) -> list[list[str]]:
 def quadrature_text() -> str:
     """The tables over c d, baseline, altitude and lobe."""
     lobe_rows = [
-        [f"{t:g}", *(common.small(worst_of(thickness=t, lobe=lobe)) for lobe in LOBES_DEG)] for t in THICKNESSES
+        [f"{t:g}", *(common.small(worst_of(thickness=t, lobe=lobe)) for lobe in LOBES_DEG)]
+        for t in THICKNESSES
     ]
     narrow = LOBES_DEG[:2]
     rows = [
@@ -279,11 +283,20 @@ def multiple_text() -> str:
     ]  # fmt: skip
     off = [s.uwopt_e / s.all_e - 1 for s in all_orders()]
     diffuse = [s.diffuse_e / s.all_e - 1 for s in all_orders()]
-    head = ["case", "water", "all orders [e⁻]", "uwopt [e⁻]", "difference", "K on both legs [e⁻]", "difference"]
+    head = [
+        "case",
+        "water",
+        "all orders [e⁻]",
+        "uwopt [e⁻]",
+        "difference",
+        "K on both legs [e⁻]",
+        "difference",
+    ]
     return f"""\
 **What falls short: light scattered more than once.** The same photons followed through up to {MOST_ORDERS} scatterings, c on
 every leg, floor black, {N_MULTIPLE} photons a case; what turns by less than {photons.AHEAD_DEG:g}° counts as not scattered (an image mean
-hardly feels so small a turn). Beside it single scattering with K in place of c on the camera's leg:
+hardly feels so small a turn; half of that angle gave the same within the scatter). The tally has a long tail, light that
+turns forward right before the port, so that ± is rather a lower estimate. Beside it single scattering with K in place of c on the camera's leg:
 
 {common.table(head, rows)}
 
@@ -297,7 +310,16 @@ scattered forward on its way back still arrives, and c counts it as lost. With K
 def section() -> str:
     """The text."""
     seen = against_photons()
-    head = ["case", "water", "altitude", "Monte Carlo [e⁻]", "uwopt [e⁻]", "difference", "in σ", "veil / signal"]
+    head = [
+        "case",
+        "water",
+        "altitude",
+        "Monte Carlo [e⁻]",
+        "uwopt [e⁻]",
+        "difference",
+        "in σ",
+        "veil / signal",
+    ]
     worst = max(seen, key=lambda s: abs(s.difference))
     chi = sum((s.difference / s.sigma) ** 2 for s in seen)
     off = [s.uwopt_e / s.all_e - 1 for s in all_orders()]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import textwrap
 from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
@@ -32,6 +33,16 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)])
 
 
+def filled(text: str) -> str:
+    """Paragraphs of a text with lines of even length; tables, pictures and headings as they are."""
+    blocks = text.strip().split("\n\n")
+    return "\n\n".join(
+        block if block.startswith(("|", "!", "#"))
+        else textwrap.fill(" ".join(block.split()), 118, break_long_words=False, break_on_hyphens=False)
+        for block in blocks
+    )  # fmt: skip
+
+
 def percent(share: float, digits: int = 1) -> str:
     """A signed share in per cent."""
     shown = f"{100 * share:+.{digits}f}"
@@ -40,7 +51,7 @@ def percent(share: float, digits: int = 1) -> str:
 
 def small(value: float) -> str:
     """The size of an error: two digits, in powers of ten when small; rounding alone is not told apart."""
-    if abs(value) < 2e-12:
+    if abs(value) < 1e-9:
         return "rounding"
     return f"{value:.1e}" if abs(value) < 1e-3 else f"{value:.2g}"
 
@@ -156,7 +167,13 @@ def canvas(n_columns: int = 1, *, height: float = 3.4, width: float | None = Non
     import matplotlib.pyplot as plt
 
     mpl.rcParams.update(
-        {"svg.hashsalt": "uwopt", "svg.fonttype": "none", "font.size": 9, "axes.grid": True, "grid.alpha": 0.3}
+        {
+            "svg.hashsalt": "uwopt",
+            "svg.fonttype": "none",
+            "font.size": 9,
+            "axes.grid": True,
+            "grid.alpha": 0.3,
+        }
     )
     return plt.subplots(1, n_columns, figsize=(width or 4.6 * n_columns, height), layout="constrained")
 

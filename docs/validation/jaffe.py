@@ -1,8 +1,10 @@
+# ruff: noqa: E501 - a line of the page's text is as long as the expressions in it
 """Section 6: Jaffe's trend, contrast against the distance between lamp and camera."""
 
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 from . import common
@@ -41,7 +43,13 @@ def figure() -> str:
     drawn, (left, right) = common.canvas(2)
     for color, (water, altitude) in zip(("C0", "C2"), SCENES, strict=True):
         seen = curves()[water]
-        left.plot(BASELINES_M, [s["contrast"] for s in seen], "o-", color=color, label=f"type {water}, {altitude:g} m")
+        left.plot(
+            BASELINES_M,
+            [s["contrast"] for s in seen],
+            "o-",
+            color=color,
+            label=f"type {water}, {altitude:g} m",
+        )
         back = [s["electrons_backscatter"] / s["electrons_signal"] for s in seen]
         right.plot(BASELINES_M, back, "o-", color=color, label=f"backscatter, {water}")
         forward = [s["electrons_forward"] / s["electrons_signal"] for s in seen]
@@ -55,7 +63,7 @@ def figure() -> str:
 
 def rising(values: list[float]) -> bool:
     """Whether each is above the one before."""
-    return all(b > a for a, b in zip(values[:-1], values[1:], strict=True))
+    return all(b > a for a, b in pairwise(values))
 
 
 def section() -> str:
@@ -76,7 +84,7 @@ def section() -> str:
             f"{'monotonely' if rising(back[::-1]) else 'NOT monotonely'}"
         )
     return f"""\
-**In short:** {'; '.join(words)}.
+**In short:** {"; ".join(words)}.
 
 Independent of: the model, as a trend. Jaffe (1990) found by simulation, and divers know, that moving the lamp away from
 the camera raises the contrast, the more the more turbid the water and the longer the range; his curves are not digitised

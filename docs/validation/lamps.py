@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - a line of the page's text is as long as the expressions in it
 """Section 4: four tilted lamps with a measured beam, against a plain sum over the floor."""
 
 from __future__ import annotations
@@ -57,7 +58,9 @@ def mission(water: str, altitude_m: float) -> dict[str, Any]:
 @cache
 def profile_in_water(kind: str) -> tuple[Any, float]:
     """Intensity by the angle in water, any unit, and its flux: I_w = I_a n^2 cos w / cos a, by quadrature."""
-    angle, value = common.column("beam_profiles.csv", "angle_deg", "intensity", profile_id=f"dspl-sealite-{kind}")
+    angle, value = common.column(
+        "beam_profiles.csv", "angle_deg", "intensity", profile_id=f"dspl-sealite-{kind}"
+    )
     in_air = PchipInterpolator(np.deg2rad(angle), value, extrapolate=False)
     n = float(np.interp(N_WATER_AT, common.WAVES_NM, common.index_of_water(10.0, 35.0)))
 
@@ -66,7 +69,10 @@ def profile_in_water(kind: str) -> tuple[Any, float]:
         air = np.arcsin(np.minimum(sine, 1.0))
         raised = n * n * np.cos(water_rad) / np.maximum(np.cos(air), 1e-9)
         at_80 = float(in_air(math.radians(80.0))) / math.cos(math.radians(80.0))
-        found = np.minimum(np.nan_to_num(in_air(air), nan=0.0), np.where(air > math.radians(80.0), at_80 * np.cos(air), np.inf))
+        found = np.minimum(
+            np.nan_to_num(in_air(air), nan=0.0),
+            np.where(air > math.radians(80.0), at_80 * np.cos(air), np.inf),
+        )
         return np.where(sine < 1.0, found * raised, 0.0)
 
     w = np.linspace(0.0, math.asin(1 / n), 400_001)[:-1]  # midpoints: the rim itself is not defined
@@ -137,7 +143,17 @@ def section() -> str:
             common.percent(means[-1], 3), f"{least:.4g}", f"{told['floor_illuminance_min_lx']:.4g}",
             common.percent(leasts[-1], 2), f"{told['uniformity']:.4f}",
         ])  # fmt: skip
-    head = ["lamps", "water, altitude", "mean, sum [lx]", "mean, uwopt [lx]", "diff.", "least, sum", "least, uwopt", "diff.", "uniformity"]
+    head = [
+        "lamps",
+        "water, altitude",
+        "mean, sum [lx]",
+        "mean, uwopt [lx]",
+        "diff.",
+        "least, sum",
+        "least, uwopt",
+        "diff.",
+        "uniformity",
+    ]
     return f"""\
 **In short:** mean illuminance within {100 * max(map(abs, means)):.3f} %; least illuminance up to {100 * max(map(abs, leasts)):.0f} % off, from a coarse grid.
 

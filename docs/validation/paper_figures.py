@@ -13,7 +13,7 @@ WINDOW = common.ROOT / "problems" / "paper-tool-window.yaml"
 WINDOW_SYSTEM = common.ROOT / "problems" / "paper-tool-window.system.yaml"
 FLAT = {"geometry": "flat", "thickness_mm": 10, "refractive_index": 1.5}
 SPEEDS_M_S, RANGES_M = np.array([0.2, 0.5, 1.0, 1.5, 2.0, 3.0]), np.linspace(0.5, 3.0, 11)
-F_NUMBERS, DOF_RANGES_M = (1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0), np.linspace(0.5, 2.0, 11)
+F_NUMBERS, DOF_RANGES_M = (1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0), np.linspace(0.5, 2.0, 21)
 WATERS = ("I", "II", "III", "1C", "3C", "5C", "7C", "9C")
 
 
@@ -77,7 +77,10 @@ def spectrum_stages() -> tuple[dict[str, Any], float, float]:
     a, b, _ = common.jerlov("I", continued=False)
     loss = np.exp(water.log_transmission(water.beam_attenuation_per_m(a, b), range_m=2.0))
     flux = light.spectral_flux_w_nm(
-        20_000.0, relative_spectrum=spectrum.two_gaussian_led(nm), wavelength_nm=nm, photopic=common.photopic()
+        20_000.0,
+        relative_spectrum=spectrum.two_gaussian_led(nm),
+        wavelength_nm=nm,
+        photopic=common.photopic(),
     )
     floor = flux / (np.pi * 4.0) * loss  # half-angle 45 deg, 2 m
     radiance = seafloor.lambertian_radiance(floor, reflectance=0.2)
@@ -117,7 +120,9 @@ def tank_figure(name: str, chosen: tuple[str, ...]) -> tuple[str, float]:
     for color, series in zip(("C0", "C3"), chosen, strict=False):
         mine = [p for p in tank.points() if p.name == series]
         wrong = tank.errors(mine, factor)
-        worst = max([worst, *(abs(e) for e, p in zip(wrong, mine, strict=True) if p.fitted or tank.BARE in p.name)])
+        worst = max(
+            [worst, *(abs(e) for e, p in zip(wrong, mine, strict=True) if p.fitted or tank.BARE in p.name)]
+        )
         t = [p.exposure_us for p in mine]
         left.plot(t, [p.measured_dn for p in mine], "o", color=color, label=f"{series}, measured")
         left.plot(t, [factor * p.full_dn for p in mine], "-", color=color, label="predicted, one scalar")

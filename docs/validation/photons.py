@@ -17,7 +17,7 @@ from . import common
 
 Array = common.Array
 BATCHES = 20
-AHEAD_DEG = 5.0  # in full transport, what is scattered by less than this counts as not scattered
+AHEAD_DEG = 10.0  # in full transport, what is scattered by less than this counts as not scattered
 LEAST_WEIGHT = 1e-3  # packets fainter than this survive by a draw, so that nothing is lost on average
 
 
@@ -135,7 +135,7 @@ def petzold(station: str) -> Phase:
     first = angle[angle > 0][0]
     slope = (vsf[1] - vsf[0]) / np.log(angle[1] / angle[0])
     inside = np.interp(np.log(FINE), np.log(angle), vsf)
-    return Phase(FINE, np.exp(np.where(FINE < first, vsf[0] + slope * np.log(FINE / first), inside)))
+    return Phase(FINE, np.exp(np.where(first > FINE, vsf[0] + slope * np.log(FINE / first), inside)))
 
 
 class Water(NamedTuple):
@@ -152,7 +152,7 @@ def water_of(case: Setting, *, kind: str = "single") -> Water:
     """Tables of a case: K_d held between a + b_b and c, molecules apart from particles.
 
     `single`: K on the lamp's leg, c on the camera's; `diffuse`: K on both; `transport`: for all orders, with
-    what is scattered by less than 5 degrees taken as not scattered, in the phase function and in c.
+    what is scattered by less than AHEAD_DEG taken as not scattered, in the phase function and in c.
     """
     water = tables_of(case)
     if kind == "diffuse":
@@ -233,7 +233,9 @@ def turned(direction: Array, cos: Array, rng: np.random.Generator) -> Array:
     """Directions (3, n) after a scattering by the given cosines, azimuth drawn."""
     phi = 2 * np.pi * rng.random(cos.size)
     sine = np.sqrt(np.maximum(1 - cos * cos, 0.0))
-    helper = np.where(np.abs(direction[2]) < 0.9, np.array([[0.0], [0.0], [1.0]]), np.array([[1.0], [0.0], [0.0]]))
+    helper = np.where(
+        np.abs(direction[2]) < 0.9, np.array([[0.0], [0.0], [1.0]]), np.array([[1.0], [0.0], [0.0]])
+    )
     first = np.cross(direction, helper, axis=0)
     first /= np.linalg.norm(first, axis=0)
     second = np.cross(direction, first, axis=0)
@@ -256,9 +258,8 @@ def mean_veil(
     rng = np.random.default_rng(seed)
     water, weight = water_of(case, kind=kind), detected()
     n_water = float(np.interp(550.0, common.WAVES_NM, common.index_of_water(10.0, 35.0)))
-    results = []
-    for _ in range(BATCHES):
-        results.append(one_batch(case, water, weight, n_water, n // BATCHES, rng, orders))
+    size = n // BATCHES
+    results = [one_batch(case, water, weight, n_water, size, rng, orders) for _ in range(BATCHES)]
     mean = float(np.mean(results))
     return mean, float(np.std(results, ddof=1) / np.sqrt(BATCHES))
 
@@ -278,7 +279,9 @@ def one_batch(
     total = 0.0
     for order in range(orders):
         mu = water.k[nm]
-        to_floor = np.where(direction[2] > 1e-6, (case.altitude - place[2]) / np.maximum(direction[2], 1e-6), 30.0)
+        to_floor = np.where(
+            direction[2] > 1e-6, (case.altitude - place[2]) / np.maximum(direction[2], 1e-6), 30.0
+        )
         reach = np.minimum(to_floor, 30.0)
         meets = -np.expm1(-mu * reach)  # the packet is made to collide before the floor
         path = -np.log1p(-rng.random(mu.size) * meets) / mu
@@ -298,7 +301,9 @@ def one_batch(
         power = np.maximum(power, LEAST_WEIGHT * weight.sum())[keep]
         nm, place, direction = nm[keep], place[:, keep], direction[:, keep]
         by_water = rng.random(nm.size) * (water.b_particles + water.b_water)[nm] < water.b_water[nm]
-        evenly = 2 * rng.random(nm.size) - 1  # molecules: drawn from the whole sphere, weighed by their function
+        evenly = (
+            2 * rng.random(nm.size) - 1
+        )  # molecules: drawn from the whole sphere, weighed by their function
         cos = np.where(by_water, evenly, water.particles.draw(rng, nm.size))
         power = np.where(by_water, power * 4 * np.pi * molecules(evenly), power)
         direction = turned(direction, cos, rng)

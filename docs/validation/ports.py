@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - a line of the page's text is as long as the expressions in it
 """Section 5: ports against rays traced by vectors through each surface."""
 
 from __future__ import annotations
@@ -32,7 +33,9 @@ def sphere_hit(start: Vector, way: Vector, radius: float) -> Vector:
 # ---------------------------------------------------------------- flat
 
 
-def flat_floor(tan_x: float, tan_y: float, *, gap: float, glass: float, range_m: float, n_g: float, n_w: float) -> Vector:
+def flat_floor(
+    tan_x: float, tan_y: float, *, gap: float, glass: float, range_m: float, n_g: float, n_w: float
+) -> Vector:
     """Floor point of a field point: from the pupil through both faces of a plate."""
     way = np.array([tan_x, tan_y, 1.0]) / math.sqrt(1 + tan_x**2 + tan_y**2)
     place, up = np.zeros(3), np.array([0.0, 0.0, -1.0])
@@ -42,7 +45,9 @@ def flat_floor(tan_x: float, tan_y: float, *, gap: float, glass: float, range_m:
     return place
 
 
-def flat_case(range_m: float, focal_mm: float, gap_mm: float, glass_mm: float) -> tuple[dict[str, Any], dict[str, Any]]:
+def flat_case(
+    range_m: float, focal_mm: float, gap_mm: float, glass_mm: float
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """Mission and system."""
     mission = {
         "name": "port", "physics": "full",
@@ -73,7 +78,12 @@ def colour_spread_px(range_m: float, focal_mm: float, gap_mm: float, glass_mm: f
     target = flat_floor(corner, 0.0, n_w=n_green, **ray)[0]
     few = np.arange(0, common.WAVES_NM.size, 8)
     tangents = [
-        brentq(lambda t, n=float(index[i]): flat_floor(t, 0.0, n_w=n, **ray)[0] - target, 0.5 * corner, 1.5 * corner, xtol=1e-13)
+        brentq(
+            lambda t, n=float(index[i]): flat_floor(t, 0.0, n_w=n, **ray)[0] - target,
+            0.5 * corner,
+            1.5 * corner,
+            xtol=1e-13,
+        )
         for i in few
     ]
     radius = np.interp(common.WAVES_NM, common.WAVES_NM[few], tangents) * 1e-3 * focal_mm / PITCH_M
@@ -84,7 +94,12 @@ def colour_spread_px(range_m: float, focal_mm: float, gap_mm: float, glass_mm: f
 def flat_rows() -> tuple[list[list[str]], float, float]:
     """Footprint and lateral colour; largest relative differences of both."""
     rows, worst_foot, worst_colour = [], 0.0, 0.0
-    for case in ((2.0, 8.0, 20.0, 10.0), (0.5, 8.0, 60.0, 20.0), (3.0, 16.0, 20.0, 10.0), (0.3, 5.0, 15.0, 8.0)):
+    for case in (
+        (2.0, 8.0, 20.0, 10.0),
+        (0.5, 8.0, 60.0, 20.0),
+        (3.0, 16.0, 20.0, 10.0),
+        (0.3, 5.0, 15.0, 8.0),
+    ):
         range_m, focal, gap, glass = case
         told = common.figures(*flat_case(*case))
         n_w = float(np.interp(550.0, common.WAVES_NM, common.index_of_water(10.0, 35.0)))
@@ -107,7 +122,14 @@ def flat_rows() -> tuple[list[list[str]], float, float]:
 
 
 def dome_image_m(
-    theta: float, range_m: float, radius: float, glass: float, n_g: float, n_w: float, *, tangential: bool = True
+    theta: float,
+    range_m: float,
+    radius: float,
+    glass: float,
+    n_g: float,
+    n_w: float,
+    *,
+    tangential: bool = True,
 ) -> float:
     """Distance from the pupil, along the axis, at which a dome shows the floor point at a field angle.
 
@@ -118,7 +140,7 @@ def dome_image_m(
     chief = np.array([math.sin(theta), 0.0, math.cos(theta)])
     aside = np.array([math.cos(theta), 0.0, -math.sin(theta)]) if tangential else np.array([0.0, 1.0, 0.0])
     point = length * chief
-    hair = 1e-5
+    hair = 1e-4
     way = -chief + hair * aside
     way /= np.linalg.norm(way)
     place = sphere_hit(point, way, radius)
@@ -145,7 +167,9 @@ def dome_rows() -> tuple[list[list[str]], float]:
             theta = math.radians(degrees)
             traced = dome_image_m(theta, range_m, radius, glass, n_g, n_w)
             if degrees:
-                told = 1 / port.field_dioptre_per_m(range_m, cos_field=math.cos(theta), focus_map=port.dome_focus_map(**given))
+                told = 1 / port.field_dioptre_per_m(
+                    range_m, cos_field=math.cos(theta), focus_map=port.dome_focus_map(**given)
+                )
             else:
                 told = port.dome_virtual_image_distance_m(range_m, **given) + radius
             worst = max(worst, abs(told / traced - 1))
@@ -188,8 +212,20 @@ def fresnel_text() -> tuple[str, float, float]:
         told = float(port.flat_port_transmittance(math.tan(theta), n_water=1.34, n_glass=1.49))
         more = window_by_angles(theta, 1.49, 1.34, bounces=True) / hand - 1
         worst, between = max(worst, abs(told / hand - 1)), max(between, more)
-        rows.append([f"{degrees:g}°", f"{hand:.6f}", f"{told:.6f}", common.small(told / hand - 1), common.percent(more, 3)])
-    return common.table(["angle in air", "by angles", "uwopt", "difference", "light between the faces"], rows), worst, between
+        rows.append(
+            [
+                f"{degrees:g}°",
+                f"{hand:.6f}",
+                f"{told:.6f}",
+                common.small(told / hand - 1),
+                common.percent(more, 3),
+            ]
+        )
+    return (
+        common.table(["angle in air", "by angles", "uwopt", "difference", "light between the faces"], rows),
+        worst,
+        between,
+    )
 
 
 def section() -> str:

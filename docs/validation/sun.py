@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - a line of the page's text is as long as the expressions in it
 """Section 8: sunlight at 30 m in type II water, in lamps at 2 m."""
 
 from __future__ import annotations
@@ -72,7 +73,11 @@ def by_hand() -> tuple[dict[str, float], float, float]:
     electrons = 1e5 * float((sun * seen).sum() / (lamp * seen).sum())
     in_lux = 1e5 * float((sun * lux).sum() / (lamp * lux).sum())
     floor_lux = 1e5 * float((sun * lux).sum())
-    return {name: electrons / axis_per_lm(*beam) for name, beam in BEAMS.items()}, floor_lux, in_lux / axis_per_lm("disc", 45.0)
+    return (
+        {name: electrons / axis_per_lm(*beam) for name, beam in BEAMS.items()},
+        floor_lux,
+        in_lux / axis_per_lm("disc", 45.0),
+    )
 
 
 def by_uwopt(beam: str, half_angle: float, sun_lux: float = 100_000.0) -> float:
@@ -94,9 +99,15 @@ def section() -> str:
     ]  # fmt: skip
     span = [told[name] * lux / 1e8 for name in BEAMS for lux in NOONS_LX]
     verdict = "lies within" if min(span) <= STATED_KLM <= max(span) else "lies outside"
-    head = ["beam", "100 klx, by hand [klm]", "uwopt [klm]", "difference", *(f"{x / 1e3:.0f} klx [klm]" for x in NOONS_LX)]
+    head = [
+        "beam",
+        "100 klx, by hand [klm]",
+        "uwopt [klm]",
+        "difference",
+        *(f"{x / 1e3:.0f} klx [klm]" for x in NOONS_LX),
+    ]
     return f"""\
-**In short:** 100 klx at the surface are {told['disc, 45° half'] / 1e3:.0f} klm of lamps (disc of 45°), within {100 * max(map(abs, off.values())):.2f} % of the calculation by hand; stated: about {STATED_KLM:.0f}.
+**In short:** 100 klx at the surface are {told["disc, 45° half"] / 1e3:.0f} klm of lamps (disc of 45°), within {100 * max(map(abs, off.values())):.2f} % of the calculation by hand; stated: about {STATED_KLM:.0f}.
 
 Independent of: uwopt's daylight, its loss tables and its image integrals; shared are the tables (D65, K_d, a, b, quantum
 efficiency) and the formula E = D65 · 0.95 · exp(-K_d depth). Floor {DEPTH_M:.0f} m deep, camera {ALTITUDE_M:.0f} m above it, sun at 60°, lamps

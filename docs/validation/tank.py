@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - a line of the page's text is as long as the expressions in it
 """Section 1: the founding paper's tank, predicted against measured."""
 
 from __future__ import annotations
@@ -112,7 +113,8 @@ def published_bias() -> dict[str, float]:
     found = {}
     for series in setup.SERIES:
         found[series.name] = statistics.median(
-            published_code_dn(series.camera, series.f_number, t) / dn - 1.0 for t, dn in series.measured_dn.items()
+            published_code_dn(series.camera, series.f_number, t) / dn - 1.0
+            for t, dn in series.measured_dn.items()
         )
     return found
 
@@ -194,16 +196,17 @@ do not test them; sections 3 and 6 do.
 {common.percent(max(bare_errors), 0)} off. Without a lens there is no image: a pixel collects from the whole half-space
 before it, weighted by the cosine and by what housing, mount and filter glass let through, and F1.444 (the published
 code's) would be right only if a board of even brightness filled that cone. uwopt has no model of a sensor without a
-lens; the row shows what the substitute is worth. The CCD's shortest exposure is predicted
+lens; the row shows what the substitute is worth (the physics page says 24 to 40 % high, with a choice of its own for what
+is left open). The CCD's shortest exposure is predicted
 {common.percent(errors([first_ccd], a.factor)[0], 0)} off: it reads {first_ccd.measured_dn / 256:.0f} of 255, and a black level of
 {(first_ccd.measured_dn - a.factor * first_ccd.full_dn) / 256:.1f} of 255, which nobody states, would explain it. That the
-CCD needs a {common.percent(scalar([p for p in points() if p.fitted and 'ICX' in p.name]) / one.factor - 1.0, 1)} other scalar
+CCD needs a {common.percent(scalar([p for p in points() if p.fitted and "ICX" in p.name]) / one.factor - 1.0, 1)} other scalar
 than the Sony sensor lies within what the tool's quantum efficiencies are good for (15 % for the IMX250). The scalar
 absorbs board, lobe, lens transmission and n_w², so absolute level is not tested.
 
 **The published code**, rebuilt from its description (board 0.2, no 1/π, N × 1.33, dark noise counted as signal, no
 exposure offset) and with a lens transmission of 1, is at the median of each set
-{'; '.join(f'{common.percent(v, 0)} ({k})' for k, v in bias.items())}: {-100 * max(bias.values()):.0f} to
+{"; ".join(f"{common.percent(v, 0)} ({k})" for k, v in bias.items())}: {-100 * max(bias.values()):.0f} to
 {-100 * min(bias.values()):.0f} % low. The physics page says 31 to 49 %. That transmission and the 1.33 for the bare sensor are
 inferred from this agreement; a transmission of 0.9 would lower all four by a tenth.
 """

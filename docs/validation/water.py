@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - a line of the page's text is as long as the expressions in it
 """Section 7: attenuation against the source tables."""
 
 from __future__ import annotations
@@ -85,7 +86,9 @@ def measured_table(water: str) -> tuple[np.ndarray, np.ndarray]:
     """Wavelengths and a + b of Williamson and Hollins, from the project's own copy of the data set."""
     path = common.ROOT / "tests" / "reference" / "jerlov_iop_measured.csv"
     with path.open(encoding="utf-8", newline="") as lines:
-        found = [r for r in csv.DictReader(x for x in lines if not x.startswith("#")) if r["water_type"] == water]
+        found = [
+            r for r in csv.DictReader(x for x in lines if not x.startswith("#")) if r["water_type"] == water
+        ]
     nm = np.array([float(r["wavelength_nm"]) for r in found])
     return nm, np.array([float(r["a_per_m"]) + float(r["b_per_m"]) for r in found])
 

@@ -216,7 +216,7 @@ def local_gain(
 
 
 def field_loss(tan_along: Array, tan_across: Array, *, shape: PortShape) -> Array:
-    """What lens and window pass off the axis, relative to the axis: cos^4, and T(theta) / T(0) of a flat one."""
+    """Share of the axis's light that lens and window pass off it: cos^4, times T(theta) / T(0) of a flat one."""
     loss = lens.cos4_field(tan_along, tan_across)
     if shape.is_dome or not shape.window_angle:
         return np.asarray(loss)

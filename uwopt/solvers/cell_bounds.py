@@ -346,7 +346,9 @@ class SceneCells:
         first, last = np.where(fits, bottom, 0.0), np.where(fits, top, 0.0)
         place = share if share in (0.0, 1.0) else np.where(rows.dims_freely, share, 0.0)
         level = first + place * (last - first)
-        return level, fits, step, np.clip(exact, np.minimum(rows.time_min_s, time_s), time_s)
+        return level, fits, step, np.clip(
+            exact, np.minimum(rows.time_min_s, time_s), np.minimum(1.001 * time_s, np.maximum(rows.time_max_s, time_s))
+        )  # fmt: skip
 
 
 def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) -> tuple[Array, Array, Array]:

@@ -37,7 +37,7 @@ J1_ZERO = 3.8317059702075123
 class Nodes:
     """Frequencies of one rule: `base` radii shared by the octants, their along part and weights [bit]."""
 
-    radius: Array  # (n_base,)
+    radius_cyc_per_px: Array  # (n_base,)
     along: Array  # (n_octants * n_base,)
     across: Array
     weight: Array
@@ -125,7 +125,7 @@ class Information:
                 some = rows[mine]
                 nodes = Nodes.of((orders[0], orders[1]), both_signs=spread is not None)
                 still = sinc_mtf(nodes.along) * sinc_mtf(nodes.across)
-                radius = np.tile(nodes.radius, len(nodes.along) // len(nodes.radius))
+                radius = np.tile(nodes.radius_cyc_per_px, len(nodes.along) // len(nodes.radius_cyc_per_px))
                 transfer = still * lens_rating_mtf(radius, rated_pitch_px=sharp.rated_pitch_px[some][:, None])
                 if spread is not None:
                     k_al, k_ac = sharp.rms_k_along[some][:, None], sharp.rms_k_across[some][:, None]
@@ -144,8 +144,8 @@ class Information:
         cycle = working * sharp.wavelength_nm[design] * 1e-9 / sharp.pixel_pitch_m[design]
         disc = np.pi * sharp.rms_disc_px[design, 1] / f_number
         return [
-            log_pupil(cycle[:, None] * nodes.radius),
-            log_disc(disc[:, None] * nodes.radius),
+            log_pupil(cycle[:, None] * nodes.radius_cyc_per_px),
+            log_disc(disc[:, None] * nodes.radius_cyc_per_px),
             log_box(blur[:, None] * nodes.along),
         ]
 
@@ -155,7 +155,7 @@ class Information:
         for group, mine in self._chunks(design, 1):
             d = design[mine]
             parts = self._parts(group, d, f_number[mine], working[mine], self.blur_px(d, blur_s[mine]))
-            folds = len(group.nodes.along) // len(group.nodes.radius)
+            folds = len(group.nodes.along) // len(group.nodes.radius_cyc_per_px)
             log = np.tile(parts[0][0] + parts[1][0], folds) + parts[2][0] + group.log_still[self.place[d]]
             z = log + np.log(np.maximum(TEXTURE_CONTRAST * snr[mine], 1e-300))[:, None]
             out[mine] = bits(z) @ group.nodes.weight
@@ -174,7 +174,7 @@ class Information:
         for group, mine in self._chunks(design, log_snr.shape[1] + 4):
             d = design[mine]
             low, centre, high = (f[mine] for f in f_number)
-            folds = len(group.nodes.along) // len(group.nodes.radius)
+            folds = len(group.nodes.along) // len(group.nodes.radius_cyc_per_px)
             least, middle = (self.blur_px(d, b[mine]) for b in blur_s)
             at = self._parts(group, d, centre, centre * factor[mine], middle)
             sharpest = self._parts(group, d, high, low * factor[mine], least)

@@ -143,7 +143,7 @@ class CellSearch:
         quality = any(self.weight[q] for q in QUALITIES)
         self.mixed = quality and (bool(self.weight["power"]) or any(self.sunlit))
         self.share = (0.0, 0.5, 1.0) if self.mixed else (1.0,) if quality else (0.0,)
-        self.gap = gap_rel * (0.5 if self.weight["information"] else 0.99)
+        self.gap = gap_rel * (0.3 if self.weight["information"] else 0.99)
         self.budget = max(most_cells, FEWEST)
         self.information: list[Information] = []
         if self.weight["information"]:
@@ -309,7 +309,7 @@ class CellSearch:
         joint = np.full(len(d), -np.inf)
         tangents = bool(self.weight["information"]) or (self.mixed and not any(self.sunlit))
         if tangents:
-            info = self.information or [None] * len(self.rows)
+            info: list[Information | None] = [*self.information] or [None for _ in self.rows]
             found = [
                 quality_bound(self.scenes[s], info[s], d, box, reach, self.weight, mixed=self.mixed)
                 for s, (box, reach) in enumerate(seen)
@@ -445,7 +445,7 @@ class CellSearch:
 
     def _prune(self, pool: Pool) -> Pool:
         """Cells that are still open; the others leave their bound behind."""
-        alive = self._open(pool)
+        alive: Array = np.asarray(self._open(pool))
         gone = pool.take(~alive)
         np.minimum.at(self.closed, gone.design, gone.bound)
         worse = gone.bound > self._threshold()
@@ -455,7 +455,7 @@ class CellSearch:
     def _halved(self, pool: Pool) -> Pool:
         """Both halves of each cell, along the side that tells most."""
         width = pool.hi - pool.lo
-        point = (width <= SMALLEST).all(axis=1)  # all told that can be
+        point: Array = np.asarray((width <= SMALLEST).all(axis=1))  # all told that can be
         np.minimum.at(self.closed, pool.design[point], pool.bound[point])
         pool, width = pool.take(~point), width[~point]
         m = len(pool.design)
@@ -527,20 +527,21 @@ class CellSearch:
 
     def _result(self) -> CellResult:
         """Everything by design, information by the model's own rule."""
-        feasible = np.isfinite(self.best)
+        self.dropped &= ~(self.best <= self._threshold())
+        feasible = np.isfinite(self.best) & ~self.dropped
         chosen = [Chosen(**kept) for kept in self.kept]
         lower = np.minimum(self.closed, self.best)
         if self.weight["information"] and feasible.any():
             exact, index = self._model_information(np.nonzero(feasible)[0]), np.nonzero(feasible)[0]
             own = self.figures["information"][index]
-            slack = np.abs(exact - own) + RULE_ERROR * np.abs(own)
+            slack = np.maximum(np.abs(exact - own), RULE_ERROR * np.abs(own))
             lower[index] -= self.weight["information"] * slack
             self.figures["information"][index] = exact
         if self.power_decides:
             lower = np.where(np.isfinite(lower), self.constant, np.inf)
         return CellResult(
             chosen, feasible, self.figures["snr_db"], self.figures["contrast"], self.figures["information"], lower,
-            self.dropped & ~feasible,
+            self.dropped,
         )  # fmt: skip
 
     def _model_information(self, index: Array) -> Array:

@@ -50,7 +50,7 @@ class Pairs:
     light: Array
     count: Array
     cost: Array
-    mass: Array
+    mass_kg: Array
 
     def take(self, index: Array) -> Pairs:
         """These designs only; the list of imagers stays."""
@@ -60,7 +60,7 @@ class Pairs:
             self.light[index],
             self.count[index],
             self.cost[index],
-            self.mass[index],
+            self.mass_kg[index],
         )
 
 
@@ -401,7 +401,7 @@ class Search:
 
         `optimistic`: lower bounds for any veil that the lights may have.
         """
-        imager, cost, mass = pairs.imager[pairs.unit], pairs.cost, pairs.mass
+        imager, cost, mass = pairs.imager[pairs.unit], pairs.cost, pairs.mass_kg
         rows = self.rows(imager, lights, pairs.light, pairs.count, lighting, optimistic=optimistic)
         motorised = self.motorised[imager]
         camera_power = self.imagers.camera_power_w[imager]

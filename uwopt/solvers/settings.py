@@ -162,7 +162,7 @@ def light_for_snr(
         picked = (sun.signal_e, sun.total_e)
         if at_worst and sun.worst_signal_e is not None and sun.worst_total_e is not None:
             picked = (sun.worst_signal_e, sun.worst_total_e)
-        one, every = (np.reshape(p[:, altitude], (len(signal), -1)) for p in picked)
+        one, every = (p[:, altitude] if p.ndim == 3 else p[:, altitude, None] for p in picked)
         common.update(other_signal_e=one, other_light_e=every)
         other = sun.total_e
     wanted = np.reshape(np.asarray(snr, float), (-1, 1))

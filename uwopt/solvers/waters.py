@@ -22,6 +22,7 @@ from uwopt.solvers.ranking import Found
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.robustness import parts_of, values_at
 
+MOST_SHOWN = 3  # systems that are solved again in each water
 LAMP_LEGS: dict[LampLeg, str] = {
     "diffuse": "K_d, within a + b_b and c", "least": "a + b_b, the least", "most": "c, the most",
 }  # fmt: skip
@@ -77,7 +78,7 @@ def changed_scene(
 
 def verdict(sought: Sought, objective: Objective, scenes: list[SceneOptics]) -> dict[str, Any]:
     """How the systems shown do in other waters, and whether another of them would be chosen."""
-    problem, shown = sought.problem, sought.outcome.best
+    problem, shown = sought.problem, sought.outcome.best[:MOST_SHOWN]
     values = [value_in(problem, scenes, found, objective) for found in shown]
     best = int(np.argmin(values))
     return {
