@@ -24,7 +24,7 @@ from uwopt.scene import SceneOptics
 from uwopt.sharp import SharpRows
 
 Array = NDArray[Any]
-FEW = 8  # designs that are judged first: what they need, the batch needs
+FEW = 4  # designs that are judged first: what they need, the batch needs
 VEILS = {"forward_veil", "backscatter"}
 
 

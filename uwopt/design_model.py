@@ -18,7 +18,7 @@ from uwopt.figures import (
     levers_m,
 )
 from uwopt.hardware import CONTINUOUS, FLASH, Cameras, Lenses, Lights
-from uwopt.image_light import ImageLight, SunLight
+from uwopt.image_light import ImageLight, LampField, SunLight
 from uwopt.model import imaging
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.objectives.margins import MarginRows, scene_margins, system_margins
@@ -107,6 +107,18 @@ class DesignModel:
         )
         darkest = figures_of(scene, rows, settings).snr_darkest
         return None if darkest is None else float(darkest[0, scene.nominal])
+
+    def light_at_centre(self, index: int) -> ImageLight:
+        """Electrons per lm s of nameplate light in the middle of the image; the veils together as one."""
+        hw, problem = self.hardware, self.problem
+        field = LampField(
+            problem, index, port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
+            count=hw.count, efficiency=int(self.cameras.qe_index[0]),
+        )  # fmt: skip
+        middle = np.zeros((1, 1))
+        signal, veil = field.at_pixels(self.views[index], middle, middle, veils=True)
+        light = ImageLight(signal[:, :, 0], None if veil is None else veil[:, :, 0])
+        return light.scaled(self.lights.output_factor)
 
     def dark_share(self, index: int) -> float:
         """Share of the image that no lamp lights, at the nominal altitude."""

@@ -14,13 +14,14 @@ from uwopt.figures import (
     Figures,
     SettingRows,
     electrons_in_image,
+    figures_of,
     full_light_lm,
     open_s,
 )
 from uwopt.hardware import CONTINUOUS, FLASH
 from uwopt.model import lateral, sensor, sharpness
 from uwopt.model import lens as lens_model
-from uwopt.model.defocus import defocus_px
+from uwopt.model.defocus import defocus_px, dome_decentring
 from uwopt.model.port import dome_virtual_image_distance_m
 from uwopt.optics import (
     blur_time_s,
@@ -107,7 +108,8 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "snr": snr,
         "snr_db": decibels(snr),
         "snr_db_min": None if worst is None else decibels(worst),
-        **colour_snr(model, index, settings, figures),
+        "snr_db_centre": centre_db(model, index, settings),
+        **colour_figures(model, index, settings, figures),
         "contrast": None if has_no_veil(figures) else at_nominal(figures.contrast, at),
         "veil_ratio": veil_ratio(figures, at),
         **sharpness_figures(model, index, settings, figures),
@@ -147,8 +149,11 @@ def at_one(column: Array | None) -> float | None:
     return None if column is None else float(column[0])
 
 
+# Gains that make a grey floor grey, relative to green, and what the red then lacks in SNR.
+WHITE_BALANCE = ("white_balance_red", "white_balance_blue", "snr_red_below_green_db")
 SHARPNESS = (
     "mtf50_cyc_per_px", "mtf_half_nyquist", "resolution_10_mm", "lateral_colour_px", "defocus_corner_px",
+    "decentring_distortion_px", "decentring_defocus_px",
 )  # fmt: skip
 
 
@@ -196,7 +201,24 @@ def sharpness_figures(
         "resolution_10_mm": float(resolution_m[0]) * 1e3,
         "lateral_colour_px": colour if problem.effects.lateral_colour else None,
         "defocus_corner_px": float(disc.max()) if problem.effects.image_curvature else None,
+        **decentring(model, index, float(f_number[0])),
     }
+
+
+def decentring(model: DesignModel, index: int, f_number: float) -> dict[str, float | None]:
+    """What 1 mm between pupil and dome centre does at the corner; None behind a flat port."""
+    shape, view = model.shapes[index], model.views[index]
+    if not shape.is_dome:
+        return {"decentring_distortion_px": None, "decentring_defocus_px": None}
+    scene = model.problem.scenes[index]
+    moved = dome_decentring(
+        float(scene.range_m[scene.nominal]),
+        cos_field=float(1.0 / np.sqrt(1.0 + view.tan_along[0] ** 2 + view.tan_across[0] ** 2)),
+        focus_map=model.maps[index], f_number=f_number, focal_length_m=float(view.focal_length_m[0]),
+        pixel_pitch_m=float(model.cameras.pixel_pitch_m[0]),
+    )  # fmt: skip
+    distortion = max(abs(float(moved.across_distortion_px)), abs(float(moved.axial_distortion_px)))
+    return {"decentring_distortion_px": distortion, "decentring_defocus_px": float(moved.axial_defocus_px)}
 
 
 def has_no_veil(figures: Figures) -> bool:
@@ -258,23 +280,25 @@ def illuminance(model: DesignModel, index: int, settings: SettingRows) -> dict[s
     }
 
 
-def colour_snr(
+def colour_figures(
     model: DesignModel, index: int, settings: SettingRows, figures: Figures
 ) -> dict[str, float | None]:
     """SNR of each channel of a colour sensor at the nominal altitude; None for a mono sensor."""
     names = ("red", "green", "blue")
     curves = model.problem.efficiencies[int(model.cameras.qe_index[0])]
     if not all(name in curves for name in names):
-        return {f"snr_{name}": None for name in names}
+        return dict.fromkeys((*(f"snr_{name}" for name in names), *WHITE_BALANCE))
     scene, cam = model.problem.scenes[index], model.cameras
     out: dict[str, float | None] = {}
+    signal = {}
     for name in names:
         light, sun = model.image_light(index, channel=name), model.sun_light(index, channel=name)
         open_y = open_s(model.rows[index], settings) / np.square(figures.working_f_number)
         seen = electrons_in_image(replace(model.rows[index], light=light, sun=sun), figures.light_x, open_y)
+        signal[name] = float(seen.signal_e[0, scene.nominal])
         out[f"snr_{name}"] = float(
             sensor.snr(
-                float(seen.signal_e[0, scene.nominal]),
+                signal[name],
                 veil_e=0.0 if seen.veil_e is None else float(seen.veil_e[0, scene.nominal]),
                 read_noise_e=float(cam.read_noise_e[0]),
                 gain_dn_per_e=float(cam.gain_dn_per_e[0] * settings.gain[0]),
@@ -282,7 +306,19 @@ def colour_snr(
                 prnu_frac=float(cam.prnu_frac[0]),
             )
         )
-    return out
+    red, green = out["snr_red"], out["snr_green"]
+    below = 20.0 * math.log10(green / red) if red and green else None
+    balance = [signal["green"] / signal[name] if signal[name] > 0 else None for name in ("red", "blue")]
+    return {**out, **dict(zip(WHITE_BALANCE, (*balance, below), strict=True))}
+
+
+def centre_db(model: DesignModel, index: int, settings: SettingRows) -> float | None:
+    """SNR at the middle of the image at the nominal altitude; None in physics `paper`, which knows no field."""
+    scene = model.problem.scenes[index]
+    if scene.paper:
+        return None
+    rows = replace(model.rows[index], light=model.light_at_centre(index))
+    return decibels(float(figures_of(scene, rows, settings).snr[0, scene.nominal]))
 
 
 def airy_um(model: DesignModel, index: int, working_f_number: float) -> float:

@@ -216,7 +216,10 @@ def local_gain(
 
 
 def field_loss(tan_along: Array, tan_across: Array, *, shape: PortShape) -> Array:
-    """Share of the axis's light that lens and window pass off it: cos^4, times T(theta) / T(0) of a flat one."""
+    """What lens and window pass off the axis, as a share of what they pass on it.
+
+    cos^4(theta), behind a flat port times T_port(theta) / T_port(0)
+    """
     loss = lens.cos4_field(tan_along, tan_across)
     if shape.is_dome or not shape.window_angle:
         return np.asarray(loss)
@@ -338,7 +341,7 @@ def rule_mean(
 def pixel_grid(
     tan_along: Array, tan_across: Array, *, n_points: int = PIXELS_A_SIDE, half: bool = False
 ) -> tuple[Array, Array]:
-    """Field points on a regular grid over each image, corners and edges included, (n, n_pixels) each.
+    """Field points on a regular grid over each image, corners and edges included: tangents [1], (n, n_pixels) each.
 
     `half` leaves out what mirrors along the motion: enough when no lamp stands or leans along it.
     """
