@@ -410,7 +410,8 @@ def spectral_weight(case: Case, time_s: float, sent: Array | None = None) -> Arr
     n_w = water_index(case, WAVES_NM)
     green = float(water_index(case, np.array([RAYS_NM]))[0])
     faces = [1.0 - ((a - b) / (a + b)) ** 2 for a, b in ((green, case.n_glass), (case.n_glass, 1.0))]
-    radiance = led() * (floor_reflectance(case.floor) / math.pi if sent is None else sent) / n_w**2 * faces[0] * faces[1]
+    per_irradiance = floor_reflectance(case.floor) / math.pi if sent is None else sent
+    radiance = led() * per_irradiance / n_w**2 * faces[0] * faces[1]
     on_sensor = math.pi / 4 * radiance * 0.85 / working_f_number(case) ** 2
     pitch_m = case.camera_keys["pixel_pitch_um"] * 1e-6
     per_watt = pitch_m**2 * time_s * efficiency(case) * WAVES_NM * 1e-9 / (PLANCK_J_S * LIGHT_M_S)
@@ -472,7 +473,7 @@ def backscatter_at(case: Case, u: Array, v: Array) -> Array:
             away = start + r[..., None] * toward - lamp
             length = np.linalg.norm(away, axis=-1)
             cos_beam = away @ aim / length
-            turned = -(away * toward).sum(axis=-1) / length  # light goes along `away`, then back along the ray
+            turned = -(away * toward).sum(axis=-1) / length  # light goes along `away`, then up the ray
             sent = np.exp(-k * length[..., None] - c * r[..., None]) @ weights
             phased = sent[..., 0] * particle_phase(turned) + sent[..., 1] * molecule_phase(turned)
             lumens = case.flux_lm / len(case.lamps)

@@ -38,6 +38,7 @@ Array = NDArray[Any]
 
 NODES_AT_ONCE = 20_000  # along rays: some twenty arrays of them stay in the processor's cache
 LEAST_DISTANCE_M = 1e-9  # a ray through the lamp itself has no finite veil; this keeps it a number
+STEEPEST_END = 6.0  # exponent of a lobe up to which the end of the lit part is rough
 PHASE_NODES = 48  # along a ray, where phase functions are read: Petzold's have a knot every 5 deg
 TABLE_NODES = 512  # along a ray, where a measured profile is read
 TABLE_NODES_IN_MEAN = 256  # its wiggles average out over the rays of an image
@@ -242,8 +243,10 @@ def _log_ray_integral(
         low, high = _bright_part(view, open_beam, scatterers)
     n = order or _ray_order(low, high, beam)
     span = high - low
-    cosh, sinh = _hyperbolic(low[..., None] + span[..., None] * (0.5 * (gauss(n)[0] + 1.0)))
+    steps, slopes = _steps(n, beam)
+    cosh, sinh = _hyperbolic(low[..., None] + span[..., None] * steps)
     smooth = 1.0 / cosh if beam.kind == "tabulated" else _intensity(cosh, sinh, view, open_beam) / cosh
+    smooth = smooth * slopes
     logs = _log_losses(cosh, sinh, view, scatterers)
     top = np.max([log.max(axis=-1) for log in logs], axis=0)
     top = np.where(np.isneginf(top), 0.0, top)  # nothing scatters
@@ -256,6 +259,18 @@ def _log_ray_integral(
     return np.asarray(np.log(np.maximum(total, 0.0) * span / view.distance_m) + top)
 
 
+def _steps(n: int, beam: beams.Beam) -> tuple[Array, Array]:
+    """Where the n nodes lie on a ray's lit part, as shares of it, and the derivative of that map.
+
+    A wide lobe falls to 0 like cos^m where a ray starts in the lamp's front plane, m near 1 or below: nodes
+    crowd there with the square, which makes it s^2m.
+    """
+    s = 0.5 * (gauss(n)[0] + 1.0)
+    if beam.kind == "cosine-power" and (beam.exponent or 0.0) < STEEPEST_END:
+        return s * s, 2.0 * s
+    return s, np.ones_like(s)
+
+
 def _measured_curves(
     n: int, low: Array, span: Array, view: _View, beam: beams.Beam, scatterers: tuple[Scatterer, ...]
 ) -> list[Array]:
@@ -264,7 +279,7 @@ def _measured_curves(
     Curves that are known at knots are read at more places than the smooth rest needs. That rest is
     taken as the polynomial through its nodes; `_to_coarse` adds each reading to their weights.
     """
-    cosh, sinh = _hyperbolic(low[..., None] + span[..., None] * (0.5 * (gauss(n)[0] + 1.0)))
+    cosh, sinh = _hyperbolic(low[..., None] + span[..., None] * _steps(n, beam)[0])
     cos_scatter = -sinh / cosh
     curves = [scatterer.phase(cos_scatter) for scatterer in scatterers]
     if beam.kind != "tabulated":
@@ -366,7 +381,8 @@ def _ray_order(low: Array, high: Array, beam: beams.Beam) -> int:
     """
     span = float(np.max(high - low, initial=0.0))
     exponent = beam.exponent if beam.kind == "cosine-power" and beam.exponent else 1.0
-    return int(np.ceil(9.0 + 1.5 * span + 1.9 * np.log(max(exponent, 1.0))))
+    crowded = 3.0 if beam.kind == "cosine-power" and exponent < STEEPEST_END else 0.0
+    return int(np.ceil(9.0 + crowded + 1.5 * span + 1.9 * np.log(max(exponent, 1.0))))
 
 
 def mean_backscatter(
