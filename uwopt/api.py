@@ -201,6 +201,8 @@ def second_opinions(sought: Sought, goal: Objective, solver: str) -> list[dict[s
     from uwopt.solvers import opinions
 
     methods = {"exact": ("casadi",), "casadi": ("casadi",), "nlopt": ("slsqp", "cobyla", "global")}[solver]
+    if not opinions.smooth(sought, goal):
+        return []
     few = sought.outcome.best[:1] if solver == "exact" else sought.outcome.best
     return [opinions.opinion(sought, found, goal, method) for found in few for method in methods]
 

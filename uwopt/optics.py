@@ -30,6 +30,7 @@ PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
 REACH_STEP = 1.3
 TINY = 1e-300  # in place of a sum of weights that is zero: a black floor, a blind sensor
 RMS_FIELD = 1.0 / np.sqrt(3.0)  # of the corner's tangent: the 2-point Gauss rule's node along and across
+CONTRAST_MARGIN = 0.98  # of the forward veil, for what lies between the paths tried
 LAMP_FRONT_M = 0.02  # radius of a lamp's front, unless known: nearer than that its light is not a point's
 WIDEST_DISC_RAD = float(np.deg2rad(85.0))
 
@@ -567,6 +568,24 @@ class Contraction:
         optical = scene.lamp_attenuation_per_m * lamp_m + scene.attenuation_per_m * camera_m
         least = float(optical.min())
         return float((weight * np.exp(-(optical - least))).sum() / max(weight.sum(), TINY) * np.exp(-least))
+
+    def most_contrast(self, spectrum: int, efficiency: int) -> float:
+        """Upper bound of the image-forming share at the nominal altitude: the forward veil on the shortest rays.
+
+        The veil grows with both paths but for the spectrum's shift along them, so several are tried.
+        """
+        scene = self.scene
+        weight = self.weight(spectrum, efficiency)
+        excess = scene.attenuation_per_m - scene.lamp_attenuation_per_m
+        near = float(scene.range_m[scene.nominal])
+        least = np.inf
+        for camera_m in np.linspace(near, max(self._reach_m[1], near), 4):
+            for lamp_m in np.linspace(0.5 * near, max(self._reach_m[0], near), 4):
+                optical = scene.lamp_attenuation_per_m * lamp_m + scene.attenuation_per_m * camera_m
+                seen = weight * np.exp(-(optical - optical[weight > 0].min(initial=np.inf)))
+                if seen.sum() > 0:
+                    least = min(least, float((seen * np.expm1(excess * camera_m)).sum() / seen.sum()))
+        return 1.0 if not np.isfinite(least) else 1.0 / (1.0 + CONTRAST_MARGIN * least)
 
     def set_reach(self, lamp_reach_m: float, camera_reach_m: float) -> None:
         """Longest paths that tables must cover, rounded up so that like problems share their tables."""

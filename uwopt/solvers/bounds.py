@@ -198,7 +198,25 @@ class Bounds:
             np.zeros(n), imagers.camera_power_w[rows] + power, imagers.cost[rows] + least(table.cost),
             imagers.mass_kg[rows] + least(table.mass_kg), snr_db, np.zeros(n, int), information,
         )  # fmt: skip
-        return self._judged(bounds, reachable, imagers.limit_cost[rows] + least(table.limit_cost), rows)
+        contrast = self._contrast_bound(lighting, rows)
+        return self._judged(
+            bounds, reachable, imagers.limit_cost[rows] + least(table.limit_cost), rows, contrast
+        )
+
+    def _contrast_bound(self, lighting: Lighting, rows: Array) -> Array | float:
+        """Most contrast that the forward veil alone leaves, worst scene; 1 where the sun shines too."""
+        if not self.objective.weight("contrast") or not self.problem.effects.forward_veil:
+            return 1.0
+        curves, back = np.unique(
+            self.problem.cameras.qe_index[self.imagers.camera[rows]], return_inverse=True
+        )
+        best = np.ones(len(rows))
+        for index, contraction in enumerate(self.problem.contractions):
+            if not self._sunlit(index):
+                spectrum = int(contraction.spectrum_of[lighting.optics])
+                most = np.array([contraction.most_contrast(spectrum, int(curve)) for curve in curves])
+                best = np.minimum(best, most[back])
+        return best
 
     def _light_needed(
         self, scene_index: int, lighting: Lighting, need: Needs, kind: int, rows: Array
@@ -228,7 +246,9 @@ class Bounds:
             )  # fmt: skip
         return known[scene_index]
 
-    def _judged(self, bounds: UnitBounds, reachable: Array, limit_cost: Array, rows: Array) -> UnitBounds:
+    def _judged(
+        self, bounds: UnitBounds, reachable: Array, limit_cost: Array, rows: Array, contrast: Array | float
+    ) -> UnitBounds:
         """Objective of the bounds, infinite where a limit cannot be met, with the rule that says so."""
         limits, rule = self.limits, np.full(len(reachable), -1)
         checks = (
@@ -240,7 +260,7 @@ class Bounds:
         for name, passes in checks:
             rule = np.where((rule < 0) & ~passes, UNIT_RULES.index(name), rule)
         terms = Terms(
-            bounds.power, bounds.cost, bounds.mass, bounds.snr_db, self.imagers.gsd_mm[rows], 1.0,
+            bounds.power, bounds.cost, bounds.mass, bounds.snr_db, self.imagers.gsd_mm[rows], contrast,
             bounds.information,
         )  # fmt: skip
         with np.errstate(invalid="ignore"):

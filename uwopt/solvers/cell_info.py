@@ -163,12 +163,12 @@ class Information:
 
     def bound(
         self, design: Array, log_snr: Array, shift_n: Array, shift_t: Array, *, f_number: tuple[Array, Array, Array],
-        factor: Array, blur_s: tuple[Array, Array],
+        factor: Array, blur_s: tuple[Array, Array], wanted: Array | None = None,
     ) -> Array:  # fmt: skip
         """Bit per pixel at most, at vertices of cells (n, n_vertices): least convex majorant at hand.
 
         log_snr : at the vertices, of an affine bound; shift_n, shift_t : ln N and ln time at the vertices from
-        the centre; f_number : least, centre, most; blur_s : least and centre.
+        the centre; f_number : least, centre, most; blur_s : least and centre; wanted : which vertices count.
         """
         out = np.zeros(log_snr.shape)
         for group, mine in self._chunks(design, log_snr.shape[1] + 4):
@@ -195,8 +195,9 @@ class Information:
             by_n, by_t = np.where(tangent, by_n, 0.0), np.where(tangent, by_t, 0.0)
             snr = log_snr[mine] + np.log(TEXTURE_CONTRAST)
             for v in range(log_snr.shape[1]):
-                z = base + (by_n * n_shift[:, v, None] + by_t * t_shift[:, v, None] + snr[:, v, None])
-                out[mine, v] = bits(z) @ group.nodes.weight
+                on = slice(None) if wanted is None else np.nonzero(wanted[mine, v])[0]
+                z = base[on] + by_n[on] * n_shift[on, v, None] + by_t[on] * t_shift[on, v, None]
+                out[mine[on], v] = bits(z + snr[on, v, None]) @ group.nodes.weight
         return out
 
     def _chunks(self, design: Array, copies: int) -> list[tuple[Group, Array]]:

@@ -29,13 +29,20 @@ DB = 20.0 / np.log(10.0)
 
 def surrogate_bit_per_px(scene: SceneCells, d: Array, box: Box, reach: Reach) -> Array:
     """A stand-in for information: no bound, but it moves like one."""
+    blur_s = box.open_lo if scene.sunlit else box.t_lo
+    return typical_bit_per_px(scene, d, reach.snr, box.n_lo, box.n_hi, blur_s)
+
+
+def typical_bit_per_px(
+    scene: SceneCells, d: Array, snr: Array, n_low: Array, n_high: Array, blur_s: Array
+) -> Array:
+    """Information as if one frequency stood for all and no factor had a null, where nothing would tell any more."""
     sharp = scene.sharp
     assert sharp is not None
-    blur_s = box.open_lo if scene.sunlit else box.t_lo
-    cycle = box.n_lo * scene.rows.working_factor[d] * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
-    disc, blur = sharp.rms_disc_px[d, 1] / box.n_hi, sharp.blur_px_per_s[d, 1] * blur_s
-    transfer2 = 1.0 / (1.0 + cycle**2 + disc**2 + blur**2)  # has no null, where nothing would tell any more
-    return np.asarray(0.5 * np.log2(1.0 + np.square(TEXTURE_CONTRAST * reach.snr) * transfer2))
+    cycle = n_low * scene.rows.working_factor[d] * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
+    disc, blur = sharp.rms_disc_px[d, 1] / n_high, sharp.blur_px_per_s[d, 1] * blur_s
+    transfer2 = 1.0 / (1.0 + cycle**2 + disc**2 + blur**2)
+    return np.asarray(0.5 * np.log2(1.0 + np.square(TEXTURE_CONTRAST * snr) * transfer2))
 
 
 def quality_bound(
@@ -64,7 +71,8 @@ def quality_bound(
     at = np.minimum(at, 700.0)
     bits = np.zeros_like(at)
     if information is not None:
-        bits = _information(scene, information, d, box, at, shift[:, :, 0], shift[:, :, 1]) / area[:, None]
+        bits = _information(scene, information, d, box, at, shift[:, :, 0], shift[:, :, 1], inside)
+        bits = bits / area[:, None]
     joint = -weight["snr_db"] * DB * at - weight["information"] * bits
     if mixed and weight["power"]:
         joint = joint + weight["power"] * power_tangent(scene, d, box, shift, np.exp(centre))
@@ -80,12 +88,14 @@ def _information(
     log_snr: Array,
     shift_n: Array,
     shift_t: Array,
+    wanted: Array | None = None,
 ) -> Array:
     """Bit per px at vertices."""
     least, most = (box.open_lo, box.open_hi) if scene.sunlit else (box.t_lo, box.t_hi)
     return information.bound(
         d, log_snr, shift_n, shift_t, f_number=(box.n_lo, np.sqrt(box.n_lo * box.n_hi), box.n_hi),
         factor=scene.rows.working_factor[d], blur_s=(least, np.sqrt(least * most)),
+        wanted=wanted,
     )  # fmt: skip
 
 
@@ -140,14 +150,15 @@ def vertices(
     first, second = [i for i, _ in edges], [j for _, j in edges]
     over = x[:, second] - x[:, first]
     least = np.log(np.maximum(reach.x_lo, 1e-300)) - 1e-10
-    crossings = []
+    crossings, inner = [], [np.ones(at.shape[:2], bool)]
     for level in (cap, least):
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.clip(np.where(over != 0, (level[:, None] - x[:, first]) / over, 0.0), 0.0, 1.0)
+        inner.append((share > 0.0) & (share < 1.0))  # the others are corners
         crossings.append(at[:, first] + share[:, :, None] * (at[:, second] - at[:, first]))
     every = np.concatenate([at, *crossings], axis=1)
     light = constant[:, None] + (every * by[:, None, :]).sum(axis=2)
-    inside = light >= least[:, None] - 1e-9
+    inside = np.concatenate(inner, axis=1) & (light >= least[:, None] - 1e-9)
     if mixed:
         inside &= light <= cap[:, None] + 1e-9
     light = np.minimum(light, cap[:, None])

@@ -13,6 +13,13 @@ from uwopt.solvers.recommend import Sought, scene_rows_of
 AGREES_REL = 1e-4
 
 
+def smooth(sought: Sought, objective: Objective) -> bool:
+    """Whether the continuous solvers' program holds what the mission asks: no sun, no sharpness, no contrast."""
+    scenes = sought.problem.scenes
+    asked = any(s.sunlit or s.view.requirements.min_mtf_half_nyquist is not None for s in scenes)
+    return not (asked or objective.weight("information") or objective.weight("contrast"))
+
+
 def opinion(sought: Sought, found: Found, objective: Objective, method: str) -> dict[str, Any]:
     """What a continuous solver finds for one hardware, beside the search's value."""
     search, problem = sought.search, sought.problem
