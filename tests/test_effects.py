@@ -37,9 +37,8 @@ def random_mission(rng: np.random.Generator) -> dict[str, Any]:
     }  # fmt: skip
     if rng.random() < 0.5:
         requirements["max_blur_px"] = 2.0
-    for key, value in (("min_contrast", 0.3), ("min_uniformity", 0.2), ("min_mtf_half_nyquist", 0.2)):
-        if rng.random() < 0.3:
-            requirements[key] = value
+    asked = {"min_contrast": 0.3, "min_uniformity": 0.2, "min_mtf_half_nyquist": 0.2}
+    requirements |= {key: value for key, value in asked.items() if rng.random() < 0.3}
     if rng.random() < 0.4:
         requirements["mean_level"] = 0.2
     scene: dict[str, Any] = {
@@ -82,7 +81,8 @@ def random_system(rng: np.random.Generator) -> dict[str, Any]:
         "lens": {"focal_length_mm": between(rng, 4, 25), "f_number_min": 1.4, "f_number_max": 16, "transmission": 0.9},
         "port": dome if rng.random() < 0.5 else flat,
         "light": {
-            "kind": rng.choice(["continuous", "pulsed_led"]).item(), "flux_lm": between(rng, 1e3, 1e5), "power_w": 100.0,
+            "kind": rng.choice(["continuous", "pulsed_led"]).item(), "flux_lm": between(rng, 1e3, 1e5),
+            "power_w": 100.0,
             "beam": rng.choice(["cosine-power", "cosine-power", "cone"]).item(),
             "beam_half_angle_deg": float(rng.uniform(25, 60)),
         },

@@ -31,7 +31,9 @@ from uwopt.result import Design, Margin, Result
 from uwopt.scene_checks import check_physical
 from uwopt.solvers import recommend
 from uwopt.solvers.certificate import certificate
+from uwopt.solvers.goals import scenes_need_cells
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, design_of, seek
+from uwopt.solvers.robustness import SLOW_S
 from uwopt.solvers.rounding import LEVEL_TOLERANCE_REL, exact_settings
 from uwopt.system import System, load_system
 
@@ -103,6 +105,10 @@ def solve(
     alternative: Sought | None = None
     if policy == "fallback" and sought.outcome.complete:
         left_s = None if seconds is None else max(seconds - (time.perf_counter() - start), 0.01)
+        if sought.outcome.best and scenes_need_cells(sought.problem.scenes, goal):
+            left_s = min(
+                left_s or SLOW_S, SLOW_S
+            )  # parts to be made are an extra, and no closed form is slow
         with recommend.timed(timing, "search_generic"):
             alternative = generic_search(wanted, catalog, goal, sought, top, left_s, progress)
         if not sought.outcome.best and alternative is not None and alternative.outcome.best:

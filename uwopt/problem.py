@@ -315,6 +315,13 @@ class Problem:
         light_lm = np.where(flash, lamp.full_light / lamp.flash_duration_s, lamp.full_light) * count
         full_power = lamp.full_power_w * count
         pulse_energy = lamp.pulse_energy_j * count
+        sunlit_cap = None
+        if sun is not None:  # the sun smears over the whole open shutter
+            with np.errstate(divide="ignore"):
+                longest = np.minimum(
+                    np.minimum(cam.max_exposure_s, limits.max_exposure_ms * 1e-3), 1.0 / focused.rate_hz
+                )
+            sunlit_cap = np.minimum(longest + cam.exposure_offset_s, focused.blur_time_s)
         peak_at_full = np.where(flash, pulse_energy * focused.rate_hz, full_power)
         with np.errstate(divide="ignore", invalid="ignore"):
             peak_for_lights = (limits.peak_power_w or np.inf) - self.camera_power_w(cam)
@@ -330,6 +337,7 @@ class Problem:
             veil_e=shining.veil_e,
             worst_veil_e=shining.worst_veil_e,
             most_veil_e=shining.most_veil_e,
+            open_max_s=sunlit_cap,
             sun_signal_e_s=None if sun is None else sun.signal_e_s,
             sun_veil_e_s=None if sun is None else sun.veil_e_s,
             worst_sun_signal_e_s=None if sun is None else sun.worst_e_s,

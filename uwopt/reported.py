@@ -340,7 +340,7 @@ DARK_SHARE = 0.01  # of the image: a darker part is worth a warning
 
 
 def light_notes(model: DesignModel) -> list[dict[str, str]]:
-    """Warnings of images that the lamps do not fill, and of veils that are stronger than the image."""
+    """Warnings of images that the lamps do not fill."""
     notes: list[dict[str, str]] = []
     for index, scene in enumerate(model.problem.scenes):
         if scene.paper:

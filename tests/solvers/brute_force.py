@@ -253,7 +253,10 @@ def best_of(bench: Bench, hardware: Hardware, objective: Objective) -> Best:
 
 def misses_limits(model: DesignModel) -> bool:
     """Whether something that no setting changes is missed: coverage, money, mass, data."""
-    names = ("max_gsd_mm", "min_swath_m", "cost", "mass_kg", "data_rate_mb_s", "frame_rate")
+    names = (
+        "max_gsd_mm", "min_swath_m", "cost", "mass_kg", "data_rate_mb_s", "frame_rate", "min_uniformity",
+        "min_contrast",
+    )  # fmt: skip
     for index in range(len(model.problem.scenes)):
         unit = model.settings(index, SceneSettings(gain=1.0))
         for margin in model.margins(index, unit, model.figures(index, unit)):

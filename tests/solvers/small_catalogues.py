@@ -179,6 +179,12 @@ def requirements(rng: Rng, speed_m_s: float) -> dict[str, Any]:
         wanted["mean_level"] = pick(rng, [0.1, 0.3, 0.5])
     if chance(rng, 0.3):
         wanted["highlight_ratio"] = between(rng, 1.0, 4.0)
+    if chance(rng, 0.2):
+        wanted["dof_at"] = "corner"
+    if chance(rng, 0.15):
+        wanted["min_contrast"] = between(rng, 0.1, 0.9)
+    if chance(rng, 0.15):
+        wanted["min_uniformity"] = between(rng, 0.02, 0.5)
     return wanted
 
 

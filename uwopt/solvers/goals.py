@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from uwopt.model import sensor
 from uwopt.objectives.objective import Objective
 from uwopt.rows import SceneRows
+from uwopt.scene import SceneOptics
 from uwopt.solvers import settings as closed_form
 from uwopt.solvers.cells import CellResult, best_by_cells
 
@@ -30,6 +32,12 @@ class Best:
     contrast: Array  # image mean at the nominal altitude
     information: Array  # bit/m2; 0 where it does not count
     lower_bound: Array | None = None  # of the minimised objective, constants included; None: the value itself
+
+
+def scenes_need_cells(scenes: Sequence[SceneOptics], objective: Objective) -> bool:
+    """Whether a mission's settings have no closed form: sun, sharpness or information."""
+    asked = any(s.sunlit or s.view.requirements.min_mtf_half_nyquist is not None for s in scenes)
+    return not scenes[0].paper and (asked or bool(objective.weight("information")))
 
 
 def needs_cells(rows: list[SceneRows], objective: Objective) -> bool:

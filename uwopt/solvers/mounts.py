@@ -18,6 +18,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.problem import Mount, Parts, Problem
 from uwopt.result import Design
 from uwopt.solvers.exact import Search
+from uwopt.solvers.goals import scenes_need_cells
 from uwopt.solvers.ranking import Found
 from uwopt.solvers.recommend import Sought, hardware_of
 from uwopt.solvers.robustness import parts_of, values_at
@@ -59,12 +60,13 @@ def tilt_tolerance(sought: Sought, design: Design, objective: Objective) -> dict
     def readjusted(by_deg: float) -> bool:
         return math.isfinite(value_at_mount(sought, found, objective, leaning(found.lighting.mount, by_deg)))
 
+    slow = scenes_need_cells(sought.problem.scenes, objective)
     start = missed_when_leaning(sought.problem, found, design, 0.0)
     ends = {
         f"{name}_{way}_deg": reach(holds, sign)
         for name, holds in (("held", held), ("readjusted", readjusted))
         for way, sign in (("outward", 1.0), ("inward", -1.0))
-        if name == "readjusted" or not start
+        if (not slow if name == "readjusted" else not start)
     }
     breaks: set[str] = set()
     for way, sign in (("outward", 1.0), ("inward", -1.0)):
@@ -144,7 +146,8 @@ def polished_mount(sought: Sought, objective: Objective) -> dict[str, Any] | Non
     vehicle = sought.problem.mission.vehicle
     found = sought.outcome.best[0]
     ranges = (vehicle.light_baseline_range_m, vehicle.light_tilt_range_deg)
-    if found.lighting.mount.explicit or all(low == high for low, high in ranges):
+    still = found.lighting.mount.explicit or all(low == high for low, high in ranges)
+    if still or scenes_need_cells(sought.problem.scenes, objective):
         return None
     at = np.array([found.lighting.mount.baseline_m, found.lighting.mount.tilt_deg])
     low, high = (np.array([r[end] for r in ranges]) for end in (0, 1))

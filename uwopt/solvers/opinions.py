@@ -6,6 +6,7 @@ from typing import Any
 
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous import solve_settings
+from uwopt.solvers.goals import scenes_need_cells
 from uwopt.solvers.imagers import limit
 from uwopt.solvers.ranking import Found
 from uwopt.solvers.recommend import Sought, scene_rows_of
@@ -15,9 +16,7 @@ AGREES_REL = 1e-4
 
 def smooth(sought: Sought, objective: Objective) -> bool:
     """Whether the continuous solvers' program holds what the mission asks: no sun, no sharpness, no contrast."""
-    scenes = sought.problem.scenes
-    asked = any(s.sunlit or s.view.requirements.min_mtf_half_nyquist is not None for s in scenes)
-    return not (asked or objective.weight("information") or objective.weight("contrast"))
+    return not (scenes_need_cells(sought.problem.scenes, objective) or objective.weight("contrast"))
 
 
 def opinion(sought: Sought, found: Found, objective: Objective, method: str) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
 from uwopt.solvers.bounds import ROUND
 from uwopt.solvers.exact import Pairs, Search
+from uwopt.solvers.goals import scenes_need_cells
 from uwopt.solvers.imagers import limit
 from uwopt.solvers.ranking import Found
 from uwopt.solvers.recommend import Sought
@@ -29,6 +30,7 @@ UNITS_BY_SUFFIX = {
     "_e": "e-", "_e_s": "e-/s", "_db": "dB", "_us": "µs", "_hz": "Hz", "_w": "W", "_g": "g", "_lm": "lm",
     "_j": "J", "_s": "s", "_deg": "deg", "_mm": "mm", "_m": "m", "_frac": "", "_mb_s": "MB/s", "_lm_s_per_j": "lm s/J",
 }  # fmt: skip
+SLOW_S = 5.0  # for a rival, where settings have no closed form
 KINDS = ("camera", "lens", "port", "light")
 
 
@@ -200,7 +202,11 @@ def values_under(search: Search, imagers: Any, rows: Any, light_index: int, coun
 
 
 def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[str, Any] | None:
-    """Regret, rival, and the quotes that could change the answer."""
+    """Regret, rival, and the quotes that could change the answer.
+
+    Where settings have no closed form the search for a rival ends after a while (`complete` says so), and
+    single quotes are not tried.
+    """
     if not sought.outcome.best:
         return None
     winner = sought.outcome.best[0]
@@ -210,7 +216,8 @@ def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[st
     at_bad = Search(small_problem(problem, winner, lists), objective, top=1, deadline_s=None, progress=None)
     bad_value = values_at(at_bad, at_bad.prepare(), [dict.fromkeys(KINDS, 0)], winner.count)[0]
     mixed = mixed_problem(problem, winner, bad)
-    outcome = Search(mixed, objective, top=2, deadline_s=None, progress=None).run()
+    slow = scenes_need_cells(problem.scenes, objective)
+    outcome = Search(mixed, objective, top=2, deadline_s=SLOW_S if slow else None, progress=None).run()
     rival = next((f for f in outcome.best if not same_parts(mixed, f, problem, winner)), None)
     best = min([f.minimised for f in outcome.best] + [bad_value])
     regret = max(0.0, bad_value - best) if math.isfinite(bad_value) else None
@@ -219,12 +226,13 @@ def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[st
         "regret_rel": None if regret is None else regret / max(abs(winner.minimised), 1e-300),
         "value_at_bad_end": objective.reported(bad_value) if math.isfinite(bad_value) else None,
         "feasible_at_bad_end": math.isfinite(bad_value),
+        "complete": outcome.complete and not slow,
         "rival": None
         if rival is None or rival.minimised >= bad_value
         else rival_dict(mixed, rival, objective),
-        "quotes_that_matter": quotes_that_matter(
-            sought, objective, outcome_rivals(sought, outcome.best, mixed), top=top
-        ),
+        "quotes_that_matter": []
+        if slow
+        else quotes_that_matter(sought, objective, outcome_rivals(sought, outcome.best, mixed), top=top),
     }
 
 

@@ -18,6 +18,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
 from uwopt.scene import LampLeg, SceneOptics, scene_optics
 from uwopt.solvers.exact import Search
+from uwopt.solvers.goals import scenes_need_cells
 from uwopt.solvers.ranking import Found
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.robustness import parts_of, values_at
@@ -78,7 +79,9 @@ def changed_scene(
 
 def verdict(sought: Sought, objective: Objective, scenes: list[SceneOptics]) -> dict[str, Any]:
     """How the systems shown do in other waters, and whether another of them would be chosen."""
-    problem, shown = sought.problem, sought.outcome.best[:MOST_SHOWN]
+    problem = sought.problem
+    slow = scenes_need_cells(problem.scenes, objective)
+    shown = sought.outcome.best[: 1 if slow else MOST_SHOWN]
     values = [value_in(problem, scenes, found, objective) for found in shown]
     best = int(np.argmin(values))
     return {
