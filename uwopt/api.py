@@ -208,7 +208,7 @@ def second_opinions(sought: Sought, goal: Objective, solver: str) -> list[dict[s
 
     methods = {"exact": ("casadi",), "casadi": ("casadi",), "nlopt": ("slsqp", "cobyla", "global")}[solver]
     if not opinions.smooth(sought, goal):
-        return []
+        return opinions.aperture_opinions(sought, sought.outcome.best[0], goal)
     few = sought.outcome.best[:1] if solver == "exact" else sought.outcome.best
     return [opinions.opinion(sought, found, goal, method) for found in few for method in methods]
 

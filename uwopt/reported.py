@@ -347,6 +347,6 @@ def light_notes(model: DesignModel) -> list[dict[str, str]]:
             continue
         dark = model.dark_share(index)
         if dark > DARK_SHARE:
-            text = f"{scene.name}: no light reaches {100 * dark:.0f} % of the image"
+            text = f"{scene.name}: no light reaches {100 * dark:.0f} % of the image; widen the beam, tilt or add lamps"
             notes.append({"code": "dark_image", "path": "light", "message": text})
     return notes

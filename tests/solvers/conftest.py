@@ -11,6 +11,7 @@ HELPERS = (
     "scene_search",
     "brute_force",
     "random_cases",
+    "hand_made_rows",
 )  # each needs only those before it
 
 for name in HELPERS:

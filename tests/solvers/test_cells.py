@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hand_made_rows import FLASHES, STEPS, scene
 from numpy.typing import NDArray
 
-from tests.solvers.test_continuous import FLASHES, STEPS, scene
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED
 from uwopt.objectives.objective import Objective
 from uwopt.rows import SceneRows

@@ -133,6 +133,9 @@ def robustness_block(result: Result) -> RenderableType:
         facts.append(
             ("regret", "unbounded: with its estimates at their bad ends this system is not feasible")
         )
+    if doubt.get("complete") is False:
+        facts.append(("", "the search for a rival was cut short, and single quotes were not tried: settings have "
+                          "no closed form here, and each takes long"))  # fmt: skip
     facts.append(("rival", rival_text(doubt.get("rival"))))
     if doubt.get("feasible_at_bad_end") is not None:
         holds = (
@@ -157,6 +160,22 @@ def robustness_block(result: Result) -> RenderableType:
         )
         lines += [sentence("- " + quote_text(item, result)) for item in quotes]
     return block("How firm this is", lines)
+
+
+def effect_lines(result: Result) -> list[str]:
+    """Each effect with the bound of its influence, and whether the model keeps it here."""
+    shown = []
+    for item in result.physics.get("effects") or []:
+        name, bound = words.one_line(str(item["name"])).replace("_", " "), item["bound"]
+        if bound is None:
+            size = "asked for by a requirement or the objective"
+        elif bound == 0.0:
+            size = "not in this scene"
+        else:
+            size = f"changes a requirement by up to {100 * bound:.2g} %"
+        saved = f", {item['time_saved_s']:.2g} s saved" if item["time_saved_s"] else ""
+        shown.append(f"- {name}: {size}; {'kept' if item['kept'] else 'left out'}{saved}")
+    return ["effects:", *shown] if shown else []
 
 
 def tilt_facts(doubt: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -326,6 +345,7 @@ def assumption_blocks(result: Result) -> Iterator[RenderableType]:
     missing = result.physics.get("not_modelled") or []
     if missing:
         lines.append(sentence("not modelled: " + "; ".join(map(str, missing))))
+    lines += [sentence(text) for text in effect_lines(result)]
     yield block("Model", lines)
 
 

@@ -5,6 +5,7 @@ The only module that imports casadi.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import casadi
@@ -104,3 +105,24 @@ def solve(program: Program, start: Array, *, max_seconds: float | None = None) -
         multipliers=multipliers,
         kkt_residual=kkt_residual(symbolic.derivatives(x), multipliers),
     )
+
+
+def maximise_in_box(
+    objective: Callable[[Any, Any], Any], ceiling: Callable[[Any], Any], low: list[float], high: list[float], *,
+    start: list[float],
+) -> tuple[tuple[float, float], float, float]:  # fmt: skip
+    """max f(x, y) with y <= g(x) in a box: the point, its value, and the residual of the optimum's conditions.
+
+    The residual is the Lagrangian's gradient, from CasADi's derivatives and IPOPT's multipliers.
+    """
+    x, y = casadi.SX.sym("x"), casadi.SX.sym("y")
+    both = casadi.vertcat(x, y)
+    value, room = -objective(x, y), y - ceiling(x)
+    options: dict[str, Any] = dict(OPTIONS)
+    solver = casadi.nlpsol("aperture", "ipopt", {"x": both, "f": value, "g": room}, options)
+    answer = solver(x0=np.clip(start, low, high), lbx=low, ubx=high, lbg=-np.inf, ubg=0.0)
+    at = answer["x"].full().reshape(-1)
+    slopes = casadi.Function("slopes", [both], [casadi.gradient(value, both), casadi.jacobian(room, both).T])
+    of_value, of_room = (part.full().reshape(-1) for part in slopes(at))
+    residual = of_value + of_room * float(answer["lam_g"]) + answer["lam_x"].full().reshape(-1)
+    return (float(at[0]), float(at[1])), -float(answer["f"]), float(np.abs(residual).max())

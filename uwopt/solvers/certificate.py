@@ -74,7 +74,12 @@ def scope(selection: Selection, problem: Problem) -> str:
         + f", {low} to {high} lights, {len(problem.mounts)} mount(s), "
         f"{' and '.join(problem.mission.vehicle.orientations)}; estimates at their central values; "
         "focus in the dioptric middle of the wanted depth; "
-        f"physics {'paper' if problem.paper else 'full as far as built'}"
+        f"physics {'paper' if problem.paper else 'full'}"
+        + (
+            "; under the sun the whole shutter within the blur limit"
+            if any(s.sunlit for s in problem.scenes)
+            else ""
+        )
     )
 
 
