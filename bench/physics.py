@@ -28,6 +28,12 @@ CLEAR = {
     "requirements": {"overlap": 0.5, "max_blur_px": 1.0, "min_dof_m": 0.05, "min_snr_db": 25.0},
 }  # no veil is kept: clear water at short range
 
+SCENES: list[tuple[str, Any, float]] = [
+    ("clear water, 0.4 m", CLEAR, 0.01),
+    ("reef-mosaic", "problems/reef-mosaic.yaml", 0.005),
+    ("usgs-squid5", "problems/usgs-squid5.yaml", 0.005),
+]
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -110,12 +116,7 @@ def timed_s(task: Callable[[], Any]) -> float:
 
 def main() -> None:
     """Print the comparison of three scenes."""
-    scenes: list[tuple[str, Any, float]] = [
-        ("clear water, 0.4 m, tolerance 0.01", CLEAR, 0.01),
-        ("reef-mosaic", "problems/reef-mosaic.yaml", 0.005),
-        ("usgs-squid5", "problems/usgs-squid5.yaml", 0.005),
-    ]
-    for name, mission, tolerance in scenes:
+    for name, mission, tolerance in SCENES:
         c = compare(name, mission, tolerance=tolerance, repeats=5)
         print(
             f"{c.scene}: full {c.full_s:.3f} s, auto {c.auto_s:.3f} s ({c.full_s / c.auto_s:.2f} x faster), kept "

@@ -150,6 +150,32 @@ def throughput_table(repeats: int) -> list[str]:
     ]
 
 
+def physics_table(repeats: int) -> list[str]:
+    """Physics `full` and `auto` over the same batches of designs."""
+    from physics import N_DESIGNS, SCENES, compare
+
+    rows: list[Row] = []
+    for name, mission, tolerance in SCENES:
+        c = compare(name, mission, tolerance=tolerance, repeats=repeats)
+        rows.append(
+            [
+                name, f"{tolerance:g}", ", ".join(c.kept) or "nothing", f"{c.full_s:.2f}", f"{c.auto_s:.2f}",
+                f"{c.full_s / c.auto_s:.2f}", f"{c.designs_per_s / 1e6:.2f}",
+            ]
+        )  # fmt: skip
+    return [
+        "## Physics `full` and `auto` in batches",
+        "",
+        f"{N_DESIGNS} designs drawn from the catalogue, 2 lamps, hardware integrals and figures together; both physics",
+        "in turn in one run. Last column: figures of all requirements in `full` once hardware is tabulated.",
+        "",
+        *table(
+            ["scene", "tolerance", "kept by auto", "full s", "auto s", "full / auto", "10⁶ designs/s, full"],
+            rows,
+        ),
+    ]
+
+
 def audit_table(count: int) -> list[str]:
     """How long an audit takes."""
     result = uwopt.solve(REEF, audit=count)
@@ -214,6 +240,7 @@ def main() -> None:
     for measure in (
         lambda: command_table(repeats),
         lambda: throughput_table(repeats),
+        lambda: physics_table(repeats),
         lambda: search_table(min(repeats, 3)),
         lambda: audit_table(40 if asked.quick else 1000),
     ):

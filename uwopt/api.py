@@ -27,7 +27,7 @@ from uwopt.mission import Mission, load_mission
 from uwopt.model.fidelity import Effects
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Mount, Parts, Problem
-from uwopt.result import Design, Margin, Result
+from uwopt.result import Certificate, Design, Margin, Result
 from uwopt.scene_checks import check_physical
 from uwopt.solvers import recommend
 from uwopt.solvers.certificate import certificate
@@ -39,6 +39,7 @@ from uwopt.system import System, load_system
 
 Source = str | Path | Mapping[str, Any]
 Progress = Callable[[float, str], None]
+PROVEN_GAP_REL = 2e-4  # a wider gap is told, and not called an optimum
 SOLVERS = ("exact", "casadi", "nlopt")
 NOT_MODELLED = (
     "light scattered more than once towards the camera", "shadows and relief of the floor", "ripples of sunlight",
@@ -169,19 +170,27 @@ def found_result(
     model = DesignModel(sought.problem, hardware)
     given = [exact_settings(model, i, numbers) for i, numbers in enumerate(best[0].settings)]
     influences = influences_of(sought.problem, hardware, given, goal)
+    proof = certificate(sought.selection, sought.problem, sought.outcome, goal)
+    wide = proven and (proof.gap_rel or 0.0) > PROVEN_GAP_REL
     return replace(
         result,
         physics={**result.physics, "effects": [item.as_dict() for item in proven_in_full(influences)]},
-        status="optimal" if proven else "stopped",
+        status="stopped" if not proven else "feasible" if wide else "optimal",
         recommendation=winner,
         runners_up=others,
         generic_alternative=generic,
-        certificate=certificate(sought.selection, sought.problem, sought.outcome, goal),
+        certificate=proof,
         assumptions=assumptions(sought.problem, best[0]),
         robustness=doubt,
         solvers=opinions,
         objective={**result.objective, "value": winner.objective_value},
-        warnings=[*result.warnings, *selection_warnings(sought), *winner.warnings, *haste_warnings(sought)],
+        warnings=[
+            *result.warnings,
+            *selection_warnings(sought),
+            *winner.warnings,
+            *haste_warnings(sought),
+            *(gap_warnings(proof) if wide else []),
+        ],
     )
 
 
@@ -248,6 +257,13 @@ def audited(
     with recommend.timed(timing, "audit"):
         report = attack(sought.search, goal, count=count, seed=seed, best_value=best)
     return replace(result, audit=report)
+
+
+def gap_warnings(proof: Certificate) -> list[dict[str, str]]:
+    """That the bounds on settings without a closed form did not close."""
+    share = 100.0 * (proof.gap_rel or 0.0)
+    text = f"no combination is more than {share:.2g} % better, but the settings' bounds do not close further"
+    return [{"code": "gap", "path": "objective", "message": text}]
 
 
 def haste_warnings(sought: Sought) -> list[dict[str, str]]:

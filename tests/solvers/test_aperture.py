@@ -28,7 +28,7 @@ def rows_with(defocus_px: float, *, light: float = 1.0) -> SceneRows:
 
 
 def chosen_at(rows: SceneRows, f_number: float, most: float = np.inf) -> tuple[Chosen, float]:
-    """All the light that passes this aperture or that the pixels hold, and its information by the model's own quadrature."""
+    """The light that passes this aperture or that the pixels hold, and its information by the model's quadrature."""
     time_s = float(rows.time_max_s[0])
     level = min(float(rows.max_level[0]), 1.0)
     light_x = float(rows.light_lm[0]) * level * time_s / (f_number * float(rows.working_factor[0])) ** 2
