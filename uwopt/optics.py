@@ -569,15 +569,21 @@ class Contraction:
         least = float(optical.min())
         return float((weight * np.exp(-(optical - least))).sum() / max(weight.sum(), TINY) * np.exp(-least))
 
-    def most_contrast(self, spectrum: int, efficiency: int) -> float:
-        """Upper bound of the image-forming share at the nominal altitude: the forward veil on the shortest rays.
+    def most_contrast(self, spectrum: int, efficiency: int, altitude: int) -> float:
+        """Upper bound of the image-forming share at one altitude: the forward veil on the shortest rays.
 
         The veil grows with both paths but for the spectrum's shift along them, so several are tried.
         """
         scene = self.scene
+        key = ("most contrast", *self.key(spectrum, efficiency, None), altitude, self._reach_m)
+        if key not in scene.cache:
+            scene.cache[key] = self._most_contrast(spectrum, efficiency, float(scene.range_m[altitude]))
+        return float(scene.cache[key])
+
+    def _most_contrast(self, spectrum: int, efficiency: int, near: float) -> float:
+        scene = self.scene
         weight = self.weight(spectrum, efficiency)
         excess = scene.attenuation_per_m - scene.lamp_attenuation_per_m
-        near = float(scene.range_m[scene.nominal])
         least = np.inf
         for camera_m in np.linspace(near, max(self._reach_m[1], near), 4):
             for lamp_m in np.linspace(0.5 * near, max(self._reach_m[0], near), 4):

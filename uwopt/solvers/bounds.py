@@ -198,25 +198,38 @@ class Bounds:
             np.zeros(n), imagers.camera_power_w[rows] + power, imagers.cost[rows] + least(table.cost),
             imagers.mass_kg[rows] + least(table.mass_kg), snr_db, np.zeros(n, int), information,
         )  # fmt: skip
-        contrast = self._contrast_bound(lighting, rows)
+        contrast, clear = self._contrast_bound(lighting, rows)
+        reachable = reachable & clear
         return self._judged(
             bounds, reachable, imagers.limit_cost[rows] + least(table.limit_cost), rows, contrast
         )
 
-    def _contrast_bound(self, lighting: Lighting, rows: Array) -> Array | float:
-        """Most contrast that the forward veil alone leaves, worst scene; 1 where the sun shines too."""
-        if not self.objective.weight("contrast") or not self.problem.effects.forward_veil:
-            return 1.0
+    def _contrast_bound(self, lighting: Lighting, rows: Array) -> tuple[Array | float, Array]:
+        """Most contrast that the forward veil alone leaves, worst scene, and whether it is enough in all.
+
+        1 where the sun shines too: its light may have less veil.
+        """
+        wanted = [scene.view.requirements.min_contrast or 0.0 for scene in self.problem.scenes]
+        enough = np.ones(len(rows), bool)
+        if not self.problem.effects.forward_veil or not (self.objective.weight("contrast") or any(wanted)):
+            return 1.0, enough
         curves, back = np.unique(
             self.problem.cameras.qe_index[self.imagers.camera[rows]], return_inverse=True
         )
         best = np.ones(len(rows))
         for index, contraction in enumerate(self.problem.contractions):
-            if not self._sunlit(index):
-                spectrum = int(contraction.spectrum_of[lighting.optics])
-                most = np.array([contraction.most_contrast(spectrum, int(curve)) for curve in curves])
-                best = np.minimum(best, most[back])
-        return best
+            if self._sunlit(index):
+                continue
+            spectrum = int(contraction.spectrum_of[lighting.optics])
+            nominal, far = (
+                np.array([contraction.most_contrast(spectrum, int(curve), altitude) for curve in curves])[
+                    back
+                ]
+                for altitude in (self.problem.scenes[index].nominal, -1)
+            )
+            best = np.minimum(best, nominal)
+            enough &= far >= wanted[index]
+        return best, enough
 
     def _light_needed(
         self, scene_index: int, lighting: Lighting, need: Needs, kind: int, rows: Array
