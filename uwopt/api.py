@@ -18,7 +18,7 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Choice, select
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.catalog.load import load_catalog as _load_catalog
-from uwopt.design_model import DesignModel, Hardware, SceneSettings
+from uwopt.design_model import DesignModel, Hardware, SceneSettings, design_model
 from uwopt.effects import Influence, effects_kept
 from uwopt.errors import MissionError
 from uwopt.evaluation import evaluate_design
@@ -167,7 +167,7 @@ def found_result(
         opinions = [] if in_haste else second_opinions(sought, goal, solver)
     proven = sought.outcome.complete
     hardware = recommend.hardware_of(best[0])
-    model = DesignModel(sought.problem, hardware)
+    model = design_model(sought.problem, hardware)
     given = [exact_settings(model, i, numbers) for i, numbers in enumerate(best[0].settings)]
     influences = influences_of(sought.problem, hardware, given, goal)
     proof = certificate(sought.selection, sought.problem, sought.outcome, goal)

@@ -306,6 +306,14 @@ class DesignModel:
         }
 
 
+def design_model(problem: Problem, hardware: Hardware) -> DesignModel:
+    """The model of one hardware, made once a problem: the light's integrals are its cost."""
+    if hardware not in problem.known_models:
+        problem.known_models[hardware] = DesignModel(problem, hardware)
+    model: DesignModel = problem.known_models[hardware]
+    return model
+
+
 def _setting_rows(
     f_number: Any, exposure: Any, pulse: Any, gain: Any, level: Any, rate: Any, dioptre: Any
 ) -> SettingRows:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.design_model import DesignModel, Hardware, SceneSettings
+from uwopt.design_model import Hardware, SceneSettings, design_model
 from uwopt.objectives.margins import MarginRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.problem import Problem
@@ -28,7 +28,7 @@ def evaluate_design(
     *, level_tolerance_rel: float = 1e-6,
 ) -> Design:  # fmt: skip
     """Everything a result says of one design with these settings."""
-    model = DesignModel(problem, hardware)
+    model = design_model(problem, hardware)
     scenes, powers, snrs, peaks, light_powers = [], [], [], [], []
     contrasts, information = [], []
     for index, wanted in enumerate(given):

@@ -116,6 +116,7 @@ class Problem:
         effects: Effects = FULL,
     ):
         self.mission, self.parts, self.paper, self.end = mission, parts, paper, end
+        self.known_models: dict[Any, Any] = {}  # by hardware; see `design_model.design_model`
         self.effects = PAPER if paper else effects
         self.owned_lights = owned_lights or {}
         self.count_range = counts or light_counts(mission)
@@ -142,7 +143,7 @@ class Problem:
     def with_effects(self, effects: Effects) -> Problem:
         """The same tables in a model that keeps these effects."""
         changed = copy(self)
-        changed.effects = PAPER if self.paper else effects
+        changed.effects, changed.known_models = PAPER if self.paper else effects, {}
         return changed
 
     def money(self, amount: float, currency: str) -> float:

@@ -155,7 +155,7 @@ def section() -> str:
         "uniformity",
     ]
     return f"""\
-**In short:** mean illuminance within {100 * max(map(abs, means)):.3f} %; least illuminance up to {100 * max(map(abs, leasts)):.0f} % off, from a coarse grid.
+**In short:** mean illuminance within {100 * max(map(abs, means)):.3f} %; least illuminance within {100 * max(map(abs, leasts)):.2g} %.
 
 Independent of: uwopt's beam look-up, its bending of a profile from air to water, its quadratures and loss tables. The
 DSPL Sealite profile is read from `beam_profiles.csv`, joined by a monotone cubic, bent by
@@ -166,10 +166,9 @@ intensity falls at least with the cosine (else the division by cos θ_a blows up
 {common.table(head, rows)}
 
 Largest difference of the mean {common.percent(max(means, key=abs), 3)}; of the least illuminance {common.percent(max(leasts, key=abs), 2)}.
-On a grid of 60 cells a side, as uwopt searches the darkest place, the least of the sum is within
-{common.percent(max(coarse, key=abs), 2)} of uwopt's.
+On a grid of 60 cells a side alone the least of the sum would differ by up to {common.percent(max(coarse, key=abs), 2)}:
+a beam that ends at a window's critical angle leaves narrow dark wedges between lamps, which uwopt follows down from the
+lowest points of its grid.
 
-What falls short: a beam that ends at a window's critical angle leaves narrow dark wedges between lamps, and uwopt's
-grid for the least illuminance may step over the darkest spot; `min_uniformity` is then too favourable by that much. The
-profile's medium is not stated by its source (air assumed).
+What falls short: the profile's medium is not stated by its source (air assumed).
 """

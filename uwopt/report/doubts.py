@@ -166,15 +166,16 @@ def effect_lines(result: Result) -> list[str]:
     """Each effect with the bound of its influence, and whether the model keeps it here."""
     shown = []
     for item in result.physics.get("effects") or []:
-        name, bound = words.one_line(str(item["name"])).replace("_", " "), item["bound"]
+        name, bound = words.one_line(str(item.get("name"))).replace("_", " "), item.get("bound")
         if bound is None:
             size = "asked for by a requirement or the objective"
         elif bound == 0.0:
             size = "not in this scene"
         else:
             size = f"changes a requirement by up to {100 * bound:.2g} %"
-        saved = f", {item['time_saved_s']:.2g} s saved" if item["time_saved_s"] else ""
-        shown.append(f"- {name}: {size}; {'kept' if item['kept'] else 'left out'}{saved}")
+        saved_s = item.get("time_saved_s")
+        saved = f", about {float(saved_s):.2g} s saved" if saved_s else ""
+        shown.append(f"- {name}: {size}; {'kept' if item.get('kept') else 'left out'}{saved}")
     return ["effects:", *shown] if shown else []
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, matches, select
 from uwopt.catalog.compatibility import explain_pair
-from uwopt.design_model import DesignModel, Hardware
+from uwopt.design_model import Hardware, design_model
 from uwopt.errors import MissionError, SolverError
 from uwopt.evaluation import evaluate_design
 from uwopt.mission import Mission
@@ -118,7 +118,7 @@ def design_of(sought: Sought, found: Found, objective: Objective, *, with_roundi
     """A found design as a result: evaluated again, rounded, checked."""
     problem = sought.problem
     hardware = hardware_of(found)
-    model = DesignModel(problem, hardware)
+    model = design_model(problem, hardware)
     given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
     design = evaluate_design(problem, hardware, given, objective)
     check_claim(design, found, objective)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.design_model import DesignModel, Hardware, SceneSettings
+from uwopt.design_model import DesignModel, Hardware, SceneSettings, design_model
 from uwopt.evaluation import evaluate_design
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED
 from uwopt.objectives.objective import Objective
@@ -37,7 +37,7 @@ def rounded_design(
 ) -> tuple[Design, list[SceneSettings]] | None:  # fmt: skip
     """The design with settings to set, evaluated again; None when no rounding keeps every requirement."""
     fallback: tuple[Design, list[SceneSettings]] | None = None
-    model = DesignModel(problem, hardware)
+    model = design_model(problem, hardware)
     for attempt in range(TRIES):
         given = [
             rounded_settings(model, i, row, numbers, focus, attempt)
