@@ -20,8 +20,8 @@ from uwopt.figures import SettingRows
 from uwopt.mission import load_mission
 from uwopt.solvers.recommend import build_problem, selected
 
-N_DESIGNS = 300
-SETTINGS_A_DESIGN = 64
+N_DESIGNS = 200
+SETTINGS_A_DESIGN = 32
 CLEAR = {
     "scene": {"water": "I", "seafloor": 0.3, "depth_m": 100.0},
     "vehicle": {"altitude_m": 0.4, "speed_m_s": 0.1, "light_baseline_m": 0.5},
