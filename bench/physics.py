@@ -20,7 +20,7 @@ from uwopt.figures import SettingRows
 from uwopt.mission import load_mission
 from uwopt.solvers.recommend import build_problem, selected
 
-N_DESIGNS = 200
+N_DESIGNS = 500
 SETTINGS_A_DESIGN = 32
 CLEAR = {
     "scene": {"water": "I", "seafloor": 0.3, "depth_m": 100.0},
@@ -52,22 +52,22 @@ def compare(name: str, mission: Any, *, tolerance: float, repeats: int) -> Compa
     catalog = load_catalog(loaded)
     problem = build_problem(loaded, selected(loaded, catalog, generic="never"))
     designs, settings = drawn(problem, np.random.default_rng(0))
-    full_batch, auto_batch = Batch(problem, designs), Batch(problem, designs)
 
     def full() -> None:
-        full_batch.figures(0, full_batch.rows(0), settings)
+        batch = Batch(problem, designs)
+        batch.figures(0, batch.rows(0), settings)
 
     def auto() -> None:
-        kept = effects_kept(auto_batch.influences(tolerance, [settings]))
-        lean = auto_batch.with_effects(kept)
+        batch = Batch(problem, designs)
+        lean = batch.with_effects(effects_kept(batch.influences(tolerance, [settings])))
         lean.figures(0, lean.rows(0), settings)
 
     full(), auto()  # path tables are built once a scene, whichever physics
     times = [(timed_s(full), timed_s(auto)) for _ in range(repeats)]
-    kept = tuple(i.name for i in auto_batch.influences(tolerance, [settings]) if i.kept)
+    kept = tuple(i.name for i in Batch(problem, designs).influences(tolerance, [settings]) if i.kept)
     return Comparison(
         name, kept, median(t[0] for t in times), median(t[1] for t in times),
-        rate(full_batch, settings, repeats),
+        rate(Batch(problem, designs), settings, repeats),
     )  # fmt: skip
 
 

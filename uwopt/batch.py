@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from uwopt import effects as influence
 from uwopt.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
-from uwopt.image_light import ImageLight
+from uwopt.image_light import ImageLight, Veils
 from uwopt.model.fidelity import Effects
 from uwopt.model.port import FocusMap
 from uwopt.optics import Views, focus_map, views
@@ -53,6 +53,29 @@ class Batch:
         for index, view in enumerate(self.views):
             widest = 0.5 * np.hypot(view.footprint_along_m[:, 2], view.footprint_across_m[:, 2])
             problem.set_reach(index, 1.5 * float(widest.max(initial=0.0)))
+        self._signals: dict[int, ImageLight] = {}
+
+    def signal(self, index: int) -> ImageLight:
+        """Image-forming light of all designs in one scene, worked out once: bounds and figures both rest on it."""
+        if index not in self._signals:
+            self._signals[index] = self._light(index, veils="none")
+        return self._signals[index]
+
+    def _light(
+        self, index: int, *, veils: Veils, pixels: bool = False, known: ImageLight | None = None
+    ) -> ImageLight:
+        """Electrons per lm s behind the lamps' windows, group by group."""
+        d, view = self.designs, self.views[index]
+        parts = []
+        for rows, port, optics in self.groups(by_curve=False):
+            for count in np.unique(d.count[rows]) if pixels else [2]:
+                mine = rows[d.count[rows] == count] if pixels else rows
+                light = self.problem.image_light(
+                    index, view.take(mine), d.camera[mine], port_index=port, optics=optics, mount=d.mount,
+                    count=int(count), pixels=pixels, veils=veils, known=None if known is None else known.take(mine),
+                )  # fmt: skip
+                parts.append((mine, light))
+        return ImageLight.joined(parts, len(d))
 
     def _views(self, scene: SceneOptics, index: int) -> Views:
         """Geometry row by row, port by port and orientation by orientation."""
@@ -104,6 +127,7 @@ class Batch:
                 scene_index=index, view=view.take(rows), camera=d.camera[rows], lens=d.lens[rows], port=port,
                 light=d.light[rows], optics=optics, mount=d.mount, count=d.count[rows],
                 settings=None if settings is None else settings[index].take(rows),
+                signal_e=self.signal(index).signal_e[rows],
             )
             for index, view in enumerate(self.views)
             for rows, port, optics in self.groups(by_curve=True, some=some)
@@ -114,15 +138,12 @@ class Batch:
         d, problem, view = self.designs, self.problem, self.views[index]
         scene = problem.scenes[index]
         worst = scene.at_worst if pixels is None else pixels
-        parts = []
-        for rows, port, optics in self.groups(by_curve=False):
-            for count in np.unique(d.count[rows]) if worst else [2]:
-                mine = rows[d.count[rows] == count] if worst else rows
-                light = problem.image_light(
-                    index, view.take(mine), d.camera[mine], port_index=port, optics=optics, mount=d.mount,
-                    count=int(count), pixels=worst and not scene.paper,
-                )  # fmt: skip
-                parts.append((mine, light))
+        light = self._light(
+            index,
+            veils="all",
+            pixels=worst and not scene.paper,
+            known=None if scene.paper else self.signal(index),
+        )
         lights = problem.lights.take(d.light)
         return DesignRows(
             cameras=problem.cameras.take(d.camera),
@@ -132,7 +153,7 @@ class Batch:
             view=view,
             focus_map=self._focus_map(scene, index),
             lever_m=levers_m(scene, problem.ports.outer_radius_m[d.port]),
-            light=ImageLight.joined(parts, len(d)).scaled(lights.output_factor),
+            light=light.scaled(lights.output_factor),
             sun=problem.sun_light(index, view, d.camera, port_index=d.port, mount=d.mount, pixels=worst),
         )
 
@@ -168,4 +189,6 @@ class Batch:
 
     def with_effects(self, effects: Effects) -> Batch:
         """The same designs in a model that keeps these effects."""
-        return Batch(self.problem.with_effects(effects), self.designs)
+        lean = Batch(self.problem.with_effects(effects), self.designs)
+        lean._signals = self._signals  # with the window's loss by angle, which is then no less true
+        return lean

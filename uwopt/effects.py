@@ -65,6 +65,7 @@ class Group:
     mount: Mount
     count: Array
     settings: SettingRows | None = None  # None: not known yet, so that sunlight is kept
+    signal_e: Array | None = None  # image-forming light per lm s, where it is known
 
 
 def choose(influences: dict[str, tuple[float, float]], tolerance: float) -> list[Influence]:
@@ -121,7 +122,9 @@ def bounds_of(problem: Problem, group: Group, *, information: bool) -> dict[str,
         problem, group.scene_index, port_index=group.port, optics=group.optics, mount=group.mount,
         count=int(group.count.max()), efficiency=int(problem.cameras.qe_index[group.camera[0]]),
     )  # fmt: skip
-    signal = field.light(view, pixels=False, veils="none").signal_e
+    signal = group.signal_e
+    if signal is None:
+        signal = field.light(view, pixels=False, veils="none").signal_e
     signal_s = time.perf_counter() - start
     if scene.scatters:
         found["forward_veil"] = (forward_bound(field, view), signal_s)

@@ -1,0 +1,85 @@
+"""Batches of designs against the same designs one at a time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from uwopt.api import load_catalog
+from uwopt.batch import Batch, Designs
+from uwopt.design_model import DesignModel, Hardware
+from uwopt.effects import effects_kept
+from uwopt.figures import SettingRows
+from uwopt.mission import load_mission
+from uwopt.model.fidelity import Effects
+from uwopt.solvers.recommend import build_problem, selected
+
+MISSION: dict[str, Any] = {
+    "physics": "full",
+    "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30.0, "sun_lux": 2e4},
+    "vehicle": {"altitude_m": 1.5, "altitude_tolerance_m": 0.2, "speed_m_s": 0.2, "light_baseline_m": 0.4},
+    "requirements": {
+        "overlap": 0.5, "max_blur_px": 2.0, "min_snr_db": 20.0, "snr_at": "worst", "min_mtf_half_nyquist": 0.1,
+        "min_dof_m": 0.1, "dof_at": "corner",
+    },
+}  # fmt: skip
+N = 14
+SAME = 2e-4  # ray nodes follow the longest ray of a group: see model.veil
+
+
+@pytest.fixture(scope="module")
+def batch() -> Batch:
+    mission = load_mission(MISSION)
+    catalog = load_catalog(mission)
+    problem = build_problem(mission, selected(mission, catalog, generic="never"))
+    rng, parts = np.random.default_rng(5), problem.parts
+    wide = np.nonzero([(light.beam_angle_deg is not None) for light in parts.lights])[0]
+    return Batch(
+        problem,
+        Designs(
+            rng.integers(len(parts.cameras), size=N), rng.integers(len(parts.lenses), size=N),
+            rng.integers(len(parts.ports), size=N), rng.random(N) < 0.5, rng.choice(wide, size=N),
+            rng.integers(1, 4, size=N), problem.mounts[0],
+        ),
+    )  # fmt: skip
+
+
+def settings(n: int) -> SettingRows:
+    """The same for every design but the f-number."""
+    one = np.ones(n)
+    return SettingRows(
+        np.linspace(2, 8, n), 2e-3 * one, 1e-3 * one, 2.0 * one, 0.7 * one, 1.0 * one, 1.0 / 1.1 * one
+    )
+
+
+def test_a_batch_gives_what_one_design_at_a_time_gives(batch: Batch) -> None:
+    given, d = settings(N), batch.designs
+    many = batch.figures(0, batch.rows(0), given, information=True)
+    for i in range(N):
+        hardware = Hardware(
+            int(d.camera[i]), int(d.lens[i]), int(d.port[i]), bool(d.landscape[i]), int(d.light[i]), int(d.count[i]),
+            d.mount,
+        )  # fmt: skip
+        one = DesignModel(batch.problem, hardware).figures(0, given.take(np.array([i])), information=True)
+        for name in ("electrons_signal", "electrons_forward", "electrons_backscatter", "electrons_sun", "snr",
+                     "snr_darkest", "mean_level", "contrast", "blur_px", "mtf_half_nyquist",
+                     "information_bit_per_m2", "light_power_w", "dof_near_m"):  # fmt: skip
+            np.testing.assert_allclose(
+                getattr(many, name)[i], getattr(one, name)[0], rtol=SAME, atol=1e-9, err_msg=f"{name} of {i}"
+            )
+
+
+def test_what_a_few_designs_need_is_kept_for_all(batch: Batch) -> None:
+    influences = batch.influences(1e-3, [settings(N)])
+    kept = effects_kept(influences)
+    assert kept.forward_veil and kept.backscatter and kept.sunlight
+    assert {i.name for i in influences} == set(Effects.names())
+
+
+def test_effects_left_out_of_a_batch_leave_the_image_forming_light_as_it_is(batch: Batch) -> None:
+    lean = batch.with_effects(Effects.none())
+    plain, whole = lean.rows(0).light, batch.rows(0).light
+    assert plain.forward_e is None and plain.backscatter_e is None
+    np.testing.assert_allclose(plain.signal_e, whole.signal_e, rtol=1e-12)
