@@ -229,4 +229,17 @@ def test_sunlight_fades_with_the_depth_of_the_floor() -> None:
         figures(scene={"sun_lux": 1e5, "depth_m": depth_m})["electrons_sun"] for depth_m in (10, 30, 1000)
     )
     assert shallow > 3 * deep > 0.0
-    assert abyss == pytest.approx(0.0, abs=1e-6)
+    assert abyss is None  # exp(-0.06 * 850) of 1e5 lx is 7e-18 lx: no sun is left to model
+
+
+@pytest.mark.parametrize(("depth_m", "seen"), [(30, True), (300, True), (3000, False)])
+def test_a_sun_that_no_camera_could_see_is_no_sun(depth_m: float, seen: bool) -> None:
+    # Type II: K_d is 0.06 1/m or more. 1e5 lx exp(-0.06 * 300) = 1.5e-3 lx; at 3000 m exp(-180) is nothing,
+    # and the shutter, here far longer than the pulse, must not count in the blur.
+    lit = mission(scene={"sun_lux": 1e5, "depth_m": depth_m}, requirements={"max_blur_px": 1.0})
+    pulsed = system(light={"kind": "pulsed_led"}, settings={"exposure_ms": 50.0, "pulse_ms": 0.5})
+    figures = uwopt.evaluate(lit, pulsed).design.scenes[0].figures
+    assert (figures["electrons_sun"] is not None) == seen
+    # 0.3 m/s over pixels of (2 + 0.1) * 3.45e-6 / 8e-3 m, for 50 or 0.5 ms
+    pixel_m = 2.1 * 3.45e-6 / 8e-3
+    assert figures["blur_px"] == pytest.approx(0.3 * (50e-3 if seen else 0.5e-3) / pixel_m, rel=1e-6)

@@ -124,7 +124,7 @@ class Batch:
         d = self.designs
         return [
             influence.Group(
-                scene_index=index, view=view.take(rows), camera=d.camera[rows], lens=d.lens[rows], port=port,
+                scene_index=index, view=view.take(rows), camera=d.camera[rows], port=port,
                 light=d.light[rows], optics=optics, mount=d.mount, count=d.count[rows],
                 settings=None if settings is None else settings[index].take(rows),
                 signal_e=self.signal(index).signal_e[rows],

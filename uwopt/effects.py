@@ -58,7 +58,6 @@ class Group:
     scene_index: int
     view: Views
     camera: Array
-    lens: Array
     port: int
     light: Array
     optics: int

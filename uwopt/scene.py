@@ -29,6 +29,8 @@ PAPER_N_WATER = 1.33
 DESIGN_WAVELENGTH_NM = 550.0  # rays and virtual images are computed for green light
 PAPER_ALTITUDES = 3
 FULL_ALTITUDES = 5
+FAINTEST_SUN_LX = 1e-6  # a billionth of what lamps give; starlight on the sea is a thousand times more
+STEEPEST_SUN_PATH = 0.85  # way of light straight down over that of the sun at 60 deg, with room
 GRID_STEP_NM = 1.0  # efficiency curves are digitised at about 2 nm; 5 nm would err by up to 2e-3
 
 
@@ -88,8 +90,16 @@ class SceneOptics:
 
     @property
     def sunlit(self) -> bool:
-        """Whether any sunlight is to be reckoned with."""
-        return not self.paper and self.view.scene.sun_lux > 0.0
+        """Whether any sunlight is to be reckoned with: over a microlux at the highest camera, in the clearest colour.
+
+        Under a thousand metres of water a sun at the surface changes nothing, and must not cost a search.
+        """
+        asked = self.view.scene
+        if self.paper or asked.sun_lux <= 0.0 or self.diffuse_attenuation_per_m is None:
+            return not self.paper and asked.sun_lux > 0.0
+        seen = self.diffuse_attenuation_per_m[self.photopic > 0.0]
+        above_m = max(asked.depth_m - float(self.range_m[-1]), 0.0) * STEEPEST_SUN_PATH
+        return asked.sun_lux * float(np.exp(-seen.min() * above_m)) > FAINTEST_SUN_LX
 
     @property
     def radiance_index(self) -> Array | float:
