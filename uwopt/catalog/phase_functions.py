@@ -87,7 +87,7 @@ def phase_function(
         names = phase_function_names()
         near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
         shown = f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(names)}."
-        raise CatalogError(f"phase function {name!r} is unknown; {shown} A CSV also does.")
+        raise CatalogError(f"scene.phase_function = {name!r} is unknown; {shown} A CSV also does.")
     return _petzold(stations[key])
 
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.special import j0, j1
 
 from uwopt.model.lateral import spread_mtf
-from uwopt.model.sharpness import ORDERS, TEXTURE_CONTRAST, lens_rating_mtf, sinc_mtf
+from uwopt.model.sharpness import J1_ZERO, ORDERS, TEXTURE_CONTRAST, lens_rating_mtf, sinc_mtf
 from uwopt.sharp import SharpRows
 
 Array = NDArray[Any]
@@ -30,7 +30,6 @@ SMEARED_PX, SMEARED_RMS_PX = (
     1.0,
 )  # motion that ends inside the square is given finer nodes, those of this colour
 NULL = 1e-9  # of a transfer: below it a tangent says nothing
-J1_ZERO = 3.8317059702075123
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,9 @@ from uwopt.objectives.objective import Objective
 from uwopt.rows import SceneRows
 from uwopt.scene import SceneOptics
 from uwopt.solvers import settings as closed_form
-from uwopt.solvers.cells import CellResult, best_by_cells
+
+if TYPE_CHECKING:
+    from uwopt.solvers.cells import CellResult
 
 Array = NDArray[Any]
 DARK_ROUNDS = 25
@@ -54,6 +56,8 @@ def best_settings(
     if not needs_cells(rows, objective):
         return best_closed(rows, motorised, objective, camera_power_w, power_limit_w)
     if objective.weight("information") or any(r.sunlit for r in rows):
+        from uwopt.solvers.cells import best_by_cells  # brings scipy.special, which no closed form needs
+
         return _of_cells(best_by_cells(
             rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
             cutoff=cutoff, hardware=hardware, top=top,
@@ -96,6 +100,8 @@ def best_where_sharp(
     if len(open_) == 0:
         return replace(easy, feasible=feasible, lower_bound=lower)
     hardware = more.pop("hardware")
+    from uwopt.solvers.cells import best_by_cells
+
     found = best_by_cells(
         [r.take(open_) for r in rows], motorised[open_], objective, camera_power_w[open_], power_limit_w,
         constant=np.broadcast_to(constant, lower.shape)[open_], cutoff=cutoff,
