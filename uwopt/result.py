@@ -61,7 +61,7 @@ class Design:
         """All margins as a table, one row a requirement and scene."""
         import pandas as pd
 
-        return pd.DataFrame([{"scene": s.name, **_plain(m)} for s in self.scenes for m in s.margins])
+        return pd.DataFrame([{"scene": s.name, **plain(m)} for s in self.scenes for m in s.margins])
 
     def figures_frame(self) -> pd.DataFrame:
         """All figures as a table, one column a scene."""
@@ -122,6 +122,9 @@ class Result:
     seed: int = 0
     versions: dict[str, str] = field(default_factory=dict)
     schema: str = RESULT_SCHEMA
+    alternatives: list[dict[str, Any]] = field(default_factory=list)  # other makers' best, and why not
+    mission_file: dict[str, str] | None = None  # {name, folder, text} as the user wrote it
+    system: dict[str, Any] | None = None  # what was evaluated, inline parts included
 
     @property
     def best(self) -> Design | None:
@@ -130,11 +133,11 @@ class Result:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, ready for JSON."""
-        data = _plain(self)
+        data = plain(self)
         absent = (
-            ("design",)
+            ("design", "system")
             if self.command == "solve"
-            else ("recommendation", "certificate", "generic_alternative")
+            else ("recommendation", "certificate", "generic_alternative", "alternatives")
         )
         return {key: value for key, value in data.items() if key not in absent}
 
@@ -149,14 +152,15 @@ class Result:
         values = {key: value for key, value in data.items() if key in known}
         for key in ("recommendation", "design", "generic_alternative"):
             if values.get(key):
-                values[key] = _design(values[key])
-        values["runners_up"] = [_design(item) for item in values.get("runners_up") or []]
+                values[key] = design_from_dict(values[key])
+        values["runners_up"] = [design_from_dict(item) for item in values.get("runners_up") or []]
         if values.get("certificate"):
             values["certificate"] = Certificate(**values["certificate"])
         return Result(**values)
 
 
-def _design(data: Mapping[str, Any]) -> Design:
+def design_from_dict(data: Mapping[str, Any]) -> Design:
+    """A design from plain values."""
     values = dict(data)
     values["scenes"] = [
         SceneResult(**{**scene, "margins": [Margin(**margin) for margin in scene["margins"]]})
@@ -165,16 +169,16 @@ def _design(data: Mapping[str, Any]) -> Design:
     return Design(**values)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Dataclasses, arrays and NumPy numbers as plain values; what is not finite becomes None."""
     if is_dataclass(value) and not isinstance(value, type):
-        return {f.name: _plain(getattr(value, f.name)) for f in fields(value)}
+        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if hasattr(value, "tolist"):
-        return _plain(value.tolist())
+        return plain(value.tolist())
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value
