@@ -5,12 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rich.console import RenderableType
-from rich.table import Table
-from rich.text import Text
-
 from uwopt.report import words
-from uwopt.report.layout import block, columns, fact_lines, sentence
+from uwopt.report.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
 from uwopt.result import Certificate, Design, Result
 from uwopt.units import split_unit
 
@@ -18,7 +14,7 @@ MOST_ASSUMPTIONS = 12
 LONGEST_REASON = 80
 
 
-def certificate_block(result: Result, certificate: Certificate) -> RenderableType:
+def certificate_block(result: Result, certificate: Certificate) -> Block:
     """Bound, best value and gap, and where every combination went."""
     gap = words.quantity(certificate.gap_abs, str(result.objective.get("unit") or ""))
     if certificate.gap_rel is not None:
@@ -51,12 +47,12 @@ def certificate_block(result: Result, certificate: Certificate) -> RenderableTyp
     return block("Certificate", [fact_lines(facts), account, sentence(words.account_sentence(certificate))])
 
 
-def infeasible_block(result: Result) -> RenderableType:
+def infeasible_block(result: Result) -> Block:
     """The least that single requirements would have to give, and what excludes how much."""
     why = result.infeasible or {}
     stopped = result.status == "stopped"
     helpful = relaxations_of(why)
-    lines: list[RenderableType] = []
+    lines: list[Line] = []
     if helpful:
         lines.append(sentence("Each of these changes alone would let a system through:"))
         lines.append(relaxation_table(result, helpful))
@@ -94,7 +90,7 @@ def relaxations_of(why: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [*(why.get("relaxations") or []), *own]
 
 
-def relaxation_table(result: Result, items: list[Mapping[str, Any]]) -> Table:
+def relaxation_table(result: Result, items: list[Mapping[str, Any]]) -> Grid:
     """What is asked and what could be had."""
     table = columns(("requirement", "left"), ("asked", "right"), ("possible", "right"))
     for item in items:
@@ -119,7 +115,7 @@ def relaxation_texts(result: Result, item: Mapping[str, Any]) -> tuple[str, str,
     )
 
 
-def robustness_block(result: Result) -> RenderableType:
+def robustness_block(result: Result) -> Block:
     """What the estimated numbers could change."""
     doubt = result.robustness or {}
     facts = []
@@ -151,7 +147,7 @@ def robustness_block(result: Result) -> RenderableType:
             "" if quotes else "none: no single number, known better, would change the answer",
         )
     )
-    lines: list[RenderableType] = [fact_lines(facts)]
+    lines: list[Line] = [fact_lines(facts)]
     if quotes:
         lines.append(
             sentence(
@@ -254,9 +250,9 @@ def quote_text(item: Any, result: Result) -> str:
     )
 
 
-def second_opinion_block(result: Result) -> RenderableType:
+def second_opinion_block(result: Result) -> Block:
     """What other solvers and the audit say."""
-    lines: list[RenderableType] = []
+    lines: list[Line] = []
     if result.solvers:
         table = columns(
             ("solver", "left"),
@@ -330,7 +326,7 @@ def plain_fact(name: str, value: Any) -> str:
     return words.one_line(value, 120) if isinstance(value, str) else ""
 
 
-def assumption_blocks(result: Result) -> Iterator[RenderableType]:
+def assumption_blocks(result: Result) -> Iterator[Block]:
     """What was assumed, and what the physics leaves out."""
     if result.assumptions:
         yield block(f"Assumptions ({len(result.assumptions)})", assumption_lines(result))
@@ -342,7 +338,7 @@ def assumption_blocks(result: Result) -> Iterator[RenderableType]:
         physics.append(
             f"left out as too small here (together at most {words.share(bound)}): {', '.join(left)}"
         )
-    lines: list[RenderableType] = [sentence("; ".join(physics))]
+    lines: list[Line] = [sentence("; ".join(physics))]
     missing = result.physics.get("not_modelled") or []
     if missing:
         lines.append(sentence("not modelled: " + "; ".join(map(str, missing))))
@@ -350,7 +346,7 @@ def assumption_blocks(result: Result) -> Iterator[RenderableType]:
     yield block("Model", lines)
 
 
-def assumption_lines(result: Result) -> list[RenderableType]:
+def assumption_lines(result: Result) -> list[Line]:
     """What the model takes for granted, then estimated numbers, one a line."""
     ranked = sorted(result.assumptions, key=lambda item: item.get("low") is not None)
     table = columns(("what", "left"), ("value", "right"), ("range", "right"), ("why", "left"))

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rich.console import RenderableType
-from rich.text import Text
-
 from uwopt.catalog.catalogue import Exclusion
 from uwopt.catalog.checkfile import FileReport
 from uwopt.catalog.columns import KINDS
 from uwopt.catalog.listing import FieldLine, PartLine
 from uwopt.catalog.records import Quantity
 from uwopt.report import words
-from uwopt.report.layout import block, columns, sentence
+from uwopt.report.layout import Block, Line, Text, block, columns, sentence
 from uwopt.units import format_number
 
 PLURALS = {"camera": "Cameras", "lens": "Lenses", "port": "Ports", "light": "Lights"}
@@ -21,7 +18,7 @@ LONG_FIELDS = {"source_url": "Where no other source is named", "note": "Note"}
 LEGEND = "~ estimated from parts of its class"
 
 
-def part_list_blocks(lines: Sequence[PartLine]) -> Iterator[RenderableType]:
+def part_list_blocks(lines: Sequence[PartLine]) -> Iterator[Block | Text]:
     """Parts by kind: id, what it is, price; and why it is left out, if so."""
     doubtful = False
     for kind in KINDS:
@@ -54,9 +51,7 @@ def price_text(price: Quantity | None, currency: str) -> str:
     return ("~" if price_is_estimated(price) else "") + words.money(price.value, currency)
 
 
-def part_blocks(
-    part_id: str, lines: Sequence[FieldLine], exclusions: Sequence[Exclusion]
-) -> Iterator[RenderableType]:
+def part_blocks(part_id: str, lines: Sequence[FieldLine], exclusions: Sequence[Exclusion]) -> Iterator[Block]:
     """One part field by field, with status and source, and why it is not searched."""
     texts = {line.name: line.value for line in lines if line.name in LONG_FIELDS}
     table = columns(
@@ -76,7 +71,7 @@ def part_blocks(
             Text(line.status),
             Text(source),
         )
-    notes: list[RenderableType] = [
+    notes: list[Line] = [
         Text(f"{LONG_FIELDS[name]}: {words.one_line(text, 2000)}") for name, text in texts.items()
     ]
     notes += [sentence(f"Not searched, {item.rule}: {item.reason}.", "yellow") for item in exclusions]
@@ -84,11 +79,11 @@ def part_blocks(
     yield block(words.one_line(part_id), [table, *legend, *notes])
 
 
-def check_blocks(report: FileReport) -> Iterator[RenderableType]:
+def check_blocks(report: FileReport) -> Iterator[Block]:
     """What a file holds, every fault with its row, what will be estimated."""
     rows = words.counted(report.n_rows, "row")
     n_faults = len(report.faults)
     verdict = "in order" if report.ok else f"{words.counted(n_faults, 'fault')}"
-    lines: list[RenderableType] = [sentence(fault, "red") for fault in report.faults]
+    lines: list[Line] = [sentence(fault, "red") for fault in report.faults]
     lines += [sentence(note) for note in report.notes]
     yield block(f"{words.one_line(report.path)}: {report.content}, {rows}: {verdict}", lines)

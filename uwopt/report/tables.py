@@ -9,10 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from rich.console import Group, RenderableType
-from rich.table import Table
-from rich.text import Text
-
 from uwopt.report import words
 from uwopt.report.doubts import (
     assumption_blocks,
@@ -22,13 +18,13 @@ from uwopt.report.doubts import (
     robustness_block,
     second_opinion_block,
 )
-from uwopt.report.layout import block, columns, fact_lines, sentence
+from uwopt.report.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
 from uwopt.result import Design, Margin, Result, SceneResult
 
 ONE_COLUMN_A_SCENE = 3  # more scenes are shown one a row
 
 
-def result_blocks(result: Result) -> Iterator[RenderableType]:
+def result_blocks(result: Result) -> Iterator[Block | Text]:
     """The result block by block, each ending with an empty line."""
     yield headline(result)
     best = result.best
@@ -64,26 +60,26 @@ def nearest_miss(result: Result) -> Design | None:
     return miss if isinstance(miss, Design) else None
 
 
-def headline(result: Result) -> RenderableType:
+def headline(result: Result) -> Block:
     """Name of the mission, verdict and value of the objective."""
     name = words.one_line(result.mission.get("name") or "mission", 80)
     style = {"optimal": "bold green", "feasible": "bold green", "stopped": "bold yellow"}.get(
         result.status, "bold red"
     )
-    title = Text.assemble((name, "bold"), ": ", (result.status, style))
-    lines: list[RenderableType] = [title, Text(words.as_sentence(words.status_sentence(result)))]
+    title = Joined((Text(name, "bold"), Text(": "), Text(result.status, style)))
+    lines: list[Line] = [title, Text(words.as_sentence(words.status_sentence(result)))]
     value = result.best.objective_value if result.best is not None else None
     if value is not None:
         goal = words.one_line(result.objective.get("name") or "objective")
         direction = words.one_line(result.objective.get("direction") or "")
         lines.append(Text(f"Objective: {goal} {words.objective_text(result, value)} ({direction}d)."))
-    return Group(*lines, Text(""))
+    return block("", lines)
 
 
 # ---------------------------------------------------------------- one design
 
 
-def design_blocks(result: Result, design: Design) -> Iterator[RenderableType]:
+def design_blocks(result: Result, design: Design) -> Iterator[Block]:
     """Hardware, settings, margins, cost and bill of materials of one design."""
     yield hardware_block(design, "Recommendation" if result.command == "solve" else "System")
     yield settings_block(result, design)
@@ -93,7 +89,7 @@ def design_blocks(result: Result, design: Design) -> Iterator[RenderableType]:
         yield bom_block(design)
 
 
-def hardware_block(design: Design, title: str, note: Text | None = None) -> RenderableType:
+def hardware_block(design: Design, title: str, note: Text | None = None) -> Block:
     """Which parts, how many, and how they stand."""
     hardware = design.hardware
     table = columns(("part", "left"), ("", "right"), ("name", "left"), ("id", "left"), header=False)
@@ -109,18 +105,18 @@ def hardware_block(design: Design, title: str, note: Text | None = None) -> Rend
     return block(title, [*([note] if note else []), table, fact_lines(facts)])
 
 
-def settings_block(result: Result, design: Design) -> RenderableType:
+def settings_block(result: Result, design: Design) -> Block:
     """What to set: rounded values where there are any, the exact ones beside or below them."""
     scenes = design.scenes
     rounded = any(scene.settings_to_set for scene in scenes)
-    lines: list[RenderableType] = [settings_table(scenes), *rounding_lines(result, design)]
+    lines: list[Line] = [settings_table(scenes), *rounding_lines(result, design)]
     if design.rounded and not design.rounded.get("feasible") and len(scenes) > 1:
         exact = [replace(scene, settings_to_set=None) for scene in scenes]
         lines += [Text(""), sentence("Exact values:"), settings_table(exact)]
     return block("Settings to type in" if rounded else "Settings", lines)
 
 
-def settings_table(scenes: Sequence[SceneResult]) -> Table:
+def settings_table(scenes: Sequence[SceneResult]) -> Grid:
     """The settings of all scenes in the form that fits their number."""
     return settings_by_column(scenes) if len(scenes) <= ONE_COLUMN_A_SCENE else settings_by_row(scenes)
 
@@ -133,7 +129,7 @@ def shown_settings(scenes: Sequence[SceneResult]) -> list[str]:
     return [name for name in words.SETTINGS if name in present]
 
 
-def settings_by_column(scenes: Sequence[SceneResult]) -> Table:
+def settings_by_column(scenes: Sequence[SceneResult]) -> Grid:
     """One row a setting; one column a scene, and the exact value of a single scene."""
     exact_too = len(scenes) == 1 and scenes[0].settings_to_set is not None
     heads = [("setting", "left")] + [
@@ -150,7 +146,7 @@ def settings_by_column(scenes: Sequence[SceneResult]) -> Table:
     return table
 
 
-def settings_by_row(scenes: Sequence[SceneResult]) -> Table:
+def settings_by_row(scenes: Sequence[SceneResult]) -> Grid:
     """One row a scene."""
     names = shown_settings(scenes)
     table = columns(("scene", "left"), *((words.SETTINGS[name][0].split(",")[0], "right") for name in names))
@@ -162,7 +158,7 @@ def settings_by_row(scenes: Sequence[SceneResult]) -> Table:
     return table
 
 
-def rounding_lines(result: Result, design: Design) -> list[RenderableType]:
+def rounding_lines(result: Result, design: Design) -> list[Line]:
     """What rounding to settable values costs, and whether it still fits."""
     rounded = design.rounded
     if not rounded:
@@ -188,7 +184,7 @@ def rounding_lines(result: Result, design: Design) -> list[RenderableType]:
     ]
 
 
-def margin_blocks(design: Design) -> Iterator[RenderableType]:
+def margin_blocks(design: Design) -> Iterator[Block]:
     """Every margin, scene by scene; what is the same in all scenes once, for the system."""
     if len(design.scenes) == 1:
         yield block("Margins", [margin_table(design.scenes[0].margins, design)])
@@ -207,7 +203,7 @@ def common_margins(scenes: Sequence[SceneResult]) -> list[Margin]:
     return [margin for margin in first.margins if all(margin in other.margins for other in rest)]
 
 
-def margin_table(margins: Sequence[Margin], design: Design) -> Table:
+def margin_table(margins: Sequence[Margin], design: Design) -> Grid:
     """One row a requirement that applies: value, limit, what is left, where it is worst."""
     kinds = {str(part["id"]): kind for kind, part in design.hardware.items() if isinstance(part, dict)}
     table = columns(
@@ -237,7 +233,7 @@ def margin_table(margins: Sequence[Margin], design: Design) -> Table:
     return table
 
 
-def totals_block(design: Design) -> RenderableType:
+def totals_block(design: Design) -> Block:
     """Cost, power and mass in two lines."""
     totals = design.totals
     power = (
@@ -255,7 +251,7 @@ def totals_block(design: Design) -> RenderableType:
     )
 
 
-def bom_block(design: Design) -> RenderableType:
+def bom_block(design: Design) -> Block:
     """What to order, with prices and how they are known."""
     table = columns(
         ("", "right"),
@@ -294,7 +290,7 @@ def bom_block(design: Design) -> RenderableType:
 # ---------------------------------------------------------------- other designs
 
 
-def runner_up_blocks(result: Result) -> Iterator[RenderableType]:
+def runner_up_blocks(result: Result) -> Iterator[Block]:
     """Other hardware, what it would cost in the objective, and what parts to be made could gain."""
     best = result.best
     if best is None:
@@ -311,7 +307,7 @@ def runner_up_blocks(result: Result) -> Iterator[RenderableType]:
         yield block("With parts to be made", [table, note])
 
 
-def runner_up_table(result: Result, best: Design, designs: Sequence[Design]) -> Table:
+def runner_up_table(result: Result, best: Design, designs: Sequence[Design]) -> Grid:
     """One row a design."""
     objective = words.one_line(result.objective.get("name") or "objective", 24)
     heads = [("", "right"), ("has instead", "left"), (objective, "right"), ("difference", "right")]
@@ -344,7 +340,7 @@ def difference_text(result: Result, design: Design, best: Design) -> str:
     return text
 
 
-def warning_blocks(result: Result) -> Iterator[RenderableType]:
+def warning_blocks(result: Result) -> Iterator[Block]:
     """What the user should know of the input and the hardware."""
     own = result.best.warnings if result.best is not None else []
     texts = dict.fromkeys(warning_text(item) for item in [*result.warnings, *own])
