@@ -329,6 +329,7 @@ def base_result(
         uwopt_version=uwopt.__version__,
         seed=mission.seed,
         versions=versions(),
+        mission_file=mission.source_file,
     )  # fmt: skip
 
 
@@ -371,6 +372,7 @@ def evaluate(mission: Source | Mission, system: Source | System, *, physics: str
         result,
         status="feasible" if design.feasible else "violated",
         design=design,
+        system=built.to_dict(absolute_paths=True),
         objective={**result.objective, "value": design.objective_value},
         warnings=[*result.warnings, *design.warnings],
         timing_s={"total": time.perf_counter() - start},

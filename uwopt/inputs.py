@@ -28,6 +28,7 @@ class Document:
     lines: Mapping[KeyPath, int] = field(default_factory=dict)
     base_dir: Path | None = None
     faults: tuple[str, ...] = ()
+    text: str | None = None  # of the file as it was read
 
     def has(self, path: KeyPath) -> bool:
         """Whether the source holds something at this path."""
@@ -112,7 +113,7 @@ def _read_file(source: str | Path, what: str) -> Document:
         raise MissionError(
             [*faults, f"{shown}: is not a mapping of keys to values; start with `name: reef`."]
         )
-    return Document(shown, data, lines, path.absolute().parent, tuple(faults))
+    return Document(shown, data, lines, path.absolute().parent, tuple(faults), text)
 
 
 def _refuse_unreadable(path: Path, shown: str, what: str) -> None:

@@ -91,6 +91,7 @@ class Mission(Section):
 
     _base_dir: Path | None = PrivateAttr(default=None)
     _source_name: str = PrivateAttr(default="mission")
+    _source_text: str | None = PrivateAttr(default=None)
 
     @model_validator(mode="before")
     @classmethod
@@ -126,6 +127,15 @@ class Mission(Section):
     def source_name(self) -> str:
         """Name of the mission file, for messages."""
         return self._source_name
+
+    @property
+    def source_file(self) -> dict[str, str] | None:
+        """The mission file for a result: name, folder ("" unless files are looked for in it), text; None from Python."""
+        if self._source_text is None:
+            return None
+        names_files = self.to_dict() != self.to_dict(absolute_paths=True)
+        folder = str(self._base_dir) if names_files and self._base_dir is not None else ""
+        return {"name": Path(self._source_name).name, "folder": folder, "text": self._source_text}
 
     @property
     def required_depth_m(self) -> float:
@@ -171,6 +181,7 @@ class Mission(Section):
         """The same mission with other top-level values, checked: `with_changes(physics="paper")`."""
         made = _checked(Document(self._source_name, {**self._as_given(), **changes}, base_dir=self._base_dir))
         made._base_dir, made._source_name = self._base_dir, self._source_name
+        made._source_text = self._source_text
         return made
 
     def to_dict(self, absolute_paths: bool = False) -> dict[str, Any]:
@@ -197,13 +208,19 @@ class Mission(Section):
         return data
 
 
-def load_mission(source: str | Path | Mapping[str, Any] | Mission) -> Mission:
-    """A mission from a YAML file or a mapping; raises one MissionError that lists every fault."""
+def load_mission(
+    source: str | Path | Mapping[str, Any] | Mission, *, base_dir: Path | None = None
+) -> Mission:
+    """A mission from a YAML file or a mapping; raises one MissionError that lists every fault.
+
+    `base_dir` is where a mapping's files are looked for; a file's are looked for in its own folder.
+    """
     if isinstance(source, Mission):
         return source
     document = read_document(source, "mission")
     made = _checked(document)
-    made._base_dir, made._source_name = document.base_dir, document.name
+    made._base_dir, made._source_name = document.base_dir or base_dir, document.name
+    made._source_text = document.text
     return made
 
 

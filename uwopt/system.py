@@ -197,11 +197,19 @@ class System(Section):
         """A path that the system names; relative ones start at the system file."""
         return resolve_path(text, self._base_dir)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values with defaults filled in (inline parts as given); `load_system` takes them again."""
+    def to_dict(self, absolute_paths: bool = False) -> dict[str, Any]:
+        """Plain values with defaults filled in (inline parts as given); `load_system` takes them again.
+
+        With `absolute_paths` the files that inline parts name are found from any folder.
+        """
         data = self.model_dump(mode="json", exclude={*PART_KINDS, "scenes"})
         data |= {kind: self.part(kind) for kind in PART_KINDS}
         data["scenes"] = {n: s.model_dump(mode="json", exclude_unset=True) for n, s in self.scenes.items()}
+        if absolute_paths:
+            for part in (data[kind] for kind in PART_KINDS if isinstance(data[kind], dict)):
+                for key, value in part.items():
+                    if isinstance(value, str) and value.casefold().endswith(".csv"):
+                        part[key] = str(self.resolve_path(value).absolute())
         return data
 
 
