@@ -47,7 +47,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "optics",
         "scene",
     },
-    "report": {"report", "catalog", "model", "result", "units", "errors"},
+    "report": {"report", "catalog", "model", "result", "front_result", "units", "errors"},
 }
 #: What they may not, where a list of what they may would be long.
 MAY_NOT_IMPORT: dict[str, set[str]] = {

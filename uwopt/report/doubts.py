@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from uwopt.front_result import FrontResult
 from uwopt.report import words
 from uwopt.report.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
 from uwopt.result import Certificate, Design, Result
@@ -12,15 +13,22 @@ from uwopt.units import split_unit
 
 MOST_ASSUMPTIONS = 12
 LONGEST_REASON = 80
+NO_QUOTE_MATTERS = "no single number, known better, would change the answer"
+HELPFUL = "Each of these changes alone would let a system through:"
 
 
 def certificate_block(result: Result, certificate: Certificate) -> Block:
     """Bound, best value and gap, and where every combination went."""
+    return block("Certificate", [fact_lines(claim_facts(result, certificate)), *account_lines(certificate)])
+
+
+def claim_facts(result: Result, certificate: Certificate) -> list[tuple[str, str]]:
+    """What is claimed, and how far the claim reaches."""
     gap = words.quantity(certificate.gap_abs, str(result.objective.get("unit") or ""))
     if certificate.gap_rel is not None:
         gap += f" ({words.share(certificate.gap_rel)} of the best value)"
     maximised = result.objective.get("direction") == "maximise"
-    facts = [
+    return [
         (
             "no system can be " + ("above" if maximised else "below"),
             words.objective_text(result, certificate.lower_bound, 6),
@@ -30,6 +38,10 @@ def certificate_block(result: Result, certificate: Certificate) -> Block:
         ("complete", "yes" if certificate.complete else "no, the search was stopped"),
         ("covers", certificate.scope),
     ]
+
+
+def account_lines(certificate: Certificate) -> list[Line]:
+    """Where every combination went, and whether that adds up."""
     account = columns(("", "right"), ("", "left"), header=False)
     account.add_row(
         Text(words.count_text(certificate.loaded)), Text("combinations loaded: all parts of the catalogue")
@@ -44,17 +56,17 @@ def certificate_block(result: Result, certificate: Certificate) -> Block:
             account.add_row(
                 Text(words.count_text(item["count"])), Text("  " + words.rule_name(str(item["rule"])))
             )
-    return block("Certificate", [fact_lines(facts), account, sentence(words.account_sentence(certificate))])
+    return [account, sentence(words.account_sentence(certificate))]
 
 
-def infeasible_block(result: Result) -> Block:
+def infeasible_block(result: Result | FrontResult) -> Block:
     """The least that single requirements would have to give, and what excludes how much."""
     why = result.infeasible or {}
     stopped = result.status == "stopped"
     helpful = relaxations_of(why)
     lines: list[Line] = []
     if helpful:
-        lines.append(sentence("Each of these changes alone would let a system through:"))
+        lines.append(sentence(HELPFUL))
         lines.append(relaxation_table(result, helpful))
     elif not stopped:
         lines.append(sentence("No single requirement stands in the way; at least two have to give."))
@@ -75,13 +87,19 @@ def infeasible_block(result: Result) -> Block:
     return block("What stood in the way so far" if stopped else "Why nothing fits", lines)
 
 
-def miss_sentence(result: Result) -> Text | None:
+def miss_sentence(result: Result | FrontResult) -> Text | None:
     """What the nearest miss does not meet."""
+    text = miss_text(result)
+    return sentence(f"It {text}.") if text else None
+
+
+def miss_text(result: Result | FrontResult) -> str:
+    """`meets all that is asked but signal to noise (min_snr): 28 dB instead of 30 dB`; "" if not known."""
     helpful = relaxations_of(result.infeasible or {})
     if not helpful:
-        return None
+        return ""
     name, asked, possible = relaxation_texts(result, helpful[0])
-    return sentence(f"It meets all that is asked but {name}: {possible} instead of {asked}.")
+    return f"meets all that is asked but {name}: {possible} instead of {asked}"
 
 
 def relaxations_of(why: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -90,7 +108,7 @@ def relaxations_of(why: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [*(why.get("relaxations") or []), *own]
 
 
-def relaxation_table(result: Result, items: list[Mapping[str, Any]]) -> Grid:
+def relaxation_table(result: Result | FrontResult, items: list[Mapping[str, Any]]) -> Grid:
     """What is asked and what could be had."""
     table = columns(("requirement", "left"), ("asked", "right"), ("possible", "right"))
     for item in items:
@@ -98,7 +116,7 @@ def relaxation_table(result: Result, items: list[Mapping[str, Any]]) -> Grid:
     return table
 
 
-def relaxation_texts(result: Result, item: Mapping[str, Any]) -> tuple[str, str, str]:
+def relaxation_texts(result: Result | FrontResult, item: Mapping[str, Any]) -> tuple[str, str, str]:
     """Requirement, what is asked, what could be had."""
     currency = str((result.mission.get("limits") or {}).get("currency") or "")
     name = str(item.get("name") or "")
@@ -118,35 +136,16 @@ def relaxation_texts(result: Result, item: Mapping[str, Any]) -> tuple[str, str,
 def robustness_block(result: Result) -> Block:
     """What the estimated numbers could change."""
     doubt = result.robustness or {}
-    facts = []
-    regret = doubt.get("max_regret")
-    if isinstance(regret, (int, float)):
-        value = words.objective_text(result, float(regret))
-        text = "0: no end of the estimates makes another system better" if regret <= 0 else (
-            f"{value}: the most by which a rival could be better, the estimates at their ends")  # fmt: skip
-        facts.append(("regret", text))
-    elif doubt.get("feasible_at_bad_end") is False:
-        facts.append(
-            ("regret", "unbounded: with its estimates at their bad ends this system is not feasible")
-        )
+    facts = [("regret", regret_text(result))]
     if doubt.get("complete") is False:
         facts.append(("", "the search for a rival was cut short, and single quotes were not tried: settings have "
                           "no closed form here, and each takes long"))  # fmt: skip
     facts.append(("rival", rival_text(doubt.get("rival"))))
-    if doubt.get("feasible_at_bad_end") is not None:
-        holds = (
-            "every requirement still holds" if doubt["feasible_at_bad_end"] else "a requirement may be missed"
-        )
-        facts.append(("at the bad ends", holds))
+    facts.append(("at the bad ends", bad_ends_text(doubt)))
     facts += [("other water", water_text(other, result)) for other in doubt.get("waters") or []]
     facts += tilt_facts(doubt)
     quotes = doubt.get("quotes_that_matter") or []
-    facts.append(
-        (
-            "quotes that matter",
-            "" if quotes else "none: no single number, known better, would change the answer",
-        )
-    )
+    facts.append(("quotes that matter", "" if quotes else f"none: {NO_QUOTE_MATTERS}"))
     lines: list[Line] = [fact_lines(facts)]
     if quotes:
         lines.append(
@@ -158,7 +157,29 @@ def robustness_block(result: Result) -> Block:
     return block("How firm this is", lines)
 
 
-def effect_lines(result: Result) -> list[str]:
+def regret_text(result: Result) -> str:
+    """How much better a rival could be; "" where that was not worked out."""
+    doubt = result.robustness or {}
+    regret = doubt.get("max_regret")
+    if isinstance(regret, (int, float)):
+        if regret <= 0:
+            return "0: no end of the estimates makes another system better"
+        value = words.objective_text(result, float(regret))
+        return f"{value}: the most by which a rival could be better, the estimates at their ends"
+    if doubt.get("feasible_at_bad_end") is False:
+        return "unbounded: with its estimates at their bad ends this system is not feasible"
+    return ""
+
+
+def bad_ends_text(doubt: Mapping[str, Any]) -> str:
+    """Whether the requirements hold with all estimates at their bad ends; "" where that is not known."""
+    holds = doubt.get("feasible_at_bad_end")
+    if holds is None:
+        return ""
+    return "every requirement still holds" if holds else "a requirement may be missed"
+
+
+def effect_lines(result: Result | FrontResult) -> list[str]:
     """Each effect with the bound of its influence, and whether the model keeps it here."""
     shown = []
     for item in result.physics.get("effects") or []:
@@ -326,10 +347,15 @@ def plain_fact(name: str, value: Any) -> str:
     return words.one_line(value, 120) if isinstance(value, str) else ""
 
 
-def assumption_blocks(result: Result) -> Iterator[Block]:
+def assumption_blocks(result: Result | FrontResult) -> Iterator[Block]:
     """What was assumed, and what the physics leaves out."""
     if result.assumptions:
         yield block(f"Assumptions ({len(result.assumptions)})", assumption_lines(result))
+    yield model_block(result)
+
+
+def model_block(result: Result | FrontResult) -> Block:
+    """Which physics, what it leaves out here, and what it never has."""
     physics = [f"physics {words.one_line(result.physics.get('name') or '')}"]
     effects = result.physics.get("effects") or []
     left = [str(effect.get("name")) for effect in effects if not effect.get("kept")]
@@ -343,22 +369,23 @@ def assumption_blocks(result: Result) -> Iterator[Block]:
     if missing:
         lines.append(sentence("not modelled: " + "; ".join(map(str, missing))))
     lines += [sentence(text) for text in effect_lines(result)]
-    yield block("Model", lines)
+    return block("Model", lines)
 
 
-def assumption_lines(result: Result) -> list[Line]:
-    """What the model takes for granted, then estimated numbers, one a line."""
+def assumption_lines(result: Result | FrontResult, *, whole: bool = False) -> list[Line]:
+    """What the model takes for granted, then estimated numbers, one a line; the first of them unless `whole`."""
+    most, longest = (len(result.assumptions), 400) if whole else (MOST_ASSUMPTIONS, LONGEST_REASON)
     ranked = sorted(result.assumptions, key=lambda item: item.get("low") is not None)
     table = columns(("what", "left"), ("value", "right"), ("range", "right"), ("why", "left"))
-    for item in ranked[:MOST_ASSUMPTIONS]:
+    for item in ranked[:most]:
         unit = str(item.get("unit") or "")
         table.add_row(
-            Text(words.one_line(item.get("path") or "", 40)),
+            Text(words.one_line(item.get("path") or "", longest // 2)),
             Text(assumed(item.get("value"), unit)),
             Text(range_text(item.get("low"), item.get("high"), unit)),
-            Text(words.one_line(item.get("source") or "", LONGEST_REASON)),
+            Text(words.one_line(item.get("source") or "", longest)),
         )
-    rest = len(ranked) - MOST_ASSUMPTIONS
+    rest = len(ranked) - most
     return [
         table,
         *([sentence(f"and {rest} more; --json and result.json list all", "dim")] if rest > 0 else []),

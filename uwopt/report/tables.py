@@ -6,9 +6,11 @@ are, never read as markup.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
+from uwopt.front_result import FrontResult
 from uwopt.report import words
 from uwopt.report.doubts import (
     assumption_blocks,
@@ -19,7 +21,7 @@ from uwopt.report.doubts import (
     second_opinion_block,
 )
 from uwopt.report.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
-from uwopt.result import Design, Margin, Result, SceneResult
+from uwopt.result import Design, Margin, Result, SceneResult, design_from_dict
 
 ONE_COLUMN_A_SCENE = 3  # more scenes are shown one a row
 
@@ -49,14 +51,11 @@ def result_blocks(result: Result) -> Iterator[Block | Text]:
         yield sentence(f"Took {words.run_time_sentence(result.timing_s)}.", style="dim")
 
 
-def nearest_miss(result: Result) -> Design | None:
+def nearest_miss(result: Result | FrontResult) -> Design | None:
     """The design that came nearest to feasible, whether read from a file or made here."""
     miss = (result.infeasible or {}).get("nearest_miss")
     if isinstance(miss, dict):
-        return Result.from_dict(
-            {"command": "evaluate", "status": "violated", "mission": {}, "physics": {}, "objective": {},
-             "uwopt_version": "", "design": miss}
-        ).design  # fmt: skip
+        return design_from_dict(miss)
     return miss if isinstance(miss, Design) else None
 
 
@@ -105,7 +104,7 @@ def hardware_block(design: Design, title: str, note: Text | None = None) -> Bloc
     return block(title, [*([note] if note else []), table, fact_lines(facts)])
 
 
-def settings_block(result: Result, design: Design) -> Block:
+def settings_block(result: Result | FrontResult, design: Design) -> Block:
     """What to set: rounded values where there are any, the exact ones beside or below them."""
     scenes = design.scenes
     rounded = any(scene.settings_to_set for scene in scenes)
@@ -158,7 +157,7 @@ def settings_by_row(scenes: Sequence[SceneResult]) -> Grid:
     return table
 
 
-def rounding_lines(result: Result, design: Design) -> list[Line]:
+def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
     """What rounding to settable values costs, and whether it still fits."""
     rounded = design.rounded
     if not rounded:
@@ -172,7 +171,7 @@ def rounding_lines(result: Result, design: Design) -> list[Line]:
             )
         ]
     value, exact = rounded.get("objective_value"), design.objective_value
-    if value is None or exact is None:
+    if value is None or exact is None or isinstance(result, FrontResult):
         return [sentence("Rounded as shown and checked again: every requirement still holds.")]
     unit = str(result.objective.get("unit") or "")
     moved = words.change(value - exact, unit, exact)
@@ -205,50 +204,58 @@ def common_margins(scenes: Sequence[SceneResult]) -> list[Margin]:
 
 def margin_table(margins: Sequence[Margin], design: Design) -> Grid:
     """One row a requirement that applies: value, limit, what is left, where it is worst."""
-    kinds = {str(part["id"]): kind for kind, part in design.hardware.items() if isinstance(part, dict)}
+    kinds = kinds_by_id(design)
     table = columns(
         ("requirement", "left"), ("value", "right"), ("limit", "right"), ("margin", "right"),
         ("worst at", "right"), ("", "left"),
     )  # fmt: skip
     for margin in margins:
-        if margin.satisfied and margin.margin is None:  # infinite room: this lamp or camera has no such limit
+        if has_no_limit(margin):
             continue
-        sign = {"<=": "at most ", ">=": "at least "}.get(margin.sense, "exactly ")
-        if margin.satisfied:
-            mark = Text("binding", "yellow") if margin.binding else Text("")
-        else:
-            mark = Text("MISSED", "bold red")
-        table.add_row(
-            Text(words.requirement_name(margin.requirement, kinds)),
-            Text(words.quantity(margin.value, margin.unit, 4)),
-            Text(
-                sign + words.quantity(margin.limit, margin.unit, 4)
-                if margin.limit is not None
-                else "no limit"
-            ),
-            Text(words.margin_text(margin)),
-            Text("" if margin.at_altitude_m is None else words.quantity(margin.at_altitude_m, "m")),
-            mark,
-        )
+        mark = MARKS[margin_state(margin)]
+        table.add_row(*map(Text, margin_texts(margin, kinds)), mark)
     return table
+
+
+#: What stands behind a margin.
+MARKS = {"met": Text(""), "binding": Text("binding", "yellow"), "missed": Text("MISSED", "bold red")}
+
+
+def has_no_limit(margin: Margin) -> bool:
+    """Whether there is infinite room: this lamp or camera has no such limit."""
+    return margin.satisfied and margin.margin is None
+
+
+def margin_state(margin: Margin) -> str:
+    """met | binding | missed."""
+    if not margin.satisfied:
+        return "missed"
+    return "binding" if margin.binding else "met"
+
+
+def margin_texts(margin: Margin, kinds: Mapping[str, str]) -> tuple[str, str, str, str, str]:
+    """Requirement, value, limit, what is left, and the altitude where it is worst."""
+    sign = {"<=": "at most ", ">=": "at least "}.get(margin.sense, "exactly ")
+    limit = "no limit" if margin.limit is None else sign + words.quantity(margin.limit, margin.unit, 4)
+    return (
+        words.requirement_name(margin.requirement, kinds),
+        words.quantity(margin.value, margin.unit, 4),
+        limit,
+        words.margin_text(margin),
+        "" if margin.at_altitude_m is None else words.quantity(margin.at_altitude_m, "m"),
+    )
+
+
+def kinds_by_id(design: Design) -> dict[str, str]:
+    """Which kind of part an id names."""
+    return {str(part["id"]): kind for kind, part in design.hardware.items() if isinstance(part, dict)}
 
 
 def totals_block(design: Design) -> Block:
     """Cost, power and mass in two lines."""
     totals = design.totals
-    power = (
-        f"power {words.quantity(totals.get('power_w'), 'W')}"
-        f" (lights {words.quantity(totals.get('light_power_w'), 'W')} on average,"
-        f" {words.quantity(totals.get('light_peak_power_w'), 'W')} at peak),"
-        f" mass {words.quantity(totals.get('mass_kg'), 'kg')}"
-    )
-    return block(
-        "Cost, power and mass",
-        [
-            sentence(words.cost_sentence(totals.get("cost") or {}, words.n_unpriced(design.bom))),
-            sentence(power),
-        ],
-    )
+    cost = words.cost_sentence(totals.get("cost") or {}, words.n_unpriced(design.bom))
+    return block("Cost, power and mass", [sentence(cost), sentence(words.power_sentence(totals))])
 
 
 def bom_block(design: Design) -> Block:
@@ -263,28 +270,53 @@ def bom_block(design: Design) -> Block:
     )
     doubtful = False
     for row in design.bom:
-        status = str(row.get("price_status") or "")
-        estimated = status in ("estimated", "to be made")
-        doubtful |= estimated
-        number, owned, currency = row["count"], row.get("owned") or 0, str(row.get("currency") or "")
-        price = row.get("unit_price")
-        each = words.estimated_text(price, row.get("unit_price_low"), row.get("unit_price_high"), currency)
-        due = None if price is None else max(0, number - owned) * price
-        known = [status, str(row.get("price_date") or ""), f"{owned} owned" if owned else ""]
+        line = bom_line(row)
+        doubtful |= line.estimated
         table.add_row(
-            Text(str(number)),
-            Text(words.one_line(row.get("kind") or "", 12)),
-            Text(words.one_line(row.get("id") or "", 60)),
-            Text(each if estimated else words.money(price, currency)),
-            Text(("~" if estimated and due else "") + words.money(due, currency)),
-            Text(words.one_line(", ".join(word for word in known if word), 60)),
+            Text(line.number),
+            Text(line.kind),
+            Text(line.id),
+            Text(line.each),
+            Text(line.due),
+            Text(line.known),
         )
-    legend = (
-        [sentence("~ estimated from parts of its class, with the range in brackets", "dim")]
-        if doubtful
-        else []
+    return block("Bill of materials", [table, *([sentence(ESTIMATED_LEGEND, "dim")] if doubtful else [])])
+
+
+ESTIMATED_LEGEND = "~ estimated from parts of its class, with the range in brackets"
+
+
+@dataclass(frozen=True)
+class BomLine:
+    """One row of a bill of materials in words."""
+
+    number: str
+    kind: str
+    id: str
+    each: str
+    due: str
+    known: str  # status of the price, its date, how many are owned
+    estimated: bool
+
+
+def bom_line(row: Mapping[str, Any]) -> BomLine:
+    """What to order, its price and how that is known."""
+    status = str(row.get("price_status") or "")
+    estimated = status in ("estimated", "to be made")
+    number, owned, currency = row["count"], row.get("owned") or 0, str(row.get("currency") or "")
+    price = row.get("unit_price")
+    each = words.estimated_text(price, row.get("unit_price_low"), row.get("unit_price_high"), currency)
+    due = None if price is None else max(0, number - owned) * price
+    known = [status, str(row.get("price_date") or ""), f"{owned} owned" if owned else ""]
+    return BomLine(
+        str(number),
+        words.one_line(row.get("kind") or "", 12),
+        words.one_line(row.get("id") or "", 60),
+        each if estimated else words.money(price, currency),
+        ("~" if estimated and due else "") + words.money(due, currency),
+        words.one_line(", ".join(word for word in known if word), 60),
+        estimated,
     )
-    return block("Bill of materials", [table, *legend])
 
 
 # ---------------------------------------------------------------- other designs
@@ -340,9 +372,10 @@ def difference_text(result: Result, design: Design, best: Design) -> str:
     return text
 
 
-def warning_blocks(result: Result) -> Iterator[Block]:
+def warning_blocks(result: Result | FrontResult) -> Iterator[Block]:
     """What the user should know of the input and the hardware."""
-    own = result.best.warnings if result.best is not None else []
+    best = result.best if isinstance(result, Result) else None
+    own = best.warnings if best is not None else []
     texts = dict.fromkeys(warning_text(item) for item in [*result.warnings, *own])
     if texts:
         yield block("Warnings", [sentence("- " + text) for text in texts])

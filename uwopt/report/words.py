@@ -36,6 +36,8 @@ REQUIREMENTS: Mapping[str, str] = {
     "overlap": "overlap along track",
     "frame_interval_s": "time between images",
     "frame_rate": "frame rate of the camera",
+    "nearest_focus_m": "nearest focus of the lens",
+    "port_clears_view_mm": "view clear of the port's edge",
     "dof_near_m": "near end of sharp depth",
     "dof_far_m": "far end of sharp depth",
     "min_dof_m": "depth of field",
@@ -300,6 +302,16 @@ def cost_sentence(cost: Mapping[str, Any], n_unpriced: int = 0) -> str:
     low, high = cost.get("estimated_low"), cost.get("estimated_high")
     span = f" ({money(low)}-{money(high)})" if low is not None and high is not None and low != high else ""
     return f"{text}, of which {money(cost['estimated'])} estimated{span}"
+
+
+def power_sentence(totals: Mapping[str, Any]) -> str:
+    """`power 3.05 W (lights 1.15 W on average, 638 W at peak), mass 1.08 kg`."""
+    return (
+        f"power {quantity(totals.get('power_w'), 'W')}"
+        f" (lights {quantity(totals.get('light_power_w'), 'W')} on average,"
+        f" {quantity(totals.get('light_peak_power_w'), 'W')} at peak),"
+        f" mass {quantity(totals.get('mass_kg'), 'kg')}"
+    )
 
 
 def n_unpriced(bom: Sequence[Mapping[str, Any]]) -> int:
