@@ -47,7 +47,9 @@ MAY_IMPORT: dict[str, set[str]] = {
         "optics",
         "scene",
     },
-    "report": {"report", "catalog", "model", "result", "front_result", "units", "errors"},
+    "report": {
+        "report", "catalog", "model", "result", "front_result", "replay", "curves", "maps", "picture", "units", "errors",
+    },  # fmt: skip
 }
 #: What they may not, where a list of what they may would be long.
 MAY_NOT_IMPORT: dict[str, set[str]] = {

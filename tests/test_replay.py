@@ -1,0 +1,125 @@
+"""A design is recomputed from its result file: same inputs, same figures."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace as changed
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import uwopt
+from uwopt.errors import UwoptError
+from uwopt.replay import ReplayError, mount_of, replay
+from uwopt.result import Design, Result
+
+PROBLEMS = Path(__file__).parents[1] / "problems"
+TWO_SCENES: dict[str, Any] = {
+    "name": "two", "physics": "full",
+    "scenes": [
+        {"name": "clear", "water": "IB", "seafloor": "sand", "depth_m": 20, "sun_lux": 2000},
+        {"name": "murky", "water": "1C", "seafloor": 0.2, "depth_m": 5, "vehicle": {"altitude_m": 1.2}},
+    ],
+    "vehicle": {"altitude_m": 1.5, "altitude_tolerance_m": 0.1, "speed_m_s": 0.4, "light_count": [2, 3],
+                "light_baseline_m": [0.5, 0.7], "light_tilt_deg": [0, 10]},
+    "requirements": {"overlap": 0.5, "max_blur_px": 2.0, "min_snr_db": 20, "max_gsd_mm": 1.5, "min_dof_m": 0.3},
+    "catalog": {"cameras": ["flir*"], "lenses": ["kowa"]},
+}  # fmt: skip
+
+
+def stored(result: Result) -> Result:
+    """A result as it comes back from its file."""
+    return Result.from_dict(json.loads(result.to_json()))
+
+
+def assert_same_figures(result: Result, design: Design) -> None:
+    made = replay(
+        result.mission,
+        design,
+        physics=result.physics,
+        mission_file=result.mission_file,
+        system=result.system,
+    )
+    for index, scene in enumerate(design.scenes):
+        again = json.loads(json.dumps(made.plain_figures(index)))
+        for name, value in scene.figures.items():
+            assert again[name] == (pytest.approx(value, rel=1e-9) if isinstance(value, float) else value), (
+                name
+            )
+
+
+@pytest.mark.parametrize("name", ["reef-mosaic", "paper-tool-window", "whoi-towcam"])
+def test_designs_that_were_searched_give_the_same_figures(name):
+    result = stored(uwopt.solve(PROBLEMS / f"{name}.yaml", top=2))
+    for design in (result.recommendation, *result.runners_up, result.generic_alternative):
+        if design is not None:
+            assert_same_figures(result, design)
+
+
+@pytest.mark.parametrize("name", ["nui-acfr", "paper-tank", "whoi-abe", "awi-ofobs"])
+def test_systems_that_were_evaluated_give_the_same_figures(name):
+    result = stored(uwopt.evaluate(PROBLEMS / f"{name}.yaml", PROBLEMS / f"{name}.system.yaml"))
+    assert result.system is not None
+    assert_same_figures(result, result.design)
+
+
+def test_every_scene_gives_the_same_figures():
+    result = stored(uwopt.solve(TWO_SCENES, top=1))
+    assert len(result.recommendation.scenes) == 2
+    assert_same_figures(result, result.recommendation)
+
+
+def test_results_carry_the_mission_as_it_was_written(tmp_path):
+    text = (PROBLEMS / "paper-tank.yaml").read_text(encoding="utf-8")
+    result = uwopt.evaluate(PROBLEMS / "paper-tank.yaml", PROBLEMS / "paper-tank.system.yaml")
+    assert result.mission_file == {"name": "paper-tank.yaml", "folder": "", "text": text}
+    assert uwopt.evaluate(result.mission, result.system).mission_file is None
+
+
+def water_file(folder: Path) -> Path:
+    """A mission with a water of its own, in a folder."""
+    rows = "\n".join(f"{nm},0.2,0.1,0.1,0.15" for nm in range(380, 790, 10))
+    (folder / "own.csv").write_text(
+        f"# own water\nwavelength_nm,attenuation_per_m,a_per_m,b_per_m,kd_per_m\n{rows}\n"
+    )
+    text = (PROBLEMS / "nui-acfr.yaml").read_text(encoding="utf-8").replace("water: IB", "water: own.csv")
+    (folder / "mission.yaml").write_text(text, encoding="utf-8")
+    return folder / "mission.yaml"
+
+
+def test_files_are_found_beside_the_mission_and_missed_when_they_move(tmp_path):
+    mission = water_file(tmp_path)
+    result = stored(uwopt.evaluate(mission, PROBLEMS / "nui-acfr.system.yaml"))
+    assert result.mission_file["folder"] == str(tmp_path)
+    assert_same_figures(result, result.design)
+    (tmp_path / "own.csv").unlink()
+    with pytest.raises(ReplayError, match=r"cannot be recomputed.*own\.csv"):
+        assert_same_figures(result, result.design)
+
+
+def test_a_part_that_left_the_catalogue_is_named():
+    result = stored(uwopt.solve(PROBLEMS / "paper-tool-window.yaml", top=1))
+    design = result.recommendation
+    gone = changed(design, hardware=design.hardware | {"lens": {**design.hardware["lens"], "id": "acme-9mm"}})
+    with pytest.raises(UwoptError, match="lens acme-9mm"):
+        assert_same_figures(result, gone)
+
+
+def test_other_figures_than_the_files_are_refused():
+    result = stored(uwopt.evaluate(PROBLEMS / "paper-tank.yaml", PROBLEMS / "paper-tank.system.yaml"))
+    scene = result.design.scenes[0]
+    other = changed(
+        scene, figures=scene.figures | {"electrons_signal": scene.figures["electrons_signal"] * 1.01}
+    )
+    with pytest.raises(ReplayError, match="electrons_signal"):
+        assert_same_figures(result, changed(result.design, scenes=[other]))
+
+
+def test_lights_on_the_grid_are_one_mount_and_others_stand_one_by_one():
+    pair = [
+        {"x_m": 0.0, "y_m": y, "z_m": 0.0, "tilt_x_deg": 0.0, "tilt_y_deg": 5.0} for y in (0.8, -0.8, 0.8)
+    ]
+    assert (mount_of(pair, []).baseline_m, mount_of(pair, []).tilt_deg) == (0.8, 5.0)
+    moved = [*pair[:2], {**pair[2], "x_m": 0.1}]
+    assert len(mount_of(moved, []).explicit) == 3

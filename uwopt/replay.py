@@ -1,0 +1,207 @@
+"""A design of a result file, made ready to be asked again: model and settings from the inputs it holds.
+
+Pictures and curves of a report are not stored, they are recomputed by the model that made the figures.
+The mission comes from the result (files that it names are looked for where the mission file stood), the
+parts from the catalogue of today or from the system that was evaluated, the settings from the design.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from uwopt.catalog.catalogue import plain_name
+from uwopt.design_model import DesignModel, Hardware, SceneSettings
+from uwopt.errors import UwoptError
+from uwopt.figures import Figures, SettingRows
+from uwopt.mission import Mission, load_mission
+from uwopt.mission_sections import LightMount
+from uwopt.model.fidelity import Effects
+from uwopt.model.port import lens_dioptre_per_m
+from uwopt.problem import Mount, Problem, mission_mounts
+from uwopt.reported import plain_figures
+from uwopt.result import Design
+from uwopt.system import load_system
+
+KINDS = ("camera", "lens", "port", "light")
+SAME_REL = 1e-6  # figures that tell whether the inputs are still those of the result
+TELLING = (
+    "fov_x_m",
+    "fov_y_m",
+    "gsd_mm",
+    "electrons_signal",
+    "snr",
+    "dof_near_m",
+    "floor_illuminance_mean_lx",
+)
+
+
+class ReplayError(UwoptError):
+    """A design cannot be recomputed from its result file, because something it needs is gone or has changed."""
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A design's model with its settings, by scene."""
+
+    model: DesignModel
+    settings: tuple[SettingRows, ...]
+
+    def figures(self, scene: int = 0, *, information: bool = True) -> Figures:
+        """Figures of one scene, as the evaluation of the design computes them."""
+        paper = self.model.problem.paper
+        return self.model.figures(scene, self.settings[scene], information=information and not paper)
+
+    def plain_figures(self, scene: int = 0) -> dict[str, Any]:
+        """The same by the names that reports use."""
+        return plain_figures(self.model, scene, self.settings[scene], self.figures(scene))
+
+
+def replay(
+    mission: Mapping[str, Any],
+    design: Design,
+    *,
+    physics: Mapping[str, Any],
+    mission_file: Mapping[str, str] | None = None,
+    system: Mapping[str, Any] | None = None,
+) -> Replay:
+    """The model and settings of one design of a result.
+
+    Parameters
+    ----------
+    mission : as the result holds it, defaults filled in
+    design : recommendation, runner-up, point of a front, or what was evaluated
+    physics : the result's; of an evaluation in physics `auto` it says which effects were left out
+    mission_file : the result's; its folder is where CSV files of the mission are looked for
+    system : the result's, of an evaluation; None for a design that was searched
+
+    Raises
+    ------
+    ReplayError : a file has moved, a part has left the catalogue, or the figures come out otherwise
+    """
+    try:
+        folder = (mission_file or {}).get("folder") or None
+        wanted = load_mission(mission, base_dir=None if folder is None else Path(folder))
+        if system is None:
+            problem, hardware = searched_problem(wanted, design)
+        else:
+            problem, hardware = evaluated_problem(wanted, system, physics)
+        model = DesignModel(problem, hardware)
+        made = Replay(
+            model,
+            tuple(
+                model.settings(index, given_settings(model, index, scene.settings))
+                for index, scene in enumerate(design.scenes)
+            ),
+        )
+    except UwoptError as fault:
+        raise ReplayError(f"the design cannot be recomputed: {fault}") from fault
+    except OSError as fault:
+        name = fault.filename or "a file"
+        raise ReplayError(
+            f"the design cannot be recomputed: {name} cannot be read; put the files that the mission names back"
+        ) from fault
+    refuse_changed(made, design)
+    return made
+
+
+def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardware]:
+    """Tables over the parts that were searched, and the design's place in them; every effect is kept."""
+    from uwopt.api import load_catalog
+    from uwopt.solvers.recommend import build_problem, selected
+
+    chosen = design.hardware
+    to_be_made = any(chosen[kind]["generic"] for kind in KINDS)
+    allow = to_be_made or mission.catalog.generic == "allow"
+    selection = selected(mission, load_catalog(mission), generic="allow" if allow else "never")
+    problem = build_problem(mission, selection)
+    parts = problem.parts
+    rows = (parts.cameras, parts.lenses, parts.ports, parts.lights)
+    camera, lens, port, light = (
+        place_of(chosen[kind]["id"], kind, row) for kind, row in zip(KINDS, rows, strict=True)
+    )
+    landscape, count = chosen["orientation"] == "landscape", int(chosen["light_count"])
+    mount = mount_of(chosen["light_mounts"], mission_mounts(mission))
+    if mount not in problem.mounts:
+        problem.mounts.append(mount)
+    return problem, Hardware(camera, lens, port, landscape, light, count, mount)
+
+
+def place_of(part_id: str, kind: str, parts: tuple[Any, ...]) -> int:
+    """Index of a part among those that the mission allows."""
+    wanted = plain_name(part_id)
+    for index, part in enumerate(parts):
+        if plain_name(part.id) == wanted:
+            return index
+    raise ReplayError(
+        f"{kind} {part_id} is not among the parts that the mission allows today; solve the mission again, or "
+        "install the version of uwopt that made the result"
+    )
+
+
+def mount_of(mounts: list[dict[str, float]], declared: list[Mount]) -> Mount:
+    """The lights' places: those of the declared grid where they are on it, else one by one."""
+    places = [LightMount.model_validate(m) for m in mounts]
+    for one in declared:
+        if one.explicit and [m.model_dump() for m in one.explicit] == [m.model_dump() for m in places]:
+            return one
+    first = places[0]
+    plain = Mount(abs(first.y_m), first.tilt_y_deg)
+    level = all(m.x_m == m.z_m == m.tilt_x_deg == 0.0 and m.tilt_y_deg == plain.tilt_deg for m in places)
+    sides = [plain.baseline_m * (1.0 if n % 2 == 0 else -1.0) for n in range(len(places))]
+    if level and [m.y_m for m in places] == sides:
+        return plain
+    return Mount(explicit=tuple(places))
+
+
+def evaluated_problem(
+    mission: Mission, system: Mapping[str, Any], physics: Mapping[str, Any]
+) -> tuple[Problem, Hardware]:
+    """Tables of the system that was evaluated, without the effects that physics `auto` left out."""
+    from uwopt.api import system_problem
+
+    problem, hardware = system_problem(mission, load_system(system))
+    if mission.physics == "auto":
+        left_out = [item["name"] for item in physics.get("effects", []) if not item["kept"]]
+        problem = problem.with_effects(Effects().without(left_out))
+    return problem, hardware
+
+
+def given_settings(model: DesignModel, index: int, settings: Mapping[str, float | None]) -> SceneSettings:
+    """A design's settings in SI; a focus distance that is absent is infinite."""
+
+    def si(key: str, scale: float = 1.0) -> float | None:
+        value = settings.get(key)
+        return None if value is None else float(value) * scale
+
+    focus = si("focus_distance_m")
+    distance_m = np.inf if focus is None else focus
+    return SceneSettings(
+        f_number=si("f_number"),
+        exposure_s=si("exposure_ms", 1e-3),
+        pulse_s=si("pulse_ms", 1e-3),
+        gain=si("gain"),
+        level=si("dim_frac"),
+        rate_hz=si("frame_rate_hz"),
+        dioptre_per_m=float(lens_dioptre_per_m(distance_m, focus_map=model.maps[index])),
+    )
+
+
+def refuse_changed(made: Replay, design: Design) -> None:
+    """Raise where the model of today gives other figures than the result holds."""
+    for index, scene in enumerate(design.scenes):
+        now = made.plain_figures(index)
+        for name in TELLING:
+            then = scene.figures.get(name)
+            if then is None or now[name] is None:
+                continue
+            if abs(float(now[name]) - float(then)) > SAME_REL * abs(float(then)):
+                raise ReplayError(
+                    f"the design cannot be recomputed: {name} of scene {scene.name!r} is {float(then):.6g} in the "
+                    f"result, {float(now[name]):.6g} today; the catalogue, a file of the mission or the model has "
+                    "changed since, so solve or evaluate again"
+                )
