@@ -6,6 +6,7 @@ UwoptError
   RangeError      a number lies outside what a formula or table covers
   SolverError     a solver could not do its work (infeasible is a result, not an error)
   OutputError     a result cannot be written where it was asked for
+  ResultError     a result file cannot be read: none, cut off, of another version, or changed by hand
 """
 
 from __future__ import annotations
@@ -43,3 +44,7 @@ class SolverError(UwoptError):
 
 class OutputError(UwoptError):
     """A result cannot be written where it was asked for."""
+
+
+class ResultError(FaultsError):
+    """A result file cannot be read."""

@@ -1,0 +1,204 @@
+"""A front as the page's script needs it: columns of numbers for plots and filters, texts for the eye.
+
+All texts are made here, by the same words as everywhere; the script only places them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from uwopt.front_result import FrontMethod, FrontPoint, FrontResult
+from uwopt.report import words
+from uwopt.report.page_parts import Card, bar, cards, scene_value
+from uwopt.report.tables import has_no_limit, kinds_by_id, shown_settings
+from uwopt.report.verdict import axis_name
+from uwopt.result import Design, SceneResult
+from uwopt.units import format_number, symbol
+
+KINDS = ("camera", "lens", "port", "light")
+#: Figures beside the objectives, by the objective that shows the same: name, title, unit.
+BESIDE = (
+    ("cost", "cost", "cost", ""),
+    ("power", "power_w", "power", "W"),
+    ("gsd_mm", "gsd_mm", "pixel on the floor", "mm"),
+    ("snr_db", "snr_db", "signal to noise", "dB"),
+    ("", "dof_m", "depth of field", "m"),
+    ("", "frame_rate_hz", "frame rate", "Hz"),
+    ("", "f_number", "f-number", ""),
+)
+
+
+class Texts:
+    """Texts by number, each kept once: what all points share must not fill the file."""
+
+    def __init__(self) -> None:
+        self.all: list[str] = []
+        self._numbers: dict[str, int] = {}
+
+    def number(self, text: str) -> int:
+        """The number of a text."""
+        if text not in self._numbers:
+            self._numbers[text] = len(self.all)
+            self.all.append(text)
+        return self._numbers[text]
+
+    def row(self, *texts: str) -> list[int]:
+        """Numbers of several texts."""
+        return [self.number(text) for text in texts]
+
+
+def front_data(front: FrontResult) -> dict[str, Any]:
+    """Objectives, columns, points, picks and peers, ready for JSON."""
+    texts = Texts()
+    columns = front_columns(front)
+    names = pick_names(front)
+    return {
+        "objectives": [
+            {"name": o.name, "title": axis_name(o), "unit": symbol(o.unit),
+             "maximise": o.direction == "maximise", "log": is_logarithmic(front, o.name)}
+            for o in front.objectives
+        ],
+        "columns": [
+            {"key": key, "title": title, "unit": symbol(unit)} for key, title, unit, _ in columns
+        ],
+        "points": [
+            point_data(point, names.get(point.id, ""), [(c[2], c[3][index]) for c in columns], texts)
+            for index, point in enumerate(front.points)
+        ],
+        "picks": [
+            {"name": words.one_line(pick.name, 40), "point": pick.point, "definition": words.one_line(pick.definition)}
+            for pick in front.picks
+        ],
+        "peers": [
+            {"method": words.one_line(peer.get("method") or "", 30),
+             "values": [peer["values"].get(o.name) for o in front.objectives],
+             "hardware": texts.number(words.one_line(" + ".join(map(str, peer.get("hardware") or [])), 200))}
+            for peer in front.peers
+        ],
+        "texts": texts.all,
+    }  # fmt: skip
+
+
+def pick_names(front: FrontResult) -> dict[str, str]:
+    """The names of a point's picks, by the point's id."""
+    names: dict[str, list[str]] = {}
+    for pick in front.picks:
+        names.setdefault(pick.point, []).append(words.one_line(pick.name, 40))
+    return {point: ", ".join(own) for point, own in names.items()}
+
+
+def is_logarithmic(front: FrontResult, name: str) -> bool:
+    """Whether an axis is scaled by logarithm: as the reference says, where all values are above 0."""
+    asked = (front.reference.get("log") or {}).get(name, name in ("power", "cost"))
+    every = [point.values[name] for point in front.points] + [
+        peer["values"].get(name) or 0.0 for peer in front.peers
+    ]
+    return bool(asked) and all(value > 0 for value in every)
+
+
+def front_columns(front: FrontResult) -> list[tuple[str, str, str, list[float | None]]]:
+    """Numbers of every point: the objectives, then figures that are known and not the same for all."""
+    columns: list[tuple[str, str, str, list[float | None]]] = [
+        (o.name, axis_name(o), o.unit, [point.values[o.name] for point in front.points])
+        for o in front.objectives
+    ]
+    taken = {o.name for o in front.objectives}
+    for objective, name, title, unit in BESIDE:
+        values = [beside(point.design, name) for point in front.points]
+        if objective not in taken and any(value is not None for value in values):
+            columns.append((name, title, unit or (currency(front) if name == "cost" else ""), values))
+    return columns
+
+
+def beside(design: Design, name: str) -> float | None:
+    """A total or a figure of the first scene."""
+    if name == "cost":
+        value = (design.totals.get("cost") or {}).get("value")
+        return None if value is None else float(value)
+    if name == "power_w":
+        return scene_value(design.totals, {}, name)
+    return scene_value(design.scenes[0].figures, design.scenes[0].settings, name)
+
+
+def currency(front: FrontResult) -> str:
+    """The currency of the mission's limits."""
+    return words.one_line((front.mission.get("limits") or {}).get("currency") or "", 8)
+
+
+def point_data(
+    point: FrontPoint, pick: str, numbers: Sequence[tuple[str, float | None]], texts: Texts
+) -> dict[str, Any]:
+    """One point: numbers and texts of its columns, parts, and all that its card shows."""
+    design, hardware = point.design, point.design.hardware
+    kinds = kinds_by_id(design)
+    counts = {"light": hardware.get("light_count") or 1}
+    return {
+        "id": words.one_line(point.id, 20), "pick": pick, "curve": words.one_line(point.curve, 20),
+        "method": words.one_line(point.method, 20), "values": [value for _, value in numbers],
+        "shown": texts.row(*(words.quantity(value, unit, 4) for unit, value in numbers)),
+        "parts": texts.row(*(words.part_id(hardware[kind]) for kind in KINDS)),
+        "names": texts.row(*(words.part_name(hardware[kind]) for kind in KINDS)),
+        "counts": [counts.get(kind, hardware.get("camera_count") or 1) for kind in KINDS],
+        "stand": texts.number(stand_text(hardware)),
+        "cards": [texts.row(*card_texts(card)) for card in cards(design)],
+        "scenes": [
+            {
+                "name": texts.number(words.one_line(scene.name, 60) if len(design.scenes) > 1 else ""),
+                "settings": [texts.row(name, value) for name, value in setting_pairs(scene)],
+                "margins": [
+                    [*texts.row(b.name, b.value, b.limit, b.left, b.state), b.start, b.width]
+                    for b in (bar(margin, kinds) for margin in scene.margins if not has_no_limit(margin))
+                ],
+            }
+            for scene in design.scenes
+        ],
+    }  # fmt: skip
+
+
+def card_texts(card: Card) -> tuple[str, str, str]:
+    """Title, value and note."""
+    return card.title, card.value, card.note
+
+
+def setting_pairs(scene: SceneResult) -> list[tuple[str, str]]:
+    """The settings to type in, in words."""
+    chosen = scene.settings_to_set or scene.settings
+    return [
+        (words.SETTINGS[name][0], words.setting_text(name, chosen.get(name)))
+        for name in shown_settings([scene])
+    ]
+
+
+def stand_text(hardware: dict[str, Any]) -> str:
+    """How camera and lights stand."""
+    mounts = words.mounts_text(hardware.get("light_mounts") or [])
+    return f"{words.one_line(hardware.get('orientation') or '', 20)}" + (
+        f", lights {mounts}" if mounts else ""
+    )
+
+
+# ---------------------------------------------------------------- methods
+
+
+def method_rows(front: FrontResult) -> list[list[str]]:
+    """How each method did, in words."""
+    return [method_texts(method) for method in front.methods]
+
+
+METHOD_HEADS = (
+    "method", "status", "time", "points", "evaluations", "hypervolume", "of the exact one", "IGD+",
+)  # fmt: skip
+
+
+def method_texts(method: FrontMethod) -> list[str]:
+    """One method in words; dashes where a figure has no meaning."""
+    bound = method.hypervolume_bound
+    most = "" if bound is None else f" (at most {format_number(bound, 5)})"
+    ratio = method.hypervolume_ratio
+    return [
+        words.one_line(method.name, 30), words.one_line(method.status, 30), words.quantity(method.seconds, "s", 2),
+        words.count_text(method.n_points), words.count_text(method.evaluations),
+        format_number(method.hypervolume, 5) + most,
+        words.quantity(None) if ratio is None else words.share(ratio), words.quantity(method.igd_plus, "", 2),
+    ]  # fmt: skip

@@ -1,0 +1,43 @@
+"""Colours of the page: one list for light and paper, one for dark; contrast is tested from here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+LIGHT: Mapping[str, str] = {
+    "bg": "#f6f8f9", "panel": "#ffffff", "soft": "#edf2f5", "ink": "#16212b", "muted": "#51606d", "line": "#d5dde3",
+    "accent": "#0a6480", "accent-soft": "#e2f0f4", "on-accent": "#ffffff",
+    "good": "#1c6b40", "good-soft": "#e3f3e9", "warn": "#7d5200", "warn-soft": "#fbf0d9", "bad": "#a31f1f",
+    "bad-soft": "#fbe6e4", "bar": "#5f9fb5", "grid": "#e1e7eb",
+}  # fmt: skip
+DARK: Mapping[str, str] = {
+    "bg": "#0f151a", "panel": "#172028", "soft": "#1e2932", "ink": "#e7edf2", "muted": "#a3b3c0", "line": "#31404c",
+    "accent": "#67c5e2", "accent-soft": "#183743", "on-accent": "#06212b",
+    "good": "#74d39c", "good-soft": "#173626", "warn": "#f1bd59", "warn-soft": "#3a2e14", "bad": "#ff9188",
+    "bad-soft": "#43201f", "bar": "#4f93ab", "grid": "#293641",
+}  # fmt: skip
+#: Text on a ground: each pair must have a contrast of 4.5 or more in both lists.
+TEXT_ON: tuple[tuple[str, str], ...] = (
+    *((text, ground) for text in ("ink", "muted", "accent") for ground in ("bg", "panel", "soft")),
+    *((text, ground) for text in ("good", "warn", "bad") for ground in ("bg", "panel", "soft")),
+    ("on-accent", "accent"), ("accent", "accent-soft"), ("ink", "accent-soft"), ("good", "good-soft"),
+    ("warn", "warn-soft"), ("bad", "bad-soft"),
+)  # fmt: skip
+
+
+def tokens(colours: Mapping[str, str]) -> str:
+    """The colours as custom properties of CSS."""
+    return " ".join(f"--{name}: {value};" for name, value in colours.items())
+
+
+def contrast(first: str, second: str) -> float:
+    """Ratio of luminances of two colours, 1 to 21, as WCAG 2.2 defines it."""
+    light, dark = sorted((luminance(first), luminance(second)), reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+def luminance(colour: str) -> float:
+    """Relative luminance of an sRGB colour `#rrggbb`."""
+    levels = [int(colour[start : start + 2], 16) / 255 for start in (1, 3, 5)]
+    red, green, blue = (v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for v in levels)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
