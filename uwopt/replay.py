@@ -7,7 +7,7 @@ parts from the catalogue of today or from the system that was evaluated, the set
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 from uwopt.catalog.catalogue import plain_name
+from uwopt.catalog.columns import Kind
+from uwopt.catalog.records import Part
 from uwopt.design_model import DesignModel, Hardware, SceneSettings
 from uwopt.errors import UwoptError
 from uwopt.figures import Figures, SettingRows
@@ -22,13 +24,13 @@ from uwopt.mission import Mission, load_mission
 from uwopt.mission_sections import LightMount
 from uwopt.model.fidelity import Effects
 from uwopt.model.port import lens_dioptre_per_m
-from uwopt.problem import Mount, Problem, mission_mounts
+from uwopt.problem import Mount, Parts, Problem, mission_mounts
 from uwopt.reported import plain_figures
 from uwopt.result import Design
 from uwopt.system import load_system
 
-KINDS = ("camera", "lens", "port", "light")
-SAME_REL = 1e-6  # figures that tell whether the inputs are still those of the result
+KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light")
+SAME_REL = 1e-5  # figures that tell whether the inputs are still those of the result
 TELLING = (
     "fov_x_m",
     "fov_y_m",
@@ -110,37 +112,39 @@ def replay(
 
 
 def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardware]:
-    """Tables over the parts that were searched, and the design's place in them; every effect is kept."""
+    """Tables over the parts that were searched, and the design's place in them; every effect is kept.
+
+    A part that the mission does not allow (a nearest miss may have one) is looked for in the whole catalogue.
+    """
     from uwopt.api import load_catalog
-    from uwopt.solvers.recommend import build_problem, selected
+    from uwopt.solvers.recommend import build_problem, owned_ids, selected
 
     chosen = design.hardware
     to_be_made = any(chosen[kind]["generic"] for kind in KINDS)
     allow = to_be_made or mission.catalog.generic == "allow"
-    selection = selected(mission, load_catalog(mission), generic="allow" if allow else "never")
+    catalog = load_catalog(mission)
+    selection = selected(mission, catalog, generic="allow" if allow else "never")
     problem = build_problem(mission, selection)
-    parts = problem.parts
-    rows = (parts.cameras, parts.lenses, parts.ports, parts.lights)
-    camera, lens, port, light = (
-        place_of(chosen[kind]["id"], kind, row) for kind, row in zip(KINDS, rows, strict=True)
-    )
+    rows = (problem.parts.cameras, problem.parts.lenses, problem.parts.ports, problem.parts.lights)
+    places = [place_of(chosen[kind]["id"], row) for kind, row in zip(KINDS, rows, strict=True)]
+    if None in places:
+        camera, lens, port, light = (catalog.part(chosen[kind]["id"], kind) for kind in KINDS)
+        parts = Parts((camera,), (lens,), (port,), (light,))  # type: ignore[arg-type]
+        paper = mission.physics == "paper"
+        problem = Problem(mission, parts, paper=paper, owned_lights=owned_ids(selection))
+        places = [0, 0, 0, 0]
     landscape, count = chosen["orientation"] == "landscape", int(chosen["light_count"])
     mount = mount_of(chosen["light_mounts"], mission_mounts(mission))
     if mount not in problem.mounts:
         problem.mounts.append(mount)
-    return problem, Hardware(camera, lens, port, landscape, light, count, mount)
+    at = [place or 0 for place in places]
+    return problem, Hardware(at[0], at[1], at[2], landscape, at[3], count, mount)
 
 
-def place_of(part_id: str, kind: str, parts: tuple[Any, ...]) -> int:
+def place_of(part_id: str, parts: Sequence[Part]) -> int | None:
     """Index of a part among those that the mission allows."""
     wanted = plain_name(part_id)
-    for index, part in enumerate(parts):
-        if plain_name(part.id) == wanted:
-            return index
-    raise ReplayError(
-        f"{kind} {part_id} is not among the parts that the mission allows today; solve the mission again, or "
-        "install the version of uwopt that made the result"
-    )
+    return next((index for index, part in enumerate(parts) if plain_name(part.id) == wanted), None)
 
 
 def mount_of(mounts: list[dict[str, float]], declared: list[Mount]) -> Mount:
