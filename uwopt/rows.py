@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -89,6 +90,33 @@ class SceneRows:
         if self.sharp is not None:
             picked["sharp"] = self.sharp.take(index)
         return replace(self, **picked)
+
+    @staticmethod
+    def joined(parts: Sequence[SceneRows]) -> SceneRows:
+        """All rows of some lists of one scene; lists with fewer pixels repeat their last."""
+        columns: dict[str, Any] = {}
+        for f in fields(SceneRows):
+            ones = [getattr(part, f.name) for part in parts]
+            if not isinstance(ones[0], np.ndarray):
+                continue
+            deepest = max(one.shape[-1] for one in ones) if ones[0].ndim > 1 else 0
+            columns[f.name] = np.concatenate(
+                [
+                    one
+                    if one.ndim == 1
+                    else np.pad(one, [(0, 0)] * (one.ndim - 1) + [(0, deepest - one.shape[-1])], mode="edge")
+                    for one in ones
+                ]
+            )
+        if parts[0].sharp is not None:
+            from uwopt.sharp import SharpRows
+
+            ends = np.cumsum([0, *(len(part.time_min_s) for part in parts)])
+            placed = [(np.arange(ends[k], ends[k + 1]), part.sharp) for k, part in enumerate(parts)]
+            columns["sharp"] = SharpRows.joined(
+                [(at, one) for at, one in placed if one is not None], int(ends[-1])
+            )
+        return replace(parts[0], **columns)
 
     @property
     def sunlit(self) -> bool:

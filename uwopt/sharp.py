@@ -61,17 +61,20 @@ class SharpRows:
 
     @staticmethod
     def joined(parts: Sequence[tuple[Array, SharpRows]], count: int) -> SharpRows:
-        """Groups of rows put back in their places."""
+        """Groups of rows put back in their places; tables that groups share are kept once."""
         columns: dict[str, Any] = {}
-        spreads: tuple[SpreadTable, ...] = ()
+        spreads: dict[int, SpreadTable] = {}
         for rows, part in parts:
+            for table in part.spreads:
+                spreads.setdefault(id(table), table)
+            place = [list(spreads).index(id(table)) for table in part.spreads]
             for f in fields(part):
                 value = getattr(part, f.name)
                 if isinstance(value, np.ndarray):
                     column = columns.setdefault(f.name, np.empty((count, *value.shape[1:]), value.dtype))
-                    column[rows] = value + (len(spreads) if f.name == "spread_index" else 0)
-            spreads += part.spreads
-        return SharpRows(**columns, spreads=spreads)
+                    own = f.name == "spread_index" and len(place) > 0
+                    column[rows] = np.array(place)[value] if own else value
+        return SharpRows(**columns, spreads=tuple(spreads.values()))
 
     def groups(self) -> list[tuple[Array, SpreadTable | None]]:
         """Rows that share the colours they detect; None where no colour is spread."""

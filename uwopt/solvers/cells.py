@@ -73,7 +73,7 @@ class Pool:
 
 
 def best_by_cells(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float, *,
+    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float | Array, *,
     gap_rel: float = 1e-4, constant: Array | float = 0.0, cutoff: float = np.inf, hardware: Array | None = None,
     top: int | None = None, most_cells: int = MOST_CELLS,
 ) -> CellResult:  # fmt: skip
@@ -88,10 +88,11 @@ def best_by_cells(
     if len(rows) > 1:
         groups = [g for g in (np.nonzero(motorised)[0], np.nonzero(~motorised)[0]) if len(g)]
     fixed = np.broadcast_to(np.asarray(constant, float), (n,))
+    light_limit_w = np.broadcast_to(power_limit_w - camera_power_w, (n,))
     results = []
     for mine in groups:
         search = CellSearch(
-            [r.take(mine) for r in rows], objective, power_limit_w - camera_power_w[mine],
+            [r.take(mine) for r in rows], objective, light_limit_w[mine],
             own_f_number=len(rows) > 1 and bool(motorised[mine[0]]), gap_rel=gap_rel, constant=fixed[mine],
             cutoff=cutoff, hardware=None if hardware is None else hardware[mine], top=top, most_cells=most_cells,
         )  # fmt: skip

@@ -48,7 +48,7 @@ def needs_cells(rows: list[SceneRows], objective: Objective) -> bool:
 
 
 def best_settings(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float, *,
+    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float | Array, *,
     gap_rel: float = GAP, constant: Array | float = 0.0, cutoff: float = np.inf, hardware: Array | None = None,
     top: int | None = None,
 ) -> Best:  # fmt: skip
@@ -77,7 +77,7 @@ def _of_cells(found: CellResult) -> Best:
 
 
 def best_where_sharp(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float, *,
+    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float | Array, *,
     constant: Array | float, cutoff: float, **more: Any,
 ) -> Best:  # fmt: skip
     """Best settings whose image is sharp enough as well.
@@ -103,7 +103,8 @@ def best_where_sharp(
     from uwopt.solvers.cells import best_by_cells
 
     found = best_by_cells(
-        [r.take(open_) for r in rows], motorised[open_], objective, camera_power_w[open_], power_limit_w,
+        [r.take(open_) for r in rows], motorised[open_], objective, camera_power_w[open_],
+        np.broadcast_to(power_limit_w, lower.shape)[open_],
         constant=np.broadcast_to(constant, lower.shape)[open_], cutoff=cutoff,
         hardware=None if hardware is None else hardware[open_], **more,
     )  # fmt: skip
@@ -139,7 +140,11 @@ def is_sharp(rows: SceneRows, chosen: closed_form.Chosen) -> Array:
 
 
 def best_closed(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float
+    rows: list[SceneRows],
+    motorised: Array,
+    objective: Objective,
+    camera_power_w: Array,
+    power_limit_w: float | Array,
 ) -> Best:
     """Best settings in closed form.
 
@@ -162,7 +167,11 @@ def best_closed(
 
 
 def settings_at_dark(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float
+    rows: list[SceneRows],
+    motorised: Array,
+    objective: Objective,
+    camera_power_w: Array,
+    power_limit_w: float | Array,
 ) -> tuple[list[closed_form.Chosen], Array, Array]:
     """Best settings with the dark electrons of the rows.
 

@@ -1,0 +1,134 @@
+"""Which points no other beats in every objective; less is better in every column.
+
+Filters and hypervolumes come from moocore; a table of the best third objective answers at once which of
+millions of bounds some point found beats.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.objectives.axes import Frame
+
+Array = NDArray[Any]
+ROUND = 1e-9  # relative: a tie is no improvement
+NEAR = 1e-3  # relative in every objective: one of two such points is enough
+
+
+def nondominated(values: Array) -> Array:
+    """Mask of the rows that no other row dominates; of equal rows the first."""
+    if len(values) == 0:
+        return np.zeros(0, bool)
+    import moocore
+
+    return np.asarray(moocore.is_nondominated(values, keep_weakly=False))
+
+
+def hypervolume(values: Array, frame: Frame) -> float:
+    """Share of the frame's box that points dominate; those beyond its reference count for nothing."""
+    import moocore
+
+    unit = frame.unit(values) if len(values) else np.empty((0, len(frame.span)))
+    inside = unit[(unit < frame.reference).all(axis=1)]
+    if len(inside) == 0:
+        return 0.0
+    whole = float(np.prod(frame.reference))
+    return float(moocore.hypervolume(np.maximum(inside, 0.0), ref=frame.reference)) / whole
+
+
+def igd_plus(values: Array, front: Array, frame: Frame) -> float | None:
+    """IGD+ of points to a front, axes scaled to the front's range; None without points."""
+    if len(values) == 0 or len(front) == 0:
+        return None
+    import moocore
+
+    return float(moocore.igd_plus(frame.unit(values), ref=frame.unit(front)))
+
+
+class Archive:
+    """Points found so far, and whether any of them is at least as good as a bound in every objective."""
+
+    def __init__(self, n_axes: int):
+        self.values: Array = np.empty((0, n_axes))
+        self._table: Table | None = None
+
+    def add(self, values: Array) -> None:
+        """Merge points; those dominated go."""
+        if len(values) == 0:
+            return
+        every = np.concatenate([self.values, values])
+        self.values = every[nondominated(every)]
+        self._table = None
+
+    @staticmethod
+    def of(values: Array) -> Archive:
+        """An archive of these points, none of which dominates another."""
+        made = Archive(values.shape[1])
+        made.values = values
+        return made
+
+    def dominates(self, values: Array) -> Array:
+        """Whether some point is better than each of these, by more than a tie, (n,)."""
+        if len(self.values) == 0 or len(values) == 0:
+            return np.zeros(len(values), bool)
+        return Table.of(self.values).reached(values - ROUND * np.abs(values))
+
+    def beats(self, bounds: Array) -> Array:
+        """Whether some point is as good as each bound, ties included, (n,)."""
+        if len(self.values) == 0 or len(bounds) == 0:
+            return np.zeros(len(bounds), bool)
+        if self._table is None:
+            self._table = Table.of(self.values)
+        return self._table.reached(bounds + ROUND * np.abs(bounds))
+
+
+@dataclass(frozen=True)
+class Table:
+    """The least last objective of the points up to each first and second one; the last has most values."""
+
+    order: Array
+    first: Array
+    second: Array
+    best: Array
+
+    @staticmethod
+    def of(values: Array) -> Table:
+        """The table of some points (n, 2 or 3)."""
+        if values.shape[1] == 2:
+            values = np.column_stack([values, np.zeros(len(values))])
+        columns = [np.unique(values[:, k], return_inverse=True) for k in range(3)]
+        order = np.argsort([len(edges) for edges, _ in columns], kind="stable")
+        (first, i), (second, j) = columns[order[0]], columns[order[1]]
+        best = np.full((len(first), len(second)), np.inf)
+        np.minimum.at(best, (i.reshape(-1), j.reshape(-1)), values[:, order[2]])
+        best = np.minimum.accumulate(np.minimum.accumulate(best, axis=0), axis=1)
+        return Table(order, first, second, best)
+
+    def reached(self, bounds: Array) -> Array:
+        """Whether a point is no more than each bound in every objective."""
+        if bounds.shape[1] == 2:
+            bounds = np.column_stack([bounds, np.zeros(len(bounds))])
+        i = np.searchsorted(self.first, bounds[:, self.order[0]], side="right") - 1
+        j = np.searchsorted(self.second, bounds[:, self.order[1]], side="right") - 1
+        inside = (i >= 0) & (j >= 0)
+        return np.asarray(
+            inside & (self.best[np.maximum(i, 0), np.maximum(j, 0)] <= bounds[:, self.order[2]])
+        )
+
+
+def distinct(values: Array) -> Array:
+    """Mask of rows such that no two are within 0.1 % of each other in every objective, the first of each kept."""
+    scale = np.maximum(np.abs(values), 1e-300)
+    kept: list[int] = []
+    for row in range(len(values)):
+        near = values[kept]
+        same = (np.abs(near - values[row]) <= NEAR * np.maximum(np.abs(near), scale[row])).all(axis=1)
+        if not same.any():
+            kept.append(row)
+    mask = np.zeros(len(values), bool)
+    mask[kept] = True
+    return mask

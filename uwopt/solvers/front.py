@@ -1,0 +1,469 @@
+"""The exact front: every design of a catalogue that no other beats in all of two or three objectives.
+
+Each (imager, lighting) has an ideal: the least power, cost, ... and the best quality that any of its lights
+and settings could have. Units are taken in layers of ideals that no other ideal dominates; their lights and
+numbers are bounded again, one by one, with better and better bounds, and what some found point beats in every
+objective is discarded. What is left gets its curve of quality against power. When every unit is evaluated or
+beaten, no design of the catalogue can improve on the front by more than the volume that its open segments span.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.errors import MissionError
+from uwopt.image_light import ImageLight, Veils
+from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
+from uwopt.objectives.objective import Terms
+from uwopt.problem import Problem
+from uwopt.solvers import settings as closed_form
+from uwopt.solvers.bounds import ROUND, UNIT_RULES
+from uwopt.solvers.dominance import Archive, hypervolume, nondominated
+from uwopt.solvers.exact import RULES, Search
+from uwopt.solvers.fields import Lighting
+from uwopt.solvers.imagers import limit
+from uwopt.solvers.trade_curves import Answers, Curves, Hopeful, Trade
+
+Array = NDArray[Any]
+Progress = Callable[[float, str], None]
+FIRST_UNITS, LARGEST_UNITS, GROWTH = 64, 16384, 4  # units taken together
+ROUGH_SEGMENT, FINE_SEGMENT = (
+    3e-3,
+    2e-5,
+)  # share of the frame's box that a segment may span: at first, and in the end
+FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
+ROUNDS = 12  # of halving the segments of one batch
+FRONT_RULES = (*(rule for rule in RULES if rule != "bound"), "dominated")
+
+
+@dataclass
+class Front:
+    """What a search found: points with their settings, and how far the proof reaches."""
+
+    axes: Axes
+    values: Array  # (n, n_axes) minimised, none dominated
+    designs: list[tuple[Hopeful, Answers, int]]  # by point: designs, and the answer about one of them
+    frame: Frame | None
+    hypervolume: float
+    hypervolume_bound: float
+    complete: bool
+    interrupted: bool
+    account: dict[str, int]  # by rule; `evaluated` counts designs whose settings were solved
+    seconds: float
+    history: list[tuple[float, Array]] = field(default_factory=list)  # (s, points so far)
+
+
+class FrontSearch:
+    """State of one search for a front."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        axes: Axes,
+        *,
+        deadline_s: float | None = None,
+        progress: Progress | None = None,
+    ):
+        self.problem, self.axes = problem, axes
+        self.quality = quality_of(problem, axes)
+        self.trade = Trade(self.quality)
+        self.start = time.perf_counter()
+        self.deadline = None if deadline_s is None else self.start + deadline_s
+        self.progress = progress or (lambda share, what: None)
+        self.search = Search(problem, axes.objective, top=1, deadline_s=deadline_s, progress=None)
+        self.archive = Archive(len(axes))
+        self.curves: list[Curves] = []
+        self.account: dict[str, int] = dict.fromkeys(FRONT_RULES, 0) | {"evaluated": 0}
+        self.history: list[tuple[float, Array]] = []
+
+    # ------------------------------------------------------------ run
+
+    def run(self) -> Front:
+        """Bound all units, take them layer by layer, refine the curves."""
+        search = self.search
+        imagers = search.prepare()
+        self._count_imagers()
+        complete, interrupted = True, False
+        open_ideals = np.empty((0, len(self.axes)))
+        if len(imagers):
+            ideal, lighting, imager = self._units()
+            left = np.ones(len(ideal), bool)
+            try:
+                complete = self._layers(ideal, lighting, imager, left)
+                if complete:
+                    complete = self._refine()
+            except KeyboardInterrupt:
+                complete, interrupted = False, True
+            self._count_left(lighting[left])
+            open_ideals = ideal[left]
+        return self._front(complete, interrupted, open_ideals)
+
+    def _count_imagers(self) -> None:
+        """What the imagers' rules discard, in combinations."""
+        low, high = self.problem.count_range
+        illuminators = len(self.problem.parts.lights) * (high - low + 1) * len(self.problem.mounts)
+        for rule, count in self.search.imagers.discarded.items():
+            self.account["dominated" if rule == "bound" else rule] += count * illuminators
+
+    def _count_left(self, lighting: Array) -> None:
+        """Units that were not reached."""
+        if len(lighting):
+            self.account["not_reached"] = int(self._sizes()[lighting].sum())
+
+    def _sizes(self) -> Array:
+        return np.array([len(t.light) for t in self.search.bounds.light_tables])
+
+    def _units(self) -> tuple[Array, Array, Array]:
+        """Ideals of all units that may be feasible, with their lighting and imager."""
+        bounds, imagers = self.search.bounds, self.search.imagers
+        every = np.arange(len(imagers))
+        ideals, lightings, rows = [], [], []
+        for k, lighting in enumerate(self.search.tables.lightings):
+            seen = bounds.of_units(k, every)
+            size = len(bounds.light_tables[k].light)
+            for index, name in enumerate(UNIT_RULES):
+                self.account["dominated" if name == "bound" else name] += (
+                    int((seen.rule == index).sum()) * size
+                )
+            alive = np.nonzero((seen.rule < 0) & np.isfinite(seen.value))[0]
+            contrast: Array | float = 1.0
+            if "contrast" in self.axes.names:
+                contrast = np.broadcast_to(bounds._contrast_bound(lighting, every)[0], len(every))[alive]
+            information = np.broadcast_to(seen.information, len(every))[alive]
+            terms = Terms(
+                seen.power[alive], seen.cost[alive], seen.mass[alive], seen.snr_db[alive], imagers.gsd_mm[alive],
+                contrast, information,
+            )  # fmt: skip
+            ideals.append(self.axes.minimised(terms))
+            lightings.append(np.full(len(alive), k))
+            rows.append(alive)
+        return np.concatenate(ideals), np.concatenate(lightings), np.concatenate(rows)
+
+    def _layers(self, ideal: Array, lighting: Array, imager: Array, left: Array) -> bool:
+        """Evaluate units until each is evaluated or beaten by a point; whether that was reached."""
+        sizes, batch, total = self._sizes(), FIRST_UNITS, max(len(ideal), 1)
+        while left.any():
+            rows = np.nonzero(left)[0]
+            beaten = self.archive.beats(ideal[rows])
+            self.account["dominated"] += int(sizes[lighting[rows[beaten]]].sum())
+            left[rows[beaten]] = False
+            rows = rows[~beaten]
+            if len(rows) == 0:
+                break
+            if self._late():
+                return False
+            chosen = self._next(ideal[rows], batch)
+            parts = []
+            for k in np.unique(lighting[rows[chosen]]):
+                mine = rows[chosen][lighting[rows[chosen]] == k]
+                parts.append(self._bounded_again(int(k), imager[mine]))
+                left[mine] = False
+            some = [part for part in parts if part is not None]
+            if some:
+                self._solve(Hopeful.joined(some))
+            batch = min(GROWTH * batch, LARGEST_UNITS)
+            self.history.append((time.perf_counter() - self.start, self.archive.values))
+            self.progress(0.9 * (1.0 - left.sum() / total), f"front: {len(self.archive.values)} points")
+        return True
+
+    def _next(self, ideal: Array, batch: int) -> Array:
+        """Places of the units to take: ideals that no other dominates, then those next to them."""
+        first = nondominated(ideal)
+        if first.sum() >= batch:
+            return np.nonzero(first)[0][:batch]
+        order = np.argsort(ideal, axis=0, kind="stable")
+        rank = np.empty_like(order)
+        for column in range(ideal.shape[1]):
+            rank[order[:, column], column] = np.arange(len(ideal))
+        merit = np.where(first, -1.0, rank.max(axis=1))
+        return np.argsort(merit, kind="stable")[:batch]
+
+    def _late(self) -> bool:
+        return self.deadline is not None and time.perf_counter() > self.deadline
+
+    # ------------------------------------------------------------ one wave
+
+    def _bounded_again(self, k: int, imager: Array) -> Hopeful | None:
+        """Lights and numbers of these imagers under one lighting that no point beats, however they are set.
+
+        Each stage works out more of the light, and discards what the points beat at all limits of power.
+        """
+        search, table = self.search, self.search.bounds.light_tables[k]
+        lighting, imagers, limits = search.tables.lightings[k], search.imagers, search.limits
+        n_light = len(table.light)
+        unit = np.repeat(np.arange(len(imager)), n_light)
+        item = np.tile(np.arange(n_light), len(imager))
+        dear = imagers.limit_cost[imager[unit]] + table.limit_cost[item] > limit(limits.cost) * ROUND
+        heavy = ~dear & (imagers.mass_kg[imager[unit]] + table.mass_kg[item] > limit(limits.mass_kg) * ROUND)
+        self.account["cost"] += int(dear.sum())
+        self.account["mass_kg"] += int(heavy.sum())
+        keep = ~dear & ~heavy
+        unit, item = unit[keep], item[keep]
+        lights: list[ImageLight] | None = None
+        stages: tuple[Veils, ...] = ("none", "forward", "coarse") if self.problem.effects.veils else ()
+        for stage in stages:
+            lights = self._lights(lighting, imager, lights, stage)
+            kept = self._unbeaten(self._hopeful(k, imager[unit], unit, item, lights, optimistic=True))
+            if len(kept) == 0:
+                return None
+            used, back = np.unique(unit[kept], return_inverse=True)
+            imager, lights = imager[used], [light.take(used) for light in lights]
+            unit, item = back.reshape(-1), item[kept]
+        lights = self._lights(lighting, imager, lights, "all")
+        return self._hopeful(k, imager[unit], unit, item, lights, optimistic=False)
+
+    def _lights(
+        self, lighting: Lighting, imager: Array, known: list[ImageLight] | None, veils: Veils
+    ) -> list[ImageLight]:
+        """Light of these imagers in every scene, beside what is known."""
+        tables, n = self.search.tables, len(self.problem.scenes)
+        given = [None] * n if known is None else known
+        return [tables.exact(s, lighting, imager, veils=veils, known=given[s]) for s in range(n)]
+
+    def _hopeful(
+        self, k: int, imager: Array, unit: Array, item: Array, lights: list[ImageLight], *, optimistic: bool
+    ) -> Hopeful:
+        """Designs as rows of settings."""
+        search, imagers, table = self.search, self.search.imagers, self.search.bounds.light_tables[k]
+        light, count = table.light[item], table.count[item]
+        rows = search.rows(
+            imager, [one.take(unit) for one in lights], light, count, search.tables.lightings[k],
+            optimistic=optimistic,
+        )  # fmt: skip
+        contrast: Array | float = 0.0
+        if "contrast" in self.axes.names and self.quality != "contrast":
+            contrast = np.min([closed_form.nominal_contrast(r) for r in rows], axis=0)
+        nothing = np.zeros(len(imager))
+        fixed = self.axes.minimised(
+            Terms(
+                nothing, imagers.cost[imager] + table.cost[item], imagers.mass_kg[imager] + table.mass_kg[item],
+                nothing, imagers.gsd_mm[imager], contrast, nothing,
+            )
+        )  # fmt: skip
+        return Hopeful(
+            np.full(len(imager), k), imager, light, count, rows, search.motorised[imager],
+            imagers.camera_power_w[imager], fixed, limit(search.limits.power_w),
+        )  # fmt: skip
+
+    def _unbeaten(self, some: Hopeful) -> Array:
+        """Places of the designs that may hold something new; the others are counted."""
+        bounds = self.trade.first_bounds(some)
+        possible, open_ = np.zeros(len(some), bool), np.zeros(len(some), bool)
+        if bounds is not None:
+            possible[bounds.design] = True
+            curves = Curves(self.trade, some, bounds)
+            if self.quality is None or not self._trades_power():
+                corner = self._values(some, bounds.limit_w, bounds.bound, bounds.design)
+                lower = np.arange(len(bounds.design))
+            else:
+                lower, _ = curves.segments()
+                corner = self._corner_values(curves)
+            matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
+            open_[bounds.design[lower[matters]]] = True
+        self.account["light"] += int((~possible).sum())
+        self.account["dominated"] += int((possible & ~open_).sum())
+        return np.nonzero(open_)[0]
+
+    def _values(self, some: Hopeful, power: Array, quality: Array, design: Array) -> Array:
+        """Values (n, n_axes), minimised, at powers and qualities of designs."""
+        values = some.fixed[design]
+        for name, numbers in (("power", power), (self.quality, quality)):
+            column = self.axes.index(str(name))
+            if column is not None:
+                values[:, column] = numbers * self.axes.signs[column]
+        return values
+
+    # ------------------------------------------------------------ curves
+
+    def _solve(self, some: Hopeful) -> None:
+        """Ends of the curves, then segments that may still matter, coarsely."""
+        self.account["evaluated"] += len(some)
+        curves = Curves.of(self.trade, some)
+        if curves is None:
+            return
+        if self.quality is not None and not self._trades_power():  # one point a design: its best quality
+            every = np.arange(len(curves.some))
+            answers = self.trade.best_quality(curves.some, every, curves.some.full_power_w)
+            curves = replace(curves, answers=answers)
+        self._add(curves, curves.answers)
+        if self._trades_power():
+            curves.tried = self.trade.tried(curves.some)
+            for answers in curves.tried:
+                self._add(curves, answers)
+        self.curves.append(curves)
+        if self.quality is not None and self._trades_power():
+            self._ask([curves], ROUGH_SEGMENT)
+            self._forget()
+
+    def _trades_power(self) -> bool:
+        """Whether settings of least power are on the front: power counts, or nothing that settings change does."""
+        return self.quality is None or "power" in self.axes.names
+
+    def _add(self, curves: Curves, answers: Answers) -> None:
+        """Answers as points found."""
+        self.archive.add(self._answer_values(curves, answers, np.nonzero(answers.found)[0]))
+
+    def _answer_values(self, curves: Curves, answers: Answers, which: Array) -> Array:
+        return self._values(
+            curves.some, answers.power_w[which], answers.quality[which], answers.design[which]
+        )
+
+    def _corner_values(self, curves: Curves) -> Array:
+        """The best that each segment could hold, (n, n_axes)."""
+        lower, _ = curves.segments()
+        power, quality = curves.corners()
+        return self._values(curves.some, power, quality, curves.answers.design[lower])
+
+    def _ask(self, all_curves: list[Curves], largest: float) -> bool:
+        """Ask segments that may matter and span more than a share of the frame's box; whether all are done."""
+        for _ in range(ROUNDS):
+            any_open = False
+            for curves in all_curves:
+                if self._late():
+                    return False
+                which = self._open_segments(curves, largest)
+                if len(which):
+                    any_open = True
+                    self._add(curves, curves.ask(which))
+            if not any_open:
+                break
+        return True
+
+    def _open_segments(self, curves: Curves, largest: float) -> Array:
+        """Segments whose corner no point beats and that span more than `largest` of the box around all of them."""
+        lower, upper = curves.segments()
+        if len(lower) == 0:
+            return np.empty(0, int)
+        corner = self._corner_values(curves)
+        matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
+        which = np.nonzero(matters)[0]
+        if len(which) == 0:
+            return which
+        a = curves.answers
+        frame = Frame.of(self.axes, np.concatenate([self.archive.values, corner[which]]))
+        # From the corner to what is known: the power at the upper end once it is asked, the quality of the lower.
+        known = np.where(np.isfinite(a.quality[lower]), a.quality[lower], -1e300)
+        far = np.fmax(np.fmin(a.power_w[upper], a.limit_w[upper]), a.limit_w[lower])
+        worst = self._values(
+            curves.some, np.where(a.asked[upper], far, 1e300)[which],
+            np.fmin(known, a.bound[upper])[which], a.design[lower][which],
+        )  # fmt: skip
+        best_unit = np.clip(frame.unit(corner[which]), 0.0, None)
+        worst_unit = np.minimum(frame.unit(worst), frame.reference)
+        room = np.clip(frame.reference - best_unit, 1e-300, None)
+        p, q = self.axes.names.index("power"), self.axes.names.index(str(self.quality))
+        share = np.clip((worst_unit - best_unit)[:, [p, q]] / room[:, [p, q]], 0.0, 1.0).prod(axis=1)
+        spans = share * np.prod(room, axis=1) / np.prod(frame.reference)
+        narrow = a.asked[upper][which] & ((worst_unit - best_unit)[:, p] < 1e-9)
+        return which[(spans > largest) & ~narrow]
+
+    def _forget(self) -> None:
+        """Drop designs of the last curves of which nothing can be on the front any more."""
+        curves = self.curves.pop()
+        lower, _ = curves.segments()
+        corner = self._corner_values(curves)
+        matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
+        useful = np.zeros(len(curves.some), bool)
+        useful[curves.answers.design[lower[matters]]] = True
+        for answers in (curves.answers, *curves.tried):
+            which = self._on_front(curves, answers)
+            useful[answers.design[which]] = True
+        left = curves.without(~useful)
+        if left is not None:
+            self.curves.append(left)
+
+    def _on_front(self, curves: Curves, answers: Answers) -> Array:
+        """Places of the answers that no point dominates."""
+        found = np.nonzero(answers.found)[0]
+        values = self._answer_values(curves, answers, found)
+        return np.asarray(found[~self.archive.dominates(values)])
+
+    def _refine(self) -> bool:
+        """Ask until the front misses no more of the hypervolume than it may."""
+        if self.quality is None or not self._trades_power() or not self.curves:
+            return True
+        joined = Hopeful.joined([c.some for c in self.curves])
+        starts = np.cumsum([0, *(len(c.some) for c in self.curves)])
+        parts = [replace(c.answers, design=c.answers.design + starts[n]) for n, c in enumerate(self.curves)]
+        tried = [
+            replace(t, design=t.design + starts[n]).take(self._on_front(c, t))
+            for n, c in enumerate(self.curves)
+            for t in c.tried
+        ]
+        self.curves = [Curves(self.trade, joined, Answers.joined(parts), tried)]
+        largest = ROUGH_SEGMENT
+        while largest > FINE_SEGMENT:
+            largest /= 5.0
+            self.progress(0.95, f"curves: {len(self.archive.values)} points")
+            self._forget()
+            if not self._ask(self.curves, largest):
+                return False
+            self.history.append((time.perf_counter() - self.start, self.archive.values))
+            lower, upper = self._volumes()
+            if upper - lower <= FRONT_GAP * upper:
+                break
+        return True
+
+    def _open_corners(self) -> Array:
+        """The best that may still be found, by segment, or by design where it is one point."""
+        parts = [np.empty((0, len(self.axes)))]
+        for curves in self.curves:
+            a = curves.answers
+            if self._trades_power() and self.quality is not None:
+                corner = self._corner_values(curves)
+            else:
+                corner = self._values(curves.some, a.limit_w, a.bound, a.design)
+            corner = corner[np.isfinite(corner).all(axis=1)]
+            parts.append(corner[~self.archive.beats(corner)])
+        return np.concatenate(parts)
+
+    def _volumes(self) -> tuple[float, float]:
+        """Hypervolume of the points, and what no front can exceed."""
+        if len(self.archive.values) == 0:
+            return 0.0, 0.0
+        frame = Frame.of(self.axes, self.archive.values)
+        lower = hypervolume(self.archive.values, frame)
+        return lower, max(
+            lower, hypervolume(np.concatenate([self.archive.values, self._open_corners()]), frame)
+        )
+
+    # ------------------------------------------------------------ result
+
+    def _front(self, complete: bool, interrupted: bool, open_ideals: Array) -> Front:
+        """The points that stayed, each with its design."""
+        values, designs = [], []
+        for curves in self.curves:
+            for answers in (curves.answers, *curves.tried):
+                found = self._on_front(curves, answers)
+                values.append(self._answer_values(curves, answers, found))
+                designs += [(curves.some, answers, int(place)) for place in found]
+        every = np.concatenate(values) if values else np.empty((0, len(self.axes)))
+        kept = np.nonzero(nondominated(every))[0]
+        frame, lower, upper = None, 0.0, 0.0
+        if len(kept):
+            frame = Frame.of(self.axes, every[kept])
+            lower, upper = self._volumes()
+            if len(open_ideals):
+                upper = max(upper, hypervolume(np.concatenate([every[kept], open_ideals]), frame))
+        return Front(
+            self.axes, every[kept], [designs[i] for i in kept], frame, lower, upper, complete, interrupted,
+            self.account, time.perf_counter() - self.start, self.history,
+        )  # fmt: skip
+
+
+def quality_of(problem: Problem, axes: Axes) -> str | None:
+    """The one axis beside power that settings change; more than one has no exact front here."""
+    names = [*OF_SETTINGS, *(["contrast"] if any(s.sunlit for s in problem.scenes) else [])]
+    found = [name for name in axes.names if name in names]
+    if len(found) > 1:
+        raise MissionError(
+            f"objectives: {' and '.join(found)} both depend on the settings; the exact front knows one such quality "
+            "beside power, cost, mass and gsd_mm. Leave one out, or use a population solver such as nsga2."
+        )
+    return found[0] if found else None

@@ -1,0 +1,401 @@
+"""Curves of quality against power: what the settings of given hardware can trade, for many designs at once.
+
+A curve is known at power limits: what no settings within the limit can beat, and, once it is asked, the best
+quality within the limit with the least power that gives it. Between two limits no point is better than the
+corner (lower limit, bound at the upper limit). Segments whose corner may still matter are asked at their
+upper end, then in their middle, until they are small.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.hardware import FLASH, PULSED
+from uwopt.objectives.objective import Objective
+from uwopt.rows import SceneRows
+from uwopt.solvers import settings as closed_form
+from uwopt.solvers.bounds import bit_per_px_bound
+from uwopt.solvers.goals import Best, best_settings
+from uwopt.solvers.settings import Chosen
+
+Array = NDArray[Any]
+ABOVE = 1.0 + 1e-9  # a limit that equals the least power must admit it
+CURVE_GAP = 1e-3  # relative, of qualities without a closed form
+DIMMEST = 1e-4  # of the power at the far end: where a curve that begins without light is first asked
+LIMITS = 7  # power limits that a curve is first known at
+TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES = (0.0, 0.35, 0.7), (0.0, 0.4, 0.7, 1.0), (1.0, 0.4)
+
+
+@dataclass(frozen=True)
+class Hopeful:
+    """n designs whose light is known: rows of settings by scene, and what no setting changes."""
+
+    lighting: Array
+    imager: Array
+    light: Array
+    count: Array
+    rows: list[SceneRows]
+    motorised: Array
+    camera_power_w: Array
+    fixed: Array  # (n, n_axes) values of the axes, those of the settings left at 0
+    power_limit_w: float
+
+    def take(self, index: Array) -> Hopeful:
+        """These designs only."""
+        columns = {name: getattr(self, name)[index] for name in COLUMNS}
+        return replace(self, rows=[r.take(index) for r in self.rows], **columns)
+
+    def __len__(self) -> int:
+        return len(self.imager)
+
+    @staticmethod
+    def joined(parts: list[Hopeful]) -> Hopeful:
+        """All designs of some lists."""
+        columns = {name: np.concatenate([getattr(p, name) for p in parts]) for name in COLUMNS}
+        rows = [SceneRows.joined([p.rows[s] for p in parts]) for s in range(len(parts[0].rows))]
+        return replace(parts[0], rows=rows, **columns)
+
+    @property
+    def full_power_w(self) -> Array:
+        """Power with the lights at full level for the longest time, cameras included; the worst scene's."""
+        drawn = []
+        for r in self.rows:
+            share = np.where(r.kind == PULSED, np.minimum(1.0, r.time_max_s * r.rate_hz), 1.0)
+            full = np.where(r.kind == FLASH, r.pulse_energy_j * r.rate_hz, r.full_power_w)
+            drawn.append(full * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0))
+        return np.minimum(self.camera_power_w + np.max(drawn, axis=0), self.power_limit_w)
+
+
+COLUMNS = ("lighting", "imager", "light", "count", "motorised", "camera_power_w", "fixed")
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What n designs do within n power limits."""
+
+    design: Array
+    limit_w: Array  # of lights and cameras together
+    power_w: Array  # nan: not asked, or no settings
+    quality: Array
+    bound: Array  # no settings within the limit have a higher quality; -inf: there are none
+    asked: Array
+    chosen: list[Chosen]
+
+    @property
+    def found(self) -> Array:
+        """Which limits have settings."""
+        return np.asarray(np.isfinite(self.power_w))
+
+    def take(self, index: Array) -> Answers:
+        """These answers only."""
+        chosen = [Chosen(**{f.name: getattr(one, f.name)[index] for f in fields(one)}) for one in self.chosen]
+        return Answers(**{f.name: getattr(self, f.name)[index] for f in NUMBERS}, chosen=chosen)
+
+    @staticmethod
+    def joined(parts: list[Answers]) -> Answers:
+        """All answers of some lists, by design and limit."""
+        chosen = [
+            Chosen(**{f.name: np.concatenate([getattr(one, f.name) for one in ones]) for f in fields(Chosen)})
+            for ones in zip(*(p.chosen for p in parts), strict=True)
+        ]
+        every = Answers(
+            **{f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in NUMBERS}, chosen=chosen
+        )
+        return every.take(np.lexsort((every.limit_w, every.design)))
+
+    @staticmethod
+    def unasked(design: Array, limit_w: Array, bound: Array, n_scenes: int) -> Answers:
+        """Limits of which only a bound is known."""
+        nothing = np.full(len(design), np.nan)
+        chosen = [Chosen(**dict.fromkeys((f.name for f in fields(Chosen)), nothing)) for _ in range(n_scenes)]
+        return Answers(design, limit_w, nothing, nothing, bound, np.zeros(len(design), bool), chosen)
+
+
+NUMBERS = [f for f in fields(Answers) if f.name != "chosen"]
+
+
+def with_exposures(rows: list[SceneRows], chosen: list[Chosen]) -> list[Chosen]:
+    """Settings with the exposure filled in where it follows from the time."""
+    return [
+        c if c.exposure_s is not None else replace(c, exposure_s=r.exposure_s(c.time_s))
+        for r, c in zip(rows, chosen, strict=True)
+    ]
+
+
+def unhindered(rows: list[SceneRows]) -> list[SceneRows]:
+    """The same rows without dark current and wanted sharpness, which have a closed form: no settings do better."""
+    return [replace(r, dark_current_e_s=np.zeros_like(r.dark_current_e_s), min_mtf=0.0) for r in rows]
+
+
+class Trade:
+    """Least power and best quality of designs, quality being one term of an objective, or None."""
+
+    def __init__(self, quality: str | None, *, gap_rel: float = CURVE_GAP):
+        self.quality, self.gap_rel = quality, gap_rel
+
+    # ------------------------------------------------------------ settings
+
+    def least_power(self, some: Hopeful) -> Answers:
+        """Settings of least power within the limit, and the quality that they have."""
+        best = self._best(some, Objective({"power": 1.0}), some.power_limit_w)
+        chosen = with_exposures(some.rows, best.chosen)
+        quality = np.zeros(len(some)) if self.quality is None else self._quality_of(some, best, chosen)
+        return self._answers(some, np.arange(len(some)), best, chosen, quality, None, None)
+
+    def best_quality(self, some: Hopeful, design: Array, limit_w: Array) -> Answers:
+        """Settings of best quality of these designs within these limits of power, and its bound."""
+        assert self.quality is not None
+        mine = some.take(design)
+        limit = np.minimum(limit_w * ABOVE, some.power_limit_w)
+        best = self._best(mine, Objective({self.quality: 1.0}), limit)
+        bound = self._quality_bound(mine, best, limit)
+        quality = np.asarray(getattr(best, self.quality))
+        return self._answers(
+            mine, design, best, with_exposures(mine.rows, best.chosen), quality, limit_w, bound
+        )
+
+    def _best(self, some: Hopeful, goal: Objective, limit_w: Array | float) -> Best:
+        """Best settings for one goal."""
+        constant = some.camera_power_w if goal.weight("power") else 0.0
+        return best_settings(
+            some.rows,
+            some.motorised,
+            goal,
+            some.camera_power_w,
+            limit_w,
+            gap_rel=self.gap_rel,
+            constant=constant,
+        )
+
+    def _quality_bound(self, some: Hopeful, best: Best, limit_w: Array) -> Array:
+        """What no settings can beat: the value itself in closed form, the cells' bound, or that without dark current."""
+        if best.lower_bound is not None:
+            return np.where(np.isfinite(best.lower_bound), -best.lower_bound, -np.inf)
+        if any(np.any(r.dark_current_e_s > 0) for r in some.rows):
+            return most_snr_db(some, limit_w)
+        return np.where(best.feasible, best.snr_db, -np.inf)
+
+    def _quality_of(self, some: Hopeful, best: Best, chosen: list[Chosen]) -> Array:
+        """Quality of settings that were chosen for their power."""
+        if self.quality != "information":
+            return np.asarray(getattr(best, str(self.quality)))
+        if any(r.sunlit for r in some.rows):
+            return np.full(len(some), np.nan)
+        return information_of(some.rows, chosen, best.feasible)
+
+    def _answers(
+        self, some: Hopeful, design: Array, best: Best, chosen: list[Chosen], quality: Array, limit_w: Array | None,
+        bound: Array | None,
+    ) -> Answers:  # fmt: skip
+        """Settings as answers; what has none is nan."""
+        power = some.camera_power_w + np.max([c.light_power_w for c in chosen], axis=0)
+        ok = best.feasible & (power <= some.power_limit_w * ABOVE) & np.isfinite(quality)
+        power, quality = np.where(ok, power, np.nan), np.where(ok, quality, np.nan)
+        bound = quality if bound is None else np.fmax(bound, np.where(ok, quality, -np.inf))
+        return Answers(
+            design,
+            power if limit_w is None else limit_w,
+            power,
+            quality,
+            bound,
+            np.ones(len(design), bool),
+            chosen,
+        )
+
+    def tried(self, some: Hopeful) -> list[Answers]:
+        """A few settings of each design that any solver might try: points to beat, before bounds are drawn in."""
+        if self.quality != "information" or any(r.sunlit or r.min_mtf > 0 for r in some.rows):
+            return []
+        found = []
+        low = np.max([r.n_low for r in some.rows], axis=0)
+        high = np.min([r.n_high for r in some.rows], axis=0)
+        for a in TRIED_F_NUMBERS:
+            f_number = low * (np.maximum(high, low) / low) ** a
+            for b in TRIED_LIGHT:
+                for c in TRIED_TIMES:
+                    found.append(self._one_try(some, f_number, b, c))
+        return found
+
+    def _one_try(self, some: Hopeful, f_number: Array, light_share: float, time_share: float) -> Answers:
+        """The same place in every design's range of light, at one f-number."""
+        chosen, ok = [], np.ones(len(some), bool)
+        for r in some.rows:
+            rows = replace(r, time_max_s=np.maximum(r.time_max_s * time_share, r.time_min_s))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                low, high = closed_form.window(rows)
+                _, greatest = closed_form.reach(rows)
+                most = np.nanmax(np.where(np.isnan(greatest), -1.0, greatest), axis=1)
+                top = np.minimum(high, most / np.square(f_number * rows.working_factor))
+                wanted = np.maximum(low, 1e-6 * top)
+                wanted = wanted * np.maximum(top / wanted, 1.0) ** light_share
+                one = closed_form.settle(rows, f_number, np.where(top > 0, wanted, np.nan), high)
+                ok &= np.isfinite(one.level) & (one.light_x <= high * ABOVE) & (one.light_x >= low / ABOVE)
+                ok &= (one.time_s <= r.time_max_s * ABOVE) & (f_number <= r.n_high * ABOVE)
+            chosen.append(one)
+        chosen = with_exposures(some.rows, chosen)
+        ok &= np.isfinite(np.max([c.light_power_w for c in chosen], axis=0))
+        power = some.camera_power_w + np.where(ok, np.max([c.light_power_w for c in chosen], axis=0), np.nan)
+        ok &= power <= some.power_limit_w * ABOVE
+        quality = information_of(some.rows, chosen, ok)
+        power = np.where(ok, power, np.nan)
+        every = np.arange(len(some))
+        return Answers(every, power, power, quality, quality, np.ones(len(some), bool), chosen)
+
+    # ------------------------------------------------------------ bounds
+
+    def first_bounds(self, some: Hopeful) -> Answers | None:
+        """What no settings can beat at some limits of power, from closed forms; None: nothing is impossible.
+
+        (n * LIMITS) answers, the least power of each design among the limits; under the sun the whole range only.
+        """
+        n, n_scenes = len(some), len(some.rows)
+        every = np.arange(n)
+        if any(r.sunlit for r in some.rows):
+            full = some.full_power_w
+            start = Answers.unasked(every, some.camera_power_w, np.full(n, -np.inf), n_scenes)
+            bound = np.full(n, np.inf if self.quality else 0.0)
+            return Answers.joined([start, Answers.unasked(every, full, bound, n_scenes)])
+        free = replace(some, rows=unhindered(some.rows))
+        chosen, feasible = closed_form.least_power(free.rows, free.motorised)
+        least = np.max([c.light_power_w for c in chosen], axis=0)
+        feasible &= some.camera_power_w + np.where(feasible, least, 0.0) <= some.power_limit_w * ABOVE
+        alive = np.nonzero(feasible)[0]
+        if len(alive) == 0:
+            return None
+        free, least = free.take(alive), least[alive]
+        start = Answers.unasked(alive, free.camera_power_w + least, np.full(len(alive), -np.inf), n_scenes)
+        if self.quality is None:
+            return replace(start, bound=np.zeros(len(alive)))
+        far = np.maximum(free.full_power_w - free.camera_power_w, least)
+        near = np.maximum(least, DIMMEST * far)
+        parts = [start]
+        for k in range(1, LIMITS + 1):
+            with np.errstate(invalid="ignore", divide="ignore"):
+                light = np.where(near > 0, near * (far / near) ** (k / LIMITS), far)
+            new = np.nonzero((k == LIMITS) | ((light > least * ABOVE) & (light * ABOVE < far)))[0]
+            if len(new):
+                limit = (free.camera_power_w + np.fmin(light, far))[new]
+                bound = self.bound_within(free.take(new), limit * ABOVE)
+                parts.append(Answers.unasked(alive[new], limit, bound, n_scenes))
+        return Answers.joined(parts)
+
+    def bound_within(self, free: Hopeful, limit_w: Array) -> Array:
+        """What no settings within a power can beat, in closed form, of designs without hindrances."""
+        most = most_snr_db(free, limit_w)
+        if self.quality == "snr_db":
+            return most
+        best = np.full(len(free), np.inf)
+        for scene in free.rows:
+            assert scene.sharp is not None
+            bits = bit_per_px_bound(np.maximum(most, -1e3), scene.sharp.rated_pitch_px)
+            best = np.minimum(best, bits / scene.sharp.pixel_area_m2)
+        return np.where(np.isfinite(most), best, -np.inf)
+
+
+def most_snr_db(some: Hopeful, limit_w: Array) -> Array:
+    """SNR that no settings within a power exceed: without dark current, blur or wanted sharpness; -inf: none."""
+    rows = [replace(r, sharp=None) for r in unhindered(some.rows)]
+    best = best_settings(rows, some.motorised, Objective({"snr_db": 1.0}), some.camera_power_w, limit_w)
+    return np.where(best.feasible, best.snr_db, -np.inf)
+
+
+def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) -> Array:
+    """Information [bit/m2] of settings, worst scene; nan where there are none. Without sun."""
+    out = np.full(len(which), np.nan)
+    index = np.nonzero(which)[0]
+    if len(index) == 0:
+        return out
+    values = []
+    for r, c in zip(rows, chosen, strict=True):
+        some = closed_form.with_exposure(r, c).take(index)
+        f_number, time = c.f_number[index], c.time_s[index]
+        assert some.sharp is not None
+        values.append(
+            some.sharp.information_bit_per_m2(
+                closed_form.nominal_snr(some, c.light_x[index]), f_number=f_number,
+                working_f_number=f_number * some.working_factor, blur_s=time,
+            )
+        )  # fmt: skip
+    out[index] = np.min(values, axis=0)
+    return out
+
+
+@dataclass
+class Curves:
+    """The curves of some designs, as far as they are known; `answers` by design, then limit."""
+
+    trade: Trade
+    some: Hopeful
+    answers: Answers
+    tried: list[Answers] = field(default_factory=list)  # settings beside those, which bound nothing
+
+    def segments(self) -> tuple[Array, Array]:
+        """Pairs of consecutive limits of one design, as places in `answers`: lower and upper."""
+        a = self.answers
+        lower = np.nonzero(a.design[1:] == a.design[:-1])[0]
+        return lower, lower + 1
+
+    def corners(self) -> tuple[Array, Array]:
+        """The best that each segment could hold: (power [W], quality); inf where it can hold nothing new.
+
+        Within a limit no quality is above its bound, and what is above the bound of the lower limit needs more
+        power than that limit.
+        """
+        a = self.answers
+        lower, upper = self.segments()
+        known = np.where(np.isfinite(a.quality[lower]), a.quality[lower], -np.inf)
+        return np.where(a.bound[upper] > known, a.limit_w[lower], np.inf), a.bound[upper]
+
+    def ask(self, which: Array) -> Answers:
+        """Ask these segments at their upper end, or in their middle where that is known; the new answers."""
+        a = self.answers
+        lower, upper = (side[which] for side in self.segments())
+        ends = np.unique(upper[~a.asked[upper]])
+        mid_lower, mid_upper = lower[a.asked[upper]], upper[a.asked[upper]]
+        camera = self.some.camera_power_w[a.design[mid_lower]]
+        low = a.limit_w[mid_lower] - camera
+        high = np.fmin(a.limit_w[mid_upper], np.fmax(a.power_w[mid_upper], a.limit_w[mid_lower])) - camera
+        middle = camera + np.sqrt(np.maximum(low, DIMMEST * high) * high)
+        design = np.concatenate([a.design[ends], a.design[mid_lower]])
+        limit = np.concatenate([a.limit_w[ends], middle])
+        new = self.trade.best_quality(self.some, design, limit)
+        kept = np.ones(len(a.design), bool)
+        kept[ends] = False
+        self.answers = Answers.joined([a.take(np.nonzero(kept)[0]), new])
+        return new
+
+    @staticmethod
+    def of(trade: Trade, some: Hopeful) -> Curves | None:
+        """Curves known at their least power, and bounded beyond; None where no design has settings."""
+        bounds = trade.first_bounds(some)
+        if bounds is None:
+            return None
+        first = np.nonzero(np.append(True, bounds.design[1:] != bounds.design[:-1]))[0]
+        alive = bounds.design[first]
+        some = some.take(alive)
+        least = trade.least_power(some)
+        least = replace(least, limit_w=np.fmin(least.power_w, bounds.limit_w[first]))
+        place = np.searchsorted(alive, bounds.design)
+        later = np.ones(len(bounds.design), bool)
+        later[first] = False
+        rest = replace(bounds, design=place).take(np.nonzero(later)[0])
+        curves = Curves(trade, some, Answers.joined([least, rest]))
+        return curves.without(~least.found)
+
+    def without(self, gone: Array) -> Curves | None:
+        """Without these designs; None when none is left."""
+        left = np.nonzero(~gone)[0]
+        if len(left) == 0:
+            return None
+        place = np.full(len(gone), -1)
+        place[left] = np.arange(len(left))
+
+        def kept(answers: Answers) -> Answers:
+            some = answers.take(np.nonzero(~gone[answers.design])[0])
+            return replace(some, design=place[some.design])
+
+        return Curves(self.trade, self.some.take(left), kept(self.answers), [kept(one) for one in self.tried])
