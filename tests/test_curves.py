@@ -8,34 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-import uwopt
 from uwopt.curves import Operation, depth_of_field, operation_curves, rig_measures, spectrum_way
 from uwopt.maps import channel_fields, floor_map, image_map, image_points
-from uwopt.replay import Replay, replay
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
-COLOUR: dict[str, Any] = {
-    "camera": {"resolution_x_px": 1600, "resolution_y_px": 1200, "pixel_pitch_um": 4.5, "read_noise_e": 6,
-               "saturation_e": 20000, "bit_depth": 12, "colour": "colour", "quantum_efficiency": "imx264c-filled"},
-    "lens": {"focal_length_mm": 8, "f_number_min": 1.8, "f_number_max": 16, "transmission": 0.9},
-    "port": {"geometry": "flat", "glass": "n_bk7", "thickness_mm": 10, "gap_mm": 5},
-    "light": {"kind": "continuous", "flux_lm": 12000, "power_w": 120, "beam": "cosine-power", "beam_angle_deg": 80},
-    "light_count": 2, "light_baseline_m": 0.6, "orientation": "portrait",
-    "settings": {"f_number": 2.8, "exposure_ms": 2.0},
-}  # fmt: skip
-
-
-def replayed(mission: Any, system: Any) -> tuple[Replay, dict[str, Any]]:
-    result = uwopt.evaluate(mission, system)
-    design = result.design
-    made = replay(result.mission, design, physics=result.physics, system=result.system)
-    return made, design.scenes[0].figures
 
 
 @pytest.fixture(
     scope="module", params=["nui-acfr", "whoi-abe", "awi-ofobs", "paper-tank", "paper-tool-window"]
 )
-def case(request):
+def case(request, replayed):
     return replayed(PROBLEMS / f"{request.param}.yaml", PROBLEMS / f"{request.param}.system.yaml")
 
 
@@ -117,8 +99,8 @@ def test_middle_of_the_map_is_the_centre(case):
     assert odd.snr_db[1, 1] == pytest.approx(figures["snr_db_centre"], abs=1e-6)
 
 
-def test_channels_are_those_of_the_figures():
-    design, figures = replayed(PROBLEMS / "nui-acfr.yaml", COLOUR)
+def test_channels_are_those_of_the_figures(replayed, colour_system):
+    design, figures = replayed(PROBLEMS / "nui-acfr.yaml", colour_system)
     way = spectrum_way(design)
     mean = sum(weight * way.channel_electrons_per_nm[name] for name, weight in
                (("red", 0.25), ("green", 0.5), ("blue", 0.25)))  # fmt: skip
@@ -129,8 +111,8 @@ def test_channels_are_those_of_the_figures():
     assert green / red == pytest.approx(figures["white_balance_red"], rel=1e-3)
 
 
-def test_portrait_turns_the_image_with_the_motion():
-    along, across = image_points(replayed(PROBLEMS / "nui-acfr.yaml", COLOUR)[0], 4, 2)
+def test_portrait_turns_the_image_with_the_motion(replayed, colour_system):
+    along, across = image_points(replayed(PROBLEMS / "nui-acfr.yaml", colour_system)[0], 4, 2)
     assert np.all(np.diff(along, axis=1) > 0)  # width along the motion, forward to the right
     assert np.all(np.diff(across, axis=0) > 0)
 

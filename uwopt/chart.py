@@ -27,7 +27,7 @@ STAR_CYCLES, STAR_RADIUS = 18, 24.0
 SQUARE_TILT_RAD = float(np.deg2rad(5.0))
 OCTAVE_CONTRAST = 0.05  # rms of each octave of the floor's grain
 COARSEST_MM = 512.0
-VALUE_NOISE_RMS = 0.39  # of an octave before scaling: uniform -1..1 between smooth steps
+VALUE_NOISE_RMS = 26.0 / 35.0 / 3.0**0.5  # uniform -1..1 on the lattice, times the mean square of the steps
 SEED = 20_200_913
 
 

@@ -1,0 +1,41 @@
+"""What tests of several rooms share: a design that was evaluated and recomputed, and a system with a colour camera."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import uwopt
+from uwopt.replay import Replay, replay
+
+COLOUR: dict[str, Any] = {
+    "camera": {"resolution_x_px": 1600, "resolution_y_px": 1200, "pixel_pitch_um": 4.5, "read_noise_e": 6,
+               "saturation_e": 20000, "bit_depth": 12, "colour": "colour", "quantum_efficiency": "imx264c-filled"},
+    "lens": {"focal_length_mm": 8, "f_number_min": 1.8, "f_number_max": 16, "transmission": 0.9},
+    "port": {"geometry": "flat", "glass": "n_bk7", "thickness_mm": 10, "gap_mm": 5},
+    "light": {"kind": "continuous", "flux_lm": 12000, "power_w": 120, "beam": "cosine-power", "beam_angle_deg": 80},
+    "light_count": 2, "light_baseline_m": 0.6, "orientation": "portrait",
+    "settings": {"f_number": 2.8, "exposure_ms": 2.0},
+}  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def colour_system() -> dict[str, Any]:
+    """A colour camera behind a flat port, its width along the motion."""
+    return COLOUR
+
+
+@pytest.fixture(scope="session")
+def replayed() -> Callable[[Any, Any], tuple[Replay, dict[str, Any]]]:
+    """Evaluates a system in a mission: the design recomputed from the result, and its figures."""
+
+    def of(mission: Any, system: Any) -> tuple[Replay, dict[str, Any]]:
+        result = uwopt.evaluate(mission, system)
+        design = result.design
+        assert design is not None
+        made = replay(result.mission, design, physics=result.physics, system=result.system)
+        return made, design.scenes[0].figures
+
+    return of

@@ -1,0 +1,220 @@
+"""Pictures for the page: complete, plain, small, told in words, and drawn to scale."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import uwopt
+from uwopt.curves import Lamp, RigMeasures, rig_measures
+from uwopt.report import drawing
+from uwopt.report.design_pictures import (
+    MOST_BYTES,
+    Picture,
+    design_pictures,
+    picture_pair,
+    png_bytes,
+    png_uri,
+)
+from uwopt.report.plots import numbers
+
+PROBLEMS = Path(__file__).parents[2] / "problems"
+SVG = "{http://www.w3.org/2000/svg}"
+RIG = RigMeasures(
+    altitude_m=2.0, altitude_tolerance_m=0.25, half_along_m=0.4, half_across_m=0.7, is_dome=True, outer_radius_m=0.06,
+    lamps=(Lamp(0.0, 0.8, 0.0, (0.0, math.sin(0.1), math.cos(0.1))), Lamp(0.0, -0.8, 0.0, (0.0, 0.0, 1.0))),
+    beam_half_angle_rad=math.radians(30.0), beam_ends_sharply=False, image_width_is_along=False, speed_m_s=0.5,
+    advance_m=0.3, overlap=0.625, camera_count=1,
+)  # fmt: skip
+NAMES = {
+    "rig-behind", "rig-above", "chart-whole", "picture-whole", "chart-detail", "picture-detail", "picture-corner",
+    "spectrum", "dof-aperture", "dof-focus", "rate", "exposure", "illuminance", "snr",
+}  # fmt: skip
+FIELD = {"picture-corner", "illuminance", "snr"}  # physics `paper` knows no field
+
+
+def inputs(result: Any) -> dict[str, Any]:
+    return {"physics": result.physics, "mission_file": result.mission_file, "system": result.system}
+
+
+def evaluated(name: str, system: Any = None) -> Any:
+    return uwopt.evaluate(PROBLEMS / f"{name}.yaml", system or PROBLEMS / f"{name}.system.yaml")
+
+
+@pytest.fixture(scope="module", params=["nui-acfr", "paper-tool-window", "colour"])
+def made(request, colour_system):
+    result = evaluated("nui-acfr", colour_system) if request.param == "colour" else evaluated(request.param)
+    return result, design_pictures(result.mission, result.best, **inputs(result))
+
+
+def test_every_picture_is_there(made):
+    result, pictures = made
+    names = [one.id for one in pictures]
+    assert len(set(names)) == len(names)
+    assert set(names) == (NAMES - FIELD if result.mission["physics"] == "paper" else NAMES)
+
+
+def test_every_picture_is_told_in_words(made):
+    for one in made[1]:
+        assert one.title
+        assert len(one.caption) > 20
+        assert re.search(r"\d", one.alt), one.id
+        assert not re.search(r"\bnan\b|\binf\b|None", one.title + one.caption + one.alt), one.id
+
+
+def test_plots_are_plain_numbers_without_colours_for_text(made):
+    for one in made[1]:
+        if one.kind != "plotly":
+            continue
+        assert set(one.content) == {"data", "layout"}
+        text = json.dumps(one.content, allow_nan=False)
+        assert '"template"' not in text
+        assert "NaN" not in text
+        layout = one.content["layout"]
+        assert "font" not in layout
+        assert layout["paper_bgcolor"] == layout["plot_bgcolor"] == "rgba(0,0,0,0)"
+        titles = [axis["title"]["text"] for key, axis in layout.items() if key.startswith(("xaxis", "yaxis"))]
+        assert all(re.search(r"\[.+\]|f-number|/nm", title) for title in titles), titles  # units
+
+
+def test_all_pictures_of_a_design_stay_small(made):
+    sizes = [len(one.content if isinstance(one.content, str) else json.dumps(one.content)) for one in made[1]]
+    assert sum(sizes) < 1_200_000
+    for one in made[1]:
+        if one.kind == "image":
+            data = base64.b64decode(one.content.removeprefix("data:image/png;base64,"))
+            assert len(data) <= MOST_BYTES
+            width, height = (int.from_bytes(data[at : at + 4], "big") for at in (16, 20))  # of IHDR
+            assert (width, height) == (one.width_px, one.height_px)
+
+
+def test_key_numbers_are_those_of_the_result(made):
+    result, pictures = made
+    figures, by_id = result.best.scenes[0].figures, {one.id: one for one in pictures}
+    assert f"{figures['dof_near_m']:.3g} m" in by_id["dof-aperture"].alt
+    assert f"{figures['frame_rate_min_hz']:.3g} Hz" in by_id["rate"].alt
+    assert f"{figures['fov_x_m']:.3g} m" in by_id["rig-above"].alt
+    if "illuminance" in by_id:
+        assert f"{figures['floor_illuminance_mean_lx']:.3g} lx" in by_id["illuminance"].alt
+        assert f"SNR {figures['snr_db_centre']:.1f} dB" in by_id["picture-detail"].alt
+
+
+def test_pairs_are_the_details(made):
+    result, pictures = made
+    chart, seen = picture_pair(result.mission, result.best, **inputs(result))
+    by_id = {one.id: one for one in pictures}
+    assert (chart.content, seen.content) == (by_id["chart-detail"].content, by_id["picture-detail"].content)
+
+
+def test_other_scenes_have_other_ids():
+    result = evaluated("paper-tool-window")
+    two = {
+        **result.mission,
+        "scenes": [result.mission["scenes"][0], {**result.mission["scenes"][0], "name": "b"}],
+    }
+    both = uwopt.evaluate(two, result.system)
+    second = design_pictures(both.mission, both.best, **inputs(both), scene=1)
+    assert all(isinstance(one, Picture) and one.id.endswith("-scene2") for one in second)
+
+
+# ---------------------------------------------------------------- parts of them
+
+
+def test_noise_is_made_coarser_until_it_fits():
+    noise = np.random.default_rng(5).integers(0, 256, (300, 400, 3), dtype=np.uint8)
+    assert len(png_bytes(noise)) > MOST_BYTES
+    assert len(png_uri(noise // 8)) * 0.75 < len(png_uri(noise, most_bytes=10**9)) * 0.75
+    grey = np.repeat(noise[..., :1] // 4, 3, axis=2)
+    assert len(base64.b64decode(png_uri(grey).split(",")[1])) <= MOST_BYTES
+
+
+def test_an_image_comes_back_as_it_went():
+    from PIL import Image
+
+    image = np.random.default_rng(6).integers(0, 256, (20, 30, 3), dtype=np.uint8)
+    data = base64.b64decode(png_uri(image).split(",")[1])
+    assert np.array_equal(np.asarray(Image.open(io.BytesIO(data))), image)
+
+
+def test_numbers_are_short_and_finite():
+    assert numbers([1 / 3, math.inf, math.nan, 0.0, 123456.789]) == [0.33333, None, None, 0.0, 123460.0]
+    assert numbers(np.eye(2)) == [[1.0, 0.0], [0.0, 1.0]]
+
+
+def shapes(text: str, kind: str, style: str) -> list[dict[str, str]]:
+    root = ElementTree.fromstring(text)
+    assert root.tag == f"{SVG}svg"
+    assert root.get("role") == "img"
+    assert root.find(f"{SVG}title") is not None
+    assert root.find(f"{SVG}desc") is not None
+    return [dict(node.attrib) for node in root.iter(f"{SVG}{kind}") if node.get("class") == style]
+
+
+def points(shape: dict[str, str]) -> np.ndarray:
+    return np.array([[float(v) for v in pair.split(",")] for pair in shape["points"].split()])
+
+
+def test_seen_from_above_everything_has_one_scale():
+    text = drawing.view_from_above(RIG, title="a", description="b")
+    (view,), (after,), (shared,) = (shapes(text, "polygon", name) for name in ("view", "next", "shared"))
+    size = np.ptp(points(view), axis=0)
+    scale = size[0] / 1.4
+    assert size[1] == pytest.approx(0.8 * scale, abs=0.2)
+    assert points(view)[0][1] - points(after)[0][1] == pytest.approx(0.3 * scale, abs=0.2)  # forward is up
+    assert np.ptp(points(shared), axis=0)[1] == pytest.approx(0.625 * 0.8 * scale, abs=0.2)
+    lamps = sorted(float(c["cx"]) for c in shapes(text, "circle", "solid") if c["r"] == "5")
+    assert lamps[1] - lamps[0] == pytest.approx(1.6 * scale, abs=0.2)
+
+
+def test_seen_from_behind_beams_open_by_their_angle():
+    text = drawing.view_from_behind(RIG, title="a", description="b")
+    view = points(shapes(text, "polygon", "view")[0])
+    scale = (view[2][0] - view[1][0]) / 1.4
+    level = points(shapes(text, "polygon", "beam")[1])  # straight down, 30 deg: 2 m * tan 30 deg to each side
+    assert level[2][0] - level[1][0] == pytest.approx(2 * 2.0 * math.tan(math.radians(30)) * scale, abs=0.3)
+    leaning = points(shapes(text, "polygon", "beam")[0])
+    assert leaning[2][0] - leaning[0][0] == pytest.approx(
+        2.0 * math.tan(math.radians(30) + 0.1) * scale, abs=0.3
+    )
+
+
+def test_ring_of_a_level_beam_is_a_circle():
+    ring = drawing.beam_ring(RIG, RIG.lamps[1])
+    radius = [math.hypot(x, y + 0.8) for x, y in ring]
+    assert radius == pytest.approx([2.0 * math.tan(math.radians(30))] * len(ring))
+
+
+def test_drawings_escape_what_they_are_told():
+    text = drawing.view_from_above(RIG, title='<script>"&', description="</svg><b>")
+    assert "<script" not in text
+    assert "<b>" not in text
+    shapes(text, "polygon", "view")
+
+
+@pytest.mark.parametrize("change", [
+    {"speed_m_s": 0.0, "advance_m": None, "overlap": None}, {"advance_m": 5.0, "overlap": -5.25}, {"is_dome": False},
+    {"beam_half_angle_rad": 1.57}, {"altitude_tolerance_m": 0.0, "image_width_is_along": True},
+    {"lamps": (Lamp(0.5, 0.0, -0.4, (0.6, 0.0, 0.8)),)},
+])  # fmt: skip
+def test_drawings_stand_for_odd_rigs(change):
+    rig = RigMeasures(**{**vars(RIG), **change})
+    for view in (drawing.view_from_behind, drawing.view_from_above):
+        text = view(rig, title="a", description="b")
+        shapes(text, "polygon", "view")
+        assert "nan" not in text
+        assert not re.search(r'"-?\d{6,}', text)
+
+
+def test_measures_of_a_replayed_rig_can_be_drawn(replayed):
+    design, _ = replayed(PROBLEMS / "awi-ofobs.yaml", PROBLEMS / "awi-ofobs.system.yaml")
+    text = drawing.view_from_behind(rig_measures(design), title="a", description="b")
+    assert "altitude" in text
