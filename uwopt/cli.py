@@ -15,6 +15,7 @@ import typer
 
 from uwopt import __version__
 from uwopt.cli_catalog import catalog_app
+from uwopt.cli_report import report_command
 from uwopt.cli_status import DONE, EXIT_STATUS, command, result_status, told
 from uwopt.errors import MissionError, OutputError
 
@@ -64,7 +65,8 @@ PhysicsOption = Annotated[
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON and nothing else.")]
 OutOption = Annotated[
-    str | None, typer.Option("--out", metavar="DIR", help="Write result.json and bom.csv into DIR.")
+    str | None,
+    typer.Option("--out", metavar="DIR", help="Write result.json, bom.csv and report.html into DIR."),
 ]
 
 
@@ -202,6 +204,8 @@ def parsed_objective(text: str) -> str | dict[str, float]:
         raise MissionError("--objective: no weight is above 0; write such as power=1,cost=0.01")
     return weights
 
+
+app.command("report", short_help="Make the page of a result again.")(report_command)
 
 # ---------------------------------------------------------------- init and schema
 

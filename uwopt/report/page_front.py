@@ -178,6 +178,26 @@ def stand_text(hardware: dict[str, Any]) -> str:
     )
 
 
+def front_cards(front: FrontResult) -> list[Card]:
+    """How many systems there are, and the range of each objective, the better end first."""
+    curves = len({point.curve for point in front.points})
+    made = [
+        Card(
+            "Systems",
+            words.count_text(len(front.points)),
+            f"of {words.counted(curves, 'choice')} of hardware",
+        )
+    ]
+    for objective in front.objectives:
+        values = [point.values[objective.name] for point in front.points]
+        best, worst = (
+            (max(values), min(values)) if objective.direction == "maximise" else (min(values), max(values))
+        )
+        span = "" if best == worst else f"to {words.quantity(worst, objective.unit)}"
+        made.append(Card(words.capital(axis_name(objective)), words.quantity(best, objective.unit), span))
+    return made
+
+
 # ---------------------------------------------------------------- methods
 
 

@@ -60,6 +60,14 @@ class BomRow:
     link: str  # "" where the source is no page
     source: str
 
+    @property
+    def short(self) -> str:
+        """The link's text: the site and the end of the way there."""
+        parts = urlsplit(self.link)
+        site, way = (parts.hostname or "").removeprefix("www."), parts.path.strip("/").split("/")
+        end = way[-1] if len(way[-1]) <= 36 else "…" + way[-1][-35:]
+        return site + ("/…" if len(way) > 1 else "") + (f"/{end}" if end else "")
+
 
 @dataclass(frozen=True)
 class Bar:
@@ -208,9 +216,9 @@ def scene_bars(design: Design) -> Iterator[SceneBars]:
         bars.sort(key=lambda b: (order[b.state], 9e9 if b.room is None else b.room))
         names = list(dict.fromkeys(b.name for b in bars if b.state == "binding"))
         missed = list(dict.fromkeys(b.name for b in bars if b.state == "missed"))
-        said = ([f"Missed: {words.listed(missed)}."] if missed else []) + (
-            [f"What binds: {words.listed(names)}."] if names else []
-        )
+        said = [
+            f"{head}: {'; '.join(own)}." for head, own in (("Missed", missed), ("What binds", names)) if own
+        ]
         yield SceneBars(words.one_line(scene.name, 60), bars, " ".join(said))
 
 

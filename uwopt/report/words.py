@@ -292,9 +292,14 @@ def listed(names: Sequence[str]) -> str:
 # ---------------------------------------------------------------- sentences
 
 
+def capital(text: str) -> str:
+    """With a capital letter."""
+    return text[:1].upper() + text[1:]
+
+
 def as_sentence(text: str) -> str:
     """With a capital letter and a full stop."""
-    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
+    return capital(text) + ("" if text.endswith(".") else ".")
 
 
 def cost_sentence(cost: Mapping[str, Any], n_unpriced: int = 0) -> str:

@@ -1,4 +1,7 @@
-"""Result files: written under a temporary name and moved, so that no half-written file is ever seen."""
+"""Result files: written under a temporary name and moved, so that no half-written file is ever seen.
+
+What is written belongs together: the JSON, the table made from it, and the page made from it.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from uwopt.errors import OutputError
+from uwopt.front_result import FrontResult
 from uwopt.result import Result
 
-RESULT_FILE, BOM_FILE = "result.json", "bom.csv"
+RESULT_FILE, BOM_FILE, PAGE_FILE = "result.json", "bom.csv", "report.html"
+FRONT_FILE, FRONT_TABLE = "front.json", "front.csv"
 FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r", "\n")
 BOM_COLUMNS = (
     "kind", "id", "manufacturer", "model", "count", "owned", "unit_price", "unit_price_low", "unit_price_high",
@@ -22,18 +27,62 @@ BOM_COLUMNS = (
 
 
 def write_results(result: Result, folder: str | Path) -> list[Path]:
-    """Write result.json and bom.csv into a folder, made if need be; returns their paths.
+    """Write result.json, bom.csv and report.html into a folder, made if need be; returns their paths.
 
     Without a design the bill of materials holds its header only, so that none of an earlier run stays.
     """
     target = check_folder(folder)
     rows = result.best.bom if result.best is not None else []
-    texts = {RESULT_FILE: json_text(result) + "\n", BOM_FILE: bom_csv(rows)}
+    texts = {RESULT_FILE: json_text(result) + "\n", BOM_FILE: bom_csv(rows), PAGE_FILE: page_text(result)}
+    return write_files(made_folder(target), texts)
+
+
+def write_front(front: FrontResult, folder: str | Path) -> list[Path]:
+    """Write front.json, front.csv and report.html into a folder, made if need be; returns their paths."""
+    target = check_folder(folder)
+    texts = {
+        FRONT_FILE: json_text(front) + "\n",
+        FRONT_TABLE: front_csv(front),
+        PAGE_FILE: page_text(front),
+    }
+    return write_files(made_folder(target), texts)
+
+
+def write_page(result: Result | FrontResult, file: str | Path) -> Path:
+    """Write the report of a result to a file; one that stands there is replaced."""
+    target = check_file(file)
+    return write_files(made_folder(target.parent), {target.name: page_text(result)})[0]
+
+
+def page_text(result: Result | FrontResult) -> str:
+    """The page of a result; the template engine is loaded only when a page is made."""
+    from uwopt.report.page import report_html
+
+    return report_html(result)
+
+
+def made_folder(folder: Path) -> Path:
+    """The folder, made if need be."""
     try:
-        target.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as fault:
         raise OutputError(f"{folder}: cannot be made ({reason(fault)}); choose another --out.") from None
-    return write_files(target, texts)
+    return folder
+
+
+def check_file(file: str | Path) -> Path:
+    """The file if it can be written, now or once its folder is made; raises OutputError."""
+    path = Path(file)
+    if not str(file).strip():
+        raise OutputError("--out is empty; name a file, or a folder.")
+    try:
+        is_folder = path.is_dir()
+    except (OSError, ValueError) as fault:
+        raise OutputError(f"{file}: cannot be used ({reason(fault)}); choose another --out.") from None
+    if is_folder:
+        raise OutputError(f"{file}: is a folder where the report goes; choose another --out.")
+    check_folder(path.parent)
+    return path
 
 
 def check_folder(folder: str | Path) -> Path:
@@ -52,7 +101,7 @@ def check_folder(folder: str | Path) -> Path:
             probe = path / f".{RESULT_FILE}.{os.getpid()}.tmp"
             probe.touch()
             probe.unlink()
-        for name in (RESULT_FILE, BOM_FILE):
+        for name in (RESULT_FILE, BOM_FILE, FRONT_FILE, FRONT_TABLE, PAGE_FILE):
             if (path / name).is_dir():
                 raise OutputError(
                     f"{path / name}: is a folder where a result file goes; choose another --out."
@@ -106,7 +155,7 @@ def write_new(path: str | Path, text: str) -> Path:
     return target
 
 
-def json_text(result: Result, encoding: str = "utf-8") -> str:
+def json_text(result: Result | FrontResult, encoding: str = "utf-8") -> str:
     """The result as JSON; signs that an encoding does not know are written as escapes."""
     text = result.to_json()
     try:
@@ -125,6 +174,17 @@ def bom_csv(rows: Sequence[Mapping[str, Any]]) -> str:
     for row in rows:
         values = {"to_pay": to_pay(row), **row}
         writer.writerow([defused(values.get(column)) for column in columns])
+    return text.getvalue()
+
+
+def front_csv(front: FrontResult) -> str:
+    """A front's table as CSV, a row a point; columns are those of any point."""
+    rows = front.rows()
+    columns = list(dict.fromkeys(key for row in rows for key in row)) or ["point"]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([defused(column) for column in columns])
+    writer.writerows([defused(row.get(column)) for column in columns] for row in rows)
     return text.getvalue()
 
 

@@ -1,0 +1,296 @@
+"""The report as one HTML file: made from a result alone, at home without a network.
+
+The template escapes every text; data for the script stand in a block of JSON; the page allows only the
+scripts that it was written with, by their hashes, and no connection.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import json
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import resources
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from uwopt.errors import UwoptError
+from uwopt.front_result import FrontResult
+from uwopt.report import doubts, page_front, page_parts, tables, words
+from uwopt.report.layout import Block, Facts, Grid, Joined, Line, Text, fact_lines
+from uwopt.report.page_parts import DesignPart
+from uwopt.report.page_style import DARK, LIGHT, tokens
+from uwopt.report.page_svg import clean_svg
+from uwopt.report.verdict import verdict
+from uwopt.result import Certificate, Design, Result, plain
+
+TITLES = {"solve": "Recommendation", "evaluate": "Evaluation of a given system", "pareto": "Trade-off"}
+GROUPS = {
+    "picture": "What the camera would see", "drawing": "Drawing to scale", "light": "Light, from lamp to sensor",
+    "sharp": "Depth of field", "operation": "Frame rate and exposure", "image": "Light and noise over the image",
+}  # fmt: skip
+IMAGE = re.compile(r"data:image/(?:png|jpeg|webp);base64,[A-Za-z0-9+/=]+\Z")
+
+
+@dataclass
+class Pictures:
+    """Figures of the page: what the template places, what the script draws, and why some are missing."""
+
+    shown: list[dict[str, Any]] = field(default_factory=list)
+    drawn: dict[str, Any] = field(default_factory=dict)
+    missing: list[str] = field(default_factory=list)
+
+    def add(self, pictures: list[Any], prefix: str) -> list[dict[str, Any]]:
+        """Take pictures in; ids are made unique by the prefix."""
+        taken = []
+        for picture in pictures:
+            item = {"id": f"{prefix}-{safe_id(picture.id)}", "group": picture.group, "title": picture.title,
+                    "caption": picture.caption, "alt": picture.alt, "kind": picture.kind, "content": None}  # fmt: skip
+            if picture.kind == "plotly":
+                self.drawn[item["id"]] = slim(plain(picture.content))
+            elif picture.kind == "svg":
+                item["content"] = clean_svg(picture.content, item["id"], picture.alt)
+            elif IMAGE.match(picture.content):
+                item["content"] = picture.content
+            if picture.kind == "plotly" or item["content"]:
+                taken.append(item)
+        return taken
+
+
+def report_html(result: Result | FrontResult) -> str:
+    """The page of a result or a front."""
+    front = result if isinstance(result, FrontResult) else None
+    pictures = Pictures()
+    parts = list(design_parts(result, pictures))
+    table = page_front.front_data(front) if front and front.points else None
+    data = {"figures": pictures.drawn, "front": table}
+    first, second = verdict(result)
+    code = script("front.js") + script("page.js") if data["front"] else script("page.js")
+    plots = plotly_js() if data["figures"] or data["front"] else ""
+    policy = "; ".join((
+        "default-src 'none'", "script-src " + " ".join(source_of(text) for text in (plots, code) if text),
+        "style-src 'unsafe-inline'", "img-src data: blob:", "base-uri 'none'", "form-action 'none'",
+    ))  # fmt: skip
+    return str(
+        environment()
+        .get_template("page.html")
+        .render(
+            result=result, front=front, policy=policy, plots=packed(plots) if plots else "", code=code,
+            data=json_for_script(data), table=table, quantity=words.quantity, light=tokens(LIGHT), dark=tokens(DARK),
+            title=TITLES.get(result.command, "Result"),
+            name=words.one_line(result.mission.get("name") or "Mission", 120), first=first, second=second,
+            parts=parts, pictures=pictures, groups=GROUPS, facts=front_facts(front) if table and front else None,
+            alternatives=page_parts.alternatives(result), why=why_block(result), trust=list(trust_blocks(result)),
+            others=list(tables.runner_up_blocks(result)) if isinstance(result, Result) else [],
+            stages=page_parts.stages(result.timing_s), run_time=words.run_time_sentence(result.timing_s),
+            mission_text=mission_text(result), raw=packed(result.to_json()),
+            raw_name="front.json" if front else "result.json", status=status_words(result),
+        )
+    )  # fmt: skip
+
+
+# ---------------------------------------------------------------- designs and their pictures
+
+
+def design_parts(result: Result | FrontResult, pictures: Pictures) -> Iterator[DesignPart]:
+    """The designs that the page shows in full: the best, or the nearest miss, or a front's picks."""
+    if isinstance(result, FrontResult) and result.points:
+        names = page_front.pick_names(result) or {result.points[0].id: "First point"}
+        for number, (point_id, name) in enumerate(names.items()):
+            definition = " ".join(
+                words.as_sentence(words.one_line(pick.definition)) for pick in result.picks if pick.point == point_id
+            )  # fmt: skip
+            design = result.point(point_id).design
+            part = page_parts.design_part(result, design, name, part_id=point_id, definition=definition)
+            prefix = f"d{number}"
+            add_pictures(result, design, pictures, prefix, part, whole=number == 0)
+            yield part
+        return
+    best = result.best if isinstance(result, Result) else None
+    shown, name = best, "Recommendation" if result.command == "solve" else "System"
+    if shown is None:
+        shown, name = tables.nearest_miss(result), "Nearest miss"
+    if shown is not None:
+        part = page_parts.design_part(result, shown, name)
+        add_pictures(result, shown, pictures, "d0", part, whole=True)
+        yield part
+
+
+def add_pictures(
+    result: Result | FrontResult,
+    design: Design,
+    pictures: Pictures,
+    prefix: str,
+    part: DesignPart,
+    *,
+    whole: bool,
+) -> None:
+    """Let the model draw a design: everything, or only the pair of chart and simulated picture."""
+    inputs: dict[str, Any] = {
+        "physics": result.physics, "mission_file": result.mission_file,
+        "system": result.system if isinstance(result, Result) else None,
+    }  # fmt: skip
+    try:
+        from uwopt.report import design_pictures as studio
+
+        made = (studio.design_pictures if whole else studio.picture_pair)(result.mission, design, **inputs)
+    except UwoptError as fault:
+        pictures.missing.append(f"{part.name}: {fault}")
+        return
+    except Exception as fault:  # the result must not be lost for want of a picture
+        pictures.missing.append(
+            f"{part.name}: a defect of uwopt, please report it: {type(fault).__name__}: {fault}"
+        )
+        return
+    part.pictures.extend(pictures.add(list(made), prefix))
+    pictures.shown.extend(part.pictures)
+
+
+# ---------------------------------------------------------------- why, and how sure
+
+
+def why_block(result: Result | FrontResult) -> Block | None:
+    """Why nothing fits, if so."""
+    return doubts.infeasible_block(result) if result.infeasible else None
+
+
+def trust_blocks(result: Result | FrontResult) -> Iterator[Block]:
+    """Certificate, doubts, second opinions, assumptions, model, accuracy, warnings."""
+    yield from tables.warning_blocks(result)
+    if isinstance(result, Result):
+        if result.certificate is not None:
+            yield doubts.certificate_block(result, result.certificate)
+        if result.robustness:
+            yield doubts.robustness_block(result)
+        if result.solvers or result.audit:
+            yield doubts.second_opinion_block(result)
+    elif result.certificate:
+        yield Block("Certificate", tuple(front_certificate(result.certificate)))
+    yield doubts.model_block(result)
+    if result.accuracy:
+        yield Block("Numerical error", (fact_lines(page_parts.flat_facts(result.accuracy)),))
+    if result.assumptions:
+        title = f"Assumptions ({len(result.assumptions)})"
+        yield Block(title, tuple(doubts.assumption_lines(result, whole=True)))
+
+
+def front_certificate(certificate: Mapping[str, Any]) -> list[Line]:
+    """What is claimed of a front, and where every combination went."""
+    counts = ("loaded", "selected", "evaluated", "discarded")
+    lines: list[Line] = [
+        fact_lines(page_parts.flat_facts({k: v for k, v in certificate.items() if k not in counts}))
+    ]
+    if all(certificate.get(name) is not None for name in counts):
+        account = Certificate(None, None, None, None, True, "", *(certificate[name] for name in counts))
+        lines += doubts.account_lines(account)
+    return lines
+
+
+def front_facts(front: FrontResult) -> dict[str, Any]:
+    """What a front has beside its points."""
+    return {
+        "cards": page_front.front_cards(front),
+        "heads": page_front.METHOD_HEADS, "methods": page_front.method_rows(front),
+        "kinds": page_front.KINDS, "peers": bool(front.peers), "three": len(front.objectives) == 3,
+    }  # fmt: skip
+
+
+def status_words(result: Result | FrontResult) -> tuple[str, str]:
+    """Status and the colour that it is shown in."""
+    mark = {
+        "optimal": "good",
+        "feasible": "good",
+        "complete": "good",
+        "stopped": "warn",
+        "interrupted": "warn",
+    }
+    return words.one_line(result.status, 30), mark.get(result.status, "bad")
+
+
+def mission_text(result: Result | FrontResult) -> str:
+    """The mission as the user wrote it, or as it was understood."""
+    text = (result.mission_file or {}).get("text")
+    if text:
+        return words.printable(str(text))
+    import yaml
+
+    return str(yaml.safe_dump(plain(result.mission), sort_keys=False, allow_unicode=True))
+
+
+# ---------------------------------------------------------------- the file
+
+
+@cache
+def environment() -> Any:
+    """The template engine, which escapes everything that is not marked as markup."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    made = Environment(
+        loader=PackageLoader("uwopt.report", "assets"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    made.filters["line_kind"] = line_kind
+    made.filters["anchor"] = safe_id
+    return made
+
+
+def line_kind(line: Line) -> str:
+    """Which of the kinds of lines one is."""
+    return {Text: "text", Joined: "joined", Grid: "grid", Facts: "facts"}[type(line)]
+
+
+def safe_id(text: object) -> str:
+    """Letters, digits and hyphens only."""
+    return re.sub(r"[^a-z0-9]+", "-", str(text).casefold()).strip("-") or "part"
+
+
+@cache
+def script(name: str) -> str:
+    """A script of the page."""
+    return resources.files("uwopt.report").joinpath("assets", name).read_text("utf-8")
+
+
+@cache
+def plotly_js() -> str:
+    """The plot library, read from its package without importing that; "" where it is missing."""
+    spec = find_spec("plotly")
+    if spec is None or spec.origin is None:
+        return ""
+    return (Path(spec.origin).parent / "package_data" / "plotly.min.js").read_text("utf-8")
+
+
+@cache
+def packed(text: str) -> str:
+    """Text packed with gzip, in letters."""
+    return base64.b64encode(gzip.compress(text.encode(), 6, mtime=0)).decode()
+
+
+@cache
+def source_of(text: str) -> str:
+    """A script's hash as the page's policy names it."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+def json_for_script(value: Any) -> str:
+    """JSON that no text within can end, and that every browser reads."""
+    text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    for sign in "<>&\u2028\u2029":
+        text = text.replace(sign, f"\\u{ord(sign):04x}")
+    return text
+
+
+def slim(value: Any) -> Any:
+    """Numbers of a figure with six digits, which is more than a screen shows."""
+    if isinstance(value, dict):
+        return {key: slim(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [slim(item) for item in value]
+    if isinstance(value, float):
+        return float(f"{value:.6g}") if math.isfinite(value) else None
+    return value
