@@ -1,0 +1,83 @@
+"""Objectives of the user's own: a Python function of figures, for many designs at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.errors import MissionError
+
+Array = NDArray[Any]
+OwnFunction = Callable[[Mapping[str, Array]], Any]
+DIRECTIONS = ("minimise", "maximise")
+
+#: Figure -> (unit, which scene counts where there are several: the one with the most or the least).
+FIGURES: dict[str, tuple[str, str]] = {
+    "power_w": ("W", "most"), "light_power_w": ("W", "most"), "cost": ("", "most"), "mass_kg": ("kg", "most"),
+    "snr_db": ("dB", "least"), "contrast": ("", "least"), "gsd_mm": ("mm", "most"),
+    "information_bit_per_m2": ("bit/m2", "least"), "f_number": ("", "most"), "exposure_ms": ("ms", "most"),
+    "gain": ("", "most"), "level": ("", "most"), "flux_lm": ("lm", "most"), "light_count": ("", "most"),
+    "frame_rate_hz": ("Hz", "most"), "swath_m": ("m", "least"), "blur_px": ("px", "most"),
+    "dof_near_m": ("m", "most"), "dof_far_m": ("m", "least"), "mean_level": ("", "most"),
+    "saturation_fraction": ("", "most"), "data_rate_mb_s": ("MB/s", "most"),
+}  # fmt: skip
+#: Beside them: index of each part into the search's parts, and its id.
+PARTS = ("camera", "lens", "port", "light")
+
+
+@dataclass(frozen=True)
+class OwnObjective:
+    """A figure of merit that uwopt does not know.
+
+    `function` takes a mapping of arrays, one entry a design (see `FIGURES`, and `camera`, `camera_id` and so on
+    for the parts), and returns as many numbers. It is called for feasible designs alone.
+    """
+
+    name: str
+    function: OwnFunction
+    direction: str = "minimise"
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.name or not callable(self.function):
+            raise MissionError(f"objective {self.name!r}: an own objective needs a name and a function")
+        if self.direction not in DIRECTIONS:
+            raise MissionError(
+                f"objective {self.name}: direction {self.direction!r} is not one of {', '.join(DIRECTIONS)}"
+            )
+
+    @staticmethod
+    def of(given: OwnObjective | OwnFunction) -> OwnObjective:
+        """The objective itself, or a bare function under its own name."""
+        if isinstance(given, OwnObjective):
+            return given
+        return OwnObjective(getattr(given, "__name__", type(given).__name__), given)
+
+    def minimised(self, figures: Mapping[str, Array]) -> Array:
+        """The function's values (n,), negated where more is better; faults name the function."""
+        n = len(figures["power_w"])
+        try:
+            returned = self.function(figures)
+            values = np.asarray(returned, float)
+        except KeyError as fault:
+            known = ", ".join(sorted(figures))
+            raise MissionError(
+                f"objective {self.name}: there is no figure {fault}; known: {known}"
+            ) from fault
+        except Exception as fault:  # a user's function may raise anything
+            raise MissionError(f"objective {self.name}: {type(fault).__name__}: {fault}") from fault
+        if values.shape != (n,):
+            raise MissionError(
+                f"objective {self.name}: returned an array of shape {values.shape} for {n} designs; one number a "
+                f"design is wanted, shape ({n},)"
+            )
+        if np.isnan(values).any():
+            raise MissionError(
+                f"objective {self.name}: returned NaN for {int(np.isnan(values).sum())} of {n} feasible designs; "
+                "return a number for each"
+            )
+        return -values if self.direction == "maximise" else values
