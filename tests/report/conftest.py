@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from uwopt.front_result import FrontMethod, FrontObjective, FrontPoint, FrontResult, Pick
 from uwopt.result import Certificate, Design, Margin, Result, SceneResult
 
 SETTINGS = {
@@ -112,6 +113,54 @@ def solved(**changes: Any) -> Result:
         "timing_s": {"search": 0.3, "search_bounds": 0.1, "report": 0.12, "total": 0.43},
     }  # fmt: skip
     return Result(**values | changes)
+
+
+OBJECTIVES = {"power": ("minimise", "W"), "cost": ("minimise", "USD"), "information": ("maximise", "bit/m²")}
+
+
+def front(*names: str, points: int = 8, **changes: Any) -> FrontResult:
+    """A front of two or three objectives: power falls along it, cost and information rise."""
+    wanted = names or tuple(OBJECTIVES)
+    made = []
+    for index in range(points):
+        values = {
+            "power": 40.0 - 3.0 * index,
+            "cost": 4000.0 + 500.0 * index,
+            "information": 1e6 + 1e5 * index**2,
+        }
+        one = design(values["power"], lens=f"acme-lens-{index // 3}")
+        one.totals["cost"] = COST | {"value": values["cost"]}
+        one.scenes[0].figures.update(snr_db=30.0 + index, gsd_mm=1.0 - 0.01 * index)
+        made.append(
+            FrontPoint(f"p{index + 1}", {n: values[n] for n in wanted}, f"c{index // 3}", "exact", one)
+        )
+    picks = [Pick("cheapest", "p1", "the least cost"), Pick("least power", f"p{points}", "the least power")]
+    base = solved()
+    values = {
+        "status": "complete" if points else "infeasible", "mission": base.mission, "physics": base.physics,
+        "objectives": [FrontObjective(name, *OBJECTIVES[name]) for name in wanted], "uwopt_version": "0.1.0",
+        "points": made, "picks": picks if points else [],
+        "methods": [
+            FrontMethod("exact", "complete", 2.0, points, 0.8, None, None, 1000, None),
+            FrontMethod("nsga2", "complete", 5.0, points, 0.796, 0.995, 0.01, 9000, 1, [[1.0, 0.5], [5.0, 0.796]]),
+        ],
+        "peers": [
+            {"method": "nsga2", "values": {n: 1.05 * v for n, v in p.values.items()}, "hardware": ["a", "b", "c", "d"]}
+            for p in made
+        ],
+        "reference": {"log": {"power": True, "cost": True, "information": False}},
+        "certificate": {"scope": "3 cameras", "loaded": 100, "selected": 90, "evaluated": 40,
+                        "discarded": [{"rule": "bound", "count": 60}]},
+        "assumptions": base.assumptions, "timing_s": {"search": 2.0, "nsga2": 5.0, "total": 7.0},
+        "versions": {"numpy": "2.4"}, "mission_file": {"name": "reef.yaml", "text": "name: Reef # <b>\n"},
+    }  # fmt: skip
+    return FrontResult(**values | changes)
+
+
+@pytest.fixture
+def make_front() -> Any:
+    """The maker of fronts."""
+    return front
 
 
 @pytest.fixture

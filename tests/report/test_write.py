@@ -12,21 +12,38 @@ from typing import Any
 import pytest
 
 from uwopt.errors import OutputError
+from uwopt.front_result import FrontResult
 from uwopt.report import write
 from uwopt.result import Result
 
 Make = Callable[..., Any]
 
 
-def test_both_files_are_written_into_a_new_folder(tmp_path: Path, make_result: Make) -> None:
+def test_all_files_are_written_into_a_new_folder(tmp_path: Path, make_result: Make) -> None:
     folder = tmp_path / "a" / "b"
     paths = write.write_results(make_result(), folder)
-    assert sorted(path.name for path in paths) == ["bom.csv", "result.json"]
-    assert sorted(path.name for path in folder.iterdir()) == [
-        "bom.csv",
-        "result.json",
-    ]  # no temporary file stays
+    assert sorted(path.name for path in paths) == ["bom.csv", "report.html", "result.json"]
+    assert sorted(path.name for path in folder.iterdir()) == sorted(
+        path.name for path in paths
+    )  # nothing else stays
     assert Result.from_dict(json.loads((folder / "result.json").read_text("utf-8"))).status == "optimal"
+
+
+def test_front_is_written_as_json_table_and_page(tmp_path: Path, make_front: Make) -> None:
+    paths = write.write_front(make_front(), tmp_path)
+    assert sorted(path.name for path in paths) == ["front.csv", "front.json", "report.html"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(path.name for path in paths)
+    assert FrontResult.from_dict(json.loads((tmp_path / "front.json").read_text("utf-8"))) == make_front()
+
+
+def test_table_of_a_front_has_a_row_a_point_and_no_formula(make_front: Make) -> None:
+    front = make_front(points=3)
+    front.points[0].design.hardware["camera"]["id"] = "=cmd()"
+    rows = list(csv.DictReader(io.StringIO(write.front_csv(front))))
+    assert [row["point"] for row in rows] == ["p1", "p2", "p3"]
+    assert rows[0]["camera"] == "'=cmd()"
+    assert float(rows[1]["objective: power"]) == 37.0
+    assert write.front_csv(make_front(points=0)) == "point\n"
 
 
 def test_formulas_are_defused_and_numbers_stay_numbers(make_result: Make) -> None:
