@@ -1,0 +1,394 @@
+"""The page of a result: complete, well built, escaped, legible, and without a tie to any network."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import json
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from html.parser import HTMLParser
+from itertools import pairwise
+from typing import Any
+
+import pytest
+
+from uwopt.report import page_style
+from uwopt.report.page import json_for_script, report_html
+from uwopt.report.page_parts import bar, web_link
+from uwopt.report.page_svg import clean_svg
+
+Make = Callable[..., Any]
+VOID = {"meta", "link", "img", "br", "hr", "input", "rect", "circle", "line", "path"}
+HOSTILE = (
+    "<script>alert(1)</script>", '"><img src=x onerror=alert(2)>', "</script><script>alert(3)</script>",
+    "<!--", "</style>", "{{ 7*7 }}", "\u2028", "javascript:alert(4)",
+)  # fmt: skip
+
+
+@dataclass
+class Element:
+    """One element with what is in it."""
+
+    tag: str
+    attributes: dict[str, str]
+    inside: list[Element] = field(default_factory=list)
+    text: str = ""
+
+
+class Tree(HTMLParser):
+    """Elements in their order; fails where tags do not close."""
+
+    def __init__(self, page: str):
+        super().__init__()
+        self.all: list[Element] = []
+        self.open: list[Element] = []
+        self.feed(page)
+        self.close()
+        assert self.open == [], [e.tag for e in self.open]
+
+    def handle_starttag(self, tag: str, attrs: Any) -> None:
+        element = Element(tag, {name: value or "" for name, value in attrs})
+        self.all.append(element)
+        for outer in self.open:
+            outer.inside.append(element)
+        if tag not in VOID:
+            self.open.append(element)
+
+    def handle_startendtag(self, tag: str, attrs: Any) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag not in VOID:
+            assert self.open and self.open[-1].tag == tag, (tag, [e.tag for e in self.open[-3:]])
+            self.open.pop()
+
+    def handle_data(self, data: str) -> None:
+        shown = self.open if self.open and self.open[-1].tag not in ("script", "style") else self.open[-1:]
+        for outer in shown:
+            outer.text += data
+
+    def tags(self, *names: str) -> Iterator[Element]:
+        return (element for element in self.all if element.tag in names)
+
+    def text(self) -> str:
+        return " ".join(next(self.tags("body")).text.split())
+
+
+KINDS = [
+    "solve",
+    "evaluate",
+    "violated",
+    "infeasible",
+    "stopped",
+    "front3",
+    "front2",
+    "front1",
+    "front0",
+    "scenes",
+]
+
+
+@pytest.fixture
+def make_kind(
+    make_result: Make, make_front: Make, make_design: Make, make_scene: Make, make_margin: Make
+) -> Make:
+    """A result of each kind that a page is made of."""
+
+    def make(kind: str) -> Any:
+        missed = make_scene(
+            "reef", margins=[make_margin("max_blur_px", 2.0, 1.0, "<=", "px", satisfied=False)]
+        )
+        given = {"recommendation": None, "runners_up": [], "generic_alternative": None, "certificate": None}
+        why = {
+            "requirements": [{"name": "cost", "n_excluded": 12, "n_is_bound": True}],
+            "relaxations": [{"name": "cost", "limit": 900.0, "needed": 2140.0, "miss_rel": 1.4}],
+            "nearest_miss": make_design(scenes=[missed]),
+        }  # fmt: skip
+        return {
+            "solve": lambda: make_result(alternatives=[
+                {"kind": "camera", "maker": "Sony", "hardware": {"camera": "sony-1"}, "values": {"power": 50.0},
+                 "outcome": "worse", "by": None, "rule": None, "text": "Sony's best needs 50 W."},
+            ]),
+            "evaluate": lambda: make_result(command="evaluate", status="feasible", design=make_design(), **given),
+            "violated": lambda: make_result(
+                command="evaluate", status="violated", design=make_design(scenes=[missed]), **given
+            ),
+            "infeasible": lambda: make_result(status="infeasible", infeasible=why, **given),
+            "stopped": lambda: make_result(status="stopped", **given),
+            "front3": make_front,
+            "front2": lambda: make_front("power", "cost"),
+            "front1": lambda: make_front("cost", "information", points=1),
+            "front0": lambda: make_front(points=0, infeasible=why),
+            "scenes": lambda: make_result(
+                recommendation=make_design(scenes=[make_scene(name) for name in ("reef", "sand", "wreck", "wall")])
+            ),
+        }[kind]()  # fmt: skip
+
+    return make
+
+
+def data_of(tree: Tree) -> Any:
+    """What the page hands to its script."""
+    return json.loads(next(e for e in tree.tags("script") if e.attributes.get("id") == "data").text)
+
+
+# ---------------------------------------------------------------- build
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_page_is_well_built(make_kind: Make, kind: str) -> None:
+    page = report_html(make_kind(kind))
+    tree = Tree(page)
+    assert page.startswith("<!doctype html>") and next(tree.tags("html")).attributes["lang"] == "en"
+    levels = [int(e.tag[1]) for e in tree.tags("h1", "h2", "h3", "h4", "h5", "h6")]
+    assert levels[0] == 1 and levels.count(1) == 1
+    assert all(later <= earlier + 1 for earlier, later in pairwise(levels))
+    ids = [e.attributes["id"] for e in tree.all if "id" in e.attributes]
+    assert len(ids) == len(set(ids))
+    for element in tree.all:
+        for name in ("aria-labelledby", "aria-controls", "for"):
+            assert element.attributes.get(name, ids[0]) in ids
+        if element.attributes.get("href", "").startswith("#"):
+            assert element.attributes["href"][1:] in ids
+    assert {"header", "nav", "main", "footer"} <= {e.tag for e in tree.all}
+    assert next(tree.tags("a")).attributes["href"] == "#main"  # the skip link comes first
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_everything_has_a_name_for_those_who_cannot_see_it(make_kind: Make, kind: str) -> None:
+    tree = Tree(report_html(make_kind(kind)))
+    for image in tree.tags("img"):
+        assert image.attributes["alt"]
+    for table in tree.tags("table"):
+        assert [e.text for e in table.inside if e.tag == "caption"] != []
+        heads = [e for e in table.inside if e.tag == "th"]
+        assert all(e.attributes.get("scope") in ("col", "row") for e in heads)
+        assert all(e.text.strip() for e in heads)
+    for element in tree.tags("input", "select"):
+        outer = [e for e in tree.tags("label") if element in e.inside]
+        assert outer or element.attributes.get("aria-label")
+    for element in tree.tags("button", "a", "summary"):
+        assert element.text.strip() or element.attributes.get("aria-label")
+    for svg in tree.tags("svg"):
+        assert svg.attributes.get("aria-label") or svg.attributes.get("aria-hidden") == "true"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_page_reaches_for_nothing_outside(make_kind: Make, kind: str) -> None:
+    page = report_html(make_kind(kind))
+    tree = Tree(page)
+    for element in tree.all:
+        for name in ("src", "srcset", "data", "poster", "action", "background", "xlink:href"):
+            assert not re.match(r"\s*(?:https?:)?//", element.attributes.get(name, ""))
+        assert not any(name.startswith("on") for name in element.attributes)
+        assert element.tag not in ("link", "iframe", "object", "embed", "base", "form")
+    style = "".join(e.text for e in tree.tags("style"))
+    assert "url(" not in style and "@import" not in style
+    assert len(page.encode()) < 8e6
+
+
+@pytest.mark.parametrize("kind", ["solve", "front3"])
+def test_policy_allows_the_pages_own_scripts_and_no_connection(make_kind: Make, kind: str) -> None:
+    tree = Tree(report_html(make_kind(kind)))
+    policy = next(e for e in tree.tags("meta") if e.attributes.get("http-equiv")).attributes["content"]
+    assert "default-src 'none'" in policy and "unsafe-eval" not in policy
+    scripts = policy.partition("script-src")[2].partition(";")[0]
+    assert "unsafe-inline" not in scripts
+    texts = [e.text for e in tree.tags("script") if "type" not in e.attributes]
+    texts += [unpacked(e.text) for e in tree.tags("script") if e.attributes.get("id") == "plots"]
+    assert len(texts) == (2 if kind == "front3" else 1)
+    for text in texts:
+        assert base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() in scripts
+
+
+def unpacked(text: str) -> str:
+    return gzip.decompress(base64.b64decode(text)).decode()
+
+
+def test_result_can_be_taken_from_the_page(make_result: Make, make_front: Make) -> None:
+    for result in (make_result(), make_front()):
+        link = next(e for e in Tree(report_html(result)).tags("a") if "download" in e.attributes)
+        assert json.loads(unpacked(link.attributes["href"].partition(",")[2])) == json.loads(result.to_json())
+
+
+# ---------------------------------------------------------------- content
+
+
+@pytest.mark.parametrize(("kind", "expected"), [
+    ("solve", ["Buy 1 × Acme camera", "cost 4 210 USD, of which 2 300 estimated (1 700-3 400)", "Proven best",
+               "Bill of materials", "Settings to type in", "12.345 ms", "What binds: overlap along track",
+               "Sony's best needs 50 W.", "Runners-up", "With parts to be made", "Certificate", "adds up",
+               "How firm this is", "Second opinions", "not modelled: fish", "Assumptions (2)", "Took 0.430 s"]),
+    ("evaluate", ["Every requirement is met with 1 × Acme camera", "Margins to the requirements"]),
+    ("violated", ["1 requirement is missed", "Missed: motion blur.", "Missed: motion blur; computed with physics full"]),
+    ("infeasible", ["No system of the catalogue meets every requirement", "Why nothing fits", "cost 2 140 USD",
+                    "Nearest miss", "meets all that is asked but cost"]),
+    ("stopped", ["Stopped by a limit before a system was found"]),
+    ("front3", ["8 systems of 3 choices of hardware", "power 19.0 W to 40.0 W", "reached 99.5 % of the exact",
+                "the least cost", "Parallel coordinates", "Three dimensions", "IGD+", "name: Reef # <b>"]),
+    ("front2", ["Parallel coordinates", "Pairs of objectives"]),
+    ("front1", ["One system is best in all of cost and information"]),
+    ("front0", ["No system of the catalogue meets every requirement", "Each of these changes alone"]),
+    ("scenes", ["Margins, Recommendation, wreck", "wall"]),
+])  # fmt: skip
+def test_page_tells_what_the_result_holds(make_kind: Make, kind: str, expected: list[str]) -> None:
+    text = Tree(report_html(make_kind(kind))).text()
+    for words in expected:
+        assert words in text
+
+
+def test_two_objectives_have_no_third_dimension(make_kind: Make) -> None:
+    tree = Tree(report_html(make_kind("front2")))
+    assert "Three dimensions" not in next(tree.tags("main")).text
+    assert 'id="space"' not in report_html(make_kind("front2"))
+
+
+def test_points_of_the_table_and_of_the_script_are_the_same(make_front: Make) -> None:
+    front = make_front()
+    tree = Tree(report_html(front))
+    table = next(e for e in tree.tags("table") if e.attributes.get("id") == "points")
+    rows = [e for e in table.inside if "data-index" in e.attributes]
+    data = data_of(tree)["front"]
+    assert [point["id"] for point in data["points"]] == [point.id for point in front.points]
+    for row, point in zip(rows, data["points"], strict=True):
+        assert all(data["texts"][number] in row.text for number in point["shown"])
+    assert [p["values"][:3] for p in data["points"]] == [list(p.values.values()) for p in front.points]
+
+
+def test_picks_of_one_point_are_shown_once(make_front: Make) -> None:
+    front = make_front(points=1)
+    text = Tree(report_html(front)).text()
+    assert text.count("Settings to type in") == 1
+    assert "Cheapest, least power: point p1" in text
+
+
+def test_missing_pictures_leave_a_note(make_result: Make) -> None:
+    # the parts of the result made by hand are in no catalogue, so the model cannot draw them
+    assert "Pictures are missing." in Tree(report_html(make_result())).text()
+
+
+@pytest.mark.parametrize(("sense", "value", "limit", "room"), [
+    ("<=", 0.5, 1.0, 0.5), ("<=", 1.5, 1.0, -0.5), (">=", 3.0, 1.0, 2.0), (">=", 0.25, 1.0, -0.75),
+    ("==", 0.3, 0.3, None), (">=", 1.0, 0.0, None),
+])  # fmt: skip
+def test_room_is_the_share_of_the_limit_that_is_left(
+    make_margin: Make, sense: str, value: float, limit: float, room: float | None
+) -> None:
+    made = bar(make_margin("overlap", value, limit, sense, "", satisfied=(room or 0) >= 0), {})
+    assert made.room == (None if room is None else pytest.approx(room))
+    assert made.start >= 0 and made.start + made.width <= 100.01
+
+
+# ---------------------------------------------------------------- hostile texts
+
+
+def poisoned(value: Any, poison: str) -> Any:
+    """A result's plain values with every text that files may hold replaced."""
+    keep = {"schema", "command", "status", "sense", "requirement", "rule", "outcome", "kind", "currency", "unit",
+            "direction", "id", "point", "curve", "method", "orientation", "objective", "price_status"}  # fmt: skip
+    if isinstance(value, dict):
+        return {k: v if k in keep and isinstance(v, str) else poisoned(v, poison) for k, v in value.items()}
+    if isinstance(value, list):
+        return [poisoned(item, poison) for item in value]
+    return poison if isinstance(value, str) else value
+
+
+@pytest.mark.parametrize("poison", HOSTILE)
+@pytest.mark.parametrize("kind", ["solve", "infeasible", "front3"])
+def test_texts_of_files_never_become_markup(make_kind: Make, kind: str, poison: str) -> None:
+    clean = make_kind(kind)
+    data = poisoned(json.loads(clean.to_json()), poison)
+    if kind == "front3":  # names of objectives are keys elsewhere
+        data["objectives"] = json.loads(clean.to_json())["objectives"]
+    page = report_html(type(clean).from_dict(data))
+    tree, normal = Tree(page), Tree(report_html(clean))
+    assert [e.tag for e in tree.tags("script", "style", "iframe")] == [
+        e.tag for e in normal.tags("script", "style", "iframe")
+    ]
+    assert not any(e.attributes.get("src") == "x" for e in tree.tags("img"))
+    assert not any(name.startswith("on") for e in tree.all for name in e.attributes)
+    for element in tree.tags("a"):
+        assert element.attributes["href"].startswith(("#", "https://", "http://", "data:application/gzip;"))
+    data_of(tree)  # still JSON
+    assert "49" not in next(tree.tags("h1")).text
+
+
+def test_json_in_the_page_cannot_end_its_block() -> None:
+    text = json_for_script({"a": "</script><!--&\u2028\u2029"})
+    assert not set("<>&\u2028\u2029") & set(text)
+    assert json.loads(text) == {"a": "</script><!--&\u2028\u2029"}
+
+
+@pytest.mark.parametrize(("source", "link"), [
+    ("https://shop.example/a?b=1&c=2", "https://shop.example/a?b=1&c=2"),
+    ("http://shop.example", "http://shop.example"),
+    ("www.shop.example/part", "https://www.shop.example/part"),
+    ("shop.example/part", "https://shop.example/part"),
+    ("javascript:alert(1)", ""),
+    ("JavaScript://shop.example/%0aalert(1)", ""),
+    ("data:text/html,x", ""),
+    ("file:///etc/passwd", ""),
+    ("https://user@shop.example/", ""),
+    ("https://shop.example/a b", ""),
+    ('https://shop.example/"onclick="x', ""),
+    ("https://", ""),
+    ("//shop.example/x", ""),
+    ("quote of 2026-01-05", ""),
+    ("mission", ""),
+    ("", ""),
+])  # fmt: skip
+def test_only_pages_of_the_web_become_links(source: str, link: str) -> None:
+    assert web_link(source) == link
+
+
+def test_links_tell_nobody_where_they_come_from(make_result: Make) -> None:
+    result = make_result()
+    result.best.bom[0]["source"] = "www.shop.example/cam"
+    link = next(e for e in Tree(report_html(result)).tags("a") if e.attributes["href"].startswith("http"))
+    assert link.attributes["href"] == "https://www.shop.example/cam"
+    assert "noopener" in link.attributes["rel"]
+
+
+def test_drawings_pass_with_shapes_only() -> None:
+    drawn = clean_svg(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9" onload="x()"><script>x()</script>'
+        '<style>rect { fill: red } @import "http://x"</style><foreignObject><p>x</p></foreignObject>'
+        '<g id="a" onclick="x()"><use href="#a"/><use href="http://x/#a"/><rect fill="url(#a)" width="3"/></g>'
+        '<a href="javascript:x()"><text>t</text></a><text>A &lt;b&gt;</text></svg>', "d0", "a rig",
+    )  # fmt: skip
+    for sign in ("onload", "onclick", "script", "foreignObject", "http://x", "@import", "<a "):
+        assert sign not in drawn
+    assert 'id="d0-a"' in drawn and 'href="#d0-a"' in drawn and 'fill="url(#d0-a)"' in drawn
+    assert "A &lt;b&gt;" in drawn and 'aria-label="a rig"' in drawn
+    assert clean_svg("<svg><g></svg>", "d0", "x") == "" and clean_svg("<p>x</p>", "d0", "x") == ""
+
+
+# ---------------------------------------------------------------- colours
+
+
+def test_contrast_is_that_of_the_standard() -> None:
+    # WCAG 2.2: black on white is 21; #767676 on white is the lightest grey with 4.5 (4.54)
+    assert page_style.contrast("#000000", "#ffffff") == pytest.approx(21.0)
+    assert page_style.contrast("#767676", "#ffffff") == pytest.approx(4.54, abs=0.005)
+
+
+@pytest.mark.parametrize("colours", [page_style.LIGHT, page_style.DARK], ids=["light", "dark"])
+@pytest.mark.parametrize(("text", "ground"), page_style.TEXT_ON, ids="-on-".join)
+def test_text_stands_out_from_its_ground(colours: dict[str, str], text: str, ground: str) -> None:
+    assert page_style.contrast(colours[text], colours[ground]) >= 4.5
+
+
+def test_both_themes_name_the_same_colours_and_the_page_uses_no_other(make_result: Make) -> None:
+    assert list(page_style.LIGHT) == list(page_style.DARK)
+    style = "".join(e.text for e in Tree(report_html(make_result())).tags("style"))
+    assert set(re.findall(r"var\(--([\w-]+)\)", style)) <= set(page_style.LIGHT)
+
+
+def test_page_is_the_same_each_time(make_result: Make, make_front: Make) -> None:
+    for result in (make_result(), make_front()):
+        assert report_html(result) == report_html(replace(result))
