@@ -243,3 +243,13 @@ def test_fields_are_linear_between_their_points():
 def test_srgb_is_the_standards():
     # IEC 61966-2-1: linear 0.18 is 118 of 255 (0.4614), 1 is 255, and the foot is a line of slope 12.92
     assert list(srgb(np.array([0.0, 0.002, 0.18, 1.0, 7.0]))) == [0, 7, 118, 255, 255]
+
+
+def test_lateral_colour_of_the_corner_is_that_of_the_figures(replayed, colour_system):
+    mission = uwopt.evaluate(PROBLEMS / "nui-acfr.yaml", colour_system, physics="full").mission
+    design, figures = replayed(mission, colour_system)
+    # the figure is exact in the angle, the transfer function's first order: 0.2 % at 40 degrees in air
+    corner = detail_view(design, place="corner")
+    assert corner.lateral_colour_px == pytest.approx(figures["lateral_colour_px"], rel=0.01)
+    assert corner.defocus_px == pytest.approx(figures["defocus_corner_px"], abs=0.01)
+    assert detail_view(design).lateral_colour_px == 0.0

@@ -18,13 +18,13 @@ PROBLEMS = Path(__file__).parents[1] / "problems"
 TWO_SCENES: dict[str, Any] = {
     "name": "two", "physics": "full",
     "scenes": [
-        {"name": "clear", "water": "IB", "seafloor": "sand", "depth_m": 20, "sun_lux": 2000},
+        {"name": "clear", "water": "IB", "seafloor": "sand", "depth_m": 20},
         {"name": "murky", "water": "1C", "seafloor": 0.2, "depth_m": 5, "vehicle": {"altitude_m": 1.2}},
     ],
-    "vehicle": {"altitude_m": 1.5, "altitude_tolerance_m": 0.1, "speed_m_s": 0.4, "light_count": [2, 3],
-                "light_baseline_m": [0.5, 0.7], "light_tilt_deg": [0, 10]},
+    "vehicle": {"altitude_m": 1.5, "altitude_tolerance_m": 0.1, "speed_m_s": 0.4, "light_count": 2,
+                "light_baseline_m": [0.5, 0.55], "light_tilt_deg": 5},
     "requirements": {"overlap": 0.5, "max_blur_px": 2.0, "min_snr_db": 20, "max_gsd_mm": 1.5, "min_dof_m": 0.3},
-    "catalog": {"cameras": ["flir*"], "lenses": ["kowa"]},
+    "catalog": {"cameras": ["flir-bfs-u3-51s5m"], "lenses": ["kowa-lm*5mc"], "generic": "never"},
 }  # fmt: skip
 
 
@@ -49,7 +49,7 @@ def assert_same_figures(result: Result, design: Design) -> None:
             )
 
 
-@pytest.mark.parametrize("name", ["reef-mosaic", "paper-tool-window", "whoi-towcam"])
+@pytest.mark.parametrize("name", ["whoi-abe", "paper-tool-window"])
 def test_designs_that_were_searched_give_the_same_figures(name):
     result = stored(uwopt.solve(PROBLEMS / f"{name}.yaml", top=2))
     for design in (result.recommendation, *result.runners_up, result.generic_alternative):

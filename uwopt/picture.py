@@ -71,6 +71,7 @@ class View:
     level: float  # of full scale, plain floor there
     motion_blur_px: float
     defocus_px: float
+    lateral_colour_px: float  # rms, along the radius
     vertical_motion: bool
 
     @property
@@ -79,6 +80,7 @@ class View:
         numbers = [
             f"motion blur {self.motion_blur_px:.2g} px ({'upward' if self.vertical_motion else 'to the right'})",
             f"defocus {self.defocus_px:.2g} px",
+            *([f"lateral colour {self.lateral_colour_px:.2g} px rms"] if self.lateral_colour_px > 0 else []),
             f"contrast at half Nyquist {100 * self.mtf_half_nyquist:.0f} %",
             f"veil {100 * self.veil_share:.2g} % of the light",
             "no signal" if self.snr_db is None else f"SNR {self.snr_db:.1f} dB",
@@ -210,6 +212,7 @@ def shown(
         level=level,
         motion_blur_px=float(np.max(at.motion_blur_px)),
         defocus_px=float(np.max(at.defocus_px)),
+        lateral_colour_px=lateral_colour_px(at),
         vertical_motion=design.model.hardware.landscape,
     )
 
@@ -242,6 +245,14 @@ def sharpness_at(design: Replay, scene_index: int, place: Place) -> Sharpness:
         group, table, working_f_number=figures.working_f_number, blur_px=rows.blur_px_per_s[:, 1] * blur_s,
         disc_px=rows.place_disc_px[:, 1] / settings.f_number, field="place",
     )  # fmt: skip
+
+
+def lateral_colour_px(at: Sharpness) -> float:
+    """Electron-weighted rms of the spread of colours, to first order; see `lateral.radius_slope_px`."""
+    if at.spread is None:
+        return 0.0
+    slope = float(np.max(np.hypot(at.lateral_k_along, at.lateral_k_across))) / (2.0 * np.pi)
+    return slope * at.spread.index_rms
 
 
 def blur(samples: Array, at: Sharpness, *, upward: bool, pixels_a_sample: float) -> Array:

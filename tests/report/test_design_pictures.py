@@ -24,6 +24,7 @@ from uwopt.report.design_pictures import (
     picture_pair,
     png_bytes,
     png_uri,
+    rounded,
 )
 from uwopt.report.plots import numbers
 
@@ -104,7 +105,7 @@ def test_key_numbers_are_those_of_the_result(made):
     assert f"{figures['frame_rate_min_hz']:.3g} Hz" in by_id["rate"].alt
     assert f"{figures['fov_x_m']:.3g} m" in by_id["rig-above"].alt
     if "illuminance" in by_id:
-        assert f"{figures['floor_illuminance_mean_lx']:.3g} lx" in by_id["illuminance"].alt
+        assert f"{rounded(figures['floor_illuminance_mean_lx'])} lx" in by_id["illuminance"].alt
         assert f"SNR {figures['snr_db_centre']:.1f} dB" in by_id["picture-detail"].alt
 
 
@@ -143,6 +144,13 @@ def test_an_image_comes_back_as_it_went():
     image = np.random.default_rng(6).integers(0, 256, (20, 30, 3), dtype=np.uint8)
     data = base64.b64decode(png_uri(image).split(",")[1])
     assert np.array_equal(np.asarray(Image.open(io.BytesIO(data))), image)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(1383.6, "1 380"), (99.94, "99.9"), (0.012345, "0.0123"), (0.0, "0")]
+)
+def test_large_numbers_have_no_power_of_ten(value, text):
+    assert rounded(value) == text
 
 
 def test_numbers_are_short_and_finite():

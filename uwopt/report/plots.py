@@ -95,7 +95,7 @@ def spectrum_plot(way: SpectrumWay) -> Plot:
         number = "" if index == 0 else str(index + 1)
         top = 1.0 - index * share
         axes[f"yaxis{number}"] = axis(
-            unit, domain=[round(top - share + 0.045, 4), round(top, 4)], rangemode="tozero", nticks=4,
+            unit, domain=[round(top - share + 0.02, 4), round(top - 0.03, 4)], rangemode="tozero", nticks=4,
             exponentformat="power",
         )  # fmt: skip
         notes.append({
