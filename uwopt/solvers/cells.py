@@ -74,13 +74,13 @@ class Pool:
 
 def best_by_cells(
     rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float | Array, *,
-    gap_rel: float = 1e-4, constant: Array | float = 0.0, cutoff: float = np.inf, hardware: Array | None = None,
+    gap_rel: float = 1e-4, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
     top: int | None = None, most_cells: int = MOST_CELLS,
 ) -> CellResult:  # fmt: skip
     """Best settings of n designs to a relative gap of the objective, worst scene.
 
     `constant` : (n,) of the minimised objective, what no setting changes, the camera's power too. Designs that
-    cannot get below `cutoff` are dropped; with `top`, neither are those that `top` others (of other `hardware`,
+    cannot get below `cutoff`, common or each its own, are dropped; with `top`, neither are those that `top` others (of other `hardware`,
     an index a design) surely beat.
     """
     n = len(motorised)
@@ -89,12 +89,14 @@ def best_by_cells(
         groups = [g for g in (np.nonzero(motorised)[0], np.nonzero(~motorised)[0]) if len(g)]
     fixed = np.broadcast_to(np.asarray(constant, float), (n,))
     light_limit_w = np.broadcast_to(power_limit_w - camera_power_w, (n,))
+    ceiling = np.broadcast_to(np.asarray(cutoff, float), (n,))
     results = []
     for mine in groups:
         search = CellSearch(
             [r.take(mine) for r in rows], objective, light_limit_w[mine],
             own_f_number=len(rows) > 1 and bool(motorised[mine[0]]), gap_rel=gap_rel, constant=fixed[mine],
-            cutoff=cutoff, hardware=None if hardware is None else hardware[mine], top=top, most_cells=most_cells,
+            cutoff=ceiling[mine], hardware=None if hardware is None else hardware[mine], top=top,
+            most_cells=most_cells,
         )  # fmt: skip
         results.append(search.run())
     return results[0] if len(results) == 1 else merged(groups, results, n)
@@ -126,7 +128,7 @@ class CellSearch:
 
     def __init__(
         self, rows: list[SceneRows], objective: Objective, light_limit_w: Array, *, own_f_number: bool,
-        gap_rel: float, constant: Array, cutoff: float, hardware: Array | None, top: int | None, most_cells: int,
+        gap_rel: float, constant: Array, cutoff: Array, hardware: Array | None, top: int | None, most_cells: int,
     ):  # fmt: skip
         self.rows, self.constant, self.cutoff = rows, constant, cutoff
         self.hardware = np.arange(len(constant)) if hardware is None else hardware
@@ -443,30 +445,30 @@ class CellSearch:
         np.minimum.at(self.closed, pool.design, pool.bound)
         return self._result()
 
-    def _threshold(self) -> float:
-        """What a design must not exceed: the cutoff, or what `top` pieces of hardware surely reach."""
+    def _threshold(self) -> Array:
+        """What each design must not exceed: the cutoff, or what `top` pieces of hardware surely reach."""
         if self.top is None or self.power_decides:
-            return np.inf if self.power_decides else self.cutoff
+            return np.full(self.n, np.inf) if self.power_decides else self.cutoff
         per = np.full(int(self.hardware.max(initial=0)) + 1, np.inf)
         np.minimum.at(per, self.hardware, self.best)
         if len(per) < self.top:
             return self.cutoff
         least = float(np.partition(per, self.top - 1)[self.top - 1])
-        return min(self.cutoff, least + NEAR * abs(least) if np.isfinite(least) else np.inf)
+        return np.minimum(self.cutoff, least + NEAR * abs(least) if np.isfinite(least) else np.inf)
 
     def _open(self, pool: Pool) -> Array:
         """Whether cells may still hold something better by more than the gap."""
         best = self.best[pool.design]
         with np.errstate(invalid="ignore"):
             closed = np.isfinite(best) & (pool.bound >= best - self.gap * self.scale[pool.design])
-        return ~closed & (pool.bound <= self._threshold())
+        return ~closed & (pool.bound <= self._threshold()[pool.design])
 
     def _prune(self, pool: Pool) -> Pool:
         """Cells that are still open; the others leave their bound behind."""
         alive: Array = np.asarray(self._open(pool))
         gone = pool.take(~alive)
         np.minimum.at(self.closed, gone.design, gone.bound)
-        worse = gone.bound > self._threshold()
+        worse = gone.bound > self._threshold()[gone.design]
         self.dropped[gone.design[worse]] = True
         return pool.take(alive)
 

@@ -77,6 +77,12 @@ class Archive:
             return np.zeros(len(values), bool)
         return Table.of(self.values).reached(values - ROUND * np.abs(values))
 
+    def best(self, bounds: Array, axis: int) -> Array:
+        """The least of one objective over the points no worse than each bound in the others; inf: none is."""
+        if len(self.values) == 0:
+            return np.full(len(bounds), np.inf)
+        return Table.of(self.values, axis).least(bounds + ROUND * np.abs(bounds))
+
     def beats(self, bounds: Array) -> Array:
         """Whether some point is as good as each bound, ties included, (n,)."""
         if len(self.values) == 0 or len(bounds) == 0:
@@ -88,36 +94,43 @@ class Archive:
 
 @dataclass(frozen=True)
 class Table:
-    """The least last objective of the points up to each first and second one; the last has most values."""
+    """The least last objective of the points up to each first and second one."""
 
-    order: Array
+    order: Array  # of the columns: first, second, last
     first: Array
     second: Array
     best: Array
 
     @staticmethod
-    def of(values: Array) -> Table:
-        """The table of some points (n, 2 or 3)."""
-        if values.shape[1] == 2:
-            values = np.column_stack([values, np.zeros(len(values))])
-        columns = [np.unique(values[:, k], return_inverse=True) for k in range(3)]
-        order = np.argsort([len(edges) for edges, _ in columns], kind="stable")
+    def of(values: Array, last: int | None = None) -> Table:
+        """The table of some points (n, 2 or 3); `last` is the column with most values unless it is named."""
+        columns = [np.unique(column, return_inverse=True) for column in three(values).T]
+        sizes = np.array([len(edges) for edges, _ in columns], float)
+        if last is not None:
+            sizes[last] = np.inf
+        order = np.argsort(sizes, kind="stable")
         (first, i), (second, j) = columns[order[0]], columns[order[1]]
         best = np.full((len(first), len(second)), np.inf)
-        np.minimum.at(best, (i.reshape(-1), j.reshape(-1)), values[:, order[2]])
+        np.minimum.at(best, (i.reshape(-1), j.reshape(-1)), three(values)[:, order[2]])
         best = np.minimum.accumulate(np.minimum.accumulate(best, axis=0), axis=1)
         return Table(order, first, second, best)
 
-    def reached(self, bounds: Array) -> Array:
-        """Whether a point is no more than each bound in every objective."""
-        if bounds.shape[1] == 2:
-            bounds = np.column_stack([bounds, np.zeros(len(bounds))])
+    def least(self, bounds: Array) -> Array:
+        """The least last objective of the points that are no more than each bound in the others; inf: none is."""
+        bounds = three(bounds)
         i = np.searchsorted(self.first, bounds[:, self.order[0]], side="right") - 1
         j = np.searchsorted(self.second, bounds[:, self.order[1]], side="right") - 1
         inside = (i >= 0) & (j >= 0)
-        return np.asarray(
-            inside & (self.best[np.maximum(i, 0), np.maximum(j, 0)] <= bounds[:, self.order[2]])
-        )
+        return np.where(inside, self.best[np.maximum(i, 0), np.maximum(j, 0)], np.inf)
+
+    def reached(self, bounds: Array) -> Array:
+        """Whether a point is no more than each bound in every objective."""
+        return np.asarray(self.least(bounds) <= three(bounds)[:, self.order[2]])
+
+
+def three(values: Array) -> Array:
+    """Values in three columns."""
+    return values if values.shape[1] == 3 else np.column_stack([values, np.zeros(len(values))])
 
 
 def distinct(values: Array) -> Array:

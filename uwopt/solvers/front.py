@@ -330,10 +330,16 @@ class FrontSearch:
                 which = self._open_segments(curves, largest)
                 if len(which):
                     any_open = True
-                    self._add(curves, curves.ask(which))
+                    self._add(curves, curves.ask(which, self._wanted(curves, which)))
             if not any_open:
                 break
         return True
+
+    def _wanted(self, curves: Curves, which: Array) -> Array:
+        """The quality that each of these segments must exceed to hold something new."""
+        axis = self.axes.names.index(str(self.quality))
+        best = self.archive.best(self._corner_values(curves)[which], axis) * self.axes.signs[axis]
+        return np.where(np.isfinite(best), best, -np.inf)
 
     def _open_segments(self, curves: Curves, largest: float) -> Array:
         """Segments whose corner no point beats and that span more than `largest` of the box around all of them."""
@@ -347,8 +353,10 @@ class FrontSearch:
             return which
         a = curves.answers
         frame = Frame.of(self.axes, np.concatenate([self.archive.values, corner[which]]))
-        # From the corner to what is known: the power at the upper end once it is asked, the quality of the lower.
-        known = np.where(np.isfinite(a.quality[lower]), a.quality[lower], -1e300)
+        # From the corner to what is known: the power at the upper end once it is asked, the best quality so far.
+        known = np.full(len(lower), -1e300)
+        known[which] = np.fmax(self._wanted(curves, which), known[which])
+        known = np.fmax(known, a.quality[lower])
         far = np.fmax(np.fmin(a.power_w[upper], a.limit_w[upper]), a.limit_w[lower])
         worst = self._values(
             curves.some, np.where(a.asked[upper], far, 1e300)[which],

@@ -49,7 +49,7 @@ def needs_cells(rows: list[SceneRows], objective: Objective) -> bool:
 
 def best_settings(
     rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float | Array, *,
-    gap_rel: float = GAP, constant: Array | float = 0.0, cutoff: float = np.inf, hardware: Array | None = None,
+    gap_rel: float = GAP, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
     top: int | None = None,
 ) -> Best:  # fmt: skip
     """Settings that are best for an objective; the keywords as in `cells.best_by_cells`, for where it is used."""
@@ -78,7 +78,7 @@ def _of_cells(found: CellResult) -> Best:
 
 def best_where_sharp(
     rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float | Array, *,
-    constant: Array | float, cutoff: float, **more: Any,
+    constant: Array | float, cutoff: float | Array, **more: Any,
 ) -> Best:  # fmt: skip
     """Best settings whose image is sharp enough as well.
 
@@ -105,7 +105,8 @@ def best_where_sharp(
     found = best_by_cells(
         [r.take(open_) for r in rows], motorised[open_], objective, camera_power_w[open_],
         np.broadcast_to(power_limit_w, lower.shape)[open_],
-        constant=np.broadcast_to(constant, lower.shape)[open_], cutoff=cutoff,
+        constant=np.broadcast_to(constant, lower.shape)[open_],
+        cutoff=np.broadcast_to(cutoff, lower.shape)[open_],
         hardware=None if hardware is None else hardware[open_], **more,
     )  # fmt: skip
 

@@ -146,30 +146,32 @@ class Trade:
         quality = np.zeros(len(some)) if self.quality is None else self._quality_of(some, best, chosen)
         return self._answers(some, np.arange(len(some)), best, chosen, quality, None, None)
 
-    def best_quality(self, some: Hopeful, design: Array, limit_w: Array) -> Answers:
-        """Settings of best quality of these designs within these limits of power, and its bound."""
+    def best_quality(
+        self, some: Hopeful, design: Array, limit_w: Array, *, wanted: Array | float = -np.inf
+    ) -> Answers:
+        """Settings of best quality of these designs within these limits of power, and its bound.
+
+        Those that cannot have a `wanted` quality may be given up, with a bound below it.
+        """
         assert self.quality is not None
         mine = some.take(design)
         limit = np.minimum(limit_w * ABOVE, some.power_limit_w)
-        best = self._best(mine, Objective({self.quality: 1.0}), limit)
+        best = self._best(mine, Objective({self.quality: 1.0}), limit, cutoff=-np.asarray(wanted, float))
         bound = self._quality_bound(mine, best, limit)
         quality = np.asarray(getattr(best, self.quality))
         return self._answers(
             mine, design, best, with_exposures(mine.rows, best.chosen), quality, limit_w, bound
         )
 
-    def _best(self, some: Hopeful, goal: Objective, limit_w: Array | float) -> Best:
+    def _best(
+        self, some: Hopeful, goal: Objective, limit_w: Array | float, cutoff: Array | float = np.inf
+    ) -> Best:
         """Best settings for one goal."""
         constant = some.camera_power_w if goal.weight("power") else 0.0
         return best_settings(
-            some.rows,
-            some.motorised,
-            goal,
-            some.camera_power_w,
-            limit_w,
-            gap_rel=self.gap_rel,
-            constant=constant,
-        )
+            some.rows, some.motorised, goal, some.camera_power_w, limit_w, gap_rel=self.gap_rel, constant=constant,
+            cutoff=cutoff,
+        )  # fmt: skip
 
     def _quality_bound(self, some: Hopeful, best: Best, limit_w: Array) -> Array:
         """What no settings can beat: the value itself in closed form, the cells' bound, or that without dark current."""
@@ -350,11 +352,14 @@ class Curves:
         known = np.where(np.isfinite(a.quality[lower]), a.quality[lower], -np.inf)
         return np.where(a.bound[upper] > known, a.limit_w[lower], np.inf), a.bound[upper]
 
-    def ask(self, which: Array) -> Answers:
-        """Ask these segments at their upper end, or in their middle where that is known; the new answers."""
+    def ask(self, which: Array, wanted: Array) -> Answers:
+        """Ask these segments at their upper end, or in their middle where that is known; the new answers.
+
+        wanted : (n,) by segment, the quality below which an answer matters to nobody
+        """
         a = self.answers
         lower, upper = (side[which] for side in self.segments())
-        ends = np.unique(upper[~a.asked[upper]])
+        ends, first = np.unique(upper[~a.asked[upper]], return_index=True)
         mid_lower, mid_upper = lower[a.asked[upper]], upper[a.asked[upper]]
         camera = self.some.camera_power_w[a.design[mid_lower]]
         low = a.limit_w[mid_lower] - camera
@@ -362,7 +367,8 @@ class Curves:
         middle = camera + np.sqrt(np.maximum(low, DIMMEST * high) * high)
         design = np.concatenate([a.design[ends], a.design[mid_lower]])
         limit = np.concatenate([a.limit_w[ends], middle])
-        new = self.trade.best_quality(self.some, design, limit)
+        least = np.concatenate([wanted[~a.asked[upper]][first], wanted[a.asked[upper]]])
+        new = self.trade.best_quality(self.some, design, limit, wanted=least)
         kept = np.ones(len(a.design), bool)
         kept[ends] = False
         self.answers = Answers.joined([a.take(np.nonzero(kept)[0]), new])
