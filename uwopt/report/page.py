@@ -14,7 +14,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 from importlib.util import find_spec
 from pathlib import Path
@@ -89,7 +89,7 @@ def report_html(result: Result | FrontResult) -> str:
             alternatives=page_parts.alternatives(result), why=why_block(result), trust=list(trust_blocks(result)),
             others=list(tables.runner_up_blocks(result)) if isinstance(result, Result) else [],
             stages=page_parts.stages(result.timing_s), run_time=words.run_time_sentence(result.timing_s),
-            mission_text=mission_text(result), raw=packed(result.to_json()),
+            mission_text=mission_text(result), raw=packed(compact_json(result.to_dict())),
             raw_name="front.json" if front else "result.json", status=status_words(result),
         )
     )  # fmt: skip
@@ -265,7 +265,7 @@ def plotly_js() -> str:
     return (Path(spec.origin).parent / "package_data" / "plotly.min.js").read_text("utf-8")
 
 
-@cache
+@lru_cache(maxsize=2)
 def packed(text: str) -> str:
     """Text packed with gzip, in letters."""
     return base64.b64encode(gzip.compress(text.encode(), 6, mtime=0)).decode()
@@ -279,10 +279,15 @@ def source_of(text: str) -> str:
 
 def json_for_script(value: Any) -> str:
     """JSON that no text within can end, and that every browser reads."""
-    text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    text = compact_json(value)
     for sign in "<>&\u2028\u2029":
         text = text.replace(sign, f"\\u{ord(sign):04x}")
     return text
+
+
+def compact_json(value: Any) -> str:
+    """JSON without blanks, which is written ten times as fast as with them."""
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
 def slim(value: Any) -> Any:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import types
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import MISSING, Field, fields, is_dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
@@ -103,8 +104,7 @@ def faults_of(kind: Any, data: Any, path: str, *, strict: bool = True) -> Iterat
     if not isinstance(data, dict):
         yield f"{path} is {described(data)}, not an object"
         return
-    hints = get_type_hints(kind, localns={"Result": Result})
-    known = {f.name: f for f in fields(kind)}
+    hints, known = layout_of(kind)
     if strict:
         yield from (f"{dotted(path, key)} is not known" for key in data if key not in known)
     for name, field in known.items():
@@ -114,6 +114,12 @@ def faults_of(kind: Any, data: Any, path: str, *, strict: bool = True) -> Iterat
             yield f"{dotted(path, name)} is missing"
     if kind is Design:
         yield from design_faults(data, path)
+
+
+@cache
+def layout_of(kind: Any) -> tuple[dict[str, Any], dict[str, Field[Any]]]:
+    """Types and fields of a record."""
+    return get_type_hints(kind), {f.name: f for f in fields(kind)}
 
 
 def value_faults(hint: Any, value: Any, path: str) -> Iterator[str]:
