@@ -1,0 +1,93 @@
+"""The rig is drawn to scale, and told to those who cannot see it."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from uwopt.curves import Lamp, RigMeasures, rig_measures
+from uwopt.report import drawing
+
+PROBLEMS = Path(__file__).parents[2] / "problems"
+SVG = "{http://www.w3.org/2000/svg}"
+RIG = RigMeasures(
+    altitude_m=2.0, altitude_tolerance_m=0.25, half_along_m=0.4, half_across_m=0.7, is_dome=True, outer_radius_m=0.06,
+    lamps=(Lamp(0.0, 0.8, 0.0, (0.0, math.sin(0.1), math.cos(0.1))), Lamp(0.0, -0.8, 0.0, (0.0, 0.0, 1.0))),
+    beam_half_angle_rad=math.radians(30.0), beam_ends_sharply=False, image_width_is_along=False, speed_m_s=0.5,
+    advance_m=0.3, overlap=0.625, camera_count=1,
+)  # fmt: skip
+
+
+def shapes(text: str, kind: str, style: str) -> list[dict[str, str]]:
+    root = ElementTree.fromstring(text)
+    assert root.tag == f"{SVG}svg"
+    assert root.get("role") == "img"
+    assert root.find(f"{SVG}title") is not None
+    assert root.find(f"{SVG}desc") is not None
+    return [dict(node.attrib) for node in root.iter(f"{SVG}{kind}") if node.get("class") == style]
+
+
+def points(shape: dict[str, str]) -> np.ndarray:
+    return np.array([[float(v) for v in pair.split(",")] for pair in shape["points"].split()])
+
+
+def test_seen_from_above_everything_has_one_scale():
+    text = drawing.view_from_above(RIG, title="a", description="b")
+    (view,), (after,), (shared,) = (shapes(text, "polygon", name) for name in ("view", "next", "shared"))
+    size = np.ptp(points(view), axis=0)
+    scale = size[0] / 1.4
+    assert size[1] == pytest.approx(0.8 * scale, abs=0.2)
+    assert points(view)[0][1] - points(after)[0][1] == pytest.approx(0.3 * scale, abs=0.2)  # forward is up
+    assert np.ptp(points(shared), axis=0)[1] == pytest.approx(0.625 * 0.8 * scale, abs=0.2)
+    lamps = sorted(float(c["cx"]) for c in shapes(text, "circle", "solid") if c["r"] == "5")
+    assert lamps[1] - lamps[0] == pytest.approx(1.6 * scale, abs=0.2)
+
+
+def test_seen_from_behind_beams_open_by_their_angle():
+    text = drawing.view_from_behind(RIG, title="a", description="b")
+    view = points(shapes(text, "polygon", "view")[0])
+    scale = (view[2][0] - view[1][0]) / 1.4
+    level = points(shapes(text, "polygon", "beam")[1])  # straight down, 30 deg: 2 m * tan 30 deg to each side
+    assert level[2][0] - level[1][0] == pytest.approx(2 * 2.0 * math.tan(math.radians(30)) * scale, abs=0.3)
+    leaning = points(shapes(text, "polygon", "beam")[0])
+    assert leaning[2][0] - leaning[0][0] == pytest.approx(
+        2.0 * math.tan(math.radians(30) + 0.1) * scale, abs=0.3
+    )
+
+
+def test_ring_of_a_level_beam_is_a_circle():
+    ring = drawing.beam_ring(RIG, RIG.lamps[1])
+    radius = [math.hypot(x, y + 0.8) for x, y in ring]
+    assert radius == pytest.approx([2.0 * math.tan(math.radians(30))] * len(ring))
+
+
+def test_drawings_escape_what_they_are_told():
+    text = drawing.view_from_above(RIG, title='<script>"&', description="</svg><b>")
+    assert "<script" not in text
+    assert "<b>" not in text
+    shapes(text, "polygon", "view")
+
+
+@pytest.mark.parametrize("change", [
+    {"speed_m_s": 0.0, "advance_m": None, "overlap": None}, {"advance_m": 5.0, "overlap": -5.25}, {"is_dome": False},
+    {"beam_half_angle_rad": 1.57}, {"altitude_tolerance_m": 0.0, "image_width_is_along": True},
+    {"lamps": (Lamp(0.5, 0.0, -0.4, (0.6, 0.0, 0.8)),)},
+])  # fmt: skip
+def test_drawings_stand_for_odd_rigs(change):
+    rig = RigMeasures(**{**vars(RIG), **change})
+    for view in (drawing.view_from_behind, drawing.view_from_above):
+        text = view(rig, title="a", description="b")
+        shapes(text, "polygon", "view")
+        assert "nan" not in text
+        assert not re.search(r'"-?\d{6,}', text)
+
+
+def test_measures_of_a_replayed_rig_can_be_drawn(replayed):
+    design, _ = replayed(PROBLEMS / "awi-ofobs.yaml", PROBLEMS / "awi-ofobs.system.yaml")
+    text = drawing.view_from_behind(rig_measures(design), title="a", description="b")
+    assert "altitude" in text
