@@ -54,9 +54,8 @@ def test_portrait_turns_the_image_with_the_motion(replayed, colour_system):
 
 
 def test_daylight_is_in_the_map_as_in_the_figures(replayed):
-    mission: dict[str, Any] = dict(
-        uwopt.evaluate(PROBLEMS / "nui-acfr.yaml", PROBLEMS / "nui-acfr.system.yaml").mission
-    )
+    system = PROBLEMS / "nui-acfr.system.yaml"
+    mission: dict[str, Any] = dict(uwopt.evaluate(PROBLEMS / "nui-acfr.yaml", system).mission)
     scene = {**mission["scenes"][0], "depth_m": 30, "sun_lux": 50_000}
     mission |= {"physics": "full", "scenes": [scene]}
     design, figures = replayed(mission, system)
