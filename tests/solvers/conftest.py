@@ -12,6 +12,7 @@ HELPERS = (
     "brute_force",
     "random_cases",
     "hand_made_rows",
+    "population_cases",
 )  # each needs only those before it
 
 for name in HELPERS:

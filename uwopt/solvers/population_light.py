@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -53,7 +54,7 @@ class Store(Generic[Columns]):
     """Rows by an integer key, made when first asked for."""
 
     def __init__(self, make: Callable[[Array], Columns | None]):
-        self.make = make
+        self.make: Callable[[Array], Columns | None] = make
         self.keys, self.place = np.empty(0, int), np.empty(0, int)
         self.columns: Columns | None = None
         self.nothing = False  # there is no such light
@@ -102,10 +103,10 @@ class LightStore:
         self.n_counts = self.problem.count_range[1] + 1
         self.images, self.image_of = alike(search)
         scenes = range(len(self.problem.scenes))
-        self.lights = [Store[ImageLight](lambda keys, s=s: self._lights(s, keys)) for s in scenes]  # type: ignore[misc]
-        self.pixels = [Store[ImageLight](lambda keys, s=s: self._pixels(s, keys)) for s in scenes]  # type: ignore[misc]
-        self.suns = [Store[SunLight](lambda keys, s=s: self._suns(s, keys)) for s in scenes]  # type: ignore[misc]
-        self.sharps = [Store[SharpRows](lambda keys, s=s: self._sharps(s, keys)) for s in scenes]  # type: ignore[misc]
+        self.lights = [Store[ImageLight](partial(self._lights, s)) for s in scenes]
+        self.pixels = [Store[ImageLight](partial(self._pixels, s)) for s in scenes]
+        self.suns = [Store[SunLight](partial(self._suns, s)) for s in scenes]
+        self.sharps = [Store[SharpRows](partial(self._sharps, s)) for s in scenes]
         self.evens: list[dict[int, bool]] = [{} for _ in scenes]
 
     @property

@@ -37,8 +37,9 @@ from pymoo.operators.repair.rounding import RoundingRepair  # noqa: E402
 
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
-#: Those of pymoo that handle constraints and three objectives; MOEA/D and others of pymoo do not.
-ALGORITHMS = ("nsga2", "nsga3", "unsga3", "ctaea", "rvea", "spea2", "agemoea2", "smsemoa")
+#: Those of pymoo that handle constraints and three objectives (MOEA/D does not) and need no further package
+#: (AGE-MOEA wants numba).
+ALGORITHMS = ("nsga2", "nsga3", "unsga3", "ctaea", "rvea", "spea2", "smsemoa")
 POP_SIZE = 200
 GENERATIONS = 1000
 SBX_ETA, PM_ETA = 5.0, 10.0
@@ -291,10 +292,6 @@ def create(name: str, n_axes: int, pop_size: int, common: dict[str, Any]) -> Alg
         from pymoo.algorithms.moo.spea2 import SPEA2
 
         return SPEA2(pop_size=pop_size, **common)
-    if name == "agemoea2":
-        from pymoo.algorithms.moo.age2 import AGEMOEA2
-
-        return AGEMOEA2(pop_size=pop_size, **common)
     if name == "smsemoa":
         from pymoo.algorithms.moo.sms import SMSEMOA
 
