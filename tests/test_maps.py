@@ -66,9 +66,11 @@ def test_daylight_is_in_the_map_as_in_the_figures(replayed):
     assert image.veil_e.mean() == pytest.approx(veils, rel=5e-3)
 
 
-def test_narrow_beams_leave_dark_places_without_a_warning(replayed, colour_system):
-    spot = {**colour_system["light"], "beam": "disc", "beam_angle_deg": None, "beam_half_angle_deg": 10}
-    design, _ = replayed(PROBLEMS / "nui-acfr.yaml", {**colour_system, "light": spot})
+def test_narrow_beams_leave_dark_places_without_a_warning(replayed):
+    tank = (PROBLEMS / "paper-tank.yaml", PROBLEMS / "paper-tank.system.yaml")
+    system = uwopt.evaluate(*tank).system
+    spot = {**system["light"], "beam_half_angle_deg": 3}
+    design, _ = replayed(tank[0], {**system, "light": spot})
     image, floor = image_map(design), floor_map(design)
     assert image.snr_db.min() == -np.inf
     assert floor.least_lx == 0.0

@@ -117,9 +117,9 @@ def test_other_scenes_have_other_ids():
     assert all(isinstance(one, Picture) and one.id.endswith("-scene2") for one in second)
 
 
-def test_an_image_with_dark_parts_has_pictures_too(colour_system):
-    spot = {**colour_system["light"], "beam": "disc", "beam_angle_deg": None, "beam_half_angle_deg": 10}
-    result = evaluated("nui-acfr", {**colour_system, "light": spot})
+def test_an_image_with_dark_parts_has_pictures_too():
+    system = evaluated("paper-tank").system
+    result = evaluated("paper-tank", {**system, "light": {**system["light"], "beam_half_angle_deg": 3}})
     by_id = {one.id: one for one in design_pictures(result.mission, result.best, **inputs(result))}
     assert set(by_id) == NAMES
     assert "no signal" in by_id["snr"].alt
