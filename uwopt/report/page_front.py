@@ -145,6 +145,7 @@ def point_data(
         "scenes": [
             {
                 "name": texts.number(words.one_line(scene.name, 60) if len(design.scenes) > 1 else ""),
+                "title": texts.number(settings_title(scene)),
                 "settings": [texts.row(name, value) for name, value in setting_pairs(scene)],
                 "margins": [
                     [*texts.row(b.name, b.value, b.limit, b.left, b.state), b.start, b.width]
@@ -159,6 +160,11 @@ def point_data(
 def card_texts(card: Card) -> tuple[str, str, str]:
     """Title, value and note."""
     return card.title, card.value, card.note
+
+
+def settings_title(scene: SceneResult) -> str:
+    """What the settings are: rounded to what a person can set, or exact."""
+    return "Settings to type in" if scene.settings_to_set else "Settings"
 
 
 def setting_pairs(scene: SceneResult) -> list[tuple[str, str]]:

@@ -149,7 +149,7 @@ const scales = lanes.map((k, n) => {
   const x = lanes.length > 1 ? 70 + (n * (WIDE - 140)) / (lanes.length - 1) : WIDE / 2;
   const share = (v) => (high === low ? 0.5 : (warp(v) - warp(low)) / span);
   return {k, x, low, high, turned, y: (v) => TOP + (HIGH - TOP - BOTTOM) * (turned ? share(v) : 1 - share(v)),
-    value: (y) => { const s = Math.min(1, Math.max(0, (y - TOP) / (HIGH - TOP - BOTTOM))); return back(warp(low) + span * (turned ? s : 1 - s)); }};
+    value: (y) => { const s = Math.min(1, Math.max(0, (y - TOP) / (HIGH - TOP - BOTTOM))); const up = turned ? s : 1 - s; return up === 0 ? low : up === 1 ? high : back(warp(low) + span * up); }};
 });
 const shownAt = (k, v) => { const i = points.findIndex((p) => p.values[k] === v); return i < 0 ? "" : texts[points[i].shown[k]]; };
 const lines = points.map((p, i) => {
@@ -213,7 +213,6 @@ byId("peers")?.addEventListener("change", (event) => {
 function setRange(k, low, high, typed) {
   if (low === null && high === null) state.ranges.delete(k); else state.ranges.set(k, [low, high]);
   if (!typed) inputs.get(k).forEach((input, n) => { const v = [low, high][n]; input.value = v === null ? "" : Number(v.toPrecision(4)); });
-  if (!typed && low !== null) byId("ranges").open = true;
   filter();
 }
 
@@ -313,7 +312,7 @@ function choose(index, fromTable) {
     ...p.cards.map((c) => c.map((n) => texts[n])).filter(([title]) => !objectives.some((o) => o.title === title.toLowerCase()))]));
   p.scenes.forEach((scene) => {
     const where = texts[scene.name] ? ", " + texts[scene.name] : "";
-    card.push(el("h4", {}, "Settings to type in" + where), facts(scene.settings.map((pair) => pair.map((n) => texts[n]))));
+    card.push(el("h4", {}, texts[scene.title] + where), facts(scene.settings.map((pair) => pair.map((n) => texts[n]))));
     card.push(el("h4", {}, "Margins" + where), ...scene.margins.map(marginLine));
   });
   byId("chosen").replaceChildren(...card);

@@ -1,0 +1,355 @@
+"""The report in a real browser: Debian's Chromium, driven by Playwright, with the network off.
+
+Without a browser these tests are skipped; UWOPT_REQUIRE_BROWSER=1 makes a missing one a failure.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from uwopt import api
+from uwopt.report.page import report_html
+
+ROOT = Path(__file__).parents[2]
+REQUIRED = os.environ.get("UWOPT_REQUIRE_BROWSER") == "1"
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+ARGUMENTS = [
+    "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--no-first-run", "--enable-unsafe-swiftshader",
+]  # fmt: skip
+PATIENCE_MS = 30_000  # for slow machines; what is waited for is there far sooner
+Make = Callable[..., Any]
+
+
+def why_not() -> str:
+    """Why no browser can be used; "" where one can."""
+    if BROWSER is None:
+        return "needs chromium (or google-chrome) on the path"
+    try:
+        import playwright.sync_api  # noqa: F401
+    except ImportError:
+        return "needs playwright"
+    return ""
+
+
+pytestmark = pytest.mark.skipif(bool(why_not()) and not REQUIRED, reason=why_not() or "a browser is there")
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """One browser for all tests."""
+    assert not why_not(), why_not()
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as player:
+        started = player.chromium.launch(executable_path=BROWSER, args=ARGUMENTS)
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def show(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Any]]:
+    """Open the page of a result; at the end no error may stand in the console, and nothing was asked for."""
+    contexts, faults = [], []
+
+    def opened(result: Any, **options: Any) -> Any:
+        file = tmp_path / f"report{len(contexts)}.html"
+        file.write_text(report_html(result), encoding="utf-8")
+        context = browser.new_context(**{"viewport": {"width": 1300, "height": 900}} | options)
+        contexts.append(context)
+        context.set_offline(True)
+        context.set_default_timeout(PATIENCE_MS)
+        page = context.new_page()
+        page.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda fault: faults.append(str(fault)))
+        page.on(
+            "request",
+            lambda call: (
+                None if call.url.startswith(("file:", "data:", "blob:")) else faults.append(call.url)
+            ),
+        )
+        page.goto(file.as_uri())
+        return page
+
+    yield opened
+    for context in contexts:
+        context.close()
+    assert faults == []
+
+
+@pytest.fixture(scope="module")
+def tank() -> Any:
+    """A real result, so that the model can draw its pictures."""
+    return api.evaluate(ROOT / "problems" / "paper-tank.yaml", ROOT / "problems" / "paper-tank.system.yaml")
+
+
+def wait_drawn(page: Any, place: str, number: int) -> None:
+    """Wait until so many plots of a place are drawn, and see that each holds marks."""
+    drawn = page.locator(f"{place} .plot[data-drawn=true]")
+    drawn.nth(number - 1).wait_for(state="attached")
+    for index in range(number):
+        marks = drawn.nth(index).locator(".trace path, .trace .point, .heatmaplayer image, canvas")
+        assert marks.count() > 0
+
+
+def wait_rows(page: Any, *ids: str) -> None:
+    """Wait until the table shows these points, in this order."""
+    from playwright.sync_api import expect
+
+    expect(page.locator("#points tbody tr:visible .choose")).to_have_text(list(ids), timeout=PATIENCE_MS)
+
+
+# ---------------------------------------------------------------- every kind
+
+
+def test_real_result_is_drawn_whole(show: Callable[..., Any], tank: Any) -> None:
+    page = show(tank)
+    figures = page.locator(".plot[data-figure]").count()
+    assert figures >= 4
+    wait_drawn(page, "#pictures", figures)
+    assert page.locator("#pictures img").count() >= 2
+    assert page.locator("#pictures .drawing svg").count() >= 1
+    for image in page.locator("#pictures img").all():
+        image.scroll_into_view_if_needed()
+        assert image.evaluate("async (i) => { await i.decode(); return i.naturalWidth; }") > 50
+    assert page.locator(".is-warn", has_text="Pictures are missing").count() == 0
+
+
+def test_recommendation_and_nearest_miss_open(
+    show: Callable[..., Any], make_result: Make, make_design: Make
+) -> None:
+    assert "Buy 1 ×" in show(make_result()).locator(".verdict").first.inner_text()
+    why = {"requirements": [], "relaxations": [], "nearest_miss": make_design()}
+    page = show(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=why))
+    assert page.get_by_role("heading", name="Why nothing fits").is_visible()
+
+
+@pytest.mark.parametrize(("names", "points", "plots"), [
+    (("power", "cost", "information"), 8, 3), (("power", "cost"), 8, 1), (("power", "information"), 1, 1),
+])  # fmt: skip
+def test_front_of_any_size_is_drawn(
+    show: Callable[..., Any], make_front: Make, names: tuple[str, ...], points: int, plots: int
+) -> None:
+    page = show(make_front(*names, points=points))
+    wait_drawn(page, "#pairs", plots)
+    assert page.locator("#pairs .plot").count() == plots
+    wait_rows(page, *(f"p{n}" for n in range(1, points + 1)))
+
+
+def test_empty_front_still_says_why(show: Callable[..., Any], make_front: Make) -> None:
+    page = show(make_front(points=0))
+    assert "No system of the catalogue" in page.locator(".verdict").first.inner_text()
+
+
+# ---------------------------------------------------------------- the trade-off
+
+
+def test_table_sorts_both_ways(show: Callable[..., Any], make_front: Make) -> None:
+    page = show(make_front())
+    head = page.locator("#points th", has=page.get_by_role("button", name="power"))
+    rising = [f"p{n}" for n in range(1, 9)]  # power falls along the front
+    for direction, ids in (("ascending", rising[::-1]), ("descending", rising)):
+        head.get_by_role("button").click()
+        assert head.get_attribute("aria-sort") == direction
+        wait_rows(page, *ids)
+    assert page.locator("#points th[aria-sort]").count() == 1
+
+
+def test_filters_of_text_part_and_range_meet(show: Callable[..., Any], make_front: Make) -> None:
+    page = show(make_front())
+    page.locator("#filter-text").fill("acme-lens-1")
+    wait_rows(page, "p4", "p5", "p6")
+    page.locator("#ranges summary").click()
+    page.get_by_label("power at most").fill("30")
+    wait_rows(page, "p5", "p6")
+    assert "2 of 8 systems" in page.locator("#filter-count").inner_text()
+    wait_drawn(page, "#pairs", 3)
+    dimmed = """(e) => [...e.querySelectorAll(".scatterlayer .point")]
+        .filter((point) => Number(point.style.opacity || 1) < 0.1).length"""
+    assert page.locator("#pairs .plot").first.evaluate(dimmed) == 6  # the plots dim what the table hides
+    page.get_by_role("button", name="Show all").click()
+    wait_rows(page, *(f"p{n}" for n in range(1, 9)))
+    page.get_by_label("Lens").select_option("acme-lens-2")
+    wait_rows(page, "p7", "p8")
+
+
+def test_click_on_a_point_shows_its_system(show: Callable[..., Any], make_front: Make) -> None:
+    page = show(make_front("power", "cost", points=6))
+    wait_drawn(page, "#pairs", 1)
+    plot = page.locator("#pairs .plot").first
+    plot.scroll_into_view_if_needed()
+    place = plot.evaluate(
+        """(e) => {
+          const trace = e.data.findIndex((t) => t.name === "front"), {xaxis, yaxis} = e._fullLayout;
+          const box = e.getBoundingClientRect(), at = 2;
+          return [box.left + xaxis._offset + xaxis.d2p(e._fullData[trace].x[at]),
+                  box.top + yaxis._offset + yaxis.d2p(e._fullData[trace].y[at])];
+        }"""
+    )
+    page.mouse.move(*place)
+    page.locator(".hoverlayer .hovertext").wait_for(state="attached")
+    assert "acme-cam" in page.locator(".hoverlayer .hovertext").inner_html()
+    page.mouse.click(*place)
+    page.locator("#chosen h3", has_text="Point p3").wait_for()
+    card = page.locator("#chosen").inner_text()
+    for words in (
+        "acme-lens-0",
+        "Settings to type in",
+        "12.345 ms",
+        "overlap along track",
+        "at least 0.6000",
+        "34.00 W",
+    ):
+        assert words in card
+    assert page.locator("#points tr.is-chosen .choose").inner_text() == "p3"
+    assert page.locator("#points tr.is-chosen .choose").get_attribute("aria-pressed") == "true"
+
+
+def test_row_of_the_table_shows_in_the_plots(show: Callable[..., Any], make_front: Make) -> None:
+    page = show(make_front())
+    wait_drawn(page, "#pairs", 3)
+    page.locator("#points tr[data-index='4'] .choose").click()
+    page.locator("#chosen h3", has_text="Point p5").wait_for()
+    page.locator(".lane.is-chosen[data-index='4']").wait_for(state="attached")
+    chosen = "(e) => { const {x, y} = e.data.find((t) => t.name === 'chosen'); return [...x, ...y]; }"
+    assert page.locator("#pairs .plot").first.evaluate(chosen) == [6000.0, 28.0]  # cost and power of p5
+
+
+def test_brush_in_parallel_coordinates_filters_the_table(show: Callable[..., Any], make_front: Make) -> None:
+    page = show(make_front())
+    page.get_by_role("tab", name="Parallel coordinates").click()
+    axis = page.locator("#lanes .hit").nth(1)  # cost, less is up
+    axis.scroll_into_view_if_needed()
+    box = axis.bounding_box()
+    middle = box["x"] + box["width"] / 2
+    page.mouse.move(middle, box["y"] + 2)
+    page.mouse.down()
+    page.mouse.move(middle, box["y"] + 0.45 * box["height"], steps=4)
+    page.mouse.up()
+    wait_rows(page, "p1", "p2", "p3", "p4")
+    assert page.get_by_label("cost at most").input_value() != ""
+    page.mouse.click(middle, box["y"] + 5)
+    wait_rows(page, *(f"p{n}" for n in range(1, 9)))
+
+
+def test_view_in_three_dimensions_is_drawn_or_says_why_not(
+    show: Callable[..., Any], make_front: Make
+) -> None:
+    page = show(make_front())
+    page.get_by_role("tab", name="Three dimensions").click()
+    shown = page.locator("#space canvas, #space .plot-note")
+    shown.first.wait_for()
+    if page.locator("#space canvas").count():
+        page.locator("#space[data-drawn=true]").wait_for()
+        page.locator("#points tr[data-index='2'] .choose").click()
+        page.locator("#chosen h3", has_text="Point p3").wait_for()
+
+
+def test_page_without_webgl_says_so(show: Callable[..., Any], make_front: Make) -> None:
+    blind = """const old = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+          return /webgl/.test(kind) ? null : old.call(this, kind, ...more);  // as browsers without WebGL answer
+        };"""
+    page = show(make_front())
+    page.context.add_init_script(blind)
+    page.reload()
+    wait_drawn(page, "#pairs", 3)
+    page.get_by_role("tab", name="Three dimensions").click()
+    page.get_by_text("This browser has no WebGL").wait_for()
+
+
+# ---------------------------------------------------------------- for everyone
+
+
+def test_keyboard_reaches_tabs_heads_and_points(show: Callable[..., Any], make_front: Make) -> None:
+    page = show(make_front())
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.className") == "skip"
+    page.keyboard.press("Enter")
+    assert page.evaluate("document.activeElement.id") == "main"
+    first = page.get_by_role("tab", name="cheapest")
+    first.focus()
+    page.keyboard.press("ArrowRight")
+    second = page.get_by_role("tab", name="least power")
+    assert second.get_attribute("aria-selected") == "true" and first.get_attribute("aria-selected") == "false"
+    assert second.evaluate("(e) => e === document.activeElement")
+    assert second.evaluate("(e) => getComputedStyle(e).outlineStyle") != "none"  # focus is seen
+    panel = page.locator(f"#{second.get_attribute('aria-controls')}")
+    assert panel.is_visible() and panel.get_attribute("role") == "tabpanel"
+    page.keyboard.press("Home")
+    assert first.get_attribute("aria-selected") == "true"
+    page.locator("#points th button").nth(2).focus()
+    page.keyboard.press("Enter")
+    page.locator("#points th[aria-sort=ascending]", has_text="power").wait_for()
+    page.locator("#points tr[data-index='1'] .choose").focus()
+    page.keyboard.press("Space")
+    page.locator("#chosen h3", has_text="Point p2").wait_for()
+
+
+def test_dark_theme_follows_the_system_and_the_button(show: Callable[..., Any], make_front: Make) -> None:
+    page = show(make_front(), color_scheme="dark")
+    ground = "getComputedStyle(document.body).backgroundColor"
+    dark = page.evaluate(ground)
+    wait_drawn(page, "#pairs", 3)
+    ink = "(e) => getComputedStyle(e.querySelector('.xtick text')).fill"
+    light_text = page.locator("#pairs .plot").first.evaluate(ink)
+    button = page.locator("#theme")
+    assert button.get_attribute("aria-pressed") == "true"
+    button.click()
+    assert button.get_attribute("aria-pressed") == "false"
+    assert page.evaluate(ground) != dark
+    assert page.locator("#pairs .plot").first.evaluate(ink) != light_text
+
+
+def test_print_is_light_whole_and_without_controls(show: Callable[..., Any], make_front: Make) -> None:
+    page = show(make_front(), color_scheme="dark")
+    wait_drawn(page, "#pairs", 3)
+    paper = page.pdf()
+    assert paper.startswith(b"%PDF") and paper.count(b"/Type /Page\n") + paper.count(b"/Type /Page ") >= 3
+    page.emulate_media(media="print", color_scheme="dark")
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    for name in ("#theme", ".filters", "#chosen", "[role=tablist] >> nth=0", ".contents"):
+        assert page.locator(name).is_hidden()
+    assert page.locator(".panel h3", has_text="Least power").is_visible()  # every pick is on paper
+
+
+@pytest.mark.parametrize("width", [390, 820, 1280])
+def test_page_never_scrolls_sideways(show: Callable[..., Any], make_front: Make, width: int) -> None:
+    page = show(make_front(), viewport={"width": width, "height": 800})
+    wait_drawn(page, "#pairs", 1)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_result_can_be_taken_from_the_page(show: Callable[..., Any], make_front: Make) -> None:
+    front = make_front()
+    page = show(front)
+    with page.expect_download() as waiting:
+        page.locator("#raw").click()
+    assert waiting.value.suggested_filename == "front.json"
+    assert '"schema":"uwopt.front/1"' in Path(waiting.value.path()).read_text("utf-8")
+
+
+def test_texts_of_files_run_no_script(show: Callable[..., Any], make_front: Make) -> None:
+    from dataclasses import replace
+
+    poison = "</script><script>window.caught = 1</script><img src=x onerror='window.caught = 1'>"
+    front = make_front()
+    for point in front.points:
+        for kind in ("camera", "lens", "port", "light"):
+            point.design.hardware[kind] |= {"id": f"{poison}{point.id}", "name": poison}
+    page = show(
+        replace(front, mission={"name": poison}, mission_file={"name": poison, "text": poison}, picks=[
+            replace(pick, name=poison, definition=poison) for pick in front.picks
+        ])
+    )  # fmt: skip
+    wait_drawn(page, "#pairs", 3)
+    page.locator("#points tr[data-index='1'] .choose").click()
+    page.locator("#chosen h3", has_text="Point p2").wait_for()
+    assert page.evaluate("window.caught") is None
+    assert poison[:20] in page.locator("h1").inner_text()
