@@ -232,7 +232,7 @@ def test_brush_in_parallel_coordinates_filters_the_table(show: Callable[..., Any
     page.mouse.down()
     page.mouse.move(middle, box["y"] + 0.45 * box["height"], steps=4)
     page.mouse.up()
-    wait_rows(page, "p1", "p2", "p3", "p4")
+    wait_rows(page, "p1", "p2", "p3")  # up to 4000 * (7500 / 4000)**0.45 = 5307 USD on the axis of logarithms
     assert page.get_by_label("cost at most").input_value() != ""
     page.mouse.click(middle, box["y"] + 5)
     wait_rows(page, *(f"p{n}" for n in range(1, 9)))
