@@ -245,6 +245,67 @@ def test_result_that_cannot_be_written_is_still_printed(
     assert "is a file, not a folder" in done.stderr
 
 
+# ---------------------------------------------------------------- report
+
+
+@pytest.fixture
+def result_file(evaluated: Result, tmp_path: Path) -> Path:
+    """A result to make a report of."""
+    file = tmp_path / "result.json"
+    file.write_text(evaluated.to_json(), encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize(("out", "written"), [
+    ([], "report.html"), (["--out", "page.html"], "page.html"), (["--out", "new"], "new/report.html"),
+    (["--out", "a/b/page.htm"], "a/b/page.htm"), (["--out", "there"], "there/report.html"),
+])  # fmt: skip
+def test_report_goes_beside_the_result_or_where_it_is_asked_for(
+    result_file: Path, monkeypatch: pytest.MonkeyPatch, out: list[str], written: str
+) -> None:
+    folder = result_file.parent
+    monkeypatch.chdir(folder)
+    (folder / "there").mkdir()
+    done = run("report", result_file.name, *out)
+    assert done.exit_code == 0, done.stderr
+    assert done.stdout == "" and "written: " in done.stderr
+    assert (folder / written).read_text("utf-8").startswith("<!doctype html>")
+    assert run("report", result_file.name, *out, "--quiet").stderr == ""  # again, and silently
+
+
+def test_report_of_a_report_is_the_same(result_file: Path, evaluated: Result) -> None:
+    out = result_file.parent / "out"
+    from uwopt.report.write import write_results
+
+    write_results(evaluated, out)
+    before = (out / "report.html").read_bytes()
+    assert run("report", out / "result.json").exit_code == 0
+    assert (out / "report.html").read_bytes() == before
+
+
+def test_report_of_an_infeasible_result_is_done(result_file: Path, evaluated: Result) -> None:
+    result = replace(
+        evaluated, command="solve", status="infeasible", design=None, infeasible={"requirements": []}
+    )
+    result_file.write_text(result.to_json(), encoding="utf-8")
+    assert run("report", result_file).exit_code == 0
+    assert "Why nothing fits" in (result_file.parent / "report.html").read_text("utf-8")
+
+
+def test_report_refuses_what_is_no_result(tmp_path: Path, result_file: Path) -> None:
+    (tmp_path / "cut.json").write_text(result_file.read_text("utf-8")[:900], encoding="utf-8")
+    (tmp_path / "file").touch()
+    assert_refused(run("report"), "RESULT.json")
+    assert_refused(run("report", tmp_path / "none.json"), "no such file")
+    assert_refused(run("report", tmp_path), "is a folder", "result.json")
+    assert_refused(run("report", tmp_path / "cut.json"), "cut off")
+    assert_refused(run("report", MISSION), "is not JSON")
+    assert_refused(run("report", result_file, "--out", result_file), "is the result itself")
+    assert_refused(run("report", result_file, "--out", tmp_path / "file" / "x.html"))
+    assert_refused(run("report", result_file, "--out", ""), "empty")
+    assert not (tmp_path / "report.html").exists()
+
+
 # ---------------------------------------------------------------- bad input
 
 

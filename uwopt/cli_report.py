@@ -46,5 +46,5 @@ def page_file(result: str, out: str | None) -> str:
     if out is None:
         return str(Path(result).parent / "report.html")
     named = Path(out)
-    is_folder = out.endswith(("/", "\\")) or named.is_dir() or (bool(out.strip()) and not named.suffix)
-    return str(named / "report.html") if is_folder else out
+    is_folder = out.endswith(("/", "\\")) or named.is_dir() or not named.suffix
+    return str(named / "report.html") if out.strip() and is_folder else out
