@@ -128,7 +128,7 @@ def test_first_population_begins_with_designs_that_bounds_like():
     assert first.shape == (40, len(coding.upper))
     assert ((first >= 0) & (first <= coding.upper)).all()
     seeds = coding.seeds(20)
-    assert np.array_equal(coding.built(first[: len(seeds.imager)]).imager, seeds.imager)
+    assert np.array_equal(coding.built(first[: 2 * len(seeds.imager) : 2]).imager, seeds.imager)
 
 
 def test_layers_take_the_best_first():
@@ -145,3 +145,14 @@ def test_between_meets_both_ends_and_grows_evenly_in_logarithms():
 def test_excess_is_zero_within_a_limit_and_a_logarithm_beyond():
     value, most = np.array([1.0, 2.0, np.e, np.nan]), np.array([2.0, 2.0, 1.0, 1.0])
     assert log_excess(value, most) == pytest.approx([0.0, 0.0, 1.0, 10.0])
+
+
+@pytest.mark.parametrize("seed", cases.FEASIBLE)
+def test_looking_at_the_signal_first_loses_no_feasible_design(seed):
+    search, coding, axes = coded(seed)
+    vectors = coding.random(300, np.random.default_rng(8))
+    careful = Evaluator(search, axes, coding)
+    careful.staged = False
+    whole, (values, _) = careful.evaluate(vectors)[0], Evaluator(search, axes, coding).evaluate(vectors)
+    assert np.isfinite(whole).any()
+    assert np.array_equal(np.isfinite(values), np.isfinite(whole))

@@ -324,8 +324,11 @@ class Coding:
     def first(self, n: int, rng: np.random.Generator) -> Array:
         """A first population: half of it of the designs that are best by their bounds, half drawn at random."""
         seeds = self.seeds(n // 2)
-        made = [self.genes_of(seeds, rng)] if len(seeds.imager) else []
-        return np.concatenate([*made, self.drawn(n - sum(map(len, made)), rng)])
+        first = self.genes_of(seeds, rng) if len(seeds.imager) else self.random(0, rng)
+        drawn = self.drawn(n - len(first), rng)
+        # in turn, so that whoever has time for some of them has some of both
+        turn = np.concatenate([2.0 * np.arange(len(first)), 2.0 * np.arange(len(drawn)) + 1.0])
+        return np.concatenate([first, drawn])[np.argsort(turn, kind="stable")]
 
     def seeds(self, most: int) -> Built:
         """Designs of the best units with any lamps: what nothing dominates by cost, mass and the units' bounds."""

@@ -26,7 +26,7 @@ from uwopt.solvers.exact import Search
 from uwopt.solvers.imagers import limit
 from uwopt.solvers.population import Built, Coding
 from uwopt.solvers.population_light import LightStore, Seen
-from uwopt.solvers.population_settings import Decoded
+from uwopt.solvers.population_settings import Decoded, shortfall
 from uwopt.solvers.ranking import Found
 
 Array = NDArray[Any]
@@ -59,6 +59,8 @@ class Evaluator:
         wanted = "information" in axes or self.own or bool(search.objective.weight("information"))
         self.information = wanted and not self.problem.paper
         self.store = LightStore(search, sharp=self.information or (mtf and not self.problem.paper))
+        sunlit = any(s.sunlit for s in self.problem.scenes)  # light that no veil is charged to
+        self.staged = self.problem.effects.veils and not sunlit
         self.count = 0
 
     def evaluate(self, vectors: Array) -> tuple[Array, Array]:
@@ -111,6 +113,11 @@ class Evaluator:
         violation = self.coding.beyond(built)
         place = np.nonzero(violation <= 0.0)[0]
         built = built.take(place)
+        if self.staged and len(place):
+            lacking = self._lacking_without_veils(built)
+            violation[place] = lacking
+            hopeful = np.nonzero(lacking <= 0.0)[0]
+            place, built = place[hopeful], built.take(hopeful)
         none = np.empty(0, int)
         if len(place) == 0:
             return Solved(place, built, Decoded([], [], violation[place]), none, {}, violation)
@@ -131,6 +138,15 @@ class Evaluator:
         holds = np.nonzero(missed <= 0.0)[0]
         figures = {name: c[holds] for name, c in self._named(made, some).items()}
         return Solved(place, built, decoded, fits[holds], figures, violation)
+
+    def _lacking_without_veils(self, built: Built) -> Array:
+        """By how much designs miss what they need even with no veil and the least dark current."""
+        rows = []
+        for s in range(len(self.problem.scenes)):
+            light = self.store.signal(s, built.imager, built.lighting)
+            one = replace(self._scene_rows(s, built, Seen(light, None, None, None)), optimistic=True)
+            rows.append(replace(one, dark_time_s=np.maximum(one.exposure_s(one.time_min_s), 0.0)))
+        return shortfall(rows, self.search.motorised[built.imager])
 
     def _camera_power_w(self, built: Built) -> Array:
         return np.asarray(self.search.imagers.camera_power_w[built.imager])

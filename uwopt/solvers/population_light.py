@@ -103,6 +103,7 @@ class LightStore:
         self.n_counts = self.problem.count_range[1] + 1
         self.images, self.image_of = alike(search)
         scenes = range(len(self.problem.scenes))
+        self.signals = [Store[ImageLight](partial(self._signals, s)) for s in scenes]
         self.lights = [Store[ImageLight](partial(self._lights, s)) for s in scenes]
         self.pixels = [Store[ImageLight](partial(self._pixels, s)) for s in scenes]
         self.suns = [Store[SunLight](partial(self._suns, s)) for s in scenes]
@@ -139,6 +140,14 @@ class LightStore:
             self._even(scene_index, by_count),
         )  # fmt: skip
 
+    def signal(self, scene_index: int, imager: Array, lighting: Array) -> ImageLight:
+        """Image-forming light alone, which costs a fraction: no veil makes a design better."""
+        image = self.image_of[imager]
+        light = self.signals[scene_index].rows(lighting * len(self.images) + image)
+        assert light is not None
+        view = self.imagers.scenes[scene_index].view
+        return light.scaled(view.collecting_m2[imager] / view.collecting_m2[self.images[image]])
+
     # ------------------------------------------------------------ making
 
     def _split(self, keys: Array) -> list[tuple[int, Array, Array]]:
@@ -149,13 +158,28 @@ class LightStore:
             for k in np.unique(lighting)
         ]
 
-    def _lights(self, scene_index: int, keys: Array) -> ImageLight:
-        """Image means under each lighting, veils included."""
+    def _signals(self, scene_index: int, keys: Array) -> ImageLight:
+        """Image means under each lighting without veils."""
         tables = self.search.tables
         parts = [
-            (mine, tables.exact(scene_index, tables.lightings[k], imager, veils="all"))
+            (mine, tables.exact(scene_index, tables.lightings[k], imager, veils="none"))
             for k, mine, imager in self._split(keys)
         ]
+        return ImageLight.joined(parts, len(keys))
+
+    def _lights(self, scene_index: int, keys: Array) -> ImageLight:
+        """Image means under each lighting, veils included."""
+        signal = self.signals[scene_index].rows(keys)
+        if not self.problem.effects.veils:
+            assert signal is not None
+            return signal
+        tables = self.search.tables
+        parts = []
+        for k, mine, imager in self._split(keys):
+            known = None if signal is None or self.problem.paper else signal.take(mine)
+            parts.append(
+                (mine, tables.exact(scene_index, tables.lightings[k], imager, known=known, veils="all"))
+            )
         return ImageLight.joined(parts, len(keys))
 
     def _pixels(self, scene_index: int, keys: Array) -> ImageLight:
