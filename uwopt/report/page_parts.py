@@ -22,7 +22,7 @@ from uwopt.report.tables import (
     settings_block,
 )
 from uwopt.result import Design, Margin, Result
-from uwopt.units import format_number, split_unit
+from uwopt.units import UNIT_SUFFIXES, format_number
 
 #: Key figures: name, title, unit, digits.
 FIGURES = (
@@ -57,16 +57,7 @@ class BomRow:
     status: str
     mark: str  # good | warn | bad: how well the price is known
     basis: str
-    link: str  # "" where the source is no page
-    source: str
-
-    @property
-    def short(self) -> str:
-        """The link's text: the site and the end of the way there."""
-        parts = urlsplit(self.link)
-        site, way = (parts.hostname or "").removeprefix("www."), parts.path.strip("/").split("/")
-        end = way[-1] if len(way[-1]) <= 36 else "…" + way[-1][-35:]
-        return site + ("/…" if len(way) > 1 else "") + (f"/{end}" if end else "")
+    sources: list[tuple[str, str]]  # what is shown, and the page it leads to, "" where it is none
 
 
 @dataclass(frozen=True)
@@ -145,10 +136,12 @@ def cards(design: Design) -> list[Card]:
     totals = design.totals
     cost = totals.get("cost") or {}
     low, high = cost.get("low"), cost.get("high")
-    span = f"{words.money(low)} to {words.money(high)}" if None not in (low, high) and low != high else ""
+    notes = [f"{words.money(low)} to {words.money(high)}"] if None not in (low, high) and low != high else []
+    if unpriced := words.n_unpriced(design.bom):
+        notes.append(f"without {words.counted(unpriced, 'part')} of unknown price")
     peak = totals.get("light_peak_power_w")
     shown = [
-        Card("Cost", words.money(cost.get("value"), str(cost.get("currency") or "")), span),
+        Card("Cost", words.money(cost.get("value"), str(cost.get("currency") or "")), ", ".join(notes)),
         Card(
             "Power", words.quantity(totals.get("power_w"), "W"),
             f"{words.quantity(peak, 'W')} at peak" if peak else "",
@@ -189,9 +182,8 @@ def figure_rows(design: Design) -> list[tuple[str, list[str]]]:
         values = [scene.figures.get(name) for scene in design.scenes]
         if all(value is None for value in values):
             continue
-        stem, unit = split_unit(name)
-        title = words.one_line((stem if unit else name).replace("_", " "), 60)
-        rows.append((title, [figure_text(value, unit) for value in values]))
+        unit = next((suffix for suffix in UNIT_SUFFIXES if name.endswith(suffix)), "")
+        rows.append((words.one_line(name, 60), [figure_text(value, unit) for value in values]))
     return rows
 
 
@@ -253,11 +245,22 @@ def bom_row(row: Mapping[str, Any]) -> BomRow:
     line = bom_line(row)
     name = words.one_line(f"{row.get('manufacturer') or ''} {row.get('model') or ''}".strip() or line.id, 80)
     mark = "bad" if row.get("unit_price") is None else "warn" if line.estimated else "good"
-    source = words.one_line(row.get("source") or "", 300)
+    texts = [
+        text.strip() for text in words.one_line(row.get("source") or "", 2000).split(" | ") if text.strip()
+    ]
+    sources = [(link_text(link) if (link := web_link(text)) else text, link) for text in texts]
     return BomRow(
         line.number, line.kind, name, "" if line.id == name else line.id, line.each, line.due, line.known, mark,
-        words.one_line(row.get("price_basis") or "", 300), web_link(source), source,
+        words.one_line(row.get("price_basis") or "", 300), sources,
     )  # fmt: skip
+
+
+def link_text(link: str) -> str:
+    """The site, and the end of the way there."""
+    parts = urlsplit(link)
+    site, way = (parts.hostname or "").removeprefix("www."), parts.path.strip("/").split("/")
+    end = way[-1] if len(way[-1]) <= 36 else "…" + way[-1][-35:]
+    return site + ("/…" if len(way) > 1 else "") + (f"/{end}" if end else "")
 
 
 def web_link(source: str) -> str:

@@ -317,6 +317,7 @@ function choose(index, fromTable) {
   });
   byId("chosen").replaceChildren(...card);
   byId("chosen").scrollTop = 0;
+  byId("chosen-note").textContent = "Point " + p.id + " is chosen: " + system(p).join(", ") + ". Its card stands beside the plots.";
   follow();
 }
 window.uwopt.choose = choose;
