@@ -30,10 +30,10 @@ DIMMEST = 1e-4  # of the most level: where a share of a range that begins at no 
 class Shares:
     """Genes of one scene's settings between 0 and 1, (n,)."""
 
-    of_aperture: Array
-    of_exposure: Array
-    of_shutter: Array
-    of_level: Array
+    aperture_frac: Array
+    time_frac: Array
+    shutter_frac: Array
+    level_frac: Array
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ def one_by_one(
     for index, scene in enumerate(scenes):
         start, end = np.where(own, scene.n_start, lowest), np.where(own, scene.n_end, highest)
         missing += log_excess(start, end)
-        share = np.where(own, shares[index].of_aperture, shares[0].of_aperture)
+        share = np.where(own, shares[index].aperture_frac, shares[0].aperture_frac)
         f_number = between(start, np.maximum(end, start), share)
         settings, exposure_s, lacking = scene.settle(f_number)
         missing += lacking
@@ -215,7 +215,7 @@ class SceneRange:
             usable = np.where(some, np.where(helps, usable, np.nan), usable)
         ordered = np.sort(usable, axis=1)  # NaN last
         count = np.isfinite(ordered).sum(axis=1)
-        pick = np.minimum((self.shares.of_level * count).astype(int), np.maximum(count - 1, 0))
+        pick = np.minimum((self.shares.level_frac * count).astype(int), np.maximum(count - 1, 0))
         step = ordered[np.arange(len(pick)), pick]
         free = rows.dims_freely
         self.u_low = np.where(free, rows.min_level, np.nan_to_num(step))
@@ -248,7 +248,7 @@ class SceneRange:
         rows, shares = self.rows, self.shares
         square = np.square(f_number * rows.working_factor)
         t_low, t_high, missing = self._times(f_number, square)
-        time_s = between(t_low, np.maximum(t_high, t_low), shares.of_exposure)
+        time_s = between(t_low, np.maximum(t_high, t_low), shares.time_frac)
         open_s, exposure_s = self._shutter(f_number, time_s)
         dark_rows = replace(rows, dark_time_s=np.where(np.isfinite(exposure_s), exposure_s, rows.dark_time_s))
         sun = Sun.at(rows, open_s / square) if rows.sunlit else None
@@ -262,7 +262,7 @@ class SceneRange:
             )
         missing += log_excess(low, high) + log_excess(u_low, u_high)
         u_high = np.maximum(u_high, u_low)
-        dims = np.where(rows.dims_freely, shares.of_level, 0.0)
+        dims = np.where(rows.dims_freely, shares.level_frac, 0.0)
         level = between(np.maximum(u_low, np.where(dims > 0, DIMMEST * u_high, 0.0)), u_high, dims)
         light_x = level * per_level
         power = closed_form.drawn_power_w(rows, level, time_s)
@@ -308,7 +308,7 @@ class SceneRange:
         freely = (rows.kind == PULSED) | whole
         least = needed + rows.exposure_offset_s
         most = np.maximum(np.minimum(rows.open_max_s, self._sharp_s(f_number)), least)
-        open_s = np.where(freely, between(least, most, self.shares.of_shutter), least)
+        open_s = np.where(freely, between(least, most, self.shares.shutter_frac), least)
         return open_s, np.maximum(open_s - rows.exposure_offset_s, 0.0)
 
     def _sharp_s(self, f_number: Array) -> Array:
