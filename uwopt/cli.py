@@ -72,12 +72,15 @@ OutOption = Annotated[
 
 def hand_over(result: Result, *, as_json: bool, out: str | None, quiet: bool) -> None:
     """Write the files and print the result; a result that cannot be written is printed all the same."""
-    from uwopt.report.console import print_blocks, print_text
+    from uwopt.report.console import ProgressBar, print_blocks, print_text
     from uwopt.report.write import json_text, write_results
 
     written, refused = [], None
     try:
-        written = write_results(result, out) if out is not None else []
+        with ProgressBar(quiet=quiet) as bar:
+            if bar.report is not None:
+                bar.report(0.1, "writing the report")
+            written = write_results(result, out) if out is not None else []
     except OutputError as fault:
         refused = fault
     if as_json:
