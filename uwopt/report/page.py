@@ -35,6 +35,11 @@ GROUPS = {
     "picture": "What the camera would see", "drawing": "Drawing to scale", "light": "Light, from lamp to sensor",
     "sharp": "Depth of field", "operation": "Frame rate and exposure", "image": "Light and noise over the image",
 }  # fmt: skip
+HISTORY = {
+    "id": "history", "kind": "plotly", "title": "Hypervolume over time",
+    "caption": "How fast each method approached what it reached.",
+    "alt": "Lines of the hypervolume that each method had reached over the seconds of its search",
+}  # fmt: skip
 IMAGE = re.compile(r"data:image/(?:png|jpeg|webp);base64,[A-Za-z0-9+/=]+\Z")
 
 
@@ -69,6 +74,7 @@ def report_html(result: Result | FrontResult) -> str:
     pictures = Pictures()
     parts = list(design_parts(result, pictures))
     table = page_front.front_data(front) if front and front.points else None
+    facts = front_facts(front, pictures) if table and front else None
     data = {"figures": pictures.drawn, "front": table}
     first, second = verdict(result)
     code = script("front.js") + script("page.js") if data["front"] else script("page.js")
@@ -85,7 +91,7 @@ def report_html(result: Result | FrontResult) -> str:
             data=json_for_script(data), table=table, quantity=words.quantity, light=tokens(LIGHT), dark=tokens(DARK),
             title=TITLES.get(result.command, "Result"),
             name=words.one_line(result.mission.get("name") or "Mission", 120), first=first, second=second,
-            parts=parts, pictures=pictures, groups=GROUPS, facts=front_facts(front) if table and front else None,
+            parts=parts, pictures=pictures, groups=GROUPS, facts=facts,
             alternatives=page_parts.alternatives(result), why=why_block(result), trust=list(trust_blocks(result)),
             others=list(tables.runner_up_blocks(result)) if isinstance(result, Result) else [],
             stages=page_parts.stages(result.timing_s), run_time=words.run_time_sentence(result.timing_s),
@@ -192,9 +198,13 @@ def front_certificate(certificate: Mapping[str, Any]) -> list[Line]:
     return lines
 
 
-def front_facts(front: FrontResult) -> dict[str, Any]:
+def front_facts(front: FrontResult, pictures: Pictures) -> dict[str, Any]:
     """What a front has beside its points."""
+    history = page_front.history_figure(front)
+    if history is not None:
+        pictures.drawn[HISTORY["id"]] = slim(history)
     return {
+        "history": HISTORY if history is not None else None,
         "cards": page_front.front_cards(front),
         "heads": page_front.METHOD_HEADS, "methods": page_front.method_rows(front),
         "kinds": page_front.KINDS, "peers": bool(front.peers), "three": len(front.objectives) == 3,
@@ -237,6 +247,7 @@ def environment() -> Any:
     )  # fmt: skip
     made.filters["line_kind"] = line_kind
     made.filters["anchor"] = safe_id
+    made.filters["capital"] = words.capital
     return made
 
 

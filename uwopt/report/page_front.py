@@ -73,6 +73,7 @@ def front_data(front: FrontResult) -> dict[str, Any]:
         "peers": [
             {"method": words.one_line(peer.get("method") or "", 30),
              "values": [peer["values"].get(o.name) for o in front.objectives],
+             "shown": texts.row(*(words.quantity(peer["values"].get(o.name), o.unit, 4) for o in front.objectives)),
              "hardware": texts.number(words.one_line(" + ".join(map(str, peer.get("hardware") or [])), 200))}
             for peer in front.peers
         ],
@@ -210,6 +211,27 @@ def front_cards(front: FrontResult) -> list[Card]:
 def method_rows(front: FrontResult) -> list[list[str]]:
     """How each method did, in words."""
     return [method_texts(method) for method in front.methods]
+
+
+def history_figure(front: FrontResult) -> dict[str, Any] | None:
+    """Hypervolume over time of the methods that kept it, and the exact front's; None where none did."""
+    kept = [method for method in front.methods if len(method.history) > 1]
+    if not kept:
+        return None
+    lines: list[dict[str, Any]] = [
+        {"type": "scatter", "mode": "lines+markers", "name": words.one_line(method.name, 30), "marker": {"size": 5},
+         "x": [row[0] for row in method.history], "y": [row[1] for row in method.history]}
+        for method in kept
+    ]  # fmt: skip
+    end_s = max(line["x"][-1] for line in lines)
+    lines += [
+        {"type": "scatter", "mode": "lines", "name": "exact", "x": [0.0, end_s], "y": [method.hypervolume] * 2,
+         "line": {"dash": "dash", "color": "#8a9aa6"}}
+        for method in front.methods
+        if method.name == "exact"
+    ]  # fmt: skip
+    axes = {"xaxis": {"title": {"text": "time [s]"}}, "yaxis": {"title": {"text": "hypervolume"}}}
+    return {"data": lines, "layout": {**axes, "height": 300, "legend": {"orientation": "h", "y": 1.15}}}
 
 
 METHOD_HEADS = (

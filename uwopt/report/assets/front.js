@@ -36,7 +36,7 @@ function hover(p) {
 }
 const hovers = points.map(hover);
 const peerHovers = peers.map((peer) => ["<b>" + plain(peer.method) + "</b>",
-  ...objectives.map((o, k) => plain(o.title) + " " + (peer.values[k] ?? "–") + " " + plain(o.unit)),
+  ...objectives.map((o, k) => plain(o.title) + " " + plain(texts[peer.shown[k]])),
   plain(texts[peer.hardware])].join("<br>"));
 
 /* ---- plots */
