@@ -101,7 +101,9 @@ def test_random_feasible_vectors_are_what_an_evaluation_says(seed):
     vectors = coding.random(400, np.random.default_rng(5))
     values, violation = evaluator.evaluate(vectors)
     some = np.nonzero(violation <= 0.0)[0][:3]
-    for place, found in zip(some, evaluator.found(vectors[some]), strict=True):
+    kept, designs = evaluator.found(vectors[some])
+    assert list(kept) == list(range(len(some)))
+    for place, found in zip(some, designs, strict=True):
         design = cases.evaluated(search, found, Objective.of("snr_db"))
         assert design.feasible
         # both rest on the same formulas: rounding alone
@@ -156,3 +158,14 @@ def test_looking_at_the_signal_first_loses_no_feasible_design(seed):
     whole, (values, _) = careful.evaluate(vectors)[0], Evaluator(search, axes, coding).evaluate(vectors)
     assert np.isfinite(whole).any()
     assert np.array_equal(np.isfinite(values), np.isfinite(whole))
+
+
+def test_designs_of_vectors_leave_out_those_that_are_not_feasible():
+    search, coding, axes = coded(9)
+    evaluator = Evaluator(search, axes, coding)
+    vectors = coding.random(200, np.random.default_rng(9))
+    values, violation = evaluator.evaluate(vectors)
+    kept, designs = evaluator.found(vectors)
+    assert 0 < len(kept) < len(vectors)
+    assert list(kept) == list(np.nonzero(violation <= 0.0)[0])
+    assert [d.power_w for d in designs] == pytest.approx(list(values[kept, 0]), rel=1e-12)

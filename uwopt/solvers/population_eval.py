@@ -72,18 +72,23 @@ class Evaluator:
             values[solved.place[solved.good]] = self._values(solved.figures)
         return values, solved.violation
 
-    def found(self, vectors: Array) -> list[Found]:
-        """The designs of feasible vectors with all their settings."""
+    def found(self, vectors: Array) -> tuple[Array, list[Found]]:
+        """The designs of vectors with all their settings, and which vectors they are of: those that are feasible.
+
+        What was feasible among others may miss a requirement by rounding now; it is no design then.
+        """
         solved = self.solved(vectors)
-        assert len(solved.good) == len(vectors), "a vector of the archive is not feasible"
-        figures, built, imagers = solved.figures, solved.built, self.search.imagers
-        nan = np.full(len(vectors), np.nan)
+        imagers, figures, good = self.search.imagers, solved.figures, solved.good
+        if len(good) == 0:
+            return good, []
+        built = solved.built.take(good)
+        nan = np.full(len(good), np.nan)
         terms = Terms(**{name: figures.get(key, nan) for name, key in TERM_FIGURES.items()})
         value = self.search.objective.cost_to_minimise(terms)
         columns = [
             {
-                **{k: getattr(c, k) for k in c.__dataclass_fields__},
-                "exposure_s": exposure,
+                **{k: v[good] for k in c.__dataclass_fields__ if (v := getattr(c, k)) is not None},
+                "exposure_s": exposure[good],
                 "dioptre_per_m": scene.focused.dioptre_per_m[built.imager],
                 "rate_hz": scene.focused.rate_hz[built.imager],
             }
@@ -103,7 +108,7 @@ class Evaluator:
                 mass_kg=float(figures["mass_kg"][i]), snr_db=float(figures["snr_db"][i]), settings=settings,
                 pulse_s=max(s["time_s"] for s in settings),
             ))  # fmt: skip
-        return result
+        return solved.place[good], result
 
     # ------------------------------------------------------------ steps
 

@@ -153,8 +153,9 @@ class Run:
     def result(self, status: str) -> PopulationFront:
         """The archive as designs."""
         vectors, values = self.archive.thinned()
+        kept, found = self.evaluator.found(vectors)
         return PopulationFront(
-            values=values, found=self.evaluator.found(vectors) if len(vectors) else [], axes=self.axes,
+            values=values[kept], found=found, axes=self.axes,
             evaluations=self.evaluator.count, generations=self.generations, seconds=self.seconds, status=status,
             seed=self.seed, algorithm=self.name, history=self.history,
         )  # fmt: skip
