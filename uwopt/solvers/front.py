@@ -32,13 +32,13 @@ from uwopt.solvers.trade_curves import Answers, Curves, Hopeful, Trade
 
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
-FIRST_UNITS, LARGEST_UNITS, GROWTH = 64, 16384, 4  # units taken together
-ROUGH_SEGMENT, FINE_SEGMENT = (
-    3e-3,
-    2e-5,
-)  # share of the frame's box that a segment may span: at first, and in the end
+FIRST_UNITS, LARGEST_UNITS, GROWTH = 128, 16384, 6  # units taken together
+ROUGH_SEGMENT, FINEST_SEGMENT = 3e-3, 1e-6  # share of the box that a segment may span: at first, and ever
 FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
-ROUNDS = 12  # of halving the segments of one batch
+WAVE_ROUNDS, REFINEMENTS = 3, 8  # of asking the segments of one wave, and of all that stayed
+MOST_PIECES = 8  # of a segment at a time
+MOST_ASKED = 256  # segments at a time: then the points found count
+STALLED = 0.8  # of the gap before: bounds on settings that do not close are not asked for ever
 FRONT_RULES = (*(rule for rule in RULES if rule != "bound"), "dominated")
 
 
@@ -298,7 +298,7 @@ class FrontSearch:
                 self._add(curves, answers)
         self.curves.append(curves)
         if self.quality is not None and self._trades_power():
-            self._ask([curves], ROUGH_SEGMENT)
+            self._ask(curves, ROUGH_SEGMENT, WAVE_ROUNDS)
             self._forget()
 
     def _trades_power(self) -> bool:
@@ -320,19 +320,27 @@ class FrontSearch:
         power, quality = curves.corners()
         return self._values(curves.some, power, quality, curves.answers.design[lower])
 
-    def _ask(self, all_curves: list[Curves], largest: float) -> bool:
-        """Ask segments that may matter and span more than a share of the frame's box; whether all are done."""
-        for _ in range(ROUNDS):
-            any_open = False
-            for curves in all_curves:
-                if self._late():
-                    return False
-                which = self._open_segments(curves, largest)
-                if len(which):
-                    any_open = True
-                    self._add(curves, curves.ask(which, self._wanted(curves, which)))
-            if not any_open:
+    def _ask(self, curves: Curves, largest: float, rounds: int) -> bool:
+        """Ask segments that may matter and span more than a share of the frame's box; False: out of time."""
+        while rounds > 0:
+            which, spans = self._open_segments(curves, largest)
+            if len(which) == 0:
                 break
+            lower, upper = curves.segments()
+            known = curves.answers.asked[upper[which]]
+            if known.all():
+                rounds -= 1
+            else:  # the highest limit of each design first: it bounds the others
+                design = curves.answers.design[upper[which]]
+                top = np.append(design[1:] != design[:-1], True) & ~known
+                first = top if top.any() else ~known
+                which, spans = which[first], spans[first]
+            order = np.argsort(-spans, kind="stable")[:MOST_ASKED]
+            which, spans = which[order], spans[order]
+            if self._late():
+                return False
+            pieces = np.clip(np.ceil(np.sqrt(spans / largest)), 2, MOST_PIECES).astype(int)
+            self._add(curves, curves.ask(which, self._wanted(curves, which), pieces))
         return True
 
     def _wanted(self, curves: Curves, which: Array) -> Array:
@@ -341,16 +349,16 @@ class FrontSearch:
         best = self.archive.best(self._corner_values(curves)[which], axis) * self.axes.signs[axis]
         return np.where(np.isfinite(best), best, -np.inf)
 
-    def _open_segments(self, curves: Curves, largest: float) -> Array:
-        """Segments whose corner no point beats and that span more than `largest` of the box around all of them."""
+    def _open_segments(self, curves: Curves, largest: float) -> tuple[Array, Array]:
+        """Segments whose corner no point beats and that span more than `largest` of the box around all, and spans."""
         lower, upper = curves.segments()
         if len(lower) == 0:
-            return np.empty(0, int)
+            return np.empty(0, int), np.empty(0)
         corner = self._corner_values(curves)
         matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
         which = np.nonzero(matters)[0]
         if len(which) == 0:
-            return which
+            return which, np.empty(0)
         a = curves.answers
         frame = Frame.of(self.axes, np.concatenate([self.archive.values, corner[which]]))
         # From the corner to what is known: the power at the upper end once it is asked, the best quality so far.
@@ -362,14 +370,19 @@ class FrontSearch:
             curves.some, np.where(a.asked[upper], far, 1e300)[which],
             np.fmin(known, a.bound[upper])[which], a.design[lower][which],
         )  # fmt: skip
-        best_unit = np.clip(frame.unit(corner[which]), 0.0, None)
+        # What is known to be there counts once it is asked: cuts do not close a bound that stays above it.
+        top = np.where(a.asked[upper] & a.found[upper], a.quality[upper], a.bound[upper])
+        reached = self._values(curves.some, a.limit_w[lower][which], top[which], a.design[lower][which])
+        best_unit = np.clip(frame.unit(reached), 0.0, None)
         worst_unit = np.minimum(frame.unit(worst), frame.reference)
         room = np.clip(frame.reference - best_unit, 1e-300, None)
         p, q = self.axes.names.index("power"), self.axes.names.index(str(self.quality))
         share = np.clip((worst_unit - best_unit)[:, [p, q]] / room[:, [p, q]], 0.0, 1.0).prod(axis=1)
         spans = share * np.prod(room, axis=1) / np.prod(frame.reference)
-        narrow = a.asked[upper][which] & ((worst_unit - best_unit)[:, p] < 1e-9)
-        return which[(spans > largest) & ~narrow]
+        stepped = curves.some.stepped[a.design[lower]][which]
+        narrow = a.asked[upper][which] & (stepped | ((worst_unit - best_unit)[:, p] < 1e-9))
+        wide = (spans > largest) & ~narrow
+        return which[wide], spans[wide]
 
     def _forget(self) -> None:
         """Drop designs of the last curves of which nothing can be on the front any more."""
@@ -405,17 +418,21 @@ class FrontSearch:
             for t in c.tried
         ]
         self.curves = [Curves(self.trade, joined, Answers.joined(parts), tried)]
-        largest = ROUGH_SEGMENT
-        while largest > FINE_SEGMENT:
-            largest /= 5.0
-            self.progress(0.95, f"curves: {len(self.archive.values)} points")
+        gap_before = np.inf
+        for _ in range(REFINEMENTS):
             self._forget()
-            if not self._ask(self.curves, largest):
+            if not self.curves:
+                break
+            lower, upper = self._volumes()
+            self.progress(0.95, f"front: {len(self.archive.values)} points")
+            if upper - lower <= FRONT_GAP * upper or upper - lower > STALLED * gap_before:
+                break
+            gap_before = upper - lower
+            curves = self.curves[-1]
+            count = len(self._open_segments(curves, 0.0)[0])
+            if not self._ask(curves, max(FRONT_GAP * upper / max(count, 1), FINEST_SEGMENT), 2):
                 return False
             self.history.append((time.perf_counter() - self.start, self.archive.values))
-            lower, upper = self._volumes()
-            if upper - lower <= FRONT_GAP * upper:
-                break
         return True
 
     def _open_corners(self) -> Array:

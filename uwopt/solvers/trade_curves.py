@@ -65,9 +65,14 @@ class Hopeful:
         drawn = []
         for r in self.rows:
             share = np.where(r.kind == PULSED, np.minimum(1.0, r.time_max_s * r.rate_hz), 1.0)
-            full = np.where(r.kind == FLASH, r.pulse_energy_j * r.rate_hz, r.full_power_w)
-            drawn.append(full * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0))
+            drawn.append(full_draw_w(r) * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0))
         return np.minimum(self.camera_power_w + np.max(drawn, axis=0), self.power_limit_w)
+
+
+    @property
+    def stepped(self) -> Array:
+        """Whether only the steps of the lights change the power, in every scene."""
+        return np.asarray(np.logical_and.reduce([~r.dims_freely & (r.kind != PULSED) for r in self.rows]))
 
 
 COLUMNS = ("lighting", "imager", "light", "count", "motorised", "camera_power_w", "fixed")
@@ -106,6 +111,15 @@ class Answers:
             **{f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in NUMBERS}, chosen=chosen
         )
         return every.take(np.lexsort((every.limit_w, every.design)))
+
+    def drawn_in(self) -> Answers:
+        """With bounds no higher than those of higher limits of the same design."""
+        bound, same = self.bound.copy(), self.design[1:] == self.design[:-1]
+        while True:
+            lower = np.where(same, np.minimum(bound[:-1], bound[1:]), bound[:-1])
+            if np.array_equal(lower, bound[:-1]):
+                return replace(self, bound=bound)
+            bound[:-1] = lower
 
     @staticmethod
     def unasked(design: Array, limit_w: Array, bound: Array, n_scenes: int) -> Answers:
@@ -272,15 +286,11 @@ class Trade:
         start = Answers.unasked(alive, free.camera_power_w + least, np.full(len(alive), -np.inf), n_scenes)
         if self.quality is None:
             return replace(start, bound=np.zeros(len(alive)))
-        far = np.maximum(free.full_power_w - free.camera_power_w, least)
-        near = np.maximum(least, DIMMEST * far)
         parts = [start]
-        for k in range(1, LIMITS + 1):
-            with np.errstate(invalid="ignore", divide="ignore"):
-                light = np.where(near > 0, near * (far / near) ** (k / LIMITS), far)
-            new = np.nonzero((k == LIMITS) | ((light > least * ABOVE) & (light * ABOVE < far)))[0]
+        for light in first_limits_w(free, least).T:
+            new = np.nonzero(np.isfinite(light))[0]
             if len(new):
-                limit = (free.camera_power_w + np.fmin(light, far))[new]
+                limit = (free.camera_power_w + light)[new]
                 bound = self.bound_within(free.take(new), limit * ABOVE)
                 parts.append(Answers.unasked(alive[new], limit, bound, n_scenes))
         return Answers.joined(parts)
@@ -296,6 +306,39 @@ class Trade:
             bits = bit_per_px_bound(np.maximum(most, -1e3), scene.sharp.rated_pitch_px)
             best = np.minimum(best, bits / scene.sharp.pixel_area_m2)
         return np.where(np.isfinite(most), best, -np.inf)
+
+
+def first_limits_w(some: Hopeful, least_w: Array) -> Array:
+    """Powers of the lights at which curves are first known, (n, n_limits) rising, nan beyond the last.
+
+    Evenly in the logarithm from the least to full power; of lamps whose power has steps, every step.
+    """
+    far = np.maximum(some.full_power_w - some.camera_power_w, least_w)
+    near = np.maximum(least_w, DIMMEST * far)
+    share = np.arange(1, LIMITS + 1) / LIMITS
+    with np.errstate(invalid="ignore", divide="ignore"):
+        even = np.where(near[:, None] > 0, near[:, None] * (far / near)[:, None] ** share, far[:, None])
+    even[:, -1] = far
+    inside = (even > least_w[:, None] * ABOVE) & (even * ABOVE < far[:, None])
+    even = np.where(inside, even, np.nan)
+    even[:, -1] = far
+    stepped = some.stepped
+    if not stepped.any():
+        return even
+    steps = np.concatenate([r.levels * full_draw_w(r)[:, None] for r in some.rows], axis=1)
+    steps = np.where((steps >= least_w[:, None] / ABOVE) & (steps <= far[:, None] * ABOVE), steps, np.nan)
+    steps = np.sort(np.where(np.isnan(steps), np.inf, steps), axis=1)
+    width = max(LIMITS, steps.shape[1])
+    limits = np.full((len(some), width), np.nan)
+    limits[:, :LIMITS] = even
+    limits[stepped] = np.nan
+    limits[stepped, : steps.shape[1]] = np.where(np.isfinite(steps), steps, np.nan)[stepped]
+    return limits
+
+
+def full_draw_w(rows: SceneRows) -> Array:
+    """Power of all lights at full level: while they burn, or of flashes at the frame rate."""
+    return np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
 
 
 def most_snr_db(some: Hopeful, limit_w: Array) -> Array:
@@ -345,33 +388,40 @@ class Curves:
         """The best that each segment could hold: (power [W], quality); inf where it can hold nothing new.
 
         Within a limit no quality is above its bound, and what is above the bound of the lower limit needs more
-        power than that limit.
+        power than that limit; where power has steps, the power of the next.
         """
         a = self.answers
         lower, upper = self.segments()
         known = np.where(np.isfinite(a.quality[lower]), a.quality[lower], -np.inf)
-        return np.where(a.bound[upper] > known, a.limit_w[lower], np.inf), a.bound[upper]
+        stepped = self.some.stepped[a.design[lower]]
+        power = np.where(stepped, np.maximum(a.limit_w[lower], a.limit_w[upper] / ABOVE), a.limit_w[lower])
+        return np.where(a.bound[upper] > known, power, np.inf), a.bound[upper]
 
-    def ask(self, which: Array, wanted: Array) -> Answers:
-        """Ask these segments at their upper end, or in their middle where that is known; the new answers.
+    def ask(self, which: Array, wanted: Array, pieces: Array) -> Answers:
+        """Ask these segments at their upper end, or where that is known at places between; the new answers.
 
         wanted : (n,) by segment, the quality below which an answer matters to nobody
+        pieces : (n,) into how many pieces each is cut, evenly in the logarithm of the lights' power
         """
         a = self.answers
         lower, upper = (side[which] for side in self.segments())
-        ends, first = np.unique(upper[~a.asked[upper]], return_index=True)
-        mid_lower, mid_upper = lower[a.asked[upper]], upper[a.asked[upper]]
-        camera = self.some.camera_power_w[a.design[mid_lower]]
-        low = a.limit_w[mid_lower] - camera
-        high = np.fmin(a.limit_w[mid_upper], np.fmax(a.power_w[mid_upper], a.limit_w[mid_lower])) - camera
-        middle = camera + np.sqrt(np.maximum(low, DIMMEST * high) * high)
-        design = np.concatenate([a.design[ends], a.design[mid_lower]])
-        limit = np.concatenate([a.limit_w[ends], middle])
-        least = np.concatenate([wanted[~a.asked[upper]][first], wanted[a.asked[upper]]])
+        known = a.asked[upper]
+        ends, first = np.unique(upper[~known], return_index=True)
+        segment = np.repeat(np.nonzero(known)[0], pieces[known] - 1)
+        step = np.concatenate([np.arange(1, n) / n for n in pieces[known]]) if known.any() else np.empty(0)
+        low_at, high_at = lower[segment], upper[segment]
+        camera = self.some.camera_power_w[a.design[low_at]]
+        low = a.limit_w[low_at] - camera
+        high = np.fmin(a.limit_w[high_at], np.fmax(a.power_w[high_at], a.limit_w[low_at])) - camera
+        low = np.maximum(low, DIMMEST * high)
+        between = camera + low * (high / np.where(low > 0, low, 1.0)) ** step
+        design = np.concatenate([a.design[ends], a.design[low_at]])
+        limit = np.concatenate([a.limit_w[ends], between])
+        least = np.concatenate([wanted[~known][first], wanted[segment]])
         new = self.trade.best_quality(self.some, design, limit, wanted=least)
         kept = np.ones(len(a.design), bool)
         kept[ends] = False
-        self.answers = Answers.joined([a.take(np.nonzero(kept)[0]), new])
+        self.answers = Answers.joined([a.take(np.nonzero(kept)[0]), new]).drawn_in()
         return new
 
     @staticmethod
