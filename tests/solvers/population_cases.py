@@ -25,6 +25,15 @@ SMALL: dict[str, Any] = {"pop_size": 40, "generations": 25}
 #: Random cases that have designs, found by trying seeds: one scene and two, steps, flashes, mean levels.
 FEASIBLE = (3, 7, 8, 9, 10, 13, 14, 17, 22, 24)
 
+LAMPS = {
+    "steps": rc.lamp("steps", kind="continuous", flux_lm=20_000.0, power_w=200.0, dim_levels=(0.1, 0.25, 0.5, 1.0)),
+    "free": rc.lamp("free", kind="continuous", flux_lm=20_000.0, power_w=200.0),
+    "pulsed": rc.lamp("pulsed", kind="pulsed_led", flux_lm=40_000.0, power_w=400.0, min_pulse_us=1.0,
+                      max_pulse_us=5_000.0, max_duty_frac=0.5, max_rate_hz=30.0),
+    "flash": rc.lamp("flash", kind="flash", flash_energy_j=20.0, flash_efficacy_lm_s_per_j=35.0,
+                     flash_duration_us=1_000.0, recycle_s=0.2, charging_efficiency_frac=0.7),
+}  # fmt: skip
+
 
 def search_of(case: Any, names: tuple[str, ...]) -> Search:
     """A prepared search that knows these terms."""

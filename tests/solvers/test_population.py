@@ -124,6 +124,22 @@ def test_values_do_not_depend_on_who_else_is_in_the_batch():
     assert together[finite] == pytest.approx(apart[finite], rel=1e-9)  # order of sums
 
 
+def test_lamps_that_burn_pulse_and_flash_are_judged_alike_together_and_apart():
+    # a margin of pulses must not speak against a lamp that burns only because another one pulses
+    case = rc.planted("power", tuple(cases.LAMPS.values()), {"min_snr_db": 10.0, "max_blur_px": 2.0})
+    search = cases.search_of(case, TRIPLE)
+    axes = resolved_axes(TRIPLE)
+    coding = Coding(search, axes)
+    vectors = coding.random(300, np.random.default_rng(10))
+    light = coding.built(vectors).light
+    together = Evaluator(search, axes, coding).evaluate(vectors)[1] <= 0.0
+    for lamp in np.unique(light):
+        mine = light == lamp
+        apart = Evaluator(search, axes, coding).evaluate(vectors[mine])[1] <= 0.0
+        assert apart.any()
+        assert np.array_equal(together[mine], apart)
+
+
 def test_first_population_begins_with_designs_that_bounds_like():
     _, coding, _ = coded(9)
     first = coding.first(40, np.random.default_rng(7))

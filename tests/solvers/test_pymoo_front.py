@@ -85,26 +85,17 @@ def test_front_is_empty_where_enumeration_finds_nothing(seed):
 
 # ---------------------------------------------------------------- kinds of lamps and axes
 
-LAMPS = {
-    "steps": rc.lamp("steps", kind="continuous", flux_lm=20_000.0, power_w=200.0, dim_levels=(0.1, 0.25, 0.5, 1.0)),
-    "free": rc.lamp("free", kind="continuous", flux_lm=20_000.0, power_w=200.0),
-    "pulsed": rc.lamp("pulsed", kind="pulsed_led", flux_lm=40_000.0, power_w=400.0, min_pulse_us=1.0,
-                      max_pulse_us=5_000.0, max_duty_frac=0.5, max_rate_hz=30.0),
-    "flash": rc.lamp("flash", kind="flash", flash_energy_j=20.0, flash_efficacy_lm_s_per_j=35.0,
-                     flash_duration_us=1_000.0, recycle_s=0.2, charging_efficiency_frac=0.7),
-}  # fmt: skip
 
-
-@pytest.mark.parametrize("kind", LAMPS)
+@pytest.mark.parametrize("kind", cases.LAMPS)
 @pytest.mark.parametrize("names", [("power", "information"), ("power", "cost", "information")])
 def test_front_of_information_is_feasible_with_every_kind_of_lamp(kind, names):
-    case = rc.planted("power", (LAMPS[kind],), {"min_snr_db": 10.0, "max_blur_px": 2.0})
+    case = rc.planted("power", (cases.LAMPS[kind],), {"min_snr_db": 10.0, "max_blur_px": 2.0})
     search = cases.search_of(case, names)
     assert_front(search, population_front(search, names, **cases.SMALL), names)
 
 
 def test_front_of_information_reaches_that_of_enumeration():
-    case = rc.planted("power", (LAMPS["free"],), {"min_snr_db": 10.0, "max_blur_px": 2.0})
+    case = rc.planted("power", (cases.LAMPS["free"],), {"min_snr_db": 10.0, "max_blur_px": 2.0})
     names = ("power", "information")
     reference = cases.enumerated_with_information(case)
     front = population_front(cases.search_of(case, names), names, **cases.SMALL)
@@ -114,7 +105,7 @@ def test_front_of_information_reaches_that_of_enumeration():
 
 def test_front_with_sun_and_wanted_sharpness_is_feasible():
     wanted = {"min_snr_db": 15.0, "max_blur_px": 2.0, "min_mtf_half_nyquist": 0.2}
-    case = rc.planted("power", (LAMPS["pulsed"], LAMPS["free"]), wanted, altitude_m=1.5)
+    case = rc.planted("power", (cases.LAMPS["pulsed"], cases.LAMPS["free"]), wanted, altitude_m=1.5)
     scenes = [
         scene.model_copy(update={"sun_lux": 20_000.0, "depth_m": 20.0}) for scene in case.mission.scenes
     ]
@@ -126,7 +117,7 @@ def test_front_with_sun_and_wanted_sharpness_is_feasible():
 
 
 def test_lamp_with_steps_shows_each_step_on_the_front():
-    case = rc.planted("power", (LAMPS["steps"],), {"min_snr_db": 5.0, "max_blur_px": 2.0})
+    case = rc.planted("power", (cases.LAMPS["steps"],), {"min_snr_db": 5.0, "max_blur_px": 2.0})
     search = cases.search_of(case, ("power", "information"))
     front = population_front(search, ("power", "information"), **cases.SMALL)
     levels = {found.settings[0]["level"] for found in front.found}

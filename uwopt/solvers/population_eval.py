@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
-from uwopt.hardware import FLASH, PULSED
+from uwopt.hardware import FLASH
 from uwopt.model import sensor
 from uwopt.model.port import FocusMap
 from uwopt.objectives.margins import MarginRows, scene_margins, system_margins
@@ -191,7 +191,9 @@ class Evaluator:
         """What the forward model says of designs at their decoded settings in one scene."""
         rows, chosen = self._design_rows(s, built, seen), decoded.chosen[s]
         kind, focused = rows.lights.kind, self.search.imagers.scenes[s].focused
-        pulse = np.where(kind == PULSED, chosen.time_s[index], np.inf)
+        pulse = chosen.time_s[
+            index
+        ]  # of lamps that burn nobody looks at it; inf would be no number among pulses
         settings = SettingRows(
             f_number=chosen.f_number[index], exposure_s=decoded.exposure_s[s][index],
             pulse_s=np.where(kind == FLASH, rows.lights.flash_duration_s, pulse), gain=chosen.gain[index],
