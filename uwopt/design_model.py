@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -81,7 +82,14 @@ class DesignModel:
         for index, view in enumerate(self.views):
             widest = 0.5 * float(np.hypot(view.footprint_along_m[0, 2], view.footprint_across_m[0, 2]))
             problem.set_reach(index, 1.5 * widest)
+        self._known: dict[Any, Any] = {}  # what no setting changes, worked out once
         self.rows = [self._rows(i, pixels=scene.at_worst) for i, scene in enumerate(problem.scenes)]
+
+    def _once(self, key: Any, make: Callable[[], Any]) -> Any:
+        """What `make` gives, kept: settings come and go, the light's integrals stay."""
+        if key not in self._known:
+            self._known[key] = make()
+        return self._known[key]
 
     def _rows(self, index: int, *, pixels: bool) -> DesignRows:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
@@ -102,14 +110,18 @@ class DesignModel:
         scene = self.problem.scenes[index]
         if scene.paper:
             return None
-        rows = (
-            self.rows[index] if self.rows[index].light.worst_e is not None else self._rows(index, pixels=True)
-        )
+        rows = self.rows[index]
+        if rows.light.worst_e is None:
+            rows = self._once(("rows", index), lambda: self._rows(index, pixels=True))
         darkest = figures_of(scene, rows, settings).snr_darkest
         return None if darkest is None else float(darkest[0, scene.nominal])
 
     def light_at_centre(self, index: int) -> ImageLight:
         """Electrons per lm s of nameplate light in the middle of the image; the veils together as one."""
+        light: ImageLight = self._once(("centre", index), lambda: self._light_at_centre(index))
+        return light
+
+    def _light_at_centre(self, index: int) -> ImageLight:
         hw, problem = self.hardware, self.problem
         field = LampField(
             problem, index, port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
@@ -120,8 +132,20 @@ class DesignModel:
         light = ImageLight(signal[:, :, 0], None if veil is None else veil[:, :, 0])
         return light.scaled(self.lights.output_factor)
 
+    def floor_light(self, index: int) -> tuple[float, float]:
+        """Mean and least floor illuminance per lumen over the footprint at the nominal altitude [1/m^2]."""
+        hw = self.hardware
+        both: tuple[float, float] = self._once(("floor", index), lambda: self.problem.footprint_light(
+            index, self.views[index], port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
+            count=hw.count, altitude=self.problem.scenes[index].nominal,
+        ))  # fmt: skip
+        return both
+
     def dark_share(self, index: int) -> float:
         """Share of the image that no lamp lights, at the nominal altitude."""
+        return float(self._once(("dark", index), lambda: self._dark_share(index)))
+
+    def _dark_share(self, index: int) -> float:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
         beam = self.problem.optics[int(self.lights.optics_index[0])].beam
         lamps, range_m = hw.mount.lamps(hw.count), float(scene.range_m[scene.nominal])
@@ -137,13 +161,19 @@ class DesignModel:
     def sharp_rows(self, index: int, dioptre_per_m: float) -> SharpRows:
         """What sharpness depends on at this focus."""
         hw = self.hardware
-        return self.problem.sharp_rows(
+        sharp: SharpRows = self._once(("sharp", index, dioptre_per_m), lambda: self.problem.sharp_rows(
             index, self.views[index], camera=np.array([hw.camera]), lens=np.array([hw.lens]), port=np.array([hw.port]),
             optics=int(self.lights.optics_index[0]), dioptre_per_m=np.array([dioptre_per_m]),
-        )  # fmt: skip
+        ))  # fmt: skip
+        return sharp
 
     def sun_light(self, index: int, *, pixels: bool = False, channel: str | None = None) -> SunLight | None:
         """Electrons per second from the sun."""
+        key = ("sun", index, pixels, channel)
+        sun: SunLight | None = self._once(key, lambda: self._sun_light(index, pixels, channel))
+        return sun
+
+    def _sun_light(self, index: int, pixels: bool, channel: str | None) -> SunLight | None:
         hw = self.hardware
         return self.problem.sun_light(
             index, self.views[index], np.array([hw.camera]), port_index=np.array([hw.port]), mount=hw.mount,
@@ -152,6 +182,11 @@ class DesignModel:
 
     def image_light(self, index: int, *, pixels: bool = False, channel: str | None = None) -> ImageLight:
         """Electrons per lm s of nameplate light."""
+        key = ("light", index, pixels, channel)
+        light: ImageLight = self._once(key, lambda: self._image_light(index, pixels, channel))
+        return light
+
+    def _image_light(self, index: int, pixels: bool, channel: str | None) -> ImageLight:
         hw = self.hardware
         light = self.problem.image_light(
             index, self.views[index], np.array([hw.camera]), port_index=hw.port,
@@ -258,10 +293,10 @@ class DesignModel:
         wanted = scene.view.requirements.min_uniformity
         if wanted is None:
             return []
-        reached = self.problem.uniformity(
+        reached = self._once(("uniformity", index), lambda: self.problem.uniformity(
             index, self.views[index], port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
             count=hw.count,
-        )  # fmt: skip
+        ))  # fmt: skip
         worst = int(reached.argmin())
         value, where = np.array([reached[worst]]), np.array([scene.range_m[worst]])
         return [MarginRows("min_uniformity", value, np.array([wanted]), ">=", "", where)]

@@ -265,14 +265,9 @@ def effective_focal_mm(model: DesignModel, index: int) -> float:
 
 def illuminance(model: DesignModel, index: int, settings: SettingRows) -> dict[str, float]:
     """Floor illuminance over the footprint at the nominal altitude, while the lights are on."""
-    problem, hw = model.problem, model.hardware
-    scene, view = problem.scenes[index], model.views[index]
-    lumens = float(full_light_lm(model.lights, np.array([hw.count]))[0]) * float(settings.level[0])
+    lumens = float(full_light_lm(model.lights, np.array([model.hardware.count]))[0]) * float(settings.level[0])
     lumens *= float(model.lights.output_factor[0])
-    mean, least = problem.footprint_light(
-        index, view, port_index=hw.port, optics=int(model.lights.optics_index[0]), mount=hw.mount,
-        count=hw.count, altitude=scene.nominal,
-    )  # fmt: skip
+    mean, least = model.floor_light(index)
     return {
         "floor_illuminance_mean_lx": lumens * mean,
         "floor_illuminance_min_lx": lumens * least,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from uwopt.catalog.choose import Selection
@@ -27,24 +28,8 @@ def certificate(
     selection: Selection, problem: Problem, outcome: Outcome, objective: Objective
 ) -> Certificate:
     """The account of one search over all combinations of the catalogue it was given."""
-    catalog = selection.catalog
-    sizes: dict[str, int] = {kind: len(catalog.parts(kind)) for kind in KINDS}  # type: ignore[arg-type]
-    chosen: dict[str, int] = {kind: len(selection.indices[kind]) for kind in KINDS}  # type: ignore[index]
-    factor = per_light(problem)
-    loaded = factor * math.prod(sizes.values())
-    discarded: list[dict[str, Any]] = []
-    left = dict(sizes)
-    for kind in KINDS:
-        others = math.prod(left[k] for k in KINDS if k != kind)
-        for rule, count in selection.counts[kind].items():  # type: ignore[index]
-            discarded.append({"rule": f"{kind}: {rule}", "count": count * others * factor})
-        left[kind] = chosen[kind]
     account = outcome.account
-    discarded += [
-        {"rule": rule, "count": account.discarded[rule]}
-        for rule in (*RULES, "not_reached")
-        if account.discarded.get(rule)
-    ]
+    counted = accounted(selection, problem, account.evaluated, account.discarded)
     best = outcome.best[0].minimised if outcome.best else None
     lower = outcome.lower_bound if math.isfinite(outcome.lower_bound) else None
     gap = None if best is None or lower is None else max(0.0, best - lower)
@@ -55,11 +40,33 @@ def certificate(
         gap_rel=None if gap is None or best is None else gap / max(abs(best), 1e-300),
         complete=outcome.complete,
         scope=scope(selection, problem),
-        loaded=loaded,
-        selected=factor * math.prod(chosen.values()),
-        evaluated=account.evaluated,
-        discarded=discarded,
+        **counted,
     )
+
+
+def accounted(
+    selection: Selection, problem: Problem, evaluated: int, by_rule: Mapping[str, int]
+) -> dict[str, Any]:
+    """Where every combination of the catalogue went: loaded, selected, evaluated, discarded by rule."""
+    catalog = selection.catalog
+    sizes: dict[str, int] = {kind: len(catalog.parts(kind)) for kind in KINDS}  # type: ignore[arg-type]
+    chosen: dict[str, int] = {kind: len(selection.indices[kind]) for kind in KINDS}  # type: ignore[index]
+    factor = per_light(problem)
+    discarded: list[dict[str, Any]] = []
+    left = dict(sizes)
+    for kind in KINDS:
+        others = math.prod(left[k] for k in KINDS if k != kind)
+        for rule, count in selection.counts[kind].items():  # type: ignore[index]
+            discarded.append({"rule": f"{kind}: {rule}", "count": count * others * factor})
+        left[kind] = chosen[kind]
+    order = [*RULES, *(rule for rule in by_rule if rule not in RULES)]
+    discarded += [{"rule": rule, "count": by_rule[rule]} for rule in order if by_rule.get(rule)]
+    return {
+        "loaded": factor * math.prod(sizes.values()),
+        "selected": factor * math.prod(chosen.values()),
+        "evaluated": evaluated,
+        "discarded": discarded,
+    }
 
 
 def scope(selection: Selection, problem: Problem) -> str:
