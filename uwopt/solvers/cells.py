@@ -485,9 +485,7 @@ class CellSearch:
         if len(dims) <= 1:
             side = np.full(m, dims[0] if dims else 0)
         else:
-            score = np.zeros((m, self.n_dims))
-            for k in dims:
-                score[:, k] = self._gain_of(pool, k)
+            score = self._gains(pool, dims)
             # Where a half dies at once the side counts as much as the best of the others.
             dies = np.isnan(score)
             most = np.where(dies, 0.0, score).max(axis=1)[:, None]
@@ -505,26 +503,30 @@ class CellSearch:
         right.lo[at, side] = middle[at, side]
         return Pool.joined([left, right])
 
-    def _gain_of(self, pool: Pool, dim: int) -> Array:
-        """By how much halving one side lifts the bounds of both halves, by a cheap measure."""
-        m = len(pool.design)
-        middle = 0.5 * (pool.lo[:, dim] + pool.hi[:, dim])
-        values = []
-        for half in (0, 1, 2):
-            lo, hi = pool.lo.copy(), pool.hi.copy()
-            if half == 1:
-                hi[:, dim] = middle
-            elif half == 2:
-                lo[:, dim] = middle
-            # A design's cells are told apart by their place, kept in the bound.
-            part = Pool(pool.design, lo, hi, np.arange(m, dtype=float))
-            kept, seen = self._cheap(part)
-            value = np.full(m, np.nan)
-            value[kept] = seen
-            values.append(value)
-        whole = np.nan_to_num(values[0], nan=0.0)
+    def _gains(self, pool: Pool, dims: list[int]) -> Array:
+        """By how much halving each of these sides lifts the bounds of both halves, by a cheap measure, (m, n_dims).
+
+        NaN where a half dies. All halves are measured together: numbers are few, calls are dear.
+        """
+        m, middle = len(pool.design), 0.5 * (pool.lo + pool.hi)
+        parts = 1 + 2 * len(dims)
+        lo, hi = np.tile(pool.lo, (parts, 1)), np.tile(pool.hi, (parts, 1))
+        for place, dim in enumerate(dims):
+            left = slice((1 + 2 * place) * m, (2 + 2 * place) * m)
+            right = slice((2 + 2 * place) * m, (3 + 2 * place) * m)
+            hi[left, dim] = lo[right, dim] = middle[:, dim]
+        # Cells are told apart by their place, kept in the bound.
+        every = Pool(np.tile(pool.design, parts), lo, hi, np.arange(parts * m, dtype=float))
+        kept, seen = self._cheap(every)
+        value = np.full(parts * m, np.nan)
+        value[kept] = seen
+        value = value.reshape(parts, m)
+        whole = np.nan_to_num(value[0], nan=0.0)
         scale = np.abs(whole) + 1e-30
-        return np.asarray((values[1] - whole) / scale + (values[2] - whole) / scale)
+        score = np.zeros((m, self.n_dims))
+        for place, dim in enumerate(dims):
+            score[:, dim] = ((value[1 + 2 * place] - whole) + (value[2 + 2 * place] - whole)) / scale
+        return score
 
     def _cheap(self, pool: Pool) -> tuple[Array, Array]:
         """Which cells are alive and their bound with a stand-in for information."""

@@ -35,7 +35,7 @@ Progress = Callable[[float, str], None]
 FIRST_UNITS, LARGEST_UNITS, GROWTH = 128, 16384, 6  # units taken together
 ROUGH_SEGMENT, FINEST_SEGMENT = 3e-3, 1e-6  # share of the box that a segment may span: at first, and ever
 FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
-WAVE_ROUNDS, REFINEMENTS = 3, 8  # of asking the segments of one wave, and of all that stayed
+WAVE_ROUNDS, REFINEMENTS = 1, 8  # of asking the segments of one wave, and of all that stayed
 MOST_PIECES = 8  # of a segment at a time
 MOST_ASKED = 256  # segments at a time: then the points found count
 STALLED = 0.8  # of the gap before: bounds on settings that do not close are not asked for ever
@@ -330,7 +330,7 @@ class FrontSearch:
             known = curves.answers.asked[upper[which]]
             if known.all():
                 rounds -= 1
-            else:  # the highest limit of each design first: it bounds the others
+            elif (~known).sum() > MOST_ASKED // 2:  # the highest limit of each design first: it bounds the others
                 design = curves.answers.design[upper[which]]
                 top = np.append(design[1:] != design[:-1], True) & ~known
                 first = top if top.any() else ~known
