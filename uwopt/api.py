@@ -78,6 +78,7 @@ def solve(
     top: int = 5,
     audit: int = 0,
     seconds: float | None = None,
+    alternatives: bool = False,
     progress: Progress | None = None,
 ) -> Result:
     """The best system for a mission, with a certificate; see the package's documentation.
@@ -90,6 +91,7 @@ def solve(
     top : how many designs with other hardware to list, the best included
     audit : how many discarded combinations to attack
     seconds : give up the proof after this long; the gap that is left is reported
+    alternatives : also say what systems of other makers lack
     """
     start = time.perf_counter()
     if solver not in SOLVERS:
@@ -119,6 +121,12 @@ def solve(
         result = infeasible_result(result, wanted, catalog, goal, sought, alternative, timing)
     else:
         result = found_result(result, goal, sought, alternative, timing, solver=solver)
+    if alternatives and result.recommendation is not None and sought.outcome.complete:
+        from uwopt.solvers.alternatives import beside_best
+
+        with recommend.timed(timing, "alternatives"):
+            told = beside_best(sought.selection, sought.problem, goal, result.recommendation)
+        result = replace(result, alternatives=told)
     if audit:
         result = audited(result, sought, goal, audit, wanted.seed, timing)
     timing.update({f"search_{name}": value for name, value in sought.outcome.timing_s.items()})

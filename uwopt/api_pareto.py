@@ -472,7 +472,7 @@ def reference(objectives: Sequence[FrontObjective], frame: Frame) -> dict[str, A
         key: dict(zip([o.name for o in objectives], (frame.values(unit) * signs).tolist(), strict=True))
         for key, unit in corners.items()
     }
-    return {**named, "log": [o.name for o, log in zip(objectives, frame.log, strict=True) if log]}
+    return {**named, "log": {o.name: bool(log) for o, log in zip(objectives, frame.log, strict=True)}}
 
 
 def history(snapshots: Sequence[tuple[float, Array]], frame: Frame) -> list[list[float]]:

@@ -15,6 +15,8 @@ import typer
 
 from uwopt import __version__
 from uwopt.cli_catalog import catalog_app
+from uwopt.cli_options import JsonOption, MissionArgument, PhysicsOption, QuietOption, checked_seconds
+from uwopt.cli_pareto import pareto_command
 from uwopt.cli_report import report_command
 from uwopt.cli_status import DONE, EXIT_STATUS, command, result_status, told
 from uwopt.errors import MissionError, OutputError
@@ -42,14 +44,6 @@ class Solver(StrEnum):
     nlopt = "nlopt"
 
 
-class Physics(StrEnum):
-    """How much physics takes part."""
-
-    auto = "auto"
-    full = "full"
-    paper = "paper"
-
-
 class Document(StrEnum):
     """Files that a person writes."""
 
@@ -57,13 +51,6 @@ class Document(StrEnum):
     system = "system"
 
 
-MissionArgument = Annotated[
-    str, typer.Argument(metavar="MISSION", help="Mission file (YAML); `uwopt init` writes one.")
-]
-PhysicsOption = Annotated[
-    Physics | None, typer.Option(help="Physics of the model; the mission's unless given.")
-]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON and nothing else.")]
 OutOption = Annotated[
     str | None,
     typer.Option("--out", metavar="DIR", help="Write result.json, bom.csv and report.html into DIR."),
@@ -119,7 +106,7 @@ def solve_command(
     ] = None,
     as_json: JsonOption = False,
     out: OutOption = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no notes.")] = False,
+    quiet: QuietOption = False,
 ) -> int:
     """Find the best system of the catalogue for a mission, and prove it."""
     from uwopt.report.console import ProgressBar
@@ -134,7 +121,7 @@ def solve_command(
 
         result = api.solve(
             mission, solver=solver.value, objective=wanted, physics=None if physics is None else physics.value,
-            top=top, audit=audit, seconds=limit_s, progress=bar.report,
+            top=top, audit=audit, seconds=limit_s, alternatives=out is not None, progress=bar.report,
         )  # fmt: skip
     hand_over(result, as_json=as_json, out=out, quiet=quiet)
     return result_status(result)
@@ -165,13 +152,6 @@ def evaluate_command(
     result = api.evaluate(mission, system, physics=None if physics is None else physics.value)
     hand_over(result, as_json=as_json, out=out, quiet=quiet)
     return result_status(result, check=check)
-
-
-def checked_seconds(seconds: float | None) -> float | None:
-    """A time limit above 0."""
-    if seconds is not None and not (math.isfinite(seconds) and seconds > 0):
-        raise MissionError(f"--seconds = {seconds:g} is not a time above 0; leave it out for no limit.")
-    return seconds
 
 
 def parsed_objective(text: str) -> str | dict[str, float]:
@@ -208,6 +188,7 @@ def parsed_objective(text: str) -> str | dict[str, float]:
     return weights
 
 
+app.command("pareto", short_help="Trade two or three objectives: the whole front.")(pareto_command)
 app.command("report", short_help="Make the page of a result again.")(report_command)
 
 # ---------------------------------------------------------------- init and schema

@@ -321,10 +321,18 @@ def alternatives(result: Result | FrontResult) -> tuple[list[str], list[Alternat
                 words.one_line(f"{item.get('maker') or ''} ({item.get('kind') or ''})", 60),
                 words.one_line(" + ".join(str(part) for part in hardware.values()), 200),
                 [words.quantity(values.get(name), units.get(name, ""), 4) for name in names],
-                outcome, OUTCOMES.get(outcome, "warn"), words.one_line(item.get("text") or "", 500),
+                outcome, OUTCOMES.get(outcome, "warn"), reason_text(item),
             )
         )  # fmt: skip
     return [words.one_line(name.replace("_", " "), 24) for name in names], rows
+
+
+def reason_text(item: Mapping[str, Any]) -> str:
+    """Why one maker's system was not chosen; where nothing fits, what stands in its way last."""
+    if item.get("text"):
+        return words.one_line(item["text"], 500)
+    rule = item.get("rule")
+    return f"no combination fits; the last obstacle: {words.rule_name(str(rule))}" if rule else ""
 
 
 # ---------------------------------------------------------------- run

@@ -117,7 +117,11 @@ def bit_per_px_bound(snr_db: Array, rated_pitch_px: Array) -> Array:
 class Bounds:
     """Bounds of one search's imagers under its lightings."""
 
-    def __init__(self, problem: Problem, objective: Objective, imagers: Imagers, tables: FieldTables):
+    def __init__(
+        self, problem: Problem, objective: Objective, imagers: Imagers, tables: FieldTables,
+        *, lights: Array | None = None,
+    ):  # fmt: skip
+        self.searched = np.ones(len(problem.parts.lights), bool) if lights is None else lights
         self.problem, self.objective, self.imagers, self.tables = problem, objective, imagers, tables
         self.limits = problem.mission.limits
         self.light_tables = [self.light_table(lighting) for lighting in tables.lightings]
@@ -126,7 +130,7 @@ class Bounds:
     def light_table(self, lighting: Lighting) -> LightTable:
         """The lights of one lighting in every number."""
         problem = self.problem
-        mine = np.nonzero(problem.lights.optics_index == lighting.optics)[0]
+        mine = np.nonzero((problem.lights.optics_index == lighting.optics) & self.searched)[0]
         low, high = problem.count_range
         light = np.repeat(mine, high - low + 1)
         count = np.tile(np.arange(low, high + 1), len(mine))

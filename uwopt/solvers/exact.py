@@ -10,7 +10,7 @@ it, so that the account adds up.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -96,8 +96,9 @@ class Search:
 
     def __init__(
         self, problem: Problem, objective: Objective, *, top: int, deadline_s: float | None,
-        progress: Callable[[float, str], None] | None, ceiling: float = np.inf,
+        progress: Callable[[float, str], None] | None, ceiling: float = np.inf, only: Mapping[str, Array] | None = None,
     ):  # fmt: skip
+        self.only = only or {}  # camera, light: masks of the parts to search; the others count as bounded
         self.ceiling = ceiling  # designs that are no better than this are not wanted
         self.problem, self.objective, self.top = problem, objective, max(1, top)
         self.deadline = None if deadline_s is None else time.perf_counter() + deadline_s
@@ -133,7 +134,9 @@ class Search:
         """Enumerate imagers and tabulate lights: all that evaluation needs."""
         imagers = self.imagers = enumerate_imagers(self.problem, cameras=self._hopeful_cameras())
         self.tables = FieldTables(self.problem, imagers)
-        self.bounds = Bounds(self.problem, self.objective, imagers, self.tables)
+        self.bounds = Bounds(
+            self.problem, self.objective, imagers, self.tables, lights=self.only.get("light")
+        )
         self.ranking = Ranking(self.problem, imagers, top=self.top, ceiling=self.ceiling)
         self.motorised = self.problem.lenses.motorised[imagers.lens] if len(imagers) else np.empty(0, bool)
         return imagers
@@ -148,7 +151,7 @@ class Search:
                 np.full(len(rows.price), snr_ceiling(self.objective)), np.zeros(len(rows.price)), 1.0, np.inf,
             )
         )  # fmt: skip
-        return np.asarray(floor <= self.ceiling)
+        return np.asarray(floor <= self.ceiling) & self.only.get("camera", True)
 
     def _start_account(self, imagers: Imagers) -> None:
         """Every combination of the parts in the search, and what the imagers' rules discard."""

@@ -1,0 +1,91 @@
+"""The command `uwopt pareto`: the trade-off between two or three objectives."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uwopt.cli_options import JsonOption, MissionArgument, PhysicsOption, QuietOption, checked_seconds
+from uwopt.cli_status import DONE, INTERRUPTED, LIMIT_REACHED, NOT_FEASIBLE, command, told
+from uwopt.errors import OutputError
+
+if TYPE_CHECKING:
+    from uwopt.front_result import FrontResult
+
+STATUS = {"infeasible": NOT_FEASIBLE, "stopped": LIMIT_REACHED, "interrupted": INTERRUPTED}
+
+
+@command
+def pareto_command(
+    mission: MissionArgument,
+    objectives: Annotated[
+        str,
+        typer.Option(
+            metavar="A,B[,C]",
+            help="Two or three of power, cost, mass, snr_db, gsd_mm, contrast, information.",
+        ),
+    ] = "power,cost,information",
+    solver: Annotated[
+        str,
+        typer.Option(
+            metavar="NAMES",
+            help="exact, and pymoo's nsga2, nsga3, unsga3, ctaea, rvea, spea2 or smsemoa; several by commas.",
+        ),
+    ] = "exact,nsga2",
+    physics: PhysicsOption = None,
+    seconds: Annotated[
+        float | None, typer.Option(metavar="S", help="Stop each solver after S seconds and keep what it has.")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(metavar="N", help="Seed of pymoo; the mission's unless given.")
+    ] = None,
+    as_json: JsonOption = False,
+    out: Annotated[
+        str | None,
+        typer.Option("--out", metavar="DIR", help="Write report.html, front.csv and front.json into DIR."),
+    ] = None,
+    quiet: QuietOption = False,
+) -> int:
+    """Find the designs of which none is better than another in every objective."""
+    from uwopt.report.console import ProgressBar
+    from uwopt.report.write import check_folder
+
+    limit_s = checked_seconds(seconds)
+    if out is not None:
+        check_folder(out)
+    with ProgressBar(quiet=quiet) as bar:
+        from uwopt.api_pareto import pareto
+
+        front = pareto(
+            mission, objectives=objectives.split(","), solver=solver, seconds=limit_s, seed=seed,
+            physics=None if physics is None else physics.value, alternatives=out is not None, progress=bar.report,
+        )  # fmt: skip
+    hand_over(front, as_json=as_json, out=out, quiet=quiet)
+    return STATUS.get(front.status, DONE)
+
+
+def hand_over(front: FrontResult, *, as_json: bool, out: str | None, quiet: bool) -> None:
+    """Write the files and print the front; one that cannot be written is printed all the same."""
+    import sys
+
+    from uwopt.report.console import ProgressBar, print_blocks, print_text
+    from uwopt.report.front_tables import front_blocks
+    from uwopt.report.write import json_text, write_front
+
+    written, refused = [], None
+    try:
+        with ProgressBar(quiet=quiet) as bar:
+            if bar.report is not None:
+                bar.report(0.1, "making the report")
+            written = write_front(front, out) if out is not None else []
+    except OutputError as fault:
+        refused = fault
+    if as_json:
+        print_text(json_text(front, getattr(sys.stdout, "encoding", None) or "utf-8"))
+    else:
+        print_blocks(front_blocks(front))
+    if refused is not None:
+        raise refused
+    if written and not quiet:
+        told("written: " + ", ".join(str(path) for path in written), DONE)
