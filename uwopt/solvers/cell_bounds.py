@@ -288,9 +288,9 @@ class SceneCells:
         rows = self.rows.take(d)
         square = np.square(f_number * rows.working_factor)
         level, fits, step, exact_s = self._level(d, rows, square, time_s, open_s, u_lo, u_hi, share)
-        if not self.sunlit and not rows.dims_freely.all():
+        late = ~fits & ~rows.dims_freely
+        if not self.sunlit and late.any():
             # A step too bright for the time gives the least light in a shorter one; dark current follows it.
-            late = ~fits
             for _ in range(3):
                 time_s = np.where(late, exact_s, time_s)
                 open_s = time_s
