@@ -425,7 +425,8 @@ class CellSearch:
     def run(self) -> CellResult:
         """Halve the cells with the least bounds until none can beat the best by more than the gap."""
         pool, seen = self._bounded(self._roots())
-        self._try_points(pool, seen, list(PATTERNS))
+        hopeful = np.nonzero(self._open(pool))[0]
+        self._try_points(pool.take(hopeful), [(b.take(hopeful), r) for b, r in seen], list(PATTERNS))
         pool, spent, turn = self._prune(pool), len(pool.design), 0
         budget = max(self.budget, FEWEST * min(self.n, 50))
         while len(pool.design) and spent < budget:

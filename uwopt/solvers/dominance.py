@@ -16,6 +16,7 @@ from uwopt.objectives.axes import Frame
 
 Array = NDArray[Any]
 ROUND = 1e-9  # relative: a tie is no improvement
+CHUNK = 256  # rows compared with all others at a time
 NEAR = 1e-3  # relative in every objective: one of two such points is enough
 
 
@@ -26,6 +27,24 @@ def nondominated(values: Array) -> Array:
     import moocore
 
     return np.asarray(moocore.is_nondominated(values, keep_weakly=False))
+
+
+def clearly(values: Array, resolved_rel: Array) -> Array:
+    """Mask of nondominated rows that owe their place to more than the last digits of their values.
+
+    resolved_rel : (n_axes,) relative differences that mean nothing, such as the gap of a quality without a closed
+    form. A row goes if another is no worse than that in every objective and better by more in some.
+    """
+    kept = nondominated(values)
+    rows = np.nonzero(kept)[0]
+    points = values[rows]
+    slack = resolved_rel * np.abs(points)
+    for start in range(0, len(rows), CHUNK):
+        mine = slice(start, start + CHUNK)
+        step = points[mine, None, :] - points[None, :, :]  # above 0: the other is better
+        other = (step >= -slack[mine, None, :]).all(axis=2) & (step > slack[mine, None, :]).any(axis=2)
+        kept[rows[mine][other.any(axis=1)]] = False
+    return kept
 
 
 def hypervolume(values: Array, frame: Frame) -> float:
@@ -131,17 +150,3 @@ class Table:
 def three(values: Array) -> Array:
     """Values in three columns."""
     return values if values.shape[1] == 3 else np.column_stack([values, np.zeros(len(values))])
-
-
-def distinct(values: Array) -> Array:
-    """Mask of rows such that no two are within 0.1 % of each other in every objective, the first of each kept."""
-    scale = np.maximum(np.abs(values), 1e-300)
-    kept: list[int] = []
-    for row in range(len(values)):
-        near = values[kept]
-        same = (np.abs(near - values[row]) <= NEAR * np.maximum(np.abs(near), scale[row])).all(axis=1)
-        if not same.any():
-            kept.append(row)
-    mask = np.zeros(len(values), bool)
-    mask[kept] = True
-    return mask

@@ -24,10 +24,11 @@ from uwopt.objectives.objective import Terms
 from uwopt.problem import Problem
 from uwopt.solvers import settings as closed_form
 from uwopt.solvers.bounds import ROUND, UNIT_RULES
-from uwopt.solvers.dominance import Archive, hypervolume, nondominated
+from uwopt.solvers.dominance import Archive, clearly, hypervolume, nondominated
 from uwopt.solvers.exact import RULES, Search
 from uwopt.solvers.fields import Lighting
 from uwopt.solvers.imagers import limit
+from uwopt.solvers.ranking import TIE
 from uwopt.solvers.trade_curves import Answers, Curves, Hopeful, Trade
 
 Array = NDArray[Any]
@@ -37,7 +38,9 @@ ROUGH_SEGMENT, FINEST_SEGMENT = 3e-3, 1e-6  # share of the box that a segment ma
 FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
 WAVE_ROUNDS, REFINEMENTS = 1, 8  # of asking the segments of one wave, and of all that stayed
 MOST_PIECES = 8  # of a segment at a time
-MOST_ASKED = 256  # segments at a time: then the points found count
+FEWEST_ASKED, MOST_ASKED = 256, 8192  # segments at a time, before the points found are looked at
+RESOLVED_REL = {"information": 2e-4}  # of qualities that are found to a gap
+RARELY = 0.1  # share of the segments asked that hold something new
 STALLED = 0.8  # of the gap before: bounds on settings that do not close are not asked for ever
 FRONT_RULES = (*(rule for rule in RULES if rule != "bound"), "dominated")
 
@@ -73,6 +76,7 @@ class FrontSearch:
         self.problem, self.axes = problem, axes
         self.quality = quality_of(problem, axes)
         self.trade = Trade(self.quality)
+        self.resolved_rel = np.array([RESOLVED_REL.get(name, TIE) for name in axes.names])
         self.start = time.perf_counter()
         self.deadline = None if deadline_s is None else self.start + deadline_s
         self.progress = progress or (lambda share, what: None)
@@ -322,6 +326,7 @@ class FrontSearch:
 
     def _ask(self, curves: Curves, largest: float, rounds: int) -> bool:
         """Ask segments that may matter and span more than a share of the frame's box; False: out of time."""
+        most = FEWEST_ASKED
         while rounds > 0:
             which, spans = self._open_segments(curves, largest)
             if len(which) == 0:
@@ -330,17 +335,22 @@ class FrontSearch:
             known = curves.answers.asked[upper[which]]
             if known.all():
                 rounds -= 1
-            elif (~known).sum() > MOST_ASKED // 2:  # the highest limit of each design first: it bounds the others
+            elif (
+                ~known
+            ).sum() > FEWEST_ASKED // 2:  # the highest limit of each design first: it bounds the others
                 design = curves.answers.design[upper[which]]
                 top = np.append(design[1:] != design[:-1], True) & ~known
                 first = top if top.any() else ~known
                 which, spans = which[first], spans[first]
-            order = np.argsort(-spans, kind="stable")[:MOST_ASKED]
+            order = np.argsort(-spans, kind="stable")[:most]
             which, spans = which[order], spans[order]
             if self._late():
                 return False
             pieces = np.clip(np.ceil(np.sqrt(spans / largest)), 2, MOST_PIECES).astype(int)
-            self._add(curves, curves.ask(which, self._wanted(curves, which), pieces))
+            answers = curves.ask(which, self._wanted(curves, which), pieces)
+            self._add(curves, answers)
+            if answers.found.mean() < RARELY:  # points found decide little: more at a time
+                most = min(2 * most, MOST_ASKED)
         return True
 
     def _wanted(self, curves: Curves, which: Array) -> Array:
@@ -452,7 +462,7 @@ class FrontSearch:
         """Hypervolume of the points, and what no front can exceed."""
         if len(self.archive.values) == 0:
             return 0.0, 0.0
-        frame = Frame.of(self.axes, self.archive.values)
+        frame = Frame.of(self.axes, self.archive.values[clearly(self.archive.values, self.resolved_rel)])
         lower = hypervolume(self.archive.values, frame)
         return lower, max(
             lower, hypervolume(np.concatenate([self.archive.values, self._open_corners()]), frame)
@@ -469,7 +479,7 @@ class FrontSearch:
                 values.append(self._answer_values(curves, answers, found))
                 designs += [(curves.some, answers, int(place)) for place in found]
         every = np.concatenate(values) if values else np.empty((0, len(self.axes)))
-        kept = np.nonzero(nondominated(every))[0]
+        kept = np.nonzero(clearly(every, self.resolved_rel))[0]
         frame, lower, upper = None, 0.0, 0.0
         if len(kept):
             frame = Frame.of(self.axes, every[kept])

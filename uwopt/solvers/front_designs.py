@@ -51,23 +51,16 @@ def few(values: Array, frame: Frame, most: int = MOST_POINTS) -> Array:
 
     No two of them are within 0.1 % of each other in every objective.
     """
-    from uwopt.solvers.dominance import distinct
+    from uwopt.solvers.population_archive import distinct
 
-    unit = frame.unit(values)
-    named = [int(i) for i in unit.argmin(axis=0)] + [knee(unit)]
-    order = np.array(list(dict.fromkeys([*named, *np.argsort(unit[:, 0], kind="stable").tolist()])))
-    order = order[distinct(values[order])]
-    chosen = [int(order[0])]
-    gap = np.abs(unit[order] - unit[chosen[0]]).max(axis=1)
-    wanted = [int(i) for i in order if int(i) in named][1:]
+    order = distinct(values, frame.log)
+    unit = frame.unit(values[order])
+    chosen = list(dict.fromkeys([*(int(i) for i in unit.argmin(axis=0)), knee(unit)]))
+    gap = np.min([np.abs(unit - unit[place]).max(axis=1) for place in chosen], axis=0)
     while len(chosen) < min(most, len(order)):
-        place = wanted.pop(0) if wanted else int(order[gap.argmax()])
-        if place in chosen:
-            break
-        chosen.append(place)
-        gap = np.minimum(gap, np.abs(unit[order] - unit[place]).max(axis=1))
-        gap[np.isin(order, chosen)] = -1.0
-    return np.array(sorted(chosen, key=lambda i: tuple(values[i])))
+        chosen.append(int(gap.argmax()))
+        gap = np.minimum(gap, np.abs(unit - unit[chosen[-1]]).max(axis=1))
+    return order[np.array(sorted(set(chosen)))]
 
 
 def knee(unit: Array) -> int:
