@@ -28,7 +28,7 @@ MISSION = ROOT / "problems" / "paper-tank.yaml"
 SYSTEM = ROOT / "problems" / "paper-tank.system.yaml"
 COMMANDS = [
     [], ["solve"], ["evaluate"], ["catalog"], ["catalog", "list"], ["catalog", "show"], ["catalog", "check"],
-    ["catalog", "template"], ["init"], ["schema"], ["report"],
+    ["catalog", "template"], ["init"], ["schema"], ["report"], ["pareto"],
 ]  # fmt: skip
 Status = Callable[..., None]
 

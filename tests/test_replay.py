@@ -24,7 +24,8 @@ TWO_SCENES: dict[str, Any] = {
     "vehicle": {"altitude_m": 1.5, "altitude_tolerance_m": 0.1, "speed_m_s": 0.4, "light_count": 2,
                 "light_baseline_m": [0.5, 0.55], "light_tilt_deg": 5},
     "requirements": {"overlap": 0.5, "max_blur_px": 2.0, "min_snr_db": 20, "max_gsd_mm": 1.5, "min_dof_m": 0.3},
-    "catalog": {"cameras": ["flir-bfs-u3-51s5m"], "lenses": ["kowa-lm8jc5mc"], "lights": ["arctic*"], "generic": "never"},
+    "catalog": {"cameras": ["flir-bfs-u3-51s5m"], "lenses": ["kowa-lm8jc5mc"], "lights": ["arctic*"],
+                "generic": "never"},
 }  # fmt: skip
 
 

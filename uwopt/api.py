@@ -15,7 +15,7 @@ import numpy as np
 
 from uwopt.batch import Batch, Designs
 from uwopt.catalog.catalogue import Catalog
-from uwopt.catalog.choose import Choice, select
+from uwopt.catalog.choose import Choice, Selection, select
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.catalog.load import load_catalog as _load_catalog
 from uwopt.design_model import DesignModel, Hardware, SceneSettings, design_model
@@ -194,7 +194,7 @@ def found_result(
         objective={**result.objective, "value": winner.objective_value},
         warnings=[
             *result.warnings,
-            *selection_warnings(sought),
+            *selection_warnings(sought.selection),
             *winner.warnings,
             *haste_warnings(sought),
             *(gap_warnings(proof) if wide else []),
@@ -251,7 +251,7 @@ def infeasible_result(
         status=status,
         certificate=proof,
         infeasible=why,
-        warnings=[*result.warnings, *selection_warnings(used)],
+        warnings=[*result.warnings, *selection_warnings(used.selection)],
     )
 
 
@@ -280,9 +280,9 @@ def haste_warnings(sought: Sought) -> list[dict[str, str]]:
     return [{"code": "interrupted", "path": "", "message": text}] if sought.outcome.interrupted else []
 
 
-def selection_warnings(sought: Sought) -> list[dict[str, str]]:
+def selection_warnings(selection: Selection) -> list[dict[str, str]]:
     """Patterns that match nothing."""
-    return [{"code": "pattern", "path": "catalog", "message": text} for text in sought.selection.warnings]
+    return [{"code": "pattern", "path": "catalog", "message": text} for text in selection.warnings]
 
 
 def influences_of(

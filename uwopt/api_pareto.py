@@ -218,7 +218,7 @@ class Run:
         made = FrontResult(
             status=status, mission=base.mission, physics=base.physics, objectives=self.axes_of_result(),
             uwopt_version=base.uwopt_version, seed=self.seed, versions=base.versions, mission_file=base.mission_file,
-            warnings=api.selection_warnings(sought),
+            warnings=api.selection_warnings(sought.selection),
         )  # fmt: skip
         if front is not None:
             made = replace(made, certificate=self.certificate(sought, front))

@@ -130,7 +130,7 @@ class Mission(Section):
 
     @property
     def source_file(self) -> dict[str, str] | None:
-        """The mission file for a result: name, folder ("" unless files are looked for in it), text; None from Python."""
+        """The mission file for a result: name, folder ("" unless it names files), text; None from Python."""
         if self._source_text is None:
             return None
         names_files = self.to_dict() != self.to_dict(absolute_paths=True)

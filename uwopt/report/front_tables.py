@@ -92,5 +92,8 @@ def methods_block(front: FrontResult) -> Block:
     table = columns(*heads)
     for row in method_rows(front):
         table.add_row(*(Text(text) for text in row))
-    note = "hypervolume: share of the box from the best corner to 1.1 times the front's range, logarithms of power and cost"
+    note = (
+        "hypervolume: share of the box from the best corner to 1.1 times the front's range, logarithms of power"
+        " and cost"
+    )
     return block("Solvers", [table, sentence(note, "dim")])

@@ -73,14 +73,16 @@ class Pool:
 
 
 def best_by_cells(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float | Array, *,
+    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
+    power_limit_w: float | Array, *,
     gap_rel: float = 1e-4, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
     top: int | None = None, most_cells: int = MOST_CELLS,
 ) -> CellResult:  # fmt: skip
     """Best settings of n designs to a relative gap of the objective, worst scene.
 
     `constant` : (n,) of the minimised objective, what no setting changes, the camera's power too. Designs that
-    cannot get below `cutoff`, common or each its own, are dropped; with `top`, neither are those that `top` others (of other `hardware`,
+    cannot get below `cutoff`, common or each its own, are dropped;
+    with `top`, neither are those that `top` others (of other `hardware`,
     an index a design) surely beat.
     """
     n = len(motorised)
@@ -521,12 +523,12 @@ class CellSearch:
         kept, seen = self._cheap(every)
         value = np.full(parts * m, np.nan)
         value[kept] = seen
-        value = value.reshape(parts, m)
-        whole = np.nan_to_num(value[0], nan=0.0)
+        whole, *halves = value.reshape(parts, m)
+        whole = np.nan_to_num(whole, nan=0.0)
         scale = np.abs(whole) + 1e-30
         score = np.zeros((m, self.n_dims))
         for place, dim in enumerate(dims):
-            score[:, dim] = ((value[1 + 2 * place] - whole) + (value[2 + 2 * place] - whole)) / scale
+            score[:, dim] = ((halves[2 * place] - whole) + (halves[2 * place + 1] - whole)) / scale
         return score
 
     def _cheap(self, pool: Pool) -> tuple[Array, Array]:

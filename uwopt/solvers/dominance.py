@@ -35,15 +35,16 @@ def clearly(values: Array, resolved_rel: Array) -> Array:
     resolved_rel : (n_axes,) relative differences that mean nothing, such as the gap of a quality without a closed
     form. A row goes if another is no worse than that in every objective and better by more in some.
     """
-    kept = nondominated(values)
+    kept: Array = nondominated(values)
     rows = np.nonzero(kept)[0]
     points = values[rows]
     slack = resolved_rel * np.abs(points)
     for start in range(0, len(rows), CHUNK):
         mine = slice(start, start + CHUNK)
         step = points[mine, None, :] - points[None, :, :]  # above 0: the other is better
-        other = (step >= -slack[mine, None, :]).all(axis=2) & (step > slack[mine, None, :]).any(axis=2)
-        kept[rows[mine][other.any(axis=1)]] = False
+        no_worse: Array = np.all(step >= -slack[mine, None, :], axis=2)
+        better: Array = np.any(step > slack[mine, None, :], axis=2)
+        kept[rows[mine][np.any(no_worse & better, axis=1)]] = False
     return kept
 
 

@@ -331,13 +331,12 @@ class FrontSearch:
             which, spans = self._open_segments(curves, largest)
             if len(which) == 0:
                 break
-            lower, upper = curves.segments()
+            _, upper = curves.segments()
             known = curves.answers.asked[upper[which]]
             if known.all():
                 rounds -= 1
-            elif (
-                ~known
-            ).sum() > FEWEST_ASKED // 2:  # the highest limit of each design first: it bounds the others
+            elif (~known).sum() > FEWEST_ASKED // 2:
+                # The highest limit of each design first: it bounds the others.
                 design = curves.answers.design[upper[which]]
                 top = np.append(design[1:] != design[:-1], True) & ~known
                 first = top if top.any() else ~known

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -71,7 +71,7 @@ def knee(unit: Array) -> int:
 def values_of(design: Design, objectives: Sequence[FrontObjective]) -> dict[str, float]:
     """What a design's evaluation says of the built-in objectives, the worst scene's."""
     figures = [scene.figures for scene in design.scenes]
-    known = {
+    known: dict[str, Callable[[], Any]] = {
         "power": lambda: design.totals["power_w"],
         "cost": lambda: design.totals["cost"]["value"],
         "mass": lambda: design.totals["mass_kg"],

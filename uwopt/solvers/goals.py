@@ -48,7 +48,8 @@ def needs_cells(rows: list[SceneRows], objective: Objective) -> bool:
 
 
 def best_settings(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float | Array, *,
+    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
+    power_limit_w: float | Array, *,
     gap_rel: float = GAP, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
     top: int | None = None,
 ) -> Best:  # fmt: skip
@@ -77,7 +78,8 @@ def _of_cells(found: CellResult) -> Best:
 
 
 def best_where_sharp(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array, power_limit_w: float | Array, *,
+    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
+    power_limit_w: float | Array, *,
     constant: Array | float, cutoff: float | Array, **more: Any,
 ) -> Best:  # fmt: skip
     """Best settings whose image is sharp enough as well.

@@ -9,6 +9,7 @@ upper end, then in their middle, until they are small.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -55,7 +56,9 @@ class Hopeful:
     @staticmethod
     def joined(parts: list[Hopeful]) -> Hopeful:
         """All designs of some lists."""
-        columns = {name: np.concatenate([getattr(p, name) for p in parts]) for name in COLUMNS}
+        columns: dict[str, Any] = {
+            name: np.concatenate([getattr(p, name) for p in parts]) for name in COLUMNS
+        }
         rows = [SceneRows.joined([p.rows[s] for p in parts]) for s in range(len(parts[0].rows))]
         return replace(parts[0], rows=rows, **columns)
 
@@ -67,7 +70,6 @@ class Hopeful:
             share = np.where(r.kind == PULSED, np.minimum(1.0, r.time_max_s * r.rate_hz), 1.0)
             drawn.append(full_draw_w(r) * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0))
         return np.minimum(self.camera_power_w + np.max(drawn, axis=0), self.power_limit_w)
-
 
     @property
     def stepped(self) -> Array:
@@ -188,7 +190,7 @@ class Trade:
         )  # fmt: skip
 
     def _quality_bound(self, some: Hopeful, best: Best, limit_w: Array) -> Array:
-        """What no settings can beat: the value itself in closed form, the cells' bound, or that without dark current."""
+        """What no settings can beat: the value in closed form, the cells' bound, or that without dark current."""
         if best.lower_bound is not None:
             return np.where(np.isfinite(best.lower_bound), -best.lower_bound, -np.inf)
         if any(np.any(r.dark_current_e_s > 0) for r in some.rows):
@@ -226,15 +228,12 @@ class Trade:
         """A few settings of each design that any solver might try: points to beat, before bounds are drawn in."""
         if self.quality != "information" or any(r.sunlit or r.min_mtf > 0 for r in some.rows):
             return []
-        found = []
         low = np.max([r.n_low for r in some.rows], axis=0)
         high = np.min([r.n_high for r in some.rows], axis=0)
-        for a in TRIED_F_NUMBERS:
-            f_number = low * (np.maximum(high, low) / low) ** a
-            for b in TRIED_LIGHT:
-                for c in TRIED_TIMES:
-                    found.append(self._one_try(some, f_number, b, c))
-        return found
+        return [
+            self._one_try(some, low * (np.maximum(high, low) / low) ** aperture, light, time)
+            for aperture, light, time in product(TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES)
+        ]
 
     def _one_try(self, some: Hopeful, f_number: Array, light_share: float, time_share: float) -> Answers:
         """The same place in every design's range of light, at one f-number."""

@@ -1,0 +1,77 @@
+"""The command `uwopt pareto`: files, text and exit status."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+import uwopt
+from uwopt.cli import app
+
+PROBLEMS = Path(__file__).parents[1] / "problems"
+MISSION = PROBLEMS / "mbari-lass-2013.yaml"  # few combinations
+
+
+def run(*arguments: object) -> Any:
+    return CliRunner().invoke(app, ["pareto", *(str(word) for word in arguments)])
+
+
+def test_writes_page_table_and_json(tmp_path):
+    done = run(MISSION, "--objectives", "power,cost,snr_db", "--solver", "exact,nsga2", "--out", tmp_path / "front")
+    assert done.exit_code == 0, done.output
+    assert {p.name for p in (tmp_path / "front").iterdir()} == {"report.html", "front.csv", "front.json"}
+    data = json.loads((tmp_path / "front" / "front.json").read_text(encoding="utf-8"))
+    with (tmp_path / "front" / "front.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["point"] for row in rows] == [point["id"] for point in data["points"]]
+    exact, peer = data["methods"]
+    assert (exact["name"], peer["name"]) == ("exact", "nsga2")
+    assert 0.9 < peer["hypervolume_ratio"] <= 1.001  # more would be a defect of the exact front
+    assert data["alternatives"]
+    assert "Named points" in done.stdout
+    assert "cheapest" in done.stdout
+
+
+def test_json_alone():
+    done = run(MISSION, "--objectives", "power,cost", "--solver", "exact", "--json")
+    assert done.exit_code == 0
+    data = json.loads(done.stdout)
+    assert data["schema"] == "uwopt.front/1"
+    assert [o["name"] for o in data["objectives"]] == ["power", "cost"]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--objectives", "power"], ["one objective has no front", "uwopt solve"]),
+        (["--objectives", "power,cost,mass,snr_db"], ["4 objectives", "two or three"]),
+        (["--objectives", "power,costs"], ["'costs'", "did you mean cost?"]),
+        (["--objectives", "power,power"], ["power stands twice"]),
+        (["--solver", "nsga"], ["solver 'nsga'", "did you mean"]),
+        (["--seconds", "0"], ["--seconds = 0"]),
+        (["--out", ""], ["--out is empty"]),
+    ],
+)
+def test_bad_input_is_one_clear_message(options, words):
+    done = run(MISSION, *options)
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    for word in words:
+        assert word in done.stderr
+
+
+def test_a_mission_that_nothing_meets_says_why(tmp_path):
+    wanted = uwopt.load_mission(MISSION).to_dict(absolute_paths=True)
+    wanted["requirements"]["min_snr_db"] = 95.0  # more than any full well holds
+    hard = tmp_path / "hard.yaml"
+    hard.write_text(json.dumps(wanted), encoding="utf-8")  # JSON is YAML
+    done = run(hard, "--objectives", "power,cost", "--solver", "exact", "--out", tmp_path / "out")
+    assert done.exit_code == 3, done.output
+    assert "infeasible" in done.stdout
+    assert (tmp_path / "out" / "report.html").exists()
