@@ -67,7 +67,7 @@ EXCEPTIONS: dict[tuple[str, str], str] = {
     ("system", "catalog"): "inline parts of a system file become the catalogue's records",
     ("templates", "catalog"): "the schema of a system file lists the keys of inline parts",
 }
-CLI_MODULES = {"cli", "cli_catalog", "cli_options", "cli_pareto", "cli_report", "cli_status", "__main__"}
+CLI_MODULES = {"cli", "cli_catalog", "cli_options", "cli_output", "cli_pareto", "cli_report", "cli_status", "__main__"}
 
 
 def name_of(path: Path) -> str:

@@ -16,13 +16,14 @@ import typer
 from uwopt import __version__
 from uwopt.cli_catalog import catalog_app
 from uwopt.cli_options import JsonOption, MissionArgument, PhysicsOption, QuietOption, checked_seconds
+from uwopt.cli_output import hand_over
 from uwopt.cli_pareto import pareto_command
 from uwopt.cli_report import report_command
 from uwopt.cli_status import DONE, EXIT_STATUS, command, result_status, told
-from uwopt.errors import MissionError, OutputError
+from uwopt.errors import MissionError
 
 if TYPE_CHECKING:
-    from uwopt.result import Result
+    pass
 
 app = typer.Typer(
     name="uwopt",
@@ -55,31 +56,6 @@ OutOption = Annotated[
     str | None,
     typer.Option("--out", metavar="DIR", help="Write result.json, bom.csv and report.html into DIR."),
 ]
-
-
-def hand_over(result: Result, *, as_json: bool, out: str | None, quiet: bool) -> None:
-    """Write the files and print the result; a result that cannot be written is printed all the same."""
-    from uwopt.report.console import ProgressBar, print_blocks, print_text
-    from uwopt.report.write import json_text, write_results
-
-    written, refused = [], None
-    try:
-        with ProgressBar(quiet=quiet) as bar:
-            if bar.report is not None:
-                bar.report(0.1, "writing the report")
-            written = write_results(result, out) if out is not None else []
-    except OutputError as fault:
-        refused = fault
-    if as_json:
-        print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))
-    else:
-        from uwopt.report.tables import result_blocks
-
-        print_blocks(result_blocks(result))
-    if refused is not None:
-        raise refused
-    if written and not quiet:
-        told("written: " + ", ".join(str(path) for path in written), DONE)
 
 
 # ---------------------------------------------------------------- solve and evaluate

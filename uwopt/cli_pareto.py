@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from uwopt.cli_options import JsonOption, MissionArgument, PhysicsOption, QuietOption, checked_seconds
-from uwopt.cli_status import DONE, INTERRUPTED, LIMIT_REACHED, NOT_FEASIBLE, command, told
-from uwopt.errors import OutputError
-
-if TYPE_CHECKING:
-    from uwopt.front_result import FrontResult
+from uwopt.cli_output import hand_over
+from uwopt.cli_status import DONE, INTERRUPTED, LIMIT_REACHED, NOT_FEASIBLE, command
 
 STATUS = {"infeasible": NOT_FEASIBLE, "stopped": LIMIT_REACHED, "interrupted": INTERRUPTED}
 
@@ -63,29 +60,3 @@ def pareto_command(
         )  # fmt: skip
     hand_over(front, as_json=as_json, out=out, quiet=quiet)
     return STATUS.get(front.status, DONE)
-
-
-def hand_over(front: FrontResult, *, as_json: bool, out: str | None, quiet: bool) -> None:
-    """Write the files and print the front; one that cannot be written is printed all the same."""
-    import sys
-
-    from uwopt.report.console import ProgressBar, print_blocks, print_text
-    from uwopt.report.front_tables import front_blocks
-    from uwopt.report.write import json_text, write_front
-
-    written, refused = [], None
-    try:
-        with ProgressBar(quiet=quiet) as bar:
-            if bar.report is not None:
-                bar.report(0.1, "making the report")
-            written = write_front(front, out) if out is not None else []
-    except OutputError as fault:
-        refused = fault
-    if as_json:
-        print_text(json_text(front, getattr(sys.stdout, "encoding", None) or "utf-8"))
-    else:
-        print_blocks(front_blocks(front))
-    if refused is not None:
-        raise refused
-    if written and not quiet:
-        told("written: " + ", ".join(str(path) for path in written), DONE)

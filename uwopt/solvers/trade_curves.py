@@ -25,7 +25,7 @@ from uwopt.solvers.settings import Chosen
 
 Array = NDArray[Any]
 ABOVE = 1.0 + 1e-9  # a limit that equals the least power must admit it
-CURVE_GAP = 1e-3  # relative, of qualities without a closed form
+CURVE_GAP = 5e-4  # relative, of qualities without a closed form
 DIMMEST = 1e-4  # of the power at the far end: where a curve that begins without light is first asked
 LIMITS = 7  # power limits that a curve is first known at
 TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES = (0.0, 0.35, 0.7), (0.0, 0.4, 0.7, 1.0), (1.0, 0.4)
