@@ -12,6 +12,7 @@ floor in the middle has a quarter of white, and `brightened` says how much.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -165,11 +166,14 @@ def points(design: Replay, u: Array, v: Array) -> tuple[Array, Array]:
     return (-down, right) if design.model.hardware.landscape else (right, down)
 
 
+@lru_cache(maxsize=2)  # the middle and the corner of an image are the same piece of chart
 def rendered(width: int, height: int, step_mm: float, unit_mm: float, fine: int) -> Array:
     """Chart and floor, `fine` samples a pixel's side."""
     x = (np.arange(width * fine) - 0.5 * (width * fine - 1)) * (step_mm / fine)
     y = (np.arange(height * fine) - 0.5 * (height * fine - 1)) * (step_mm / fine)
-    return scene_reflectance(x, y, unit_mm=unit_mm)
+    made = scene_reflectance(x, y, unit_mm=unit_mm)
+    made.flags.writeable = False
+    return made
 
 
 def shown(

@@ -179,6 +179,69 @@ def test_filters_of_text_part_and_range_meet(show: Callable[..., Any], make_fron
     wait_rows(page, "p7", "p8")
 
 
+def test_every_point_is_seen_and_other_methods_lie_hollow_beneath(
+    show: Callable[..., Any], make_front: Make
+) -> None:
+    page = show(make_front())
+    wait_drawn(page, "#pairs", 3)
+    traces = """(e) => e.data.map((t, n) => ({name: t.name, symbol: t.marker?.symbol, line: t.marker?.line?.width,
+        opacity: [...e.querySelectorAll(".scatterlayer .trace")][n].querySelectorAll(".point").length === 0 ? [] :
+          [...e.querySelectorAll(".scatterlayer .trace")[n].querySelectorAll(".point")].map((p) =>
+            Number(p.style.opacity || 1))}))"""
+    for plot in page.locator("#pairs .plot").all():
+        drawn = plot.evaluate(traces)
+        names = [trace["name"] for trace in drawn]
+        assert names == ["same hardware", "other methods", "front", "picks", "chosen"]  # from below to above
+        by_name = dict(zip(names, drawn, strict=True))
+        assert by_name["front"]["opacity"] == [1] * 8 and not by_name["front"]["line"]
+        assert by_name["other methods"]["symbol"].endswith("-open")
+
+
+def test_names_of_picks_stand_apart_within_the_plot(show: Callable[..., Any], make_front: Make) -> None:
+    from dataclasses import replace
+
+    front = make_front(points=60)  # neighbours are a few pixels apart
+    pick = front.picks[0]
+    close = [replace(pick, name=name, point=f"p{n}") for name, n in
+             (("cheapest", 1), ("knee", 2), ("least power", 60), ("best image", 60), ("other", 59))]  # fmt: skip
+    page = show(replace(front, picks=close))
+    wait_drawn(page, "#pairs", 3)
+    boxes = """(e) => {
+        const box = (n) => { const b = n.getBoundingClientRect(); return [b.left, b.top, b.right, b.bottom]; };
+        return {frame: box(e.querySelector(".bglayer .bg, .plotbg, .cartesianlayer .bg") || e),
+                names: [...e.querySelectorAll(".annotation-text-g")].map((n) => [n.textContent, ...box(n)])}; }"""
+    for plot in page.locator("#pairs .plot").all():
+        seen = plot.evaluate(boxes)
+        names = seen["names"]
+        assert sorted(name[0] for name in names) == ["cheapest", "knee", "least power, best image", "other"]
+        left, top, right, bottom = seen["frame"]
+        for _, x0, y0, x1, y1 in names:
+            assert x0 >= left and y0 >= top and x1 <= right and y1 <= bottom
+        for number, (_, x0, y0, x1, y1) in enumerate(names):
+            for _, u0, v0, u1, v1 in names[number + 1 :]:
+                assert x1 <= u0 or u1 <= x0 or y1 <= v0 or v1 <= y0
+
+
+def test_laptop_shows_pairs_card_and_table_without_scrolling_sideways(
+    show: Callable[..., Any], make_front: Make
+) -> None:
+    page = show(make_front(), viewport={"width": 1280, "height": 800})
+    wait_drawn(page, "#pairs", 3)
+    places = page.locator("#pairs > *").evaluate_all(
+        "(all) => all.map((e) => { const b = e.getBoundingClientRect(); return [b.left, b.top]; })"
+    )
+    (x1, y1), (x2, y2), (x3, y3), (x4, y4) = places  # two by two, the card last
+    assert x1 == x3 < x2 == x4 and y1 == y2 < y3 == y4
+    assert page.locator("#pairs #chosen").is_visible()
+    box = page.locator("#points").locator("..")
+    assert box.evaluate("(e) => e.scrollWidth <= e.clientWidth")
+    assert page.locator("#points th", has_text="found by").is_hidden()
+    page.get_by_label("more columns in the table").check()
+    assert page.locator("#points th", has_text="found by").is_visible()
+    page.get_by_role("tab", name="Parallel coordinates").click()
+    assert page.locator("#chosen").is_visible()  # it moves beside the other views
+
+
 def test_click_on_a_point_shows_its_system(show: Callable[..., Any], make_front: Make) -> None:
     page = show(make_front("power", "cost", points=6))
     wait_drawn(page, "#pairs", 1)

@@ -16,8 +16,8 @@ from typing import Any
 import pytest
 
 from uwopt.report import page_style
-from uwopt.report.page import json_for_script, report_html
-from uwopt.report.page_parts import bar, web_link
+from uwopt.report.page import common_width_mm, json_for_script, report_html
+from uwopt.report.page_parts import alternatives, bar, web_link
 from uwopt.report.page_svg import clean_svg
 
 Make = Callable[..., Any]
@@ -229,7 +229,10 @@ def test_result_can_be_taken_from_the_page(make_result: Make, make_front: Make) 
     ("infeasible", ["No system of the catalogue meets every requirement", "Why nothing fits", "cost 2 140 USD",
                     "Nearest miss", "meets all that is asked but cost"]),
     ("stopped", ["Stopped by a limit before a system was found"]),
-    ("front3", ["8 systems of 3 choices of hardware", "power 19.0 W to 40.0 W", "reached 99.5 % of the exact",
+    ("front3", ["3 choices of hardware are left, in 8 settings", "the cheapest is 1 × Acme camera",
+                "with 2 × Acme light", "at 4 000 USD, 40.0 W and information 1.00 Mbit/m²",
+                "19.0 W and information 5.90 Mbit/m² for 88 % more cost", "each of 100 combinations is accounted for",
+                "reached 99.5 % of the exact", "% of the cost rests on estimated prices",
                 "The least cost.", "Parallel coordinates", "Three dimensions", "IGD+", "name: Reef # <b>"]),
     ("front2", ["Parallel coordinates", "Pairs of objectives"]),
     ("front1", ["One system is best in all of cost and information"]),
@@ -257,7 +260,10 @@ def test_points_of_the_table_and_of_the_script_are_the_same(make_front: Make) ->
     assert [point["id"] for point in data["points"]] == [point.id for point in front.points]
     for row, point in zip(rows, data["points"], strict=True):
         assert all(data["texts"][number] in row.text for number in point["shown"])
-    assert [p["values"][:3] for p in data["points"]] == [list(p.values.values()) for p in front.points]
+    per = (1.0, 1.0, 1e6)  # information is read in Mbit/m²
+    for shown, point in zip(data["points"], front.points, strict=True):
+        assert shown["values"][:3] == [v / p for v, p in zip(point.values.values(), per, strict=True)]
+    assert [o["unit"] for o in data["objectives"]] == ["W", "USD", "Mbit/m²"]
 
 
 def test_picks_of_one_point_are_shown_once(make_front: Make) -> None:
@@ -265,6 +271,40 @@ def test_picks_of_one_point_are_shown_once(make_front: Make) -> None:
     heads = [e.text for e in Tree(report_html(front)).tags("h3", "h4")]
     assert heads.count("Settings to type in") == 1
     assert "Cheapest, least power: point p1" in heads
+
+
+def test_parts_are_shortened_as_long_as_they_stay_apart() -> None:
+    from uwopt.report.page_front import short_id
+
+    others = ["blue-robotics-3-in-acrylic-end-cap-2026", "blue-robotics-penetrator"]
+    assert short_id("blue-robotics-4-in-acrylic-end-cap-2026", others) == "blue-robotics-4…"
+    lamps = ["generic-pulsed-flood-30000lm (to be made)"]
+    assert short_id("generic-pulsed-flood-15000lm (to be made)", lamps) == "generic-pulsed-flood-15000lm…"
+    assert short_id("sony-1", []) == "sony-1"
+
+
+def test_makers_of_one_reason_stand_in_one_row_after_those_with_a_chance(make_result: Make) -> None:
+    def maker(name: str, outcome: str, text: str, **hardware: str) -> dict[str, Any]:
+        values = {"power": 50.0} if hardware else {}
+        return {"kind": "camera", "maker": name, "hardware": hardware or None, "values": values, "outcome": outcome,
+                "by": None, "rule": None, "text": text}  # fmt: skip
+
+    kept_out = [maker(name, "not allowed", "not among flir, basler") for name in ("Lucid", "IDS")]
+    items = [*kept_out, maker("Old", "not allowed", "no longer sold"), maker("Sony", "worse", "50 W", camera="s-1"),
+             maker("Dim", "infeasible", "too little light")]  # fmt: skip
+    heads, (tried, rest) = alternatives(make_result(alternatives=items))
+    assert heads == ["power"]
+    assert [(row.makers, row.mark) for row in tried[1]] == [("Sony", "warn"), ("Dim", "bad")]
+    assert [(row.makers, row.kind, row.mark) for row in rest[1]] == [
+        ("Lucid, IDS", "cameras", ""),
+        ("Old", "camera", ""),
+    ]
+
+
+def test_picks_of_a_front_show_the_same_width_of_floor(make_front: Make) -> None:
+    front = make_front()  # pixels of 1.00 mm to 0.93 mm
+    assert common_width_mm([point.design for point in front.points]) == 160.0
+    assert common_width_mm([]) is None
 
 
 def test_missing_pictures_leave_a_note(make_result: Make) -> None:
@@ -381,6 +421,16 @@ def test_contrast_is_that_of_the_standard() -> None:
 @pytest.mark.parametrize(("text", "ground"), page_style.TEXT_ON, ids="-on-".join)
 def test_text_stands_out_from_its_ground(colours: dict[str, str], text: str, ground: str) -> None:
     assert page_style.contrast(colours[text], colours[ground]) >= 4.5
+
+
+@pytest.mark.parametrize(("scale", "colours"), [
+    (page_style.SCALE_LIGHT, page_style.LIGHT), (page_style.SCALE_DARK, page_style.DARK),
+], ids=["light", "dark"])  # fmt: skip
+def test_points_stand_out_from_their_ground_at_both_ends_of_the_scale(
+    scale: list[str], colours: dict[str, str]
+) -> None:
+    # WCAG 2.2, 1.4.11: graphics need 3
+    assert all(page_style.contrast(colour, colours["bg"]) >= 3.0 for colour in scale)
 
 
 def test_both_themes_name_the_same_colours_and_the_page_uses_no_other(make_result: Make) -> None:

@@ -50,6 +50,15 @@ def test_unknown_prices_are_not_passed_over() -> None:
     assert "without 2 parts of unknown price" in words.cost_sentence({"value": 5.0, "currency": "USD"}, 2)
 
 
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(2_507_416.0, "2.51 Mbit/m²"), (9_400.0, "9.40 kbit/m²"), (12.0, "12.0 bit/m²"), (None, "–")],
+)
+def test_information_is_read_with_a_prefix(value: float | None, text: str) -> None:
+    assert words.quantity(value, "bit/m2") == text
+    assert words.quantity(2e6, "lm") == "2 000 000 lm"
+
+
 def test_small_shares_are_not_printed_as_powers_of_ten() -> None:
     assert words.share(9.7e-9) == "below 0.001 %"
     assert words.share(0.1) == "10.0 %"

@@ -12,7 +12,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from importlib import resources
@@ -40,6 +40,7 @@ HISTORY = {
     "caption": "How fast each method approached what it reached.",
     "alt": "Lines of the hypervolume that each method had reached over the seconds of its search",
 }  # fmt: skip
+DETAIL_PX = 160  # of the coarsest design, over the width of a detail that all picks show
 IMAGE = re.compile(r"data:image/(?:png|jpeg|webp);base64,[A-Za-z0-9+/=]+\Z")
 
 
@@ -58,7 +59,7 @@ class Pictures:
             item = {"id": f"{prefix}-{safe_id(picture.id)}", "group": picture.group, "title": picture.title,
                     "caption": picture.caption, "alt": picture.alt, "kind": picture.kind, "content": None}  # fmt: skip
             if picture.kind == "plotly":
-                self.drawn[item["id"]] = slim(plain(picture.content))
+                self.drawn[item["id"]] = picture.content  # plain and short already
             elif picture.kind == "svg":
                 item["content"] = clean_svg(picture.content, item["id"], picture.alt)
             elif IMAGE.match(picture.content):
@@ -108,6 +109,7 @@ def design_parts(result: Result | FrontResult, pictures: Pictures) -> Iterator[D
     """The designs that the page shows in full: the best, or the nearest miss, or a front's picks."""
     if isinstance(result, FrontResult) and result.points:
         names = page_front.pick_names(result) or {result.points[0].id: "First point"}
+        width_mm = common_width_mm([result.point(point_id).design for point_id in names])
         for number, (point_id, name) in enumerate(names.items()):
             definition = " ".join(
                 words.as_sentence(words.one_line(pick.definition)) for pick in result.picks if pick.point == point_id
@@ -115,7 +117,7 @@ def design_parts(result: Result | FrontResult, pictures: Pictures) -> Iterator[D
             design = result.point(point_id).design
             part = page_parts.design_part(result, design, name, part_id=point_id, definition=definition)
             prefix = f"d{number}"
-            add_pictures(result, design, pictures, prefix, part, whole=number == 0)
+            add_pictures(result, design, pictures, prefix, part, whole=number == 0, width_mm=width_mm)
             yield part
         return
     best = result.best if isinstance(result, Result) else None
@@ -128,6 +130,13 @@ def design_parts(result: Result | FrontResult, pictures: Pictures) -> Iterator[D
         yield part
 
 
+def common_width_mm(designs: Sequence[Design]) -> float | None:
+    """A piece of floor that is a detail to the coarsest of the designs, so that all show the same."""
+    sizes = [design.scenes[0].figures.get("gsd_mm") for design in designs if design.scenes]
+    known = [float(size) for size in sizes if size]
+    return float(f"{DETAIL_PX * max(known):.2g}") if known else None
+
+
 def add_pictures(
     result: Result | FrontResult,
     design: Design,
@@ -136,11 +145,12 @@ def add_pictures(
     part: DesignPart,
     *,
     whole: bool,
+    width_mm: float | None = None,
 ) -> None:
     """Let the model draw a design: everything, or only the pair of chart and simulated picture."""
     inputs: dict[str, Any] = {
         "physics": result.physics, "mission_file": result.mission_file,
-        "system": result.system if isinstance(result, Result) else None,
+        "system": result.system if isinstance(result, Result) else None, "width_mm": width_mm,
     }  # fmt: skip
     try:
         from uwopt.report import design_pictures as studio
@@ -279,7 +289,7 @@ def plotly_js() -> str:
 @lru_cache(maxsize=2)
 def packed(text: str) -> str:
     """Text packed with gzip, in letters."""
-    return base64.b64encode(gzip.compress(text.encode(), 6, mtime=0)).decode()
+    return base64.b64encode(gzip.compress(text.encode(), 4, mtime=0)).decode()
 
 
 @cache

@@ -5,12 +5,14 @@ All texts are made here, by the same words as everywhere; the script only places
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from uwopt.front_result import FrontMethod, FrontPoint, FrontResult
 from uwopt.report import words
 from uwopt.report.page_parts import Card, bar, cards, scene_value
+from uwopt.report.page_style import SCALE_DARK, SCALE_LIGHT
 from uwopt.report.tables import has_no_limit, kinds_by_id, shown_settings
 from uwopt.report.verdict import axis_name
 from uwopt.result import Design, SceneResult
@@ -27,6 +29,20 @@ BESIDE = (
     ("", "frame_rate_hz", "frame rate", "Hz"),
     ("", "f_number", "f-number", ""),
 )
+
+
+SHORT_ID = 14  # signs of an id that are always shown in the table
+
+
+@dataclass(frozen=True)
+class Column:
+    """Numbers of all points, already in the unit that is shown."""
+
+    key: str
+    title: str
+    unit: str
+    per: float  # what the result's numbers were divided by
+    values: list[float | None]
 
 
 class Texts:
@@ -52,18 +68,19 @@ def front_data(front: FrontResult) -> dict[str, Any]:
     """Objectives, columns, points, picks and peers, ready for JSON."""
     texts = Texts()
     columns = front_columns(front)
-    names = pick_names(front)
+    names, short = pick_names(front), short_ids(front)
     return {
         "objectives": [
-            {"name": o.name, "title": axis_name(o), "unit": symbol(o.unit),
+            {"name": o.name, "title": axis_name(o), "unit": symbol(column.unit),
              "maximise": o.direction == "maximise", "log": is_logarithmic(front, o.name)}
-            for o in front.objectives
+            for o, column in zip(front.objectives, columns, strict=False)
         ],
         "columns": [
-            {"key": key, "title": title, "unit": symbol(unit)} for key, title, unit, _ in columns
+            {"key": column.key, "title": column.title, "unit": symbol(column.unit)} for column in columns
         ],
+        "scales": {"light": SCALE_LIGHT, "dark": SCALE_DARK},
         "points": [
-            point_data(point, names.get(point.id, ""), [(c[2], c[3][index]) for c in columns], texts)
+            point_data(point, names.get(point.id, ""), [(c.unit, c.values[index]) for c in columns], short, texts)
             for index, point in enumerate(front.points)
         ],
         "picks": [
@@ -71,11 +88,10 @@ def front_data(front: FrontResult) -> dict[str, Any]:
             for pick in front.picks
         ],
         "peers": [
-            {"method": words.one_line(peer.get("method") or "", 30),
-             "values": [peer["values"].get(o.name) for o in front.objectives],
-             "shown": texts.row(*(words.quantity(peer["values"].get(o.name), o.unit, 4) for o in front.objectives)),
+            {"method": words.one_line(peer.get("method") or "", 30), "values": values,
+             "shown": texts.row(*(words.quantity(v, c.unit, 4) for v, c in zip(values, columns, strict=False))),
              "hardware": texts.number(words.one_line(" + ".join(map(str, peer.get("hardware") or [])), 200))}
-            for peer in front.peers
+            for peer, values in zip(front.peers, peer_values(front, columns), strict=True)
         ],
         "texts": texts.all,
     }  # fmt: skip
@@ -98,18 +114,49 @@ def is_logarithmic(front: FrontResult, name: str) -> bool:
     return bool(asked) and all(value > 0 for value in every)
 
 
-def front_columns(front: FrontResult) -> list[tuple[str, str, str, list[float | None]]]:
+def front_columns(front: FrontResult) -> list[Column]:
     """Numbers of every point: the objectives, then figures that are known and not the same for all."""
-    columns: list[tuple[str, str, str, list[float | None]]] = [
-        (o.name, axis_name(o), o.unit, [point.values[o.name] for point in front.points])
+    columns = [
+        column(o.name, axis_name(o), o.unit, [point.values[o.name] for point in front.points])
         for o in front.objectives
     ]
     taken = {o.name for o in front.objectives}
     for objective, name, title, unit in BESIDE:
         values = [beside(point.design, name) for point in front.points]
         if objective not in taken and any(value is not None for value in values):
-            columns.append((name, title, unit or (currency(front) if name == "cost" else ""), values))
+            unit = unit or (currency(front) if name == "cost" else "")
+            columns.append(column(name, title, unit, values))
     return columns
+
+
+def column(key: str, title: str, unit: str, values: Sequence[float | None]) -> Column:
+    """Numbers in the unit that their largest is read in."""
+    per, unit = words.prefixed(unit, max((abs(v) for v in values if v is not None), default=0.0))
+    return Column(key, title, unit, per, [None if value is None else value / per for value in values])
+
+
+def peer_values(front: FrontResult, columns: Sequence[Column]) -> list[list[float | None]]:
+    """The objectives of other methods' points, in the units of the columns."""
+    known = [[peer["values"].get(o.name) for o in front.objectives] for peer in front.peers]
+    return [
+        [None if value is None else value / c.per for value, c in zip(row, columns, strict=False)]
+        for row in known
+    ]
+
+
+def short_ids(front: FrontResult) -> dict[str, str]:
+    """Ids of parts that fit a column: cut at a hyphen as soon as no other part of the front begins so."""
+    every = sorted({words.part_id(point.design.hardware[kind]) for point in front.points for kind in KINDS})
+    return {name: short_id(name, [other for other in every if other != name]) for name in every}
+
+
+def short_id(name: str, others: Sequence[str]) -> str:
+    """The first words of an id, enough to tell it from the others."""
+    stem = name.partition(" (")[0]
+    ends = [place for place, sign in enumerate(stem) if sign in "-_" and place >= SHORT_ID]
+    fitting = (stem[:end] for end in ends if not any(other.startswith(stem[:end]) for other in others))
+    cut = next(fitting, stem)
+    return f"{cut}…" if len(cut) < len(name) - 3 else name
 
 
 def beside(design: Design, name: str) -> float | None:
@@ -128,8 +175,9 @@ def currency(front: FrontResult) -> str:
 
 
 def point_data(
-    point: FrontPoint, pick: str, numbers: Sequence[tuple[str, float | None]], texts: Texts
-) -> dict[str, Any]:
+    point: FrontPoint, pick: str, numbers: Sequence[tuple[str, float | None]], short: Mapping[str, str],
+    texts: Texts,
+) -> dict[str, Any]:  # fmt: skip
     """One point: numbers and texts of its columns, parts, and all that its card shows."""
     design, hardware = point.design, point.design.hardware
     kinds = kinds_by_id(design)
@@ -139,6 +187,7 @@ def point_data(
         "method": words.one_line(point.method, 20), "values": [value for _, value in numbers],
         "shown": texts.row(*(words.quantity(value, unit, 4) for unit, value in numbers)),
         "parts": texts.row(*(words.part_id(hardware[kind]) for kind in KINDS)),
+        "short": texts.row(*(short[words.part_id(hardware[kind])] for kind in KINDS)),
         "names": texts.row(*(words.part_name(hardware[kind]) for kind in KINDS)),
         "counts": [counts.get(kind, hardware.get("camera_count") or 1) for kind in KINDS],
         "stand": texts.number(stand_text(hardware)),
@@ -225,8 +274,8 @@ def history_figure(front: FrontResult) -> dict[str, Any] | None:
     ]  # fmt: skip
     end_s = max(line["x"][-1] for line in lines)
     lines += [
-        {"type": "scatter", "mode": "lines", "name": "exact", "x": [0.0, end_s], "y": [method.hypervolume] * 2,
-         "line": {"dash": "dash", "color": "#8a9aa6"}}
+        {"type": "scatter", "mode": "lines", "name": "exact, at its end", "x": [0.0, end_s],
+         "y": [method.hypervolume] * 2, "line": {"dash": "dash", "color": "#8a9aa6"}}
         for method in front.methods
         if method.name == "exact"
     ]  # fmt: skip

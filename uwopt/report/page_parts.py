@@ -289,42 +289,57 @@ def web_link(source: str) -> str:
 
 @dataclass(frozen=True)
 class Alternative:
-    """A well-known maker's best, and why it was not chosen."""
+    """One maker's best system, or several makers that one reason keeps out, and why it was not chosen."""
 
-    what: str
-    parts: str
+    makers: str
+    kind: str
+    parts: list[str]
     values: list[str]
     outcome: str
     mark: str
     text: str
 
 
-OUTCOMES = {"worse": "warn", "dominated": "warn", "infeasible": "bad", "not allowed": "bad"}
+OUTCOMES = {"worse": "warn", "dominated": "warn", "infeasible": "bad", "not allowed": ""}
+KEPT_OUT = "not allowed"
 
 
-def alternatives(result: Result | FrontResult) -> tuple[list[str], list[Alternative]]:
-    """Heads of the objectives, and one row a maker."""
+def alternatives(result: Result | FrontResult) -> tuple[list[str], list[tuple[str, list[Alternative]]]]:
+    """Heads of the objectives; then well-known makers: those with a chance first, those kept out last."""
     items = result.alternatives
     names = list(dict.fromkeys(name for item in items for name in item.get("values") or {}))
+    groups: dict[tuple[str, ...], list[Mapping[str, Any]]] = {}
+    for number, item in enumerate(items):
+        alone = str(number) if item.get("hardware") else ""
+        key = (alone, str(item.get("outcome")), str(item.get("kind")), reason_text(item))
+        groups.setdefault(key, []).append(item)
+    many_first = sorted(groups.values(), key=lambda own: -len(own))
+    rows = [alternative(result, own, names) for own in many_first]
+    rows.sort(key=lambda row: (not row.parts, row.kind.removesuffix("s")))
+    tried = [row for row in rows if row.outcome != KEPT_OUT]
+    kept_out = [row for row in rows if row.outcome == KEPT_OUT]
+    parts = (("The best of other makers", tried), ("Makers that were not in the choice", kept_out))
+    return [words.one_line(name.replace("_", " "), 24) for name in names], [p for p in parts if p[1]]
+
+
+def alternative(
+    result: Result | FrontResult, items: Sequence[Mapping[str, Any]], names: Sequence[str]
+) -> Alternative:
+    """One row: a maker with its system, or all makers of one reason."""
     units = (
         {o.name: o.unit for o in result.objectives}
         if isinstance(result, FrontResult)
         else {str(result.objective.get("name")): str(result.objective.get("unit") or "")}
     )
-    rows = []
-    for item in items:
-        hardware = item.get("hardware") or {}
-        values = item.get("values") or {}
-        outcome = words.one_line(item.get("outcome") or "", 30)
-        rows.append(
-            Alternative(
-                words.one_line(f"{item.get('maker') or ''} ({item.get('kind') or ''})", 60),
-                words.one_line(" + ".join(str(part) for part in hardware.values()), 200),
-                [words.quantity(values.get(name), units.get(name, ""), 4) for name in names],
-                outcome, OUTCOMES.get(outcome, "warn"), reason_text(item),
-            )
-        )  # fmt: skip
-    return [words.one_line(name.replace("_", " "), 24) for name in names], rows
+    item = items[0]
+    values, outcome = item.get("values") or {}, words.one_line(item.get("outcome") or "", 30)
+    kind = words.one_line(item.get("kind") or "", 20)
+    return Alternative(
+        ", ".join(words.one_line(item.get("maker") or "", 60) for item in items), kind + "s" * (len(items) > 1),
+        [words.one_line(part, 80) for part in (item.get("hardware") or {}).values()],
+        [words.quantity(values.get(name), units.get(name, ""), 4) for name in names],
+        outcome, OUTCOMES.get(outcome, "warn"), reason_text(item),
+    )  # fmt: skip
 
 
 def reason_text(item: Mapping[str, Any]) -> str:

@@ -16,6 +16,9 @@ DARK: Mapping[str, str] = {
     "good": "#74d39c", "good-soft": "#173626", "warn": "#f1bd59", "warn-soft": "#3a2e14", "bad": "#ff9188",
     "bad-soft": "#43201f", "bar": "#4f93ab", "grid": "#293641",
 }  # fmt: skip
+#: Colours of a third objective over two, from low to high: viridis without the end that fades into the ground.
+SCALE_LIGHT = ["#440154", "#482475", "#414487", "#355f8d", "#2a788e", "#21908c", "#1d9a80"]
+SCALE_DARK = ["#2f7f93", "#21918c", "#22a884", "#44bf70", "#7ad151", "#bddf26", "#fde725"]
 #: Text on a ground: each pair must have a contrast of 4.5 or more in both lists.
 TEXT_ON: tuple[tuple[str, str], ...] = (
     *((text, ground) for text in ("ink", "muted", "accent") for ground in ("bg", "panel", "soft")),

@@ -5,7 +5,7 @@ Every word is taken from the result; nothing is judged here.
 
 from __future__ import annotations
 
-from uwopt.front_result import FrontObjective, FrontResult
+from uwopt.front_result import FrontObjective, FrontPoint, FrontResult
 from uwopt.report import words
 from uwopt.report.doubts import (
     HELPFUL,
@@ -124,40 +124,116 @@ def axis_name(objective: FrontObjective) -> str:
 
 
 def front_sentence(front: FrontResult) -> str:
-    """How many systems trade what against what, over which ranges."""
+    """Between what the choice is: the cheapest system, and what the others give for what more."""
+    if len(front.points) == 1:
+        point = front.points[0]
+        return f"One system is best in all of {words.listed([axis_name(o) for o in front.objectives])}: " + (
+            f"{system_text(point.design)}; {', '.join(value_texts(front, point))}"
+        )
+    picked = picked_points(front)
+    if not picked:
+        return f"{choices_text(front)}: {', '.join(span_texts(front))}"
+    (names, lead), *others = picked
+    said = [f"the {names} is {short_system(lead)} at {words.listed(value_texts(front, lead))}"]
+    said += [f"{names}: {short_system(point)}, {gain_text(front, point, lead)}" for names, point in others]
+    return f"{choices_text(front)}: {'; '.join(said)}"
+
+
+def choices_text(front: FrontResult) -> str:
+    """How many choices are left."""
+    number = len({point.curve for point in front.points})
+    ways = f"in {words.counted(len(front.points), 'setting')}"
+    if number == 1:
+        return f"One choice of hardware is left, {ways} of which none is better than another in everything"
+    return f"{number} choices of hardware are left, {ways}, none better than another in everything"
+
+
+def picked_points(front: FrontResult) -> list[tuple[str, FrontPoint]]:
+    """Points that are best in something with their names, the cheapest first; several names of one are joined."""
+    named: dict[str, list[str]] = {}
+    for pick in sorted(front.picks, key=lambda pick: pick.name != "cheapest"):
+        if pick.name != "knee":
+            named.setdefault(pick.point, []).append(words.one_line(pick.name, 40))
+    return [(words.listed(names), front.point(point)) for point, names in named.items()]
+
+
+def short_system(point: FrontPoint) -> str:
+    """Camera and lights, by which people tell systems apart."""
+    hardware = point.design.hardware
+    many = hardware.get("camera_count") or 1
+    camera, light = (words.part_name(hardware[kind]) for kind in ("camera", "light"))
+    return f"{many} × {camera} with {hardware.get('light_count') or 1} × {light}"
+
+
+def value_texts(front: FrontResult, point: FrontPoint) -> list[str]:
+    """Every objective of a point; its name where the unit does not tell it."""
+    return [
+        (f"{axis_name(o)} " if o.name not in ("cost", "power") else "") + words.quantity(point.values[o.name], o.unit)
+        for o in sorted(front.objectives, key=lambda o: o.name != "cost")
+    ]  # fmt: skip
+
+
+def span_texts(front: FrontResult) -> list[str]:
+    """The range of every objective, the better end first."""
     spans = []
     for objective in front.objectives:
         values = [point.values[objective.name] for point in front.points]
-        best, worst = min(values), max(values)
-        if objective.direction == "maximise":
-            best, worst = worst, best
-        span = words.quantity(best, objective.unit)
-        if best != worst:
-            span += f" to {words.quantity(worst, objective.unit)}"
-        spans.append(f"{axis_name(objective)} {span}")
-    number = len(front.points)
-    if number == 1:
-        return f"One system is best in all of {words.listed([axis_name(o) for o in front.objectives])}: " + (
-            f"{system_text(front.points[0].design)}; {', '.join(spans)}"
-        )
-    hardware = len({point.curve for point in front.points})
-    return (
-        f"{words.counted(number, 'system')} of {words.counted(hardware, 'choice')} of hardware are left of which"
-        f" none is better than another in everything: {', '.join(spans)}"
-    )
+        ends = (min(values), max(values))
+        best, worst = ends[::-1] if objective.direction == "maximise" else ends
+        span = f"{axis_name(objective)} {words.quantity(best, objective.unit)}"
+        spans.append(span + (f" to {words.quantity(worst, objective.unit)}" if best != worst else ""))
+    return spans
+
+
+def gain_text(front: FrontResult, point: FrontPoint, lead: FrontPoint) -> str:
+    """What a point has better than the lead, and what that takes: `3.05 W for 40 % more cost`."""
+    gains, prices = [], []
+    for objective in front.objectives:
+        own, other = point.values[objective.name], lead.values[objective.name]
+        worse = own < other if objective.direction == "maximise" else own > other
+        if abs(own - other) <= 0.001 * abs(other):
+            continue
+        if not worse:
+            name = "" if objective.name in ("cost", "power") else f"{axis_name(objective)} "
+            gains.append(f"{name}{words.quantity(own, objective.unit)}")
+        elif objective.name.endswith("_db") or other <= 0:
+            prices.append(f"{words.quantity(abs(own - other), objective.unit)} worse {axis_name(objective)}")
+        else:
+            prices.append(ratio_text(own / other, axis_name(objective)))
+    return (words.listed(gains) or "the same") + (f" for {words.listed(prices)}" if prices else "")
+
+
+def ratio_text(ratio: float, name: str) -> str:
+    """`40 % more cost`, `4.3 times the cost`."""
+    if ratio >= 2:
+        return f"{format_number(ratio, 2)} times the {name}"
+    return f"{format_number(100 * abs(ratio - 1), 2)} % {'more' if ratio > 1 else 'less'} {name}"
 
 
 def front_trust(front: FrontResult) -> str:
-    """How each method fared, and how much of the prices is estimated."""
+    """Whether anything is missing from the front, what another method says, how firm the prices are."""
     said = []
+    proof = front.certificate or {}
     for method in front.methods:
-        if method.name == "exact":
-            status = "complete" if method.status == "complete" else f"{method.status}, so not complete"
-            said.append(f"the exact front is {status}")
+        name = words.one_line(method.name, 20)
+        if method.name == "exact" and method.status == "complete":
+            loaded, gap = proof.get("loaded"), proof.get("gap_rel")
+            every = f": each of {words.count_text(loaded)} combinations is accounted for" if loaded else ""
+            left = (
+                f", and no other system can add more than {words.share(gap)} to the trade-off" if gap else ""
+            )
+            said.append(f"the list is proven complete{every}{left}")
+        elif method.name == "exact":
+            said.append(
+                f"the exact search was {words.one_line(method.status, 20)}, so the list is not complete"
+            )
+        elif method.hypervolume_ratio is not None:
+            ratio = words.share(method.hypervolume_ratio)
+            said.append(
+                f"a second method, {name}, searched on its own and reached {ratio} of the exact hypervolume"
+            )
         else:
-            ratio = method.hypervolume_ratio
-            reached = "" if ratio is None else f" and reached {words.share(ratio)} of the exact hypervolume"
-            said.append(f"{words.one_line(method.name, 20)} searched on its own{reached}")
+            said.append(f"{name} searched alone, so nothing is proven")
     if not front.methods:
         said.append(f"the search is {front.status}")
     costs = [point.design.totals.get("cost") or {} for point in front.points]
@@ -165,5 +241,6 @@ def front_trust(front: FrontResult) -> str:
     if shares:
         low, high = (format_number(100 * end, 2) for end in (min(shares), max(shares)))
         span = f"{low} %" if low == high else f"{low} to {high} %"
-        said.append("no price is estimated" if max(shares) == 0 else f"of the cost {span} is estimated")
+        asked = f"{span} of the cost rests on estimated prices, so ask for quotes before buying"
+        said.append("no price is estimated" if max(shares) == 0 else asked)
     return "; ".join(said)

@@ -111,6 +111,9 @@ PLAIN_SIGNS = str.maketrans(
         "\u00a0": " ", "\u202f": " ",
     }
 )  # fmt: skip
+#: Information per area of floor, as objectives and figures name it, and the prefixes that it is read with.
+BITS = ("bit/m2", "bit/m²", "bit_per_m2", "_bit_per_m2")
+PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 
 
 def in_encoding(text: str, encoding: str) -> str:
@@ -142,8 +145,17 @@ def one_line(text: object, longest: int = 400) -> str:
 
 
 def quantity(value: float | None, unit: str = "", digits: int = 3) -> str:
-    """A number with its unit, or a dash."""
-    return format_quantity(value, unit, digits)
+    """A number with its unit, or a dash; bits get the prefix that keeps the number short."""
+    per, unit = prefixed(unit, value or 0.0)
+    return format_quantity(None if value is None else value / per, unit, digits)
+
+
+def prefixed(unit: str, largest: float) -> tuple[float, str]:
+    """What to divide by and the unit then: 2.5e6 bit/m2 are read as 2.5 Mbit/m²; other units stay."""
+    if unit not in BITS:
+        return 1.0, unit
+    per, prefix = next((step for step in PREFIXES if abs(largest) >= step[0]), (1.0, ""))
+    return per, f"{prefix}bit/m²"
 
 
 def change(value: float, unit: str, scale: float, digits: int = 3) -> str:

@@ -40,55 +40,124 @@ const peerHovers = peers.map((peer) => ["<b>" + plain(peer.method) + "</b>",
   plain(texts[peer.hardware])].join("<br>"));
 
 /* ---- plots */
-const sizes = points.map((p) => (p.pick ? 11 : 8));
+const GREY = "#7a8894", CHOSEN = "#d9822b", SIZE = 7, RING = 15;
+const scale = () => { const steps = front.scales[page.isDark() ? "dark" : "light"]; return steps.map((c, n) => [n / (steps.length - 1), c]); };
 const opacities = () => points.map((p, i) => (passing[i] ? 1 : 0.07));
 const everyPick = points.map((p, i) => i).filter((i) => points[i].pick);
+const curves = new Map();  // points of the same hardware
+points.forEach((p, i) => curves.set(p.curve, [...(curves.get(p.curve) || []), i]));
+const joined = [...curves.values()].filter((c) => c.length > 1).flatMap((c) => [...c, -1]);
 
+const warped = (k, v) => (objectives[k].log ? Math.log10(v) : v);
+function hueTicks(k) {  // colours follow the axis: by logarithm where that is one
+  const logs = points.map((p) => warped(k, p.values[k])), ends = [Math.min(...logs), Math.max(...logs)];
+  if (!objectives[k].log || ends[0] === ends[1]) return {nticks: 6, exponentformat: "none", separatethousands: true};
+  const values = logTicks(ends);
+  return {tickvals: values.map(Math.log10), ticktext: values.map(spaced)};
+}
 function tracesFor(axes, three) {
   const names = ["x", "y", "z"].slice(0, axes.length), type = three ? "scatter3d" : "scatter";
   const place = (values) => Object.fromEntries(names.map((name, k) => [name, values(axes[k])]));
   const third = objectives.map((o, k) => k).find((k) => !axes.includes(k));
-  const hues = third === undefined ? null : points.map((p) => p.values[third]);
-  const marker = {size: three ? sizes.map((s) => s * 0.55) : sizes, opacity: three ? 1 : opacities(), line: {width: three ? 0 : 1, color: colour("panel")}};
-  if (hues) {
-    Object.assign(marker, {color: hues, colorscale: "Viridis", showscale: true, colorbar: {
-      title: {text: titled(objectives[third]), side: "right", font: {size: 12}}, thickness: 10, outlinewidth: 0, tickfont: {size: 11}}});
-  } else marker.color = three ? points.map((p) => p.values[2]) : colour("accent");
-  if (three) Object.assign(marker, {colorscale: "Viridis", showscale: false});
-  const traces = [], at = {};
-  if (!three) {
-    const curves = new Map();
-    points.forEach((p, i) => curves.set(p.curve, [...(curves.get(p.curve) || []), i]));
-    const joined = [...curves.values()].filter((c) => c.length > 1).flatMap((c) => [...c, -1]);
-    if (joined.length) traces.push({type, mode: "lines", hoverinfo: "skip", showlegend: false, line: {width: 1, color: "#8a9aa6"}, opacity: 0.6,
-      ...place((k) => joined.map((i) => (i < 0 ? null : points[i].values[k])))});
-  }
+  const hue = three ? 2 : third;
+  const marker = {size: three ? SIZE * 0.6 : SIZE, opacity: three ? 1 : opacities(), line: {width: 0}};
+  if (hue !== undefined) Object.assign(marker, {color: points.map((p) => warped(hue, p.values[hue])), colorscale: scale(), showscale: !three, colorbar: {
+    title: {text: plain(titled(objectives[hue])), side: "right", font: {size: 12}}, thickness: 9, len: 1, x: 1.03, xpad: 0, outlinewidth: 0, tickfont: {size: 11}, ...hueTicks(hue)}});
+  else marker.color = colour("accent");
+  const traces = [], at = {hued: hue !== undefined};
+  if (joined.length) traces.push({type, mode: "lines", name: "same hardware", hoverinfo: "skip", line: {width: three ? 2 : 1.3, color: GREY}, opacity: 0.75,
+    connectgaps: false, ...place((k) => joined.map((i) => (i < 0 ? null : points[i].values[k])))});
   if (peers.length) {
     at.peers = traces.length;
     traces.push({type, mode: "markers", name: "other methods", visible: state.peers, text: peerHovers, hovertemplate: "%{text}<extra></extra>",
-      marker: {symbol: three ? "diamond-open" : "x-thin", size: three ? 3 : 6, color: "#8a9aa6", line: {width: 1.4, color: "#8a9aa6"}, opacity: 0.75},
+      marker: {symbol: "diamond-open", size: three ? 4 : 10, color: GREY, line: {width: 1, color: GREY}, opacity: 0.7},
       ...place((k) => peers.map((peer) => peer.values[k]))});
   }
   at.points = traces.length;
   traces.push({type, mode: "markers", name: "front", text: hovers, hovertemplate: "%{text}<extra></extra>", customdata: points.map((p, i) => i), marker,
     ...place((k) => points.map((p) => p.values[k]))});
-  traces.push({type, mode: "markers+text", name: "picks", text: everyPick.map((i) => plain(points[i].pick)), hoverinfo: "skip",
-    textposition: three ? "top center" : everyPick.map((i, n) => ["top right", "bottom right", "top left", "bottom left"][n % 4]),
-    textfont: {size: 12, color: colour("ink")}, cliponaxis: false,
-    marker: {symbol: "circle-open", size: three ? 9 : 17, color: colour("accent"), line: {width: 2, color: colour("accent")}},
+  traces.push({type, mode: three ? "markers+text" : "markers", name: "picks", text: everyPick.map((i) => plain(points[i].pick)), hoverinfo: "skip",
+    textposition: "top center", textfont: {size: 12, color: colour("ink")}, cliponaxis: false,
+    marker: {symbol: "circle-open", size: three ? 9 : RING, color: colour("accent"), line: {width: 2, color: colour("accent")}},
     ...place((k) => everyPick.map((i) => points[i].values[k]))});
   at.chosen = traces.length;
-  traces.push({type, mode: "markers", name: "chosen", hoverinfo: "skip", marker: {symbol: "circle-open", size: three ? 13 : 24, color: "#d9822b", line: {width: 3, color: "#d9822b"}},
+  traces.push({type, mode: "markers", name: "chosen", hoverinfo: "skip", cliponaxis: false,
+    marker: {symbol: "circle-open", size: three ? 13 : 22, color: CHOSEN, line: {width: 3, color: CHOSEN}},
     ...place((k) => (state.chosen < 0 ? [] : [points[state.chosen].values[k]]))});
   return {traces, at, names};
 }
 
+/* names of picks: each with a line to its ring, where it covers neither another name nor a ring, nor leaves the plot */
+const pen = document.createElement("canvas").getContext("2d");
+function nameBoxes(rings, marks, width, height) {  // in pixels from the corner of the axes
+  const taken = [];
+  pen.font = "12px " + getComputedStyle(document.body).fontFamily;
+  return rings.map(({x, y, name}, own) => {
+    const w = pen.measureText(name).width + 8, h = 18;
+    let best = null;
+    for (const [far, cost] of [[22, 0], [38, 6], [58, 14], [82, 24]]) {
+      for (let n = 0; n < 16; n++) {
+        const turn = (n * Math.PI) / 8, dx = Math.cos(turn), dy = Math.sin(turn);
+        const cx = x + dx * (far + w / 2 * Math.abs(dx)), cy = y + dy * (far + h / 2 * Math.abs(dy));
+        const box = [cx - w / 2, cy - h / 2, cx + w / 2, cy + h / 2];
+        const inside = ([px, py], room) => px > box[0] - room && px < box[2] + room && py > box[1] - room && py < box[3] + room;
+        const out = Math.max(0, 2 - box[0]) + Math.max(0, 2 - box[1]) + Math.max(0, box[2] - width + 2) + Math.max(0, box[3] - height + 2);
+        let bad = cost + 40 * out + marks.filter((m) => inside(m, 4)).length * 2;
+        rings.forEach((other, k) => {
+          if (k === own) return;
+          if (inside([other.x, other.y], 10)) bad += 300;
+          const nearer = Math.hypot(cx - other.x, cy - other.y) < Math.hypot(cx - x, cy - y);
+          if (nearer) bad += 60;
+        });
+        for (const t of taken) if (box[0] < t[2] + 3 && box[2] > t[0] - 3 && box[1] < t[3] + 3 && box[3] > t[1] - 3) bad += 400;
+        if (!best || bad < best.bad) best = {bad, box, ax: cx - x, ay: cy - y};
+      }
+    }
+    taken.push(best.box);
+    return best;
+  });
+}
+function namePicks({element, axes}) {
+  const {xaxis, yaxis} = element._fullLayout;
+  const spot = (i) => [xaxis.d2p(points[i].values[axes[0]]), yaxis.d2p(points[i].values[axes[1]])];
+  const seen = everyPick.filter((i) => { const [x, y] = spot(i); return x >= -1 && x <= xaxis._length + 1 && y >= -1 && y <= yaxis._length + 1; });
+  const rings = seen.map((i) => { const [x, y] = spot(i); return {x, y, name: points[i].pick}; });
+  const boxes = nameBoxes(rings, points.map((p, i) => spot(i)), xaxis._length, yaxis._length);
+  const on = (a, v) => (a.type === "log" ? Math.log10(v) : v);
+  return Plotly.relayout(element, {...ticks(element), annotations: seen.map((i, n) => ({
+    x: on(xaxis, points[i].values[axes[0]]), y: on(yaxis, points[i].values[axes[1]]), text: plain(points[i].pick), font: {size: 12},
+    ax: boxes[n].ax, ay: boxes[n].ay, showarrow: true, arrowhead: 0, arrowwidth: 1.2, arrowcolor: GREY, standoff: RING / 2, borderpad: 1, captureevents: false}))});
+}
+
 function axis(o) {
   const made = {title: {text: plain(axisTitle(o)), font: {size: 13}}, showline: true, ticks: "outside", ticklen: 4, zeroline: false};
-  if (!o.log) return made;
-  const values = [...points, ...peers].map((p) => p.values[objectives.indexOf(o)]).filter((v) => v > 0);
-  const wide = Math.max(...values) / Math.min(...values) > 8;
-  return {...made, type: "log", ...(wide ? {dtick: "D2"} : {nticks: 6}), minor: {}};
+  return o.log ? {...made, type: "log", tickangle: 0} : {...made, nticks: 7};
+}
+/* ticks of an axis of logarithms as whole numbers: the coarsest steps that leave four in sight */
+const STEPS = [[1], [1, 3], [1, 2, 5], [1, 1.5, 2, 3, 4, 5, 7], [1, 1.2, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.5, 4, 4.5, 5, 6, 7, 8, 9]];
+function logTicks([low, high]) {
+  const from = Math.floor(low), to = Math.ceil(high), inside = (v) => Math.log10(v) >= low && Math.log10(v) <= high;
+  const exact = (v) => Number(v.toPrecision(12));
+  for (const steps of STEPS) {
+    const found = [];
+    for (let power = from; power <= to; power++) found.push(...steps.map((step) => exact(step * 10 ** power)).filter(inside));
+    if (found.length >= 4) return found;
+  }
+  const [bottom, top] = [10 ** low, 10 ** high], power = 10 ** Math.floor(Math.log10((top - bottom) / 4));
+  const step = [5, 2, 1].map((n) => n * power).find((one) => (top - bottom) / one >= 4) || power;
+  const found = [];
+  for (let v = Math.ceil(bottom / step) * step; v <= top; v += step) found.push(exact(v));
+  return found;
+}
+const spaced = (v) => { const [whole, part] = String(v).split("."); return whole.replace(/\B(?=(\d{3})+$)/g, "\u2009") + (part ? "." + part : ""); };
+function ticks(element) {
+  const changes = {};
+  for (const name of ["xaxis", "yaxis"]) {
+    if (element._fullLayout[name].type !== "log") continue;
+    const values = logTicks(element._fullLayout[name].range);
+    Object.assign(changes, {[name + ".tickvals"]: values, [name + ".ticktext"]: values.map(spaced)});
+  }
+  return changes;
 }
 
 function addPlot(element, axes, layout, three) {
@@ -96,7 +165,12 @@ function addPlot(element, axes, layout, three) {
   later(element, async () => {
     const {traces, at, names} = tracesFor(axes, three);
     await plot(element, traces, {showlegend: false, hovermode: "closest", ...layout});
-    plots.push({element, at, axes, names, three});
+    const made = {element, at, axes, names, three};
+    plots.push(made);
+    if (!three) {
+      await namePicks(made);
+      element.on("plotly_relayout", (event) => { if (Object.keys(event).some((key) => /range|autosize/.test(key))) namePicks(made); });
+    }
     element.on("plotly_click", (event) => {
       const hit = event.points.find((p) => p.customdata !== undefined) || event.points[0];
       if (hit && hit.customdata !== undefined) choose(hit.customdata, false);
@@ -110,10 +184,13 @@ for (const pair of pairs) {
   const [x, y] = pair.map((k) => objectives[k]);
   const element = el("div", {class: "front-plot", role: "img", "data-pair": pair.join("-"),
     "aria-label": y.title + " against " + x.title + ", " + points.length + " systems; the table below holds the same numbers"});
-  if (pairs.length === 1) element.style.minHeight = "480px";
   byId("pairs").append(element);
-  addPlot(element, pair, {xaxis: axis(x), yaxis: axis(y), margin: {l: 70, r: 20, t: 26, b: 56}}, false);
+  addPlot(element, pair, {xaxis: axis(x), yaxis: axis(y), margin: {l: 58, r: objectives.length === 3 ? 8 : 20, t: 14, b: 50}}, false);
 }
+byId("pairs").classList.toggle("is-single", pairs.length === 1);
+byId("pairs-key").append(...[["front", "a system of the front"], ...(joined.length ? [["curve", "the same hardware, set otherwise"]] : []),
+  ...(peers.length ? [["peer", "found by " + [...new Set(peers.map((p) => p.method))].join(", ")]] : []), ["pick", "a pick"], ["chosen", "chosen"]]
+  .map(([kind, words]) => el("li", {}, el("span", {class: "key-" + kind, "aria-hidden": "true"}), words)));
 const space = byId("space");
 if (space) {
   const canvas = document.createElement("canvas");
@@ -130,10 +207,19 @@ if (space) {
     });
   } else page.note(space, "This browser has no WebGL, so the view in three dimensions is left out; the pairs show the same points.");
 }
-page.themed.push(() => plots.filter((p) => !p.three).forEach(({element, at}) => {
-  Plotly.restyle(element, {"marker.line.color": colour("panel")}, [at.points]);
+page.themed.push(() => plots.forEach(({element, at}) => {
+  Plotly.restyle(element, at.hued ? {"marker.colorscale": [scale()]} : {"marker.color": colour("accent")}, [at.points]);
   Plotly.restyle(element, {"textfont.color": colour("ink"), "marker.color": colour("accent"), "marker.line.color": colour("accent")}, [at.points + 1]);
 }));
+/* the card of the chosen system: the last cell of three pairs, else beside the view */
+function placeCard() {
+  const among = pairs.length === 3 && page.visible(byId("pairs"));
+  const home = among ? byId("pairs") : document.querySelector(".explore");
+  if (byId("chosen").parentElement !== home) home.append(byId("chosen"));
+  document.querySelector(".explore").classList.toggle("is-whole", among);
+}
+document.querySelector(".explore > .tabs").addEventListener("shown", placeCard);
+placeCard();
 
 /* ---- parallel coordinates */
 const WIDE = 860, HIGH = 400, TOP = 72, BOTTOM = 34;
@@ -291,7 +377,11 @@ function marginLine([name, value, limit, left, status, start, width]) {
   return el("div", {class: "margin " + texts[status]}, el("span", {}, el("span", {}, texts[name], ...mark), el("span", {}, texts[value])),
     el("small", {}, texts[limit] + ", left " + texts[left]), drawn);
 }
-function choose(index, fromTable) {
+byId("more-columns").addEventListener("change", (event) => {
+  byId("points").classList.toggle("is-whole", event.target.checked);
+  page.markScrolling();
+});
+function choose(index, fromTable, quiet) {
   state.chosen = index;
   const p = points[index];
   rows.forEach((row) => {
@@ -305,7 +395,7 @@ function choose(index, fromTable) {
   });
   const kinds = ["camera", "lens", "port", "light"];
   const card = [el("h3", {}, "Point " + p.id + (p.pick ? ": " + p.pick : ""))];
-  picks.filter((pick) => pick.point === p.id && pick.definition).forEach((pick) => card.push(el("p", {class: "dim"}, pick.definition)));
+  picks.filter((pick) => pick.point === p.id && pick.definition).forEach((pick) => card.push(el("p", {class: "dim"}, pick.definition[0].toUpperCase() + pick.definition.slice(1) + ".")));
   card.push(el("ul", {}, ...kinds.map((kind, k) => el("li", {}, p.counts[k] + " × " + texts[p.names[k]], el("small", {class: "mono"}, texts[p.parts[k]])))));
   card.push(el("p", {class: "dim"}, texts[p.stand]));
   card.push(el("h4", {}, "Figures"), facts([...objectives.map((o, k) => [o.title, texts[p.shown[k]]]),
@@ -317,9 +407,10 @@ function choose(index, fromTable) {
   });
   byId("chosen").replaceChildren(...card);
   byId("chosen").scrollTop = 0;
-  byId("chosen-note").textContent = "Point " + p.id + " is chosen: " + system(p).join(", ") + ". Its card stands beside the plots.";
+  if (!quiet) byId("chosen-note").textContent = "Point " + p.id + " is chosen: " + system(p).join(", ") + ". Its card stands beside the plots.";
   follow();
 }
 window.uwopt.choose = choose;
-follow();
+const first = picks.find((pick) => pick.name === "knee") || picks[0];  // so that the card shows what it is for
+choose(Math.max(0, points.findIndex((p) => first && p.id === first.point)), true, true);
 }

@@ -15,7 +15,7 @@ const isDark = () => (root.dataset.theme || (dark.matches ? "dark" : "light")) =
 
 function dressed(layout) {
   const base = {
-    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", autosize: true,
+    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", autosize: true, separators: ".\u2009",
     font: {family: getComputedStyle(document.body).fontFamily, size: 12, color: colour("ink")},
     margin: {l: 64, r: 16, t: 24, b: 52}, hoverlabel: {align: "left", bgcolor: "#16212b", font: {color: "#ffffff"}},
   };
@@ -83,7 +83,7 @@ function plot(element, traces, layout) {
   return Plotly.newPlot(element, traces, dressed(layout), config);
 }
 
-window.uwopt = {data, colour, isDark, later, plot, note, themed, visible};
+window.uwopt = {data, colour, isDark, later, plot, note, themed, visible, markScrolling};
 
 /* theme */
 function showTheme() {
@@ -123,6 +123,7 @@ document.querySelectorAll("[data-tabs]").forEach((group, g) => {
       panels[other].hidden = other !== index;
     });
     if (focus) tabs[index].focus();
+    group.dispatchEvent(new Event("shown"));
     panels[index].querySelectorAll("[data-drawn='true']").forEach((p) => p.data && Plotly.Plots.resize(p));
     markScrolling();
   };
