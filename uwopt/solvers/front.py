@@ -302,6 +302,8 @@ class FrontSearch:
                 self._add(curves, answers)
         self.curves.append(curves)
         if self.quality is not None and self._trades_power():
+            upper = curves.segments()[1][self._open_segments(curves, ROUGH_SEGMENT)[0]]
+            curves.answers = self.trade.drawn_in(curves.some, curves.answers, upper)
             self._ask(curves, ROUGH_SEGMENT, WAVE_ROUNDS)
             self._forget()
 

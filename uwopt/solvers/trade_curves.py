@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.hardware import FLASH, PULSED
+from uwopt.model import sensor
 from uwopt.objectives.objective import Objective
 from uwopt.rows import SceneRows
 from uwopt.solvers import settings as closed_form
@@ -27,6 +28,8 @@ Array = NDArray[Any]
 ABOVE = 1.0 + 1e-9  # a limit that equals the least power must admit it
 CURVE_GAP = 5e-4  # relative, of qualities without a closed form
 DIMMEST = 1e-4  # of the power at the far end: where a curve that begins without light is first asked
+PIECES = 6  # of the range of f-numbers, in bounds of information
+RULE_SLACK = 1e-4  # of the quadrature over frequencies
 LIMITS = 7  # power limits that a curve is first known at
 TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES = (0.0, 0.35, 0.7), (0.0, 0.4, 0.7, 1.0), (1.0, 0.4)
 
@@ -305,6 +308,55 @@ class Trade:
             bits = bit_per_px_bound(np.maximum(most, -1e3), scene.sharp.rated_pitch_px)
             best = np.minimum(best, bits / scene.sharp.pixel_area_m2)
         return np.where(np.isfinite(most), best, -np.inf)
+
+    def drawn_in(self, some: Hopeful, bounds: Answers, which: Array) -> Answers:
+        """Some bounds of information drawn in: the light of wide apertures does not come with the depth of small ones.
+
+        The range of f-numbers is cut into pieces. In each the SNR is that of its widest aperture, the light's
+        wave that of its widest and the defocus that of its smallest, the motion that of the shortest time.
+        """
+        if self.quality != "information" or any(r.sunlit for r in some.rows):
+            return bounds
+        asked = which[np.isfinite(bounds.bound[which]) & (bounds.bound[which] > 0)]
+        designs = some.take(bounds.design[asked])
+        free = replace(designs, rows=unhindered(designs.rows))
+        low, high = (
+            np.max([r.n_low for r in free.rows], axis=0),
+            np.min([r.n_high for r in free.rows], axis=0),
+        )
+        best = np.full(len(asked), -np.inf)
+        for piece in range(PIECES):
+            ends = [low * (np.maximum(high, low) / low) ** (end / PIECES) for end in (piece, piece + 1)]
+            best = np.maximum(best, self._piece_bound(free, bounds.limit_w[asked] * ABOVE, ends))
+        bound = bounds.bound.copy()
+        bound[asked] = np.minimum(bound[asked], best * (1.0 + RULE_SLACK))
+        return replace(bounds, bound=bound).drawn_in()
+
+    @staticmethod
+    def _piece_bound(free: Hopeful, limit_w: Array, ends: list[Array]) -> Array:
+        """Information [bit/m2] that no settings between two f-numbers exceed, -inf: there are none."""
+        first, last = ends
+        cut = replace(
+            free,
+            rows=[
+                replace(r, n_low=np.maximum(r.n_low, first), n_high=np.minimum(r.n_high, last))
+                for r in free.rows
+            ],
+        )
+        snr_db = most_snr_db(cut, limit_w)
+        reached = np.nonzero(np.isfinite(snr_db))[0]
+        out = np.full(len(free), -np.inf)
+        if len(reached):
+            bits = []
+            for r in free.rows:
+                some = r.take(reached)
+                assert some.sharp is not None
+                bits.append(some.sharp.information_bit_per_m2(
+                    sensor.from_db(snr_db[reached]), f_number=last[reached],
+                    working_f_number=first[reached] * some.working_factor, blur_s=some.time_min_s,
+                ))  # fmt: skip
+            out[reached] = np.min(bits, axis=0)
+        return out
 
 
 def first_limits_w(some: Hopeful, least_w: Array) -> Array:
