@@ -37,7 +37,8 @@ from uwopt.solvers.rounding import exact_settings
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
 EXACT, PEER = "exact", "nsga2"
-PEER_S = 10.0  # that a population solver gets beside the exact front, unless the call says otherwise
+EXACT_S = 120.0  # for the exact front, unless the call says otherwise
+PEER_S, PEER_ALONE_S = 10.0, 30.0  # for a population solver, beside the exact front and without it
 AGREES_REL = 1e-6
 
 
@@ -71,7 +72,8 @@ def pareto(
     objectives : two or three of power, cost, mass, snr_db, gsd_mm, contrast, information; or functions of your
         own (see `objectives.own.OwnObjective`), which population solvers alone can search
     solver : exact, and names of pymoo's algorithms such as nsga2 or nsga3, one or several
-    seconds : for each solver; population solvers stop after 10 s unless told
+    seconds : for each solver; unless told the exact search stops after 120 s, population solvers after 10 s,
+        or 30 s where there is no exact front
     seed : of the population solvers; the mission's unless given
     alternatives : also say why systems of other makers are not on the front
     """
@@ -152,7 +154,7 @@ class Run:
         self.objectives = [item if isinstance(item, str) else OwnObjective.of(item) for item in objectives]
         if axes is not None:
             self.objectives = list(axes.names)
-        self.seconds, self.seed = seconds, seed
+        self.seconds, self.seed, self.left_out = seconds, seed, ""
         self.progress = progress or (lambda share, what: None)
 
     @property
@@ -167,37 +169,38 @@ class Run:
             selection = recommend.selected(self.mission, self.catalog, generic=generic)
             problem = recommend.build_problem(self.mission, selection)
         front, search = None, None
-        if EXACT in self.solvers and self.axes is not None:
-            if len(self.solvers) > 1 and both_depend(problem, self.axes):
-                self.solvers = [name for name in self.solvers if name != EXACT]
-            else:
-                with recommend.timed(timing, EXACT):
-                    made = FrontSearch(
-                        problem,
-                        self.axes,
-                        deadline_s=self.seconds,
-                        progress=lambda s, w: self.progress(0.5 * s, w),
-                    )
-                    front = made.run()
-                search = made.search
+        self.left_out = why_no_exact(problem, self.axes)
+        solvers = list(self.solvers)
+        if self.left_out and len(solvers) > 1 and EXACT in solvers:
+            solvers.remove(EXACT)
+        else:
+            self.left_out = ""
+        if EXACT in solvers and self.axes is not None:
+            with recommend.timed(timing, EXACT):
+                made = FrontSearch(
+                    problem, self.axes, deadline_s=self.seconds or EXACT_S,
+                    progress=lambda share, what: self.progress(0.5 * share, what),
+                )  # fmt: skip
+                front = made.run()
+            search = made.search
         peers = []
         if search is None:
             search = Search(problem, self.builtin, top=1, deadline_s=None, progress=None)
             with recommend.timed(timing, "tables"):
                 search.prepare()
         halted = front is not None and (front.interrupted or not len(front.values))
-        for name in [] if halted else [name for name in self.solvers if name != EXACT]:
+        for name in [] if halted else [name for name in solvers if name != EXACT]:
             with recommend.timed(timing, name):
-                peers.append(self.peer(search, name))
+                peers.append(self.peer(search, name, PEER_ALONE_S if front is None else PEER_S))
         return Sought(selection, problem, search, front, peers)
 
-    def peer(self, search: Search, name: str) -> Any:
+    def peer(self, search: Search, name: str, usual_s: float) -> Any:
         """A front by a population solver."""
         from uwopt.solvers.pymoo_front import population_front
 
         return population_front(
             search, self.objectives, algorithm=name, seed=self.seed,
-            seconds=PEER_S if self.seconds is None else self.seconds,
+            seconds=self.seconds or usual_s,
             progress=lambda share, what: self.progress(0.5 + 0.4 * share, f"{name}: {what}"),
         )  # fmt: skip
 
@@ -396,7 +399,9 @@ class Run:
 
     def warned(self, sought: Sought) -> list[dict[str, str]]:
         """What should be known of how the front came about."""
-        out = []
+        out = (
+            [("no_exact", f"searched by population solvers alone: {self.left_out}")] if self.left_out else []
+        )
         front = sought.front
         if front is not None and not front.complete:
             what = "interrupted" if front.interrupted else "stopped"
@@ -423,13 +428,17 @@ class Run:
         return replace(made, infeasible=told.infeasible, certificate=proof or made.certificate)
 
 
-def both_depend(problem: Problem, axes: Axes) -> bool:
-    """Whether more than one quality depends on the settings, of which the exact front knows only one."""
+def why_no_exact(problem: Problem, axes: Axes | None) -> str:
+    """Why the exact search is left to population solvers where both are asked for; empty: it is not."""
+    if axes is None:
+        return ""
     try:
         quality_of(problem, axes)
     except MissionError:
-        return True
-    return False
+        return "more than one objective depends on the settings, and the exact search knows one beside power"
+    if any(scene.sunlit for scene in problem.scenes):
+        return "under the sun settings have no closed form, and the exact search, --solver exact, takes very long"
+    return ""
 
 
 def status_of(sought: Sought) -> str:

@@ -34,6 +34,7 @@ from uwopt.solvers.trade_curves import Answers, Curves, Hopeful, Trade
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
 FIRST_UNITS, LARGEST_UNITS, GROWTH = 128, 16384, 6  # units taken together
+FIRST_SUNLIT, DESIGNS_SUNLIT = 4, 8  # units and designs together where settings have no closed form at all
 ROUGH_SEGMENT, FINEST_SEGMENT = 3e-3, 1e-6  # share of the box that a segment may span: at first, and ever
 FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
 WAVE_ROUNDS, REFINEMENTS = 1, 8  # of asking the segments of one wave, and of all that stayed
@@ -151,7 +152,9 @@ class FrontSearch:
 
     def _layers(self, ideal: Array, lighting: Array, imager: Array, left: Array) -> bool:
         """Evaluate units until each is evaluated or beaten by a point; whether that was reached."""
-        sizes, batch, total = self._sizes(), FIRST_UNITS, max(len(ideal), 1)
+        sizes, total = self._sizes(), max(len(ideal), 1)
+        sunlit = any(scene.sunlit for scene in self.problem.scenes)
+        batch = FIRST_SUNLIT if sunlit else FIRST_UNITS
         while left.any():
             rows = np.nonzero(left)[0]
             beaten = self.archive.beats(ideal[rows])
@@ -162,18 +165,32 @@ class FrontSearch:
                 break
             if self._late():
                 return False
-            chosen = self._next(ideal[rows], batch)
-            parts = []
-            for k in np.unique(lighting[rows[chosen]]):
-                mine = rows[chosen][lighting[rows[chosen]] == k]
-                parts.append(self._bounded_again(int(k), imager[mine]))
-                left[mine] = False
-            some = [part for part in parts if part is not None]
-            if some:
-                self._solve(Hopeful.joined(some))
-            batch = min(GROWTH * batch, LARGEST_UNITS)
+            wave = rows[self._next(ideal[rows], batch)]
+            if not self._take(lighting[wave], imager[wave], DESIGNS_SUNLIT if sunlit else None):
+                return False
+            left[wave] = False
+            batch = min(GROWTH * batch, FIRST_SUNLIT if sunlit else LARGEST_UNITS)
             self.history.append((time.perf_counter() - self.start, self.archive.values))
             self.progress(0.9 * (1.0 - left.sum() / total), f"front: {len(self.archive.values)} points")
+        return True
+
+    def _take(self, lighting: Array, imager: Array, designs: int | None) -> bool:
+        """Evaluate these units, so many designs at a time; cut short, they count as not reached, and points stay."""
+        before = dict(self.account)
+        done = False
+        try:
+            parts = [self._bounded_again(int(k), imager[lighting == k]) for k in np.unique(lighting)]
+            some = [part for part in parts if part is not None and len(part)]
+            joined = Hopeful.joined(some) if some else None
+            every = np.arange(0 if joined is None else len(joined))
+            for start in range(0, len(every), designs or max(len(every), 1)):
+                if joined is None or self._late():
+                    return False
+                self._solve(joined if designs is None else joined.take(every[start : start + designs]))
+            done = True
+        finally:
+            if not done:
+                self.account = before
         return True
 
     def _next(self, ideal: Array, batch: int) -> Array:
@@ -295,12 +312,12 @@ class FrontSearch:
             every = np.arange(len(curves.some))
             answers = self.trade.best_quality(curves.some, every, curves.some.full_power_w)
             curves = replace(curves, answers=answers)
+        self.curves.append(curves)
         self._add(curves, curves.answers)
         if self._trades_power():
             curves.tried = self.trade.tried(curves.some)
             for answers in curves.tried:
                 self._add(curves, answers)
-        self.curves.append(curves)
         if self.quality is not None and self._trades_power():
             upper = curves.segments()[1][self._open_segments(curves, ROUGH_SEGMENT)[0]]
             curves.answers = self.trade.drawn_in(curves.some, curves.answers, upper)
@@ -397,7 +414,7 @@ class FrontSearch:
 
     def _forget(self) -> None:
         """Drop designs of the last curves of which nothing can be on the front any more."""
-        curves = self.curves.pop()
+        curves = self.curves[-1]
         lower, _ = curves.segments()
         corner = self._corner_values(curves)
         matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
@@ -407,8 +424,7 @@ class FrontSearch:
             which = self._on_front(curves, answers)
             useful[answers.design[which]] = True
         left = curves.without(~useful)
-        if left is not None:
-            self.curves.append(left)
+        self.curves[-1:] = [] if left is None else [left]
 
     def _on_front(self, curves: Curves, answers: Answers) -> Array:
         """Places of the answers that no point dominates."""
