@@ -382,6 +382,16 @@ def test_print_is_light_whole_and_without_controls(show: Callable[..., Any], mak
     assert page.locator(".panel h3", has_text="Least power").is_visible()  # every pick is on paper
 
 
+def test_long_fronts_are_thinned_on_paper_but_keep_their_picks(
+    show: Callable[..., Any], make_front: Make
+) -> None:
+    page = show(make_front("power", "cost", points=104))
+    page.emulate_media(media="print")
+    rows = page.locator("#points tbody tr:visible .choose").all_inner_texts()
+    assert len(rows) == 36 and {"p1", "p4", "p104"} <= set(rows)  # one of three, and the pick at the end
+    assert page.get_by_text("front.csv has all 104").is_visible()
+
+
 @pytest.mark.parametrize("width", [390, 820, 1280])
 def test_page_never_scrolls_sideways(show: Callable[..., Any], make_front: Make, width: int) -> None:
     page = show(make_front(), viewport={"width": width, "height": 800})

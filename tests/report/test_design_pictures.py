@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import uwopt
+from uwopt.replay import replay, telling_figures
 from uwopt.report.design_pictures import (
     MOST_BYTES,
     Picture,
@@ -155,3 +156,11 @@ def test_large_numbers_have_no_power_of_ten(value, text):
 def test_numbers_are_short_and_finite():
     assert numbers([1 / 3, math.inf, math.nan, 0.0, 123456.789]) == [0.33333, None, None, 0.0, 123460.0]
     assert numbers(np.eye(2)) == [[1.0, 0.0], [0.0, 1.0]]
+
+
+def test_figures_that_tell_of_changed_inputs_are_those_of_the_report(made: Any) -> None:
+    result, _ = made
+    again = replay(result.mission, result.best, **inputs(result))
+    whole = again.plain_figures()
+    for name, value in telling_figures(again, 0).items():
+        assert value == pytest.approx(whole[name], rel=1e-12)  # the same numbers by a shorter way

@@ -258,7 +258,7 @@ def quote_text(item: Any, result: Result) -> str:
     """One number worth asking for: whose, how it stands, and who wins otherwise."""
     if not isinstance(item, Mapping):
         return words.one_line(item)
-    number = str(item.get("field") or "").replace("_", " ")
+    number = split_unit(str(item.get("field") or ""))[0].replace("_", " ")
     unit = str(item.get("unit") or "")
     span = range_text(item.get("low"), item.get("high"), unit)
     standing = f" ~{words.quantity(item.get('value'), unit)}" + (f" ({span})" if span else "")

@@ -40,6 +40,7 @@ HISTORY = {
     "caption": "How fast each method approached what it reached.",
     "alt": "Lines of the hypervolume that each method had reached over the seconds of its search",
 }  # fmt: skip
+MOST_ON_PAPER = 40  # points of a front in the printed table, beside the picks
 DETAIL_PX = 160  # of the coarsest design, over the width of a detail that all picks show
 IMAGE = re.compile(r"data:image/(?:png|jpeg|webp);base64,[A-Za-z0-9+/=]+\Z")
 
@@ -217,6 +218,7 @@ def front_facts(front: FrontResult, pictures: Pictures) -> dict[str, Any]:
         "history": HISTORY if history is not None else None,
         "cards": page_front.front_cards(front),
         "heads": page_front.METHOD_HEADS, "methods": page_front.method_rows(front),
+        "paper_step": -(-len(front.points) // MOST_ON_PAPER),
         "kinds": page_front.KINDS, "peers": bool(front.peers), "three": len(front.objectives) == 3,
     }  # fmt: skip
 

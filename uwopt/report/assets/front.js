@@ -163,7 +163,7 @@ function ticks(element) {
 function addPlot(element, axes, layout, three) {
   element.classList.add("plot");
   later(element, async () => {
-    const {traces, at, names} = tracesFor(axes, three);
+    const {traces, at, names} = tracesFor(axes, three), drawn = version;
     await plot(element, traces, {showlegend: false, hovermode: "closest", ...layout});
     const made = {element, at, axes, names, three};
     plots.push(made);
@@ -175,7 +175,7 @@ function addPlot(element, axes, layout, three) {
       const hit = event.points.find((p) => p.customdata !== undefined) || event.points[0];
       if (hit && hit.customdata !== undefined) choose(hit.customdata, false);
     });
-    follow();
+    if (version !== drawn || three) follow();  // what changed while it was drawn; in space, what is filtered
   });
 }
 
@@ -192,13 +192,18 @@ byId("pairs-key").append(...[["front", "a system of the front"], ...(joined.leng
   ...(peers.length ? [["peer", "found by " + [...new Set(peers.map((p) => p.method))].join(", ")]] : []), ["pick", "a pick"], ["chosen", "chosen"]]
   .map(([kind, words]) => el("li", {}, el("span", {class: "key-" + kind, "aria-hidden": "true"}), words)));
 const space = byId("space");
+function spaceTicks(k) {
+  if (!objectives[k].log) return {type: "linear", nticks: 5};
+  const logs = points.map((p) => Math.log10(p.values[k])), values = logTicks([Math.min(...logs) - 0.01, Math.max(...logs) + 0.01]);
+  return {type: "log", tickvals: values, ticktext: values.map(spaced)};
+}
 if (space) {
   const canvas = document.createElement("canvas");
   if (canvas.getContext("webgl2") || canvas.getContext("webgl")) {
     const look = () => ({gridcolor: colour("line"), zerolinecolor: colour("line"), color: colour("ink"), backgroundcolor: "rgba(0,0,0,0)"});
     const scene = () => Object.fromEntries(["xaxis", "yaxis", "zaxis"].map((name, k) => [name,
-      {title: {text: plain(titled(objectives[k]))}, type: objectives[k].log ? "log" : "linear", nticks: 5, ...look()}]));
-    addPlot(space, [0, 1, 2], {scene: {...scene(), camera: {eye: {x: 1.5, y: 1.5, z: 0.9}}}, margin: {l: 0, r: 0, t: 0, b: 0}}, true);
+      {title: {text: plain(titled(objectives[k]))}, ...spaceTicks(k), ...look()}]));
+    addPlot(space, [0, 1, 2], {scene: {...scene(), camera: {eye: {x: 1.75, y: 1.75, z: 0.95}, center: {x: 0, y: 0, z: -0.12}}}, margin: {l: 0, r: 0, t: 0, b: 0}}, true);
     page.themed.push(() => {
       if (!space.data) return;
       const changes = {"font.color": colour("ink")};
@@ -311,8 +316,9 @@ function filter() {
   follow();
 }
 
-let waiting = false;
+let waiting = false, version = 0;
 function follow() {  // all views show the state, at most once a frame
+  version += 1;
   if (waiting) return;
   waiting = true;
   requestAnimationFrame(() => {
