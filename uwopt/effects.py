@@ -23,7 +23,7 @@ from uwopt.image_light import COARSE_ORDER, SMOOTH_MARGIN, LampField
 from uwopt.model import beam as beams
 from uwopt.model import imaging, port
 from uwopt.model.fidelity import Effects
-from uwopt.optics import TINY, Views, one_side
+from uwopt.optics import LARGEST_EXPONENT, TINY, Views, one_side
 from uwopt.problem import Mount, Problem
 from uwopt.sun_field import SunField
 
@@ -144,6 +144,9 @@ def forward_bound(field: LampField, view: Views) -> float:
     scene, contraction = field.scene, field.contraction
     weight = contraction.weight(field.spectrum, field.efficiency, field.channel)
     excess = scene.attenuation_per_m - scene.lamp_attenuation_per_m
+    lit = weight > 0
+    if not lit.any():  # a black floor
+        return 0.0
     most = 0.0
     for range_m in (float(scene.range_m[0]), float(scene.range_m[-1])):
         x_m, y_m, path_m = imaging.floor_point(
@@ -156,10 +159,9 @@ def forward_bound(field: LampField, view: Views) -> float:
         )
         for lamp_m in (height, float(np.hypot(height, aside))):
             optical = scene.lamp_attenuation_per_m * lamp_m + scene.attenuation_per_m * longest
-            seen = weight * np.exp(-(optical - optical[weight > 0].min(initial=np.inf)))
-            total = float(seen.sum())
-            if total > 0:
-                most = max(most, float((seen * np.expm1(excess * longest)).sum() / total))
+            seen = weight[lit] * np.exp(-(optical[lit] - optical[lit].min()))
+            veil = np.expm1(np.minimum(excess[lit] * longest, LARGEST_EXPONENT))
+            most = max(most, float((seen * veil).sum() / seen.sum()))
     return most * FORWARD_MARGIN
 
 

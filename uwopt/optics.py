@@ -21,7 +21,7 @@ from uwopt.mission import Requirements
 from uwopt.model import beam as beams
 from uwopt.model import defocus, imaging, lens, operation, port, sensor, veil
 from uwopt.model.imaging import Lamps, PortShape
-from uwopt.model.spectrum import resample
+from uwopt.model.spectrum import resample, resample_power
 from uwopt.model.water import PathTable, build_path_table
 from uwopt.scene import PAPER_N_WATER, SceneOptics
 
@@ -30,6 +30,7 @@ PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
 REACH_STEP = 1.3
 TINY = 1e-300  # in place of a sum of weights that is zero: a black floor, a blind sensor
 RMS_FIELD = 1.0 / np.sqrt(3.0)  # of the corner's tangent: the 2-point Gauss rule's node along and across
+LARGEST_EXPONENT = 600.0  # of a veil over what it veils: exp(709) is the last that a float holds
 CONTRAST_MARGIN = 0.98  # of the forward veil, for what lies between the paths tried
 LAMP_FRONT_M = 0.02  # radius of a lamp's front, unless known: nearer than that its light is not a point's
 WIDEST_DISC_RAD = float(np.deg2rad(85.0))
@@ -584,14 +585,17 @@ class Contraction:
         scene = self.scene
         weight = self.weight(spectrum, efficiency)
         excess = scene.attenuation_per_m - scene.lamp_attenuation_per_m
+        lit = weight > 0
+        if not lit.any():  # a black floor or a blind sensor
+            return 1.0
         least = np.inf
         for camera_m in np.linspace(near, max(self._reach_m[1], near), 4):
             for lamp_m in np.linspace(0.5 * near, max(self._reach_m[0], near), 4):
-                optical = scene.lamp_attenuation_per_m * lamp_m + scene.attenuation_per_m * camera_m
-                seen = weight * np.exp(-(optical - optical[weight > 0].min(initial=np.inf)))
-                if seen.sum() > 0:
-                    least = min(least, float((seen * np.expm1(excess * camera_m)).sum() / seen.sum()))
-        return 1.0 if not np.isfinite(least) else 1.0 / (1.0 + CONTRAST_MARGIN * least)
+                optical = scene.lamp_attenuation_per_m[lit] * lamp_m + scene.attenuation_per_m[lit] * camera_m
+                seen = weight[lit] * np.exp(-(optical - optical.min()))
+                veil = np.expm1(np.minimum(excess[lit] * camera_m, LARGEST_EXPONENT))
+                least = min(least, float((seen * veil).sum() / seen.sum()))
+        return 1.0 / (1.0 + CONTRAST_MARGIN * least)
 
     def set_reach(self, lamp_reach_m: float, camera_reach_m: float) -> None:
         """Longest paths that tables must cover, rounded up so that like problems share their tables."""
@@ -679,15 +683,9 @@ def relative_spectrum(key: tuple[str, Curve | None], wavelength_nm: Array) -> Ar
     """A light's relative spectrum on the grid: the user's own curve, or a named one."""
     name, curve = key
     if curve is not None:
-        return np.asarray(
-            resample(
-                wavelength_nm, table_nm=np.array(curve.x), table_values=np.array(curve.y), outside="zero"
-            )
-        )
+        return resample_power(wavelength_nm, table_nm=np.array(curve.x), table_values=np.array(curve.y))
     known = spectra.light_spectrum(name)
-    return np.asarray(
-        resample(wavelength_nm, table_nm=known.wavelength_nm, table_values=known.value, outside="zero")
-    )
+    return resample_power(wavelength_nm, table_nm=known.wavelength_nm, table_values=known.value)
 
 
 def on_axis_gain(beam: beams.Beam, ranges: Array) -> Array:

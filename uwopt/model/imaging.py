@@ -410,11 +410,12 @@ def lamp_leg_loss(
     under 1e-5 for a footprint a few metres deep.
     """
     ranges = np.linspace(float(range_m.min()), float(range_m.max()), n_ranges)
-    optical = ranges[:, None] * attenuation_per_m
+    lit = share_of_wave > 0.0  # what the lamp does not emit may be attenuated far less
+    optical = ranges[:, None] * attenuation_per_m[lit]
     least = optical.min(axis=1)
     with np.errstate(under="ignore"):
-        log_mean = np.log(np.exp(-(optical - least[:, None])) @ share_of_wave) - least
-    return np.exp(np.interp(range_m, ranges, log_mean))
+        log_mean = np.log(np.exp(-(optical - least[:, None])) @ share_of_wave[lit]) - least
+        return np.exp(np.interp(range_m, ranges, log_mean))
 
 
 def footprint_illuminance_per_lm(

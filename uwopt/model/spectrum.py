@@ -86,6 +86,34 @@ def resample(
     return np.asarray(np.interp(wanted, table, values, left=fill, right=fill), dtype=float)
 
 
+def resample_power(wavelength_nm: ArrayLike, *, table_nm: ArrayLike, table_values: ArrayLike) -> FloatArray:
+    """A lamp's tabulated spectrum on a grid, zero beyond the table, so that no line falls between the points.
+
+        S_i = integral of S h_i d lambda / integral of h_i d lambda,   h_i the hat function of point i
+
+    Arguments as in `resample`; (n,) in the unit of the table. Where no two entries are closer than the grid's
+    points it is `resample`. Else sum(w S f), w the trapezoid's weights, is the integral of S f for every f that
+    is linear between the points, however narrow the lines of S are.
+    """
+    grid, table = np.asarray(wavelength_nm, dtype=float), _increasing(table_nm, "table")
+    if np.diff(table).min() >= np.diff(grid).min():
+        return resample(grid, table_nm=table, table_values=table_values, outside="zero")
+    low, high = max(table[0], grid[0]), min(table[-1], grid[-1])
+    knots = np.unique(np.concatenate([table, grid]))
+    knots = knots[(knots >= low) & (knots <= high)]
+    mean = np.zeros_like(grid)
+    if knots.size < 2:
+        return mean
+    power = resample(knots, table_nm=table, table_values=table_values, outside="hold")
+    start, end, width = power[:-1], power[1:], np.diff(knots)
+    cell = np.clip(np.searchsorted(grid, knots[:-1], side="right") - 1, 0, grid.size - 2)
+    share = (np.stack([knots[:-1], knots[1:]]) - grid[cell]) / np.diff(grid)[cell]  # of the cell's upper hat
+    upper = width / 6.0 * (start * (2.0 * share[0] + share[1]) + end * (share[0] + 2.0 * share[1]))
+    np.add.at(mean, cell + 1, upper)
+    np.add.at(mean, cell, np.maximum(width / 2.0 * (start + end) - upper, 0.0))
+    return mean / trapezoid_weights_nm(grid)
+
+
 def planck_spectrum(wavelength_nm: ArrayLike, *, temperature_k: float) -> FloatArray:
     """Relative spectral power per nm of a black body, 1 at 560 nm.
 
