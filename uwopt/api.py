@@ -69,6 +69,7 @@ def prepared(mission: Source | Mission, physics: str | None, objective: Any) -> 
     return made
 
 
+@np.errstate(under="ignore")  # less light than a float can hold is no light, whatever the caller has set
 def solve(
     mission: Source | Mission,
     *,
@@ -355,6 +356,7 @@ def versions() -> dict[str, str]:
 # ---------------------------------------------------------------- evaluate
 
 
+@np.errstate(under="ignore")  # less light than a float can hold is no light, whatever the caller has set
 def evaluate(mission: Source | Mission, system: Source | System, *, physics: str | None = None) -> Result:
     """What a given system would do in a mission: figures and margins of every scene."""
     start = time.perf_counter()
@@ -486,10 +488,13 @@ def unwanted_kind(problem: Problem, mission: Mission) -> list[str]:
 
 
 def breathing_notes(design: Design) -> list[dict[str, str]]:
-    """A warning where focusing so near changes the field of view."""
+    """A warning where focusing so near changes the field of view, or leaves no image."""
     notes = []
     for scene in design.scenes:
         n, working = scene.figures["f_number"], scene.figures["working_f_number"]
+        if n and working is None:
+            text = f"{scene.name}: the focus lies within the focal length of the lens; there is no image"
+            notes.append({"code": "no_image", "path": "lens", "message": text})
         if n and working and working / n > 1.02:
             share = 100 * (working / n - 1)
             text = f"{scene.name}: focused so near, the lens extends by {share:.1f} % and sees that much less"

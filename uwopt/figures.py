@@ -118,12 +118,15 @@ def figures_of(
 ) -> Figures:
     """All figures that requirements need, for n designs in one scene; `information` where it is asked for."""
     cam, view = rows.cameras, rows.view
-    factor = 1.0
+    factor: Any = 1.0
     if not scene.paper:
+        imaged = forms_image(rows, settings)
         with np.errstate(divide="ignore"):
-            factor = lens_model.working_f_number(
-                1.0, focal_length_m=view.focal_length_m, object_distance_m=1.0 / settings.dioptre_per_m
-            )
+            object_m = np.where(imaged, 1.0 / settings.dioptre_per_m, np.inf)
+        extended = lens_model.working_f_number(
+            1.0, focal_length_m=view.focal_length_m, object_distance_m=object_m
+        )
+        factor = np.where(imaged, extended, np.inf)
     working = settings.f_number * factor
     collected_s = light_time_s(rows, settings)
     light_x = full_light_lm(rows.lights, rows.count) * settings.level * collected_s / np.square(working)
@@ -235,6 +238,14 @@ def darkest_snr(seen: Electrons, noise: dict[str, Array]) -> Array:
     return np.asarray(sensor.snr(seen.worst_e, veil_e=veil, **at_pixels).min(axis=2))
 
 
+def forms_image(rows: DesignRows, settings: SettingRows) -> Array:
+    """Whether the lens, focused so near, has an image at all: f D < 1. Within its focal length it has none.
+
+    N_w is infinite then: no light arrives, nothing is sharp, and the margin `nearest_focus_m` is missed.
+    """
+    return np.asarray(rows.view.focal_length_m * settings.dioptre_per_m < 1.0)
+
+
 def open_s(rows: DesignRows, settings: SettingRows) -> Array:
     """Time that collects sunlight: the whole exposure and its offset."""
     return np.asarray(settings.exposure_s + rows.cameras.exposure_offset_s)
@@ -250,13 +261,18 @@ def saturation_fraction(scene: SceneOptics, cam: Cameras, level: Array, signal: 
 def depth_of_field_m(scene: SceneOptics, rows: DesignRows, settings: SettingRows) -> tuple[Array, Array]:
     """Nearest and farthest sharp distance in water; inf where infinity is sharp.
 
-    On the axis; where the mission wants the corners sharp too, at both.
+    On the axis; where the mission wants the corners sharp too, at both. A lens without an image has no depth
+    of field: both ends lie at the focus.
     """
     lens = dict(focal_length_m=rows.view.focal_length_m, circle_of_confusion_m=rows.view.coc_m)
     near, far = lens_model.near_far_water_m(
         settings.f_number, focus_dioptre_per_m=settings.dioptre_per_m, focus_map=rows.focus_map, **lens
     )
-    if not held_at_corner(scene):
+    imaged = forms_image(rows, settings)
+    if not imaged.all():
+        focus = water_distance_m(settings.dioptre_per_m, focus_map=rows.focus_map)
+        near, far = np.where(imaged, near, focus), np.where(imaged, far, focus)
+    if not held_at_corner(scene) or not imaged.any():
         return np.asarray(near), np.asarray(far)
     high, low = lens_model.near_far_dioptre_per_m(
         settings.f_number, focus_dioptre_per_m=settings.dioptre_per_m, **lens
@@ -267,6 +283,7 @@ def depth_of_field_m(scene: SceneOptics, rows: DesignRows, settings: SettingRows
             places[..., 1] / np.maximum(end[:, None] - places[..., 0], 0.0) - places[..., 2]
             for end in (np.asarray(high), np.asarray(low))
         )
+    first, last = (np.where(imaged[:, None], end, near[:, None]) for end in (first, last))
     return np.maximum(near, first.max(axis=1)), np.minimum(far, last.min(axis=1))
 
 

@@ -92,7 +92,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "dof_near_m": near,
         "dof_far_m": far if math.isfinite(far) else None,
         "dof_far_is_infinite": math.isinf(far),
-        "dof_m": far - near if math.isfinite(far) else None,
+        "dof_m": max(far - near, 0.0) if math.isfinite(far) else None,
         "focus_distance_m": plain_settings(model, index, settings, figures)["focus_distance_m"],
         "virtual_image_distance_m": virtual_image_m(model, index),
         "effective_focal_length_mm": effective_focal_mm(model, index),
@@ -189,12 +189,17 @@ def sharpness_figures(
             corner, gap_m=shape.gap_m, thickness_m=shape.thickness_m, n_glass=shape.n_glass,
             n_water=shape.n_water, range_m=float(scene.range_m[scene.nominal]),
         )  # fmt: skip
-        colour = float(spread[0])
+        reflected = lateral.some_reflected(
+            corner, n_water=scene.n_water_spectrum, n_design=scene.n_water, electrons=electrons
+        )
+        colour = math.inf if reflected[0] else float(spread[0])  # reported as null
     bent = field_dioptres_per_m(view.corner_image, float(scene.range_m[scene.nominal]))
-    disc = defocus_px(
-        bent, f_number=f_number[:, None], focal_length_m=view.focal_length_m[:, None],
-        pixel_pitch_m=model.cameras.pixel_pitch_m[:, None], focus_dioptre_per_m=dioptre,
-    )  # fmt: skip
+    disc = np.array([np.inf])  # without an image; reported as null
+    if np.isfinite(working[0]):
+        disc = defocus_px(
+            bent, f_number=f_number[:, None], focal_length_m=view.focal_length_m[:, None],
+            pixel_pitch_m=model.cameras.pixel_pitch_m[:, None], focus_dioptre_per_m=dioptre,
+        )  # fmt: skip
     return {
         "mtf50_cyc_per_px": float(sharpness.mtf50_cyc_per_px(at)[0]),
         "mtf_half_nyquist": float(sharpness.mtf_half_nyquist(at)[0]),

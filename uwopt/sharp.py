@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[Any]
 SPREAD_STEP = 4  # of the spectral grid
+SPREAD_ERROR = 1e-3  # of the electrons: a spectrum that this step misses more of is not smooth
 
 
 @dataclass(frozen=True)
@@ -146,9 +147,10 @@ def sharp_rows(
     pitch, focal = cameras.pixel_pitch_m, view.focal_length_m
     lever = altitudes_m(scene)[None, :] + ports.outer_radius_m[:, None]
     blur = operation.blur_px(1.0, ground_sample_m=view.pixel_along_m, **motion_along(scene, lever))
+    imaged_at = np.where(focal * dioptre_per_m < 1.0, dioptre_per_m, 0.0)  # else N_w is infinite, MTF 0
     optical = dict(
         f_number=1.0, focal_length_m=focal[:, None, None], pixel_pitch_m=pitch[:, None, None],
-        focus_dioptre_per_m=dioptre_per_m[:, None, None],
+        focus_dioptre_per_m=imaged_at[:, None, None],
     )  # fmt: skip
 
     def discs(places: Array) -> Array:
@@ -220,13 +222,17 @@ def mean_wavelength_nm(scene: SceneOptics, arriving_e: Array) -> float:
 
 
 def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, efficiency: int) -> SpreadTable:
-    """Table of the spread of colours, for lateral colour; spectra are smooth enough for every fourth wavelength."""
+    """Table of the spread of colours, for lateral colour; smooth spectra by every fourth wavelength."""
     key = ("spread", *contraction.key(spectrum, efficiency, None))
     if key not in scene.cache:
         density = arriving(scene, contraction, spectrum, efficiency) / trapezoid_weights_nm(
             scene.wavelength_nm
         )
         some = slice(None, None, SPREAD_STEP)
+        every = float(density @ trapezoid_weights_nm(scene.wavelength_nm))
+        coarse = float(density[some] @ trapezoid_weights_nm(scene.wavelength_nm[some]))
+        if abs(coarse - every) > SPREAD_ERROR * every:  # lines between those
+            some = slice(None)
         scene.cache[key] = lateral.spread_table(
             scene.wavelength_nm[some], electrons_per_nm=density[some], n_water=scene.n_water_spectrum[some]
         )

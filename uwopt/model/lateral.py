@@ -91,7 +91,7 @@ def lateral_colour_px(
 
     Returns
     -------
-    (...,) [px], exact in the angle; 0 if there are no electrons.
+    (...,) [px], exact in the angle; 0 if there are no electrons. Without meaning where `some_reflected`.
 
     References
     ----------
@@ -104,6 +104,18 @@ def lateral_colour_px(
     mean = offset @ share
     rms = np.sqrt((offset - mean[..., np.newaxis]) ** 2 @ share)
     return (rms * focal_length_m / pixel_pitch_m)[()]
+
+
+def some_reflected(
+    tan_air: Numeric, *, n_water: ArrayLike, n_design: Numeric, electrons: ArrayLike
+) -> Numeric:
+    """Whether a flat port totally reflects a colour that would give electrons: its image lies at infinity.
+
+    Arguments as in `lateral_colour_px`; (...,) bool.
+    """
+    seen = np.asarray(electrons, dtype=float) > 0.0
+    steepest = np.max(np.where(seen, n_water, 0.0)) / n_design
+    return np.abs(tan_air) * steepest >= _LARGEST_SINE * np.sqrt(1.0 + np.square(tan_air))
 
 
 def radius_slope_px(

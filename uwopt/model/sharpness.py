@@ -240,6 +240,7 @@ def frequencies_at_cyc_per_px(level: float, *, sharpness: Sharpness) -> tuple[Ar
     pupil_null = 1.0 / np.maximum(np.minimum(sharpness.diffraction_px, _HUGE), 1.0)
     null = np.minimum(disc_null, pupil_null)
     motion_null = 1.0 / np.maximum(np.minimum(sharpness.motion_blur_px, _HUGE), 1.0)
+    null, motion_null = (np.where(end > 2.0 / _HUGE, end, 0.0) for end in (null, motion_null))
     shape = _shape(sharpness)
     along = _root(mtf_along, level, sharpness, np.broadcast_to(np.minimum(null, motion_null), shape))
     return along, _root(mtf_across, level, sharpness, np.broadcast_to(null, shape))

@@ -119,7 +119,7 @@ def depth_of_field_margins(scene: SceneOptics, figures: Figures) -> Iterator[Mar
         return
     yield MarginRows("dof_near_m", figures.dof_near_m, at_all(figures, scene.range_m[0]), "<=", "m")
     yield MarginRows("dof_far_m", figures.dof_far_m, at_all(figures, scene.range_m[-1]), ">=", "m")
-    sharp = np.isfinite(figures.dof_near_m)  # else the corner is nowhere as sharp as the centre
+    sharp = figures.dof_near_m < figures.dof_far_m  # else centre and corner are nowhere sharp together
     length = np.where(sharp, figures.dof_far_m - np.where(sharp, figures.dof_near_m, 0.0), 0.0)
     yield MarginRows("min_dof_m", length, at_all(figures, depth), ">=", "m")
 
