@@ -199,14 +199,14 @@ def spread(seconds: Sequence[float]) -> str:
     return f"{min(seconds):.2f} - {max(seconds):.2f}"
 
 
-def heading(note: str, repeats: int) -> list[str]:
+def heading(note: str, repeats: int, command: str = "python bench/run.py --write") -> list[str]:
     """Where and when this was measured."""
     versions = ", ".join(f"{name} {metadata.version(name)}" for name in LIBRARIES)
     load = " ".join(f"{value:.1f}" for value in os.getloadavg()) if hasattr(os, "getloadavg") else "unknown"
     return [
         "# Measured",
         "",
-        "Written by `python bench/run.py --write`.",
+        f"Written by `{command}`.",
         "",
         f"- {datetime.now(UTC):%Y-%m-%d %H:%M} UTC, uwopt {uwopt.__version__}",
         f"- {platform.system()} {platform.machine()}, {processor()}, {os.cpu_count()} cores",
