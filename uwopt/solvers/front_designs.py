@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from uwopt.front_result import FrontObjective, FrontPoint, Pick
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.result import Design
+from uwopt.solvers.dominance import NEAR
 from uwopt.solvers.exact import Search
 from uwopt.solvers.front import Front
 from uwopt.solvers.ranking import Found
@@ -19,6 +20,10 @@ from uwopt.solvers.ranking import Found
 Array = NDArray[Any]
 MOST_POINTS = 160  # of a front that are shown
 KNEE = "the point nearest to the best corner, axes scaled to the front's range (logarithms of power, cost and mass)"
+IN_WORDS = {
+    "information": "highest information", "snr_db": "highest SNR", "contrast": "highest contrast",
+    "gsd_mm": "finest pixel on the floor",
+}  # fmt: skip
 BEST_IMAGE = ("information", "snr_db", "contrast", "gsd_mm")
 
 
@@ -84,7 +89,7 @@ def values_of(design: Design, objectives: Sequence[FrontObjective]) -> dict[str,
 
 
 def picks_of(points: Sequence[FrontPoint], objectives: Sequence[FrontObjective], frame: Frame) -> list[Pick]:
-    """The points that people ask for by name; ties go to the better in the other objectives."""
+    """The points that people ask for by name; within 0.1 % the better in the other objectives is taken."""
     if not points:
         return []
     signs = np.array([-1.0 if o.direction == "maximise" else 1.0 for o in objectives])
@@ -96,14 +101,15 @@ def picks_of(points: Sequence[FrontPoint], objectives: Sequence[FrontObjective],
     for title, name, text in (
         ("cheapest", "cost", "the point of least cost"),
         ("least power", "power", "the point of least power"),
-        ("best image", quality, f"the point of {'least' if quality == 'gsd_mm' else 'highest'} {quality}"),
+        ("best image", quality, f"the point of {IN_WORDS.get(str(quality), str(quality))}"),
     ):
         if name is None or name not in names:
             continue
         column = values[:, names.index(name)]
-        tied = np.nonzero(column <= column.min() + 1e-9 * abs(column.min()))[0]
+        tied = np.nonzero(column <= column.min() + NEAR * abs(column.min()))[0]
         best = tied[unit[tied].sum(axis=1).argmin()]
-        found.append(Pick(title, points[int(best)].id, text))
+        among = ", and of those within 0.1 % of it the best in the other objectives" if len(tied) > 1 else ""
+        found.append(Pick(title, points[int(best)].id, text + among))
     return [*found, Pick("knee", points[knee(unit)].id, KNEE)]
 
 
