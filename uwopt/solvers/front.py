@@ -28,7 +28,6 @@ from uwopt.solvers.dominance import Archive, clearly, hypervolume, nondominated
 from uwopt.solvers.exact import RULES, Search
 from uwopt.solvers.fields import Lighting
 from uwopt.solvers.imagers import limit
-from uwopt.solvers.ranking import TIE
 from uwopt.solvers.trade_curves import Answers, Curves, Hopeful, Trade
 
 Array = NDArray[Any]
@@ -40,7 +39,8 @@ FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
 WAVE_ROUNDS, REFINEMENTS = 1, 8  # of asking the segments of one wave, and of all that stayed
 MOST_PIECES = 8  # of a segment at a time
 FEWEST_ASKED, MOST_ASKED = 256, 8192  # segments at a time, before the points found are looked at
-RESOLVED_REL = {"information": 2e-4}  # of qualities that are found to a gap
+RESOLVED_REL = {"information": 2e-4}  # of a quality that is found to a gap
+SAME_REL = 1e-6  # of the others: to this a requirement counts as met
 RARELY = 0.1  # share of the segments asked that hold something new
 STALLED = 0.8  # of the gap before: bounds on settings that do not close are not asked for ever
 FRONT_RULES = (*(rule for rule in RULES if rule != "bound"), "dominated")
@@ -77,7 +77,7 @@ class FrontSearch:
         self.problem, self.axes = problem, axes
         self.quality = quality_of(problem, axes)
         self.trade = Trade(self.quality)
-        self.resolved_rel = np.array([RESOLVED_REL.get(name, TIE) for name in axes.names])
+        self.resolved_rel = np.array([RESOLVED_REL.get(name, SAME_REL) for name in axes.names])
         self.start = time.perf_counter()
         self.deadline = None if deadline_s is None else self.start + deadline_s
         self.progress = progress or (lambda share, what: None)
@@ -502,7 +502,9 @@ class FrontSearch:
             frame = Frame.of(self.axes, every[kept])
             lower, upper = self._volumes()
             if len(open_ideals):
-                upper = max(upper, hypervolume(np.concatenate([every[kept], open_ideals]), frame))
+                # both at once: what open segments and units that were not reached may add need not overlap
+                still = np.concatenate([every[kept], self._open_corners(), open_ideals])
+                upper = max(upper, hypervolume(still, frame))
         return Front(
             self.axes, every[kept], [designs[i] for i in kept], frame, lower, upper, complete, interrupted,
             self.account, time.perf_counter() - self.start, self.history,

@@ -204,8 +204,6 @@ class Trade:
         """Quality of settings that were chosen for their power."""
         if self.quality != "information":
             return np.asarray(getattr(best, str(self.quality)))
-        if any(r.sunlit for r in some.rows):
-            return np.full(len(some), np.nan)
         return information_of(some.rows, chosen, best.feasible)
 
     def _answers(
@@ -275,8 +273,7 @@ class Trade:
         if any(r.sunlit for r in some.rows):
             full = some.full_power_w
             start = Answers.unasked(every, some.camera_power_w, np.full(n, -np.inf), n_scenes)
-            bound = np.full(n, np.inf if self.quality else 0.0)
-            return Answers.joined([start, Answers.unasked(every, full, bound, n_scenes)])
+            return Answers.joined([start, Answers.unasked(every, full, self.ceiling(some), n_scenes)])
         free = replace(some, rows=unhindered(some.rows))
         chosen, feasible = closed_form.least_power(free.rows, free.motorised)
         least = np.max([c.light_power_w for c in chosen], axis=0)
@@ -297,13 +294,24 @@ class Trade:
                 parts.append(Answers.unasked(alive[new], limit, bound, n_scenes))
         return Answers.joined(parts)
 
+    def ceiling(self, some: Hopeful) -> Array:
+        """A finite quality that no settings exceed under any light: SNR is at most the root of the electrons."""
+        if self.quality is None:
+            return np.zeros(len(some))
+        if self.quality == "contrast":
+            return np.ones(len(some))
+        return self._from_snr(some, 10.0 * np.log10(np.min([r.well_e for r in some.rows], axis=0)))
+
     def bound_within(self, free: Hopeful, limit_w: Array) -> Array:
         """What no settings within a power can beat, in closed form, of designs without hindrances."""
-        most = most_snr_db(free, limit_w)
+        return self._from_snr(free, most_snr_db(free, limit_w))
+
+    def _from_snr(self, some: Hopeful, most: Array) -> Array:
+        """The quality that an SNR in dB allows at most."""
         if self.quality == "snr_db":
             return most
-        best = np.full(len(free), np.inf)
-        for scene in free.rows:
+        best = np.full(len(some), np.inf)
+        for scene in some.rows:
             assert scene.sharp is not None
             bits = bit_per_px_bound(np.maximum(most, -1e3), scene.sharp.rated_pitch_px)
             best = np.minimum(best, bits / scene.sharp.pixel_area_m2)
@@ -400,7 +408,7 @@ def most_snr_db(some: Hopeful, limit_w: Array) -> Array:
 
 
 def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) -> Array:
-    """Information [bit/m2] of settings, worst scene; nan where there are none. Without sun."""
+    """Information [bit/m2] of settings, worst scene; nan where there are none."""
     out = np.full(len(which), np.nan)
     index = np.nonzero(which)[0]
     if len(index) == 0:
@@ -408,14 +416,23 @@ def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) ->
     values = []
     for r, c in zip(rows, chosen, strict=True):
         some = closed_form.with_exposure(r, c).take(index)
-        f_number, time = c.f_number[index], c.time_s[index]
+        f_number, blur = c.f_number[index], c.time_s[index]
+        working = f_number * some.working_factor
+        if some.sunlit and c.exposure_s is not None:  # the sun shines as long as the shutter is open
+            from uwopt.solvers.cell_bounds import figures_at  # brings scipy.special
+
+            some = replace(some, dark_time_s=c.exposure_s[index])
+            blur = some.open_s(c.exposure_s[index])
+            sun = closed_form.Sun.at(some, blur / np.square(working))
+            snr, _, _ = figures_at(some, c.light_x[index], c.gain[index], sun)
+        else:
+            snr = closed_form.nominal_snr(some, c.light_x[index])
         assert some.sharp is not None
         values.append(
             some.sharp.information_bit_per_m2(
-                closed_form.nominal_snr(some, c.light_x[index]), f_number=f_number,
-                working_f_number=f_number * some.working_factor, blur_s=time,
+                snr, f_number=f_number, working_f_number=working, blur_s=blur
             )
-        )  # fmt: skip
+        )
     out[index] = np.min(values, axis=0)
     return out
 
