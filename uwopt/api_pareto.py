@@ -40,6 +40,8 @@ EXACT, PEER = "exact", "nsga2"
 EXACT_S = 120.0  # for the exact front, unless the call says otherwise
 PEER_S, PEER_ALONE_S = 10.0, 30.0  # for a population solver, beside the exact front and without it
 AGREES_REL = 1e-6
+VEILED_REL = 1e-4  # veils are integrated for many images at once and for one, on grids that differ
+VEILED = ("contrast", "information", "snr_db")
 
 
 @dataclass
@@ -82,7 +84,8 @@ def pareto(
     names, own = split(objectives)
     solvers = checked_solvers(solver, own)
     axes = Axes.of(names) if not own else None
-    for name in names:  # requirements that one objective alone needs, such as information a footprint
+    plain = names if axes is None else axes.names
+    for name in plain:  # requirements that one objective alone needs, such as information a footprint
         if name in ("information", "contrast"):
             api.prepared(wanted, None, name)
     timing: dict[str, float] = {}
@@ -324,11 +327,12 @@ class Run:
         """What the exact front proves, and where every combination went."""
         by_rule = {rule: count for rule, count in front.account.items() if rule != "evaluated"}
         gap = front.hypervolume_bound - front.hypervolume
+        known = front.frame is not None or front.complete  # without a point there is no box to measure in
         return {
             "complete": front.complete,
             "scope": scope(sought.selection, sought.problem),
             "hypervolume": front.hypervolume,
-            "hypervolume_bound": front.hypervolume_bound,
+            "hypervolume_bound": front.hypervolume_bound if known else None,
             "gap_rel": gap / front.hypervolume_bound if front.hypervolume_bound > 0 else None,
             "points_found": len(front.values),
             **accounted(sought.selection, sought.problem, front.account["evaluated"], by_rule),
@@ -462,7 +466,8 @@ def front_status(front: Front) -> str:
 def check_claim(claimed: dict[str, float], reported: dict[str, float], design: Design) -> None:
     """The forward model must agree with the search, and every requirement must hold."""
     for name, value in claimed.items():
-        if not math.isclose(value, reported[name], rel_tol=AGREES_REL, abs_tol=1e-9):
+        rel = VEILED_REL if name in VEILED else AGREES_REL
+        if not math.isclose(value, reported[name], rel_tol=rel, abs_tol=1e-9):
             raise SolverError(
                 f"the front claims {name} = {value:.9g}, the evaluation of the same design says "
                 f"{reported[name]:.9g}; this is a defect of uwopt"

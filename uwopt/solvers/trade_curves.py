@@ -429,9 +429,7 @@ def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) ->
             snr = closed_form.nominal_snr(some, c.light_x[index])
         assert some.sharp is not None
         values.append(
-            some.sharp.information_bit_per_m2(
-                snr, f_number=f_number, working_f_number=working, blur_s=blur
-            )
+            some.sharp.information_bit_per_m2(snr, f_number=f_number, working_f_number=working, blur_s=blur)
         )
     out[index] = np.min(values, axis=0)
     return out
