@@ -191,15 +191,16 @@ def pulse_margins(rows: DesignRows, settings: SettingRows, triggered: Array) -> 
     cam, lights = rows.cameras, rows.lights
     inf = np.full(len(triggered), np.inf)
     led = lights.kind == PULSED
-    pulse_ms = settings.pulse_s * 1e3
+    pulse_s = np.where(triggered, settings.pulse_s, 0.0)  # of lamps that burn: inf, and inf - inf is no margin
+    pulse_ms = pulse_s * 1e3
     yield MarginRows("max_pulse_ms", pulse_ms, np.where(led, lights.max_pulse_s * 1e3, inf), "<=", "ms")
     yield MarginRows(
         "min_pulse_ms", np.where(led, pulse_ms, inf), np.where(led, lights.min_pulse_s * 1e3, 0.0), ">=", "ms"
     )
-    duty = np.where(led, settings.pulse_s * settings.rate_hz, 0.0)
+    duty = np.where(led, pulse_s * settings.rate_hz, 0.0)
     yield MarginRows("light_duty", duty, np.where(led, lights.max_duty, 1.0), "<=", "")
     yield MarginRows("light_rate", settings.rate_hz, np.where(triggered, lights.max_rate_hz, inf), "<=", "Hz")
-    flash_s = np.where(lights.kind == FLASH, lights.flash_duration_s, settings.pulse_s)
+    flash_s = np.where(lights.kind == FLASH, lights.flash_duration_s, pulse_s)
     rolling = triggered & (cam.readout_s > 0)
     needed_ms = np.where(rolling, (cam.readout_s + flash_s) * 1e3, 0.0)
     yield MarginRows("shutter_open_ms", settings.exposure_s * 1e3, needed_ms, ">=", "ms")
