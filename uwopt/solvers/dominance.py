@@ -34,18 +34,33 @@ def clearly(values: Array, resolved_rel: Array) -> Array:
 
     resolved_rel : (n_axes,) relative differences that mean nothing, such as the gap of a quality without a closed
     form. A row goes if another is no worse than that in every objective and better by more in some.
+    Only rows that stay send others away: a long run of small steps would leave nothing but its first.
     """
     kept: Array = nondominated(values)
     rows = np.nonzero(kept)[0]
     points = values[rows]
     slack = resolved_rel * np.abs(points)
+    doubtful = []
     for start in range(0, len(rows), CHUNK):
         mine = slice(start, start + CHUNK)
-        step = points[mine, None, :] - points[None, :, :]  # above 0: the other is better
-        no_worse: Array = np.all(step >= -slack[mine, None, :], axis=2)
-        better: Array = np.any(step > slack[mine, None, :], axis=2)
-        kept[rows[mine][np.any(no_worse & better, axis=1)]] = False
+        sent = _clearly_beaten(points[mine], slack[mine], points)
+        doubtful += (start + np.nonzero(sent)[0]).tolist()
+    if not doubtful:
+        return kept
+    kept[rows[doubtful]] = False
+    resolved = np.maximum(resolved_rel * np.median(np.abs(points), axis=0), 1e-300)
+    for row in np.array(doubtful)[np.argsort((points[doubtful] / resolved).sum(axis=1), kind="stable")]:
+        one = slice(row, row + 1)
+        kept[rows[row]] = not _clearly_beaten(points[one], slack[one], values[kept])[0]
     return kept
+
+
+def _clearly_beaten(points: Array, slack: Array, others: Array) -> Array:
+    """Whether some of the others is no worse than each point, to its slack, and better by more in some objective."""
+    step = points[:, None, :] - others[None, :, :]  # above 0: the other is better
+    no_worse: Array = np.all(step >= -slack[:, None, :], axis=2)
+    better: Array = np.any(step > slack[:, None, :], axis=2)
+    return np.asarray(np.any(no_worse & better, axis=1))
 
 
 def hypervolume(values: Array, frame: Frame) -> float:
