@@ -22,6 +22,7 @@ from uwopt import api
 from uwopt.cli import app
 from uwopt.errors import SolverError
 from uwopt.result import Certificate, Result
+from uwopt.solvers.exact import Search
 
 ROOT = Path(__file__).parents[1]
 MISSION = ROOT / "problems" / "paper-tank.yaml"
@@ -212,6 +213,17 @@ def test_interruption_before_a_result_is_status_130(monkeypatch: pytest.MonkeyPa
     assert "interrupted" in done.stderr and done.stdout == ""
 
 
+def test_interruption_before_a_system_is_status_130(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(*a: Any, **k: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Search, "_best_first", stop)
+    done = run("solve", MISSION, "--quiet")
+    assert done.exit_code == 130
+    told = done.stdout.partition("Certificate")[0]
+    assert "Interrupted before a system was found." in told and "limit" not in told
+
+
 @pytest.mark.parametrize(
     "fault", [SolverError("the claim does not hold"), ZeroDivisionError("division by zero"), MemoryError()]
 )
@@ -298,6 +310,9 @@ def test_report_refuses_what_is_no_result(tmp_path: Path, result_file: Path) -> 
     assert_refused(run("report"), "RESULT.json")
     assert_refused(run("report", tmp_path / "none.json"), "no such file")
     assert_refused(run("report", tmp_path), "is a folder", "result.json")
+    (mission := tmp_path / "mission.yaml").write_text("name: mine\n", "utf-8")
+    assert_refused(run("report", result_file, "--out", mission), "no page")
+    assert mission.read_text("utf-8") == "name: mine\n"
     assert_refused(run("report", tmp_path / "cut.json"), "cut off")
     assert_refused(run("report", MISSION), "is not JSON")
     assert_refused(run("report", result_file, "--out", result_file), "is the result itself")

@@ -252,7 +252,7 @@ def infeasible_result(
         status=status,
         certificate=proof,
         infeasible=why,
-        warnings=[*result.warnings, *selection_warnings(used.selection)],
+        warnings=[*result.warnings, *haste_warnings(used), *selection_warnings(used.selection)],
     )
 
 
@@ -278,6 +278,8 @@ def gap_warnings(proof: Certificate) -> list[dict[str, str]]:
 def haste_warnings(sought: Sought) -> list[dict[str, str]]:
     """That the search was interrupted, if it was."""
     text = "interrupted: the best found so far, without the tests of its doubts"
+    if not sought.outcome.best:
+        text = "interrupted before a system was found"
     return [{"code": "interrupted", "path": "", "message": text}] if sought.outcome.interrupted else []
 
 

@@ -32,6 +32,8 @@ def report_command(
     target = check_file(page_file(result, out))
     if target.exists() and Path(result).exists() and target.samefile(result):
         raise OutputError(f"{target}: is the result itself; choose another --out.")
+    if target.is_file() and target.suffix.lower() not in (".html", ".htm"):
+        raise OutputError(f"{target}: is there already and is no page; choose another --out.")
     with ProgressBar(quiet=quiet) as bar:
         if bar.report is not None:
             bar.report(0.1, "making the report")

@@ -28,7 +28,8 @@ def test_settings_keep_the_digits_that_are_set(name: str, value: float | None, t
 
 
 @pytest.mark.parametrize(
-    ("amount", "text"), [(4210.4, "4 210 USD"), (0.0, "0 USD"), (9.5, "9.50 USD"), (None, "unknown USD")]
+    ("amount", "text"),
+    [(4210.4, "4 210 USD"), (0.0, "0 USD"), (97.5, "97.5 USD"), (9.5, "9.50 USD"), (None, "unknown USD")],
 )
 def test_money_is_in_whole_units(amount: float | None, text: str) -> None:
     assert words.money(amount, "USD") == ("unknown" if amount is None else text)

@@ -68,7 +68,7 @@ def infeasible_block(result: Result | FrontResult) -> Block:
     if helpful:
         lines.append(sentence(HELPFUL))
         lines.append(relaxation_table(result, helpful))
-    elif not stopped:
+    elif not stopped and isinstance(result, Result):  # of fronts, the verdict has said it
         lines.append(sentence("No single requirement stands in the way; at least two have to give."))
     table = columns(("combinations", "right"), ("excluded because", "left"))
     bounded = False

@@ -59,7 +59,7 @@ def points_block(front: FrontResult) -> Block:
         table.add_row(Text(point.id), *texts, Text(parts_text(point)), Text(names.get(point.id, "")))
     left = len(front.points) - len(shown)
     more = (
-        [sentence(f"{words.counted(left, 'point')} more in the files; --out DIR writes them", "dim")]
+        [sentence(f"{words.counted(left, 'point')} more in the files that --out DIR writes", "dim")]
         if left
         else []
     )

@@ -219,10 +219,10 @@ def estimated_text(value: float | None, low: float | None, high: float | None, c
 
 
 def money(value: float | None, currency: str = "") -> str:
-    """An amount of money in whole units, small ones with cents."""
+    """An amount of money in whole units, below a hundred to three digits."""
     if value is None:
         return "unknown"
-    number = format_number(round(value), 3) if abs(value) >= 10 else format_number(round(value, 2))
+    number = format_number(round(value) if abs(value) >= 100 else round(value, 2), 3)
     return f"{number} {one_line(currency, 8)}".strip()
 
 
@@ -354,7 +354,8 @@ def status_sentence(result: Result) -> str:
             verb = "is" if len(missed) == 1 else "are"
             return f"{counted(len(missed), 'requirement')} {verb} missed"
     if result.status == "stopped" and result.best is None:
-        return "stopped by a limit before a system was found"
+        interrupted = any(warning.get("code") == "interrupted" for warning in result.warnings)
+        return f"{'interrupted' if interrupted else 'stopped by a limit'} before a system was found"
     return STATUS_SENTENCES.get(result.status, result.status)
 
 
