@@ -90,3 +90,11 @@ def test_mission_is_solved_and_its_claims_hold(name: str, physics: str):
     assert again.status == "feasible"
     # 1e-6: the settings pass through milliseconds and back, nothing else is between the two numbers
     assert again.objective["value"] == pytest.approx(best.objective_value, rel=1e-6)
+
+
+def test_settings_to_set_keep_the_information_that_was_asked_for() -> None:
+    """Rounding loses a step of gain or so, not the light that the optimum was chosen for."""
+    result = uwopt.solve(PROBLEMS / "reef-mosaic.yaml", objective="information")
+    assert result.best is not None and result.best.rounded is not None and result.best.objective_value
+    assert result.best.rounded["feasible"]
+    assert result.best.rounded["objective_value"] > 0.98 * result.best.objective_value

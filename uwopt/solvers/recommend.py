@@ -146,7 +146,8 @@ def check_claim(design: Design, found: Found, objective: Objective) -> None:
 def with_rounded(sought: Sought, found: Found, design: Design, objective: Objective) -> Design:
     """Add the settings a person can set, and how the design does with them."""
     rows = scene_rows_of(sought.search, found)
-    floor = 10.0 ** (found.snr_db / 20.0) * (1 - 1e-9) if objective.weight("snr_db") else 0.0
+    by_noise = bool(objective.weight("snr_db") or objective.weight("information"))
+    floor = 10.0 ** (found.snr_db / 20.0) * (1 - 1e-9) if by_noise else 0.0
     exact = [{**numbers, "snr_floor": min(floor, 1e300) * 0.99} for numbers in found.settings]
     focus = [scene.settings["focus_distance_m"] for scene in design.scenes]
     made = rounded_design(sought.problem, hardware_of(found), rows, exact, focus, objective)
