@@ -186,7 +186,9 @@ class FrontSearch:
             for start in range(0, len(every), designs or max(len(every), 1)):
                 if joined is None or self._late():
                     return False
-                self._solve(joined if designs is None else joined.take(every[start : start + designs]))
+                part = joined if designs is None else joined.take(every[start : start + designs])
+                if not self._solve(part):
+                    return False
             done = True
         finally:
             if not done:
@@ -302,12 +304,13 @@ class FrontSearch:
 
     # ------------------------------------------------------------ curves
 
-    def _solve(self, some: Hopeful) -> None:
-        """Ends of the curves, then segments that may still matter, coarsely."""
+    def _solve(self, some: Hopeful) -> bool:
+        """Ends of the curves, then segments that may still matter, coarsely; False: out of time."""
         self.account["evaluated"] += len(some)
         curves = Curves.of(self.trade, some)
         if curves is None:
-            return
+            return True
+        in_time = True
         if self.quality is not None and not self._trades_power():  # one point a design: its best quality
             every = np.arange(len(curves.some))
             answers = self.trade.best_quality(curves.some, every, curves.some.full_power_w)
@@ -321,8 +324,9 @@ class FrontSearch:
         if self.quality is not None and self._trades_power():
             upper = curves.segments()[1][self._open_segments(curves, ROUGH_SEGMENT)[0]]
             curves.answers = self.trade.drawn_in(curves.some, curves.answers, upper)
-            self._ask(curves, ROUGH_SEGMENT, WAVE_ROUNDS)
+            in_time = self._ask(curves, ROUGH_SEGMENT, WAVE_ROUNDS)
             self._forget()
+        return in_time
 
     def _trades_power(self) -> bool:
         """Whether settings of least power are on the front: power counts, or nothing that settings change does."""

@@ -212,9 +212,15 @@ class Trade:
     ) -> Answers:  # fmt: skip
         """Settings as answers; what has none is nan."""
         power = some.camera_power_w + np.max([c.light_power_w for c in chosen], axis=0)
-        ok = best.feasible & (power <= some.power_limit_w * ABOVE) & np.isfinite(quality)
-        power, quality = np.where(ok, power, np.nan), np.where(ok, quality, np.nan)
-        bound = quality if bound is None else np.fmax(bound, np.where(ok, quality, -np.inf))
+        possible = best.feasible & (power <= some.power_limit_w * ABOVE)
+        ok = possible & np.isfinite(quality)
+        power = np.where(ok, power, np.nan)
+        if bound is None:  # settings without an image are no point, yet a curve begins there
+            bound = np.where(possible & ~ok, -np.inf, quality)
+            bound = np.where(possible, bound, np.nan)
+        else:
+            bound = np.fmax(bound, np.where(ok, quality, -np.inf))
+        quality = np.where(ok, quality, np.nan)
         return Answers(
             design,
             power if limit_w is None else limit_w,
@@ -506,7 +512,7 @@ class Curves:
         later[first] = False
         rest = replace(bounds, design=place).take(np.nonzero(later)[0])
         curves = Curves(trade, some, Answers.joined([least, rest]))
-        return curves.without(~least.found)
+        return curves.without(np.isnan(least.bound))
 
     def without(self, gone: Array) -> Curves | None:
         """Without these designs; None when none is left."""
