@@ -49,8 +49,8 @@ def as_system(point: FrontPoint) -> dict[str, Any]:
 
 def minimised(front: FrontResult) -> np.ndarray[Any, Any]:
     """Values of all points, less is better."""
-    signs = [-1.0 if o.direction == "maximise" else 1.0 for o in front.objectives]
-    return np.array([[s * p.values[o.name] for s, o in zip(signs, front.objectives, strict=True)] for p in front.points])
+    signs = np.array([-1.0 if o.direction == "maximise" else 1.0 for o in front.objectives])
+    return np.array([[p.values[o.name] for o in front.objectives] for p in front.points]) * signs
 
 
 def test_front_is_complete_and_its_account_adds_up(front):

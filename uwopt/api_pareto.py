@@ -220,7 +220,7 @@ class Run:
         """Everything found, as a result."""
         base = api.base_result("pareto", self.mission, self.builtin, sought.problem)
         front = sought.front
-        status = status_of(sought)
+        status = status_of(sought, limited=self.seconds is not None)
         made = FrontResult(
             status=status, mission=base.mission, physics=base.physics, objectives=self.axes_of_result(),
             uwopt_version=base.uwopt_version, seed=self.seed, versions=base.versions, mission_file=base.mission_file,
@@ -445,8 +445,8 @@ def why_no_exact(problem: Problem, axes: Axes | None) -> str:
     return ""
 
 
-def status_of(sought: Sought) -> str:
-    """In one word, how the search ended."""
+def status_of(sought: Sought, *, limited: bool) -> str:
+    """In one word, how the search ended; `limited`: the call set a time."""
     if sought.front is not None:
         empty = len(sought.front.values) == 0
         return "infeasible" if empty and sought.front.complete else front_status(sought.front)
@@ -455,7 +455,8 @@ def status_of(sought: Sought) -> str:
     empty = all(len(peer.values) == 0 for peer in sought.peers)
     if empty and all(peer.status == "complete" for peer in sought.peers):
         return "infeasible"
-    return "stopped" if empty else "complete"
+    cut = limited and any(peer.status == "stopped" for peer in sought.peers)
+    return "stopped" if empty or cut else "complete"
 
 
 def front_status(front: Front) -> str:

@@ -79,11 +79,15 @@ class DesignModel:
             views(scene, self.cameras, self.lenses, shape, landscape=hardware.landscape)
             for scene, shape in zip(problem.scenes, self.shapes, strict=True)
         ]
-        for index, view in enumerate(self.views):
-            widest = 0.5 * float(np.hypot(view.footprint_along_m[0, 2], view.footprint_across_m[0, 2]))
-            problem.set_reach(index, 1.5 * widest)
+        self.set_reach()
         self._known: dict[Any, Any] = {}  # what no setting changes, worked out once
         self.rows = [self._rows(i, pixels=scene.at_worst) for i, scene in enumerate(problem.scenes)]
+
+    def set_reach(self) -> None:
+        """Tell the problem's water tables how far from the axis this image reaches; other designs tell them theirs."""
+        for index, view in enumerate(self.views):
+            widest = 0.5 * float(np.hypot(view.footprint_along_m[0, 2], view.footprint_across_m[0, 2]))
+            self.problem.set_reach(index, 1.5 * widest)
 
     def _once(self, key: Any, make: Callable[[], Any]) -> Any:
         """What `make` gives, kept: settings come and go, the light's integrals stay."""
@@ -346,6 +350,7 @@ def design_model(problem: Problem, hardware: Hardware) -> DesignModel:
     if hardware not in problem.known_models:
         problem.known_models[hardware] = DesignModel(problem, hardware)
     model: DesignModel = problem.known_models[hardware]
+    model.set_reach()  # another design may have told the tables its own since
     return model
 
 

@@ -16,7 +16,7 @@ from uwopt.design_model import Hardware, SceneSettings, design_model
 from uwopt.objectives.margins import MarginRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.problem import Problem
-from uwopt.reported import light_notes, plain_figures, plain_settings
+from uwopt.reported import light_notes, plain_figures, plain_settings, uneven_notes
 from uwopt.result import Design, Margin, SceneResult
 from uwopt.shopping import bill_of_materials, cost_range, hardware_dict
 
@@ -73,7 +73,7 @@ def evaluate_design(
         },
         scenes=scenes,
         bom=bill_of_materials(problem, hardware),
-        warnings=light_notes(model),
+        warnings=[*light_notes(model), *uneven_notes(scenes)],
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -29,6 +30,7 @@ from uwopt.optics import (
     relative_spectrum,
     required_rate_hz,
 )
+from uwopt.result import SceneResult
 from uwopt.sharp import arriving, mean_wavelength_nm
 
 Array = NDArray[Any]
@@ -270,7 +272,9 @@ def effective_focal_mm(model: DesignModel, index: int) -> float:
 
 def illuminance(model: DesignModel, index: int, settings: SettingRows) -> dict[str, float]:
     """Floor illuminance over the footprint at the nominal altitude, while the lights are on."""
-    lumens = float(full_light_lm(model.lights, np.array([model.hardware.count]))[0]) * float(settings.level[0])
+    lumens = float(full_light_lm(model.lights, np.array([model.hardware.count]))[0]) * float(
+        settings.level[0]
+    )
     lumens *= float(model.lights.output_factor[0])
     mean, least = model.floor_light(index)
     return {
@@ -337,6 +341,7 @@ def airy_um(model: DesignModel, index: int, working_f_number: float) -> float:
 
 
 DARK_SHARE = 0.01  # of the image: a darker part is worth a warning
+UNEVEN, FAR_BELOW_DB = 0.1, 15.0  # least over mean light on the floor; darkest pixel below the mean
 
 
 def light_notes(model: DesignModel) -> list[dict[str, str]]:
@@ -349,4 +354,21 @@ def light_notes(model: DesignModel) -> list[dict[str, str]]:
         if dark > DARK_SHARE:
             text = f"{scene.name}: no light reaches {100 * dark:.0f} % of the image; widen the beam, tilt or add lamps"
             notes.append({"code": "dark_image", "path": "light", "message": text})
+    return notes
+
+
+def uneven_notes(scenes: Sequence[SceneResult]) -> list[dict[str, str]]:
+    """Warnings of images whose mean meets the requirements while parts of them are all but dark."""
+    notes = []
+    for scene in scenes:
+        even, darkest = scene.figures["uniformity"], scene.figures["snr_db_min"]
+        mean = scene.figures["snr_db"]
+        below = None if darkest is None or mean is None else mean - darkest
+        if even is None or (even >= UNEVEN and (below is None or below <= FAR_BELOW_DB)):
+            continue
+        said = f"{scene.name}: very uneven light: the darkest place of the floor has {100 * even:.2g} % of the mean"
+        if darkest is not None:
+            said += f", its SNR is {darkest:.1f} dB"
+        said += "; ask for min_uniformity, snr_at: worst or min_contrast"
+        notes.append({"code": "uneven_light", "path": "light", "message": said})
     return notes

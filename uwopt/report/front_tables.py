@@ -67,11 +67,14 @@ def points_block(front: FrontResult) -> Block:
 
 
 def evenly(points: Sequence[FrontPoint]) -> list[FrontPoint]:
-    """The first, the last and some between."""
+    """The first, the last and some between, of every choice of hardware one if there is room."""
     if len(points) <= MOST_ROWS:
         return list(points)
-    places = [round(n * (len(points) - 1) / (MOST_ROWS - 1)) for n in range(MOST_ROWS)]
-    return [points[place] for place in places]
+    firsts = {point.curve: n for n, point in reversed(list(enumerate(points)))}
+    places = sorted(firsts.values()) if len(firsts) <= MOST_ROWS else []
+    even = [round(n * (len(points) - 1) / (MOST_ROWS - 1)) for n in range(MOST_ROWS)]
+    places += [place for place in even if place not in places][: MOST_ROWS - len(places)]
+    return [points[place] for place in sorted(places)]
 
 
 def value_texts(front: FrontResult, point: FrontPoint) -> list[str]:

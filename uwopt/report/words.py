@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -284,9 +285,11 @@ def mounts_text(mounts: Sequence[Mapping[str, Any]]) -> str:
             f"x {m['x_m']:g} m, y {m['y_m']:g} m, z {m['z_m']:g} m, tilt {m['tilt_x_deg']:g}/{m['tilt_y_deg']:g} deg"
             for m in mounts
         )
-    places = ", ".join(dict.fromkeys(f"{m['y_m']:+g} m" for m in mounts))
+    number = Counter(f"{m['y_m']:+g} m" for m in mounts)
+    uneven = len(set(number.values())) > 1
+    places = ", ".join(f"{n} at {place}" if uneven else place for place, n in number.items())
     tilt = mounts[0].get("tilt_y_deg") or 0.0
-    return f"at {places} across track" + (
+    return f"{'' if uneven else 'at '}{places} across track" + (
         f", tilted {tilt:g} deg outward" if tilt else ", aimed straight down"
     )
 

@@ -110,6 +110,7 @@ def hardware_of(found: Found) -> Hardware:
 def scene_rows_of(search: Search, found: Found) -> list[SceneRows]:
     """The settings' view of one found design, by scene."""
     imager = np.array([found.imager])
+    design_model(search.problem, hardware_of(found))  # the tables then reach as far as its image
     lights = [search.tables.exact(i, found.lighting, imager) for i in range(len(search.problem.scenes))]
     return search.rows(imager, lights, np.array([found.light]), np.array([found.count]), found.lighting)
 
