@@ -272,14 +272,20 @@ class Trade:
     def first_bounds(self, some: Hopeful) -> Answers | None:
         """What no settings can beat at some limits of power, from closed forms; None: nothing is impossible.
 
-        (n * LIMITS) answers, the least power of each design among the limits; under the sun the whole range only.
+        (n * LIMITS) answers, the least power of each design among the limits; under the sun all steps,
+        or the whole range of light that has none.
         """
         n, n_scenes = len(some), len(some.rows)
         every = np.arange(n)
         if any(r.sunlit for r in some.rows):
-            full = some.full_power_w
             start = Answers.unasked(every, some.camera_power_w, np.full(n, -np.inf), n_scenes)
-            return Answers.joined([start, Answers.unasked(every, full, self.ceiling(some), n_scenes)])
+            limits = first_limits_w(some, np.zeros(n)) + some.camera_power_w[:, None]
+            limits[~some.stepped] = np.nan
+            limits[~some.stepped, 0] = some.full_power_w[~some.stepped]
+            known = np.isfinite(limits)
+            at, _ = np.nonzero(known)
+            rest = Answers.unasked(at, limits[known], self.ceiling(some)[at], n_scenes)
+            return Answers.joined([start, rest])
         free = replace(some, rows=unhindered(some.rows))
         chosen, feasible = closed_form.least_power(free.rows, free.motorised)
         least = np.max([c.light_power_w for c in chosen], axis=0)
