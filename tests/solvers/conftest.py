@@ -13,6 +13,7 @@ HELPERS = (
     "random_cases",
     "hand_made_rows",
     "population_cases",
+    "front_cases",
 )  # each needs only those before it
 
 for name in HELPERS:

@@ -1,0 +1,143 @@
+"""Curves of quality against power: no tried setting is beyond what they say, at any stage of asking."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import front_cases as fc
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from uwopt.objectives.axes import Axes
+from uwopt.solvers.front import FrontSearch
+from uwopt.solvers.trade_curves import Answers, Curves, Hopeful
+
+KEYS = (
+    "dims", "steps", "on", "pulses", "pulses on", "flash", "flash rolling", "dark", "level",
+    "altitudes", "sharp", "still", "nothing asked", "sun",
+)  # fmt: skip
+
+
+def designs_of(key: str, quality: str) -> tuple[FrontSearch, list[Hopeful]]:
+    """Designs of a planted case with their light known, one a list."""
+    search = FrontSearch(fc.PLANTED[key].problem(), Axes.of(("power", quality)))
+    imagers = search.search.prepare()
+    parts = [
+        search._bounded_again(k, np.arange(len(imagers))) for k in range(len(search.search.tables.lightings))
+    ]
+    return search, [part.take(np.array([d])) for part in parts if part is not None for d in range(len(part))]
+
+
+def tried_beside(key: str, quality: str, some: Hopeful):
+    """Power and quality of tried settings of the same design; its parts are told by their constant terms."""
+    case = fc.PLANTED[key]
+    alone = replace(case.parts, lights=(case.parts.lights[int(some.light[0])],))
+    samples = fc.samples_of(replace(case, parts=alone))
+    points = fc.tried_points(samples, ("power", quality))
+    return points[:, 0], -points[:, 1]
+
+
+def assert_covered(curves: Curves, power, quality, gap: float):
+    """Each tried setting is under an answer, or in a segment that may still hold it."""
+    a = curves.answers
+    room = gap * np.maximum(np.abs(quality), 1e-9)
+    known = (a.power_w[None, :] <= power[:, None] * (1 + 1e-6)) & (
+        a.quality[None, :] >= (quality - room)[:, None]
+    )
+    at, best = curves.corners()
+    still = (at[None, :] <= power[:, None] * (1 + 1e-6)) & (best[None, :] >= (quality - room)[:, None])
+    missed = ~(known.any(axis=1) | still.any(axis=1))
+    assert not missed.any(), list(zip(power[missed][:3], quality[missed][:3], strict=True))
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_curve_of_snr_covers_what_is_tried_however_far_it_is_asked(key):
+    search, designs = designs_of(key, "snr_db")
+    assert designs
+    for some in designs:
+        power, quality = tried_beside(key, "snr_db", some)
+        curves = Curves.of(search.trade, some)
+        assert curves is not None
+        assert_covered(curves, power, quality, 1e-6)
+        for pieces in (2, 4):
+            corner = np.isfinite(curves.corners()[0])
+            which = np.nonzero(corner)[0][:12]
+            if len(which) == 0:
+                break
+            curves.ask(which, np.full(len(which), -np.inf), np.full(len(which), pieces))
+            assert_covered(curves, power, quality, 1e-6)
+
+
+@pytest.mark.xfail(
+    reason="much dark current helps a wanted mean level; longer pulses than the shortest need less light"
+)
+def test_least_power_uses_dark_current_for_the_wanted_level():
+    search, designs = designs_of("dark at a level", "snr_db")
+    for some in designs:
+        power, _ = tried_beside("dark at a level", "snr_db", some)
+        assert search.trade.least_power(some).power_w[0] <= power.min() * (1 + 1e-6)
+
+
+@pytest.mark.parametrize("key", ["dims", "steps", "pulses", "flash", "dark", "sharp"])
+def test_first_bounds_of_information_cover_what_is_tried(key):
+    search, designs = designs_of(key, "information")
+    for some in designs:
+        power, quality = tried_beside(key, "information", some)
+        curves = Curves.of(search.trade, some)
+        assert curves is not None
+        assert_covered(curves, power, quality, 1e-6)
+        _, upper = curves.segments()
+        curves.answers = search.trade.drawn_in(curves.some, curves.answers, upper)
+        assert_covered(curves, power, quality, 1e-6)
+
+
+@pytest.mark.parametrize("key", ["dims", "steps", "pulses", "flash", "level"])
+def test_best_quality_within_a_limit_is_bounded_kept_and_grows_with_the_limit(key):
+    search, designs = designs_of(key, "snr_db")
+    for some in designs:
+        power, quality = tried_beside(key, "snr_db", some)
+        limits = np.geomspace(power.min() * 1.001, power.max() * 1.1, 12)
+        answers = search.trade.best_quality(some, np.zeros(12, int), limits)
+        found = answers.quality[answers.found]
+        assert (answers.power_w[answers.found] <= limits[answers.found] * (1 + 1e-6)).all()
+        assert (np.diff(found) >= -1e-9).all()
+        for limit, best in zip(limits, np.where(answers.found, answers.quality, -np.inf), strict=True):
+            within = quality[power <= limit]
+            assert len(within) == 0 or within.max() <= best + 1e-5
+
+
+def test_light_of_steps_has_its_power_at_every_limit_of_its_curve():
+    search, (some,) = designs_of("steps", "snr_db")
+    bounds = search.trade.first_bounds(some)
+    drawn = {float(f"{w:.9g}") for w in bounds.limit_w - some.camera_power_w[0]}
+    assert drawn <= {20.0, 50.0, 100.0, 200.0}
+
+
+# ---------------------------------------------------------------- answers
+
+
+def answers_of(design, limit, bound):
+    """Answers that nobody asked for."""
+    return Answers.unasked(np.array(design), np.array(limit, float), np.array(bound, float), 1)
+
+
+def test_joined_answers_are_sorted_by_design_and_limit():
+    joined = Answers.joined(
+        [answers_of([1, 0], [5.0, 7.0], [1.0, 2.0]), answers_of([0, 1], [3.0, 9.0], [3.0, 4.0])]
+    )
+    assert joined.design.tolist() == [0, 0, 1, 1]
+    assert joined.limit_w.tolist() == [3.0, 7.0, 5.0, 9.0]
+    assert joined.bound.tolist() == [3.0, 2.0, 1.0, 4.0]
+    assert not joined.found.any()
+
+
+@given(rows=st.lists(st.tuples(st.integers(0, 3), st.floats(-5.0, 5.0)), min_size=1, max_size=20))
+def test_drawn_in_bounds_are_the_least_of_the_higher_limits(rows):
+    design = sorted(d for d, _ in rows)
+    bound = np.array([b for _, b in rows])
+    drawn = answers_of(design, np.arange(len(rows)), bound).drawn_in()
+    for i, d in enumerate(design):
+        later = [bound[j] for j in range(i, len(rows)) if design[j] == d]
+        assert drawn.bound[i] == min(later)
