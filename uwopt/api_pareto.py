@@ -19,7 +19,7 @@ from uwopt.evaluation import evaluate_design
 from uwopt.faults import nearest
 from uwopt.front_result import FrontMethod, FrontObjective, FrontPoint, FrontResult
 from uwopt.mission import Mission
-from uwopt.objectives.axes import DEFAULT, FEWEST, MOST, Axes, Frame
+from uwopt.objectives.axes import DEFAULT, FEWEST, MOST, Axes, Frame, plain_names
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnFunction, OwnObjective
 from uwopt.problem import Problem
@@ -84,8 +84,8 @@ def pareto(
     names, own = split(objectives)
     solvers = checked_solvers(solver, own)
     axes = Axes.of(names) if not own else None
-    plain = names if axes is None else axes.names
-    for name in plain:  # requirements that one objective alone needs, such as information a footprint
+    check_numbers(seconds, seed)
+    for name in names:  # requirements that one objective alone needs, such as information a footprint
         if name in ("information", "contrast"):
             api.prepared(wanted, None, name)
     timing: dict[str, float] = {}
@@ -119,9 +119,20 @@ def split(
     own = [OwnObjective.of(item) for item in objectives if not isinstance(item, str)]
     if own and not FEWEST <= len(names) + len(own) <= MOST:
         raise MissionError(f"objectives: {len(names) + len(own)} are named; a front has two or three.")
-    if not own:
-        Axes.of(names)
-    return names, own
+    return (plain_names(names) if own else list(Axes.of(names).names)), own
+
+
+def check_numbers(seconds: float | None, seed: int | None) -> None:
+    """Time above 0, a seed of 0 or more."""
+    faults = []
+    if seconds is not None and not seconds > 0:
+        faults.append(
+            f"seconds = {seconds} is no time to search in; give more than 0, or none for the usual time."
+        )
+    if seed is not None and seed < 0:
+        faults.append(f"seed = {seed} is below 0; seeds are whole numbers from 0.")
+    if faults:
+        raise MissionError(faults)
 
 
 def checked_solvers(solver: str | Sequence[str], own: Sequence[OwnObjective]) -> list[str]:
@@ -154,9 +165,14 @@ class Run:
         seconds: float | None, seed: int, progress: Progress | None,
     ):  # fmt: skip
         self.mission, self.catalog, self.axes, self.solvers = mission, catalog, axes, solvers
-        self.objectives = [item if isinstance(item, str) else OwnObjective.of(item) for item in objectives]
-        if axes is not None:
-            self.objectives = list(axes.names)
+        self.objectives: list[str | OwnObjective] = (
+            [
+                plain_names([item])[0] if isinstance(item, str) else OwnObjective.of(item)
+                for item in objectives
+            ]
+            if axes is None
+            else list(axes.names)
+        )
         self.seconds, self.seed, self.left_out = seconds, seed, ""
         self.progress = progress or (lambda share, what: None)
 

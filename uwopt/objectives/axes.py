@@ -20,6 +20,22 @@ DEFAULT = ("power", "cost", "information")
 FEWEST, MOST = 2, 3
 
 
+def plain_names(names: Sequence[str]) -> list[str]:
+    """Names of terms as uwopt writes them; a MissionError tells of the unknown and the repeated."""
+    plain = [str(name).strip().casefold().replace("-", "_") for name in names]
+    faults = []
+    for given, name in zip(names, plain, strict=True):
+        if name not in UNITS:
+            near = nearest(name, UNITS)
+            hint = f"did you mean {near}?" if near else f"there are {', '.join(UNITS)}."
+            faults.append(f"objectives: {str(given).strip()!r} is no figure that can be best; {hint}")
+    twice = sorted({name for name in plain if plain.count(name) > 1 and name in UNITS})
+    faults += [f"objectives: {name} stands twice; name each once." for name in twice]
+    if faults:
+        raise MissionError(faults)
+    return plain
+
+
 @dataclass(frozen=True)
 class Axes:
     """Names of the terms, in the order of the columns of every array of values (n, n_axes)."""
@@ -29,23 +45,13 @@ class Axes:
     @staticmethod
     def of(names: Sequence[str]) -> Axes:
         """Axes by name; a MissionError says what is wrong with them."""
-        plain = [str(name).strip().casefold().replace("-", "_") for name in names]
-        faults = []
-        for given, name in zip(names, plain, strict=True):
-            if name not in UNITS:
-                near = nearest(name, UNITS)
-                hint = f"did you mean {near}?" if near else f"there are {', '.join(UNITS)}."
-                faults.append(f"objectives: {str(given).strip()!r} is no figure that can be best; {hint}")
-        twice = sorted({name for name in plain if plain.count(name) > 1 and name in UNITS})
-        faults += [f"objectives: {name} stands twice; name each once." for name in twice]
-        if not faults and not FEWEST <= len(plain) <= MOST:
+        plain = plain_names(names)
+        if not FEWEST <= len(plain) <= MOST:
             number = "one objective has" if len(plain) == 1 else f"{len(plain)} objectives have"
             other = "`uwopt solve` finds the best of one" if len(plain) == 1 else "leave some out"
-            faults.append(
+            raise MissionError(
                 f"objectives: {number} no front that can be shown; name two or three of {', '.join(UNITS)}, or {other}."
             )
-        if faults:
-            raise MissionError(faults)
         return Axes(tuple(plain))
 
     def __len__(self) -> int:

@@ -80,4 +80,9 @@ class OwnObjective:
                 f"objective {self.name}: returned NaN for {int(np.isnan(values).sum())} of {n} feasible designs; "
                 "return a number for each"
             )
+        if np.isinf(values).any():
+            raise MissionError(
+                f"objective {self.name}: returned infinity for {int(np.isinf(values).sum())} of {n} feasible designs; "
+                "return a large number instead"
+            )
         return -values if self.direction == "maximise" else values
