@@ -117,6 +117,7 @@ class LampField:
     ):  # fmt: skip
         self.problem, self.scene_index, self.effects = problem, scene_index, problem.effects
         self.scene, self.contraction = problem.scenes[scene_index], problem.contractions[scene_index]
+        self.fineness = self.scene.fineness
         self.shape = problem.shape(port_index, scene_index)
         self.beam = problem.optics[optics].beam
         self.spectrum = int(self.contraction.spectrum_of[optics])
@@ -176,7 +177,7 @@ class LampField:
             [
                 imaging.field_mean(
                     view.tan_along, view.tan_across, lamps=one_side(self.lamps), table=table,
-                    **self.common(float(range_m)),
+                    fineness=self.fineness.image, **self.common(float(range_m)),
                 )
                 for range_m in self.scene.range_m
             ],
@@ -223,7 +224,7 @@ class LampField:
             [
                 veil.mean_backscatter(
                     view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=scatterers,
-                    **self.common(float(range_m)),
+                    fineness=self.fineness.veil, **self.common(float(range_m)),
                 )
                 for range_m in self.scene.range_m
             ],
@@ -235,8 +236,9 @@ class LampField:
     def at_worst_pixels(self, view: Views, *, veils: bool) -> tuple[Array, Array | None]:
         """Signal and veil at every pixel of a grid that some setting could make the worst."""
         along, across = imaging.pixel_grid(
-            view.tan_along, view.tan_across, half=imaging.along_symmetric(self.lamps)
-        )
+            view.tan_along, view.tan_across, half=imaging.along_symmetric(self.lamps),
+            n_points=self.problem.pixels_a_side(self.scene_index),
+        )  # fmt: skip
         signal, veil_there = self.at_pixels(view, along, across, veils=veils)
         if self.scene.sunlit and self.effects.sunlight:  # which is worst depends on lamps and sun together
             return signal, veil_there
@@ -261,7 +263,9 @@ class LampField:
                 every = imaging.local_gain(along, across, table=self.loss_table(diffuse=True), **common)
                 over = np.maximum(every * response - signal, 0.0)
             if scatters and self.effects.backscatter:
-                over = over + veil.backscatter_gain(along, across, scatterers=self.scatterers(), **common)
+                over = over + veil.backscatter_gain(
+                    along, across, scatterers=self.scatterers(), fineness=self.fineness.veil, **common
+                )
             signals.append(signal * collecting)
             veil_sum.append(over * collecting)
         has_veil = scatters and self.effects.veils

@@ -20,6 +20,7 @@ from uwopt.hardware import FAVOURED, Cameras, Lenses, Ports, Rows, number
 from uwopt.mission import Requirements
 from uwopt.model import beam as beams
 from uwopt.model import defocus, imaging, lens, operation, port, sensor, veil
+from uwopt.model.fineness import scaled
 from uwopt.model.imaging import Lamps, PortShape
 from uwopt.model.spectrum import resample, resample_power
 from uwopt.model.water import PathTable, build_path_table
@@ -28,6 +29,7 @@ from uwopt.scene import PAPER_N_WATER, SceneOptics
 Array = NDArray[Any]
 PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
 REACH_STEP = 1.3
+MOST_ORDER, TABLE_ERROR_LOG = 16, 1e-6  # of tables of water's loss
 TINY = 1e-300  # in place of a sum of weights that is zero: a black floor, a blind sensor
 RMS_FIELD = 1.0 / np.sqrt(3.0)  # of the corner's tangent: the 2-point Gauss rule's node along and across
 LARGEST_EXPONENT = 600.0  # of a veil over what it veils: exp(709) is the last that a float holds
@@ -623,9 +625,18 @@ class Contraction:
                 c_camera_per_m=scene.lamp_attenuation_per_m if diffuse else scene.attenuation_per_m,
                 lamp_range_m=(lowest, self._reach_m[0]),
                 camera_range_m=(near * 0.999, self._reach_m[1]),
+                **self.table_settings(),
             )
         table: PathTable = scene.cache[key]
         return table
+
+    def table_settings(self) -> dict[str, Any]:
+        """Order and tolerance of the loss tables."""
+        fineness = self.scene.fineness.spectrum
+        return dict(
+            max_order=scaled(MOST_ORDER, max(fineness, 1.0) ** 0.5),
+            tolerance_log=TABLE_ERROR_LOG / fineness**2,
+        )
 
     def scatterers(
         self, spectrum: int, efficiency: int, channel: str | None = None
@@ -650,6 +661,7 @@ class Contraction:
                         c_camera_per_m=scene.attenuation_per_m,
                         lamp_range_m=(LAMP_FRONT_M, max(lamp_end, 2 * LAMP_FRONT_M)),
                         camera_range_m=(0.0, camera_end),
+                        **self.table_settings(),
                     ),
                 )
                 for part in scene.scattering

@@ -34,6 +34,7 @@ from uwopt.hardware import (
 )
 from uwopt.image_light import ImageLight, LampField, SunLight, Veils
 from uwopt.mission import Mission
+from uwopt.model import fineness as fine
 from uwopt.model import imaging
 from uwopt.model.fidelity import FULL, PAPER, Effects
 from uwopt.model.imaging import Lamps, PortShape
@@ -114,6 +115,7 @@ class Problem:
         water_table: str | None = None,
         scenes: list[SceneOptics] | None = None,
         effects: Effects = FULL,
+        fineness: fine.Fineness = fine.DEFAULT,
     ):
         self.mission, self.parts, self.paper, self.end = mission, parts, paper, end
         self.known_models: dict[Any, Any] = {}  # by hardware; see `design_model.design_model`
@@ -123,7 +125,13 @@ class Problem:
         self.mounts = list(mounts) if mounts is not None else mission_mounts(mission)
         base_dir: Path | None = mission.base_dir
         self.scenes: list[SceneOptics] = scenes or [
-            scene_optics(mission.scene_view(i), paper=paper, base_dir=base_dir, water_table=water_table)
+            scene_optics(
+                mission.scene_view(i),
+                paper=paper,
+                base_dir=base_dir,
+                water_table=water_table,
+                fineness=fineness,
+            )
             for i in range(len(mission.scenes))
         ]
         high = mission.limits.cost_basis == "high"
@@ -262,7 +270,7 @@ class Problem:
         return imaging.footprint_illuminance_per_lm(
             float(view.tan_along[0]), float(view.tan_across[0]), shape=self.shape(port_index, scene_index),
             range_m=range_m, lamps=mount.lamps(count), beam=item.beam, weight=weight,
-            attenuation_per_m=scene.lamp_attenuation_per_m,
+            attenuation_per_m=scene.lamp_attenuation_per_m, fineness=scene.fineness,
         )  # fmt: skip
 
     def uniformity(self, scene_index: int, view: Views, **hardware: Any) -> Array:
@@ -289,6 +297,11 @@ class Problem:
         return self.contractions[scene_index].table(
             spectrum, efficiency, channel, lowest_m=max(lowest, 1e-4), diffuse=diffuse
         )
+
+    def pixels_a_side(self, scene_index: int) -> int:
+        """Points a side of the grid on which one scene's worst pixel is looked for; finer ones hold the coarser."""
+        half = imaging.PIXELS_A_SIDE // 2
+        return 2 * fine.scaled(half, self.scenes[scene_index].fineness.places) + 1
 
     def set_reach(self, scene_index: int, widest_m: float) -> None:
         """Tell the water tables how far from the axis any image reaches."""

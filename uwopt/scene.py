@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from uwopt.catalog import phase_functions, spectra
 from uwopt.errors import RangeError
 from uwopt.mission import SceneView
+from uwopt.model import fineness as fine
 from uwopt.model import water
 from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr
 from uwopt.model.spectrum import resample, wavelength_grid_nm
@@ -31,6 +32,7 @@ PAPER_ALTITUDES = 3
 FULL_ALTITUDES = 5
 FAINTEST_SUN_LX = 1e-6  # a billionth of what lamps give; starlight on the sea is a thousand times more
 STEEPEST_SUN_PATH = 0.85  # way of light straight down over that of the sun at 60 deg, with room
+GRID_SPAN_NM = 400.0  # of `wavelength_grid_nm`
 GRID_STEP_NM = 1.0  # efficiency curves are digitised at about 2 nm; 5 nm would err by up to 2e-3
 
 
@@ -67,6 +69,7 @@ class SceneOptics:
     notes: tuple[str, ...] = field(default=())
     scattering: tuple[Scattering, ...] = ()  # none in physics `paper`, or where the water's b is unknown
     diffuse_attenuation_per_m: Array | None = None  # K_d, of daylight
+    fineness: fine.Fineness = fine.DEFAULT  # of all integrals in this scene
     # Weights and loss tables by light spectrum and efficiency curve, shared by all problems in this scene.
     cache: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
@@ -114,15 +117,16 @@ def scene_optics(
     base_dir: Path | None = None,
     water_table: str | None = None,
     lamp_leg: LampLeg = "diffuse",
-    step_nm: float = GRID_STEP_NM,
+    fineness: fine.Fineness = fine.DEFAULT,
 ) -> SceneOptics:
     """Tabulate one scene.
 
     `water_table` and `lamp_leg` override the scene's table and K on the way from lamp to floor, to test a
     decision against them: K_d where it lies between a + b_b (`least`) and c (`most`), or one of these ends.
+    `fineness` sets the step of the spectral grid, and goes with the scene to all other integrals.
     """
     scene = view.scene
-    grid = wavelength_grid_nm(step_nm)
+    grid = wavelength_grid_nm(GRID_SPAN_NM / round(GRID_SPAN_NM / GRID_STEP_NM * fineness.spectrum))
     table = water_table or scene.water_table or ("solonenko-mobley" if paper else None)
     profile = spectra.water_profile(str(scene.water), table=table, base_dir=base_dir)  # type: ignore[arg-type]
     scattering: tuple[Scattering, ...] = ()
@@ -169,6 +173,7 @@ def scene_optics(
         notes=profile.notes + floor.notes,
         scattering=scattering,
         diffuse_attenuation_per_m=daylight_attenuation(profile, grid, c),
+        fineness=fineness,
     )
 
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from uwopt.optics import Contraction
 
 Array = NDArray[Any]
-SPREAD_STEP = 4  # of the spectral grid
+SPREAD_STEP_NM = 4.0  # of the table of colours
 SPREAD_ERROR = 1e-3  # of the electrons: a spectrum that this step misses more of is not smooth
 
 
@@ -50,6 +50,7 @@ class SharpRows:
     spread_index: Array
     pixel_area_m2: Array  # of the floor, nominal altitude
     spreads: tuple[SpreadTable, ...]
+    fineness: float = 1.0  # of integrals over spatial frequency
 
     def take(self, index: Array) -> SharpRows:
         """These rows only."""
@@ -65,6 +66,7 @@ class SharpRows:
         """Groups of rows put back in their places; tables that groups share are kept once."""
         columns: dict[str, Any] = {}
         spreads: dict[int, SpreadTable] = {}
+        fineness = max((part.fineness for _, part in parts), default=1.0)
         for rows, part in parts:
             for table in part.spreads:
                 spreads.setdefault(id(table), table)
@@ -75,7 +77,7 @@ class SharpRows:
                     column = columns.setdefault(f.name, np.empty((count, *value.shape[1:]), value.dtype))
                     own = f.name == "spread_index" and len(place) > 0
                     column[rows] = np.array(place)[value] if own else value
-        return SharpRows(**columns, spreads=tuple(spreads.values()))
+        return SharpRows(**columns, spreads=tuple(spreads.values()), fineness=fineness)
 
     def groups(self) -> list[tuple[Array, SpreadTable | None]]:
         """Rows that share the colours they detect; None where no colour is spread."""
@@ -132,7 +134,9 @@ class SharpRows:
     ) -> Array:
         """Information at the nominal altitude, (n,)."""
         per_px = self.each(
-            lambda at, rows: sharpness.information_bit_per_px(snr[rows], sharpness=at), field="rms",
+            lambda at, rows: sharpness.information_bit_per_px(
+                snr[rows], sharpness=at, fineness=self.fineness
+            ), field="rms",
             working_f_number=working_f_number, blur_px=self.blur_px_per_s[:, 1] * blur_s,
             disc_px=self.rms_disc_px[:, 1] / f_number,
         )  # fmt: skip
@@ -199,6 +203,7 @@ def sharp_rows(
         spread_index=np.asarray(index),
         pixel_area_m2=view.footprint_along_m[:, 1] * view.footprint_across_m[:, 1] / pixels,
         spreads=spreads,
+        fineness=scene.fineness.sharpness,
     )
 
 
@@ -222,13 +227,16 @@ def mean_wavelength_nm(scene: SceneOptics, arriving_e: Array) -> float:
 
 
 def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, efficiency: int) -> SpreadTable:
-    """Table of the spread of colours, for lateral colour; smooth spectra by every fourth wavelength."""
+    """Table of the spread of colours, for lateral colour; smooth spectra in wider steps."""
     key = ("spread", *contraction.key(spectrum, efficiency, None))
     if key not in scene.cache:
         density = arriving(scene, contraction, spectrum, efficiency) / trapezoid_weights_nm(
             scene.wavelength_nm
         )
-        some = slice(None, None, SPREAD_STEP)
+        step_nm = SPREAD_STEP_NM / scene.fineness.sharpness
+        some = slice(
+            None, None, max(1, round(step_nm / float(scene.wavelength_nm[1] - scene.wavelength_nm[0])))
+        )
         every = float(density @ trapezoid_weights_nm(scene.wavelength_nm))
         coarse = float(density[some] @ trapezoid_weights_nm(scene.wavelength_nm[some]))
         if abs(coarse - every) > SPREAD_ERROR * every:  # lines between those

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from uwopt.catalog import spectra
 from uwopt.image_light import SunLight
 from uwopt.model import imaging, port, seafloor, sunlight
+from uwopt.model.fineness import scaled
 from uwopt.model.spectrum import resample
 from uwopt.optics import TINY, Views, efficiency_curve
 
@@ -33,7 +34,9 @@ class SunField:
 
     def __init__(self, problem: Problem, scene_index: int, *, port_index: int, efficiency: int,
                  channel: str | None = None):  # fmt: skip
+        self.problem, self.scene_index = problem, scene_index
         self.scene = problem.scenes[scene_index]
+        self.fineness = self.scene.fineness.sun
         self.shape = problem.shape(port_index, scene_index)
         self.efficiency = efficiency_curve(
             problem.efficiencies[efficiency], self.scene.wavelength_nm, channel=channel
@@ -41,7 +44,7 @@ class SunField:
 
     def light(self, view: Views, *, pixels: bool = False, half_grid: bool = False) -> SunLight:
         """Daylight of these imagers; with `pixels` also at every point of the grid that lamps are seen on."""
-        nodes, weights = imaging.gauss(IMAGE_ORDER)
+        nodes, weights = imaging.gauss(scaled(IMAGE_ORDER, self.fineness))
         half, share = 0.5 * (nodes + 1.0), weights
         along = view.tan_along[:, None, None] * half[:, None]
         across = view.tan_across[:, None, None] * half
@@ -52,7 +55,8 @@ class SunField:
         signal, forward, path = np.moveaxis(np.stack(parts, axis=1), -1, 0)
         if not pixels:
             return SunLight(signal, forward, path)
-        grid = imaging.pixel_grid(view.tan_along, view.tan_across, half=half_grid)
+        points = self.problem.pixels_a_side(self.scene_index)
+        grid = imaging.pixel_grid(view.tan_along, view.tan_across, half=half_grid, n_points=points)
         there = np.stack(self.at_points(view, *grid), axis=1)
         return SunLight(signal, forward, path, there[..., 0], there[..., 1] + there[..., 2])
 
@@ -72,8 +76,8 @@ class SunField:
 
     def radial(self, range_m: float, widest: float) -> Array:
         """Polynomials in the distance from the centre: logarithms of floor, floor with veil, and path [e/s/m^2]."""
-        scene = self.scene
-        knots = chebyshev.chebpts1(RADIAL_DEGREE + 1)
+        scene, degree = self.scene, scaled(RADIAL_DEGREE, self.fineness)
+        knots = chebyshev.chebpts1(degree + 1)
         tangent = 0.5 * (knots + 1.0) * widest
         _, _, path_m = imaging.floor_point(tangent, np.zeros_like(tangent), shape=self.shape, range_m=range_m)
         in_water = tangent if self.shape.is_dome else port.water_tangent(tangent, n=self.shape.n_water)
@@ -82,9 +86,7 @@ class SunField:
         image = log_sum(floor, scene.attenuation_per_m * path_m[:, None])
         every = log_sum(floor, scene.lamp_attenuation_per_m * path_m[:, None])
         path = np.log(np.maximum(self.path_electrons(path_m, cos_field, range_m), TINY))
-        fits = [
-            chebyshev.chebfit(knots, log, RADIAL_DEGREE) for log in (image, np.maximum(every, image), path)
-        ]
+        fits = [chebyshev.chebfit(knots, log, degree) for log in (image, np.maximum(every, image), path)]
         return np.stack(fits, axis=1)
 
     def path_electrons(self, path_m: Array, cos_field: Array, range_m: float) -> Array:
@@ -100,6 +102,7 @@ class SunField:
             scattering_per_m=first.scattering_per_m, table=scene.scattering[0].table,
             molecular_scattering_per_m=molecules[0].scattering_per_m if molecules else 0.0, depth_m=depth_m,
             path_m=path_m, cos_field=cos_field, elevation_rad=self.elevation_rad(), n_water=scene.n_water,
+            n_azimuth=scaled(sunlight.N_AZIMUTH, self.fineness),
         )  # fmt: skip
         return np.asarray(self.electrons(radiance).sum(axis=-1))
 

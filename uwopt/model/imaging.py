@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from uwopt.model import beam as beams
 from uwopt.model import lens, light, port, seafloor, sensor
+from uwopt.model.fineness import DEFAULT, Fineness, scaled
 from uwopt.model.spectrum import trapezoid_weights_nm
 from uwopt.model.water import PathTable, log_mean_transmission
 
@@ -30,7 +31,9 @@ TABLE_ORDER = 48  # for measured profiles, whose knots are half a degree apart
 EDGE_CELLS = 96  # midpoint cells a side, with the edge's share of each cell, for beams that end sharply
 MOST_ORDER = 768
 MAX_NODES_AT_ONCE = 400_000
+LAMP_RANGES = 257  # between which the loss of the lamp's leg is interpolated
 LEAST_STARTS, LEAST_ZOOMS = 12, 4  # of the search for the darkest place
+FOOTPRINT_CELLS = 60  # a side of the grid on which the darkest place of the floor is looked for
 PIXELS_A_SIDE = 17  # of the grid on which the worst pixel is looked for
 
 
@@ -246,7 +249,7 @@ def covered_share(level: Array, edge: float) -> Array:
 
 def field_mean(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    table: PathTable, order: int | None = None,
+    table: PathTable, order: int | None = None, fineness: float = 1.0,
 ) -> Array:  # fmt: skip
     """Mean over the image rectangle of `local_gain`, for many images at once [1/m^2].
 
@@ -254,6 +257,7 @@ def field_mean(
     ----------
     tan_along, tan_across : (n,) tangents in air of the half angles of view along and across the motion
     order : nodes (smooth beams: Gauss-Legendre) or cells (sharp ones: midpoint, extrapolated) a side
+    fineness : factor on the order that is chosen where none is given
 
     Notes
     -----
@@ -263,7 +267,7 @@ def field_mean(
     orders = (
         np.full(len(tan_along), order)
         if order
-        else orders_needed(tan_along, tan_across, shape, range_m, lamps, beam)
+        else orders_needed(tan_along, tan_across, shape, range_m, lamps, beam, fineness)
     )
     mean = np.empty(len(tan_along))
     for n in np.unique(orders):
@@ -282,8 +286,9 @@ def field_mean(
 
 
 def orders_needed(
-    tan_along: Array, tan_across: Array, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam
-) -> Array:
+    tan_along: Array, tan_across: Array, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    fineness: float = 1.0,
+) -> Array:  # fmt: skip
     """Nodes or cells a side for each image: more where a lamp's spot is small in it.
 
     Gauss-Legendre resolves a spot of standard deviation s, in half widths of the image, with about
@@ -300,7 +305,8 @@ def orders_needed(
         least = TABLE_ORDER if beam.kind == "tabulated" else SMOOTH_ORDER
         wanted = 2.7 * 1.18 * half_m / spot_m
     steps = np.ceil(np.log2(np.maximum(wanted / least, 1.0)) * 2.0)
-    return np.minimum(2 * np.round(0.5 * least * 2.0 ** (0.5 * steps)), MOST_ORDER).astype(int)
+    orders = np.minimum(2 * np.round(0.5 * least * 2.0 ** (0.5 * steps)), MOST_ORDER)
+    return np.maximum(2 * np.round(0.5 * fineness * orders), 2).astype(int)
 
 
 def mean_of_order(
@@ -372,7 +378,7 @@ def cells(count: int) -> tuple[Array, Array]:
 
 def floor_illuminance_per_lm(
     x_m: Array, y_m: Array, *, lamps: Lamps, beam: beams.Beam, range_m: float, weight: Array, attenuation_per_m: Array,
-    edge_share: bool = False,
+    edge_share: bool = False, n_ranges: int = LAMP_RANGES,
 ) -> Array:  # fmt: skip
     """Illuminance on the floor per lumen of all lamps [1/m^2], water's loss on the lamp leg included.
 
@@ -383,6 +389,7 @@ def floor_illuminance_per_lm(
     x_m, y_m : (...,) floor points
     weight : (n,) V(lambda) times the lamp's spectrum; attenuation_per_m : (n,) K(lambda)
     edge_share : points are cells of a regular grid, and a sharp beam counts by the share it covers
+    n_ranges : of `lamp_leg_loss`
 
     References
     ----------
@@ -397,12 +404,12 @@ def floor_illuminance_per_lm(
         )
         if edge_share:
             vacuum = vacuum * covered_share(cos_beam, np.cos(beams.edge_half_angle_rad(beam)))
-        total += share * vacuum * lamp_leg_loss(range_lamp, share_of_wave, attenuation_per_m)
+        total += share * vacuum * lamp_leg_loss(range_lamp, share_of_wave, attenuation_per_m, n_ranges)
     return total
 
 
 def lamp_leg_loss(
-    range_m: Array, share_of_wave: Array, attenuation_per_m: Array, n_ranges: int = 257
+    range_m: Array, share_of_wave: Array, attenuation_per_m: Array, n_ranges: int = LAMP_RANGES
 ) -> Array:
     """Mean of exp(-K r) over a spectrum, its logarithm interpolated linearly between even ranges.
 
@@ -420,7 +427,7 @@ def lamp_leg_loss(
 
 def footprint_illuminance_per_lm(
     tan_along: float, tan_across: float, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    weight: Array, attenuation_per_m: Array, cells_a_side: int = 60,
+    weight: Array, attenuation_per_m: Array, fineness: Fineness = DEFAULT,
 ) -> tuple[float, float]:  # fmt: skip
     """Mean and least illuminance per lumen over the image's footprint on the floor [1/m^2].
 
@@ -428,11 +435,15 @@ def footprint_illuminance_per_lm(
     over floor area, each field point weighted with |d(x, y) / d(u, v)| = (r/t) dr/dt of the radial map.
     """
     common: dict[str, Any] = dict(
-        lamps=lamps, beam=beam, range_m=range_m, weight=weight, attenuation_per_m=attenuation_per_m
-    )
+        lamps=lamps, beam=beam, range_m=range_m, weight=weight, attenuation_per_m=attenuation_per_m,
+        n_ranges=scaled(LAMP_RANGES, fineness.spectrum),
+    )  # fmt: skip
     sharp = beams.has_sharp_edge(beam)
     one = np.array([1.0])
-    order = int(orders_needed(tan_along * one, tan_across * one, shape, range_m, lamps, beam)[0])
+    order = int(
+        orders_needed(tan_along * one, tan_across * one, shape, range_m, lamps, beam, fineness.image)[0]
+    )
+    cells_a_side = scaled(FOOTPRINT_CELLS, fineness.places)
     nodes, weights = cells(2 * order) if sharp else gauss(order)
     along, across = np.meshgrid(tan_along * nodes, tan_across * nodes, indexing="ij")
     x_m, y_m, _ = floor_point(along, across, shape=shape, range_m=range_m)

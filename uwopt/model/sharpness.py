@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.model.fineness import scaled
 from uwopt.model.lateral import SpreadTable, spread_mtf
 
 Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
@@ -307,6 +308,7 @@ def information_bit_per_px(
     sharpness: Sharpness,
     texture_contrast: float = TEXTURE_CONTRAST,
     orders: tuple[int, int] | None = None,
+    fineness: float = 1.0,
 ) -> Array:
     """Information that one pixel carries about a texture of the floor.
 
@@ -318,6 +320,7 @@ def information_bit_per_px(
     sharpness : fields broadcast
     texture_contrast : scalar, C_t
     orders : Gauss-Legendre nodes in radius and angle of each of the parts below; None: as `ORDERS` says
+    fineness : factor on the nodes of `ORDERS`
 
     Returns
     -------
@@ -346,7 +349,9 @@ def information_bit_per_px(
     for highest_px, *usual in ORDERS:
         rows = np.flatnonzero((hardest_px > lowest_px) & (hardest_px <= highest_px))
         part = _rows(table, rows, spread=sharpness.spread if highest_px > 0.0 else None)
-        mean_nat[rows] = _square_mean_nat(gain[rows], part, orders or (usual[0], usual[1]))
+        mean_nat[rows] = _square_mean_nat(
+            gain[rows], part, orders or (scaled(usual[0], fineness), scaled(usual[1], fineness))
+        )
         lowest_px = highest_px
     return (mean_nat / np.log(2.0)).reshape(shape)[()]
 

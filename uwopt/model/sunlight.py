@@ -174,6 +174,7 @@ def path_radiance_w_m2_sr_nm(
     azimuth_rad: ArrayLike | None = None,
     elevation_rad: float,
     n_water: float,
+    n_azimuth: int = N_AZIMUTH,
 ) -> FloatArray:
     """Radiance of the veil that sunlight makes along a camera's ray from the port to the floor.
 
@@ -195,6 +196,7 @@ def path_radiance_w_m2_sr_nm(
     cos_field : (...,) [1], cosine of the ray's angle a in water from straight down
     azimuth_rad : (...,) [rad] of the ray against the direction in which sunlight travels; None: mean over all
     elevation_rad, n_water : scalars [rad], [1]
+    n_azimuth : points of the mean over azimuth
 
     Returns
     -------
@@ -225,7 +227,7 @@ def path_radiance_w_m2_sr_nm(
         n_water=n_water,
     )
     beam = at_port / refracted_cos_zenith(elevation_rad, n_water=n_water)
-    phase, molecular = _mean_phase_per_sr(cos_ray, azimuth_rad, table, elevation_rad, n_water)
+    phase, molecular = _mean_phase_per_sr(cos_ray, azimuth_rad, table, elevation_rad, n_water, n_azimuth)
     volume = np.asarray(scattering_per_m, dtype=float) * phase[..., None] + (
         np.asarray(molecular_scattering_per_m, dtype=float) * molecular[..., None]
     )
@@ -240,13 +242,14 @@ def _mean_phase_per_sr(
     table: PhaseTable,
     elevation_rad: float,
     n_water: float,
+    n_azimuth: int,
 ) -> tuple[FloatArray, FloatArray]:
     """Phase functions of particles and of water at the ray's scattering angle, or their means over azimuth."""
     sun = {"elevation_rad": elevation_rad, "n_water": n_water}
     if azimuth_rad is not None:
         cosine = scattering_cosine(cos_ray, azimuth_rad=azimuth_rad, **sun)
         return np.asarray(look_up(cosine, table)), molecular_per_sr(cosine)
-    round_rad = 2 * np.pi * (np.arange(N_AZIMUTH) + 0.5) / N_AZIMUTH
+    round_rad = 2 * np.pi * (np.arange(n_azimuth) + 0.5) / n_azimuth
     cosine = scattering_cosine(cos_ray[..., None], azimuth_rad=round_rad, **sun)
     return np.mean(look_up(cosine, table), axis=-1), np.mean(molecular_per_sr(cosine), axis=-1)
 

@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 
 from uwopt.model import beam as beams
 from uwopt.model import port
+from uwopt.model.fineness import scaled
 from uwopt.model.imaging import Lamps, PortShape, field_loss, gauss
 from uwopt.model.path_table import PathTable, log_mean_transmission
 
@@ -125,7 +126,7 @@ def camera_rays(tan_along: Array, tan_across: Array, *, shape: PortShape, range_
 
 def backscatter_gain(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    scatterers: tuple[Scatterer, ...], order: int | None = None,
+    scatterers: tuple[Scatterer, ...], order: int | None = None, fineness: float = 1.0,
 ) -> Array:  # fmt: skip
     """Veil of single scattering at field points, for one lumen of all lamps.
 
@@ -138,6 +139,7 @@ def backscatter_gain(
     shape, range_m, lamps, beam : as in `imaging.local_gain`
     scatterers : components of the water; W_j and T_j are weight integral and transmission of their tables
     order : Gauss-Legendre nodes along each ray; None chooses
+    fineness : factor on the nodes chosen, and on those at which curves are read
 
     Returns
     -------
@@ -164,13 +166,14 @@ def backscatter_gain(
             beam=beam,
             scatterers=scatterers,
             order=order,
+            fineness=fineness,
         )
     )
 
 
 def log_backscatter_gain(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    scatterers: tuple[Scatterer, ...], order: int | None = None,
+    scatterers: tuple[Scatterer, ...], order: int | None = None, fineness: float = 1.0,
 ) -> Array:  # fmt: skip
     """ln of `backscatter_gain` (same arguments), (...,) [ln of weight integral / (m sr)].
 
@@ -185,13 +188,14 @@ def log_backscatter_gain(
         beam=beam,
         scatterers=scatterers,
         ray_nodes=order,
-        table_nodes=TABLE_NODES,
+        table_nodes=scaled(TABLE_NODES, fineness),
+        fineness=fineness,
     )
 
 
 def _log_gain(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    scatterers: tuple[Scatterer, ...], ray_nodes: int | None, table_nodes: int,
+    scatterers: tuple[Scatterer, ...], ray_nodes: int | None, table_nodes: int, fineness: float,
 ) -> Array:  # fmt: skip
     rays = camera_rays(tan_along, tan_across, shape=shape, range_m=range_m)
     total = np.full(rays.path_m.shape, -np.inf)
@@ -199,8 +203,9 @@ def _log_gain(
         for index, share in enumerate(lamps.share):
             view = _lamp_view(rays, lamps=lamps, index=index, beam=beam)
             from_lamp = _log_ray_integral(
-                view, beam=beam, scatterers=scatterers, order=ray_nodes, table_nodes=table_nodes
-            )
+                view, beam=beam, scatterers=scatterers, order=ray_nodes, table_nodes=table_nodes,
+                fineness=fineness,
+            )  # fmt: skip
             total = np.logaddexp(total, from_lamp + np.log(share))
         return np.asarray(total + np.log(field_loss(tan_along, tan_across, shape=shape)))
 
@@ -234,14 +239,15 @@ def _lit_angles(aim_across: Array, aim_along: Array, beam: beams.Beam) -> tuple[
 
 
 def _log_ray_integral(
-    view: _View, *, beam: beams.Beam, scatterers: tuple[Scatterer, ...], order: int | None, table_nodes: int
-) -> Array:
+    view: _View, *, beam: beams.Beam, scatterers: tuple[Scatterer, ...], order: int | None, table_nodes: int,
+    fineness: float,
+) -> Array:  # fmt: skip
     """ln of sum of W_j * integral of I/r_s^2 p_j T_j dr over the lit part of each ray."""
     open_beam = beams.without_edge(beam)  # the interval ends at the edge exactly
     low, high = view.low, view.high
     if _is_uneven(view, beam, scatterers):
         low, high = _bright_part(view, open_beam, scatterers)
-    n = order or _ray_order(low, high, beam)
+    n = order or scaled(_ray_order(low, high, beam), fineness)
     span = high - low
     steps, slopes = _steps(n, beam)
     cosh, sinh = _hyperbolic(low[..., None] + span[..., None] * steps)
@@ -250,7 +256,7 @@ def _log_ray_integral(
     logs = _log_losses(cosh, sinh, view, scatterers)
     top = np.max([log.max(axis=-1) for log in logs], axis=0)
     top = np.where(np.isneginf(top), 0.0, top)  # nothing scatters
-    n_fine = max(n, table_nodes if beam.kind == "tabulated" else PHASE_NODES)
+    n_fine = max(n, table_nodes if beam.kind == "tabulated" else scaled(PHASE_NODES, fineness))
     read = _measured_curves(n_fine, low, span, view, open_beam, scatterers)
     total = sum(
         (smooth * np.exp(log - top[..., None]) * (curve @ _to_coarse(n, n_fine))).sum(axis=-1)
@@ -387,7 +393,7 @@ def _ray_order(low: Array, high: Array, beam: beams.Beam) -> int:
 
 def mean_backscatter(
     tan_along_half: Array, tan_across_half: Array, *, shape: PortShape, range_m: float, lamps: Lamps,
-    beam: beams.Beam, scatterers: tuple[Scatterer, ...], order: int | None = None,
+    beam: beams.Beam, scatterers: tuple[Scatterer, ...], order: int | None = None, fineness: float = 1.0,
 ) -> Array:  # fmt: skip
     """Mean over the image rectangle of `backscatter_gain`, for many images at once.
 
@@ -395,6 +401,7 @@ def mean_backscatter(
     ----------
     tan_along_half, tan_across_half : (n,) tangents in air of the half angles of view
     order : nodes a side of the image; None raises it for each image until the mean stands still
+    fineness : factor on all nodes; the change that counts as standing still falls with its square
 
     Returns
     -------
@@ -421,13 +428,14 @@ def mean_backscatter(
             beam=beam,
             scatterers=scatterers,
             order=order,
+            fineness=fineness,
         )
     )
 
 
 def log_mean_backscatter(
     tan_along_half: Array, tan_across_half: Array, *, shape: PortShape, range_m: float, lamps: Lamps,
-    beam: beams.Beam, scatterers: tuple[Scatterer, ...], order: int | None = None,
+    beam: beams.Beam, scatterers: tuple[Scatterer, ...], order: int | None = None, fineness: float = 1.0,
 ) -> Array:  # fmt: skip
     """ln of `mean_backscatter` (same arguments), (n,) [ln of weight integral / (m sr)].
 
@@ -436,13 +444,14 @@ def log_mean_backscatter(
     along, across = np.atleast_1d(np.asarray(tan_along_half, float), np.asarray(tan_across_half, float))
     common: dict[str, Any] = dict(
         shape=shape, range_m=range_m, lamps=lamps, beam=beam, scatterers=scatterers, ray_nodes=None,
-        table_nodes=TABLE_NODES_IN_MEAN,
+        table_nodes=scaled(TABLE_NODES_IN_MEAN, fineness), fineness=fineness,
     )  # fmt: skip
     if order:
         return _log_means((order,), along, across, _lit_boxes(along, across, **common), **common)[0]
-    ladder = FIELD_ORDERS[_first_rung(along, across, shape, range_m, lamps, beam) :]
+    first = _first_rung(along, across, shape, range_m, lamps, beam)
+    ladder = tuple(2 * scaled(n // 2, fineness) for n in FIELD_ORDERS[first:])
     steep = _has_steep_flank(beam)
-    allowed = EDGE_CHANGE if steep else SMOOTH_CHANGE
+    allowed = (EDGE_CHANGE if steep else SMOOTH_CHANGE) / fineness**2
     together = 3 if steep or _front_plane_may_show(lamps, beam) else 2
     boxes = _lit_boxes(along, across, **common)
     recent = _log_means(ladder[:together], along, across, boxes, **common)

@@ -73,7 +73,7 @@ def changed_scene(
         return None  # K is c already
     return scene_optics(
         mission.scene_view(index), paper=False, base_dir=mission.base_dir,
-        water_table=name if name in OTHER else None, lamp_leg=leg,
+        water_table=name if name in OTHER else None, lamp_leg=leg, fineness=scene.fineness,
     )  # fmt: skip
 
 
