@@ -1,0 +1,225 @@
+"""How time and memory of the exact search grow with the catalogue: four missions, 10^3 to 10^10 combinations.
+
+The catalogues are made by `scaling_parts`. Each point runs in a fresh process, so that its peak memory is its
+own. From the parts as records to the proven optimum: tables of the problem, search, certificate's account.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from uwopt.bench.scaling_parts import DEPTH_M, made_parts
+from uwopt.bench.suite import Budget, Row, Suite, Table
+from uwopt.mission import Mission, load_mission
+from uwopt.objectives.objective import Objective
+from uwopt.problem import Problem
+from uwopt.solvers.exact import Outcome, Search
+
+NAME = "scaling"
+QUICK_SIZES = (1e3, 1e4, 1e5, 1e6, 1e7)
+FULL_SIZES = (*QUICK_SIZES, 1e8, 1e9, 1e10)
+LARGEST_SIZE = 1e12  # what the design aims at; `sizes_up_to` makes the way there
+PHYSICS = "full"  # what every default run proves its optimum with
+QUICK_S, FULL_S = 15.0, 150.0
+START_S = 3.0  # a process, its imports and the making of the parts
+MIB = 2.0**20
+GAP_REL = 1e-9  # closed forms leave no more
+
+# What all four ask of the images; the limits make them loose, bound by one budget, or impossible.
+REQUIREMENTS: dict[str, Any] = {
+    "overlap": 0.6, "max_blur_px": 1.0, "min_dof_m": 0.5, "min_snr_db": 26.0, "max_gsd_mm": 1.5, "mean_level": 0.3,
+}  # fmt: skip
+VEHICLE: dict[str, Any] = {
+    "altitude_m": 2.0, "altitude_tolerance_m": 0.25, "speed_m_s": 0.5, "light_count": [1, 4], "light_baseline_m": 0.8,
+}  # fmt: skip
+MISSIONS: dict[str, dict[str, Any]] = {
+    "loose": {"objective": "power", "limits": {}},
+    "cost-bound": {"objective": "power", "limits": {"cost": 5500.0}},
+    "power-bound": {"objective": "cost", "limits": {"power_w": 4.0}},
+    "infeasible": {"objective": "power", "limits": {"cost": 2500.0, "power_w": 2.5}},
+}
+
+
+@dataclass(frozen=True)
+class Point:
+    """What one run of the search took and found."""
+
+    size: float  # combinations loaded
+    time_s: float  # of the processor
+    elapsed_s: float
+    memory_mib: float  # largest resident set of the process
+    status: str  # optimal, infeasible; stopped and wrong are not proofs
+    evaluated: int
+    value: float | None  # of the objective
+    design: str  # ids of the best parts
+
+
+def mission_for(name: str, physics: str = PHYSICS) -> Mission:
+    """One of the four missions."""
+    limits = {"depth_rating_m": DEPTH_M, **MISSIONS[name]["limits"]}
+    plain = {
+        "name": name, "objective": MISSIONS[name]["objective"], "physics": physics,
+        "scene": {"water": "II", "seafloor": "coral", "depth_m": DEPTH_M}, "vehicle": VEHICLE,
+        "requirements": REQUIREMENTS, "limits": limits,
+    }  # fmt: skip
+    return load_mission(plain)
+
+
+def sizes_up_to(largest: float, start: float = 1e3) -> tuple[float, ...]:
+    """Powers of ten."""
+    return tuple(10.0**n for n in range(round(math.log10(start)), round(math.log10(largest)) + 1))
+
+
+def search_of(mission: Mission, size: float, *, deadline_s: float | None = None) -> Search:
+    """The search over a made catalogue, ready to run."""
+    problem = Problem(mission, made_parts(size), paper=mission.physics == "paper")
+    objective = Objective.of(mission.objective)
+    return Search(problem, objective, top=1, deadline_s=deadline_s, progress=None)
+
+
+def status_of(outcome: Outcome) -> str:
+    """What was proven: an optimum with no gap, or that there is none, with every combination accounted for."""
+    if not outcome.complete:
+        return "stopped"
+    if not outcome.account.adds_up():
+        return "wrong"
+    if not outcome.best:
+        return "infeasible"
+    best = outcome.best[0].minimised
+    return "optimal" if best - outcome.lower_bound <= GAP_REL * abs(best) else "wrong"
+
+
+def measured(name: str, size: float, *, physics: str = PHYSICS, deadline_s: float | None = None) -> Point:
+    """One search in this process."""
+    mission, parts = mission_for(name, physics), made_parts(size)
+    elapsed, start_s = time.perf_counter(), time.process_time()
+    problem = Problem(mission, parts, paper=physics == "paper")
+    search = Search(problem, Objective.of(mission.objective), top=1, deadline_s=deadline_s, progress=None)
+    outcome = search.run()
+    took_s, elapsed_s = time.process_time() - start_s, time.perf_counter() - elapsed
+    found = outcome.best[0] if outcome.best else None
+    ids = () if found is None else (
+        parts.cameras[found.camera].id, parts.lenses[found.lens].id, parts.ports[found.port].id,
+        f"{found.count} x {parts.lights[found.light].id}",
+    )  # fmt: skip
+    return Point(
+        float(outcome.account.total), took_s, elapsed_s, peak_mib(), status_of(outcome), outcome.account.evaluated,
+        None if found is None else found.minimised, ", ".join(ids),
+    )  # fmt: skip
+
+
+def peak_mib() -> float:
+    """Largest resident set of this process so far.
+
+    Linux's own figure starts with the program; `getrusage` may hand on what the starting process had.
+    """
+    try:
+        for line in Path("/proc/self/status").read_text(encoding="ascii").splitlines():
+            if line.startswith("VmHWM:"):
+                return float(line.split()[1]) / 1024.0
+    except OSError:
+        pass
+    most = float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+    return most / MIB if sys.platform == "darwin" else most / 1024.0
+
+
+def apart(name: str, size: float, *, physics: str = PHYSICS, seconds: float) -> Point | None:
+    """One search in a fresh process; None when it did not end in time."""
+    command = [sys.executable, "-m", "uwopt.bench.scaling", name, f"{size:g}", physics, f"{seconds:g}"]
+    try:
+        ran = subprocess.run(command, capture_output=True, text=True, timeout=seconds + START_S, check=True)
+    except subprocess.TimeoutExpired:
+        return None
+    return Point(**json.loads(ran.stdout))
+
+
+def measure(budget: Budget) -> Iterator[Row]:
+    """All missions by rising size, while time is left: a mission that was stopped is not asked for more."""
+    sizes = QUICK_SIZES if budget.quick else FULL_SIZES
+    yield from rows_of(budget, sizes, PHYSICS)
+
+
+def rows_of(budget: Budget, sizes: Sequence[float], physics: str) -> Iterator[Row]:
+    """Rows of these sizes, smallest first."""
+    steps, stopped = [(size, name) for size in sizes for name in MISSIONS], set()
+    for step, (size, name) in enumerate(steps):
+        budget.tell(step / len(steps), f"{name}, {size:.0e} combinations")
+        if name in stopped:
+            continue
+        point = apart(name, size, physics=physics, seconds=budget.left_s) if budget.left_s > 0.0 else None
+        yield row_of(point, name, size, physics)
+        if point is None or point.status == "stopped":
+            stopped.add(name)
+    budget.tell(1.0, "done")
+
+
+def row_of(point: Point | None, name: str, size: float, physics: str) -> Row:
+    """One point as a row."""
+    method = f"exact, physics {physics}"
+    if point is None:
+        return Row(NAME, name, method, size=size, status="stopped", note="no time left")
+    value = "nothing feasible" if point.value is None else f"best {point.value:.6g}: {point.design}"
+    note = f"{point.evaluated} evaluated; {point.elapsed_s:.3g} s elapsed; {value}"
+    return Row(
+        NAME, name, method, size=point.size, time_s=point.time_s, memory_mib=point.memory_mib, status=point.status,
+        error=0.0 if point.status in ("optimal", "infeasible") else None, note=note,
+    )  # fmt: skip
+
+
+def tables(rows: Sequence[Row]) -> Sequence[Table]:
+    """Seconds and memory of each mission by size."""
+    head = ("combinations", *(f"{name}, {unit}" for name in MISSIONS for unit in ("s", "MiB")))
+    lines = []
+    for size in sorted({row.size for row in rows if row.size is not None and row.time_s is not None}):
+        cells = [f"{size:.3g}"]
+        for name in MISSIONS:
+            row = next((r for r in rows if r.case == name and r.size == size and r.time_s is not None), None)
+            proven = row is not None and row.status in ("optimal", "infeasible")
+            cells.append("" if row is None else f"{row.time_s:.2f}" + ("" if proven else f" ({row.status})"))
+            cells.append("" if row is None or row.memory_mib is None else f"{row.memory_mib:.0f}")
+        lines.append(tuple(cells))
+    text = (
+        "Seconds of the processor from the parts as records to the proof, and the largest memory of the process, "
+        "of which Python and its libraries take about 100 MiB. Every number without a remark is of a finished proof."
+    )
+    return [Table("Time and memory by size of the catalogue", head, lines, text)]
+
+
+def main(arguments: Sequence[str]) -> None:
+    """One point for `apart`, as JSON on standard output: mission, size, physics, seconds."""
+    name, size, physics, seconds = arguments
+    point = measured(name, float(size), physics=physics, deadline_s=float(seconds))
+    sys.stdout.write(json.dumps(asdict(point)))
+
+
+SUITE = Suite(
+    name=NAME,
+    title="Exact search: time and memory by size of the catalogue",
+    text=(
+        "Cameras, lenses, ports and lights are made from the real ones, all four kinds enlarged or thinned by one "
+        "factor; no made part dominates another, because prices rise with what is better. Four missions ask the "
+        "same of the images: one without budgets, one whose cost binds, one whose power binds, and one whose "
+        "budgets are met one by one but not together. Each search runs to its proof: no gap is left and every "
+        "combination is accounted for. Times are seconds of one processor core from the parts as records to the "
+        "proven optimum, tables included; imports and the making of the parts are not."
+    ),
+    chart="scaling",
+    measure=measure,
+    quick_s=QUICK_S,
+    full_s=FULL_S,
+    size_name="combinations loaded",
+    time_name="time of the processor, s",
+    tables=tables,
+)
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
