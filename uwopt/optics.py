@@ -493,18 +493,31 @@ def mirrored(lamps: Lamps) -> bool:
 
 def efficiency_curve(curves: dict[str, Curve], wavelength_nm: Array, *, channel: str | None = None) -> Array:
     """Quantum efficiency on the grid; a colour sensor counts as (R + 2G + B)/4 unless a channel is named."""
-    on_grid = {
-        name: resample(
-            wavelength_nm, table_nm=np.array(curve.x), table_values=np.array(curve.y), outside="hold"
-        )
-        for name, curve in curves.items()
-    }
+    on_grid = {name: efficiency_on_grid(curve, wavelength_nm) for name, curve in curves.items()}
     if channel is not None:
         return np.asarray(on_grid.get(channel, on_grid.get("mono")))
     if "mono" in on_grid:
         return np.asarray(on_grid["mono"])
     return np.asarray(
         sensor.colour_mean_efficiency(on_grid["red"], green=on_grid["green"], blue=on_grid["blue"])
+    )
+
+
+def efficiency_on_grid(curve: Curve, wavelength_nm: Array) -> Array:
+    """One channel on the grid, held beyond its ends; steps between two points count by where they lie.
+
+    A filter's edge is often steeper than the grid: read at the points alone it would be half a step off.
+    """
+    at_nm, values = np.array(curve.x), np.array(curve.y)
+    if np.diff(at_nm).min(initial=np.inf) >= np.diff(wavelength_nm).max():
+        return resample(wavelength_nm, table_nm=at_nm, table_values=values, outside="hold")
+    ends_nm = wavelength_nm[[0, -1]]
+    inside = (at_nm > ends_nm[0]) & (at_nm < ends_nm[1])
+    at_ends = resample(ends_nm, table_nm=at_nm, table_values=values, outside="hold")
+    return resample_power(
+        wavelength_nm,
+        table_nm=np.r_[ends_nm[0], at_nm[inside], ends_nm[1]],
+        table_values=np.r_[at_ends[0], values[inside], at_ends[1]],
     )
 
 
