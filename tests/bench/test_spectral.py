@@ -116,7 +116,7 @@ def test_the_trapezoid_in_steps_of_one_nanometre_is_the_models_weight() -> None:
 
 
 @pytest.mark.parametrize(
-    "setting", [spectral.LED_TURBID, spectral.PLANCK, spectral.LED_COLOUR, spectral.FILTER]
+    "setting", [spectral.LED_TURBID, spectral.LED_COLOUR, spectral.FILTER, spectral.SHUT]
 )
 def test_the_default_is_within_a_ten_thousandth(setting: spectral.Setting) -> None:
     case = Case(setting, 5.2, 5.0)
