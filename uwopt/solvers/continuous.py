@@ -28,9 +28,15 @@ from uwopt.solvers.optimality import Attempt, rule_names, violations
 from uwopt.solvers.pieces import Piece, Scene, Settings, pieces_of
 from uwopt.solvers.program import Goal, Program
 
-Method = Literal["casadi", "slsqp", "cobyla", "global"]
+Method = Literal[
+    "casadi", "slsqp", "cobyla", "global", "mma", "ccsaq", "lbfgs", "isres", "ags", "direct_l", "mlsl"
+]
 Status = Literal["optimal", "feasible", "infeasible", "failed"]
-METHODS: tuple[Method, ...] = ("casadi", "slsqp", "cobyla", "global")
+METHODS: tuple[Method, ...] = ("casadi", "slsqp", "cobyla", "global")  # those that settle what they are given
+#: Algorithms of NLopt one by one. Of these some only come near.
+ALGORITHMS: tuple[Method, ...] = (
+    "slsqp", "mma", "ccsaq", "lbfgs", "cobyla", "isres", "ags", "direct_l", "mlsl"
+)  # fmt: skip
 
 FEASIBLE = 1e-6  # relative, of any rule
 TIE = 1e-9  # relative: a bound this close to the best found does not promise a better one
@@ -49,6 +55,7 @@ PROOF = {
     "slsqp": Proof(1e-6, 1e-5),
     "cobyla": Proof(1e-6, 1e-4),
     "global": Proof(1e-6, 1e-5),
+    **dict.fromkeys(("mma", "ccsaq", "lbfgs", "isres", "ags", "direct_l", "mlsl"), Proof(1e-6, 1e-5)),
 }
 
 
@@ -182,7 +189,7 @@ def solve_settings(
     objective : power, snr_db or a weighted sum; other terms are the constants that follow
     camera_power_w, cost, mass_kg, gsd_mm : of the design without its lights' power
     power_limit_w : of camera and lights together; inf when there is none
-    method : casadi, slsqp, cobyla or global
+    method : casadi, global, or an algorithm of NLopt
     start : settings by scene to start from; else the middle of all ranges
     max_seconds : after which the best so far counts
 
@@ -192,8 +199,8 @@ def solve_settings(
     infeasible (shown that none are), failed (neither). Other settings may reach the same value: with SNR as
     the objective, time and level need not be those of least power.
     """
-    if method not in METHODS:
-        raise SolverError(f"method: {method!r} is not one of {', '.join(METHODS)}")
+    if method not in PROOF:
+        raise SolverError(f"method: {method!r} is not one of {', '.join(PROOF)}")
     if min(objective.weight("power"), objective.weight("snr_db")) < 0.0:
         raise SolverError("continuous solvers take no negative weight of power or snr_db")
     began = time.perf_counter()

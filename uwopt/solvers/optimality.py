@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from uwopt.solvers.pieces import Scene, Settings
 from uwopt.solvers.program import Program
+from uwopt.solvers.reduced import Reduced
 
 Array = NDArray[Any]
 COMPLEX_STEP = 1e-30  # nothing is subtracted, so it may be as small as it likes
@@ -94,7 +95,7 @@ class Derivatives:
     n_equalities: int
 
 
-def derivatives(program: Program, x: Array) -> Derivatives:
+def derivatives(program: Program | Reduced, x: Array) -> Derivatives:
     """Values and gradients of a program by complex step, all unknowns in one evaluation."""
     n = len(x)
     steps = np.concatenate([np.zeros((n, 1)), np.eye(n)], axis=1)

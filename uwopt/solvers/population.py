@@ -147,6 +147,8 @@ class Units:
 
 def layers(values: Array, most: int) -> Array:
     """Rows that nothing dominates, then those that nothing else dominates, and so on; at most so many."""
+    if values.shape[1] == 1:  # on one axis that is their order
+        return np.argsort(values[:, 0], kind="stable")[:most]
     found, rest = [np.empty(0, int)], np.arange(len(values))
     while len(rest) and sum(map(len, found)) < most:
         best = nondominated(values[rest])
@@ -332,13 +334,18 @@ class Coding:
 
     def seeds(self, most: int) -> Built:
         """Designs of the best units with any lamps: what nothing dominates by cost, mass and the units' bounds."""
+        built, ideal = self.bounded()
+        return built.take(layers(ideal, most))
+
+    def bounded(self) -> tuple[Built, Array]:
+        """All designs of the best units with any lamps that limits allow, and the best that each could be."""
         units, problem = self.units, self.search.problem
         own = [np.nonzero(problem.lights.optics_index == optics)[0] for optics in range(len(problem.optics))]
         optics = units.best_lighting // len(problem.mounts)
         n_counts = self.high - self.low + 1
         unit = np.repeat(np.arange(len(optics)), [len(own[o]) * n_counts for o in optics])
         if len(unit) == 0:
-            return Built(unit, unit, unit, unit)
+            return Built(unit, unit, unit, unit), np.empty((0, len(self.axes)))
         light = np.concatenate([np.repeat(own[o], n_counts) for o in optics])
         count = np.tile(np.arange(self.low, self.high + 1), len(unit) // n_counts)
         built = Built(units.best_imager[unit], light, count, units.best_lighting[unit])
@@ -347,7 +354,7 @@ class Coding:
         for column, axis in enumerate(self.axes):
             if axis in ("cost", "mass"):
                 ideal[:, column] = self.cost(built) if axis == "cost" else self.mass_kg(built)
-        return built.take(layers(ideal, most))
+        return built, ideal
 
     def cost(self, built: Built) -> Array:
         """Price of everything."""

@@ -269,7 +269,7 @@ class Program:
         inequalities: list[Symbolic] = []
         equalities: list[Symbolic] = []
         for scene, piece, at in zip(self.scenes, self.pieces, values, strict=True):
-            inequalities += self._scene_rules(scene, at)
+            inequalities += scene_rules(scene, at)
             wanted = wanted_dn(scene)
             if wanted is not None:
                 nominal_dn = scene.digital_dn(scene.total_e[scene.nominal], at, offset_dn=0.0)
@@ -281,19 +281,18 @@ class Program:
                 inequalities.append(epigraph["snr"] - np.log(scene.nominal_snr(at)))
         return inequalities, equalities
 
-    @staticmethod
-    def _scene_rules(scene: Scene, at: Settings) -> list[Symbolic]:
-        """Enough SNR where it is darkest, no saturation where it is brightest: both grow with signal."""
-        rules: list[Symbolic] = []
-        brightest = max(scene.total_e)
-        if scene.min_snr > 0.0:
-            rules += [
-                -np.log(scene.snr(signal, at, total_e=total) / scene.min_snr)
-                for signal, total in scene.wanted
-            ]
-        if brightest > 0.0:
-            rules.append(np.log(scene.digital_dn(brightest, at, offset_dn=0.0) / headroom_dn(scene)))
-        if np.isfinite(scene.well_e) and brightest > 0.0:
-            allowed = scene.well_e / scene.highlight_ratio
-            rules.append(np.log((scene.electrons(brightest, at) + scene.dark_e(at)) / allowed))
-        return rules
+
+def scene_rules(scene: Scene, at: Settings) -> list[Symbolic]:
+    """Enough SNR where it is darkest, no saturation where it is brightest: both grow with signal."""
+    rules: list[Symbolic] = []
+    brightest = max(scene.total_e)
+    if scene.min_snr > 0.0:
+        rules += [
+            -np.log(scene.snr(signal, at, total_e=total) / scene.min_snr) for signal, total in scene.wanted
+        ]
+    if brightest > 0.0:
+        rules.append(np.log(scene.digital_dn(brightest, at, offset_dn=0.0) / headroom_dn(scene)))
+    if np.isfinite(scene.well_e) and brightest > 0.0:
+        allowed = scene.well_e / scene.highlight_ratio
+        rules.append(np.log((scene.electrons(brightest, at) + scene.dark_e(at)) / allowed))
+    return rules
