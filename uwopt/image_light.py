@@ -143,13 +143,12 @@ class LampField:
             return ImageLight(
                 columns * response * (on_axis_gain(self.beam, self.scene.range_m) * loss)[None, :]
             )
-        signal = columns * response * self.mean_gain(view, diffuse=False) if known is None else known.signal_e
+        signal = columns * response * self.mean_gain(view, forward=False) if known is None else known.signal_e
         forward = backscatter = None
         if known is not None and known.forward_e is not None:
             forward = known.forward_e
         elif veils != "none" and self.effects.forward_veil and self.scene.scatters:
-            every = columns * response * self.mean_gain(view, diffuse=True)
-            forward = np.maximum(every - signal, 0.0)
+            forward = columns * response * self.mean_gain(view, forward=True)
         if veils == "all" and self.effects.backscatter and self.scene.scatters:
             backscatter = columns * self.mean_backscatter(view)
         light = ImageLight(signal, forward, backscatter)
@@ -164,15 +163,15 @@ class LampField:
         """What all field functions take."""
         return dict(shape=self.shape, range_m=range_m, beam=self.beam)
 
-    def loss_table(self, *, diffuse: bool) -> Any:
+    def loss_table(self, *, forward: bool = False) -> Any:
         """Water's loss on both legs; see `Contraction.table`."""
         return self.problem.table(
-            self.scene_index, self.spectrum, self.efficiency, self.channel, diffuse=diffuse
+            self.scene_index, self.spectrum, self.efficiency, self.channel, forward=forward
         )
 
-    def mean_gain(self, view: Views, *, diffuse: bool) -> Array:
+    def mean_gain(self, view: Views, *, forward: bool) -> Array:
         """Mean of `imaging.local_gain` over the image, (n, n_altitudes) [1/m^2]."""
-        table = self.loss_table(diffuse=diffuse)
+        table = self.loss_table(forward=forward)
         return np.stack(
             [
                 imaging.field_mean(
@@ -255,13 +254,12 @@ class LampField:
         scatters = veils and self.scene.scatters
         for range_m in self.scene.range_m:
             common = dict(lamps=self.lamps, **self.common(float(range_m)))
-            signal = response * imaging.local_gain(
-                along, across, table=self.loss_table(diffuse=False), **common
-            )
+            signal = response * imaging.local_gain(along, across, table=self.loss_table(), **common)
             over = np.zeros_like(signal)
             if scatters and self.effects.forward_veil:
-                every = imaging.local_gain(along, across, table=self.loss_table(diffuse=True), **common)
-                over = np.maximum(every * response - signal, 0.0)
+                over = response * imaging.local_gain(
+                    along, across, table=self.loss_table(forward=True), **common
+                )
             if scatters and self.effects.backscatter:
                 over = over + veil.backscatter_gain(
                     along, across, scatterers=self.scatterers(), fineness=self.fineness.veil, **common
@@ -277,14 +275,14 @@ class LampField:
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
         for range_m in (float(self.scene.range_m[0]), float(self.scene.range_m[-1])):
             common = dict(lamps=self.lamps, **self.common(range_m))
-            signal, every = (
-                imaging.local_gain(along, across, table=self.loss_table(diffuse=d), **common) * response
-                for d in (False, True)
+            signal, over = (
+                imaging.local_gain(along, across, table=self.loss_table(forward=veiled), **common) * response
+                for veiled in (False, True)
             )
             back = veil.backscatter_gain(along, across, scatterers=self.scatterers(), **common)
             lit = np.maximum(signal, 1e-300)
             with np.errstate(over="ignore"):
-                shares.append((np.maximum(every - signal, 0.0) / lit, back / lit))
+                shares.append((over / lit, back / lit))
         forward, backs = (np.maximum(a, b) for a, b in zip(*shares, strict=True))
         return forward, backs
 

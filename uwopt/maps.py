@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from uwopt.curves import CHANNELS, at_nominal, is_colour, lamp_field
 from uwopt.figures import full_light_lm, open_s
 from uwopt.model import imaging, sensor
-from uwopt.optics import relative_spectrum
+from uwopt.optics import luminous_weight
 from uwopt.replay import Replay
 from uwopt.sun_field import SunField
 
@@ -166,7 +166,7 @@ def floor_map(
     def lux(x_m: Array, y_m: Array) -> Array:
         return lumens * imaging.floor_illuminance_per_lm(
             x_m, y_m, lamps=hw.mount.lamps(hw.count), beam=item.beam, range_m=range_m,
-            weight=scene.photopic * relative_spectrum((item.spectrum_id, item.spectrum), scene.wavelength_nm),
+            weight=luminous_weight(scene, item),
             attenuation_per_m=scene.lamp_attenuation_per_m,
         )  # fmt: skip
 

@@ -22,7 +22,7 @@ from uwopt.model import beam as beams
 from uwopt.model import defocus, imaging, lens, operation, port, sensor, veil
 from uwopt.model.fineness import scaled
 from uwopt.model.imaging import Lamps, PortShape
-from uwopt.model.spectrum import resample, resample_power
+from uwopt.model.spectrum import resample, resample_power, trapezoid_weights_nm
 from uwopt.model.water import PathTable, build_path_table
 from uwopt.scene import PAPER_N_WATER, SceneOptics
 
@@ -619,23 +619,24 @@ class Contraction:
 
     def table(
         self, spectrum: int, efficiency: int, channel: str | None = None, *, lowest_m: float = 0.0,
-        diffuse: bool = False,
+        forward: bool = False,
     ) -> PathTable:  # fmt: skip
         """Loss over lamp leg and camera leg, as a table over both lengths.
 
-        `diffuse`: light counts that reaches the camera at all, forming an image or not (exp(-K r) on the
-        camera leg too).
+        `forward`: of the forward veil, exp(-K r) - exp(-c r) on the camera leg: what reaches the camera, but
+        forms no image.
         """
         scene = self.scene
         near = float(scene.range_m[0])
         lowest = min(lowest_m, near) * 0.999
-        key = ("table", *self.key(spectrum, efficiency, channel), self._reach_m, lowest, diffuse)
+        key = ("table", *self.key(spectrum, efficiency, channel), self._reach_m, lowest, forward)
         if key not in scene.cache:
             scene.cache[key] = build_path_table(
                 self.weight(spectrum, efficiency, channel),
                 wavelength_nm=None,  # the weight holds the trapezoid's steps
                 k_lamp_per_m=scene.lamp_attenuation_per_m,
-                c_camera_per_m=scene.lamp_attenuation_per_m if diffuse else scene.attenuation_per_m,
+                c_camera_per_m=scene.attenuation_per_m,
+                k_camera_per_m=scene.lamp_attenuation_per_m if forward else None,
                 lamp_range_m=(lowest, self._reach_m[0]),
                 camera_range_m=(near * 0.999, self._reach_m[1]),
                 **self.table_settings(),
@@ -711,6 +712,12 @@ def relative_spectrum(key: tuple[str, Curve | None], wavelength_nm: Array) -> Ar
         return resample_power(wavelength_nm, table_nm=np.array(curve.x), table_values=np.array(curve.y))
     known = spectra.light_spectrum(name)
     return resample_power(wavelength_nm, table_nm=known.wavelength_nm, table_values=known.value)
+
+
+def luminous_weight(scene: SceneOptics, item: LightOptics) -> Array:
+    """A light's luminous flux by wavelength, any scale: V S times the steps of the grid."""
+    spectrum = relative_spectrum((item.spectrum_id, item.spectrum), scene.wavelength_nm)
+    return np.asarray(scene.photopic * spectrum * trapezoid_weights_nm(scene.wavelength_nm))
 
 
 def on_axis_gain(beam: beams.Beam, ranges: Array) -> Array:

@@ -44,10 +44,10 @@ from uwopt.optics import (
     Views,
     lamp_set,
     light_optics,
+    luminous_weight,
     mounted_lamps,
     on_axis_gain,
     port_shape,
-    relative_spectrum,
 )
 from uwopt.rows import SceneRows
 from uwopt.scene import SceneOptics, glass_index, scene_optics
@@ -261,8 +261,7 @@ class Problem:
         """Mean and least floor illuminance per lumen over one imager's footprint [1/m^2]."""
         scene, item = self.scenes[scene_index], self.optics[optics]
         range_m = float(scene.range_m[altitude])
-        spectrum = relative_spectrum((item.spectrum_id, item.spectrum), scene.wavelength_nm)
-        weight = scene.photopic * spectrum
+        weight = luminous_weight(scene, item)
         if self.paper:
             axis = float(on_axis_gain(item.beam, np.array([range_m]))[0])
             loss = float((weight * np.exp(-scene.lamp_attenuation_per_m * range_m)).sum() / weight.sum())
@@ -283,7 +282,7 @@ class Problem:
 
     def table(
         self, scene_index: int, spectrum: int, efficiency: int, channel: str | None = None, *,
-        diffuse: bool = False,
+        forward: bool = False,
     ) -> Any:  # fmt: skip
         """Water's loss table of one scene, light spectrum and efficiency curve."""
         lowest = min(
@@ -295,7 +294,7 @@ class Problem:
             ]
         )
         return self.contractions[scene_index].table(
-            spectrum, efficiency, channel, lowest_m=max(lowest, 1e-4), diffuse=diffuse
+            spectrum, efficiency, channel, lowest_m=max(lowest, 1e-4), forward=forward
         )
 
     def pixels_a_side(self, scene_index: int) -> int:

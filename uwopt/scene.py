@@ -32,6 +32,7 @@ PAPER_ALTITUDES = 3
 FULL_ALTITUDES = 5
 FAINTEST_SUN_LX = 1e-6  # a billionth of what lamps give; starlight on the sea is a thousand times more
 STEEPEST_SUN_PATH = 0.85  # way of light straight down over that of the sun at 60 deg, with room
+LEAST_SHARE = 1e-3  # of a step: a kink nearer to a point of the grid lies on it
 GRID_SPAN_NM = 400.0  # of `wavelength_grid_nm`
 GRID_STEP_NM = 1.0  # efficiency curves are digitised at about 2 nm; 5 nm would err by up to 2e-3
 
@@ -130,6 +131,8 @@ def scene_optics(
     table = water_table or scene.water_table or ("solonenko-mobley" if paper else None)
     profile = spectra.water_profile(str(scene.water), table=table, base_dir=base_dir)  # type: ignore[arg-type]
     scattering: tuple[Scattering, ...] = ()
+    if not paper:
+        grid = np.union1d(grid, kinks_nm(profile, grid, scene.backscatter_ratio))
     if profile.a_per_m is not None and profile.b_per_m is not None:
         a, b = (
             absorption(profile, grid, paper=paper),
@@ -218,6 +221,33 @@ def absorption(profile: spectra.WaterProfile, grid: Array, *, paper: bool) -> Ar
             pure_water_a_per_m=pure.a_per_m,
         )
     )
+
+
+def kinks_nm(profile: spectra.WaterProfile, grid: Array, backscatter_ratio: float) -> Array:
+    """Wavelengths where K meets an end of its range, a + b_b or c, and so has a kink: (n,) [nm].
+
+    In short paths of clear water the forward veil lives in the few colours where K is below c; with these
+    wavelengths on the grid the trapezoid rule follows it.
+    """
+    if profile.kd_per_m is None or profile.kd_wavelength_nm is None:
+        return np.empty(0)
+    kd = resample(grid, table_nm=profile.kd_wavelength_nm, table_values=profile.kd_per_m, outside="hold")
+    if profile.a_per_m is None or profile.b_per_m is None:
+        c = profile.attenuation_per_m
+        ends = [resample(grid, table_nm=profile.wavelength_nm, table_values=c, outside="hold")]
+    else:
+        a = absorption(profile, grid, paper=False)
+        b = resample(grid, table_nm=profile.wavelength_nm, table_values=profile.b_per_m, outside="hold")
+        ends = [water.beam_attenuation_per_m(a, b), a + backscatter_ratio * b]
+    found = []
+    for end in ends:
+        over = kd - end
+        at = np.flatnonzero(over[:-1] * over[1:] < 0.0)
+        share = over[at] / (over[at] - over[at + 1])
+        found.append(
+            (grid[at] + share * (grid[at + 1] - grid[at]))[(share > LEAST_SHARE) & (share < 1 - LEAST_SHARE)]
+        )
+    return np.concatenate(found)
 
 
 def lamp_attenuation(

@@ -233,10 +233,8 @@ def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, effic
         density = arriving(scene, contraction, spectrum, efficiency) / trapezoid_weights_nm(
             scene.wavelength_nm
         )
-        step_nm = SPREAD_STEP_NM / scene.fineness.sharpness
-        some = slice(
-            None, None, max(1, round(step_nm / float(scene.wavelength_nm[1] - scene.wavelength_nm[0])))
-        )
+        steps_a_row = SPREAD_STEP_NM / scene.fineness.sharpness / float(np.diff(scene.wavelength_nm).max())
+        some = slice(None, None, max(1, round(steps_a_row)))
         every = float(density @ trapezoid_weights_nm(scene.wavelength_nm))
         coarse = float(density[some] @ trapezoid_weights_nm(scene.wavelength_nm[some]))
         if abs(coarse - every) > SPREAD_ERROR * every:  # lines between those

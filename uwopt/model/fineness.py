@@ -45,5 +45,5 @@ DEFAULT = Fineness()
 
 
 def scaled(nodes: int, fineness: float) -> int:
-    """A number of nodes, more or fewer; at least two."""
+    """n = max(2, round(nodes * fineness))."""
     return max(LEAST_NODES, round(nodes * fineness))

@@ -387,7 +387,7 @@ def floor_illuminance_per_lm(
     Parameters
     ----------
     x_m, y_m : (...,) floor points
-    weight : (n,) V(lambda) times the lamp's spectrum; attenuation_per_m : (n,) K(lambda)
+    weight : (n,) V(lambda) times the lamp's spectrum and the steps; attenuation_per_m : (n,) K(lambda)
     edge_share : points are cells of a regular grid, and a sharp beam counts by the share it covers
     n_ranges : of `lamp_leg_loss`
 

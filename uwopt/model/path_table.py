@@ -22,6 +22,7 @@ BLOCK = 2048  # points evaluated together: the powers of one block stay in the p
 PROBE_ORDER = 32  # of the one-dimensional trial fits that choose order and warp
 # How strongly the nodes crowd towards short ranges, where the spectrum changes most.
 WARPS = (0.0, 0.2, 0.4, 0.6, 0.8)
+LEAST_SHARE = 1e-290  # in place of 0: its logarithm is finite
 RANGE_SLACK = 1e-9  # of the upper end: rounding of a range that was computed another way
 
 Box = tuple[float, float]
@@ -66,6 +67,7 @@ def build_path_table(
     c_camera_per_m: ArrayLike,
     lamp_range_m: tuple[float, float],
     camera_range_m: tuple[float, float],
+    k_camera_per_m: ArrayLike | None = None,
     order: int | None = None,
     max_order: int = 16,
     tolerance_log: float = 1e-6,
@@ -80,6 +82,8 @@ def build_path_table(
     wavelength_nm : (n,) [nm]; None when the weight already holds the steps of a quadrature
     k_lamp_per_m, c_camera_per_m : (n,) [1/m]
     lamp_range_m, camera_range_m : least and greatest range [m]; they may be equal
+    k_camera_per_m : (n,) [1/m], at most c: T then counts what arrives without forming an image, with
+        exp(-k r_c) - exp(-c r_c) in place of exp(-c r_c); no small difference of two tables is taken
     order : fixed degree along both ranges; None raises it until the tolerance is met or max_order reached
     tolerance_log : wanted error of ln T, hence the relative error of T
 
@@ -97,7 +101,7 @@ def build_path_table(
     ----------
     Trefethen (2013), Approximation Theory and Approximation Practice (conformal maps).
     """
-    integrand = _Integrand(weight, wavelength_nm, k_lamp_per_m, c_camera_per_m)
+    integrand = _Integrand(weight, wavelength_nm, k_lamp_per_m, c_camera_per_m, k_camera_per_m)
     boxes = (_checked_range(lamp_range_m, "lamp"), _checked_range(camera_range_m, "camera"))
     orders, warps = _choose_orders(integrand, boxes, max_order, tolerance_log)
     if order is not None:
@@ -196,8 +200,9 @@ class _Integrand:
     """The discretised integral: normalised weights (batch, n) and the two attenuations (n,)."""
 
     def __init__(
-        self, weight: ArrayLike, wavelength_nm: ArrayLike | None, k_lamp: ArrayLike, c_camera: ArrayLike
-    ):
+        self, weight: ArrayLike, wavelength_nm: ArrayLike | None, k_lamp: ArrayLike, c_camera: ArrayLike,
+        k_camera: ArrayLike | None = None,
+    ):  # fmt: skip
         raw = np.asarray(weight, dtype=float)
         steps = np.ones(raw.shape[-1:]) if wavelength_nm is None else trapezoid_weights_nm(wavelength_nm)
         if raw.shape[-1:] != steps.shape or not (np.all(np.isfinite(raw)) and np.all(raw >= 0)):
@@ -209,6 +214,10 @@ class _Integrand:
         self.share = share / share.sum(axis=-1, keepdims=True)
         self.k_lamp = np.broadcast_to(np.asarray(k_lamp, dtype=float), steps.shape)
         self.c_camera = np.broadcast_to(np.asarray(c_camera, dtype=float), steps.shape)
+        self.excess: FloatArray | None = None  # c - k, where only what is scattered forward counts
+        if k_camera is not None:
+            excess = self.c_camera - np.asarray(k_camera, dtype=float)
+            self.excess, self.c_camera = np.maximum(excess, 0.0), self.c_camera - excess
 
     def log_mean(self, lamp: FloatArray, camera: FloatArray) -> FloatArray:
         """(batch, *shape of the ranges), by log-sum-exp: no underflow, however long the path."""
@@ -217,6 +226,8 @@ class _Integrand:
             lit = share > 0
             exponent = np.log(share[lit]) - np.multiply.outer(lamp, self.k_lamp[lit])
             exponent -= np.multiply.outer(camera, self.c_camera[lit])
+            if self.excess is not None:
+                exponent += _log_scattered(np.multiply.outer(camera, self.excess[lit]))
             top = exponent.max(axis=-1, keepdims=True)
             result[i] = np.log(np.exp(exponent - top).sum(axis=-1)) + top[..., 0]
         return result
@@ -225,6 +236,8 @@ class _Integrand:
         """Mean attenuations (batch,) of the light that is left at the far corner."""
         with np.errstate(divide="ignore"):
             exponent = np.log(self.share) - self.k_lamp * boxes[0][1] - self.c_camera * boxes[1][1]
+        if self.excess is not None:
+            exponent += _log_scattered(self.excess * boxes[1][1])
         left = np.exp(exponent - exponent.max(axis=-1, keepdims=True))
         left /= left.sum(axis=-1, keepdims=True)
         return left @ self.k_lamp, left @ self.c_camera
@@ -234,6 +247,11 @@ class _Integrand:
         lamp_slope, camera_slope = self.slopes(boxes)
         linear = np.multiply.outer(lamp_slope, lamp) + np.multiply.outer(camera_slope, camera)
         return np.asarray(self.log_mean(lamp, camera) + linear)
+
+
+def _log_scattered(optical: FloatArray) -> FloatArray:
+    """ln(1 - exp(-x)), that of the least number where nothing is scattered."""
+    return np.asarray(np.log(np.maximum(-np.expm1(-optical), LEAST_SHARE)))
 
 
 def _choose_orders(

@@ -91,12 +91,12 @@ def resample_power(wavelength_nm: ArrayLike, *, table_nm: ArrayLike, table_value
 
         S_i = integral of S h_i d lambda / integral of h_i d lambda,   h_i the hat function of point i
 
-    Arguments as in `resample`; (n,) in the unit of the table. Where no two entries are closer than the grid's
-    points it is `resample`. Else sum(w S f), w the trapezoid's weights, is the integral of S f for every f that
+    Arguments as in `resample`; (n,) in the unit of the table. Where no two entries are closer than any of the
+    grid's points it is `resample`. Else sum(w S f), w the trapezoid's weights, is the integral of S f for every f that
     is linear between the points, however narrow the lines of S are.
     """
     grid, table = np.asarray(wavelength_nm, dtype=float), _increasing(table_nm, "table")
-    if np.diff(table).min() >= np.diff(grid).min():
+    if np.diff(table).min() >= np.diff(grid).max():
         return resample(grid, table_nm=table, table_values=table_values, outside="zero")
     low, high = max(table[0], grid[0]), min(table[-1], grid[-1])
     knots = np.unique(np.concatenate([table, grid]))
