@@ -40,7 +40,7 @@ from uwopt.system import System, load_system
 Source = str | Path | Mapping[str, Any]
 Progress = Callable[[float, str], None]
 PROVEN_GAP_REL = 2e-4  # a wider gap is told, and not called an optimum
-SOLVERS = ("exact", "casadi", "nlopt")
+SOLVERS = ("exact", "casadi", "nlopt", "bonmin")
 NOT_MODELLED = (
     "light scattered more than once towards the camera", "shadows and relief of the floor", "ripples of sunlight",
     "reflections between port and lens", "lens distortion and vignetting beyond cos^4",
@@ -88,7 +88,7 @@ def solve(
     ----------
     mission : file name, mapping or Mission
     solver : exact (search with certificate); casadi or nlopt also solve the settings of the best
-        hardware again and report what they find
+        hardware again and report what they find; bonmin solves hardware and settings of the best together
     top : how many designs with other hardware to list, the best included
     audit : how many discarded combinations to attack
     seconds : give up the proof after this long; the gap that is left is reported
@@ -224,6 +224,8 @@ def second_opinions(sought: Sought, goal: Objective, solver: str) -> list[dict[s
     """The winner's settings solved again by continuous solvers, compared by objective."""
     from uwopt.solvers import opinions
 
+    if solver == "bonmin":
+        return [opinions.mixed_opinion(sought, goal)]
     methods = {"exact": ("casadi",), "casadi": ("casadi",), "nlopt": ("slsqp", "cobyla", "global")}[solver]
     if not opinions.smooth(sought, goal):
         return opinions.aperture_opinions(sought, sought.outcome.best[0], goal)

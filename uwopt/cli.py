@@ -43,6 +43,7 @@ class Solver(StrEnum):
     exact = "exact"
     casadi = "casadi"
     nlopt = "nlopt"
+    bonmin = "bonmin"
 
 
 class Document(StrEnum):
@@ -66,7 +67,10 @@ OutOption = Annotated[
 def solve_command(
     mission: MissionArgument,
     solver: Annotated[
-        Solver, typer.Option(help="exact proves the optimum; casadi and nlopt also solve the settings again.")
+        Solver,
+        typer.Option(
+            help="exact proves the optimum; casadi and nlopt solve the settings again, bonmin hardware and settings."
+        ),
     ] = Solver.exact,
     objective: Annotated[
         str | None,

@@ -293,6 +293,8 @@ def second_opinion_block(result: Result) -> Block:
                      "" if item.get("agrees") else "yellow"),
             )  # fmt: skip
         lines += [sentence("The settings solved again by other means:"), table]
+        mixed = [item for item in result.solvers if item.get("method") == "bonmin"]
+        lines += [sentence(words.one_line(item.get("message") or "")) for item in mixed]
     if result.audit:
         lines.append(audit_sentence(result.audit))
     return block("Second opinions", lines)

@@ -1,16 +1,20 @@
 """CasADi and IPOPT: exact derivatives of the program's own formulas, an interior-point solver, multipliers.
 
-The only module that imports casadi.
+Through CasADi also Bonmin, for hardware and settings together. The only module that imports casadi.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import casadi
 import numpy as np
 
+from uwopt.solvers.mixed import Answer, MixedProgram
 from uwopt.solvers.optimality import Array, Attempt, Derivatives, derivatives, kkt_residual
 from uwopt.solvers.program import Program
 
@@ -34,6 +38,16 @@ OPTIONS = {
     "ipopt.bound_relax_factor": 1e-9,  # rules that leave a single point need an interior
     "ipopt.honor_original_bounds": "yes",
     "ipopt.max_iter": 300,
+}
+#: B-BB, branch and bound with IPOPT at each node, is what its manual advises where functions may not be convex.
+BONMIN = {
+    "print_time": False,
+    "show_eval_warnings": False,
+    "bonmin.algorithm": "B-BB",
+    "bonmin.tol": 1e-9,
+    "bonmin.print_level": 0,
+    "bonmin.sb": "yes",
+    **{f"bonmin.{part}_log_level": 0 for part in ("bb", "nlp", "lp", "milp", "oa", "fp")},
 }
 
 
@@ -105,6 +119,53 @@ def solve(program: Program, start: Array, *, max_seconds: float | None = None) -
         multipliers=multipliers,
         kkt_residual=kkt_residual(symbolic.derivatives(x), multipliers),
     )
+
+
+def solve_mixed(program: MixedProgram, *, max_seconds: float) -> Answer:
+    """Hardware and settings by Bonmin, which is exact for convex programs only and else a heuristic."""
+    low, high = program.bounds
+    n, n_binary = len(low), len(program.options)
+    x = casadi.SX.sym("x", n)
+    objective, rules, choices = program.formulas([x[i] for i in range(n)])
+    problem: dict[str, Any] = {"x": x, "f": casadi.SX(objective), "g": casadi.vertcat(*rules, *choices)}
+    options: dict[str, Any] = {
+        **BONMIN,
+        "bonmin.time_limit": max(max_seconds, 1e-2),
+        "discrete": [False] * (n - n_binary) + [True] * n_binary,
+    }
+    least = np.concatenate([np.full(len(rules), -np.inf), np.zeros(len(choices))])
+    with quiet():
+        solver = casadi.nlpsol("mixed", "bonmin", problem, options)
+        try:
+            answer = solver(x0=program.start(), lbx=low, ubx=high, lbg=least, ubg=0.0)
+        except RuntimeError as fault:  # CasADi raises when Bonmin finds no relaxation to begin with
+            return Answer(program.start(), f"Bonmin: {str(fault).splitlines()[-1]}", 0, False)
+    stats = solver.stats()
+    return Answer(
+        answer["x"].full().reshape(-1),
+        f"Bonmin: {stats['return_status']}",
+        int(stats.get("iter_count", 0)),
+        bool(stats.get("success")),
+    )
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Without what Bonmin's libraries print of their first relaxation, which no option turns off."""
+    sys.stdout.flush()
+    try:
+        kept = os.dup(1)
+    except OSError:  # there is no such output
+        yield
+        return
+    nothing = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nothing, 1)
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(nothing)
+        os.close(kept)
 
 
 def maximise_in_box(

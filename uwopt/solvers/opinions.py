@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,9 @@ from uwopt.solvers.settings import Chosen
 
 AGREES_REL = 1e-4
 APERTURE_RESIDUAL = 1e-6
+FEASIBLE = 1e-6  # relative, of any rule
+MOST_CANDIDATES = 12  # open to Bonmin's choice
+BONMIN_S = 10.0  # of processor time
 
 
 def smooth(sought: Sought, objective: Objective) -> bool:
@@ -100,3 +105,105 @@ def opinion(sought: Sought, found: Found, objective: Objective, method: str) -> 
         "run_time_s": answer.run_time_s,
         "message": answer.message,
     }  # fmt: skip
+
+
+# ---------------------------------------------------------------- hardware and settings together
+
+
+def mixed_opinion(sought: Sought, objective: Objective, *, max_seconds: float = BONMIN_S) -> dict[str, Any]:
+    """What Bonmin chooses of the best systems, their numbers of lamps and steps of light, settings included."""
+    best = sought.outcome.best[0]
+    told: dict[str, Any] = {
+        "method": "bonmin", "hardware": [], "status": "not applicable", "objective_value": None, "difference_rel": None,
+        "agrees": False, "max_violation": None, "kkt_residual": None, "multipliers": {}, "iterations": 0,
+        "run_time_s": 0.0,
+    }  # fmt: skip
+    if not smooth(sought, objective):
+        text = (
+            "Bonmin was not run: sun, sharpness, contrast and information are no part of its smooth program"
+        )
+        return {**told, "message": text}
+    if min(objective.weight("power"), objective.weight("snr_db")) < 0.0:
+        return {
+            **told,
+            "message": "Bonmin was not run: its program takes no negative weight of power or snr_db",
+        }
+    from uwopt.solvers.casadi_ipopt import solve_mixed
+    from uwopt.solvers.mixed import MixedProgram
+
+    began = time.perf_counter()
+    open_to_choice = shortlist(sought)
+    power_limit_w = limit(sought.problem.mission.limits.power_w)
+    candidates = [candidate_of(sought, found) for found in open_to_choice]
+    program = MixedProgram(candidates, objective, power_limit_w)
+    answer = solve_mixed(program, max_seconds=max_seconds)
+    picked = program.picked(answer.x)
+    feasible = picked.max_violation <= FEASIBLE
+    off = abs(picked.value - best.minimised) / max(abs(best.minimised), 1e-12)
+    agrees = feasible and off <= AGREES_REL
+    scope = (
+        f"{len(program.open_to_choice)} systems open to choice with {len(program.options)} pieces of settings "
+        f"(the {len(sought.outcome.best)} best of the search, with other numbers of lamps)"
+    )
+    caution = "a check of the choice among these, not of the catalogue; no proof where rules are not convex"
+    return {
+        **told,
+        "hardware": part_ids(sought, open_to_choice[picked.candidate]),
+        "status": "failed" if not feasible else "optimal" if agrees and answer.ended else "feasible",
+        "objective_value": objective.reported(picked.value) if feasible else None,
+        "difference_rel": off if feasible else None,
+        "agrees": agrees,
+        "max_violation": picked.max_violation,
+        "iterations": answer.nodes,
+        "run_time_s": time.perf_counter() - began,
+        "message": f"{answer.message}; {scope}: {caution}",
+    }
+
+
+def part_ids(sought: Sought, found: Found) -> list[str]:
+    """Camera, lens, port and light by id."""
+    parts = sought.problem.parts
+    named = (
+        parts.cameras[found.camera],
+        parts.lenses[found.lens],
+        parts.ports[found.port],
+        parts.lights[found.light],
+    )
+    return [part.id for part in named]
+
+
+def shortlist(sought: Sought) -> list[Found]:
+    """The best of a search, then the same with other numbers of lamps that cost and mass allow."""
+    problem, made = sought.problem, list(sought.outcome.best)
+    low, high = problem.count_range
+    limits, lights, imagers = problem.mission.limits, problem.lights, sought.search.imagers
+    for found in sought.outcome.best:
+        light = np.array([found.light])
+        price = float(lights.price[found.light])
+        limit_price = float(lights.limit_price[found.light])
+        had = float(problem.lamps_to_buy(light, np.array([found.count]))[0])
+        for count in range(low, high + 1):
+            lamps = float(problem.lamps_to_buy(light, np.array([count]))[0])
+            mass = found.mass_kg + (count - found.count) * float(lights.mass_kg[found.light])
+            cost = float(imagers.limit_cost[found.imager]) + lamps * limit_price
+            fits = cost <= limit(limits.cost) * (1 + 1e-9) and mass <= limit(limits.mass_kg) * (1 + 1e-9)
+            if count != found.count and fits:
+                made.append(
+                    replace(found, count=count, cost=found.cost + (lamps - had) * price, mass_kg=mass)
+                )
+    return made[:MOST_CANDIDATES]
+
+
+def candidate_of(sought: Sought, found: Found) -> Any:
+    """One system as a candidate of the mixed-integer program."""
+    from uwopt.solvers.mixed import Candidate
+
+    imagers = sought.search.imagers
+    return Candidate.of(
+        scene_rows_of(sought.search, found),
+        motorised=bool(sought.problem.lenses.motorised[found.lens]),
+        camera_power_w=float(imagers.camera_power_w[found.imager]),
+        cost=found.cost,
+        mass_kg=found.mass_kg,
+        gsd_mm=float(imagers.gsd_mm[found.imager]),
+    )
