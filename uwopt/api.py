@@ -20,7 +20,7 @@ from uwopt.catalog.compatibility import explain_pair
 from uwopt.catalog.load import load_catalog as _load_catalog
 from uwopt.design_model import DesignModel, Hardware, SceneSettings, design_model
 from uwopt.effects import Influence, effects_kept
-from uwopt.errors import MissionError
+from uwopt.errors import CatalogError, MissionError
 from uwopt.evaluation import evaluate_design
 from uwopt.hardware import FLASH
 from uwopt.mission import Mission, load_mission
@@ -405,7 +405,10 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
         named = getattr(system, kind)
         if isinstance(named, str):
             return selection.catalog.part(named, kind)  # type: ignore[arg-type]
-        return part_from_inline(kind, named, system.base_dir)  # type: ignore[arg-type]
+        try:
+            return part_from_inline(kind, named, system.base_dir)  # type: ignore[arg-type]
+        except CatalogError as error:
+            raise CatalogError([f"{system.source_name}: {kind}: {text}" for text in error.faults]) from None
 
     parts = Parts((part("camera"),), (part("lens"),), (part("port"),), (part("light"),))
     if system.light_mounts:
