@@ -55,6 +55,7 @@ class Sought:
     peers: list[Any]  # PopulationFront
 
 
+@np.errstate(under="ignore")  # less light than a float can hold is no light, whatever the caller has set
 def pareto(
     mission: api.Source | Mission,
     *,

@@ -9,9 +9,18 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from functools import partial
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    create_model,
+    model_validator,
+)
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
@@ -19,6 +28,7 @@ from uwopt.faults import nearest
 
 _UNIT_TEXT = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*[^\d\s.,].*", re.DOTALL)
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
+SMALLEST = 1e-12  # of what may not be 0: products of a few such stay within what a float holds
 _SPELLINGS = {"color": "colour", "monochrome": "mono", "grey": "mono", "highest": "high"}
 
 
@@ -57,6 +67,17 @@ def _number_from_text(text: str) -> float | str:
     if _UNIT_TEXT.fullmatch(text):
         raise refusal("is not a number", "the unit belongs in the key, the value is a bare number")
     return text
+
+
+def at_least(low: float) -> AfterValidator:
+    """Validator of numbers above 0 that are no thing's below some other."""
+    return AfterValidator(partial(_not_below, low=low))
+
+
+def _not_below(value: float, low: float) -> float:
+    if value < low:
+        raise refusal(f"is below {low:g}", "check its unit")
+    return value
 
 
 def to_whole(value: Any) -> int:
@@ -133,7 +154,7 @@ WHOLE = BeforeValidator(to_whole)
 CHOICE = BeforeValidator(to_choice)
 
 Number = Annotated[float, NUMBER]
-Positive = Annotated[float, Field(gt=0, le=1e12), NUMBER]
+Positive = Annotated[float, Field(gt=0, le=1e12), at_least(SMALLEST), NUMBER]
 NonNegative = Annotated[float, Field(ge=0, le=1e12), NUMBER]
 Share = Annotated[float, Field(ge=0, le=1), NUMBER]
 Count = Annotated[int, Field(ge=1, le=64), WHOLE]

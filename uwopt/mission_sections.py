@@ -24,6 +24,7 @@ from uwopt.fields import (
     Text,
     Texts,
     all_optional,
+    at_least,
     number_or_range,
     whole_range,
 )
@@ -58,7 +59,7 @@ class LightMount(Section):
 class Vehicle(Section):
     """How the camera is carried, and which hardware it may carry."""
 
-    altitude_m: Annotated[float, Field(gt=0, le=1000), NUMBER] = Field(
+    altitude_m: Annotated[float, Field(gt=0, le=1000), at_least(1e-3), NUMBER] = Field(
         description="distance from the port to the floor in metres"
     )
     altitude_tolerance_m: Annotated[float, Field(ge=0, le=1000), NUMBER] = Field(
@@ -148,7 +149,7 @@ class Requirements(Section):
     dof_at: Annotated[Literal["axis", "corner"], CHOICE] = Field(
         default="axis", description="place in the image where the depth of field must hold: axis or corner"
     )
-    circle_of_confusion_px: Positive | None = Field(
+    circle_of_confusion_px: Annotated[float, Field(gt=0, le=1e6), at_least(1e-3), NUMBER] | None = Field(
         default=None,
         description="sharpness limit in pixels; 2, in physics paper the sensor's diagonal / 1500",
     )

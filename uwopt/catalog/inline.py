@@ -15,8 +15,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, field_validator, model_validator
 
+from uwopt.catalog.physical import beyond
 from uwopt.catalog.records import Camera, Curve, Lens, Light, Port, Quantity, exact
 from uwopt.errors import CatalogError
 from uwopt.fields import (
@@ -88,6 +89,15 @@ class InlinePart(Section):
     currency: Text = Field(default="USD", description="currency of the price, three letters")
     mass_g: NonNegative | None = Field(default=None, description="mass of one piece in grams")
     note: Text | None = Field(default=None, description="remark")
+
+    @field_validator("*")
+    @classmethod
+    def _of_a_part(cls, value: Any, info: ValidationInfo) -> Any:
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        fault = beyond(info.field_name or "", float(value)) if is_number else ""
+        if fault:
+            raise refusal(f"{fault}, as none is made", "check its unit")
+        return value
 
 
 class InlineCamera(InlinePart):

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from uwopt.catalog.columns import COLUMNS, KINDS, REQUIRED, Cell, CellError, Column, Kind, parse_cell
+from uwopt.catalog.physical import beyond
 from uwopt.catalog.tables import Row, Table, parse_table, read_text
 from uwopt.errors import CatalogError
 
@@ -179,6 +180,10 @@ def _typed_cells(row: Row, kind: Kind, required: tuple[str, ...]) -> tuple[dict[
             cells[name] = parse_cell(column, text)
         except CellError as fault:
             faults.append(str(fault))
+            continue
+        value = cells[name]
+        if isinstance(value, float) and (far := beyond(name, value)):
+            faults.append(f"{name} = {text} {far}, as none is made; check its unit")
     faults += [f"{name} is empty; a {kind} needs it" for name in required if not row.cells.get(name)]
     return cells, faults + _cross_faults(cells)
 
