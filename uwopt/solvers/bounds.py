@@ -40,6 +40,34 @@ class LightTable:
 
 
 @dataclass(frozen=True)
+class Corner:
+    """Least value of the lights that have a capacity and stay within a budget, at once."""
+
+    budget: Array  # what lights take of it, increasing
+    least: (
+        Array  # (n_capacity, n_budget): of the lights from a place on, by capacity, up to a place, by budget
+    )
+
+    @staticmethod
+    def of(value: Array, budget: Array) -> Corner:
+        """From the columns of lights in the order of their capacity."""
+        order = np.argsort(budget, kind="stable")
+        rank = np.empty(len(order), int)
+        rank[order] = np.arange(len(order))
+        least = np.full((len(order), len(order)), np.inf)
+        least[np.arange(len(order)), rank] = value
+        least = np.minimum.accumulate(least[::-1], axis=0)[::-1]
+        return Corner(budget[order], np.minimum.accumulate(least, axis=1))
+
+    def within(self, capacity_at: Array, budget: Array) -> Array:
+        """Least value from a place in the order of capacity on; inf when no light is within the budget."""
+        place = np.searchsorted(self.budget, budget, side="right") - 1
+        known = (place >= 0) & (capacity_at < len(self.budget))
+        some = np.minimum(capacity_at, len(self.budget) - 1), np.maximum(place, 0)
+        return np.where(known, self.least[some], np.inf)
+
+
+@dataclass(frozen=True)
 class Needs:
     """What imagers need in one scene before any light is chosen."""
 
@@ -119,12 +147,19 @@ class Bounds:
 
     def __init__(
         self, problem: Problem, objective: Objective, imagers: Imagers, tables: FieldTables,
-        *, lights: Array | None = None,
+        *, lights: Array | None = None, coupled: bool = False, like: Bounds | None = None,
     ):  # fmt: skip
+        """`coupled`: lights must meet what is left of the budgets together; `like` lends its tables of lights."""
+        self.coupled = coupled
         self.searched = np.ones(len(problem.parts.lights), bool) if lights is None else lights
         self.problem, self.objective, self.imagers, self.tables = problem, objective, imagers, tables
         self.limits = problem.mission.limits
-        self.light_tables = [self.light_table(lighting) for lighting in tables.lightings]
+        self.light_tables: list[LightTable] = (
+            [self.light_table(lighting) for lighting in tables.lightings]
+            if like is None
+            else like.light_tables
+        )
+        self._corners: dict[tuple[int, int, str], Corner] = {} if like is None else like._corners
         self._needs_of: tuple[Array, dict[int, Needs]] | None = None
 
     def light_table(self, lighting: Lighting) -> LightTable:
@@ -153,7 +188,7 @@ class Bounds:
 
     def of_units(self, k: int, rows: Array) -> UnitBounds:
         """Bounds of these imagers under one lighting, worst scene."""
-        lighting, table = self.tables.lightings[k], self.light_tables[k]
+        table = self.light_tables[k]
         n = len(rows)
         bounds = UnitBounds.empty(n)
         if n == 0 or len(table.light) == 0:
@@ -161,13 +196,18 @@ class Bounds:
             return bounds
         for kind in np.unique(table.kind):
             own = table.kind == kind
-            bounds = bounds.better_of(self._kind_bounds(lighting, table, own, int(kind), rows))
+            bounds = bounds.better_of(self._kind_bounds(k, own, int(kind), rows))
         return bounds
 
-    def _kind_bounds(
-        self, lighting: Lighting, table: LightTable, own: Array, kind: int, rows: Array
-    ) -> UnitBounds:
+    def _corner(self, k: int, kind: int, name: str, value: Array, budget: Array) -> Corner:
+        """A table of the lights of one lighting and kind, made once."""
+        if (k, kind, name) not in self._corners:
+            self._corners[k, kind, name] = Corner.of(value, budget)
+        return self._corners[k, kind, name]
+
+    def _kind_bounds(self, k: int, own: Array, kind: int, rows: Array) -> UnitBounds:
         """Bounds from the lights of one kind: what capable lights cost, weigh and draw at least."""
+        lighting, table, limits = self.tables.lightings[k], self.light_tables[k], self.limits
         imagers = self.imagers
         n = len(rows)
         power, capacity_needed = np.zeros(n), np.zeros(n)
@@ -175,15 +215,27 @@ class Bounds:
         order = np.argsort(table.effective[own])
         capacity = table.effective[own][order]
         least_drawn = suffix_min(table.power_per_light[own][order])
+        power_left, most_drawn = (
+            limit(limits.power_w) * ROUND - imagers.camera_power_w[rows],
+            np.full(n, np.inf),
+        )
+        affordable = None
+        if self.coupled and limits.cost is not None:
+            affordable = self._corner(
+                k, kind, "drawn", table.power_per_light[own][order], table.limit_cost[own][order]
+            )
         for index in range(len(imagers.scenes)):
             need = self._needs(index, rows)
             light_time, wanted, most = self._light_needed(index, lighting, need, kind, rows)
             capacity_needed = np.maximum(capacity_needed, wanted)
             at = np.searchsorted(capacity, wanted * (1 - 1e-12))
             drawn = np.where(at < len(capacity), least_drawn[np.minimum(at, len(capacity) - 1)], np.inf)
-            with np.errstate(invalid="ignore"):
+            if affordable is not None:
+                drawn = affordable.within(at, limit(limits.cost) * ROUND - imagers.limit_cost[rows])
+            with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
                 used = wanted if kind == CONTINUOUS else light_time * need.rate_hz
                 scene_power = np.where(used > 0, used * drawn, 0.0)
+                most_drawn = np.minimum(most_drawn, np.where(used > 0, power_left / used * ROUND, np.inf))
             power = np.maximum(power, np.where(np.isfinite(wanted), scene_power, np.inf))
             if self.objective.weight("snr_db") or self.objective.weight("information"):
                 electrons = np.full(n, np.inf) if self._sunlit(index) else capacity[-1] * most
@@ -198,8 +250,12 @@ class Bounds:
         def least(values: Array) -> Array:
             return np.where(reachable, suffix_min(values[own][order])[pick], np.inf)
 
+        lights_cost = least(table.cost)
+        if self.coupled and limits.power_w is not None:
+            corner = self._corner(k, kind, "cost", table.cost[own][order], table.power_per_light[own][order])
+            lights_cost = corner.within(at, most_drawn)
         bounds = UnitBounds(
-            np.zeros(n), imagers.camera_power_w[rows] + power, imagers.cost[rows] + least(table.cost),
+            np.zeros(n), imagers.camera_power_w[rows] + power, imagers.cost[rows] + lights_cost,
             imagers.mass_kg[rows] + least(table.mass_kg), snr_db, np.zeros(n, int), information,
         )  # fmt: skip
         contrast, clear = self._contrast_bound(lighting, rows)
@@ -282,6 +338,8 @@ class Bounds:
         )  # fmt: skip
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
+        if self.coupled:  # no light keeps within both budgets
+            rule = np.where((rule < 0) & ~np.isfinite(value), UNIT_RULES.index("power_w"), rule)
         value = np.where(rule >= 0, np.inf, value)
         return replace(bounds, value=value, rule=rule)
 

@@ -25,13 +25,14 @@ from uwopt.sharp import SharpRows
 from uwopt.solvers.bounds import ROUND, UNIT_RULES, Bounds, LightTable, UnitBounds
 from uwopt.solvers.fields import FieldTables, Lighting
 from uwopt.solvers.goals import GAP, best_settings
-from uwopt.solvers.imagers import IMAGER_RULES, Imagers, enumerate_imagers, limit
+from uwopt.solvers.imagers import IMAGER_RULES, Imagers, enumerate_imagers, fitting_pairs, landscapes, limit
 from uwopt.solvers.ranking import TIE, Found, Ranking
 from uwopt.solvers.settings import Chosen
 
 Array = NDArray[Any]
 FIRST_BATCH, LARGEST_BATCH = 32, 2048
 FIRST_CHUNK, LARGEST_CHUNK = 4096, 65536  # imagers that are bounded together
+MOST_IMAGERS = 600_000  # beyond which pairs of camera and lens are bounded before their ports
 MOST_UNITS = 6_000_000  # imagers times lightings: what memory allows
 SAMPLES_A_TIME, MOST_SAMPLES = 64, 1024
 MOST_ROWS_AT_ONCE = 60_000
@@ -39,6 +40,9 @@ FIRST_VEILS, LARGEST_VEILS = 8, 256  # imagers whose veils are worked out togeth
 ROUGH_GAP = 1e-2  # of bounds over settings that are searched cell by cell
 TOO_FEW_TO_BOUND = 8  # units: evaluating them is cheaper
 RULES = (*IMAGER_RULES, *(rule for rule in UNIT_RULES if rule not in IMAGER_RULES))
+
+
+Sample = tuple[int, int, int, bool, int | None]  # camera, lens, port, landscape, lighting or None for any
 
 
 @dataclass(frozen=True)
@@ -108,7 +112,7 @@ class Search:
         self.bounds_s = 0.0
         self.interrupted = False
         self.open_gap_bound = np.inf  # below which no settings get, where they are not optimal to rounding
-        self._samples: dict[str, list[tuple[int, int | None]]] = {}  # rule -> (imager, lighting or any)
+        self._samples: dict[str, list[Sample]] = {}
 
     # ------------------------------------------------------------ run
 
@@ -116,6 +120,11 @@ class Search:
         """Enumerate, bound, evaluate best first."""
         start = time.perf_counter()
         self.progress(0.0, "imagers")
+        pairs = fitting_pairs(self.problem, cameras=self._hopeful_cameras())
+        if len(pairs.camera) * len(self.problem.parts.ports) * len(landscapes(self.problem)) > MOST_IMAGERS:
+            from uwopt.solvers.large import LargeSearch  # a search of its own, of no use to small catalogues
+
+            return LargeSearch(self, pairs).run()
         imagers = self.prepare()
         self._start_account(imagers)
         after_imagers = time.perf_counter()
@@ -262,7 +271,7 @@ class Search:
             step = max(1, len(units) // SAMPLES_A_TIME)
             n = len(rows)
             some = units[::step][: 2 * SAMPLES_A_TIME]
-            kept += [(int(rows[u % n]), None if any_light else int(u // n)) for u in some]
+            kept += [self.imagers.sample(int(rows[u % n]), None if any_light else int(u // n)) for u in some]
 
     def discarded_samples(
         self, count: int, rng: np.random.Generator
@@ -275,11 +284,10 @@ class Search:
         }
         for rule, units in self._samples.items():
             pool = pools.setdefault(rule, [])
-            for imager, k in units[: max(count, 1)]:
+            for camera, lens, port, landscape, k in units[: max(count, 1)]:
                 lights = None if k is None else self.bounds.light_tables[k].light
                 light = None if lights is None else int(lights[int(rng.integers(len(lights)))])
-                pool.append((int(imagers.camera[imager]), int(imagers.lens[imager]), int(imagers.port[imager]),
-                             bool(imagers.landscape[imager]), light))  # fmt: skip
+                pool.append((camera, lens, port, landscape, light))
         return pools
 
     # ------------------------------------------------------------ evaluation

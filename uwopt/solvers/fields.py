@@ -48,14 +48,17 @@ def lightings(problem: Problem) -> list[Lighting]:
 class FieldTables:
     """Bounds and exact values of the electrons per lm s of every imager under every lighting."""
 
-    def __init__(self, problem: Problem, imagers: Imagers):
+    def __init__(self, problem: Problem, imagers: Imagers, *, like: FieldTables | None = None):
+        """Tables that reach as far as these imagers look, or as those of others that look farther."""
         self.problem, self.imagers = problem, imagers
-        self.lightings = lightings(problem)
-        for index, scene in enumerate(imagers.scenes):
+        self.lightings: list[Lighting] = lightings(problem) if like is None else like.lightings
+        for index, scene in enumerate(imagers.scenes if like is None else []):
             widest = 0.5 * np.hypot(scene.view.footprint_along_m[:, 2], scene.view.footprint_across_m[:, 2])
             problem.set_reach(index, 1.5 * float(widest.max(initial=0.0)))
-        self._light_tables: dict[tuple[int, Lighting, int], LightTable] = {}
-        self._widest: dict[tuple[int, int], Rectangles] = {}
+        self._light_tables: dict[tuple[int, Lighting, int], LightTable] = (
+            {} if like is None else like._light_tables
+        )
+        self._widest: dict[tuple[int, int], Rectangles] = {} if like is None else like._widest
         self._chunk: tuple[Array, dict[tuple[int, int], Rectangles], Array, Array] | None = None
 
     def bound(self, scene_index: int, lighting: Lighting, altitude: int, rows: Array) -> Array:
@@ -77,10 +80,18 @@ class FieldTables:
             return np.asarray(collecting * response[back] * axis)
         key = (scene_index, altitude)
         if key not in rectangles:
-            rectangles[key] = Rectangles.of(problem, imagers, scene_index, altitude, rows)
+            rectangles[key] = self.rectangles(scene_index, altitude, rows)
         rectangle = rectangles[key]
         light = self._light_table(scene_index, lighting, altitude).most_light(rectangle)
         return np.asarray(collecting * response[back] * light * rectangle.samples_per_m2)
+
+    def set_widest(self, scene_index: int, altitude: int, widest: Rectangles) -> None:
+        """Say what rectangle the lights' tables must hold at one altitude."""
+        self._widest[scene_index, altitude] = widest
+
+    def rectangles(self, scene_index: int, altitude: int, rows: Array) -> Rectangles:
+        """The floor rectangles of these imagers at one altitude."""
+        return Rectangles.of(self.problem, self.imagers, scene_index, altitude, rows)
 
     def _of_chunk(self, rows: Array) -> tuple[dict[tuple[int, int], Rectangles], Array, Array]:
         """What all lightings share for the same imagers: their rectangles and efficiency curves."""
@@ -104,9 +115,7 @@ class FieldTables:
         if key not in self._light_tables:
             place = (scene_index, altitude)
             if place not in self._widest:
-                self._widest[place] = Rectangles.of(
-                    self.problem, self.imagers, scene_index, altitude, np.arange(len(self.imagers))
-                )
+                self._widest[place] = self.rectangles(scene_index, altitude, np.arange(len(self.imagers)))
             self._light_tables[key] = LightTable.build(
                 self.problem, scene_index, lighting, altitude, self._widest[place]
             )
@@ -249,12 +258,18 @@ class Rectangles:
             for width in (view.footprint_along_m, view.footprint_across_m)
         )
         crowding = crowding_of(problem, imagers, scene_index, range_m, along, across, rows)
+        deepest, share = Rectangles.paths(problem, scene_index, range_m)
+        return Rectangles(along, across, along * across, crowding, deepest, share)
+
+    @staticmethod
+    def paths(problem: Problem, scene_index: int, range_m: float) -> tuple[float, float]:
+        """`deepest_m` and `path_share` of a problem's ports."""
         ports = problem.ports
         deepest = float((ports.outer_radius_m + ports.gap_m + ports.thickness_m).max(initial=0.0))
         # A flat port with a gap, or glass thinner than water, may bend rays so far that no share is sure.
-        odd = ~ports.is_dome & ((ports.gap_m > 0) | (ports.refractive_index < scene.n_water))
-        share = 0.0 if odd.any() else range_m / (range_m + deepest)
-        return Rectangles(along, across, along * across, crowding, deepest, share)
+        thin = ports.refractive_index < problem.scenes[scene_index].n_water
+        odd = ~ports.is_dome & ((ports.gap_m > 0) | thin)
+        return deepest, 0.0 if odd.any() else range_m / (range_m + deepest)
 
 
 def crowding_of(

@@ -72,23 +72,60 @@ class Imagers:
     def __len__(self) -> int:
         return len(self.camera)
 
+    def sample(self, row: int, lighting: int | None) -> tuple[int, int, int, bool, int | None]:
+        """One imager under one lighting, or any, for an audit."""
+        return (
+            int(self.camera[row]),
+            int(self.lens[row]),
+            int(self.port[row]),
+            bool(self.landscape[row]),
+            lighting,
+        )
+
 
 def enumerate_imagers(problem: Problem, *, cameras: Array | None = None) -> Imagers:
     """Every imager of the problem's parts; see the module's docstring.
 
     `cameras` marks those worth a look; the others are counted under the rule `bound`.
     """
+    pairs = fitting_pairs(problem, cameras=cameras)
+    samples: dict[str, list[tuple[int, int, int, bool]]] = {}
+    blocks = [
+        block
+        for port in range(len(problem.parts.ports))
+        for landscape in landscapes(problem)
+        for block in imagers_behind(
+            problem, pairs.camera, pairs.lens, port, landscape, pairs.discarded, samples
+        )
+    ]
+    return joined(problem, blocks, pairs.discarded, samples)
+
+
+def landscapes(problem: Problem) -> list[bool]:
+    """The orientations that the mission allows."""
+    return [o == "landscape" for o in problem.mission.vehicle.orientations]
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Cameras with lenses that fit on them, and the imagers that each rule discards with the others."""
+
+    camera: Array
+    lens: Array
+    discarded: dict[str, int]
+
+
+def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> Pairs:
+    """All pairs that fit by mount, image circle and, where it counts, the lens's rating."""
     parts = problem.parts
     n_camera, n_lens, n_port = len(parts.cameras), len(parts.lenses), len(parts.ports)
-    orientations = [o == "landscape" for o in problem.mission.vehicle.orientations]
     discarded = dict.fromkeys(IMAGER_RULES, 0)
-    samples: dict[str, list[tuple[int, int, int, bool]]] = {}
     if 0 in (n_camera, n_lens, n_port):
-        return joined(problem, [], discarded, samples)
+        return Pairs(np.empty(0, int), np.empty(0, int), discarded)
     fits = mount_compatible([c.mounts for c in parts.cameras], [part.mounts for part in parts.lenses])
     fits = fits.reshape(n_camera, n_lens)
     circle = circles_ok(problem)
-    per_pair = n_port * len(orientations)
+    per_pair = n_port * len(landscapes(problem))
     discarded["mount"] = int((~fits).sum()) * per_pair
     discarded["image_circle"] = int((fits & ~circle).sum()) * per_pair
     if problem.mission.catalog.lens_rating == "limit":
@@ -99,13 +136,7 @@ def enumerate_imagers(problem: Problem, *, cameras: Array | None = None) -> Imag
         discarded["bound"] = int((fits & circle)[~cameras].sum()) * per_pair
         circle = circle & cameras[:, None]
     camera, lens = np.nonzero(fits & circle)
-    blocks = [
-        block
-        for port in range(n_port)
-        for landscape in orientations
-        for block in imagers_behind(problem, camera, lens, port, landscape, discarded, samples)
-    ]
-    return joined(problem, blocks, discarded, samples)
+    return Pairs(camera, lens, discarded)
 
 
 def circles_ok(problem: Problem) -> Array:
@@ -328,4 +359,4 @@ def focus_distance_m(dioptre_per_m: Array, at: Any) -> Array:
     return np.asarray(water_distance_m(dioptre_per_m, focus_map=at))
 
 
-__all__ = ["IMAGER_RULES", "Imagers", "SceneImagers", "enumerate_imagers", "totals"]
+__all__ = ["IMAGER_RULES", "Imagers", "Pairs", "SceneImagers", "enumerate_imagers", "fitting_pairs", "totals"]
