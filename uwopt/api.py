@@ -13,6 +13,17 @@ from typing import Any
 
 import numpy as np
 
+from uwopt.accuracy import coarsest
+from uwopt.api_accuracy import (
+    Searched,
+    accuracy_warnings,
+    checked_tolerance,
+    estimator_of,
+    estimator_of_search,
+    of_integrals,
+    plain_accuracy,
+    search_within,
+)
 from uwopt.batch import Batch, Designs
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Choice, Selection, select
@@ -25,6 +36,7 @@ from uwopt.evaluation import evaluate_design
 from uwopt.hardware import FLASH
 from uwopt.mission import Mission, load_mission
 from uwopt.model.fidelity import Effects
+from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Mount, Parts, Problem
 from uwopt.result import Certificate, Design, Margin, Result
@@ -80,6 +92,8 @@ def solve(
     audit: int = 0,
     seconds: float | None = None,
     alternatives: bool = False,
+    accuracy: bool = False,
+    tolerance: float | None = None,
     progress: Progress | None = None,
 ) -> Result:
     """The best system for a mission, with a certificate; see the package's documentation.
@@ -93,35 +107,42 @@ def solve(
     audit : how many discarded combinations to attack
     seconds : give up the proof after this long; the gap that is left is reported
     alternatives : also say what systems of other makers lack
+    accuracy : estimate the numerical error of every figure, in `result.accuracy`
+    tolerance : largest error of a figure, a share: integrals are taken as coarsely as it allows
     """
     start = time.perf_counter()
     if solver not in SOLVERS:
         raise MissionError(f"solver {solver!r} is not one of {', '.join(SOLVERS)}")
     wanted = prepared(mission, physics, objective)
+    checked_tolerance(tolerance)
     goal = Objective.of(wanted.objective)
     timing: dict[str, float] = {}
     with recommend.timed(timing, "catalogue"):
         catalog = load_catalog(wanted)
-    policy = wanted.catalog.generic
-    first: recommend.Generic = "allow" if policy == "allow" else "never"
-    with recommend.timed(timing, "search"):
-        sought = seek(wanted, catalog, goal, generic=first, top=top, deadline_s=seconds, progress=progress)
-    alternative: Sought | None = None
-    if policy == "fallback" and sought.outcome.complete:
+
+    def search(fineness: Fineness) -> Searched:
         left_s = None if seconds is None else max(seconds - (time.perf_counter() - start), 0.01)
-        if sought.outcome.best and scenes_need_cells(sought.problem.scenes, goal):
-            left_s = min(
-                left_s or SLOW_S, SLOW_S
-            )  # parts to be made are an extra, and no closed form is slow
-        with recommend.timed(timing, "search_generic"):
-            alternative = generic_search(wanted, catalog, goal, sought, top, left_s, progress)
-        if not sought.outcome.best and alternative is not None and alternative.outcome.best:
-            sought, alternative = alternative, None
+        return searched(wanted, catalog, goal, top, left_s, progress, timing, fineness)
+
+    if tolerance is None:
+        (sought, alternative), measured = search(DEFAULT), None
+    else:
+        paper = wanted.physics == "paper"
+        sunlit = any(view.scene.sun_lux > 0 for view in wanted.views)
+        (sought, alternative), measured = search_within(tolerance, search, goal, paper=paper, sunlit=sunlit)
     result = base_result("solve", wanted, goal, sought.problem)
     if not sought.outcome.best:
         result = infeasible_result(result, wanted, catalog, goal, sought, alternative, timing)
     else:
         result = found_result(result, goal, sought, alternative, timing, solver=solver)
+        if measured is None and accuracy:
+            with recommend.timed(timing, "accuracy"):
+                measured = estimator_of_search(sought, goal).errors(sought.problem.fineness)
+        result = replace(
+            result,
+            accuracy=plain_accuracy(measured, tolerance or math.inf, result.certificate, result.solvers),
+            warnings=[*result.warnings, *accuracy_warnings(measured, tolerance or math.inf)],
+        )
     if alternatives and result.recommendation is not None and sought.outcome.complete:
         from uwopt.solvers.alternatives import beside_best
 
@@ -135,6 +156,33 @@ def solve(
     return replace(result, timing_s=timing)
 
 
+def searched(
+    mission: Mission, catalog: Catalog, goal: Objective, top: int, seconds: float | None,
+    progress: Progress | None, timing: dict[str, float], fineness: Fineness,
+) -> Searched:  # fmt: skip
+    """The search over parts that are sold, and with parts to be made where they could matter."""
+    start = time.perf_counter()
+    policy = mission.catalog.generic
+    first: recommend.Generic = "allow" if policy == "allow" else "never"
+    with recommend.timed(timing, "search"):
+        sought = seek(
+            mission, catalog, goal, generic=first, top=top, deadline_s=seconds, progress=progress,
+            fineness=fineness,
+        )  # fmt: skip
+    alternative: Sought | None = None
+    if policy == "fallback" and sought.outcome.complete:
+        left_s = None if seconds is None else max(seconds - (time.perf_counter() - start), 0.01)
+        if sought.outcome.best and scenes_need_cells(sought.problem.scenes, goal):
+            left_s = min(
+                left_s or SLOW_S, SLOW_S
+            )  # parts to be made are an extra, and no closed form is slow
+        with recommend.timed(timing, "search_generic"):
+            alternative = generic_search(mission, catalog, goal, sought, top, left_s, progress)
+        if not sought.outcome.best and alternative is not None and alternative.outcome.best:
+            sought, alternative = alternative, None
+    return sought, alternative
+
+
 def generic_search(
     mission: Mission, catalog: Catalog, goal: Objective, sought: Sought, top: int, seconds: float | None,
     progress: Progress | None,
@@ -146,7 +194,7 @@ def generic_search(
         ceiling = best[0].minimised - GENERIC_GAIN * abs(best[0].minimised)
     return seek(
         mission, catalog, goal, generic="allow", top=1 if best else top, deadline_s=seconds, progress=progress,
-        ceiling=ceiling,
+        ceiling=ceiling, fineness=sought.problem.fineness,
     )  # fmt: skip
 
 
@@ -324,6 +372,7 @@ def base_result(
         "name": mission.physics,
         "asked": mission.physics,
         "tolerance": mission.tolerance,
+        "fineness": problem.fineness.by_part(),
         "water_table": tables[problem.scenes[0].name] if len(set(tables.values())) == 1 else tables,
         "effects": [
             (item if mission.physics == "auto" else replace(item, kept=True, time_saved_s=0.0)).as_dict()
@@ -361,26 +410,51 @@ def versions() -> dict[str, str]:
 
 
 @np.errstate(under="ignore")  # less light than a float can hold is no light, whatever the caller has set
-def evaluate(mission: Source | Mission, system: Source | System, *, physics: str | None = None) -> Result:
-    """What a given system would do in a mission: figures and margins of every scene."""
+def evaluate(
+    mission: Source | Mission, system: Source | System, *, physics: str | None = None, accuracy: bool = False,
+    tolerance: float | None = None,
+) -> Result:  # fmt: skip
+    """What a given system would do in a mission: figures and margins of every scene.
+
+    `accuracy`: with estimated numerical errors of every figure. `tolerance`: largest error of a figure, a
+    share; integrals are then taken as coarsely as it allows.
+    """
     start = time.perf_counter()
+    timing: dict[str, float] = {}
     wanted = prepared(mission, physics, None)
+    auto = wanted.physics == "auto"
+    allowed = math.inf  # error of integrals
+    if checked_tolerance(tolerance) is not None:
+        allowed = of_integrals(tolerance or 0.0, may_leave_out=auto)
+        wanted = wanted.with_changes(tolerance=(tolerance or 0.0) - allowed) if auto else wanted
     built = load_system(system)
     built.check_scenes(wanted)
     if built.camera_count != wanted.vehicle.camera_count:
         vehicle = {**wanted.to_dict()["vehicle"], "camera_count": built.camera_count}
         wanted = wanted.with_changes(vehicle=vehicle)
     goal = Objective.of(wanted.objective)
-    problem, hardware = system_problem(wanted, built)
+    with recommend.timed(timing, "catalogue"):
+        problem, hardware = system_problem(wanted, built)
     given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
-    influences = influences_of(problem, hardware, given, goal)
-    if wanted.physics == "auto":
+    with recommend.timed(timing, "effects"):
+        influences = influences_of(problem, hardware, given, goal)
+    if auto:
         problem = problem.with_effects(effects_kept(influences))
-    design = with_compatibility(
-        evaluate_design(problem, hardware, given, goal, level_tolerance_rel=LEVEL_TOLERANCE_REL),
-        problem,
-        wanted,
-    )
+
+    def evaluated(at: Problem) -> Design:
+        return evaluate_design(at, hardware, given, goal, level_tolerance_rel=LEVEL_TOLERANCE_REL)
+
+    measured = None
+    if accuracy or tolerance is not None:
+        with recommend.timed(timing, "accuracy"):
+            estimator = estimator_of(problem, evaluated)
+            if tolerance is None:
+                measured = estimator.errors(problem.fineness)
+            else:
+                measured = estimator.cheapest(allowed, coarsest(estimator.parts))
+                problem = problem.with_fineness(measured.fineness)
+    with recommend.timed(timing, "evaluation"):
+        design = with_compatibility(evaluated(problem), problem, wanted)
     result = base_result("evaluate", wanted, goal, problem, influences)
     return replace(
         result,
@@ -388,8 +462,9 @@ def evaluate(mission: Source | Mission, system: Source | System, *, physics: str
         design=design,
         system=built.to_dict(absolute_paths=True),
         objective={**result.objective, "value": design.objective_value},
-        warnings=[*result.warnings, *design.warnings],
-        timing_s={"total": time.perf_counter() - start},
+        warnings=[*result.warnings, *design.warnings, *accuracy_warnings(measured, allowed)],
+        accuracy=plain_accuracy(measured, allowed, None, []),
+        timing_s={**timing, "total": time.perf_counter() - start},
     )
 
 

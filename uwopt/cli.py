@@ -15,7 +15,15 @@ import typer
 
 from uwopt import __version__
 from uwopt.cli_catalog import catalog_app
-from uwopt.cli_options import JsonOption, MissionArgument, PhysicsOption, QuietOption, checked_seconds
+from uwopt.cli_options import (
+    AccuracyOption,
+    JsonOption,
+    MissionArgument,
+    PhysicsOption,
+    QuietOption,
+    ToleranceOption,
+    checked_seconds,
+)
 from uwopt.cli_output import hand_over
 from uwopt.cli_pareto import pareto_command
 from uwopt.cli_report import report_command
@@ -84,6 +92,8 @@ def solve_command(
     seconds: Annotated[
         float | None, typer.Option(metavar="S", help="Stop after S seconds; the gap that is left is told.")
     ] = None,
+    accuracy: AccuracyOption = False,
+    tolerance: ToleranceOption = None,
     as_json: JsonOption = False,
     out: OutOption = None,
     quiet: QuietOption = False,
@@ -101,7 +111,8 @@ def solve_command(
 
         result = api.solve(
             mission, solver=solver.value, objective=wanted, physics=None if physics is None else physics.value,
-            top=top, audit=audit, seconds=limit_s, alternatives=out is not None, progress=bar.report,
+            top=top, audit=audit, seconds=limit_s, alternatives=out is not None, accuracy=accuracy,
+            tolerance=tolerance, progress=bar.report,
         )  # fmt: skip
     hand_over(result, as_json=as_json, out=out, quiet=quiet)
     return result_status(result)
@@ -118,6 +129,8 @@ def evaluate_command(
     check: Annotated[
         bool, typer.Option("--check", help="Exit with status 3 when a requirement is missed.")
     ] = False,
+    accuracy: AccuracyOption = False,
+    tolerance: ToleranceOption = None,
     as_json: JsonOption = False,
     out: OutOption = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No notes.")] = False,
@@ -129,7 +142,10 @@ def evaluate_command(
         check_folder(out)
     from uwopt import api
 
-    result = api.evaluate(mission, system, physics=None if physics is None else physics.value)
+    result = api.evaluate(
+        mission, system, physics=None if physics is None else physics.value, accuracy=accuracy,
+        tolerance=tolerance,
+    )  # fmt: skip
     hand_over(result, as_json=as_json, out=out, quiet=quiet)
     return result_status(result, check=check)
 

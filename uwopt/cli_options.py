@@ -25,6 +25,13 @@ MissionArgument = Annotated[
 PhysicsOption = Annotated[
     Physics | None, typer.Option(help="Physics of the model; the mission's unless given.")
 ]
+AccuracyOption = Annotated[
+    bool, typer.Option("--accuracy", help="Estimate the numerical error of every figure.")
+]
+ToleranceOption = Annotated[
+    float | None,
+    typer.Option(metavar="SHARE", help="Largest error of any figure, such as 0.001; coarser is faster."),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON and nothing else.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no notes.")]
 

@@ -146,6 +146,7 @@ class Problem:
         self.lights: Lights = light_rows(
             parts.lights, money=self.money, optics_index=optics_index, end=end, paper=paper, high_basis=high
         )
+        self.fineness = self.scenes[0].fineness
         self.contractions = [Contraction(scene, self.optics, self.efficiencies) for scene in self.scenes]
 
     def with_effects(self, effects: Effects) -> Problem:
@@ -153,6 +154,13 @@ class Problem:
         changed = copy(self)
         changed.effects, changed.known_models = PAPER if self.paper else effects, {}
         return changed
+
+    def with_fineness(self, fineness: fine.Fineness) -> Problem:
+        """The same problem with its integrals taken more or less finely; all tables anew."""
+        return Problem(
+            self.mission, self.parts, paper=self.paper, end=self.end, owned_lights=self.owned_lights,
+            counts=self.count_range, mounts=self.mounts, effects=self.effects, fineness=fineness,
+        )  # fmt: skip
 
     def money(self, amount: float, currency: str) -> float:
         """An amount in the mission's currency."""

@@ -23,6 +23,7 @@ from uwopt.figures import Figures, SettingRows
 from uwopt.mission import Mission, load_mission
 from uwopt.mission_sections import LightMount
 from uwopt.model.fidelity import Effects
+from uwopt.model.fineness import Fineness
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.problem import Mount, Parts, Problem, mission_mounts
 from uwopt.reported import illuminance, plain_figures
@@ -83,6 +84,9 @@ def replay(
             problem, hardware = searched_problem(wanted, design)
         else:
             problem, hardware = evaluated_problem(wanted, system, physics)
+        fineness = Fineness(**physics.get("fineness", {}))
+        if fineness != problem.fineness:
+            problem = problem.with_fineness(fineness)
         model = DesignModel(problem, hardware)
         made = Replay(
             model,

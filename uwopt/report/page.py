@@ -22,7 +22,7 @@ from typing import Any
 
 from uwopt.errors import UwoptError
 from uwopt.front_result import FrontResult
-from uwopt.report import doubts, page_front, page_parts, tables, words
+from uwopt.report import doubts, exactness, page_front, page_parts, tables, words
 from uwopt.report.layout import Block, Facts, Grid, Joined, Line, Text, fact_lines
 from uwopt.report.page_parts import DesignPart
 from uwopt.report.page_style import DARK, LIGHT, tokens
@@ -190,7 +190,9 @@ def trust_blocks(result: Result | FrontResult) -> Iterator[Block]:
     elif result.certificate:
         yield Block("Certificate", tuple(front_certificate(result.certificate)))
     yield doubts.model_block(result)
-    if result.accuracy:
+    if isinstance(result, Result) and exactness.has_errors(result):
+        yield exactness.exactness_block(result)
+    elif result.accuracy:
         yield Block("Numerical error", (fact_lines(page_parts.flat_facts(result.accuracy)),))
     if result.assumptions:
         title = f"Assumptions ({len(result.assumptions)})"

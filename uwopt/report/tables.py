@@ -20,6 +20,7 @@ from uwopt.report.doubts import (
     robustness_block,
     second_opinion_block,
 )
+from uwopt.report.exactness import exactness_block, has_errors
 from uwopt.report.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
 from uwopt.result import Design, Margin, Result, SceneResult, design_from_dict
 
@@ -45,6 +46,8 @@ def result_blocks(result: Result) -> Iterator[Block | Text]:
         yield robustness_block(result)
     if result.solvers or result.audit:
         yield second_opinion_block(result)
+    if has_errors(result):
+        yield exactness_block(result)
     yield from assumption_blocks(result)
     yield from warning_blocks(result)
     if result.timing_s:

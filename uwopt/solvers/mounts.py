@@ -131,11 +131,14 @@ def one_design(problem: Problem, found: Found, mount: Mount) -> Problem:
 
 def value_at_mount(sought: Sought, found: Found, objective: Objective, mount: Mount) -> float:
     """Best objective of one design with its lamps at another mount; inf where it is not feasible."""
-    search = Search(
-        one_design(sought.problem, found, mount), objective, top=1, deadline_s=None, progress=None
-    )
+    return best_value(one_design(sought.problem, found, mount), objective, found.count)
+
+
+def best_value(problem: Problem, objective: Objective, count: int) -> float:
+    """Best objective of a problem over one part of each kind; inf where it is not feasible."""
+    search = Search(problem, objective, top=1, deadline_s=None, progress=None)
     place = dict.fromkeys(("camera", "lens", "port", "light"), 0)
-    return values_at(search, search.prepare(), [place], found.count)[0]
+    return values_at(search, search.prepare(), [place], count)[0]
 
 
 def polished_mount(sought: Sought, objective: Objective) -> dict[str, Any] | None:

@@ -21,6 +21,7 @@ from uwopt.design_model import Hardware, design_model
 from uwopt.errors import MissionError, SolverError
 from uwopt.evaluation import evaluate_design
 from uwopt.mission import Mission
+from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
 from uwopt.result import Design
@@ -91,11 +92,11 @@ def owned_ids(selection: Selection) -> dict[str, int]:
 def seek(
     mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic, top: int,
     deadline_s: float | None = None, progress: Progress | None = None, ceiling: float = math.inf,
-    depth_m: float | None = None,
+    depth_m: float | None = None, fineness: Fineness = DEFAULT,
 ) -> Sought:  # fmt: skip
     """Select, tabulate and search."""
     selection = selected(mission, catalog, generic=generic, depth_m=depth_m)
-    problem = build_problem(mission, selection)
+    problem = build_problem(mission, selection, fineness=fineness)
     search = Search(problem, objective, top=top, deadline_s=deadline_s, progress=progress, ceiling=ceiling)
     return Sought(selection, problem, search, search.run())
 
