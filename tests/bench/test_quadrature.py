@@ -1,0 +1,142 @@
+"""The suite `quadrature`: its reference against closed forms and against itself in other coordinates, and its rows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from uwopt.bench import quadrature
+from uwopt.bench import quadrature_exact as exact
+from uwopt.bench.quadrature import AS_USED, DOME, FLAT, IMAGE_VEIL, PIXEL_VEIL, SIGNAL, TARGETS, Light
+from uwopt.bench.quadrature_exact import Water
+from uwopt.bench.suite import Budget, Row
+
+WIDE = (0.3, 0.4)
+
+
+@pytest.fixture(scope="module")
+def rows() -> Sequence[Row]:
+    return list(quadrature.measure(Budget(quick=True, seconds=60.0)))
+
+
+def clear(c_per_m: float = 0.0) -> Water:
+    """One colour, K = 0, phase function 1/(4 pi)."""
+    one = np.ones(1)
+    return Water(0.0 * one, c_per_m * one, one, (one,), (lambda cos: 0.0 * cos + 1.0 / (4.0 * math.pi),))
+
+
+def test_an_even_disc_over_a_clear_floor_gives_the_mean_of_cos4_in_closed_form() -> None:
+    # E = 1/(pi d^2 tan^2 b) everywhere in view; the mean of (1 + u^2 + v^2)^-2 over |u|, |v| <= a is
+    # (1/a^2) * int_0^a int_0^a = arctan(a/sqrt(1+a^2)) / (a sqrt(1+a^2))
+    a, d, b = 0.3, 2.0, math.radians(45)
+    light = Light("even", (a, a), DOME, d, quadrature.lamp(y=0.2), quadrature.disc(45), clear())
+    root = math.sqrt(1.0 + a * a)
+    by_hand = math.atan(a / root) / (a * root) / (math.pi * d**2 * math.tan(b) ** 2)
+    assert exact.mean_signal(light) == pytest.approx(by_hand, rel=1e-10)
+    assert exact.polar_mean_signal(light) == pytest.approx(by_hand, rel=1e-10)
+
+
+def test_a_spot_within_the_image_holds_all_its_light() -> None:
+    # without cos^4 and water all of the spot's E dA is what the disc sends: here the spot is tiny, at (x, y) = (0, b)
+    d, b, y = 2.0, math.radians(0.05), 0.3
+    light = Light("spot", WIDE, DOME, d, quadrature.lamp(y=y), quadrature.disc(0.05), clear())
+    scale_m = d + DOME.outer_radius_m
+    area_m2 = 4.0 * WIDE[0] * WIDE[1] * scale_m**2
+    expected = 1.0 / area_m2 / (1.0 + (y / scale_m) ** 2) ** 2
+    assert exact.polar_mean_signal(light) == pytest.approx(expected, rel=10 * b**2)
+
+
+def test_the_veil_of_even_light_in_clear_water_is_an_arctangent() -> None:
+    # axis of a flat port, I = 1/(2 pi), p = 1/(4 pi): integral of dr/(b^2 + r^2) = arctan(d/b)/b
+    d, b = 3.0, 0.5
+    light = Light("even", WIDE, FLAT, d, quadrature.lamp(y=b), quadrature.cone(90), clear())
+    assert exact.ray_veil(0.0, 0.0, light) == pytest.approx(
+        math.atan(d / b) / b / (8 * math.pi**2), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("half_deg", [12, 25])
+def test_both_coordinates_give_the_same_signal(half_deg: float) -> None:
+    light = replace(quadrature.cases(True)[2], beam=quadrature.disc(half_deg))
+    assert exact.polar_mean_signal(light) == pytest.approx(exact.mean_signal(light), rel=1e-7)
+
+
+def test_rings_refuse_what_they_cannot_do() -> None:
+    with pytest.raises(ValueError, match="straight down"):
+        exact.polar_mean_signal(quadrature.cases(True)[1])
+
+
+def test_gauss_legendre_converges_fast_and_cells_with_their_square() -> None:
+    smooth, edge = quadrature.cases(True)[0], quadrature.cases(True)[2]
+    askew = replace(smooth, lamps=quadrature.lamp(x=0.1))  # nothing mirrors along the motion: n nodes a side
+    truth = exact.mean_signal(askew)
+    model, places = quadrature.model_of(askew, SIGNAL), quadrature.places_of(askew, SIGNAL)
+    errors = [abs(float(model(*places, n)[0]) / truth - 1.0) for n in (4, 6, 8)]
+    assert errors[0] > 20 * errors[1] > 400 * errors[2]
+    truth = exact.mean_signal(edge)
+    model, places = quadrature.model_of(edge, SIGNAL), quadrature.places_of(edge, SIGNAL)
+    errors = [abs(float(model(*places, n)[0]) / truth - 1.0) for n in (24, 384)]
+    assert errors[1] < 4.0 * errors[0] / 16.0**1.5  # each edge cell errs with the square; signs vary
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_the_default_is_within_a_ten_thousandth(target: str) -> None:
+    for light in quadrature.cases(False):
+        if (
+            target not in quadrature.targets_of(light)
+            or light.beam.kind == "tabulated"
+            or "narrow cone" in light.name
+        ):
+            continue
+        truth = quadrature.reference(light, target)
+        value = quadrature.model_of(light, target)(*quadrature.places_of(light, target), None)
+        np.testing.assert_allclose(value, truth, rtol=1e-4, err_msg=light.name)
+
+
+def test_rows_of_a_quick_run_are_well_formed(rows: Sequence[Row]) -> None:
+    assert {row.case for row in rows} == {light.name for light in quadrature.cases(True)}
+    for row in rows:
+        assert row.suite == "quadrature"
+        assert row.time_s is not None
+        assert row.time_s > 0.0
+        assert row.error is not None
+        assert 0.0 <= row.error < np.inf
+        assert row.method.startswith(TARGETS)
+        assert not row.note
+    assert len({(row.case, row.method, row.size) for row in rows}) == len(rows)
+    used = [row for row in rows if row.method.endswith(AS_USED)]
+    assert len(used) == len(TARGETS) * len(quadrature.cases(True))
+    assert all(row.error is not None and row.error < 1e-4 for row in used)
+
+
+def test_the_tables_have_a_line_for_each_case(rows: Sequence[Row]) -> None:
+    made = quadrature.SUITE.tables(rows)
+    assert len(made) == len(TARGETS)
+    for table in made:
+        assert len(table.rows) == len(quadrature.cases(True))
+        assert all(len(line) == len(table.head) for line in table.rows)
+    assert all(not table.rows for table in quadrature.SUITE.tables([]))
+
+
+def test_the_least_order_is_that_from_which_on_all_is_well() -> None:
+    tried = [Row("quadrature", "c", "m", float(n), error=e) for n, e in ((4, 1e-6), (6, 2e-4), (8, 9e-5))]
+    assert quadrature.least_order(tried) == "8"
+    assert quadrature.least_order(tried[:2]) == "more than 6"
+    assert quadrature.least_order([]) == ""
+
+
+def test_a_suite_without_time_measures_nothing() -> None:
+    assert list(quadrature.measure(Budget(quick=True, seconds=0.0))) == []
+
+
+def test_dark_pixels_stay_dark() -> None:
+    light = quadrature.cases(True)[2]
+    truth = quadrature.reference(light, PIXEL_VEIL)
+    value = quadrature.model_of(light, PIXEL_VEIL)(*quadrature.places_of(light, PIXEL_VEIL), None)
+    np.testing.assert_array_equal(value == 0.0, truth == 0.0)
+    assert np.any(truth == 0.0)
+    assert quadrature.chosen_order(light, IMAGE_VEIL) is None
