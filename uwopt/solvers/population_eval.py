@@ -119,7 +119,7 @@ class Evaluator:
         place = np.nonzero(violation <= 0.0)[0]
         built = built.take(place)
         if self.staged and len(place):
-            lacking = self._lacking_without_veils(built)
+            lacking = lacking_without_veils(self.search, self.store, built)
             violation[place] = lacking
             hopeful = np.nonzero(lacking <= 0.0)[0]
             place, built = place[hopeful], built.take(hopeful)
@@ -144,29 +144,11 @@ class Evaluator:
         figures = {name: c[holds] for name, c in self._named(made, some).items()}
         return Solved(place, built, decoded, fits[holds], figures, violation)
 
-    def _lacking_without_veils(self, built: Built) -> Array:
-        """By how much designs miss what they need even with no veil and the least dark current."""
-        rows = []
-        for s in range(len(self.problem.scenes)):
-            light = self.store.signal(s, built.imager, built.lighting)
-            one = replace(self._scene_rows(s, built, Seen(light, None, None, None)), optimistic=True)
-            rows.append(replace(one, dark_time_s=np.maximum(one.exposure_s(one.time_min_s), 0.0)))
-        return shortfall(rows, self.search.motorised[built.imager])
-
     def _camera_power_w(self, built: Built) -> Array:
         return np.asarray(self.search.imagers.camera_power_w[built.imager])
 
     def _scene_rows(self, s: int, built: Built, seen: Seen) -> SceneRows:
-        """The settings' view of designs in one scene."""
-        imagers = self.search.imagers
-        rows = self.problem.scene_rows(
-            s, camera=imagers.camera[built.imager], light=built.light, count=built.count,
-            focused=imagers.scenes[s].focused.take(built.imager), image_light=seen.light, sun=seen.sun,
-            sharp=seen.sharp,
-        )  # fmt: skip
-        if seen.even is not None:
-            rows = replace(rows, time_max_s=np.where(seen.even, rows.time_max_s, -1.0))
-        return rows
+        return scene_rows(self.search, s, built, seen)
 
     # ------------------------------------------------------------ figures
 
@@ -298,6 +280,29 @@ class Evaluator:
             found[kind] = column
             found[f"{kind}_id"] = np.array([part.id for part in every])[column]
         return found
+
+
+def lacking_without_veils(search: Search, store: LightStore, built: Built) -> Array:
+    """By how much designs miss what they need even with no veil and the least dark current."""
+    rows = []
+    for s in range(len(search.problem.scenes)):
+        light = store.signal(s, built.imager, built.lighting)
+        one = replace(scene_rows(search, s, built, Seen(light, None, None, None)), optimistic=True)
+        rows.append(replace(one, dark_time_s=np.maximum(one.exposure_s(one.time_min_s), 0.0)))
+    return shortfall(rows, search.motorised[built.imager])
+
+
+def scene_rows(search: Search, s: int, built: Built, seen: Seen) -> SceneRows:
+    """The settings' view of designs in one scene."""
+    imagers = search.imagers
+    rows = search.problem.scene_rows(
+        s, camera=imagers.camera[built.imager], light=built.light, count=built.count,
+        focused=imagers.scenes[s].focused.take(built.imager), image_light=seen.light, sun=seen.sun,
+        sharp=seen.sharp,
+    )  # fmt: skip
+    if seen.even is not None:
+        rows = replace(rows, time_max_s=np.where(seen.even, rows.time_max_s, -1.0))
+    return rows
 
 
 def decibels(snr: Array) -> Array:

@@ -1,0 +1,323 @@
+"""One mission as a contest: what all solvers start from, and a referee who keeps time and checks every claim."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.api import load_catalog, prepared
+from uwopt.bench.suite import Budget
+from uwopt.catalog.choose import Selection
+from uwopt.design_model import Hardware, design_model
+from uwopt.evaluation import evaluate_design
+from uwopt.mission import Mission
+from uwopt.objectives.objective import MAXIMISED, Objective, Terms
+from uwopt.problem import Problem
+from uwopt.rows import SceneRows
+from uwopt.solvers.exact import Outcome, Search, snr_ceiling
+from uwopt.solvers.imagers import limit
+from uwopt.solvers.population import Built, Coding
+from uwopt.solvers.population_eval import Evaluator, lacking_without_veils, scene_rows
+from uwopt.solvers.population_light import LightStore
+from uwopt.solvers.population_settings import shortfall
+from uwopt.solvers.ranking import Found
+from uwopt.solvers.recommend import build_problem, selected
+from uwopt.solvers.rounding import exact_settings
+
+Array = NDArray[Any]
+REACHED = 1e-6  # a gap at which nothing is left to see: the run is ended
+SAME = 1e-9  # relative
+BATCH = 256  # hardware whose light is worked out together
+ORDERED = 200_000  # hardware drawn and put in order at a time
+ROUND = 1.0 + 1e-9  # a limit met to rounding is met
+LONGEST_S = 120.0  # for a certificate
+
+
+def mission_of(source: str | None) -> Mission:
+    """A mission file, or the mission that `uwopt init` writes."""
+    if source is not None:
+        return prepared(source, None, None)
+    import yaml
+
+    from uwopt.templates import mission_template
+
+    return prepared(yaml.safe_load(mission_template()), None, None)
+
+
+def sources_of(budget: Budget) -> list[tuple[str, str | None]]:
+    """Names and files of the missions that a budget asks for."""
+    if not budget.missions:
+        return [("uwopt init", None)]
+    return [(Path(name).stem, name) for name in budget.missions]
+
+
+@dataclass(frozen=True)
+class Contest:
+    """One mission with its certified optimum. Problems are built anew for every run, before its clock starts."""
+
+    name: str
+    mission: Mission
+    selection: Selection
+    objective: Objective
+    best: float | None  # minimised
+    lower: float
+    complete: bool
+    generic: bool  # over parts to be made too, since nothing that is sold fits
+
+    @staticmethod
+    def of(name: str, mission: Mission, *, longest_s: float = LONGEST_S) -> Contest:
+        """Solve the mission once; where nothing sold fits and the mission lets it be so, with parts to be made."""
+        objective, catalog = Objective.of(mission.objective), load_catalog(mission)
+        policy = mission.catalog.generic
+        for generic in ("never", "allow") if policy == "fallback" else (policy,):
+            selection = selected(mission, catalog, generic=generic)
+            found = certified(build_problem(mission, selection), objective, longest_s)
+            if found.best or not found.complete:
+                break
+        best = found.best[0].minimised if found.best else None
+        return Contest(
+            name, mission, selection, objective, best, found.lower_bound, found.complete, generic == "allow"
+        )
+
+    def problem(self) -> Problem:
+        """Tables of the parts, fresh."""
+        return build_problem(self.mission, self.selection)
+
+    def gap(self, minimised: float) -> float:
+        """How far a value is above what no system can be below, relative to the best."""
+        return (minimised - self.lower) / max(abs(self.best or 0.0), 1e-12)
+
+
+def certified(problem: Problem, objective: Objective, longest_s: float) -> Outcome:
+    """The exact search, until its proof is complete or time is up."""
+    return Search(problem, objective, top=1, deadline_s=longest_s, progress=None).run()
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Where a run stood at one time."""
+
+    time_s: float
+    evaluations: int
+    gap: float | None
+
+
+@dataclass
+class Referee:
+    """Keeps the time of one run, checks every claim by the forward model, and writes down what improved.
+
+    The clock stands still while a claim is checked: that is no work of the solver's.
+    """
+
+    contest: Contest
+    seconds: float
+    problem: Problem
+    evaluations: int = 0
+    best: float = np.inf  # minimised, confirmed
+    refused: int = 0  # claims that the forward model does not confirm
+    seen: list[Seen] = field(default_factory=list)
+    _start: float = field(default_factory=time.perf_counter)
+    _waited_s: float = 0.0
+
+    @property
+    def time_s(self) -> float:
+        """Seconds that the solver had so far."""
+        return time.perf_counter() - self._start - self._waited_s
+
+    @property
+    def left_s(self) -> float:
+        """Seconds that it still has."""
+        return self.seconds - self.time_s
+
+    @property
+    def gap(self) -> float | None:
+        """Of the best that was confirmed."""
+        return self.contest.gap(self.best) if np.isfinite(self.best) else None
+
+    def over(self) -> bool:
+        """Whether time is up, or nothing is left to see."""
+        gap = self.gap
+        return self.left_s <= 0.0 or (gap is not None and gap <= REACHED)
+
+    def claim(self, minimised: float, hardware: Hardware, settings: list[dict[str, float]]) -> None:
+        """A solver says that it has a design of this value; believed if better and confirmed."""
+        if not minimised < self.best - SAME * abs(self.best if np.isfinite(self.best) else 0.0):
+            return
+        at_s, began = self.time_s, time.perf_counter()
+        value = self._confirmed(hardware, settings)
+        self._waited_s += time.perf_counter() - began
+        if value is None:
+            self.refused += 1
+        elif value < self.best:
+            self.best = value
+            self.seen.append(Seen(at_s, self.evaluations, self.contest.gap(value)))
+
+    def _confirmed(self, hardware: Hardware, settings: list[dict[str, float]]) -> float | None:
+        """The design's value by the forward model, None where a requirement is missed."""
+        model = design_model(self.problem, hardware)
+        given = [exact_settings(model, i, numbers) for i, numbers in enumerate(settings)]
+        objective = self.contest.objective
+        design = evaluate_design(self.problem, hardware, given, objective)
+        if not design.feasible or design.objective_value is None:
+            return None
+        if objective.single is None:
+            return float(design.objective_value)
+        sign = -1.0 if objective.single in MAXIMISED else 1.0
+        return sign * objective.weight(objective.single) * float(design.objective_value)
+
+
+class Ground:
+    """What the peers of the exact search work on: its tables of imagers and lights."""
+
+    def __init__(self, referee: Referee):
+        self.referee, self.problem = referee, referee.problem
+        self.objective = referee.contest.objective
+        self.search = Search(self.problem, self.objective, top=1, deadline_s=None, progress=None)
+        self.imagers = self.search.prepare()
+
+
+class VectorGround(Ground):
+    """Designs as vectors, and their evaluation in batches: for populations and random search."""
+
+    def __init__(self, referee: Referee):
+        super().__init__(referee)
+        names = [name for name, weight in self.objective.weights.items() if weight]
+        self.weights = np.array([self.objective.weight(name) for name in names])
+        self.coding = Coding(self.search, names)
+        self.evaluator = Evaluator(self.search, names, self.coding)
+
+    def evaluate(self, vectors: Array) -> tuple[Array, Array]:
+        """Values to minimise (n,), inf where infeasible, and violations (n,); the best is claimed."""
+        values, violation = self.evaluator.evaluate(vectors)
+        self.referee.evaluations += len(vectors)
+        minimised = np.where(violation > 0.0, np.inf, values @ self.weights)
+        first = int(np.argmin(minimised)) if len(vectors) else 0
+        if len(vectors) and minimised[first] < self.referee.best:
+            _, found = self.evaluator.found(vectors[first : first + 1])
+            if found:
+                self.referee.claim(float(minimised[first]), hardware_of(found[0]), found[0].settings)
+        return minimised, violation
+
+
+class LoopGround(Ground):
+    """Hardware one by one, for solvers of continuous settings."""
+
+    def __init__(self, referee: Referee):
+        super().__init__(referee)
+        self.store = LightStore(self.search, sharp=False)
+
+    def batches(self, rng: np.random.Generator) -> Iterator[tuple[Built, list[SceneRows]]]:
+        """Hardware with the settings' view of it, by scene, until it is over.
+
+        Drawn at random from all imagers, lamps, numbers and mounts, as many as are ordered at a time; those
+        that limits allow, by what they cost the objective without any light, equals as they were drawn. Light is
+        worked out for many together, and what surely gets too little or too much of it is left out.
+        """
+        while not self.referee.over():
+            built = self._drawn(rng)
+            built = built.take(np.nonzero(self._allowed(built))[0])
+            floor = self.floor(built)
+            order = np.argsort(floor, kind="stable")
+            for start in range(0, len(order), BATCH):
+                some = order[start : start + BATCH]
+                some = some[floor[some] < self.referee.best]
+                if self.referee.over() or len(some) == 0:
+                    break
+                part = built.take(some)
+                self.referee.evaluations += len(some)
+                if self.problem.effects.veils:
+                    lacking = lacking_without_veils(self.search, self.store, part)
+                    part = part.take(np.nonzero(lacking <= 0.0)[0])
+                    if len(part.imager) == 0:
+                        continue
+                rows = self._rows(part)
+                fits = np.nonzero(shortfall(rows, self.search.motorised[part.imager]) <= 0.0)[0]
+                if len(fits):
+                    yield part.take(fits), [r.take(fits) for r in rows]
+
+    def _drawn(self, rng: np.random.Generator) -> Built:
+        problem, n = self.problem, len(self.imagers)
+        low, high = problem.count_range
+        sizes = (n, len(problem.parts.lights), high - low + 1, len(problem.mounts))
+        every = int(np.prod(sizes, dtype=float))
+        drawn = rng.permutation(every) if every <= ORDERED else rng.integers(0, every, ORDERED)
+        imager, light, count, mount = np.unravel_index(drawn, sizes)
+        optics = problem.lights.optics_index[light]
+        return Built(imager, light, low + count, optics * len(problem.mounts) + mount)
+
+    def _allowed(self, built: Built) -> Array:
+        """What the budgets of cost and mass allow."""
+        problem, limits, lights = self.problem, self.problem.mission.limits, self.problem.lights
+        lamps = problem.lamps_to_buy(built.light, built.count) * lights.limit_price[built.light]
+        cost = self.imagers.limit_cost[built.imager] + lamps
+        return np.asarray(
+            (cost <= limit(limits.cost) * ROUND) & (self._mass_kg(built) <= limit(limits.mass_kg) * ROUND)
+        )
+
+    def _cost(self, built: Built) -> Array:
+        lights = self.problem.lights
+        lamps = self.problem.lamps_to_buy(built.light, built.count) * lights.price[built.light]
+        return np.asarray(self.imagers.cost[built.imager] + lamps)
+
+    def _mass_kg(self, built: Built) -> Array:
+        lamps = built.count * self.problem.lights.mass_kg[built.light]
+        return np.asarray(self.imagers.mass_kg[built.imager] + lamps)
+
+    def floor(self, built: Built) -> Array:
+        """The objective of hardware that needs no light at all."""
+        imagers = self.imagers
+        terms = Terms(
+            imagers.camera_power_w[built.imager], self._cost(built), self._mass_kg(built),
+            np.full(len(built.imager), snr_ceiling(self.objective)), imagers.gsd_mm[built.imager],
+        )  # fmt: skip
+        return np.asarray(self.objective.cost_to_minimise(terms))
+
+    def _rows(self, built: Built) -> list[SceneRows]:
+        return [
+            scene_rows(self.search, s, built, self.store.seen(s, built.imager, built.lighting, built.count))
+            for s in range(len(self.problem.scenes))
+        ]
+
+    def fixed(self, built: Built, i: int) -> dict[str, Any]:
+        """What settings do not change of one design, as the continuous solvers take it."""
+        imager, one = int(built.imager[i]), built.take(np.array([i]))
+        return {
+            "motorised": bool(self.search.motorised[imager]),
+            "camera_power_w": float(self.imagers.camera_power_w[imager]),
+            "cost": float(self._cost(one)[0]),
+            "mass_kg": float(self._mass_kg(one)[0]),
+            "gsd_mm": float(self.imagers.gsd_mm[imager]),
+        }
+
+    @property
+    def power_limit_w(self) -> float:
+        """Of camera and lights together."""
+        return limit(self.problem.mission.limits.power_w)
+
+    def claim(self, value: float, built: Built, i: int, settings: list[dict[str, float]]) -> None:
+        """A solver's claim for one design; settings by scene: f_number, time_s, level, gain, exposure_s."""
+        imager = int(built.imager[i])
+        full = []
+        for scene, numbers in zip(self.imagers.scenes, settings, strict=True):
+            dioptre_per_m = float(scene.focused.dioptre_per_m[imager])
+            rate_hz = float(scene.focused.rate_hz[imager])
+            full.append({**numbers, "dioptre_per_m": dioptre_per_m, "rate_hz": rate_hz})
+        lighting = self.search.tables.lightings[int(built.lighting[i])]
+        hardware = Hardware(
+            int(self.imagers.camera[imager]), int(self.imagers.lens[imager]), int(self.imagers.port[imager]),
+            bool(self.imagers.landscape[imager]), int(built.light[i]), int(built.count[i]), lighting.mount,
+        )  # fmt: skip
+        self.referee.claim(value, hardware, full)
+
+
+def hardware_of(found: Found) -> Hardware:
+    """A found design's hardware."""
+    return Hardware(
+        found.camera, found.lens, found.port, found.landscape, found.light, found.count, found.lighting.mount
+    )
