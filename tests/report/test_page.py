@@ -16,7 +16,8 @@ from typing import Any
 import pytest
 
 from uwopt.report import page_style
-from uwopt.report.page import common_width_mm, json_for_script, report_html
+from uwopt.report.html_file import json_for_script
+from uwopt.report.page import common_width_mm, report_html
 from uwopt.report.page_parts import alternatives, bar, web_link
 from uwopt.report.page_svg import clean_svg
 

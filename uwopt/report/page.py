@@ -1,31 +1,21 @@
 """The report as one HTML file: made from a result alone, at home without a network.
 
-The template escapes every text; data for the script stand in a block of JSON; the page allows only the
-scripts that it was written with, by their hashes, and no connection.
+The file itself is made in `html_file`.
 """
 
 from __future__ import annotations
 
-import base64
-import gzip
-import hashlib
-import json
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache, lru_cache
-from importlib import resources
-from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 from uwopt.errors import UwoptError
 from uwopt.front_result import FrontResult
 from uwopt.report import doubts, exactness, page_front, page_parts, tables, words
-from uwopt.report.layout import Block, Facts, Grid, Joined, Line, Text, fact_lines
+from uwopt.report.html_file import compact_json, packed, rendered, safe_id, slim
+from uwopt.report.layout import Block, Line, fact_lines
 from uwopt.report.page_parts import DesignPart
-from uwopt.report.page_style import DARK, LIGHT, tokens
 from uwopt.report.page_svg import clean_svg
 from uwopt.report.verdict import verdict
 from uwopt.result import Certificate, Design, Result, plain
@@ -79,27 +69,17 @@ def report_html(result: Result | FrontResult) -> str:
     facts = front_facts(front, pictures) if table and front else None
     data = {"figures": pictures.drawn, "front": table}
     first, second = verdict(result)
-    code = script("front.js") + script("page.js") if data["front"] else script("page.js")
-    plots = plotly_js() if data["figures"] or data["front"] else ""
-    policy = "; ".join((
-        "default-src 'none'", "script-src " + " ".join(source_of(text) for text in (plots, code) if text),
-        "style-src 'unsafe-inline'", "img-src data: blob:", "base-uri 'none'", "form-action 'none'",
-    ))  # fmt: skip
-    return str(
-        environment()
-        .get_template("page.html")
-        .render(
-            result=result, front=front, policy=policy, plots=packed(plots) if plots else "", code=code,
-            data=json_for_script(data), table=table, quantity=words.quantity, light=tokens(LIGHT), dark=tokens(DARK),
-            title=TITLES.get(result.command, "Result"),
-            name=words.one_line(result.mission.get("name") or "Mission", 120), first=first, second=second,
-            parts=parts, pictures=pictures, groups=GROUPS, facts=facts,
-            alternatives=page_parts.alternatives(result), why=why_block(result), trust=list(trust_blocks(result)),
-            others=list(tables.runner_up_blocks(result)) if isinstance(result, Result) else [],
-            stages=page_parts.stages(result.timing_s), run_time=words.run_time_sentence(result.timing_s),
-            mission_text=mission_text(result), raw=packed(compact_json(result.to_dict())),
-            raw_name="front.json" if front else "result.json", status=status_words(result),
-        )
+    scripts = ("front.js", "page.js") if data["front"] else ("page.js",)
+    return rendered(
+        "page.html", scripts, data, result=result, front=front, version=result.uwopt_version, table=table,
+        quantity=words.quantity, title=TITLES.get(result.command, "Result"),
+        name=words.one_line(result.mission.get("name") or "Mission", 120), first=first, second=second,
+        parts=parts, pictures=pictures, groups=GROUPS, facts=facts,
+        alternatives=page_parts.alternatives(result), why=why_block(result), trust=list(trust_blocks(result)),
+        others=list(tables.runner_up_blocks(result)) if isinstance(result, Result) else [],
+        stages=page_parts.stages(result.timing_s), run_time=words.run_time_sentence(result.timing_s),
+        mission_text=mission_text(result), raw=packed(compact_json(result.to_dict())),
+        raw_name="front.json" if front else "result.json", status=status_words(result),
     )  # fmt: skip
 
 
@@ -245,82 +225,3 @@ def mission_text(result: Result | FrontResult) -> str:
     import yaml
 
     return str(yaml.safe_dump(plain(result.mission), sort_keys=False, allow_unicode=True))
-
-
-# ---------------------------------------------------------------- the file
-
-
-@cache
-def environment() -> Any:
-    """The template engine, which escapes everything that is not marked as markup."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    made = Environment(
-        loader=PackageLoader("uwopt.report", "assets"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-    made.filters["line_kind"] = line_kind
-    made.filters["anchor"] = safe_id
-    made.filters["capital"] = words.capital
-    return made
-
-
-def line_kind(line: Line) -> str:
-    """Which of the kinds of lines one is."""
-    return {Text: "text", Joined: "joined", Grid: "grid", Facts: "facts"}[type(line)]
-
-
-def safe_id(text: object) -> str:
-    """Letters, digits and hyphens only."""
-    return re.sub(r"[^a-z0-9]+", "-", str(text).casefold()).strip("-") or "part"
-
-
-@cache
-def script(name: str) -> str:
-    """A script of the page."""
-    return resources.files("uwopt.report").joinpath("assets", name).read_text("utf-8")
-
-
-@cache
-def plotly_js() -> str:
-    """The plot library, read from its package without importing that; "" where it is missing."""
-    spec = find_spec("plotly")
-    if spec is None or spec.origin is None:
-        return ""
-    return (Path(spec.origin).parent / "package_data" / "plotly.min.js").read_text("utf-8")
-
-
-@lru_cache(maxsize=2)
-def packed(text: str) -> str:
-    """Text packed with gzip, in letters."""
-    return base64.b64encode(gzip.compress(text.encode(), 4, mtime=0)).decode()
-
-
-@cache
-def source_of(text: str) -> str:
-    """A script's hash as the page's policy names it."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
-
-
-def json_for_script(value: Any) -> str:
-    """JSON that no text within can end, and that every browser reads."""
-    text = compact_json(value)
-    for sign in "<>&\u2028\u2029":
-        text = text.replace(sign, f"\\u{ord(sign):04x}")
-    return text
-
-
-def compact_json(value: Any) -> str:
-    """JSON without blanks, which is written ten times as fast as with them."""
-    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-
-
-def slim(value: Any) -> Any:
-    """Numbers of a figure with six digits, which is more than a screen shows."""
-    if isinstance(value, dict):
-        return {key: slim(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [slim(item) for item in value]
-    if isinstance(value, float):
-        return float(f"{value:.6g}") if math.isfinite(value) else None
-    return value
