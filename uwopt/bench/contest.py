@@ -105,7 +105,7 @@ class Seen:
 
     time_s: float
     evaluations: int
-    gap: float | None
+    gap_rel: float | None
 
 
 @dataclass

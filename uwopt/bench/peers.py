@@ -258,11 +258,11 @@ def rows_of(
 ) -> list[Row]:  # fmt: skip
     """What was seen of a run, and its end."""
     made = [
-        Row("solvers", contest.name, method, float(s.evaluations), seed, s.time_s, s.gap, status="running")
+        Row("solvers", contest.name, method, float(s.evaluations), seed, s.time_s, s.gap_rel, status="running")
         for s in seen
     ]
     made.append(
-        Row("solvers", contest.name, method, float(last.evaluations), seed, last.time_s, last.gap, status=status,
+        Row("solvers", contest.name, method, float(last.evaluations), seed, last.time_s, last.gap_rel, status=status,
             note=note)
     )  # fmt: skip
     return made
