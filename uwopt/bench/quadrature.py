@@ -217,11 +217,6 @@ def orders_of(light: Light, target: str, quick: bool) -> tuple[str, Sequence[int
     return GAUSS, [n for n in SMOOTH_ORDERS if n <= most]
 
 
-def targets_of(light: Light) -> Sequence[str]:
-    """What there is a reference for."""
-    return (SIGNAL, PIXEL_VEIL) if light.beam.kind == "tabulated" else TARGETS
-
-
 def chosen_order(light: Light, target: str) -> float | None:
     """The order that the default takes, where it is one for the image."""
     if target != SIGNAL:
@@ -254,7 +249,7 @@ def measured_row(light: Light, target: str, how: str, order: int | None, truth: 
 
 def measure(budget: Budget) -> Iterator[Row]:
     """All targets of all cases, as far as the time goes."""
-    todo = [(light, target) for light in cases(budget.quick) for target in targets_of(light)]
+    todo = [(light, target) for light in cases(budget.quick) for target in TARGETS]
     for i, (light, target) in enumerate(todo):
         if budget.left_s <= 0.0:
             return
@@ -320,7 +315,7 @@ SUITE = Suite(
         "quadrature of integrands written separately: QUADPACK within QUADPACK over the image, split where a "
         "beam's edge lies, and the double exponential rule along rays; each colour is attenuated by itself, so the "
         "model's loss tables are part of the error. Lobes wide and narrow, beams with a sharp edge and a measured "
-        "profile (its veil on rays only: over the image adaptive quadrature does not end); near and far, dome and flat "
+        "profile (its mean veil to 3e-5 only); near and far, dome and flat "
         "port, clear and thick water. Time is that of one image, or of one "
         "pixel, among several. To be read off: the order that 1e-4 takes for each kind of beam, and what the choice "
         "of the default costs beyond it."

@@ -25,14 +25,16 @@ Array = NDArray[Any]
 Place = tuple[float, float, float]
 Level = Callable[[float, float], float]
 
-INNER, OUTER = 1e-8, 1e-7  # relative tolerances of the two adaptive rules
+Tolerances = tuple[float, float]
+TOLERANCES = (1e-8, 1e-7)  # relative, of the inner and the outer adaptive rule
+PROFILE_TOLERANCES = (
+    2e-5,
+    3e-5,
+)  # the same for veils of measured profiles, whose curve bends every half degree
 SCAN_INNER, SCAN_OUTER = 25, 33  # points on which edges are looked for
 BISECTIONS = 44
-REACH, STEP, FINE_STEP = (
-    3.4,
-    1.0 / 16.0,
-    1.0 / 64.0,
-)  # of the double exponential rule; fine: for measured profiles
+REACH, STEP = 3.4, 1.0 / 16.0  # of the double exponential rule
+SHORT_STEP = 1.0 / 6.0  # the same between two entries of a measured profile
 SAMPLES = (-0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.9)  # of the image, along and across
 DARK = 1e-10  # of the brightest sample: absolute tolerance of both rules, where nothing is lit
 EDGE_NOISE = 1e-12  # of a cosine: a ray that begins in the lamp's own plane crosses nothing
@@ -155,7 +157,7 @@ def ray_veil(u: float, v: float, light: Light) -> float:
     water, total = light.water, 0.0
     for place, aim, share in each_lamp(light.lamps):
         seen = SeenLamp(ray, place, aim)
-        r, steps = double_exponential(seen.lit_pieces(cos_edge(light.beam)), light.beam.kind == "tabulated")
+        r, steps = double_exponential(seen.lit_pieces(light.beam), light.beam.kind == "tabulated")
         if not r.size:
             continue
         lamp_m, cos_beam, cos_scatter = seen.at(r)
@@ -204,12 +206,13 @@ class SeenLamp:
         found = [far / a] if a != 0.0 else []
         return [*found, c / far] if far != 0.0 else found
 
-    def lit_pieces(self, cos: float) -> list[tuple[float, float]]:
-        """Parts of the ray within the beam, split at the closest approach."""
-        inner = [-self.slant, *self.crossings(cos)]
+    def lit_pieces(self, beam: Beam) -> list[tuple[float, float]]:
+        """Parts of the ray within the beam, split at the closest approach and at the entries of a profile."""
+        edge = cos_edge(beam)
+        cones = [edge, *(math.cos(angle) for angle in beam.table_angle_rad[1:])]
+        inner = [-self.slant, *(r for cos in cones for r in self.crossings(cos))]
         ends = sorted({0.0, self.length_m, *(r for r in inner if 0.0 < r < self.length_m)})
-        pairs = pairwise(ends)
-        return [(low, high) for low, high in pairs if self.cos_beam(0.5 * (low + high)) > cos]
+        return [(low, high) for low, high in pairwise(ends) if self.cos_beam(0.5 * (low + high)) > edge]
 
 
 @lru_cache(maxsize=4)
@@ -221,11 +224,11 @@ def unit_rule(step: float) -> tuple[Array, Array]:
     return share, step * 0.25 * np.pi * np.cosh(t) / np.cosh(inner) ** 2
 
 
-def double_exponential(pieces: list[tuple[float, float]], fine: bool) -> tuple[Array, Array]:
+def double_exponential(pieces: list[tuple[float, float]], short: bool) -> tuple[Array, Array]:
     """Nodes and weights over all pieces."""
     if not pieces:
         return np.empty(0), np.empty(0)
-    share, weight = unit_rule(FINE_STEP if fine else STEP)
+    share, weight = unit_rule(SHORT_STEP if short else STEP)
     low, high = np.array(pieces).T
     width = (high - low)[:, None]
     return (low[:, None] + width * share).ravel(), (width * weight).ravel()
@@ -317,7 +320,12 @@ def outer_splits(low: float, high: float, half_across: float, levels: list[Level
     return splits
 
 
-def image_mean(light: Light, function: Callable[[float, float, Light], float], levels: list[Level]) -> float:
+def image_mean(
+    light: Light,
+    function: Callable[[float, float, Light], float],
+    levels: list[Level],
+    tolerances: Tolerances = TOLERANCES,
+) -> float:
     """Mean over the image by adaptive quadrature across, within one along."""
     from scipy.integrate import quad
 
@@ -327,11 +335,11 @@ def image_mean(light: Light, function: Callable[[float, float, Light], float], l
 
     grid = [(a * half_along, b * half_across) for a in SAMPLES for b in SAMPLES]
     samples = [function(u, v, light) for u, v in grid]
-    least = max(DARK * max(samples), 0.1 * INNER * math.fsum(samples) / len(samples))
+    least = max(DARK * max(samples), 0.1 * tolerances[0] * math.fsum(samples) / len(samples))
 
     def line(u: float) -> float:
         inner = [v for found in crossings_of(u, half_across, levels) for v in found]
-        return pieced(lambda v: function(u, v, light), [-half_across, half_across, *inner], INNER)
+        return pieced(lambda v: function(u, v, light), [-half_across, half_across, *inner], tolerances[0])
 
     def pieced(integrand: Callable[[float], float], ends: list[float], tolerance: float) -> float:
         ordered = sorted(set(ends))
@@ -342,7 +350,7 @@ def image_mean(light: Light, function: Callable[[float, float, Light], float], l
         )
 
     splits = outer_splits(low, half_along, half_across, levels)
-    return pieced(line, [low, half_along, *splits], OUTER) / ((half_along - low) * 2.0 * half_across)
+    return pieced(line, [low, half_along, *splits], tolerances[1]) / ((half_along - low) * 2.0 * half_across)
 
 
 def mean_signal(light: Light) -> float:
@@ -395,7 +403,7 @@ def rings(light: Light, place: Place, share: float) -> float:
             if abs(x_m) < half_x and abs(y_m) < half_y:
                 total += quad(
                     lambda turn: seen(*at(turn)),
-                    low, high, epsabs=0.0, epsrel=INNER, limit=100,
+                    low, high, epsabs=0.0, epsrel=TOLERANCES[0], limit=100,
                 )[0]  # fmt: skip
         return total * radius_m * height_m / math.cos(angle_rad) ** 2
 
@@ -405,14 +413,13 @@ def rings(light: Light, place: Place, share: float) -> float:
     knots = [*light.beam.table_angle_rad, *(math.atan(r / height_m) for r in (*corners, *sides))]
     ends = sorted({0.0, last, *(knot for knot in knots if knot < last)})
     total = math.fsum(
-        quad(ring, low, high, epsabs=0.0, epsrel=OUTER, limit=100)[0] if high - low > 1e-13 else 0.0
+        quad(ring, low, high, epsabs=0.0, epsrel=TOLERANCES[1], limit=100)[0] if high - low > 1e-13 else 0.0
         for low, high in pairwise(ends)
     )
     return total / (4.0 * half_x * half_y)
 
 
 def mean_veil(light: Light) -> float:
-    """Mean of `ray_veil` over the image [weight / (m sr)]; not for measured profiles, whose wiggles never end."""
-    if light.beam.kind == "tabulated":
-        raise ValueError(f"{light.name}: adaptive quadrature over the image does not end")
-    return image_mean(light, ray_veil, veil_levels(light))
+    """Mean of `ray_veil` over the image [weight / (m sr)]."""
+    tolerances = PROFILE_TOLERANCES if light.beam.kind == "tabulated" else TOLERANCES
+    return image_mean(light, ray_veil, veil_levels(light), tolerances)
