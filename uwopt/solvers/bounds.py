@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.hardware import CONTINUOUS, FLASH
+from uwopt.hardware import CONTINUOUS, FLASH, PULSED
 from uwopt.model import sensor, sharpness
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.problem import Problem
@@ -227,6 +227,8 @@ class Bounds:
         for index in range(len(imagers.scenes)):
             need = self._needs(index, rows)
             light_time, wanted, most = self._light_needed(index, lighting, need, kind, rows)
+            if self.coupled:
+                light_time, wanted = self._within_pulse(k, kind, own, need, light_time, wanted)
             capacity_needed = np.maximum(capacity_needed, wanted)
             at = np.searchsorted(capacity, wanted * (1 - 1e-12))
             drawn = np.where(at < len(capacity), least_drawn[np.minimum(at, len(capacity) - 1)], np.inf)
@@ -235,6 +237,9 @@ class Bounds:
             with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
                 used = wanted if kind == CONTINUOUS else light_time * need.rate_hz
                 scene_power = np.where(used > 0, used * drawn, 0.0)
+                if self.coupled and kind != PULSED:
+                    dimmest = self._dimmest(k, own) * (need.rate_hz if kind == FLASH else 1.0)
+                    scene_power = np.maximum(scene_power, np.where(used > 0, dimmest, 0.0))
                 most_drawn = np.minimum(most_drawn, np.where(used > 0, power_left / used * ROUND, np.inf))
             power = np.maximum(power, np.where(np.isfinite(wanted), scene_power, np.inf))
             if self.objective.weight("snr_db") or self.objective.weight("information"):
@@ -304,6 +309,32 @@ class Bounds:
             wanted = light_time if kind == FLASH else light_time / need.longest_s
         wanted = np.where(need.longest_s > 0, wanted, np.inf)
         return light_time, wanted, signal[:, -1] * (1.0 if kind == FLASH else need.longest_s) / need.square
+
+    def _within_pulse(
+        self, k: int, kind: int, own: Array, need: Needs, light_time: Array, wanted: Array
+    ) -> tuple[Array, Array]:
+        """Light * time and capacity that are needed when a pulse is no longer than the longest of these lights',
+        and the shutter lets in no more of a flash than of the shortest."""
+        lamp = self.problem.lights.take(self.light_tables[k].light[own])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if kind == FLASH:
+                share = np.minimum(1.0, need.longest_s / lamp.flash_duration_s.min())
+                light_time = np.where(light_time > 0, light_time / share, light_time)
+                return light_time, np.where(need.longest_s > 0, light_time, np.inf)
+            if kind == PULSED:
+                longest = np.minimum(lamp.max_pulse_s.max(), lamp.max_duty.max() / need.rate_hz)
+                longest = np.minimum(need.longest_s, longest)
+                return light_time, np.where(longest > 0, light_time / longest, np.inf)
+        return light_time, wanted
+
+    def _dimmest(self, k: int, own: Array) -> float:
+        """The least that any of these lights draws at its lowest level: W, or J a flash."""
+        table = self.light_tables[k]
+        lamp = self.problem.lights.take(table.light[own])
+        steps = np.fmin.reduce(lamp.levels, axis=1)
+        level = np.where(lamp.dims_freely, lamp.min_level, np.where(np.isnan(steps), 1.0, steps))
+        drawn = level * table.effective[own] * table.power_per_light[own]
+        return float(np.min(drawn, initial=np.inf))
 
     def _needs(self, scene_index: int, rows: Array) -> Needs:
         """What these imagers need in one scene, the same under every lighting."""

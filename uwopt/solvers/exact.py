@@ -43,6 +43,7 @@ RULES = (*IMAGER_RULES, *(rule for rule in UNIT_RULES if rule not in IMAGER_RULE
 
 
 Sample = tuple[int, int, int, bool, int | None]  # camera, lens, port, landscape, lighting or None for any
+Sift = Callable[[Array, Array], Array]  # lightings and imagers of units: a mask of those worth evaluating
 
 
 @dataclass(frozen=True)
@@ -111,6 +112,7 @@ class Search:
         self.limits = problem.mission.limits
         self.bounds_s = 0.0
         self.interrupted = False
+        self.sift: Sift | None = None
         self.open_gap_bound = np.inf  # below which no settings get, where they are not optimal to rounding
         self._samples: dict[str, list[Sample]] = {}
 
@@ -257,6 +259,8 @@ class Search:
             tied = np.isfinite(threshold) & (value[ahead] >= threshold - 2 * TIE * abs(threshold))
             useful = ahead[~(tied & (power[ahead] > self.ranking.power_threshold()))]
             self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
+            if self.sift is not None:
+                useful = useful[self.sift(useful // n, rows[useful % n])]
             self._evaluate_units(useful // n, rows[useful % n])
             position += len(ahead)
             batch = min(2 * batch, LARGEST_BATCH)

@@ -20,6 +20,8 @@ from uwopt.solvers.fields import FieldTables, Rectangles
 from uwopt.solvers.imagers import SAMPLES, Block, Imagers, Pairs, imagers_behind, joined, landscapes, limit
 from uwopt.solvers.outline import ROUND, Level, OutlineTables, Rows, port_tree
 from uwopt.solvers.ranking import Found, Ranking
+from uwopt.solvers.screen import pair_rules
+from uwopt.solvers.signals import SignalTables
 
 if TYPE_CHECKING:
     from uwopt.solvers.exact import Outcome, Search
@@ -56,6 +58,7 @@ class LargeSearch:
         from uwopt.solvers.exact import Outcome
 
         search, start = self.search, time.perf_counter()
+        search.sift = self._sift
         self._start_account()
         self._tabulate()
         lower, complete = self._by_pairs()
@@ -136,6 +139,10 @@ class LargeSearch:
             like=self.bounds,
         )  # fmt: skip
         search.motorised = problem.lenses.motorised[imagers.lens]
+        self.sieve = Bounds(
+            problem, search.objective, imagers, SignalTables(problem, imagers, like=self.like),
+            lights=search.only.get("light"), coupled=True, like=self.bounds,
+        )  # fmt: skip
 
     # ------------------------------------------------------------ pairs
 
@@ -357,6 +364,20 @@ class LargeSearch:
         self._hand_over(imagers)
         left = search._best_first(np.arange(len(imagers)))
         return left is None
+
+    def _sift(self, lighting_index: Array, imager: Array) -> Array:
+        """Units that may still be best when their light is known; the others are counted here."""
+        account, keep = self.search.account, np.zeros(len(imager), bool)
+        for k in np.unique(lighting_index):
+            mine = np.nonzero(lighting_index == k)[0]
+            unit = self.sieve.of_units(int(k), imager[mine])
+            rule = pair_rules(self.sieve, int(k), imager[mine], unit, self.search.ranking.threshold() * TAKEN)
+            keep[mine] = (unit.rule < 0) & (rule < 0).any(axis=1)
+            lost = rule[~keep[mine]]
+            for number, name in enumerate(UNIT_RULES):
+                account.discarded[name] += int((lost == number).sum())
+            account.discarded["bound"] += int((lost < 0).sum())  # what the unit's own bound discards
+        return keep
 
     def _keep_winners(self) -> None:
         """Leave the search with the imagers of the best designs alone."""
