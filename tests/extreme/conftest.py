@@ -10,7 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-HELPERS = (("small_catalogues", "solvers"), ("extreme_cases", "extreme"))
+HELPERS = (
+    ("small_catalogues", "solvers"),
+    ("hand_made_rows", "solvers"),
+    ("extreme_cases", "extreme"),
+    ("exact_settings", "extreme"),
+)
 
 for name, folder in HELPERS:
     if name not in sys.modules:

@@ -356,4 +356,4 @@ def test_solvers_print_nothing(method: str, capfd: pytest.CaptureFixture[str]) -
 
 
 def test_methods_have_a_proof_each() -> None:
-    assert set(continuous.PROOF) == set(METHODS)
+    assert set(continuous.PROOF) == {*METHODS, *continuous.ALGORITHMS}

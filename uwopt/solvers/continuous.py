@@ -24,7 +24,7 @@ from uwopt.errors import SolverError
 from uwopt.model import sensor
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.rows import SceneRows
-from uwopt.solvers.optimality import Attempt, rule_names, violations
+from uwopt.solvers.optimality import Attempt, derivatives, optimality_gap, rule_names, violations
 from uwopt.solvers.pieces import Piece, Scene, Settings, pieces_of
 from uwopt.solvers.program import Goal, Program
 
@@ -39,6 +39,7 @@ ALGORITHMS: tuple[Method, ...] = (
 )  # fmt: skip
 
 FEASIBLE = 1e-6  # relative, of any rule
+GAP = 1e-6  # of what is called optimal, in the program's objective: a logarithm of power or of SNR
 TIE = 1e-9  # relative: a bound this close to the best found does not promise a better one
 
 
@@ -368,6 +369,9 @@ def judged(task: Task, program: Program, found: Attempt) -> Verdict:
     proof = PROOF[task.method]
     feasible = max_violation <= FEASIBLE
     optimal = max_violation <= proof.violation and found.kkt_residual <= proof.kkt_residual
+    if optimal and len(found.x):
+        at, bounds = derivatives(program, found.x), program.bounds
+        optimal = optimality_gap(at, found.multipliers, found.x, *bounds) <= GAP
     status: Status = "optimal" if optimal else "feasible" if feasible else "failed"
     unit = task.value_per_unit(program, found.x)
     named = zip(rule_names(program), found.multipliers, strict=True)

@@ -145,6 +145,24 @@ def kkt_residual(at: Derivatives, multipliers: Array) -> float:
     return max(float(np.abs(part).max(initial=0.0)) for part in parts)
 
 
+def optimality_gap(at: Derivatives, multipliers: Array, x: Array, low: Array, high: Array) -> float:
+    """By how much at most the objective at a point exceeds that of any point that meets the rules.
+
+        f(x) - f(y) <= -lambda g(x) - nu h(x) - min over low <= y <= high of (y - x) grad L(x)
+
+    The Lagrangian of a convex program lies above its tangent, and below the objective wherever the rules hold.
+    The bounds are taken as they are, without multipliers. Infinite where something is no number.
+    """
+    n = len(x)
+    cut = len(at.values) - at.n_equalities - 2 * n
+    kept = np.r_[0:cut, cut + 2 * n : len(at.values)]
+    given = np.where(kept < cut, np.maximum(multipliers[kept], 0.0), multipliers[kept])
+    slope = at.gradient + at.jacobian[kept].T @ given
+    below = np.minimum(slope * (low - x), slope * (high - x)).sum()
+    gap = -float(given @ at.values[kept]) - float(below)
+    return gap if np.isfinite(gap) else np.inf
+
+
 def fitted_multipliers(at: Derivatives) -> Array:
     """Multipliers that come closest to the conditions of an optimum, for solvers that return none.
 
