@@ -10,6 +10,7 @@ from typing import Any
 
 from uwopt.errors import MissionError
 from uwopt.mission import Mission, SceneView
+from uwopt.model.scattering import FOURNIER_FORAND_RATIOS
 from uwopt.optics import LAMP_FRONT_M
 
 
@@ -19,7 +20,7 @@ def check_physical(mission: Mission) -> None:
     for view in mission.views:
         faults += light_faults(view)
         if mission.physics != "paper":
-            faults += [*lamp_front_faults(view), *sun_faults(view)]
+            faults += [*lamp_front_faults(view), *sun_faults(view), *scattering_faults(view)]
     if faults:
         raise MissionError([f"{mission.source_name}: {text}" for text in dict.fromkeys(faults)])
 
@@ -67,6 +68,17 @@ def lamp_front_faults(view: SceneView) -> Iterator[str]:
         yield (
             f"vehicle.light_baseline_m = {least:g} m is within the {LAMP_FRONT_M:g} m radius of a lamp's front, where "
             f"backscatter has no limit; begin at {LAMP_FRONT_M:g} m, or use physics: paper"
+        )
+
+
+def scattering_faults(view: SceneView) -> Iterator[str]:
+    """A share of scattering backward that the phase function's formula does not cover."""
+    scene, (low, high) = view.scene, FOURNIER_FORAND_RATIOS
+    name = scene.phase_function.casefold().replace("_", "-")
+    if name == "fournier-forand" and not low <= scene.backscatter_ratio <= high:
+        yield (
+            f"scene {scene.name!r}: backscatter_ratio = {scene.backscatter_ratio:g} is outside {low:g} to {high:g}, "
+            "which phase function fournier-forand takes; correct it, or set phase_function: henyey-greenstein"
         )
 
 

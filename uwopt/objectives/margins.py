@@ -1,7 +1,7 @@
 """Requirements as margins: value, limit, and how much is left, worst over the altitudes.
 
 A margin is in the requirement's own unit, positive when there is room. A design is feasible when
-every margin is at least -1e-6 of its limit.
+every margin is at least -1e-6 of its limit; of a limit in decibels also -1e-6 of the ratio is enough.
 """
 
 from __future__ import annotations
@@ -51,14 +51,19 @@ class MarginRows:
     @property
     def satisfied(self) -> Array:
         """Whether it holds, to rounding."""
-        slack = self.tolerance_rel * np.abs(np.where(np.isfinite(self.limit), self.limit, 0.0))
+        slack = self.tolerance_rel * np.where(np.isfinite(self.limit), self._size, 0.0)
         with np.errstate(invalid="ignore"):
             return np.asarray((self.margin >= -slack) & ~np.isnan(self.value))
 
     @property
     def binding(self) -> Array:
         """Whether nothing is left."""
-        return np.asarray(np.abs(self.margin) <= BINDING_REL * np.maximum(np.abs(self.limit), 1e-12))
+        return np.asarray(np.abs(self.margin) <= BINDING_REL * np.maximum(self._size, 1e-12))
+
+    @property
+    def _size(self) -> Array:
+        """What relative tolerances are taken of: the limit; of decibels, which may be 0, at least one e-fold."""
+        return np.maximum(np.abs(self.limit), sensor.to_db(np.e) if self.unit == "dB" else 0.0)
 
 
 def scene_margins(
