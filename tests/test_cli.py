@@ -29,7 +29,7 @@ MISSION = ROOT / "problems" / "paper-tank.yaml"
 SYSTEM = ROOT / "problems" / "paper-tank.system.yaml"
 COMMANDS = [
     [], ["solve"], ["evaluate"], ["catalog"], ["catalog", "list"], ["catalog", "show"], ["catalog", "check"],
-    ["catalog", "template"], ["init"], ["schema"], ["report"], ["pareto"],
+    ["catalog", "template"], ["init"], ["schema"], ["report"], ["pareto"], ["bench"],
 ]  # fmt: skip
 Status = Callable[..., None]
 
@@ -188,12 +188,13 @@ def test_options_reach_the_search(solving: Callable[..., list[dict[str, Any]]]) 
     calls = solving()
     done = run(
         "solve", MISSION, "--solver", "nlopt", "--objective", "power=1, cost=0.01", "--physics", "full", "--top", 3,
-        "--audit", 7, "--seconds", 2.5,
+        "--audit", 7, "--seconds", 2.5, "--accuracy", "--tolerance", "0.001",
     )  # fmt: skip
     assert done.exit_code == 0
     assert calls == [
         {"mission": str(MISSION), "solver": "nlopt", "objective": {"power": 1.0, "cost": 0.01}, "physics": "full",
-         "top": 3, "audit": 7, "seconds": 2.5, "alternatives": False, "progress": None},
+         "top": 3, "audit": 7, "seconds": 2.5, "alternatives": False, "accuracy": True, "tolerance": 0.001,
+         "progress": None},
     ]  # fmt: skip
 
 
@@ -332,6 +333,9 @@ def test_report_refuses_what_is_no_result(tmp_path: Path, result_file: Path) -> 
     (["--objective", "power=-1"], ["power=-1"]),
     (["--seconds", "0"], ["--seconds", "above 0"]),
     (["--seconds", "nan"], ["--seconds"]),
+    (["--tolerance", "0"], ["tolerance", "above 0"]),
+    (["--tolerance", "nan"], ["tolerance"]),
+    (["--tolerance", "0.6"], ["at most 0.5"]),
     (["--top", "0"], ["--top"]),
     (["--audit", "-1"], ["--audit"]),
     (["--solver", "magic"], ["--solver", "magic"]),

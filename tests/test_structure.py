@@ -54,8 +54,9 @@ MAY_IMPORT: dict[str, set[str]] = {
 }
 #: What they may not, where a list of what they may would be long.
 MAY_NOT_IMPORT: dict[str, set[str]] = {
-    "solvers": {"report", "cli", "cli_catalog", "cli_report", "cli_status", "api"},
-    "top": {"report", "cli", "cli_catalog", "cli_report", "cli_status"},
+    "solvers": {"report", "bench", "cli", "cli_catalog", "cli_report", "cli_status", "api"},
+    "top": {"report", "bench", "cli", "cli_catalog", "cli_report", "cli_status"},
+    "bench": {"cli", "cli_bench", "cli_catalog", "cli_report", "cli_status"},
 }
 #: module: what it imports against the rule, and why that is so.
 EXCEPTIONS: dict[tuple[str, str], str] = {
@@ -67,7 +68,10 @@ EXCEPTIONS: dict[tuple[str, str], str] = {
     ("system", "catalog"): "inline parts of a system file become the catalogue's records",
     ("templates", "catalog"): "the schema of a system file lists the keys of inline parts",
 }
-CLI_MODULES = {"cli", "cli_catalog", "cli_options", "cli_output", "cli_pareto", "cli_report", "cli_status", "__main__"}
+CLI_MODULES = {
+    "cli", "cli_bench", "cli_catalog", "cli_options", "cli_output", "cli_pareto", "cli_report", "cli_status",
+    "__main__",
+}  # fmt: skip
 
 
 def name_of(path: Path) -> str:

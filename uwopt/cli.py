@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uwopt import __version__
+from uwopt.cli_bench import bench_command
 from uwopt.cli_catalog import catalog_app
 from uwopt.cli_options import (
     AccuracyOption,
@@ -185,6 +186,7 @@ def parsed_objective(text: str) -> str | dict[str, float]:
 
 
 app.command("pareto", short_help="Trade two or three objectives: the whole front.")(pareto_command)
+app.command("bench", short_help="Measure error against run time on this machine.")(bench_command)
 app.command("report", short_help="Make the page of a result again.")(report_command)
 
 # ---------------------------------------------------------------- init and schema

@@ -83,6 +83,7 @@ class Suite:
     time_name: str = "time, s"
     error_name: str = "relative error"
     tables: Callable[[Sequence[Row]], Sequence[Table]] = lambda rows: ()
+    charted: Callable[[Row], bool] = lambda row: True  # which rows the charts show
 
 
 def timed(work: Callable[[], Any], *, at_least_s: float = 0.02, repeats: int = 3) -> tuple[Any, float]:

@@ -1,0 +1,175 @@
+"""Suites put together: what is kept, what a fault or an interrupt leaves, what the files hold."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from uwopt.bench import run as runner
+from uwopt.bench.charts import charts
+from uwopt.bench.page import bench_html, suite_csv, write_bench
+from uwopt.bench.suite import COLUMNS, Budget, Row, Suite, Table, timed
+from uwopt.cli import app
+from uwopt.errors import MissionError, SolverError
+
+
+def suite(
+    name: str, *, after: int = 99, fault: BaseException | None = None, chart: Any = "precision"
+) -> Suite:
+    """A suite of six rows that may break after some of them."""
+
+    def measure(budget: Budget) -> Iterator[Row]:
+        for index in range(6):
+            if index == after and fault is not None:
+                raise fault
+            error = None if index == 5 else 10.0**-index
+            yield Row(
+                name, "case <b>" if index % 2 else "=1+1", f"rule {index % 3}", size=2.0**index, seed=budget.seed,
+                time_s=1e-3 * 2**index, error=error, memory_mib=10.0 + index,
+            )  # fmt: skip
+
+    def tables(rows: Any) -> list[Table]:
+        return [Table("All <of> them", ("rule", "rows"), [["any", str(len(rows))]])]
+
+    return Suite(name, f"Suite {name}", "What it <i>measures</i>.", chart, measure, 1.0, 1.0, tables=tables)
+
+
+@pytest.fixture
+def with_suites(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Let these suites be all there are."""
+
+    def put(*suites: Suite) -> None:
+        monkeypatch.setattr(runner, "chosen_suites", lambda names: list(suites))
+
+    return put
+
+
+def test_every_suite_is_there_and_named_as_it_says():
+    found = runner.chosen_suites(())
+    assert [one.name for one in found] == list(runner.MODULES)
+    for one in found:
+        assert one.quick_s > 0 and one.full_s > 0 and one.text.endswith(".")
+    assert [one.name for one in runner.chosen_suites(["scaling", "spectral"])] == ["spectral", "scaling"]
+
+
+def test_an_unknown_suite_is_refused_with_the_nearest():
+    with pytest.raises(MissionError, match="did you mean scaling"):
+        runner.chosen_suites(["scalin"])
+
+
+def test_rows_of_all_suites_are_kept(with_suites: Any):
+    with_suites(suite("one"), suite("two"))
+    seen = []
+    made = runner.run(seed=7, keep=lambda bench: seen.append(len(bench.rows)))
+    assert seen == [6, 12] and not made.interrupted and not made.faults
+    assert {row.seed for row in made.rows} == {7}
+    assert made.machine["cores"] >= 1 and made.machine["versions"]["numpy"]
+
+
+def test_an_interrupt_keeps_what_there_is_and_ends_the_run(with_suites: Any):
+    with_suites(suite("one", after=2, fault=KeyboardInterrupt()), suite("two"))
+    made = runner.run()
+    assert made.interrupted and len(made.rows) == 2 and [one.name for one in made.suites] == ["one"]
+
+
+def test_a_suite_that_fails_is_told_and_the_next_goes_on(with_suites: Any):
+    with_suites(suite("one", after=2, fault=SolverError("no good")), suite("two"))
+    made = runner.run()
+    assert made.faults == {"one": "no good"} and len(made.rows) == 8
+
+
+def test_a_quick_run_gives_late_suites_less(with_suites: Any, monkeypatch: pytest.MonkeyPatch):
+    given: list[float] = []
+
+    def measure(budget: Budget) -> Iterator[Row]:
+        given.append(budget.seconds)
+        yield Row("slow", "a", "b")
+
+    slow = Suite("slow", "S", "T.", "precision", measure, 30.0, 30.0)
+    with_suites(slow, slow, slow)
+    monkeypatch.setattr(runner, "QUICK_S", 0.0)
+    runner.run(quick=True)
+    assert given == [0.0, 0.0, 0.0]
+    runner.run()
+    assert given[3:] == [30.0, 30.0, 30.0]
+
+
+def test_files_hold_all_rows_and_are_safe(with_suites: Any, tmp_path: Path):
+    with_suites(suite("one"), suite("two", chart="progress"), suite("three", chart="scaling"))
+    made = runner.run()
+    written = write_bench(made, tmp_path / "new")
+    assert {path.name for path in written} == {"one.csv", "two.csv", "three.csv", "bench.json", "bench.html"}
+    with (tmp_path / "new" / "one.csv").open() as file:
+        rows = list(csv.reader(file))
+    assert tuple(rows[0]) == COLUMNS and len(rows) == 7
+    assert rows[1][COLUMNS.index("case")] == "'=1+1"  # no formula in a spreadsheet
+    data = json.loads((tmp_path / "new" / "bench.json").read_text())
+    assert data["schema"] == runner.SCHEMA and len(data["rows"]) == 18
+    page = bench_html(made)
+    assert "<i>" not in page and "&lt;i&gt;measures" in page and "case <b>" not in page
+    assert suite_csv(made, made.suites[1]).count("\n") == 7
+
+
+@pytest.mark.parametrize("kind", ["precision", "progress", "scaling"])
+def test_charts_show_every_point_that_has_time_and_error(kind: str):
+    one = suite("one", chart=kind)
+    rows = list(one.measure(Budget(True, 1.0)))
+    drawn = charts(one, rows)
+    points = sum(len(trace["x"]) for picture in drawn for trace in picture["figure"]["data"])
+    assert points == (12 if kind == "scaling" else 5)  # time and memory of six; of five there is an error
+
+
+def test_the_command_prints_tables_and_writes(with_suites: Any, tmp_path: Path):
+    with_suites(suite("one"))
+    done = CliRunner().invoke(app, ["bench", "--quick", "--out", str(tmp_path / "out")])
+    assert done.exit_code == 0 and "Suite one" in done.stdout and (tmp_path / "out" / "bench.html").exists()
+
+
+@pytest.mark.parametrize(("fault", "status"), [(KeyboardInterrupt(), 130), (SolverError("no good"), 1)])
+def test_the_status_tells_how_it_ended(with_suites: Any, tmp_path: Path, fault: BaseException, status: int):
+    with_suites(suite("one", after=3, fault=fault))
+    done = CliRunner().invoke(app, ["bench", "--out", str(tmp_path)])
+    assert done.exit_code == status
+    assert len(json.loads((tmp_path / "bench.json").read_text())["rows"]) == 3
+
+
+def test_a_clock_takes_runs_long_enough():
+    calls = []
+    result, seconds = timed(lambda: calls.append(1) or len(calls), at_least_s=0.001, repeats=2)
+    assert result == 1 and 0 < seconds < 0.001
+
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+
+@pytest.mark.skipif(
+    BROWSER is None and os.environ.get("UWOPT_REQUIRE_BROWSER") != "1", reason="needs chromium on the path"
+)
+def test_the_page_draws_its_charts_in_a_browser_without_a_network(with_suites: Any, tmp_path: Path):
+    from playwright.sync_api import sync_playwright
+
+    with_suites(suite("one"), suite("two", chart="progress"), suite("three", chart="scaling"))
+    write_bench(runner.run(), tmp_path)
+    faults: list[str] = []
+    with sync_playwright() as player:
+        browser = player.chromium.launch(executable_path=BROWSER, args=["--no-sandbox", "--disable-gpu"])
+        page = browser.new_page()
+        page.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda fault: faults.append(str(fault)))
+        page.context.set_offline(True)
+        page.goto((tmp_path / "bench.html").as_uri())
+        page.wait_for_function(
+            "() => [...document.querySelectorAll('[data-figure]')].every(p => p.dataset.drawn === 'true')",
+            timeout=60_000,
+        )
+        assert page.locator(".plot").count() == 6
+        browser.close()
+    assert faults == []

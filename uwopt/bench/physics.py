@@ -1,0 +1,193 @@
+"""Physics `paper`, `auto` and `full`, and how finely `full` is integrated: differences of figures against time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from uwopt.accuracy import FINEST, is_number, relative_change
+from uwopt.bench.suite import Budget, Row, Suite, Table, timed
+from uwopt.design_model import Hardware, SceneSettings, design_model
+from uwopt.effects import effects_kept
+from uwopt.evaluation import evaluate_design
+from uwopt.mission import Mission
+from uwopt.model.fineness import DEFAULT, Fineness
+from uwopt.objectives.objective import Objective
+from uwopt.problem import Parts, Problem
+from uwopt.result import Design
+
+NAME = "physics"
+COARSE, FINE = Fineness(*[0.5] * len(Fineness.names())), Fineness(*[2.0] * len(Fineness.names()))
+REFERENCE = Fineness(*[FINEST] * len(Fineness.names()))
+METHODS = ("paper", "auto", "full, half the nodes", "full", "full, twice the nodes")
+OF_FIGURE = "figure"  # status of a row that is about one figure; the others tell the largest
+DECIDING = (
+    "fov_x_m", "fov_y_m", "gsd_mm", "blur_px", "overlap", "dof_m", "snr_db", "snr_db_min", "mean_level",
+    "saturation_fraction", "contrast", "uniformity", "mtf_half_nyquist", "power_w", "cost", "mass_kg",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Subject:
+    """One system in one mission, with its settings."""
+
+    name: str
+    mission: Mission
+    parts: Parts
+    hardware: Hardware
+    given: tuple[SceneSettings, ...]
+
+    def problem(self, physics: str, fineness: Fineness = DEFAULT) -> Problem:
+        """Tables for this system alone."""
+        count = self.hardware.count
+        return Problem(
+            self.mission, self.parts, paper=physics == "paper", counts=(count, count), mounts=[self.hardware.mount],
+            fineness=fineness,
+        )  # fmt: skip
+
+    def evaluated(self, problem: Problem) -> Design:
+        """Figures of the system."""
+        return evaluate_design(problem, self.hardware, list(self.given), Objective.of(self.mission.objective))
+
+
+def subjects(missions: Sequence[str]) -> Iterator[Subject]:
+    """The best system of each mission, found by the exact search in physics `full`."""
+    from uwopt.api import load_catalog, prepared
+    from uwopt.solvers.recommend import hardware_of, seek
+    from uwopt.solvers.rounding import exact_settings
+    from uwopt.templates import mission_template
+
+    sources: list[Any] = [str(name) for name in missions]
+    if not sources:
+        import yaml
+
+        sources = [yaml.safe_load(mission_template())]
+    for source in sources:
+        mission = prepared(source, "full", None)
+        sought = seek(mission, load_catalog(mission), Objective.of(mission.objective), generic="never", top=1)
+        if not sought.outcome.best:
+            continue
+        found = sought.outcome.best[0]
+        model = design_model(sought.problem, hardware_of(found))
+        given = tuple(exact_settings(model, index, numbers) for index, numbers in enumerate(found.settings))
+        all_parts = sought.problem.parts
+        parts = Parts(
+            (all_parts.cameras[found.camera],), (all_parts.lenses[found.lens],), (all_parts.ports[found.port],),
+            (all_parts.lights[found.light],),
+        )  # fmt: skip
+        name = Path(source).stem if isinstance(source, str) else mission.name
+        yield Subject(
+            name,
+            mission,
+            parts,
+            Hardware(0, 0, 0, found.landscape, 0, found.count, found.lighting.mount),
+            given,
+        )
+
+
+def measure(budget: Budget) -> Iterator[Row]:
+    """Each system in every physics; a row for every figure, and one for the largest that decides."""
+    missions = budget.missions[:1] if budget.quick else budget.missions
+    for number, subject in enumerate(subjects(missions)):
+        if number and budget.left_s <= 0:
+            return
+        budget.tell(number / max(len(missions), 1), subject.name)
+        reference = subject.evaluated(subject.problem("full", REFERENCE))
+        for method in METHODS:
+            design, seconds = timed(worker(subject, method), repeats=1 if budget.quick else 3)
+            differences = differences_of(design, reference)
+            largest = max((differences[name] for name in DECIDING if name in differences), default=0.0)
+            yield Row(NAME, subject.name, method, time_s=seconds, error=largest, seed=budget.seed)
+            for figure, error in differences.items():
+                yield Row(
+                    NAME, subject.name, method, time_s=seconds, error=error, status=OF_FIGURE, note=figure
+                )
+
+
+def worker(subject: Subject, method: str) -> Any:
+    """What evaluates the system by one method, tables included."""
+    physics = method.split(",")[0]
+    fineness = {"full, half the nodes": COARSE, "full, twice the nodes": FINE}.get(method, DEFAULT)
+    if physics != "auto":
+        return lambda: subject.evaluated(subject.problem(physics, fineness))
+
+    def by_auto() -> Design:
+        from uwopt.api import influences_of
+
+        problem = subject.problem("full")
+        goal = Objective.of(subject.mission.objective)
+        kept = effects_kept(influences_of(problem, subject.hardware, list(subject.given), goal))
+        return subject.evaluated(problem.with_effects(kept))
+
+    return by_auto
+
+
+def differences_of(design: Design, reference: Design) -> dict[str, float]:
+    """Largest relative difference of each figure over the scenes; what a method leaves out is not told."""
+    found: dict[str, float] = {}
+    for one, other in zip(design.scenes, reference.scenes, strict=True):
+        for name, value in one.figures.items():
+            if is_number(value) and is_number(other.figures.get(name)):
+                found[name] = max(found.get(name, 0.0), relative_change(name, value, other.figures[name]))
+    return found
+
+
+def tables(rows: Sequence[Row]) -> list[Table]:
+    """Largest difference of each figure by method, and times."""
+    head = ("figure", *METHODS)
+    of_figures = [row for row in rows if row.status == OF_FIGURE]
+    worst = {
+        (row.note, row.method): max(
+            r.error or 0.0 for r in of_figures if (r.note, r.method) == (row.note, row.method)
+        )
+        for row in of_figures
+    }
+    names = list(dict.fromkeys(row.note for row in of_figures))
+    shown = [name for name in names if any(worst.get((name, method), 0.0) > 0.0 for method in METHODS)]
+    cells = [[name, *(error_cell(worst.get((name, method))) for method in METHODS)] for name in shown]
+    whole = [row for row in rows if row.status != OF_FIGURE]
+    seconds = [
+        f"{1e3 * median([row.time_s or 0.0 for row in whole if row.method == method] or [0.0]):.0f} ms"
+        for method in METHODS
+    ]
+    largest = [
+        error_cell(max((row.error or 0.0 for row in whole if row.method == method), default=0.0))
+        for method in METHODS
+    ]
+    return [
+        Table(
+            "Time, and largest difference of a figure that decides", head,
+            [["time of one system", *seconds], ["largest difference", *largest]],
+            f"Deciding: {', '.join(DECIDING)}. Decibels count as the ratio they stand for.",
+        ),
+        Table("Largest difference by figure, over all systems", head, cells, "Empty: left out by the method."),
+    ]  # fmt: skip
+
+
+def error_cell(error: float | None) -> str:
+    """An error in a table."""
+    return "" if error is None else "0" if error == 0 else f"{error:.1e}"
+
+
+SUITE = Suite(
+    name=NAME,
+    title="Physics and fineness",
+    text=(
+        "The best system of each mission, with its settings, in physics paper, auto and full, and in full with half "
+        "and twice the nodes of every integral. Differences are relative, against full with four times the nodes. "
+        "Time is that of one system with all its tables, from the parts as records. To be read off: what each physics "
+        "leaves out, and that the default nodes are within 1e-4 of finer ones."
+    ),
+    chart="precision",
+    measure=measure,
+    quick_s=6.0,
+    full_s=60.0,
+    size_name="nodes",
+    time_name="time of one system, s",
+    error_name="largest relative difference of a deciding figure",
+    tables=tables,
+    charted=lambda row: row.status != OF_FIGURE,
+)

@@ -1,0 +1,63 @@
+"""The command `uwopt bench`: error against run time on this machine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwopt.cli_options import QuietOption
+from uwopt.cli_status import DEFECT, DONE, INTERRUPTED, command, told
+
+
+@command
+def bench_command(
+    missions: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[MISSION]...", help="Missions for the solvers; the one of `uwopt init` unless given."
+        ),
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Few cases and seeds, within a minute.")] = False,
+    suite: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME", help="Only spectral, quadrature, physics, solvers, pareto or scaling; repeatable."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of everything random.")] = 0,
+    out: Annotated[
+        str | None,
+        typer.Option("--out", metavar="DIR", help="Write bench.html, bench.json and CSV files into DIR."),
+    ] = None,
+    quiet: QuietOption = False,
+) -> int:
+    """Measure error against run time on this machine: integrals, physics, solvers, fronts, catalogue size.
+
+    Ctrl-C ends a run; what has been measured is kept.
+    """
+    from uwopt.report.console import ProgressBar, print_blocks
+    from uwopt.report.write import check_folder
+
+    if out is not None:
+        check_folder(out)
+    with ProgressBar(quiet=quiet) as bar:
+        from uwopt.bench.page import bench_blocks, write_bench
+        from uwopt.bench.run import Bench, run
+
+        written: list[Path] = []
+
+        def keep(bench: Bench) -> None:
+            if out is not None:
+                written[:] = write_bench(bench, out)
+
+        made = run(
+            suite or (), quick=quick, seed=seed, missions=missions or (), keep=keep, progress=bar.report
+        )
+    print_blocks(iter(bench_blocks(made)))
+    if written and not quiet:
+        told("written: " + ", ".join(str(path) for path in written), DONE)
+    if made.interrupted:
+        return INTERRUPTED
+    return DEFECT if made.faults else DONE
