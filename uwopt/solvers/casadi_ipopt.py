@@ -5,10 +5,11 @@ Through CasADi also Bonmin, for hardware and settings together. The only module 
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from typing import Any
 
 import casadi
@@ -151,17 +152,22 @@ def solve_mixed(program: MixedProgram, *, max_seconds: float) -> Answer:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Without what Bonmin's libraries print of their first relaxation, which no option turns off."""
+    """Without what Bonmin prints of its relaxations, which no option turns off: CasADi hands it to `sys.stdout`.
+
+    Libraries below may write to the process's output themselves, so that is turned away as well.
+    """
     sys.stdout.flush()
     try:
         kept = os.dup(1)
     except OSError:  # there is no such output
-        yield
+        with redirect_stdout(io.StringIO()):
+            yield
         return
     nothing = os.open(os.devnull, os.O_WRONLY)
     try:
         os.dup2(nothing, 1)
-        yield
+        with redirect_stdout(io.StringIO()):
+            yield
     finally:
         os.dup2(kept, 1)
         os.close(nothing)
