@@ -28,7 +28,6 @@ sys.path.insert(0, str(ROOT / "bench"))
 REEF = ROOT / "problems" / "reef-mosaic.yaml"
 FRONTS = (("power", "cost", "information"), ("power", "cost", "snr_db"))
 TIMES_S = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-LONGEST_S = 120.0  # for an exact front
 SUNLIT = ("usgs-squid5",)  # no closed form: by pymoo alone unless asked
 LAST_S = 0.4  # of a process: reading its archive back as designs, and writing it
 
@@ -74,20 +73,10 @@ def run(mission: Path, names: Sequence[str], algorithm: str, seed: int, seconds:
         return pickle.loads(out.read_bytes())
 
 
-def exact_front(mission: Path, names: Sequence[str], generic: Any = "never") -> Any:
-    """The exact front over the parts that are sold, or those to be made too."""
-    from uwopt.api import load_catalog, prepared
-    from uwopt.objectives.axes import Axes
-    from uwopt.solvers.front import FrontSearch
-    from uwopt.solvers.recommend import build_problem, selected
-
-    wanted = prepared(mission, None, None)
-    selection = selected(wanted, load_catalog(wanted), generic=generic)
-    return FrontSearch(build_problem(wanted, selection), Axes.of(names), deadline_s=LONGEST_S).run()
-
-
 def exact_values(mission: Path, names: Sequence[str]) -> Any:
     """The exact front's values (n, n_axes), all of them, less is better."""
+    from uwopt.bench.fronts import exact_front
+
     return exact_front(mission, names).values
 
 
@@ -95,6 +84,7 @@ def exact_table(seconds_note: str = "") -> list[str]:
     """Time, size and gap of the exact front of every mission."""
     from run import table
 
+    from uwopt.bench.fronts import LONGEST_S, exact_front
     from uwopt.errors import MissionError
 
     rows = []
@@ -138,6 +128,7 @@ def pareto_table(
     """Ratios by time, median of the seeds and the least."""
     from run import table
 
+    from uwopt.bench.fronts import latest
     from uwopt.objectives.axes import Axes, Frame
     from uwopt.solvers.dominance import hypervolume
 
@@ -167,11 +158,6 @@ def pareto_table(
     ]
 
 
-def latest(history: Any, at_s: float) -> Any:
-    """The archive as it stood."""
-    return next((values for when, values in reversed(history) if when <= at_s), [])
-
-
 def main() -> None:
     """Measure and print; or, with --cold, be one of the processes."""
     parser = argparse.ArgumentParser(description="Measure pymoo's fronts against the exact ones.")
@@ -191,7 +177,10 @@ def main() -> None:
     from run import heading
 
     made = heading(asked.note, asked.seeds, "python bench/pareto.py --write")
-    made += ["", *pareto_table(asked.mission, algorithm=asked.algorithm, seeds=asked.seeds, seconds=asked.seconds)]
+    made += [
+        "",
+        *pareto_table(asked.mission, algorithm=asked.algorithm, seeds=asked.seeds, seconds=asked.seconds),
+    ]
     made += ["", *exact_table()]
     text = "\n".join(made) + "\n"
     print(text)
