@@ -112,7 +112,8 @@ class Seen:
 class Referee:
     """Keeps the time of one run, checks every claim by the forward model, and writes down what improved.
 
-    The clock stands still while a claim is checked: that is no work of the solver's.
+    The clock stands still while a claim is checked: that is no work of the solver's. Claims are checked on
+    tables of the referee's own, so that the solver's are neither warmed nor made to reach elsewhere.
     """
 
     contest: Contest
@@ -122,8 +123,13 @@ class Referee:
     best: float = np.inf  # minimised, confirmed
     refused: int = 0  # claims that the forward model does not confirm
     seen: list[Seen] = field(default_factory=list)
-    _start: float = field(default_factory=time.perf_counter)
+    _judge: Problem = field(init=False)
+    _start: float = field(init=False)
     _waited_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        self._judge = self.contest.problem()
+        self._start = time.perf_counter()
 
     @property
     def time_s(self) -> float:
@@ -160,10 +166,10 @@ class Referee:
 
     def _confirmed(self, hardware: Hardware, settings: list[dict[str, float]]) -> float | None:
         """The design's value by the forward model, None where a requirement is missed."""
-        model = design_model(self.problem, hardware)
+        model = design_model(self._judge, hardware)
         given = [exact_settings(model, i, numbers) for i, numbers in enumerate(settings)]
         objective = self.contest.objective
-        design = evaluate_design(self.problem, hardware, given, objective)
+        design = evaluate_design(self._judge, hardware, given, objective)
         if not design.feasible or design.objective_value is None:
             return None
         if objective.single is None:
