@@ -222,7 +222,8 @@ def chosen_order(light: Light, target: str) -> float | None:
     if target != SIGNAL:
         return None
     along, across = (np.array([half]) for half in light.half)
-    return float(imaging.orders_needed(along, across, light.shape, light.range_m, light.lamps, light.beam)[0])
+    needed = imaging.cells_needed if beams.has_sharp_edge(light.beam) else imaging.orders_needed
+    return float(needed(along, across, light.shape, light.range_m, light.lamps, light.beam)[0])
 
 
 def measured_row(light: Light, target: str, how: str, order: int | None, truth: Array, *, quick: bool) -> Row:
