@@ -25,6 +25,7 @@ from uwopt.hardware import CONTINUOUS
 from uwopt.optics import place_focus
 from uwopt.problem import Parts, Problem
 from uwopt.solvers import exact as exact_search
+from uwopt.solvers import large, outline
 from uwopt.solvers.exact import Outcome
 from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.rounding import exact_settings
@@ -35,10 +36,17 @@ BEATEN_REL = 1e-6  # the enumeration may find rounding, nothing more
 REACHED_REL = 2e-3  # what its grids of SNR against power may miss
 
 
-@pytest.fixture(params=["as shipped", "bounds at work"])
+@pytest.fixture(params=["as shipped", "bounds at work", "as if large"])
 def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Batches as shipped are larger than a small catalogue; batches of one make every bound count."""
-    if request.param == "bounds at work":
+    """Batches as shipped are larger than a small catalogue; batches of one make every bound count.
+
+    A large catalogue is searched from pairs of camera and lens on; here with few at a time.
+    """
+    if request.param == "as if large":
+        monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
+        for name, value in (("FIRST_PAIRS", 1), ("FIRST_LEAVES", 1), ("LARGEST_PAIRS", 4), ("BRANCHES", 2)):
+            monkeypatch.setattr(outline if name == "BRANCHES" else large, name, value)
+    if request.param != "as shipped":
         for name, value in (
             ("FIRST_BATCH", 1),
             ("LARGEST_BATCH", 2),
