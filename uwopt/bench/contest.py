@@ -96,7 +96,10 @@ class Contest:
 
 def certified(problem: Problem, objective: Objective, longest_s: float) -> Outcome:
     """The exact search, until its proof is complete or time is up."""
-    return Search(problem, objective, top=1, deadline_s=longest_s, progress=None).run()
+    outcome = Search(problem, objective, top=1, deadline_s=longest_s, progress=None).run()
+    if outcome.interrupted:  # the search keeps what it found; a benchmark ends
+        raise KeyboardInterrupt
+    return outcome
 
 
 @dataclass(frozen=True)

@@ -92,6 +92,8 @@ def run_exact(case: str, mission: Mission, generic: Generic) -> tuple[Front, lis
     """The exact front, and how it came about."""
     problem = problem_of(mission, generic)
     front = FrontSearch(problem, Axes.of(AXES), deadline_s=LONGEST_S).run()
+    if front.interrupted:  # the search keeps what it found; a benchmark ends
+        raise KeyboardInterrupt
     status = "optimal" if front.complete else "stopped"
     if front.frame is None or not front.hypervolume_bound:
         why = "infeasible" if front.complete and not len(front.values) else status
@@ -114,6 +116,8 @@ def run_population(
     before_s = time.perf_counter() - start
     left_s = max(seconds - before_s, 0.05)
     found = population_front(search, list(AXES), algorithm=algorithm, seed=seed, seconds=left_s)
+    if found.status == "interrupted":
+        raise KeyboardInterrupt
     took_s = time.perf_counter() - start
     history = [(before_s + at, values) for at, values in found.history]
     gap = gap_of(history[-1][1], front) if history else None

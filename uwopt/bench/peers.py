@@ -21,6 +21,7 @@ from uwopt.bench.contest import (
     sources_of,
 )
 from uwopt.bench.suite import Budget, Row, Suite, Table
+from uwopt.errors import UwoptError
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Problem
 from uwopt.solvers.continuous import ALGORITHMS, FEASIBLE, Method, solve_settings
@@ -83,6 +84,8 @@ def exact(referee: Referee) -> str:
     search = WatchedSearch(referee.problem, referee.contest.objective, referee)
     outcome = search.run()
     referee.evaluations = outcome.account.evaluated
+    if outcome.interrupted:
+        raise KeyboardInterrupt
     return PROVEN if outcome.complete else "stopped"
 
 
@@ -245,6 +248,9 @@ def run_peer(contest: Contest, method: str, seed: int, seconds: float) -> list[R
     except NotApplicableError as why:
         nothing = Seen(0.0, 0, None)
         return rows_of(contest, method, seed, [], nothing, "not applicable", str(why))
+    except UwoptError as fault:
+        end = Seen(referee.time_s, referee.evaluations, referee.gap)
+        return rows_of(contest, method, seed, referee.seen, end, "failed", str(fault).splitlines()[0])
     took_s, gap = referee.time_s, referee.gap
     status = "reached" if gap is not None and gap <= TARGET else "stopped"
     note = f"within {seconds:.3g} s"
@@ -258,7 +264,9 @@ def rows_of(
 ) -> list[Row]:  # fmt: skip
     """What was seen of a run, and its end."""
     made = [
-        Row("solvers", contest.name, method, float(s.evaluations), seed, s.time_s, s.gap_rel, status="running")
+        Row(
+            "solvers", contest.name, method, float(s.evaluations), seed, s.time_s, s.gap_rel, status="running"
+        )
         for s in seen
     ]
     made.append(
