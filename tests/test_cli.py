@@ -358,6 +358,23 @@ def test_missing_and_wrong_files_are_refused(tmp_path: Path) -> None:
     assert_refused(run("paint", MISSION), "paint")
 
 
+@pytest.mark.parametrize(("kind", "name", "lacks"), [
+    ("camera", "zimo-subsea-camera", "pixel pitch"), ("port", "zen-100-mm-dome-port", "radius"),
+    ("light", "ikelite-ds160", "light output"),
+])  # fmt: skip
+def test_part_that_lacks_a_vital_number_is_refused(kind: str, name: str, lacks: str, tmp_path: Path) -> None:
+    text = "\n".join(
+        f"{key}: {name if key == kind else value}"
+        for key, value in {
+            "camera": "avt-alvium-1800-c-234m", "lens": "moritex-ml-u1217sr-18c",
+            "port": "blue-robotics-4-in-acrylic-end-cap-2026", "light": "arctic-rays-dragonfish-mini-strobe",
+        }.items()
+    )  # fmt: skip
+    file = tmp_path / "system.yaml"
+    file.write_text(text + "\n", encoding="utf-8")
+    assert_refused(run("evaluate", MISSION, file), name, lacks, "not known")
+
+
 def test_unknown_part_is_refused_with_near_ones(tmp_path: Path) -> None:
     text = SYSTEM.read_text("utf-8").replace("camera: seed-imx250m", "camera: seed-imx250n")
     (tmp_path / "system.yaml").write_text(text, "utf-8")

@@ -129,8 +129,8 @@ class Estimator:
                 break
             share = max(tolerance - self.floor, LEAST_ROOM * tolerance) / len(self.parts)
             made = {part: found.by_part[part]["error_rel"] for part in open_parts}
-            if found.largest["error_rel"] - sum(made.values()) > tolerance:
-                break  # what is left cannot be made finer
+            if sum(made.values()) < LEAST_ROOM * max(tolerance, self.floor):
+                break  # what is left does not come from integrals
             raised = [part for part in open_parts if made[part] > share] or [max(made, key=lambda p: made[p])]
             found = self.errors(found.fineness.finer(raised))
         return found

@@ -502,7 +502,23 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
         mission, parts, paper=mission.physics == "paper", owned_lights=recommend.owned_ids(selection),
         counts=(system.light_count, system.light_count), mounts=[mount],
     )  # fmt: skip
+    refuse_unknown(system, problem)
     return problem, Hardware(0, 0, 0, system.orientation == "landscape", 0, system.light_count, mount)
+
+
+def refuse_unknown(system: System, problem: Problem) -> None:
+    """Raise where a part of the catalogue lacks a number that nothing can stand in for."""
+    vital = {
+        "camera": ("pixel pitch", problem.cameras.pixel_pitch_m[0]),
+        "port": ("radius", problem.ports.outer_radius_m[0] if problem.ports.is_dome[0] else 1.0),
+        "light": ("light output", problem.lights.full_light[0]),
+    }
+    for kind, (what, value) in vital.items():
+        if not value > 0.0:
+            raise MissionError(
+                f"{system.source_name}: {kind} = {getattr(system, kind)}: its {what} is not known, so nothing can be "
+                f"computed with it; write the {kind} as a section with its numbers, or name another"
+            )
 
 
 def scene_settings(problem: Problem, hardware: Hardware, system: System, name: str) -> SceneSettings:
