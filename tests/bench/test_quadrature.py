@@ -14,6 +14,7 @@ from uwopt.bench import quadrature_exact as exact
 from uwopt.bench.quadrature import AS_USED, DOME, FLAT, IMAGE_VEIL, PIXEL_VEIL, SIGNAL, TARGETS, Light
 from uwopt.bench.quadrature_exact import Water
 from uwopt.bench.suite import Budget, Row
+from uwopt.model import imaging
 from uwopt.model.imaging import PortShape
 
 WIDE = (0.3, 0.4)
@@ -165,3 +166,16 @@ def test_dark_pixels_stay_dark() -> None:
     np.testing.assert_array_equal(value == 0.0, truth == 0.0)
     assert np.any(truth == 0.0)
     assert quadrature.chosen_order(light, IMAGE_VEIL) is None
+
+
+@pytest.mark.parametrize("half_deg", [2, 5, 9])
+def test_the_footprints_mean_illuminance_of_a_spot_within_it_is_its_light_over_the_area(
+    half_deg: float,
+) -> None:
+    # a disc in clear water, all of it in the image: one lumen over 4 X Y, X and Y half the footprint behind a dome
+    d = 3.0
+    mean, _ = imaging.footprint_illuminance_per_lm(
+        *WIDE, shape=DOME, range_m=d, lamps=quadrature.lamp(y=0.3), beam=quadrature.disc(half_deg),
+        weight=np.ones(2), attenuation_per_m=np.zeros(2),
+    )  # fmt: skip
+    assert mean == pytest.approx(1.0 / (4.0 * WIDE[0] * WIDE[1] * (d + DOME.outer_radius_m) ** 2), rel=5e-5)

@@ -548,18 +548,18 @@ def footprint_illuminance_per_lm(
         lamps=lamps, beam=beam, range_m=range_m, weight=weight, attenuation_per_m=attenuation_per_m,
         n_ranges=scaled(LAMP_RANGES, fineness.spectrum),
     )  # fmt: skip
-    sharp = beams.has_sharp_edge(beam)
-    one = np.array([1.0])
-    order = int(
-        orders_needed(tan_along * one, tan_across * one, shape, range_m, lamps, beam, fineness.image)[0]
-    )
     cells_a_side = scaled(FOOTPRINT_CELLS, fineness.places)
-    nodes, weights = cells(2 * order) if sharp else gauss(order)
-    along, across = np.meshgrid(tan_along * nodes, tan_across * nodes, indexing="ij")
-    x_m, y_m, _ = floor_point(along, across, shape=shape, range_m=range_m)
-    area = np.outer(weights, weights) * floor_area_ratio(along, across, shape=shape, range_m=range_m)
-    light_there = floor_illuminance_per_lm(x_m, y_m, edge_share=sharp, **common)
-    mean = float((light_there * area).sum() / area.sum())
+    needed = cells_needed if beams.has_sharp_edge(beam) else orders_needed
+    images = np.array([tan_along]), np.array([tan_across])
+    order = int(needed(*images, shape, range_m, lamps, beam, fineness.image)[0])
+
+    def part(u: Array, v: Array, **of_lamps: Any) -> tuple[Array, Array]:
+        along, across = np.meshgrid(tan_along * u, tan_across * v, indexing="ij")
+        x_m, y_m, _ = floor_point(along, across, shape=shape, range_m=range_m)
+        area = floor_area_ratio(along, across, shape=shape, range_m=range_m)
+        return area, floor_illuminance_per_lm(x_m, y_m, **(common | of_lamps))
+
+    mean = footprint_mean(part, order, *images, shape=shape, range_m=range_m, lamps=lamps, beam=beam)
     grid = np.linspace(-1.0, 1.0, cells_a_side + 1)
 
     def there(u: Array, v: Array) -> Array:
@@ -568,6 +568,33 @@ def footprint_illuminance_per_lm(
 
     u, v = np.meshgrid(grid, grid, indexing="ij")
     return mean, least_of(there, u.ravel(), v.ravel(), 2.0 / cells_a_side)
+
+
+def footprint_mean(
+    part: Callable[..., tuple[Array, Array]], order: int, tan_along: Array, tan_across: Array, *, shape: PortShape,
+    range_m: float, lamps: Lamps, beam: beams.Beam,
+) -> float:  # fmt: skip
+    """Mean over the footprint of what `part` gives: floor area and illuminance at field points in half widths [1/m^2].
+
+    Beams that end sharply: cells on each lamp's spot, extrapolated, as in `edge_mean`.
+    """
+    nodes, weights = gauss(max(SMOOTH_ORDER, 1 if beams.has_sharp_edge(beam) else order))
+    rule = np.outer(weights, weights)
+    if not beams.has_sharp_edge(beam):
+        area, light_there = part(nodes, nodes)
+        return float((light_there * area * rule).sum() / (area * rule).sum())
+    total, whole = 0.0, float((part(nodes, nodes)[0] * rule).sum())
+    for lamp in each_lamp(lamps):
+        box = spot_box(tan_along, tan_across, shape=shape, range_m=range_m, lamps=lamp, beam=beam)[:, 0]
+        lit = 0.25 * max(box[1] - box[0], 0.0) * max(box[3] - box[2], 0.0)
+        if lit > 0.0:
+            means = []
+            for k in (order, max(order // 2, 2)):
+                u, v = (0.5 * (low + high + (high - low) * cells(k)[0]) for low, high in (box[:2], box[2:]))
+                area, light_there = part(u, v, lamps=lamp, edge_share=True)
+                means.append(float((light_there * area).mean()))
+            total += lit * max((4.0 * means[0] - means[1]) / 3.0, 0.0)
+    return total / whole
 
 
 def least_of(function: Callable[[Array, Array], Array], u: Array, v: Array, cell: float) -> float:
