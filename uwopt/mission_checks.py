@@ -23,6 +23,8 @@ HARDWARE_KEYS = (
     "orientation",
 )
 
+REQUIRED_OF_VEHICLE = {"altitude_m": (1e-3, 1000.0), "speed_m_s": (0.0, 50.0)}
+
 Values = Mapping[str, Any]
 Fault = tuple[KeyPath, str]
 
@@ -49,7 +51,27 @@ def in_one_form(data: Values) -> tuple[dict[str, Any], list[Fault]]:
             scenes.append(made)
             faults += wrong
         plain["scenes"] = scenes
+        plain["vehicle"] = _with_what_every_scene_gives(plain.get("vehicle"), scenes)
+        if plain["vehicle"] is None:
+            del plain["vehicle"]
     return plain, faults
+
+
+def _with_what_every_scene_gives(vehicle: Any, scenes: Sequence[Any]) -> Any:
+    """`vehicle`, what it must hold taken from the first scene where every scene overrides it anyhow."""
+    if vehicle is not None and not isinstance(vehicle, Mapping):
+        return vehicle
+    made = dict(vehicle or {})
+    for key, (low, high) in REQUIRED_OF_VEHICLE.items():
+        own = [
+            s["vehicle"].get(key)
+            for s in scenes
+            if isinstance(s, Mapping) and isinstance(s.get("vehicle"), Mapping)
+        ]
+        good = [isinstance(v, (int, float)) and not isinstance(v, bool) and low <= v <= high for v in own]
+        if made.get(key) is None and own and len(own) == len(scenes) and all(good):
+            made[key] = own[0]
+    return made or vehicle
 
 
 def _scene_in_one_form(scene: Values, index: int) -> tuple[dict[str, Any], list[Fault]]:

@@ -10,10 +10,12 @@ from __future__ import annotations
 import copy
 import json
 import math
+import os
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 import annotated_types
+from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
 from pydantic import AfterValidator
 
@@ -36,7 +38,17 @@ HARDWARE = (
     "orientation",
 )
 PHYSICS = ("auto", "full", "paper")
+FUZZ = int(os.environ.get("UWOPT_FUZZ", "0"))
 Draw = Any
+
+
+def examples(count: int) -> Any:
+    """Hypothesis's settings for so many examples, the same in every run unless UWOPT_FUZZ asks for more."""
+    return settings(
+        max_examples=count * max(FUZZ, 1), derandomize=not FUZZ, deadline=None, database=None,
+        suppress_health_check=list(HealthCheck), print_blob=bool(FUZZ),
+        phases=[phase for phase in Phase if phase is not Phase.shrink],
+    )  # fmt: skip
 
 
 # ---------------------------------------------------------------- values that are allowed

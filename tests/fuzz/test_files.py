@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
 import fuzz_files as files
 import fuzz_judge as judge
 import pytest
-from hypothesis import HealthCheck, given, settings
+from fuzz_files import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 import uwopt
@@ -17,16 +17,6 @@ from uwopt.catalog.load import load_catalog
 from uwopt.errors import CatalogError, MissionError, UwoptError
 from uwopt.mission import load_mission
 from uwopt.system import load_system
-
-FUZZ = int(os.environ.get("UWOPT_FUZZ", "0"))
-
-
-def examples(count: int) -> Any:
-    """Hypothesis's settings for so many examples, the same in every run unless UWOPT_FUZZ asks for more."""
-    return settings(
-        max_examples=count * max(FUZZ, 1), derandomize=not FUZZ, deadline=None, database=None,
-        suppress_health_check=list(HealthCheck), print_blob=bool(FUZZ),
-    )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +37,7 @@ WATERS = {"vacuum.csv": (0, 0), "absorbs.csv": (0.3, 0), "scatters.csv": (0, 0.3
 
 @pytest.mark.parametrize(("load", "whole"), [(load_mission, files.missions()), (load_system, files.systems())],
                          ids=["mission", "system"])  # fmt: skip
-@examples(250)
+@examples(200)
 @given(data=st.data())
 def test_a_broken_file_is_told_in_clean_words(load: Any, whole: Any, folder: Path, data: Any) -> None:
     file = folder / "fuzzed.yaml"
@@ -88,7 +78,7 @@ def test_a_broken_table_of_parts_is_told_in_clean_words(folder: Path, data: Any)
 # ---------------------------------------------------------------- substance
 
 
-@examples(120)
+@examples(80)
 @given(mission=files.missions(waters=tuple(WATERS)), system=files.systems())
 def test_evaluate_is_sound_or_refuses(folder: Path, mission: Any, system: Any) -> None:
     def call() -> Any:
@@ -99,7 +89,7 @@ def test_evaluate_is_sound_or_refuses(folder: Path, mission: Any, system: Any) -
         judge.assert_sound(found)
 
 
-@examples(40)
+@examples(25)
 @given(mission=files.missions(waters=tuple(WATERS)), parts=files.own_parts())
 def test_solve_is_sound_or_refuses(folder: Path, mission: Any, parts: Any) -> None:
     mission["catalog"] = files.write_parts(folder, parts)
@@ -108,7 +98,7 @@ def test_solve_is_sound_or_refuses(folder: Path, mission: Any, parts: Any) -> No
         judge.assert_sound(found)
 
 
-@examples(12)
+@examples(8)
 @given(
     mission=files.missions(waters=tuple(WATERS)), parts=files.own_parts(),
     names=st.lists(st.sampled_from(["power", "cost", "mass", "gsd_mm"]), min_size=1, max_size=2, unique=True),

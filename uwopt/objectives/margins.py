@@ -196,7 +196,8 @@ def pulse_margins(rows: DesignRows, settings: SettingRows, triggered: Array) -> 
     cam, lights = rows.cameras, rows.lights
     inf = np.full(len(triggered), np.inf)
     led = lights.kind == PULSED
-    pulse_s = np.where(triggered, settings.pulse_s, 0.0)  # of lamps that burn: inf, and inf - inf is no margin
+    pulsed = triggered & np.isfinite(settings.pulse_s)
+    pulse_s = np.where(pulsed, settings.pulse_s, 0.0)  # of lamps that burn: inf, and inf - inf is no margin
     pulse_ms = pulse_s * 1e3
     yield MarginRows("max_pulse_ms", pulse_ms, np.where(led, lights.max_pulse_s * 1e3, inf), "<=", "ms")
     yield MarginRows(
