@@ -45,7 +45,7 @@ MISSIONS: dict[str, dict[str, Any]] = {
     "loose": {"objective": "power", "limits": {}},
     "cost-bound": {"objective": "power", "limits": {"cost": 5500.0}},
     "power-bound": {"objective": "cost", "limits": {"power_w": 4.0}},
-    "infeasible": {"objective": "power", "limits": {"cost": 2500.0, "power_w": 2.5}},
+    "infeasible": {"objective": "power", "limits": {"cost": 4100.0, "power_w": 2.5}},
 }
 
 
