@@ -110,8 +110,8 @@ def cases(quick: bool) -> tuple[Light, ...]:
         Light("wide lobe, thick water, dome, 2 m", WIDE, DOME, 2.0, lamp(), lobe(75), water(20.0)),
         Light("cone, flat port, 1 m", WIDE, FLAT, 1.0, lamp(y=0.5, outward_deg=-20), cone(20), water(1.0)),
         Light("cone's edge across, dome, 2 m", WIDE, DOME, 2.0, lamp(y=1.0, z=0.3), cone(40), water(1.0)),
-        Light("narrow cone, dome, 5 m", WIDE, DOME, 5.0, lamp(y=0.4), cone(5), water(0.4)),
         Light("two lamps tilted, flat port, 2 m", WIDE, FLAT, 2.0, around, lobe(120), water(2.0)),
+        Light("narrow cone, dome, 5 m", WIDE, DOME, 5.0, lamp(y=0.4), cone(5), water(0.4)),
         Light("measured flood, dome, 2 m", WIDE, DOME, 2.0, lamp(), flood(), water(1.0)),
     )
 
