@@ -256,6 +256,21 @@ def test_depth_of_field_inside_at_and_beyond_hyperfocal(
     assert 0.0 <= near <= far
 
 
+@pytest.mark.parametrize("f_number", [0.95, 64.0])
+@pytest.mark.parametrize("step", [-1, 0, 1])
+def test_depth_of_field_at_hyperfocal_itself(f_number: float, step: int) -> None:
+    """Focused at H, to the last digit: from H / 2 to infinity, or so far that only rounding ends it."""
+    f, coc = 8e-3, 6.9e-6
+    h = mp.mpf(f) ** 2 / (mp.mpf(f_number) * mp.mpf(coc)) + mp.mpf(f)
+    dioptre = float(1 / h) * (1 + step * 2.0**-52)
+    at = port.flat_focus_map(gap_m=0.0, thickness_m=0.0, n_glass=N_G, n_water=N_W)
+    near, far = lens.near_far_water_m(
+        f_number, focal_length_m=f, circle_of_confusion_m=coc, focus_dioptre_per_m=dioptre, focus_map=at
+    )
+    close(near, mp.mpf(N_W) * h / 2, rel=1e-14)
+    assert far == math.inf or far > 1e12
+
+
 @pytest.mark.parametrize("within", [1e-12, 0.5, 1.0, 1.0 + 1e-12, 3.0])
 def test_no_f_number_focuses_within_the_focal_length(within: float) -> None:
     """N = (f^2 / c) half / (1 - f D), infinite from f D = 1 on: never negative, never a division by zero."""
