@@ -16,6 +16,7 @@ import pytest
 import random_cases as rc
 from hand_made_rows import STEPS, scene
 
+import uwopt
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.rows import SceneRows
 from uwopt.solvers import opinions
@@ -166,3 +167,12 @@ def test_rivals_with_other_numbers_of_lamps_keep_their_own_price() -> None:
 def test_missions_outside_its_program_are_told_so_and_do_not_fail() -> None:
     told = opinions.mixed_opinion(sought_of(CASES[0]), Objective.of({"power": 1.0, "contrast": 1.0}))
     assert told["status"] == "not applicable" and not told["agrees"] and "not run" in told["message"]
+
+
+def test_solve_tells_of_bonmin_like_of_other_opinions() -> None:
+    result = uwopt.solve("problems/paper-tool-window.yaml", solver="bonmin", top=2)
+    (told,) = result.solvers
+    assert told["method"] == "bonmin" and len(told["hardware"]) == 4
+    assert told["status"] in ("optimal", "feasible", "failed")
+    assert told["agrees"] == (told["status"] == "optimal")
+    assert "not of the catalogue" in told["message"] and "convex" in told["message"]
