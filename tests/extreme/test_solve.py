@@ -28,8 +28,8 @@ def files(folder: Path, *, well_e: float, read_noise_e: float, water: str) -> di
     cases.table(folder / "green.csv", GREEN)
     a, b = WATERS[water]
     head = "id,resolution_x_px,resolution_y_px,pixel_pitch_um,mounts,shutter,colour,bit_depth,read_noise_e," \
-        "saturation_e,gain_dn_per_e,gain_bits,max_gain_db,dark_current_e_s,prnu_frac,black_level_dn,qe_curve,max_frame_rate_hz," \
-        "min_exposure_us,max_exposure_us,exposure_offset_us,power_w,mass_g,price"  # fmt: skip
+        "saturation_e,gain_dn_per_e,gain_bits,max_gain_db,dark_current_e_s,prnu_frac,black_level_dn,qe_curve," \
+        "max_frame_rate_hz,min_exposure_us,max_exposure_us,exposure_offset_us,power_w,mass_g,price"  # fmt: skip
     gain = 4095.0 / well_e
     row = f"own-cam,1600,1200,3.45,C,global,mono,12,{read_noise_e},{well_e},{gain!r},12,0,0,0,0,qe.csv,30,1,1e6,0," \
         f"{CAMERA_W},60,900"  # fmt: skip
@@ -43,7 +43,8 @@ def files(folder: Path, *, well_e: float, read_noise_e: float, water: str) -> di
         "own-port,dome,80,8,1.5,500,500,400"])  # fmt: skip
     cases.table(folder / "lights.csv", [
         "id,kind,flux_lm,power_w,output_factor,beam,beam_angle_deg,beam_medium,dim_levels,spectrum,depth_rating_m,"
-        "mass_g,price", f"own-light,continuous,{LAMP_LM},{LAMP_W},1,disc,80,water,continuous,green.csv,500,700,500"])  # fmt: skip
+        "mass_g,price",
+        f"own-light,continuous,{LAMP_LM},{LAMP_W},1,disc,80,water,continuous,green.csv,500,700,500"])  # fmt: skip
     return {
         "physics": "paper", "objective": "power",
         "scene": {"water": cases.flat_water(folder, a_per_m=a, b_per_m=b), "seafloor": FLOOR, "depth_m": 50},
