@@ -2,7 +2,8 @@
 
     suite       what one measurement is: rows, budgets, the shape of a suite
     spectral quadrature physics      the model: error of each integral against time
-    peers scaling pareto             the search: gap over time, time over size
+    peers fronts scaling             the search: gap over time, time over size
+    contest     what peers start from, and who checks their claims
     machine     where it was measured: processor, load, versions
     run         suites one by one, kept as they come
     page        the HTML report
