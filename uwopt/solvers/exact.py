@@ -43,7 +43,9 @@ RULES = (*IMAGER_RULES, *(rule for rule in UNIT_RULES if rule not in IMAGER_RULE
 
 
 Sample = tuple[int, int, int, bool, int | None]  # camera, lens, port, landscape, lighting or None for any
-Sift = Callable[[Array, Array], Array]  # lightings and imagers of units: a mask of those worth evaluating
+Sift = Callable[
+    [Array, Array], None
+]  # evaluates units, given by lighting and imager, as far as they are worth it
 
 
 @dataclass(frozen=True)
@@ -259,9 +261,7 @@ class Search:
             tied = np.isfinite(threshold) & (value[ahead] >= threshold - 2 * TIE * abs(threshold))
             useful = ahead[~(tied & (power[ahead] > self.ranking.power_threshold()))]
             self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
-            if self.sift is not None:
-                useful = useful[self.sift(useful // n, rows[useful % n])]
-            self._evaluate_units(useful // n, rows[useful % n])
+            (self.sift or self.evaluate_units)(useful // n, rows[useful % n])
             position += len(ahead)
             batch = min(2 * batch, LARGEST_BATCH)
         self.account.discarded["bound"] += int(size[order[position:]].sum())
@@ -296,7 +296,7 @@ class Search:
 
     # ------------------------------------------------------------ evaluation
 
-    def _evaluate_units(self, lighting_index: Array, imager: Array) -> None:
+    def evaluate_units(self, lighting_index: Array, imager: Array) -> None:
         """Exact signal of these units, then all their lights and counts."""
         for k in np.unique(lighting_index):
             rows = imager[lighting_index == k]

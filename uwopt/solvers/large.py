@@ -31,6 +31,7 @@ FIRST_PAIRS, LARGEST_PAIRS = 512, 32768  # that are bounded together
 MOST_ROWS = 65536  # rows of an outline that are bounded together
 MOST_PENDING = 50_000  # imagers that wait for their search
 FIRST_LEAVES, LARGEST_LEAVES = 256, 16384  # imagers that are searched together
+FIRST_UNITS, LARGEST_UNITS = 8, 256  # that are evaluated together once their light is known
 MOST_SAMPLES = 1024  # discarded imagers remembered per rule, for an audit
 TAKEN = 1.0 + 1e-12  # of a threshold: outlines are summed in another order
 
@@ -365,19 +366,31 @@ class LargeSearch:
         left = search._best_first(np.arange(len(imagers)))
         return left is None
 
-    def _sift(self, lighting_index: Array, imager: Array) -> Array:
-        """Units that may still be best when their light is known; the others are counted here."""
-        account, keep = self.search.account, np.zeros(len(imager), bool)
+    def _sift(self, lighting_index: Array, imager: Array) -> None:
+        """Evaluate the units that may still be best when their light is known, best first; count the others."""
+        search, account = self.search, self.search.account
+        value = np.full(len(imager), np.inf)
         for k in np.unique(lighting_index):
             mine = np.nonzero(lighting_index == k)[0]
             unit = self.sieve.of_units(int(k), imager[mine])
-            rule = pair_rules(self.sieve, int(k), imager[mine], unit, self.search.ranking.threshold() * TAKEN)
-            keep[mine] = (unit.rule < 0) & (rule < 0).any(axis=1)
-            lost = rule[~keep[mine]]
+            limit_value = search.ranking.threshold() * TAKEN
+            rule, value[mine] = pair_rules(self.sieve, int(k), imager[mine], unit, limit_value)
+            lost = rule[~np.isfinite(value[mine])]
             for number, name in enumerate(UNIT_RULES):
                 account.discarded[name] += int((lost == number).sum())
             account.discarded["bound"] += int((lost < 0).sum())  # what the unit's own bound discards
-        return keep
+        sizes = np.array([len(table.light) for table in self.bounds.light_tables])
+        order = np.argsort(value, kind="stable")
+        order = order[np.isfinite(value[order])]
+        position, batch = 0, FIRST_UNITS
+        while position < len(order):
+            ahead = order[position : position + batch]
+            useful = ahead[value[ahead] <= search.ranking.threshold() * TAKEN]
+            account.discarded["bound"] += int(sizes[lighting_index[ahead]].sum())
+            account.discarded["bound"] -= int(sizes[lighting_index[useful]].sum())
+            search.evaluate_units(lighting_index[useful], imager[useful])
+            position += len(ahead)
+            batch = min(2 * batch, LARGEST_UNITS)
 
     def _keep_winners(self) -> None:
         """Leave the search with the imagers of the best designs alone."""

@@ -20,9 +20,12 @@ Array = NDArray[Any]
 MEETS = 1.0 + 1e-9  # a rate or a capacity met to rounding
 
 
-def pair_rules(bounds: Bounds, k: int, rows: Array, unit: UnitBounds, threshold: float) -> Array:
+def pair_rules(
+    bounds: Bounds, k: int, rows: Array, unit: UnitBounds, threshold: float
+) -> tuple[Array, Array]:
     """For every imager (n) and light of one lighting (m) the rule that discards it, an index into `UNIT_RULES`; -1
-    where none does. `unit` holds the bounds of these imagers under the lighting."""
+    where none does; and the least objective of the lights that none discards, inf without any (n). `unit` holds the
+    bounds of these imagers under the lighting."""
     table, imagers, limits = bounds.light_tables[k], bounds.imagers, bounds.limits
     lamp = bounds.problem.lights.take(table.light)
     shape = (len(rows), len(table.light))
@@ -61,7 +64,8 @@ def pair_rules(bounds: Bounds, k: int, rows: Array, unit: UnitBounds, threshold:
         ("bound", value <= threshold),
     ):
         rule = np.where((rule < 0) & ~passes, np.int8(UNIT_RULES.index(name)), rule)
-    return rule
+    least = np.where(rule < 0, value, np.inf).min(axis=1, initial=np.inf)
+    return rule, np.maximum(least, np.where(unit.rule < 0, unit.value, np.inf))
 
 
 def level_set(wanted: Array, lamp: Lights) -> Array:
