@@ -1,0 +1,98 @@
+"""The search of large catalogues, forced on small ones: its bounds hold, its account adds up, its audit passes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from random_cases import THOROUGH, case
+
+from uwopt.solvers import exact as exact_search
+from uwopt.solvers import large, outline
+from uwopt.solvers.audit import audit
+from uwopt.solvers.exact import Search
+from uwopt.solvers.imagers import enumerate_imagers
+from uwopt.solvers.outline import Level, Rows, port_tree
+
+FEW = range(60) if THOROUGH else range(5)
+
+
+@pytest.fixture(autouse=True)
+def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Few pairs, ports and imagers at a time."""
+    monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
+    monkeypatch.setattr(outline, "BRANCHES", 2)
+    for name, value in (("FIRST_PAIRS", 1), ("LARGEST_PAIRS", 4), ("FIRST_LEAVES", 1), ("LARGEST_LEAVES", 2)):
+        monkeypatch.setattr(large, name, value)
+
+
+@pytest.mark.parametrize("seed", range(100) if THOROUGH else range(12))
+def test_outlines_bound_their_imagers(seed: int) -> None:
+    """No imager behind a port of a group is cheaper, nearer, slower or wider than the group's outline says."""
+    problem = case(seed).problem()
+    imagers = enumerate_imagers(problem)
+    if len(imagers) == 0:
+        pytest.skip("no imager")
+    slack = 1e-9
+    for groups in port_tree(problem):
+        place = np.argsort(groups.order)[imagers.port]
+        group = np.searchsorted(groups.start, place, side="right") - 1
+        rows = Rows(imagers.camera, imagers.lens, imagers.landscape, group)
+        level = Level(problem, groups)
+        seen = level.imagers(rows)
+        for name in ("cost", "limit_cost", "mass_kg", "camera_power_w", "gsd_mm"):
+            assert (getattr(seen, name) <= getattr(imagers, name) * (1 + slack)).all(), name
+        for rule, passes in level.rules(rows, seen):
+            assert passes.all(), f"{rule} discards an imager that passes"
+        for scene, own, out in zip(problem.scenes, imagers.scenes, seen.scenes, strict=True):
+            for name in ("n_low", "working_factor", "rate_hz"):
+                assert (getattr(out.focused, name) <= getattr(own.focused, name) * (1 + slack)).all(), name
+            assert (out.focused.blur_time_s * (1 + slack) >= own.focused.blur_time_s).all()
+            assert (out.view.collecting_m2 * (1 + slack) >= own.view.collecting_m2).all()
+            nominal = level.extent(scene, rows, float(scene.range_m[scene.nominal]))
+            for half, low, high in (
+                (0.5 * own.view.footprint_along_m[:, 1], nominal.along_low_m, nominal.along_high_m),
+                (0.5 * own.view.footprint_across_m[:, 1], nominal.across_low_m, nominal.across_high_m),
+            ):
+                assert (low <= half * (1 + slack)).all() and (half <= high * (1 + slack)).all()
+
+
+@pytest.mark.parametrize("seed", FEW)
+def test_audit_passes(seed: int) -> None:
+    """What the search of pairs discards holds nothing better."""
+    search, outcome = case(seed).solve(top=1)
+    best = outcome.best[0].minimised if outcome.best else None
+    report = audit(search, case(seed).objective, count=12, seed=seed, best_value=best)
+    assert report["passed"], report["better"]
+
+
+@pytest.mark.parametrize("seed", FEW)
+def test_without_time_it_claims_nothing(seed: int) -> None:
+    """A deadline of zero leaves a bound that the optimum respects, and an account that adds up."""
+    full, outcome = case(seed).solve()[1], case(seed).solve(deadline_s=0.0)[1]
+    assert outcome.account.adds_up() and full.complete
+    assert not outcome.complete or outcome.account.discarded.get("not_reached", 0) == 0
+    if full.best:
+        best = full.best[0].minimised
+        assert outcome.lower_bound <= best + 1e-9 * abs(best)
+
+
+@pytest.mark.parametrize("seed", FEW)
+@pytest.mark.parametrize("calls", [0, 2])
+def test_account_adds_up_when_interrupted(seed: int, calls: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C in the middle of an evaluation: nothing is counted twice and the bound stays valid."""
+    full, search = case(seed).solve()[1], case(seed).searcher()
+    honest, made = Search._evaluate_pairs, []
+
+    def stopping(self: Search, *given: object) -> None:
+        if len(made) == calls:
+            raise KeyboardInterrupt
+        made.append(1)
+        honest(self, *given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Search, "_evaluate_pairs", stopping)
+    outcome = search.run()
+    assert outcome.account.adds_up()
+    assert outcome.complete == (not outcome.interrupted)
+    if full.best:
+        best = full.best[0].minimised
+        assert outcome.lower_bound <= best + 1e-9 * abs(best)
