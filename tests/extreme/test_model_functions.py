@@ -367,6 +367,7 @@ def test_lobes_from_needles_to_hemispheres(full_deg: float) -> None:
     made = beam.cosine_power_beam(full)
     assert made.exponent is not None
     close(made.exponent, mp.log(mp.mpf(1) / 2) / mp.log(mp.cos(mp.mpf(full) / 2)), rel=1e-12)
+    close(beam.half_power_angle_rad(made), mp.mpf(full) / 2, rel=1e-6 if full_deg < 0.01 else 1e-10)
     axis, half = beam.intensity_per_sr([1.0, math.cos(full / 2)], made)
     assert half / axis == pytest.approx(0.5, rel=2e-6)  # a needle's cosine has few digits left
 

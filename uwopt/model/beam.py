@@ -203,6 +203,8 @@ def half_power_angle_rad(beam: Beam) -> float:
     """Greatest angle from the axis with half the peak intensity [rad]; the edge of a disc or cone."""
     if beam.kind in ("disc", "cone"):
         return _half_angle(beam)
+    if beam.exponent:  # cos^m = 1/2; from 1 - cos, which a needle's cosine has no digits for
+        return float(2.0 * np.arcsin(np.sqrt(-0.5 * np.expm1(-np.log(2.0) / beam.exponent))))
     angle = np.linspace(0.0, np.pi / 2, 18001)
     intensity = intensity_per_sr(np.cos(angle), beam)
     return float(angle[np.flatnonzero(intensity >= 0.5 * intensity.max())[-1]])
