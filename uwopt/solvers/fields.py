@@ -59,6 +59,7 @@ class FieldTables:
             {} if like is None else like._light_tables
         )
         self._widest: dict[tuple[int, int], Rectangles] = {} if like is None else like._widest
+        self._losses: dict[tuple[int, int, int, int, int], float] = {} if like is None else like._losses
         self._chunk: tuple[Array, dict[tuple[int, int], Rectangles], Array, Array] | None = None
 
     def bound(self, scene_index: int, lighting: Lighting, altitude: int, rows: Array) -> Array:
@@ -103,11 +104,14 @@ class FieldTables:
 
     def _least_loss(self, scene_index: int, lighting: Lighting, altitude: int, efficiency: int) -> float:
         """Water's loss over the shortest possible paths."""
-        scene, contraction = self.problem.scenes[scene_index], self.problem.contractions[scene_index]
-        range_m = float(scene.range_m[altitude])
-        height = min(range_m - z for z in lighting.mount.lamps(2).z_m)
-        spectrum = int(contraction.spectrum_of[lighting.optics])
-        return contraction.mean_loss(spectrum, efficiency, lamp_m=height, camera_m=range_m)
+        key = (scene_index, lighting.optics, lighting.mount_index, altitude, efficiency)
+        if key not in self._losses:
+            scene, contraction = self.problem.scenes[scene_index], self.problem.contractions[scene_index]
+            range_m = float(scene.range_m[altitude])
+            height = min(range_m - z for z in lighting.mount.lamps(2).z_m)
+            spectrum = int(contraction.spectrum_of[lighting.optics])
+            self._losses[key] = contraction.mean_loss(spectrum, efficiency, lamp_m=height, camera_m=range_m)
+        return self._losses[key]
 
     def _light_table(self, scene_index: int, lighting: Lighting, altitude: int) -> LightTable:
         """Upper bounds of the light on rectangles, built once for the widest image of all."""
