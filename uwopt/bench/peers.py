@@ -389,7 +389,7 @@ def ahead_table(rows: Sequence[Row]) -> Table:
         f"Who is first at a gap of {TARGET:g}",
         ["mission", "exact, found, s", "exact, proven, s", "fastest peer, s", "ahead"],
         body,
-        "The exact search counts up to the end of its proof, a peer up to a design that it does not know to be best. So "
+        "The exact search counts up to the end of its proof, a peer up to a design not known to be best. So "
         "a peer can be first where many systems tie, of which any will do for it while the exact search goes on to "
         "break the tie; where few systems are open at all, so that drawing is as quick as bounding; and where the "
         "objective is a price, which light does not change, so that a proof has to look at whatever is cheaper.",
