@@ -31,7 +31,7 @@ FIRST_PAIRS, LARGEST_PAIRS = 512, 32768  # that are bounded together
 MOST_ROWS = 65536  # rows of an outline that are bounded together
 MOST_PENDING = 50_000  # imagers that wait for their search
 FIRST_LEAVES, LARGEST_LEAVES = 256, 16384  # imagers that are searched together
-FIRST_UNITS, LARGEST_UNITS = 8, 256  # that are evaluated together once their light is known
+FIRST_UNITS, LARGEST_UNITS = 8, 2048  # that are evaluated together once their light is known
 MOST_SAMPLES = 1024  # discarded imagers remembered per rule, for an audit
 TAKEN = 1.0 + 1e-12  # of a threshold: outlines are summed in another order
 
@@ -390,7 +390,7 @@ class LargeSearch:
             account.discarded["bound"] -= int(sizes[lighting_index[useful]].sum())
             search.evaluate_units(lighting_index[useful], imager[useful])
             position += len(ahead)
-            batch = min(2 * batch, LARGEST_UNITS)
+            batch = min(4 * batch, LARGEST_UNITS)
 
     def _keep_winners(self) -> None:
         """Leave the search with the imagers of the best designs alone."""
