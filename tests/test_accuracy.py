@@ -25,10 +25,12 @@ from uwopt.accuracy import (
     relative_change,
 )
 from uwopt.api_accuracy import estimator_of
+from uwopt.design_model import design_model
 from uwopt.errors import MissionError, UwoptError
 from uwopt.evaluation import evaluate_design
 from uwopt.model.fineness import DEFAULT, Fineness, scaled
 from uwopt.objectives.objective import Objective
+from uwopt.optics import LAMP_FRONT_M
 from uwopt.replay import replay
 from uwopt.result import Design, SceneResult
 from uwopt.system import load_system
@@ -153,6 +155,8 @@ def random_estimator(chunk: int, number: int) -> Estimator | None:
         given = [api.scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
     except UwoptError:
         return None
+    if design_model(problem, hardware).lamp_clearance_m(0) < 2 * LAMP_FRONT_M:
+        return None  # rays through a lamp: there is no integral to be near to
     goal = Objective.of(wanted.objective)
     return estimator_of(problem, lambda at: evaluate_design(at, hardware, given, goal))
 

@@ -101,20 +101,20 @@ class Estimator:
             for name, value in scene.figures.items():
                 if is_number(value):
                     moved = [changes[part].get((scene.name, name), 0.0) for part in self.parts]
-                    figures[scene.name][name] = self.claimed(moved)
+                    figures[scene.name][name] = self.claimed(moved, fineness)
         objective = [changes[part].get(OBJECTIVE, 0.0) for part in self.parts]
         told = all(self.design(fineness.finer([part])).objective_value is not None for part in self.parts)
         return Accuracy(
             fineness,
             figures,
-            self.claimed(objective) if told and base.objective_value is not None else None,
+            self.claimed(objective, fineness) if told and base.objective_value is not None else None,
             {part: worst_of(changes[part]) for part in self.parts},
         )
 
-    def claimed(self, changes: Sequence[float]) -> float:
-        """The error that is claimed for these changes."""
-        total = sum(changes)
-        return SAFETY * total + self.floor + ROUNDING if total > UNCHANGED else ROUNDING
+    def claimed(self, changes: Sequence[float], fineness: Fineness) -> float:
+        """The error that is claimed for these changes; a coarse grid of wavelengths meets tables by chance."""
+        total, floor = sum(changes), self.floor * max(1.0, fineness.spectrum**-2.0)
+        return SAFETY * total + floor + ROUNDING if total > UNCHANGED else ROUNDING
 
     def cheapest(self, tolerance: float, start: Fineness) -> Accuracy:
         """The coarsest fineness, part by part, whose estimated errors are within a tolerance; or the finest.

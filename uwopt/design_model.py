@@ -20,7 +20,7 @@ from uwopt.figures import (
 )
 from uwopt.hardware import CONTINUOUS, FLASH, Cameras, Lenses, Lights
 from uwopt.image_light import ImageLight, LampField, SunLight
-from uwopt.model import imaging
+from uwopt.model import imaging, veil
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.objectives.margins import MarginRows, scene_margins, system_margins
 from uwopt.optics import (
@@ -148,6 +148,14 @@ class DesignModel:
     def dark_share(self, index: int) -> float:
         """Share of the image that no lamp lights, at the nominal altitude."""
         return float(self._once(("dark", index), lambda: self._dark_share(index)))
+
+    def lamp_clearance_m(self, index: int) -> float:
+        """Least distance of a lamp's middle from any ray of the image, at the lowest altitude."""
+        view, scene = self.views[index], self.problem.scenes[index]
+        return float(self._once(("clearance", index), lambda: veil.nearest_approach_m(
+            view.tan_along, view.tan_across, shape=self.shapes[index], range_m=float(scene.range_m[0]),
+            lamps=self.hardware.mount.lamps(self.hardware.count),
+        )[0]))  # fmt: skip
 
     def _dark_share(self, index: int) -> float:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware

@@ -25,6 +25,7 @@ from uwopt.model import lens as lens_model
 from uwopt.model.defocus import defocus_px, dome_decentring
 from uwopt.model.port import dome_virtual_image_distance_m
 from uwopt.optics import (
+    LAMP_FRONT_M,
     blur_time_s,
     field_dioptres_per_m,
     relative_spectrum,
@@ -350,6 +351,13 @@ def light_notes(model: DesignModel) -> list[dict[str, str]]:
     for index, scene in enumerate(model.problem.scenes):
         if scene.paper:
             continue
+        clear_m = model.lamp_clearance_m(index)
+        if clear_m < LAMP_FRONT_M:
+            text = (
+                f"{scene.name}: a lamp stands in the camera's view, or within {100 * LAMP_FRONT_M:g} cm of it; what "
+                "the water scatters there is not known, nor is what the lamp hides; move it outward"
+            )
+            notes.append({"code": "lamp_in_view", "path": "vehicle.light_baseline_m", "message": text})
         dark = model.dark_share(index)
         if dark > DARK_SHARE:
             text = f"{scene.name}: no light reaches {100 * dark:.0f} % of the image; widen the beam, tilt or add lamps"

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from uwopt.optics import Contraction
 
 Array = NDArray[Any]
-SPREAD_STEP_NM = 4.0  # of the table of colours
-SPREAD_ERROR = 1e-3  # of the electrons: a spectrum that this step misses more of is not smooth
 
 
 @dataclass(frozen=True)
@@ -227,20 +225,14 @@ def mean_wavelength_nm(scene: SceneOptics, arriving_e: Array) -> float:
 
 
 def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, efficiency: int) -> SpreadTable:
-    """Table of the spread of colours, for lateral colour; smooth spectra in wider steps."""
+    """Table of the spread of colours, for lateral colour."""
     key = ("spread", *contraction.key(spectrum, efficiency, None))
     if key not in scene.cache:
         density = arriving(scene, contraction, spectrum, efficiency) / trapezoid_weights_nm(
             scene.wavelength_nm
         )
-        steps_a_row = SPREAD_STEP_NM / scene.fineness.sharpness / float(np.diff(scene.wavelength_nm).max())
-        some = slice(None, None, max(1, round(steps_a_row)))
-        every = float(density @ trapezoid_weights_nm(scene.wavelength_nm))
-        coarse = float(density[some] @ trapezoid_weights_nm(scene.wavelength_nm[some]))
-        if abs(coarse - every) > SPREAD_ERROR * every:  # lines between those
-            some = slice(None)
         scene.cache[key] = lateral.spread_table(
-            scene.wavelength_nm[some], electrons_per_nm=density[some], n_water=scene.n_water_spectrum[some]
+            scene.wavelength_nm, electrons_per_nm=density, n_water=scene.n_water_spectrum
         )
     table: SpreadTable = scene.cache[key]
     return table

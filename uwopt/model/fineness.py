@@ -20,7 +20,7 @@ class Fineness:
     image: float = 1.0  # lamps' light over the image and over the footprint
     veil: float = 1.0  # backscatter along rays and over the image
     sun: float = 1.0  # daylight over image and azimuth
-    sharpness: float = 1.0  # information over spatial frequencies, colours of the lateral spread
+    sharpness: float = 1.0  # information over spatial frequencies
     places: float = 1.0  # grids on which the darkest place is looked for
 
     def __post_init__(self) -> None:

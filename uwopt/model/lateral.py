@@ -27,8 +27,8 @@ DESIGN_NM = 550.0  # wavelength at which a pixel's place and its angle in air be
 
 _STEP = 1.0 / 200.0  # of the table, in k times the rms of n: linear look-up errs by step^2 / 8 = 3e-6
 _TABLE_END = 24.0  # in the same unit; 24 is a spread of 7.6 px rms at 0.5 cycles per px
-_BLOCK = 512  # table rows computed at once, so that they stay in the cache
-_SERIES_BELOW = 1e-3  # of u in (sin u - u cos u) / u^2, which cancels there
+_MOST_PHASE = 1.0  # largest k times the change of n in a segment, for four nodes
+_GRID_PHASE = 0.1  # largest k times the spacing of the grid in n that the transform is taken on
 _LARGEST_SINE = 1.0 - 1e-12  # a wavelength that would be totally reflected is held at grazing
 
 
@@ -205,12 +205,8 @@ def spread_table(wavelength_nm: ArrayLike, *, electrons_per_nm: ArrayLike, n_wat
     if index_rms == 0.0:
         return _NO_SPREAD
     step = _STEP / index_rms
-    k = step * np.arange(round(_TABLE_END / _STEP) + 1)
-    blocks = [
-        _transform_magnitude(k[start : start + _BLOCK], wavelength, density, centred)
-        for start in range(0, k.size, _BLOCK)
-    ]
-    magnitude = np.minimum(np.concatenate(blocks), 1.0)
+    n_k = round(_TABLE_END / _STEP) + 1
+    magnitude = np.minimum(_transform_magnitude(n_k, step, wavelength, density, centred), 1.0)
     magnitude[0] = 1.0
     return SpreadTable(magnitude, np.minimum.accumulate(magnitude), step, index_rms)
 
@@ -253,20 +249,29 @@ def _shares(electrons: Array) -> Array:
     return electrons / total if total > 0.0 else np.zeros_like(electrons)
 
 
-def _transform_magnitude(k: Array, wavelength: Array, density: Array, index: Array) -> Array:
-    """|integral of density exp(i k n)| / integral of density: linear density and phase in each segment.
+def _transform_magnitude(n_k: int, step: float, wavelength: Array, density: Array, index: Array) -> Array:
+    """|integral of density exp(i k n)| / integral of density at k = 0, step, 2 step ..., by one Fourier transform.
 
-    With u half the phase across a segment, m and h middle and half the difference of its end densities:
-    exp(i middle phase) * width * (m sin(u)/u + i h (sin u - u cos u)/u^2).
+    Density and index are linear in each segment: four Gauss nodes there, wide ones cut in pieces. Each
+    node's electrons are shared by the two neighbours of an even grid in n, a triangle whose transform
+    sinc^2(k d/2) is divided out again; what aliases is under (k d / 2 pi)^2 / 6, with k d at most _GRID_PHASE.
     """
-    width = np.diff(wavelength)
-    middle, half = 0.5 * (density[1:] + density[:-1]), 0.5 * (density[1:] - density[:-1])
-    u = 0.5 * np.diff(index) * k[:, np.newaxis]
-    phase = 0.5 * (index[1:] + index[:-1]) * k[:, np.newaxis]
-    small = np.abs(u) < _SERIES_BELOW
-    safe = np.where(small, 1.0, u)
-    sine = np.sin(safe)
-    even = np.where(small, 1.0 - u**2 / 6.0, sine / safe)
-    odd = np.where(small, u / 3.0 * (1.0 - u**2 / 10.0), (sine - safe * np.cos(safe)) / safe**2)
-    total = np.exp(1j * phase) * (middle * even + 1j * half * odd) @ width
-    return np.asarray(np.abs(total) / (middle @ width), dtype=float)
+    pieces = max(1, int(np.ceil(n_k * step * np.abs(np.diff(index)).max() / _MOST_PHASE)))
+    if pieces > 1:
+        at = np.arange(pieces * (wavelength.size - 1) + 1) / pieces
+        wavelength, density, index = (
+            np.interp(at, np.arange(wavelength.size), part) for part in (wavelength, density, index)
+        )
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    share = 0.5 * (nodes + 1.0)[:, np.newaxis]
+    electrons = (density[:-1] + share * np.diff(density)) * np.diff(wavelength) * 0.5 * weights[:, np.newaxis]
+    place = index[:-1] + share * np.diff(index)
+    count = 1 << int(np.ceil(np.log2(2.0 * np.pi * n_k / _GRID_PHASE)))
+    spacing = 2.0 * np.pi / (count * step)
+    cell, rest = np.divmod((place - place.min()).ravel() / spacing, 1.0)
+    below = cell.astype(np.int64) % count
+    grid = np.bincount(below, (electrons.ravel() * (1.0 - rest)), minlength=count)
+    grid += np.bincount((below + 1) % count, electrons.ravel() * rest, minlength=count)
+    half_phase = 0.5 * step * spacing * np.arange(n_k)
+    triangle = np.square(np.sinc(half_phase / np.pi))
+    return np.asarray(np.abs(np.fft.rfft(grid)[:n_k]) / (triangle * electrons.sum()), dtype=float)
