@@ -139,11 +139,19 @@ def rows_by_hand() -> Sequence[Row]:
 def test_time_to_the_target_is_the_median_of_the_runs() -> None:
     times, longest, status = peers.arrivals(rows_by_hand(), "reef", "pymoo-ga")
     assert times == [2.0, 4.0, np.inf] and longest == 5.0 and status == "stopped"
-    table = peers.time_table(rows_by_hand())
-    assert dict(zip(table.head, table.rows[0], strict=True)) == {
-        "mission": "reef", "exact, found": "0.30", "exact, proven": "0.50", "bonmin": "-", "pymoo-ga": "4.00",
-        "random": "not in 5.0",
+    (table,) = peers.time_tables(rows_by_hand())
+    assert table.head == ["method", "reef"]
+    assert dict(table.rows) == {
+        "exact, found": "0.30", "exact, proven": "0.50", "bonmin": "-", "pymoo-ga": "4.00", "random": "not in 5.0",
     }  # fmt: skip
+
+
+def test_missions_stand_beside_each_other_a_few_a_table() -> None:
+    many = [replace(row, case=f"reef {k}") for k in range(7) for row in rows_by_hand()]
+    assert [len(table.head) - 1 for table in peers.time_tables(many)] == [
+        peers.CASES_A_TABLE,
+        7 - peers.CASES_A_TABLE,
+    ]
 
 
 def test_exact_is_ahead_only_with_its_proof() -> None:

@@ -206,7 +206,8 @@ def table_of(rows: Sequence[Row]) -> Table:
         ["mission", "method", "runs", "s to the target", "gap at the end, median", "worst seed", "s in all"],
         body,
         "Gap: the share of the hypervolume that no front can exceed, by the exact search's bounds, which points leave "
-        "out. The exact search ends with a proof; the others stop by themselves or with their time.",
+        "out. The exact search ends with a proof, and its points leave out what its gap says: so much nearer the bound "
+        "others may come. These stop by themselves or with their time.",
     )
 
 
