@@ -113,5 +113,14 @@ def scaling_charts(suite: Suite, rows: Sequence[Row]) -> list[dict[str, Any]]:
 
 def log_figure(traces: list[dict[str, Any]], across: str, up: str) -> dict[str, Any]:
     """Traces on two logarithmic axes."""
-    axes = [axis(title, type="log", exponentformat="power", dtick=1) for title in (across, up)]
+    axes = [
+        axis(title, type="log", exponentformat="power", **({"dtick": 1} if spans_decades(traces, key) else {}))
+        for title, key in ((across, "x"), (up, "y"))
+    ]
     return {"data": traces, "layout": layout(xaxis=axes[0], yaxis=axes[1], height=420)}
+
+
+def spans_decades(traces: list[dict[str, Any]], key: str) -> bool:
+    """Whether an axis is long enough for a tick a decade."""
+    values = [value for trace in traces for value in trace[key] if value]
+    return bool(values) and max(values) >= 100.0 * min(values)

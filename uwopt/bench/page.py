@@ -17,6 +17,7 @@ from uwopt.report.layout import Block, Grid, Text, block, columns, sentence
 from uwopt.report.write import check_folder, defused, made_folder, write_files
 
 PAGE, DATA = "bench.html", "bench.json"
+MOST_COLUMNS = 8  # of a table in the terminal
 
 
 def write_bench(bench: Bench, folder: str | Path) -> list[Path]:
@@ -68,7 +69,10 @@ def bench_blocks(bench: Bench) -> list[Block]:
         if suite.name in bench.faults:
             lines.append(sentence(f"failed: {bench.faults[suite.name]}", "red"))
         for table in suite_tables(bench, suite):
-            lines += [sentence(table.title), table_grid(table), Text("")]
+            if len(table.head) > MOST_COLUMNS:
+                lines += [sentence(f"{table.title}: {len(table.head)} columns, on the page"), Text("")]
+            else:
+                lines += [sentence(table.title), table_grid(table), Text("")]
         made.append(block(f"{suite.title} ({bench.seconds[suite.name]:.0f} s)", lines))
     return made
 

@@ -73,13 +73,13 @@ def run(
     suites = chosen_suites(names)
     shares = {suite.name: suite.quick_s if quick else suite.full_s for suite in suites}
     whole = sum(shares.values())
-    scale = min(1.0, QUICK_S / whole) if quick else 1.0
     start, done = time.perf_counter(), 0.0
     for suite in suites:
         share = shares[suite.name]
-        seconds = share * scale
-        if quick:  # what others took too long must be made up for
-            seconds = min(seconds, QUICK_S - (time.perf_counter() - start))
+        seconds = share
+        if quick:  # what one takes too long, all that follow make up for
+            left_s = min(QUICK_S, whole) - (time.perf_counter() - start)
+            seconds = left_s * share / (whole - done)
         bench.suites.append(suite)
         if progress is not None:
             progress(done / whole, suite.title)
