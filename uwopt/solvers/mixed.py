@@ -16,7 +16,7 @@ current counts. The program is written once, over floats (checks) or CasADi symb
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -209,65 +209,53 @@ class MixedProgram:
         }
         return Settings(**value, exposure_s=option.piece.exposure_s(value["time_s"]))
 
-    def _rules_of(self, option: Option) -> list[Callable[[dict[str, Symbolic]], Symbolic]]:
-        """What must be 0 or below where this option is taken, as functions of the continuous unknowns."""
+    def rules_of(self, option: Option, logs: dict[str, Symbolic]) -> list[Symbolic]:
+        """What must be 0 or below where this option is taken, at logarithms of the continuous unknowns."""
         candidate, s, piece = self.candidates[option.candidate], option.scene, option.piece
-        scene = candidate.scenes[s]
-        count = len(scene_rules(scene, self._corners(option)[1]))
-        found: list[Callable[[dict[str, Symbolic]], Symbolic]] = [
-            lambda logs, i=i: scene_rules(scene, self._settings(option, logs))[i]  # type: ignore[misc]
-            for i in range(count)
-        ]
+        scene, at = candidate.scenes[s], self._settings(option, logs)
+        found = scene_rules(scene, at)
         for name, (low, high) in self._own_ranges(option).items():
             key = self._key(name, s)
             slack = SLACK if high - low < SLACK else 0.0
             if self.ranges[key][0] < low:
-                found.append(lambda logs, k=key, v=low - slack: v - logs[k])  # type: ignore[misc]
+                found.append(low - slack - logs[key])
             if self.ranges[key][1] > high:
-                found.append(lambda logs, k=key, v=high + slack: logs[k] - v)  # type: ignore[misc]
+                found.append(logs[key] - high - slack)
         wanted = wanted_dn(scene)
         if wanted is not None:
-
-            def off(logs: dict[str, Symbolic]) -> Symbolic:
-                at = self._settings(option, logs)
-                return np.log(scene.digital_dn(scene.total_e[scene.nominal], at, offset_dn=0.0) / wanted)
-
-            found += [lambda logs: off(logs) - SLACK, lambda logs: -off(logs) - SLACK]
+            off = np.log(scene.digital_dn(scene.total_e[scene.nominal], at, offset_dn=0.0) / wanted)
+            found += [off - SLACK, -off - SLACK]
         if scene.draws:
-
-            def power(logs: dict[str, Symbolic]) -> Symbolic:
-                return np.log(piece.light_power_w(scene, self._settings(option, logs)))
-
-            if self.weighs_power:
-                found.append(lambda logs: power(logs) - logs["power"])
+            power = np.log(piece.light_power_w(scene, at))
             limit_w = self.power_limit_w - candidate.camera_power_w
+            if self.weighs_power:
+                found.append(power - logs["power"])
             if np.isfinite(limit_w):
-                log_limit = float(np.log(max(limit_w, LEAST_W)))
-                found.append(lambda logs: power(logs) - log_limit)
+                found.append(power - float(np.log(max(limit_w, LEAST_W))))
         if self.weighs_snr:
-            found.append(lambda logs: logs["snr"] - np.log(scene.nominal_snr(self._settings(option, logs))))
+            found.append(logs["snr"] - np.log(scene.nominal_snr(at)))
         if self.f_number_apart and not candidate.motorised and s:
-            found += [
-                lambda logs: logs[f"f_number[{s}]"] - logs["f_number[0]"] - SLACK,
-                lambda logs: logs["f_number[0]"] - logs[f"f_number[{s}]"] - SLACK,
-            ]
+            apart = logs[f"f_number[{s}]"] - logs["f_number[0]"]
+            found += [apart - SLACK, -apart - SLACK]
         return found
 
     @cached_property
-    def guarded(self) -> list[tuple[int, Callable[[dict[str, Symbolic]], Symbolic], float]]:
-        """Every rule with its option and the most that it can be missed by in the box."""
+    def room(self) -> list[list[float]]:
+        """By how much each rule of each option can be missed at most in the box."""
         low, high = self.bounds
         ends = {name: (low[i], high[i]) for i, name in enumerate(self.ranges)}
         made = []
-        for index, option in enumerate(self.options):
+        for option in self.options:
             own = [self._key(name, option.scene) for name in ("f_number", "time_s", "level", "gain")]
             own += [name for name in ("power", "snr", "f_number[0]") if name in ends and name not in own]
             grid = np.array(list(itertools.product(*(ends[name] for name in own)))).T
-            logs = dict(zip(own, grid, strict=True))
-            for rule in self._rules_of(option):
-                with np.errstate(all="ignore"):
-                    most = np.nan_to_num(np.asarray(rule(logs), float), nan=0.0, posinf=1e3)
-                made.append((index, rule, max(float(most.max()), 0.0) + ROOM))
+            with np.errstate(all="ignore"):
+                values = [
+                    np.asarray(rule, float)
+                    for rule in self.rules_of(option, dict(zip(own, grid, strict=True)))
+                ]
+            most = [float(np.nan_to_num(value, nan=0.0, posinf=1e3).max()) for value in values]
+            made.append([max(value, 0.0) + ROOM for value in most])
         return made
 
     @property
@@ -297,7 +285,11 @@ class MixedProgram:
             total = total + self.objective.weight("power") * np.exp(logs["power"])
         if self.weighs_snr:
             total = total - self.objective.weight("snr_db") * float(sensor.to_db(np.e)) * logs["snr"]
-        rules = [rule(logs) - most * (1.0 - taken[i]) for i, rule, most in self.guarded]
+        rules = [
+            rule - most * (1.0 - taken[i])
+            for i, option in enumerate(self.options)
+            for rule, most in zip(self.rules_of(option, logs), self.room[i], strict=True)
+        ]
         first = sum(taken[i] for i, option in enumerate(self.options) if option.scene == 0)
         choices: list[Symbolic] = [first - 1.0]
         for k in self.open_to_choice:
