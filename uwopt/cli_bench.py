@@ -16,7 +16,8 @@ def bench_command(
     missions: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[MISSION]...", help="Missions for the solvers; the one of `uwopt init` unless given."
+            metavar="[MISSION]...",
+            help="Missions for the solvers, or folders of them; the one of `uwopt init` unless given.",
         ),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Few cases and seeds, within a minute.")] = False,
@@ -44,7 +45,7 @@ def bench_command(
         check_folder(out)
     with ProgressBar(quiet=quiet) as bar:
         from uwopt.bench.page import bench_blocks, write_bench
-        from uwopt.bench.run import Bench, run
+        from uwopt.bench.run import Bench, mission_files, run
 
         written: list[Path] = []
 
@@ -53,7 +54,12 @@ def bench_command(
                 written[:] = write_bench(bench, out)
 
         made = run(
-            suite or (), quick=quick, seed=seed, missions=missions or (), keep=keep, progress=bar.report
+            suite or (),
+            quick=quick,
+            seed=seed,
+            missions=mission_files(missions or ()),
+            keep=keep,
+            progress=bar.report,
         )
     print_blocks(iter(bench_blocks(made)))
     if written and not quiet:

@@ -141,6 +141,17 @@ def test_the_status_tells_how_it_ended(with_suites: Any, tmp_path: Path, fault: 
     assert len(json.loads((tmp_path / "bench.json").read_text())["rows"]) == 3
 
 
+def test_missions_may_be_files_or_a_folder_and_must_load(tmp_path: Path):
+    root = Path(__file__).parents[2] / "problems"
+    found = runner.mission_files([str(root)])
+    assert str(root / "reef-mosaic.yaml") in found and not any("system" in name for name in found)
+    assert runner.mission_files([str(root / "reef-mosaic.yaml")]) == [str(root / "reef-mosaic.yaml")]
+    with pytest.raises(MissionError, match="no mission"):
+        runner.mission_files([str(tmp_path)])
+    with pytest.raises(MissionError, match=r"nowhere\.yaml"):
+        runner.mission_files([str(tmp_path / "nowhere.yaml")])
+
+
 def test_a_clock_takes_runs_long_enough():
     calls = []
     result, seconds = timed(lambda: calls.append(1) or len(calls), at_least_s=0.001, repeats=2)

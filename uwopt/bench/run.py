@@ -6,6 +6,7 @@ import importlib
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from uwopt.bench.machine import machine
@@ -64,6 +65,27 @@ def chosen_suites(names: Sequence[str]) -> list[Suite]:
     return [importlib.import_module(f"uwopt.bench.{MODULES[name]}").SUITE for name in wanted]
 
 
+def mission_files(names: Sequence[str]) -> list[str]:
+    """Missions by file, or all of a folder; each must be one that loads."""
+    from uwopt.mission import load_mission
+
+    files: list[str] = []
+    for name in names:
+        folder = Path(name)
+        if folder.is_dir():
+            found = sorted(str(path) for path in folder.glob("*.yaml") if not path.stem.endswith(".system"))
+            if not found:
+                raise MissionError(
+                    f"{name}: there is no mission (*.yaml) in this folder; name another, or a file."
+                )
+            files += found
+        else:
+            files.append(name)
+    for file in files:
+        load_mission(file)
+    return files
+
+
 def run(
     names: Sequence[str] = (), *, quick: bool = False, seed: int = 0, missions: Sequence[str] = (),
     keep: Callable[[Bench], None] | None = None, progress: Progress | None = None,
@@ -71,11 +93,10 @@ def run(
     """Measure; `keep` is called after every suite. An interrupt ends the run, with what there is."""
     bench = Bench(quick, seed, tuple(missions), machine())
     suites = chosen_suites(names)
-    shares = {suite.name: suite.quick_s if quick else suite.full_s for suite in suites}
-    whole = sum(shares.values())
+    shares = [suite.quick_s if quick else suite.full_s for suite in suites]
+    whole = sum(shares)
     start, done = time.perf_counter(), 0.0
-    for suite in suites:
-        share = shares[suite.name]
+    for suite, share in zip(suites, shares, strict=True):
         seconds = share
         if quick:  # what one takes too long, all that follow make up for
             left_s = min(QUICK_S, whole) - (time.perf_counter() - start)
