@@ -179,6 +179,8 @@ def test_another_currency_chooses_the_same(seed: int, rate: float, objective: st
 @given(seed=seeds, objective=st.sampled_from(["power", "cost", "snr_db"]))
 def test_the_same_scene_twice_or_in_another_order_changes_nothing(seed: int, objective: str) -> None:
     parts, wanted = random_case(seed)
+    if wanted["physics"] == "paper":  # which focuses at the altitude of its one scene, and best for several
+        wanted["requirements"].pop("min_dof_m", None)
     once = value(parts, wanted, objective)
     turned = {**wanted, "scenes": wanted["scenes"][::-1]}
     twice = {**wanted, "scenes": [*wanted["scenes"], {**wanted["scenes"][0], "name": "again"}]}
