@@ -24,7 +24,7 @@ mp.mp.dps = 40
 THOROUGH = bool(os.environ.get("UWOPT_THOROUGH"))
 EXAMPLES = 100 if THOROUGH else 6
 PHYSICS = ("full", "auto", "paper") if THOROUGH else ("full", "paper")
-GREEN = ["wavelength_nm,relative_power", "380,0", "549,0", "550,1", "551,0", "780,0"]
+GREEN = ["wavelength_nm,relative_power", "380,0", "549.99,0", "550,1", "550.01,0", "780,0"]
 
 
 def evaluated(physics: str = "full", *, parts: dict[str, Any] | None = None, **mission: Any) -> uwopt.Result:

@@ -18,7 +18,7 @@ from uwopt.mission import load_mission
 
 LAMP_LM, LAMP_W, CAMERA_W, TIME_S, F_NUMBER = 1e5, 800.0, 3.0, 0.1, 2.0
 PITCH_M, QE, FLOOR, RANGE_M = 3.45e-6, 0.6, 0.2, 2.0
-GREEN = ["wavelength_nm,relative_power", "380,0", "549,0", "550,1", "551,0", "780,0"]
+GREEN = ["wavelength_nm,relative_power", "380,0", "549.99,0", "550,1", "550.01,0", "780,0"]
 WATERS = {"vacuum": (0.0, 0.0), "absorbs": (0.3, 0.0), "scatters": (0.0, 0.3), "both": (40.0, 60.0)}
 mp.mp.dps = 40
 
