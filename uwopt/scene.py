@@ -34,7 +34,7 @@ FAINTEST_SUN_LX = 1e-6  # a billionth of what lamps give; starlight on the sea i
 STEEPEST_SUN_PATH = 0.85  # way of light straight down over that of the sun at 60 deg, with room
 LEAST_SHARE = 1e-3  # of a step: a kink nearer to a point of the grid lies on it
 GRID_SPAN_NM = 400.0  # of `wavelength_grid_nm`
-GRID_STEP_NM = 1.0  # efficiency curves are digitised at about 2 nm; 5 nm would err by up to 2e-3
+GRID_STEP_NM = 0.5  # 1 nm would err by up to 2e-4 where turbid water leaves little light, 5 nm by 2e-3
 
 
 @dataclass(frozen=True)

@@ -73,10 +73,11 @@ def measured_rows() -> tuple[list[list[str]], float]:
         theirs = np.interp(made.wavelength_nm, *measured_table(water))
         off = float(np.abs(made.attenuation_per_m / theirs - 1)[inside].max())
         at = int(np.searchsorted(made.wavelength_nm, 525))
-        ratio = other.attenuation_per_m / made.attenuation_per_m
+        others = np.interp(made.wavelength_nm, other.wavelength_nm, other.attenuation_per_m)
+        ratio = others / made.attenuation_per_m
         worst = max(worst, off)
         rows.append([
-            water, common.small(off), f"{made.attenuation_per_m[at]:.3f}", f"{other.attenuation_per_m[at]:.3f}",
+            water, common.small(off), f"{made.attenuation_per_m[at]:.3f}", f"{others[at]:.3f}",
             f"{ratio[inside].min():.2f} to {ratio[inside].max():.2f}",
         ])  # fmt: skip
     return rows, worst

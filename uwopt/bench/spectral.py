@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from uwopt.bench import spectral_exact
 from uwopt.bench.spectral_exact import FIRST_NM, LAST_NM, QUICK_DEGREE, Entries, Tables
 from uwopt.bench.suite import Budget, Row, Suite, Table, timed
+from uwopt.scene import GRID_STEP_NM
 
 Array = NDArray[Any]
 
@@ -362,8 +363,9 @@ def tables(rows: Sequence[Row]) -> Sequence[Table]:
             "The default, and the least nodes for 1e-4",
             ["case", "error as used", "time as used, s", *RULES],
             made,
-            "As used: a grid of 1 nm, contracted once, its loss in water a polynomial of both paths. For the rules: "
-            "the least number of nodes from which on the error stays within 1e-4; more than: none of those tried.",
+            f"As used: a grid of {GRID_STEP_NM:g} nm, contracted once, its loss in water a polynomial of both paths. "
+            "For the rules: the least number of nodes from which on the error stays within 1e-4; more than: none of "
+            "those tried.",
         )
     ]
 
@@ -389,10 +391,10 @@ SUITE = Suite(
         "the lamp's normalisation to lumens included. The integrand is a continuous function: tables joined linearly "
         "between their own entries, formulas where the model has formulas. Trapezoid and Simpson on even nodes and "
         "one Gauss-Legendre rule over the whole spectrum are compared with the integral from knot to knot in mpmath "
-        "with 30 digits, written separately. 'As used' is what a search evaluates: the grid of 1 nm, contracted once, "
-        "with the loss in water as a polynomial of both paths. Time is that of one design of up to 1000 contracted "
-        "together; what is done once for all designs is not in it. To be read off: the nodes that 1e-4 takes, and "
-        "that the polynomial costs less than any sum over nodes that is as good."
+        f"with 30 digits, written separately. 'As used' is what a search evaluates: the grid of {GRID_STEP_NM:g} nm, "
+        "contracted once, with the loss in water as a polynomial of both paths. Time is that of one design of up to "
+        "1000 contracted together; what is done once for all designs is not in it. To be read off: the nodes that "
+        "1e-4 takes, and that the polynomial costs less than any sum over nodes that is as good."
     ),
     chart="precision",
     measure=measure,

@@ -35,7 +35,7 @@ WIDEST_SPOT_RAD = np.deg2rad(85.0)  # a beam that reaches further from the verti
 MOST_ORDER = 768
 MAX_NODES_AT_ONCE = 400_000
 LAMP_RANGES = 257  # between which the loss of the lamp's leg is interpolated
-LEAST_STARTS, LEAST_ZOOMS = 12, 4  # of the search for the darkest place
+LEAST_STARTS, LEAST_ZOOMS = 12, 7  # of the search for the darkest place
 FOOTPRINT_CELLS = 60  # a side of the grid on which the darkest place of the floor is looked for
 PIXELS_A_SIDE = 17  # of the grid on which the worst pixel is looked for
 

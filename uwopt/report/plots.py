@@ -25,7 +25,7 @@ ALTITUDES = "rgba(128,128,128,0.22)"
 CLEAR = "rgba(0,0,0,0)"
 LEGEND = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}
 DIGITS = 5
-SPECTRUM_STEP = 3  # of the model's grid: curves are smooth at 3 nm
+SPECTRUM_STEP = 6  # of the model's grid: curves are smooth at 3 nm
 FAR_SHOWN = 4.0  # times the highest altitude; beyond it, the far limit leaves the plot
 STOPS = (0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0, 22.0, 32.0, 45.0, 64.0)
 
