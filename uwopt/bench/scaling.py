@@ -177,21 +177,33 @@ def row_of(point: Point | None, name: str, size: float, physics: str) -> Row:
 
 def tables(rows: Sequence[Row]) -> Sequence[Table]:
     """Seconds and memory of each mission by size."""
-    head = ("combinations", *(f"{name}, {unit}" for name in MISSIONS for unit in ("s", "MiB")))
-    lines = []
-    for size in sorted({row.size for row in rows if row.size is not None and row.time_s is not None}):
-        cells = [f"{size:.3g}"]
-        for name in MISSIONS:
-            row = next((r for r in rows if r.case == name and r.size == size and r.time_s is not None), None)
-            proven = row is not None and row.status in ("optimal", "infeasible")
-            cells.append("" if row is None else f"{row.time_s:.2f}" + ("" if proven else f" ({row.status})"))
-            cells.append("" if row is None or row.memory_mib is None else f"{row.memory_mib:.0f}")
-        lines.append(tuple(cells))
-    text = (
-        "Seconds of the processor from the parts as records to the proof, and the largest memory of the process, "
-        "of which Python and its libraries take about 100 MiB. Every number without a remark is of a finished proof."
-    )
-    return [Table("Time and memory by size of the catalogue", head, lines, text)]
+    head = ("combinations", *MISSIONS)
+    found = {(row.size, row.case): row for row in rows if row.size is not None and row.time_s is not None}
+    sizes = sorted({size for size, _ in found if size is not None})
+    seconds = [(f"{size:.3g}", *(time_cell(found.get((size, name))) for name in MISSIONS)) for size in sizes]
+    memory = [(f"{size:.3g}", *(memory_cell(found.get((size, name))) for name in MISSIONS)) for size in sizes]
+    return [
+        Table(
+            "Seconds of the processor", head, seconds,
+            "From the parts as records to the proof. Every number without a remark is of a finished proof.",
+        ),
+        Table(
+            "Most memory of the process, MiB", head, memory, "Python and its libraries take some 70 MiB of it.",
+        ),
+    ]  # fmt: skip
+
+
+def time_cell(row: Row | None) -> str:
+    """Seconds, with the status where it is no proof."""
+    if row is None:
+        return ""
+    remark = "" if row.status in ("optimal", "infeasible") else f" ({row.status})"
+    return f"{row.time_s:.2f}{remark}"
+
+
+def memory_cell(row: Row | None) -> str:
+    """Memory in MiB."""
+    return "" if row is None or row.memory_mib is None else f"{row.memory_mib:.0f}"
 
 
 def main(arguments: Sequence[str]) -> None:
