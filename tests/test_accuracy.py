@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import replace
 from importlib import util
 from pathlib import Path
@@ -41,7 +42,8 @@ ABE = (ROOT / "problems" / "whoi-abe.yaml", ROOT / "problems" / "whoi-abe.system
 PARTS = Fineness.names()
 REFERENCE = Fineness(*[FINEST] * len(PARTS))
 HALF = coarsest(PARTS)
-CASES, CHUNKS = 6, 4
+THOROUGH = bool(os.environ.get("UWOPT_THOROUGH"))
+CASES, CHUNKS = 6, 40 if THOROUGH else 4
 LEAST_COVER = 0.99  # the issue's share of claims that must hold
 DEFAULT_ERROR = 1e-4  # and what every figure must be known to by default
 
