@@ -114,6 +114,7 @@ def planted(
     requirements: dict[str, Any],
     *,
     camera: dict[str, Any] | None = None,
+    scenes: tuple[dict[str, Any], ...] = ({},),
     **vehicle: Any,
 ) -> Case:
     """One camera behind a dome, a lens and the lamps given: cases made to hit one rule each."""
@@ -121,7 +122,10 @@ def planted(
     plain = {
         "objective": objective, "physics": "full", "limits": {}, "requirements": {"overlap": 0.3, **requirements},
         "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3, "orientation": "landscape", "light_count": 1, **vehicle},
-        "scenes": [{"water": "II", "seafloor": 0.2, "depth_m": 100.0}],
+        "scenes": [
+            {"name": f"scene {i}", "water": "II", "seafloor": 0.2, "depth_m": 100.0, **given}
+            for i, given in enumerate(scenes)
+        ],
     }  # fmt: skip
     body = {
         "mounts": ("C",), "shutter": "global", "saturation_e": exact(20_000.0), "power_w": exact(2.0),

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from random_cases import THOROUGH, case
+from random_cases import THOROUGH, Case, case, lamp, planted
 
+from uwopt.solvers import bounds, large, outline
 from uwopt.solvers import exact as exact_search
-from uwopt.solvers import large, outline
 from uwopt.solvers.audit import audit
-from uwopt.solvers.exact import Search
+from uwopt.solvers.bounds import Corner
+from uwopt.solvers.exact import Outcome, Search
 from uwopt.solvers.imagers import enumerate_imagers
 from uwopt.solvers.outline import Level, Rows, port_tree
 
@@ -96,3 +97,74 @@ def test_account_adds_up_when_interrupted(seed: int, calls: int, monkeypatch: py
     if full.best:
         best = full.best[0].minimised
         assert outcome.lower_bound <= best + 1e-9 * abs(best)
+
+
+# ---------------------------------------------------------------- what was wrong once
+
+
+def small_search(case_: Case, monkeypatch: pytest.MonkeyPatch) -> Outcome:
+    """The same problem by the search of small catalogues."""
+    with monkeypatch.context() as small:
+        small.setattr(exact_search, "MOST_IMAGERS", 10**9)
+        return case_.solve()[1]
+
+
+def same_best(case_: Case, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both searches find the same optimum, and there is one."""
+    one, other = case_.solve()[1], small_search(case_, monkeypatch)
+    assert one.complete and one.account.adds_up() and other.best and one.best
+    assert one.best[0].minimised == pytest.approx(other.best[0].minimised, rel=1e-6)
+
+
+BURNING = lamp("burning", flux_lm=2e4, power_w=200.0)
+
+
+def test_scene_without_depth_of_field_asks_for_no_f_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A small circle of confusion counts in no scene but those that ask for a depth of field."""
+    sharp = {"requirements": {"circle_of_confusion_px": 0.01}}
+    deep = {"requirements": {"min_dof_m": 0.5}}
+    wanted = {"min_snr_db": 20.0, "max_blur_px": 1.0}
+    same_best(planted("power", (BURNING,), wanted, scenes=(sharp, deep)), monkeypatch)
+
+
+def test_steps_below_the_least_share_of_a_dial(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A lamp that dims in steps takes any of them, whatever its least share says."""
+    steps = lamp("steps", flux_lm=2e5, power_w=2000.0, dim_levels=(0.001, 0.01, 1.0), dim_min_frac=0.5)
+    wanted = {"min_snr_db": 20.0, "max_blur_px": 1.0}
+    same_best(planted("power", (BURNING, steps), wanted), monkeypatch)
+
+
+@pytest.mark.parametrize("seed", FEW)
+def test_interrupted_once_no_pair_is_left(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C in the last search of imagers keeps what was found."""
+    full, search = case(seed).solve(top=1)[1], case(seed).searcher(top=1)
+    honest, closed = large.LargeSearch._search_imagers, large.LargeSearch._close_pairs
+    done: list[int] = []
+
+    def closing(self: large.LargeSearch, pairs: np.ndarray) -> None:
+        done.append(1)
+        closed(self, pairs)
+
+    def stopping(self: large.LargeSearch, rows: Rows) -> bool:
+        if done:
+            raise KeyboardInterrupt
+        return honest(self, rows)
+
+    monkeypatch.setattr(large.LargeSearch, "_close_pairs", closing)
+    monkeypatch.setattr(large.LargeSearch, "_search_imagers", stopping)
+    outcome = search.run()
+    assert outcome.account.adds_up() and outcome.complete == (not outcome.interrupted)
+    if full.best:
+        assert outcome.lower_bound <= full.best[0].minimised + 1e-9 * abs(full.best[0].minimised)
+
+
+def test_many_lights_share_places_of_a_table(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A table of fewer places than lights is still a bound, and one of as many is exact."""
+    rng = np.random.default_rng(0)
+    value, budget = rng.uniform(size=60), np.round(rng.uniform(size=60), 1)
+    at, left = np.arange(61).repeat(20), np.tile(np.linspace(-0.1, 1.2, 20), 61)
+    exact = [value[a:][budget[a:] <= b].min(initial=np.inf) for a, b in zip(at, left, strict=True)]
+    assert (Corner.of(value, budget).within(at, left) == exact).all()
+    monkeypatch.setattr(bounds, "MOST_PLACES", 7)
+    small = Corner.of(value, budget)
+    assert small.least.shape == (7, 7) and (small.within(at, left) <= exact).all()

@@ -22,6 +22,7 @@ from uwopt.solvers.imagers import Imagers, limit
 
 Array = NDArray[Any]
 ROUND = 1.0 + 1e-9
+MOST_PLACES = 1024  # rows and columns of a table of lights
 UNIT_RULES = ("light", "cost", "mass_kg", "power_w", "bound")
 
 
@@ -43,28 +44,30 @@ class LightTable:
 class Corner:
     """Least value of the lights that have a capacity and stay within a budget, at once."""
 
-    budget: Array  # what lights take of it, increasing
-    least: (
-        Array  # (n_capacity, n_budget): of the lights from a place on, by capacity, up to a place, by budget
-    )
+    budget: Array  # what lights take of it at least, by column, increasing
+    least: Array  # by place in the order of capacity and by budget: of the lights from a place on, up to a budget
+    size: int  # number of lights
+    step: int  # lights that share a row, and that share a column
 
     @staticmethod
     def of(value: Array, budget: Array) -> Corner:
-        """From the columns of lights in the order of their capacity."""
-        order = np.argsort(budget, kind="stable")
-        rank = np.empty(len(order), int)
-        rank[order] = np.arange(len(order))
-        least = np.full((len(order), len(order)), np.inf)
-        least[np.arange(len(order)), rank] = value
+        """From the columns of lights in the order of their capacity; very many of them share rows and columns."""
+        n = len(value)
+        step = -(-n // MOST_PLACES)
+        order, places = np.argsort(budget, kind="stable"), np.arange(n) // step
+        column = np.empty(n, int)
+        column[order] = places
+        least = np.full((places[-1] + 1, places[-1] + 1), np.inf)
+        np.fmin.at(least, (places, column), value)
         least = np.minimum.accumulate(least[::-1], axis=0)[::-1]
-        return Corner(budget[order], np.minimum.accumulate(least, axis=1))
+        return Corner(budget[order][::step], np.minimum.accumulate(least, axis=1), n, step)
 
     def within(self, capacity_at: Array, budget: Array) -> Array:
         """Least value from a place in the order of capacity on; inf when no light is within the budget."""
         place = np.searchsorted(self.budget, budget, side="right") - 1
-        known = (place >= 0) & (capacity_at < len(self.budget))
-        some = np.minimum(capacity_at, len(self.budget) - 1), np.maximum(place, 0)
-        return np.where(known, self.least[some], np.inf)
+        known = (place >= 0) & (capacity_at < self.size)
+        row = np.minimum(capacity_at, self.size - 1) // self.step
+        return np.where(known, self.least[row, np.maximum(place, 0)], np.inf)
 
 
 @dataclass(frozen=True)
@@ -120,7 +123,7 @@ class UnitBounds:
 
 def suffix_min(values: Array) -> Array:
     """Least of each value and all after it."""
-    return np.minimum.accumulate(values[::-1])[::-1]
+    return np.fmin.accumulate(values[::-1])[::-1]
 
 
 @cache
@@ -334,7 +337,7 @@ class Bounds:
         steps = np.fmin.reduce(lamp.levels, axis=1)
         level = np.where(lamp.dims_freely, lamp.min_level, np.where(np.isnan(steps), 1.0, steps))
         drawn = level * table.effective[own] * table.power_per_light[own]
-        return float(np.min(drawn, initial=np.inf))
+        return float(np.fmin.reduce(drawn, initial=np.inf))  # a lamp without light has no number
 
     def _needs(self, scene_index: int, rows: Array) -> Needs:
         """What these imagers need in one scene, the same under every lighting."""

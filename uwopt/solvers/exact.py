@@ -220,7 +220,8 @@ class Search:
         reached = self.account.discarded.get("not_reached", 0)
         self.account.discarded["not_reached"] = reached + every * len(rest)
         lowest = min(lowest, float(floor[rest].min(initial=np.inf)))
-        return min(lowest, self.ranking.best[0].minimised if self.ranking.best else np.inf), False
+        best = self.ranking.best[0].minimised if self.ranking.best else np.inf
+        return min(lowest, best, self.open_gap_bound), False
 
     def _best_first(self, rows: Array) -> float | None:
         """Take the units of these imagers in order of their bound until none can beat the best.

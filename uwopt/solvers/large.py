@@ -32,6 +32,7 @@ MOST_ROWS = 65536  # rows of an outline that are bounded together
 MOST_PENDING = 50_000  # imagers that wait for their search
 FIRST_LEAVES, LARGEST_LEAVES = 256, 16384  # imagers that are searched together
 FIRST_UNITS, LARGEST_UNITS = 8, 2048  # that are evaluated together once their light is known
+MOST_PAIRS = 500_000  # imagers times lights that are bounded together
 MOST_SAMPLES = 1024  # discarded imagers remembered per rule, for an audit
 TAKEN = 1.0 + 1e-12  # of a threshold: outlines are summed in another order
 
@@ -175,7 +176,13 @@ class LargeSearch:
             chunk = min(2 * chunk, LARGEST_PAIRS)
             search.progress(0.1 + 0.9 * position / len(order), "search")
         self._close_pairs(order[position:])
-        if not self._search_pending():
+        before = self._snapshot()
+        try:
+            finished = self._search_pending()
+        except KeyboardInterrupt:
+            search.interrupted, finished = True, False
+            self._restore(before)
+        if not finished:
             return self._cut_short(np.inf)
         best = search.ranking.best[0].minimised if search.ranking.best else search.ceiling
         return min(best, search.open_gap_bound), True
@@ -193,7 +200,8 @@ class LargeSearch:
         left = account.total - account.evaluated - sum(account.discarded.values())
         account.discarded["not_reached"] = left
         lowest = min([lowest, *(float(value.min(initial=np.inf)) for _, value in self.pending)])
-        return min(lowest, search.ranking.best[0].minimised if search.ranking.best else np.inf), False
+        best = search.ranking.best[0].minimised if search.ranking.best else np.inf
+        return min(lowest, best, search.open_gap_bound), False
 
     def _floors(self) -> Array:
         """What each pair costs at least: no light, the cheapest port, the smallest pixel."""
@@ -371,14 +379,16 @@ class LargeSearch:
         search, account = self.search, self.search.account
         value = np.full(len(imager), np.inf)
         for k in np.unique(lighting_index):
-            mine = np.nonzero(lighting_index == k)[0]
-            unit = self.sieve.of_units(int(k), imager[mine])
-            limit_value = search.ranking.threshold() * TAKEN
-            rule, value[mine] = pair_rules(self.sieve, int(k), imager[mine], unit, limit_value)
-            lost = rule[~np.isfinite(value[mine])]
-            for number, name in enumerate(UNIT_RULES):
-                account.discarded[name] += int((lost == number).sum())
-            account.discarded["bound"] += int((lost < 0).sum())  # what the unit's own bound discards
+            every = np.nonzero(lighting_index == k)[0]
+            step = max(1, MOST_PAIRS // len(self.bounds.light_tables[k].light))
+            for mine in (every[start : start + step] for start in range(0, len(every), step)):
+                unit = self.sieve.of_units(int(k), imager[mine])
+                limit_value = search.ranking.threshold() * TAKEN
+                rule, value[mine] = pair_rules(self.sieve, int(k), imager[mine], unit, limit_value)
+                lost = rule[~np.isfinite(value[mine])]
+                for number, name in enumerate(UNIT_RULES):
+                    account.discarded[name] += int((lost == number).sum())
+                account.discarded["bound"] += int((lost < 0).sum())  # what the unit's own bound discards
         sizes = np.array([len(table.light) for table in self.bounds.light_tables])
         order = np.argsort(value, kind="stable")
         order = order[np.isfinite(value[order])]

@@ -347,7 +347,7 @@ class Level:
             gsd_m=self.pixel_per_range(rows) * self.path_m(scene, rows, nominal_m, high=False),
             collecting_m2=np.square(pitch) * lenses.transmission[rows.lens] * passed * cameras.qe_scale[rows.camera],
         )  # fmt: skip
-        n_depth = self.lens_focus.cover_m[rows.lens, rows.group] / self.coc_m(scene, rows)
+        n_depth = self.lens_focus.cover_m[rows.lens, rows.group] / self.least_coc_m(rows)
         nothing = np.zeros(len(rows))
         rate = required_rate_hz(needs, scene.view.vehicle.speed_m_s, 2.0 * nearest.along_high_m)
         return SceneImagers(view, Focused(
@@ -355,6 +355,13 @@ class Level:
             np.maximum(lenses.f_number_min[rows.lens], n_depth), lenses.f_number_max[rows.lens], rate,
             self.blur_time_s(scene, rows), nothing,
         ))  # fmt: skip
+
+    def least_coc_m(self, rows: Rows) -> Array:
+        """The smallest circle of confusion of the scenes that ask for a depth of field: theirs is the f-number
+        of all, as the focus is common."""
+        scenes = self.problem.scenes
+        asking = [scene for scene in scenes if scene.view.requirements.min_dof_m is not None] or scenes
+        return np.asarray(np.min([self.coc_m(scene, rows) for scene in asking], axis=0))
 
     def coc_m(self, scene: SceneOptics, rows: Rows) -> Array:
         """Circle of confusion of the cameras."""

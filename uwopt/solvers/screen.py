@@ -73,9 +73,9 @@ def level_set(wanted: Array, lamp: Lights) -> Array:
 
     Pulsed lamps may shorten the pulse instead, so that this is a bound for the others alone.
     """
-    least = np.clip(wanted * (2.0 - MEETS), lamp.min_level, 1.0)
+    least = np.clip(wanted * (2.0 - MEETS), 0.0, 1.0)  # steps may lie below what a dial would end at
     stepped = np.ones(np.broadcast_shapes(wanted.shape, lamp.dims_freely.shape))
     for step in sorted(range(lamp.levels.shape[1]), reverse=True):
         level = lamp.levels[:, step]
         stepped = np.where(level >= least, np.minimum(stepped, level), stepped)
-    return np.where(lamp.dims_freely, least, stepped)
+    return np.where(lamp.dims_freely, np.maximum(least, lamp.min_level), stepped)
