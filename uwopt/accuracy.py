@@ -127,9 +127,10 @@ class Estimator:
             open_parts = [part for part in self.parts if getattr(found.fineness, part) < FINEST]
             if found.meets(tolerance) or not open_parts:
                 break
-            share = max(tolerance - self.floor, LEAST_ROOM * tolerance) / len(self.parts)
+            room = LEAST_ROOM * max(tolerance, self.floor)
+            share = max(tolerance - self.floor, room) / len(self.parts)
             made = {part: found.by_part[part]["error_rel"] for part in open_parts}
-            if sum(made.values()) < LEAST_ROOM * max(tolerance, self.floor):
+            if sum(made.values()) < room:
                 break  # what is left does not come from integrals
             raised = [part for part in open_parts if made[part] > share] or [max(made, key=lambda p: made[p])]
             found = self.errors(found.fineness.finer(raised))
