@@ -1,6 +1,6 @@
 """Run `uwopt bench` on the missions of this folder's neighbour and write what the page says as bench/error.md.
 
-    python bench/error.py [--quick] [--out DIR] [--note TEXT]
+    python bench/error.py [--quick] [--seconds S] [--out DIR] [--note TEXT]
 
 With --out also bench.html, bench.json and the CSV files. No test depends on the numbers.
 """
@@ -58,6 +58,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure error against run time.")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--out")
+    parser.add_argument("--seconds", type=float)
     parser.add_argument("--note", default="")
     asked = parser.parse_args()
 
@@ -67,7 +68,7 @@ def main() -> None:
             write_bench(bench, asked.out)
 
     run(
-        quick=asked.quick, missions=mission_files([str(ROOT / "problems")]), keep=keep,
+        quick=asked.quick, seconds=asked.seconds, missions=mission_files([str(ROOT / "problems")]), keep=keep,
         progress=lambda share, what: print(f"{100 * share:3.0f} % {what}", file=sys.stderr),
     )  # fmt: skip
 

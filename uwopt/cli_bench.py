@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli_options import QuietOption
+from uwopt.cli_options import QuietOption, checked_seconds
 from uwopt.cli_status import DEFECT, DONE, INTERRUPTED, command, told
 
 
@@ -26,6 +26,9 @@ def bench_command(
         typer.Option(
             metavar="NAME", help="Only spectral, quadrature, physics, solvers, pareto or scaling; repeatable."
         ),
+    ] = None,
+    seconds: Annotated[
+        float | None, typer.Option(metavar="S", help="Share S seconds among the benchmarks.")
     ] = None,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of everything random.")] = 0,
     out: Annotated[
@@ -57,6 +60,7 @@ def bench_command(
             suite or (),
             quick=quick,
             seed=seed,
+            seconds=checked_seconds(seconds),
             missions=mission_files(missions or ()),
             keep=keep,
             progress=bar.report,

@@ -88,24 +88,28 @@ def mission_files(names: Sequence[str]) -> list[str]:
 
 def run(
     names: Sequence[str] = (), *, quick: bool = False, seed: int = 0, missions: Sequence[str] = (),
+    seconds: float | None = None,
     keep: Callable[[Bench], None] | None = None, progress: Progress | None = None,
 ) -> Bench:  # fmt: skip
-    """Measure; `keep` is called after every suite. An interrupt ends the run, with what there is."""
+    """Measure, within some `seconds` if given; `keep` is called after every suite.
+
+    An interrupt ends the run, with what there is.
+    """
     bench = Bench(quick, seed, tuple(missions), machine())
     suites = chosen_suites(names)
     shares = [suite.quick_s if quick else suite.full_s for suite in suites]
     whole = sum(shares)
     start, done = time.perf_counter(), 0.0
+    limit_s = min(QUICK_S, whole) if quick and seconds is None else seconds
     for suite, share in zip(suites, shares, strict=True):
-        seconds = share
-        if quick:  # what one takes too long, all that follow make up for
-            left_s = min(QUICK_S, whole) - (time.perf_counter() - start)
-            seconds = left_s * share / (whole - done)
+        share_s = share
+        if limit_s is not None:  # what one takes too long, all that follow make up for
+            share_s = (limit_s - (time.perf_counter() - start)) * share / (whole - done)
         bench.suites.append(suite)
         if progress is not None:
             progress(done / whole, suite.title)
         report = told(progress, done / whole, share / whole, suite.title)
-        measured(bench, suite, Budget(quick, max(seconds, 0.0), seed, bench.missions, report=report))
+        measured(bench, suite, Budget(quick, max(share_s, 0.0), seed, bench.missions, report=report))
         done += share
         if keep is not None:
             keep(bench)
