@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from numbers import Real
 from typing import Any
 
 from uwopt.accuracy import Accuracy, Estimator, coarsest, parts_that_count
@@ -15,6 +16,7 @@ from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Problem
 from uwopt.result import Certificate, Design
+from uwopt.result import plain as plain_values
 from uwopt.solvers.goals import scenes_need_cells
 from uwopt.solvers.recommend import Sought, hardware_of
 from uwopt.solvers.rounding import exact_settings
@@ -31,13 +33,17 @@ def of_integrals(tolerance: float, *, may_leave_out: bool) -> float:
     return tolerance * OF_INTEGRALS if may_leave_out else tolerance
 
 
-def checked_tolerance(tolerance: float | None) -> float | None:
+def checked_tolerance(tolerance: Any) -> float | None:
     """A tolerance above 0 and at most 0.5."""
-    if tolerance is not None and not 0.0 < tolerance <= LARGEST_TOLERANCE:
+    if tolerance is None:
+        return None
+    known = isinstance(tolerance, Real)
+    if not known or not 0.0 < tolerance <= LARGEST_TOLERANCE:
+        shown = f"{tolerance:g}" if known else repr(tolerance)
         raise MissionError(
-            f"tolerance = {tolerance:g} is no share above 0 and at most {LARGEST_TOLERANCE:g}; 0.001 asks for 0.1 %"
+            f"tolerance = {shown} is no share above 0 and at most {LARGEST_TOLERANCE:g}; 0.001 asks for 0.1 %"
         )
-    return tolerance
+    return float(tolerance)
 
 
 def estimator_of_search(sought: Sought, goal: Objective) -> Estimator:
@@ -114,7 +120,7 @@ def plain_accuracy(
             "kkt_residual": max(residuals) if residuals else None,
         }
     if measured is not None:
-        plain.update(measured.as_dict())
+        plain.update(plain_values(measured.as_dict()))
         if math.isfinite(tolerance):
             plain.update(tolerance=tolerance, meets_tolerance=measured.meets(tolerance))
     return plain
@@ -126,7 +132,7 @@ def accuracy_warnings(measured: Accuracy | None, tolerance: float) -> list[dict[
         return []
     worst = measured.largest
     text = (
-        f"{worst['figure']} may err by {worst['error_rel']:.1e}, more than the tolerance of {tolerance:g}, with the "
-        "finest integrals that are tried"
+        f"{worst['figure']} may err by {worst['error_rel']:.1e}, more than the {tolerance:g} that is asked of "
+        "integrals, with the finest that are tried"
     )
     return [{"code": "tolerance", "path": "tolerance", "message": text}]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from uwopt.report.write import check_folder, defused, made_folder, write_files
 
 PAGE, DATA = "bench.html", "bench.json"
 MOST_COLUMNS = 8  # of a table in the terminal
+PAGE_HAS = "The page that --out DIR writes tells what was done, what the columns mean, and has the charts."
 
 
 def write_bench(bench: Bench, folder: str | Path) -> list[Path]:
@@ -55,6 +57,17 @@ def table_grid(table: Table) -> Grid:
     return grid
 
 
+def terse(table: Table) -> Table:
+    """The same with shorter cells, for a terminal's width."""
+
+    def short(cell: str) -> str:
+        return cell.replace("more than ", ">").replace("Gauss-Legendre", "Gauss")
+
+    return replace(
+        table, head=[short(name) for name in table.head], rows=[[*map(short, row)] for row in table.rows]
+    )
+
+
 def is_numeric(cells: list[str]) -> bool:
     """Whether most cells begin with a digit or a sign."""
     return sum(cell[:1] in "0123456789-+<>~" for cell in cells if cell) * 2 > len([c for c in cells if c])
@@ -63,16 +76,22 @@ def is_numeric(cells: list[str]) -> bool:
 def bench_blocks(bench: Bench) -> list[Block]:
     """What the terminal shows."""
     facts = machine_facts(bench)
-    made = [block("Benchmark", [sentence("; ".join(f"{name} {value}" for name, value in facts.items()))])]
+    told = "; ".join(f"{name} {value}" for name, value in facts.items())
+    made = [block("Benchmark", [sentence(told), sentence(PAGE_HAS, "dim")])]
     for suite in bench.suites:
         lines: list[Any] = []
         if suite.name in bench.faults:
             lines.append(sentence(f"failed: {bench.faults[suite.name]}", "red"))
         for table in suite_tables(bench, suite):
+            lines += [Text("")] if lines else []
             if len(table.head) > MOST_COLUMNS:
-                lines += [sentence(f"{table.title}: {len(table.head)} columns, on the page"), Text("")]
+                lines.append(sentence(f"{table.title}: {len(table.head)} columns, on the page"))
+            elif table.rows:
+                lines += [sentence(table.title), table_grid(terse(table))]
             else:
-                lines += [sentence(table.title), table_grid(table), Text("")]
+                lines.append(sentence(f"{table.title}: nothing to show"))
+        if not lines:
+            lines.append(sentence("nothing was measured"))
         made.append(block(f"{suite.title} ({bench.seconds[suite.name]:.0f} s)", lines))
     return made
 

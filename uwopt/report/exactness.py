@@ -37,8 +37,7 @@ def exactness_block(result: Result) -> Block:
             ("KKT residual", error_text(accuracy.get("kkt_residual"))),
         ]
     if accuracy.get("tolerance") is not None:
-        held = "met" if accuracy.get("meets_tolerance") else "not met"
-        facts.append(("tolerance", f"{error_text(accuracy['tolerance'])}, {held}"))
+        facts.append(("tolerance", tolerance_text(result)))
     lines: list[Line] = [fact_lines(facts), Text(""), parts_table(result)]
     lines.append(
         sentence(f"Relative errors, estimated: {words.one_line(accuracy.get('method') or '')}.", "dim")
@@ -48,19 +47,34 @@ def exactness_block(result: Result) -> Block:
 
 def parts_table(result: Result) -> Grid:
     """What each kind of integral contributes, and how finely it was taken."""
-    table = columns(
-        ("integral", "left"), ("nodes, times the default", "right"), ("error", "right"), ("of", "left")
-    )
+    table = columns(("integral", "left"), ("nodes", "right"), ("error", "right"), ("of", "left"))
     fineness = result.physics.get("fineness") or {}
     for name, made in (result.accuracy.get("by_part") or {}).items():
         factor = fineness.get(name)
         table.add_row(
             Text(PARTS.get(name, words.one_line(name))),
-            Text("" if factor is None else f"{factor:g}"),
+            Text(nodes_text(factor)),
             Text(error_text(made.get("error_rel"))),
             Text(figure_text(made)),
         )
     return table
+
+
+def tolerance_text(result: Result) -> str:
+    """The tolerance and whether it is met; `evaluate` in physics `auto` shares it with effects left out."""
+    accuracy, physics = result.accuracy, result.physics
+    held = "met" if accuracy.get("meets_tolerance") else "not met"
+    if result.command == "evaluate" and physics.get("name") == "auto":
+        effects = error_text(physics.get("tolerance"))
+        return f"{error_text(accuracy['tolerance'])} for integrals, {held}; {effects} for effects left out"
+    return f"{error_text(accuracy['tolerance'])}, {held}"
+
+
+def nodes_text(factor: float | None) -> str:
+    """How many nodes an integral was taken with, beside the default."""
+    if factor is None:
+        return ""
+    return "default" if factor == 1.0 else f"{factor:g} x default"
 
 
 def error_text(error: float | None) -> str:
