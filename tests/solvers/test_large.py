@@ -175,3 +175,25 @@ def test_many_lights_share_places_of_a_table(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(bounds, "MOST_PLACES", 7)
     small = Corner.of(value, budget)
     assert small.least.shape == (7, 7) and (small.within(at, left) <= least).all()
+
+
+def test_rounding_does_not_buy_a_lamp() -> None:
+    """Of two designs that draw the same power but for rounding the cheaper comes first."""
+    found = planted("gsd_mm", (BURNING,), {"min_snr_db": 20.0}).solve(top=1)[1].best[0]
+    dearer = replace(
+        found, count=found.count + 1, cost=found.cost + 500.0, power_w=found.power_w * (1.0 - 1e-15)
+    )
+    assert dearer.power_w < found.power_w
+    assert found.tie_key(("",)) < dearer.tie_key(("",))
+
+
+@pytest.mark.parametrize("objective", ["snr_db", {"power": 0.1, "snr_db": 1.0}])
+def test_a_level_below_black_is_accounted_for(
+    objective: str | dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A camera whose black level is above the wanted mean level is infeasible, in both searches' accounts."""
+    camera = {"bit_depth": 8, "black_level_dn": 4.0}
+    made = planted(objective, (BURNING,), {"mean_level": 0.012}, camera=camera)
+    monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)
+    for outcome in (made.solve()[1], small_search(made, monkeypatch)):
+        assert outcome.complete and not outcome.best and outcome.account.adds_up()

@@ -450,4 +450,4 @@ class Bounds:
             snr = sensor.snr(
                 most, read_noise_e=cameras.read_noise_e, gain_dn_per_e=np.inf, prnu_frac=cameras.prnu_frac
             )
-        return np.asarray(sensor.to_db(np.maximum(snr, 1e-300)))
+        return np.asarray(sensor.to_db(np.fmax(snr, 1e-300)))  # a mean level below black has no number

@@ -17,6 +17,13 @@ Array = NDArray[Any]
 TIE = 1e-9
 
 
+def told_apart(value: Array | float) -> Array:
+    """Numbers to nine digits: what differs by rounding alone must not decide between one lamp more or less."""
+    size = np.floor(np.log10(np.maximum(np.abs(value), 1e-300)))
+    step = 10.0 ** (size - 8.0)
+    return np.asarray(np.round(value / step) * step)
+
+
 @dataclass(frozen=True)
 class Found:
     """One feasible design with its settings of least power, by indices into the problem's tables."""
@@ -39,7 +46,8 @@ class Found:
 
     def tie_key(self, ids: tuple[str, ...]) -> tuple[Any, ...]:
         """What breaks ties: power, cost, mass, lamps, pulse, ids."""
-        return (self.power_w, self.cost, self.mass_kg, self.count, self.pulse_s, ids)
+        power, cost, mass = (float(told_apart(value)) for value in (self.power_w, self.cost, self.mass_kg))
+        return (power, cost, mass, self.count, self.pulse_s, ids)
 
 
 class Ranking:
@@ -77,9 +85,7 @@ class Ranking:
         keys = (
             pulse,
             count[hopeful],
-            terms.mass[hopeful],
-            terms.cost[hopeful],
-            terms.power[hopeful],
+            *(told_apart(figure[hopeful]) for figure in (terms.mass, terms.cost, terms.power)),
             tie_class,
         )
         order = hopeful[np.lexsort(keys)]

@@ -43,7 +43,7 @@ def pair_rules(
             given = np.where(pulsed, wanted, table.effective * level_set(wanted / table.effective, lamp))
             drawn = given * np.where(flash, rate, np.where(pulsed, pulse * rate, 1.0))
             drawn = np.where(wanted > 0, drawn * table.power_per_light, 0.0)
-        able &= (wanted <= table.effective * MEETS) & (time > 0)
+        able &= (wanted <= table.effective * MEETS) & (longest > 0)
         able &= (rate <= lamp.max_rate_hz * MEETS) | (table.kind == CONTINUOUS)
         power = np.maximum(power, np.where(able, drawn, np.inf))
     power = power + imagers.camera_power_w[rows, None]
