@@ -385,9 +385,12 @@ class LargeSearch:
                 unit = self.sieve.of_units(int(k), imager[mine])
                 limit_value = search.ranking.threshold() * TAKEN
                 rule, value[mine] = pair_rules(self.sieve, int(k), imager[mine], unit, limit_value)
-                lost = rule[~np.isfinite(value[mine])]
+                closed = ~np.isfinite(value[mine])
+                lost, rows = rule[closed], imager[mine[closed]]
                 for number, name in enumerate(UNIT_RULES):
                     account.discarded[name] += int((lost == number).sum())
+                    units = np.nonzero((lost == number).any(axis=1))[0]
+                    search._sample(name, int(k) * len(rows) + units, rows)
                 account.discarded["bound"] += int((lost < 0).sum())  # what the unit's own bound discards
         sizes = np.array([len(table.light) for table in self.bounds.light_tables])
         order = np.argsort(value, kind="stable")
