@@ -20,7 +20,10 @@ def bench_command(
             help="Missions for the solvers, or folders of them; the one of `uwopt init` unless given.",
         ),
     ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Few cases and seeds, within a minute.")] = False,
+    quick: Annotated[
+        bool,
+        typer.Option("--quick", help="Few cases and seeds, within a minute; own missions may take longer."),
+    ] = False,
     suite: Annotated[
         list[str] | None,
         typer.Option(
