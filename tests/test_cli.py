@@ -214,6 +214,23 @@ def test_interruption_before_a_result_is_status_130(monkeypatch: pytest.MonkeyPa
     assert "interrupted" in done.stderr and done.stdout == ""
 
 
+@pytest.mark.parametrize("stage", ["doubts", "second_opinions", "estimator_of_search", "design_of"])
+def test_interruption_after_the_proof_keeps_what_is_proven(stage: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    work, calls = getattr(api, stage), []
+
+    def once_interrupted(*args: Any, **kwargs: Any) -> Any:
+        calls.append(args)
+        if len(calls) == 1:
+            raise KeyboardInterrupt
+        return work(*args, **kwargs)
+
+    monkeypatch.setattr(api, stage, once_interrupted)
+    done = run("solve", MISSION, "--physics", "paper", "--accuracy", "--json")
+    assert done.exit_code == 130
+    result = json.loads(done.stdout)
+    assert result["status"] == "optimal" and result["certificate"]["complete"]
+
+
 def test_interruption_before_a_system_is_status_130(monkeypatch: pytest.MonkeyPatch) -> None:
     def stop(*a: Any, **k: Any) -> None:
         raise KeyboardInterrupt

@@ -42,6 +42,7 @@ class Accuracy:
     figures: dict[str, dict[str, float]]  # by scene and figure, relative
     objective: float | None  # of its value; None where the design is not feasible at both finenesses
     by_part: dict[str, dict[str, Any]]  # largest error that each part makes, and of which figure
+    floor: float  # of every figure that an integral enters, in `figures`
 
     @property
     def largest(self) -> dict[str, Any]:
@@ -64,8 +65,8 @@ class Accuracy:
             "objective": self.objective,
             "largest": self.largest,
             "by_part": self.by_part,
-            "method": "each integral once more with twice the nodes; "
-            f"{SAFETY:g} times the sum of the changes, and {FLOOR:g} for look-up tables",
+            "method": f"each integral once more with twice the nodes; {SAFETY:g} times the sum of the changes"
+            + (f", and {self.floor:g} for look-up tables" if self.floor else ""),
         }
 
 
@@ -109,12 +110,17 @@ class Estimator:
             figures,
             self.claimed(objective, fineness) if told and base.objective_value is not None else None,
             {part: worst_of(changes[part]) for part in self.parts},
+            self.floor_at(fineness),
         )
 
     def claimed(self, changes: Sequence[float], fineness: Fineness) -> float:
-        """The error that is claimed for these changes; a coarse grid of wavelengths meets tables by chance."""
-        total, floor = sum(changes), self.floor * max(1.0, fineness.spectrum**-2.0)
-        return SAFETY * total + floor + ROUNDING if total > UNCHANGED else ROUNDING
+        """The error that is claimed for these changes."""
+        total = sum(changes)
+        return SAFETY * total + self.floor_at(fineness) + ROUNDING if total > UNCHANGED else ROUNDING
+
+    def floor_at(self, fineness: Fineness) -> float:
+        """What look-up tables leave; more where a coarse grid of wavelengths steps over their entries."""
+        return self.floor * max(1.0, fineness.spectrum**-2.0)
 
     def cheapest(self, tolerance: float, start: Fineness) -> Accuracy:
         """The coarsest fineness, part by part, whose estimated errors are within a tolerance; or the finest.

@@ -135,15 +135,23 @@ def solve(
         result = infeasible_result(result, wanted, catalog, goal, sought, alternative, timing)
     else:
         result = found_result(result, goal, sought, alternative, timing, solver=solver)
-        if measured is None and accuracy:
-            with recommend.timed(timing, "accuracy"):
-                measured = estimator_of_search(sought, goal).errors(sought.problem.fineness)
+        if measured is None and accuracy and not interrupted(result):
+            try:
+                with recommend.timed(timing, "accuracy"):
+                    measured = estimator_of_search(sought, goal).errors(sought.problem.fineness)
+            except KeyboardInterrupt:
+                result = replace(result, warnings=[*result.warnings, *cut_warnings()])
         result = replace(
             result,
             accuracy=plain_accuracy(measured, tolerance or math.inf, result.certificate, result.solvers),
             warnings=[*result.warnings, *accuracy_warnings(measured, tolerance or math.inf)],
         )
-    if alternatives and result.recommendation is not None and sought.outcome.complete:
+    if (
+        alternatives
+        and result.recommendation is not None
+        and sought.outcome.complete
+        and not interrupted(result)
+    ):
         from uwopt.solvers.alternatives import beside_best
 
         with recommend.timed(timing, "alternatives"):
@@ -211,17 +219,27 @@ def found_result(
     from uwopt.solvers.robustness import assumptions
 
     best = sought.outcome.best
-    in_haste = not sought.outcome.complete
+    cut = alternative is not None and alternative.outcome.interrupted
+    in_haste = cut or not sought.outcome.complete
+    others: list[Design] = []
     with recommend.timed(timing, "evaluation"):
-        winner = design_of(sought, best[0], goal)
-        others = [design_of(sought, found, goal, with_rounding=False) for found in best[1:]]
+        try:
+            winner = design_of(sought, best[0], goal)
+            others = [design_of(sought, found, goal, with_rounding=False) for found in best[1:]]
+        except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
+            cut, winner = True, design_of(sought, best[0], goal)
+    in_haste = in_haste or cut
     generic = None
     if alternative is not None and alternative.outcome.best:
         generic = design_of(alternative, alternative.outcome.best[0], goal)
-    with recommend.timed(timing, "robustness"):
-        doubt = None if in_haste else doubts(sought, goal, winner)
-    with recommend.timed(timing, "second_opinion"):
-        opinions = [] if in_haste else second_opinions(sought, goal, solver)
+    doubt, opinions = None, []
+    try:
+        with recommend.timed(timing, "robustness"):
+            doubt = None if in_haste else doubts(sought, goal, winner)
+        with recommend.timed(timing, "second_opinion"):
+            opinions = [] if in_haste else second_opinions(sought, goal, solver)
+    except KeyboardInterrupt:  # what is proven is not lost
+        cut = True
     proven = sought.outcome.complete
     hardware = recommend.hardware_of(best[0])
     model = design_model(sought.problem, hardware)
@@ -245,7 +263,7 @@ def found_result(
             *result.warnings,
             *selection_warnings(sought.selection),
             *winner.warnings,
-            *haste_warnings(sought),
+            *(haste_warnings(sought) or (cut_warnings() if cut else [])),
             *(gap_warnings(proof) if wide else []),
         ],
     )
@@ -302,8 +320,18 @@ def infeasible_result(
         status=status,
         certificate=proof,
         infeasible=why,
-        warnings=[*result.warnings, *haste_warnings(used), *selection_warnings(used.selection)],
-    )
+        warnings=[
+            *result.warnings, *haste_warnings(used), *half_warnings(sought, used), *selection_warnings(used.selection)
+        ],
+    )  # fmt: skip
+
+
+def half_warnings(sought: Sought, used: Sought) -> list[dict[str, str]]:
+    """That parts on sale are proven not to fit, where the search with parts to be made was cut short."""
+    if used is sought or used.outcome.complete or not sought.outcome.complete:
+        return []
+    text = "no combination of parts on sale fits, which is proven; the search with parts to be made was cut short"
+    return [{"code": "parts_on_sale", "path": "catalog.generic", "message": text}]
 
 
 def audited(
@@ -331,6 +359,17 @@ def haste_warnings(sought: Sought) -> list[dict[str, str]]:
     if not sought.outcome.best:
         text = "interrupted before a system was found"
     return [{"code": "interrupted", "path": "", "message": text}] if sought.outcome.interrupted else []
+
+
+def cut_warnings() -> list[dict[str, str]]:
+    """That what follows the proof was interrupted."""
+    text = "interrupted: the system is proven, but not all that is usually told of it was worked out"
+    return [{"code": "interrupted", "path": "", "message": text}]
+
+
+def interrupted(result: Result) -> bool:
+    """Whether a person wants no more."""
+    return any(warning["code"] == "interrupted" for warning in result.warnings)
 
 
 def selection_warnings(selection: Selection) -> list[dict[str, str]]:

@@ -226,7 +226,7 @@ def test_a_light_of_one_wavelength(line_nm: float, tmp_path: Path) -> None:
     rows = ["380,0", f"{line_nm - 0.05},0", f"{line_nm},1", f"{line_nm + 0.05},0", "780,0"]
     near = [
         f"{w},{v}"
-        for w, v in ((380, 0), (line_nm // 1 - 1, 0), (line_nm // 1, 1), (line_nm // 1 + 1, 0), (780, 0))
+        for w, v in ((380, 0), (line_nm // 1 - 0.5, 0), (line_nm // 1, 1), (line_nm // 1 + 0.5, 0), (780, 0))
     ]
     found = []
     for name, lines in (("line", rows), ("near", near)):

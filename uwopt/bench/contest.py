@@ -37,6 +37,7 @@ BATCH = 256  # hardware whose light is worked out together
 ORDERED = 200_000  # hardware drawn and put in order at a time
 ROUND = 1.0 + 1e-9  # a limit met to rounding is met
 LONGEST_S = 120.0  # for a certificate
+LEAST_S = 2.0  # the same, when a benchmark has hardly any time left
 
 
 def mission_of(source: str | None) -> Mission:
@@ -55,6 +56,11 @@ def sources_of(budget: Budget) -> list[tuple[str, str | None]]:
     if not budget.missions:
         return [("uwopt init", None)]
     return [(Path(name).stem, name) for name in budget.missions]
+
+
+def at_most(longest_s: float, budget: Budget) -> float:
+    """Seconds for one exact run: no more than half of what a benchmark has left."""
+    return min(longest_s, max(0.5 * budget.left_s, LEAST_S))
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.api import load_catalog, prepared
-from uwopt.bench.contest import mission_of, sources_of
+from uwopt.bench.contest import at_most, mission_of, sources_of
 from uwopt.bench.suite import Budget, Row, Suite, Table
 from uwopt.errors import MissionError
 from uwopt.mission import Mission
@@ -88,10 +88,12 @@ def rows_of(
     yield last
 
 
-def run_exact(case: str, mission: Mission, generic: Generic) -> tuple[Front, list[Row]]:
+def run_exact(
+    case: str, mission: Mission, generic: Generic, longest_s: float = LONGEST_S
+) -> tuple[Front, list[Row]]:
     """The exact front, and how it came about."""
     problem = problem_of(mission, generic)
-    front = FrontSearch(problem, Axes.of(AXES), deadline_s=LONGEST_S).run()
+    front = FrontSearch(problem, Axes.of(AXES), deadline_s=longest_s).run()
     if front.interrupted:  # the search keeps what it found; a benchmark ends
         raise KeyboardInterrupt
     status = "optimal" if front.complete else "stopped"
@@ -144,7 +146,7 @@ def measure(budget: Budget, algorithms: Sequence[str] | None = None) -> Iterator
             if mission.catalog.generic != "fallback":
                 kinds = (mission.catalog.generic,)
             for generic in kinds:
-                front, rows = run_exact(case, mission, generic)
+                front, rows = run_exact(case, mission, generic, at_most(LONGEST_S, budget))
                 if len(front.values) or not front.complete:
                     break
         except MissionError as fault:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from uwopt.bench.charts import charts
-from uwopt.bench.run import Bench
+from uwopt.bench.run import MODULES, Bench
 from uwopt.bench.suite import COLUMNS, Suite, Table
 from uwopt.report import words
 from uwopt.report.html_file import compact_json, packed, rendered
@@ -27,7 +27,12 @@ def write_bench(bench: Bench, folder: str | Path) -> list[Path]:
     texts = {f"{suite.name}.csv": suite_csv(bench, suite) for suite in bench.suites}
     texts[DATA] = json.dumps(bench.as_dict(), indent=1, allow_nan=False) + "\n"
     texts[PAGE] = bench_html(bench)
-    return write_files(made_folder(check_folder(folder)), texts)
+    target = made_folder(check_folder(folder))
+    written = write_files(target, texts)
+    for name in MODULES:  # those of an earlier run say nothing of this one
+        if f"{name}.csv" not in texts:
+            (target / f"{name}.csv").unlink(missing_ok=True)
+    return written
 
 
 def suite_csv(bench: Bench, suite: Suite) -> str:

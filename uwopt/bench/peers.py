@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.bench.contest import (
+    LONGEST_S,
     Contest,
     LoopGround,
     Referee,
     Seen,
     VectorGround,
+    at_most,
     hardware_of,
     mission_of,
     sources_of,
@@ -34,7 +36,8 @@ Array = NDArray[Any]
 TARGET = 1e-3  # relative gap that counts as arrived
 CASES_A_TABLE = 5  # missions beside each other
 TIMES_TEXT = (
-    "Median of the seeds; “not in”: the longest that a run had. “-”: the method cannot be asked. A peer that arrives "
+    "Median of the seeds; “not in”: the longest that a run had. “-”: the method cannot be asked; “not "
+    "run”: no time was left for it. A peer that arrives "
     "does not know it: only the exact search ends with a proof."
 )
 EXACT = "exact"
@@ -289,13 +292,16 @@ def measure(budget: Budget, methods: Sequence[str] | None = None) -> Iterator[Ro
     sources = sources_of(budget)
     left, total = len(sources) * len(seeds) * len(names), len(sources) * len(seeds) * len(names)
     for case, source in sources:
-        contest = Contest.of(case, mission_of(source))
+        contest = Contest.of(case, mission_of(source), longest_s=at_most(LONGEST_S, budget))
         if contest.best is None or not contest.complete:
             yield Row("solvers", case, EXACT, status="infeasible" if contest.complete else "stopped")
             left -= len(seeds) * len(names)
             continue
+        fair_s = 0.0  # a peer has at least the time that the exact search took for its proof
         for _ in seeds:
-            yield from run_exact(contest)
+            rows = run_exact(contest)
+            fair_s = max([fair_s, *(row.time_s or 0.0 for row in rows)])
+            yield from rows
         for seed in seeds:
             for method in names:
                 share_s = (1.0 if budget.quick else SPARE) * max(budget.left_s, 0.0) / left
@@ -303,7 +309,7 @@ def measure(budget: Budget, methods: Sequence[str] | None = None) -> Iterator[Ro
                 if budget.left_s <= 0.0:
                     return
                 budget.tell(1.0 - (left + 1) / total, f"{case}: {method}")
-                seconds = min(LONGEST_RUN_S, max(SHORTEST_RUN_S, share_s))
+                seconds = min(LONGEST_RUN_S, max(SHORTEST_RUN_S, share_s, fair_s))
                 yield from run_peer(contest, method, seed, min(seconds, max(budget.left_s, 0.05)))
 
 
@@ -341,8 +347,10 @@ def proof_s(rows: Sequence[Row], case: str) -> float:
 
 def cell(times: Sequence[float], longest: float, status: str) -> str:
     """Seconds, or that there were not enough."""
-    if status == "not applicable" or not times:
-        return "-"
+    if status in ("not applicable", "infeasible"):
+        return "-" if status == "not applicable" else status
+    if not times:
+        return "not run"
     middle = median(times)
     return f"{middle:.2f}" if np.isfinite(middle) else f"not in {longest:.1f}"
 

@@ -218,6 +218,8 @@ def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[st
     mixed = mixed_problem(problem, winner, bad)
     slow = scenes_need_cells(problem.scenes, objective)
     outcome = Search(mixed, objective, top=2, deadline_s=SLOW_S if slow else None, progress=None).run()
+    if outcome.interrupted:  # a search keeps what it has; these doubts are all or nothing
+        raise KeyboardInterrupt
     rival = next((f for f in outcome.best if not same_parts(mixed, f, problem, winner)), None)
     best = min([f.minimised for f in outcome.best] + [bad_value])
     regret = max(0.0, bad_value - best) if math.isfinite(bad_value) else None
