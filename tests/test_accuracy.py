@@ -44,7 +44,8 @@ REFERENCE = Fineness(*[FINEST] * len(PARTS))
 HALF = coarsest(PARTS)
 THOROUGH = bool(os.environ.get("UWOPT_THOROUGH"))
 CASES, CHUNKS = 4, 60 if THOROUGH else 4
-NO_TRANSFER = 5e-2  # an image so blurred has none to speak of, and its digits do not matter
+NO_TRANSFER = 5e-2  # an image so blurred has none to speak of, and these digits of it do not matter:
+OF_TRANSFER = ("mtf_half_nyquist", "resolution_10_mm")
 LEAST_COVER = 0.99  # the share of claims that must hold
 DEFAULT_ERROR = 1e-4  # and what every figure must be known to by default
 
@@ -190,7 +191,7 @@ def test_claimed_errors_bound_the_true_ones(chunk: int):
             if fineness == DEFAULT:
                 figures = estimator.design(DEFAULT).scenes[0].figures
                 if figures["mtf_half_nyquist"] < NO_TRANSFER:
-                    del true["mtf_half_nyquist"]
+                    true = {name: error for name, error in true.items() if name not in OF_TRANSFER}
                 assert max(true.values()) <= DEFAULT_ERROR, max(true, key=lambda name: true[name])
     assert told > 100 and held >= LEAST_COVER * told
 
