@@ -27,6 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 import uwopt  # noqa: E402
+from uwopt.bench.machine import processor  # noqa: E402
 
 PROBLEMS = ROOT / "problems"
 REEF = PROBLEMS / "reef-mosaic.yaml"
@@ -215,16 +216,6 @@ def heading(note: str, repeats: int, command: str = "python bench/run.py --write
         f"- medians of {repeats} runs unless said otherwise",
         *([f"- {note}"] if note else []),
     ]
-
-
-def processor() -> str:
-    """Name of the processor as far as the system tells."""
-    info = Path("/proc/cpuinfo")
-    if info.exists():
-        for line in info.read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                return line.split(":", 1)[1].strip()
-    return platform.processor() or "unknown processor"
 
 
 def main() -> None:

@@ -148,13 +148,6 @@ def test_the_tables_have_a_line_for_each_case(rows: Sequence[Row]) -> None:
     assert all(not table.rows for table in quadrature.SUITE.tables([]))
 
 
-def test_the_least_order_is_that_from_which_on_all_is_well() -> None:
-    tried = [Row("quadrature", "c", "m", float(n), error=e) for n, e in ((4, 1e-6), (6, 2e-4), (8, 9e-5))]
-    assert quadrature.least_order(tried) == "8"
-    assert quadrature.least_order(tried[:2]) == "more than 6"
-    assert quadrature.least_order([]) == ""
-
-
 def test_a_suite_without_time_measures_nothing() -> None:
     assert list(quadrature.measure(Budget(quick=True, seconds=0.0))) == []
 

@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 from uwopt.bench import run as runner
 from uwopt.bench.charts import charts
 from uwopt.bench.page import bench_html, suite_csv, write_bench
-from uwopt.bench.suite import COLUMNS, Budget, Row, Suite, Table, timed
+from uwopt.bench.suite import COLUMNS, Budget, Row, Suite, Table, least_size, timed
 from uwopt.cli import app
 from uwopt.errors import MissionError, SolverError
 
@@ -152,6 +152,16 @@ def test_missions_may_be_files_or_a_folder_and_must_load(tmp_path: Path):
         runner.mission_files([str(tmp_path)])
     with pytest.raises(MissionError, match=r"nowhere\.yaml"):
         runner.mission_files([str(tmp_path / "nowhere.yaml")])
+
+
+def test_the_least_size_is_that_from_which_on_all_is_well():
+    def row(size: float, error: float | None) -> Row:
+        return Row("s", "c", "m", size=size, error=error)
+
+    lucky = [row(6, 1e-3), row(4, 1e-6), row(12, 1e-6), row(8, 1e-5)]  # 4 is well by chance
+    assert least_size(lucky, 1e-4) == "8"
+    assert least_size([row(9, None), row(17, 1.0)], 1e-4) == "more than 17"
+    assert least_size([], 1e-4) == ""
 
 
 def test_a_clock_takes_runs_long_enough():

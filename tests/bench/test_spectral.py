@@ -148,15 +148,5 @@ def test_the_table_has_a_line_for_each_case(rows: Sequence[Row]) -> None:
     assert spectral.SUITE.tables([])[0].rows == []
 
 
-def test_the_least_nodes_are_those_from_which_on_all_is_well() -> None:
-    def row(n: int, error: float | None) -> Row:
-        return Row("spectral", "case", TRAPEZOID, float(n), error=error)
-
-    lucky = [row(9, 1e-5), row(17, 1e-3), row(41, 5e-5), row(81, 1e-6)]
-    assert spectral.least_nodes(lucky, TRAPEZOID) == "41"
-    assert spectral.least_nodes([row(9, None), row(17, 1.0)], TRAPEZOID) == "more than 17"
-    assert spectral.least_nodes([], TRAPEZOID) == ""
-
-
 def test_a_suite_without_time_measures_nothing() -> None:
     assert list(spectral.measure(Budget(quick=True, seconds=0.0))) == []

@@ -9,7 +9,7 @@ from statistics import median
 from typing import Any
 
 from uwopt.accuracy import FINEST, is_number, relative_change
-from uwopt.bench.suite import Budget, Row, Suite, Table, timed
+from uwopt.bench.suite import Budget, Row, Suite, Table, error_text, timed
 from uwopt.design_model import Hardware, SceneSettings, design_model
 from uwopt.effects import effects_kept
 from uwopt.evaluation import evaluate_design
@@ -147,14 +147,14 @@ def tables(rows: Sequence[Row]) -> list[Table]:
     }
     names = list(dict.fromkeys(row.note for row in of_figures))
     shown = [name for name in names if any(worst.get((name, method), 0.0) > 0.0 for method in METHODS)]
-    cells = [[name, *(error_cell(worst.get((name, method))) for method in METHODS)] for name in shown]
+    cells = [[name, *(error_text(worst.get((name, method))) for method in METHODS)] for name in shown]
     whole = [row for row in rows if row.status != OF_FIGURE]
     seconds = [
         f"{1e3 * median([row.time_s or 0.0 for row in whole if row.method == method] or [0.0]):.0f} ms"
         for method in METHODS
     ]
     largest = [
-        error_cell(max((row.error or 0.0 for row in whole if row.method == method), default=0.0))
+        error_text(max((row.error or 0.0 for row in whole if row.method == method), default=0.0))
         for method in METHODS
     ]
     return [
@@ -165,11 +165,6 @@ def tables(rows: Sequence[Row]) -> list[Table]:
         ),
         Table("Largest difference by figure, over all systems", head, cells, "Empty: left out by the method."),
     ]  # fmt: skip
-
-
-def error_cell(error: float | None) -> str:
-    """An error in a table."""
-    return "" if error is None else "0" if error == 0 else f"{error:.1e}"
 
 
 SUITE = Suite(

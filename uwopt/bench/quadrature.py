@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from uwopt.bench import quadrature_exact as exact
 from uwopt.bench.quadrature_exact import Light, Water
-from uwopt.bench.suite import Budget, Row, Suite, Table, timed
+from uwopt.bench.suite import Budget, Row, Suite, Table, least_size, timed
 from uwopt.model import beam as beams
 from uwopt.model import imaging, veil
 from uwopt.model.imaging import Lamps, PortShape
@@ -279,7 +279,7 @@ def table_of(target: str, rows: Sequence[Row]) -> Table:
         tried = [row for row in of_case if not row.method.endswith(AS_USED)]
         cells = [f"{used[0].error:.1e}", f"{used[0].time_s:.1e}", order_text(used[0])] if used else [""] * 3
         rule = tried[0].method.removeprefix(f"{target}, ") if tried else ""
-        lines.append([case, *cells, rule, least_order(tried)])
+        lines.append([case, *cells, rule, least_size(tried, TARGET)])
     return Table(
         f"{target.capitalize()}: the default, and the least order for 1e-4",
         ["case", "error as used", "time as used, s", "order as used", "rule", "least order"],
@@ -291,19 +291,6 @@ def table_of(target: str, rows: Sequence[Row]) -> Table:
 def order_text(row: Row) -> str:
     """An order for a cell; empty where the default raises it until the value stands still."""
     return "" if row.size is None else f"{row.size:g}"
-
-
-def least_order(rows: Sequence[Row]) -> str:
-    """The lowest order from which on all errors are within the target."""
-    found = None
-    tried = sorted(rows, key=lambda row: row.size or 0.0)
-    for row in reversed(tried):
-        if row.error is None or row.error > TARGET:
-            break
-        found = row.size
-    if found is not None:
-        return f"{found:g}"
-    return f"more than {tried[-1].size:g}" if tried else ""
 
 
 SUITE = Suite(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from uwopt.bench import spectral_exact
 from uwopt.bench.spectral_exact import FIRST_NM, LAST_NM, QUICK_DEGREE, Entries, Tables
-from uwopt.bench.suite import Budget, Row, Suite, Table, timed
+from uwopt.bench.suite import Budget, Row, Suite, Table, error_text, least_size, timed
 from uwopt.scene import GRID_STEP_NM
 
 Array = NDArray[Any]
@@ -345,19 +345,16 @@ def measure(budget: Budget) -> Iterator[Row]:
     budget.tell(1.0, "done")
 
 
-def short(value: float | None) -> str:
-    """A number for a cell."""
-    return "" if value is None else f"{value:.1e}"
-
-
 def tables(rows: Sequence[Row]) -> Sequence[Table]:
     """By case: the default's error and time, and the least nodes of each rule that reach 1e-4."""
     made = []
     for case in dict.fromkeys(row.case for row in rows):
         of_case = [row for row in rows if row.case == case]
         used = [row for row in of_case if row.method == AS_USED]
-        cells = [case, *([short(used[0].error), short(used[0].time_s)] if used else ["", ""])]
-        made.append([*cells, *(least_nodes(of_case, name) for name in RULES)])
+        cells = [case, *([error_text(used[0].error), error_text(used[0].time_s)] if used else ["", ""])]
+        made.append(
+            [*cells, *(least_size([r for r in of_case if r.method == name], TARGET) for name in RULES)]
+        )
     return [
         Table(
             "The default, and the least nodes for 1e-4",
@@ -368,19 +365,6 @@ def tables(rows: Sequence[Row]) -> Sequence[Table]:
             "those tried.",
         )
     ]
-
-
-def least_nodes(rows: Sequence[Row], method: str) -> str:
-    """The fewest nodes from which on all errors are within the target."""
-    found = None
-    tried = sorted((row for row in rows if row.method == method), key=lambda row: row.size or 0.0)
-    for row in reversed(tried):
-        if row.error is None or row.error > TARGET:
-            break
-        found = row.size
-    if found is not None:
-        return f"{found:g}"
-    return f"more than {tried[-1].size:g}" if tried else ""
 
 
 SUITE = Suite(

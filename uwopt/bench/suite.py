@@ -86,6 +86,24 @@ class Suite:
     charted: Callable[[Row], bool] = lambda row: True  # which rows the charts show
 
 
+def error_text(error: float | None) -> str:
+    """An error in a cell; empty where there is none."""
+    return "" if error is None else "0" if error == 0 else f"{error:.1e}"
+
+
+def least_size(rows: Sequence[Row], target: float) -> str:
+    """The least size of one method from which on all errors are within the target, as a cell."""
+    found = None
+    tried = sorted(rows, key=lambda row: row.size or 0.0)
+    for row in reversed(tried):
+        if row.error is None or row.error > target:
+            break
+        found = row.size
+    if found is not None:
+        return f"{found:g}"
+    return f"more than {tried[-1].size:g}" if tried else ""
+
+
 def timed(work: Callable[[], Any], *, at_least_s: float = 0.02, repeats: int = 3) -> tuple[Any, float]:
     """What `work` gives, and the least seconds of several runs, each long enough for the clock."""
     result = work()
