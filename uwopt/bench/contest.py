@@ -22,12 +22,11 @@ from uwopt.problem import Problem
 from uwopt.rows import SceneRows
 from uwopt.solvers.exact import Outcome, Search, snr_ceiling
 from uwopt.solvers.imagers import limit
-from uwopt.solvers.population import Built, Coding
+from uwopt.solvers.population import Built, Coding, cost_of, mass_kg_of
 from uwopt.solvers.population_eval import Evaluator, lacking_without_veils, scene_rows
 from uwopt.solvers.population_light import LightStore
 from uwopt.solvers.population_settings import shortfall
-from uwopt.solvers.ranking import Found
-from uwopt.solvers.recommend import build_problem, selected
+from uwopt.solvers.recommend import build_problem, hardware_of, selected
 from uwopt.solvers.rounding import exact_settings
 
 Array = NDArray[Any]
@@ -272,23 +271,15 @@ class LoopGround(Ground):
         lamps = problem.lamps_to_buy(built.light, built.count) * lights.limit_price[built.light]
         cost = self.imagers.limit_cost[built.imager] + lamps
         return np.asarray(
-            (cost <= limit(limits.cost) * ROUND) & (self._mass_kg(built) <= limit(limits.mass_kg) * ROUND)
+            (cost <= limit(limits.cost) * ROUND)
+            & (mass_kg_of(self.search, built) <= limit(limits.mass_kg) * ROUND)
         )
-
-    def _cost(self, built: Built) -> Array:
-        lights = self.problem.lights
-        lamps = self.problem.lamps_to_buy(built.light, built.count) * lights.price[built.light]
-        return np.asarray(self.imagers.cost[built.imager] + lamps)
-
-    def _mass_kg(self, built: Built) -> Array:
-        lamps = built.count * self.problem.lights.mass_kg[built.light]
-        return np.asarray(self.imagers.mass_kg[built.imager] + lamps)
 
     def floor(self, built: Built) -> Array:
         """The objective of hardware that needs no light at all."""
         imagers = self.imagers
         terms = Terms(
-            imagers.camera_power_w[built.imager], self._cost(built), self._mass_kg(built),
+            imagers.camera_power_w[built.imager], cost_of(self.search, built), mass_kg_of(self.search, built),
             np.full(len(built.imager), snr_ceiling(self.objective)), imagers.gsd_mm[built.imager],
         )  # fmt: skip
         return np.asarray(self.objective.cost_to_minimise(terms))
@@ -305,8 +296,8 @@ class LoopGround(Ground):
         return {
             "motorised": bool(self.search.motorised[imager]),
             "camera_power_w": float(self.imagers.camera_power_w[imager]),
-            "cost": float(self._cost(one)[0]),
-            "mass_kg": float(self._mass_kg(one)[0]),
+            "cost": float(cost_of(self.search, one)[0]),
+            "mass_kg": float(mass_kg_of(self.search, one)[0]),
             "gsd_mm": float(self.imagers.gsd_mm[imager]),
         }
 
@@ -329,10 +320,3 @@ class LoopGround(Ground):
             bool(self.imagers.landscape[imager]), int(built.light[i]), int(built.count[i]), lighting.mount,
         )  # fmt: skip
         self.referee.claim(value, hardware, full)
-
-
-def hardware_of(found: Found) -> Hardware:
-    """A found design's hardware."""
-    return Hardware(
-        found.camera, found.lens, found.port, found.landscape, found.light, found.count, found.lighting.mount
-    )

@@ -18,7 +18,6 @@ from uwopt.bench.contest import (
     Seen,
     VectorGround,
     at_most,
-    hardware_of,
     mission_of,
     sources_of,
 )
@@ -28,9 +27,10 @@ from uwopt.objectives.objective import Objective
 from uwopt.problem import Problem
 from uwopt.solvers.continuous import ALGORITHMS, FEASIBLE, Method, solve_settings
 from uwopt.solvers.exact import Search
-from uwopt.solvers.goals import scenes_need_cells
 from uwopt.solvers.imagers import Imagers
+from uwopt.solvers.opinions import why_not_smooth
 from uwopt.solvers.ranking import Ranking
+from uwopt.solvers.recommend import hardware_of
 
 Array = NDArray[Any]
 TARGET = 1e-3  # relative gap that counts as arrived
@@ -166,11 +166,9 @@ def bonmin(referee: Referee, seed: int) -> None:
 
 def smooth_or_raise(referee: Referee) -> None:
     """Whether the settings of this mission are a smooth program at all."""
-    objective = referee.contest.objective
-    if scenes_need_cells(referee.problem.scenes, objective) or objective.weight("contrast"):
-        raise NotApplicableError("sun, sharpness, contrast or information are no part of its smooth program")
-    if min(objective.weight("power"), objective.weight("snr_db")) < 0.0:
-        raise NotApplicableError("a negative weight of power or snr_db")
+    why_not = why_not_smooth(referee.problem.scenes, referee.contest.objective)
+    if why_not:
+        raise NotApplicableError(why_not)
 
 
 # ---------------------------------------------------------------- vectors of hardware and settings

@@ -121,16 +121,10 @@ class Task:
 
     def value(self, scenes: Sequence[Scene], settings: Sequence[Settings]) -> float:
         """The minimised objective of settings, comparable with that of the exact search."""
-        light_w = worst_light_w(scenes, settings)
-        snr = min(float(s.nominal_snr(at)) for s, at in zip(scenes, settings, strict=True))
-        terms = Terms(
-            power=np.array(self.camera_power_w + light_w),
-            cost=np.array(self.cost),
-            mass=np.array(self.mass_kg),
-            snr_db=np.array(sensor.to_db(snr)),
-            gsd_mm=np.array(self.gsd_mm),
-        )
-        return float(self.objective.cost_to_minimise(terms))
+        return minimised_value(
+            self.objective, scenes, settings, camera_power_w=self.camera_power_w, cost=self.cost, mass_kg=self.mass_kg,
+            gsd_mm=self.gsd_mm,
+        )  # fmt: skip
 
     def value_per_unit(self, program: Program, x: Any) -> float:
         """Change of the minimised value per unit of the program's objective; watts when power is a tie."""
@@ -144,6 +138,22 @@ class Task:
     def seconds_left(self) -> float | None:
         """Until the deadline, if there is one."""
         return None if self.deadline is None else max(self.deadline - time.perf_counter(), 0.0)
+
+
+def minimised_value(
+    objective: Objective, scenes: Sequence[Scene], settings: Sequence[Settings], *, camera_power_w: float, cost: float,
+    mass_kg: float, gsd_mm: float,
+) -> float:  # fmt: skip
+    """The minimised objective of one design's settings by scene: the worst scene's power and SNR count."""
+    snr = min(float(s.nominal_snr(at)) for s, at in zip(scenes, settings, strict=True))
+    terms = Terms(
+        power=np.array(camera_power_w + worst_light_w(scenes, settings)),
+        cost=np.array(cost),
+        mass=np.array(mass_kg),
+        snr_db=np.array(sensor.to_db(snr)),
+        gsd_mm=np.array(gsd_mm),
+    )
+    return float(objective.cost_to_minimise(terms))
 
 
 def worst_light_w(scenes: Sequence[Scene], settings: Sequence[Settings]) -> float:

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from uwopt.model import sensor
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.rows import SceneRows
+from uwopt.solvers.continuous import minimised_value
 from uwopt.solvers.optimality import violations
 from uwopt.solvers.pieces import Piece, Scene, Settings, Symbolic, pieces_of, wanted_dn
 from uwopt.solvers.program import scene_rules
@@ -63,16 +64,10 @@ class Candidate:
 
     def value(self, objective: Objective, settings: Sequence[Settings]) -> float:
         """The minimised objective of settings by scene."""
-        pairs = list(zip(self.scenes, settings, strict=True))
-        snr = min(float(scene.nominal_snr(at)) for scene, at in pairs)
-        terms = Terms(
-            power=np.array(self.camera_power_w + max(float(s.light_power_w(at)) for s, at in pairs)),
-            cost=np.array(self.cost),
-            mass=np.array(self.mass_kg),
-            snr_db=np.array(sensor.to_db(snr)),
-            gsd_mm=np.array(self.gsd_mm),
-        )
-        return float(objective.cost_to_minimise(terms))
+        return minimised_value(
+            objective, self.scenes, settings, camera_power_w=self.camera_power_w, cost=self.cost, mass_kg=self.mass_kg,
+            gsd_mm=self.gsd_mm,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)

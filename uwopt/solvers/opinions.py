@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.continuous import solve_settings
+from uwopt.scene import SceneOptics
+from uwopt.solvers.continuous import FEASIBLE, solve_settings
 from uwopt.solvers.goals import scenes_need_cells
 from uwopt.solvers.imagers import limit
 from uwopt.solvers.ranking import Found
@@ -18,14 +20,22 @@ from uwopt.solvers.settings import Chosen
 
 AGREES_REL = 1e-4
 APERTURE_RESIDUAL = 1e-6
-FEASIBLE = 1e-6  # relative, of any rule
 MOST_CANDIDATES = 12  # open to Bonmin's choice
 BONMIN_S = 10.0  # of processor time
 
 
 def smooth(sought: Sought, objective: Objective) -> bool:
-    """Whether the continuous solvers' program holds what the mission asks: no sun, no sharpness, no contrast."""
-    return not (scenes_need_cells(sought.problem.scenes, objective) or objective.weight("contrast"))
+    """Whether the continuous solvers' program holds what the mission asks."""
+    return not why_not_smooth(sought.problem.scenes, objective)
+
+
+def why_not_smooth(scenes: Sequence[SceneOptics], objective: Objective) -> str:
+    """What of a mission is no part of the continuous solvers' program; empty where nothing is."""
+    if scenes_need_cells(scenes, objective) or objective.weight("contrast"):
+        return "sun, sharpness, contrast and information are no part of its smooth program"
+    if min(objective.weight("power"), objective.weight("snr_db")) < 0.0:
+        return "its program takes no negative weight of power or snr_db"
+    return ""
 
 
 def aperture_opinions(sought: Sought, found: Found, objective: Objective) -> list[dict[str, Any]]:
@@ -41,16 +51,10 @@ def aperture_opinions(sought: Sought, found: Found, objective: Objective) -> lis
         chosen = Chosen(**{n: np.array([numbers[n]]) for n in names if n in numbers})
         word = confirmed(row, chosen)
         if word is not None:
-            parts = sought.problem.parts
             made.append(
                 {
                     "method": "casadi",
-                    "hardware": [
-                        parts.cameras[found.camera].id,
-                        parts.lenses[found.lens].id,
-                        parts.ports[found.port].id,
-                        parts.lights[found.light].id,
-                    ],
+                    "hardware": part_ids(sought, found),
                     "status": "optimal" if word["kkt_residual"] < APERTURE_RESIDUAL else "failed",
                     "objective_value": objective.reported(found.minimised) * (1.0 + word["gain_rel"])
                     if objective.single
@@ -71,29 +75,20 @@ def aperture_opinions(sought: Sought, found: Found, objective: Objective) -> lis
 
 def opinion(sought: Sought, found: Found, objective: Objective, method: str) -> dict[str, Any]:
     """What a continuous solver finds for one hardware, beside the search's value."""
-    search, problem = sought.search, sought.problem
     answer = solve_settings(
-        scene_rows_of(search, found),
-        motorised=bool(problem.lenses.motorised[found.lens]),
+        scene_rows_of(sought.search, found),
+        **fixed_of(sought, found),
         objective=objective,
-        camera_power_w=float(search.imagers.camera_power_w[found.imager]),
-        cost=found.cost,
-        mass_kg=found.mass_kg,
-        gsd_mm=float(search.imagers.gsd_mm[found.imager]),
-        power_limit_w=limit(problem.mission.limits.power_w),
+        power_limit_w=limit(sought.problem.mission.limits.power_w),
         method=method,  # type: ignore[arg-type]
     )
-    parts = problem.parts
     value = answer.objective_value
     difference = None
     if value is not None:
         difference = abs(value - found.minimised) / max(abs(found.minimised), 1e-12)
     return {
         "method": answer.method,
-        "hardware": [
-            parts.cameras[found.camera].id, parts.lenses[found.lens].id, parts.ports[found.port].id,
-            parts.lights[found.light].id,
-        ],
+        "hardware": part_ids(sought, found),
         "status": answer.status,
         "objective_value": None if value is None else objective.reported(value),
         "difference_rel": difference,
@@ -118,16 +113,9 @@ def mixed_opinion(sought: Sought, objective: Objective, *, max_seconds: float = 
         "agrees": False, "max_violation": None, "kkt_residual": None, "multipliers": {}, "iterations": 0,
         "run_time_s": 0.0,
     }  # fmt: skip
-    if not smooth(sought, objective):
-        text = (
-            "Bonmin was not run: sun, sharpness, contrast and information are no part of its smooth program"
-        )
-        return {**told, "message": text}
-    if min(objective.weight("power"), objective.weight("snr_db")) < 0.0:
-        return {
-            **told,
-            "message": "Bonmin was not run: its program takes no negative weight of power or snr_db",
-        }
+    why_not = why_not_smooth(sought.problem.scenes, objective)
+    if why_not:
+        return {**told, "message": f"Bonmin was not run: {why_not}"}
     from uwopt.solvers.casadi_ipopt import solve_mixed
     from uwopt.solvers.mixed import MixedProgram
 
@@ -198,12 +186,16 @@ def candidate_of(sought: Sought, found: Found) -> Any:
     """One system as a candidate of the mixed-integer program."""
     from uwopt.solvers.mixed import Candidate
 
+    return Candidate.of(scene_rows_of(sought.search, found), **fixed_of(sought, found))
+
+
+def fixed_of(sought: Sought, found: Found) -> dict[str, Any]:
+    """What settings do not change of a system, as the solvers of settings take it."""
     imagers = sought.search.imagers
-    return Candidate.of(
-        scene_rows_of(sought.search, found),
-        motorised=bool(sought.problem.lenses.motorised[found.lens]),
-        camera_power_w=float(imagers.camera_power_w[found.imager]),
-        cost=found.cost,
-        mass_kg=found.mass_kg,
-        gsd_mm=float(imagers.gsd_mm[found.imager]),
-    )
+    return {
+        "motorised": bool(sought.problem.lenses.motorised[found.lens]),
+        "camera_power_w": float(imagers.camera_power_w[found.imager]),
+        "cost": found.cost,
+        "mass_kg": found.mass_kg,
+        "gsd_mm": float(imagers.gsd_mm[found.imager]),
+    }

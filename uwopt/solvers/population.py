@@ -353,19 +353,10 @@ class Coding:
         built, ideal = built.take(may), units.best_ideal[unit[may]].copy()
         for column, axis in enumerate(self.axes):
             if axis in ("cost", "mass"):
-                ideal[:, column] = self.cost(built) if axis == "cost" else self.mass_kg(built)
+                ideal[:, column] = (
+                    cost_of(self.search, built) if axis == "cost" else mass_kg_of(self.search, built)
+                )
         return built, ideal
-
-    def cost(self, built: Built) -> Array:
-        """Price of everything."""
-        problem, lights = self.search.problem, self.search.problem.lights
-        lamps = problem.lamps_to_buy(built.light, built.count) * lights.price[built.light]
-        return np.asarray(self.search.imagers.cost[built.imager] + lamps)
-
-    def mass_kg(self, built: Built) -> Array:
-        """Mass of everything."""
-        lamps = built.count * self.search.problem.lights.mass_kg[built.light]
-        return np.asarray(self.search.imagers.mass_kg[built.imager] + lamps)
 
     def drawn(self, n: int, rng: np.random.Generator) -> Array:
         """Vectors at random, each the likeliest of several."""
@@ -384,7 +375,7 @@ class Coding:
         cost = imagers.limit_cost[built.imager] + problem.lamps_to_buy(built.light, built.count) * price
         capacity = built.count * (lights.full_light * lights.output_factor)[built.light]
         missing = self.units.lacking(built.imager, built.lighting, lights.kind[built.light], capacity)
-        for value, most in ((cost, limits.cost), (self.mass_kg(built), limits.mass_kg)):
+        for value, most in ((cost, limits.cost), (mass_kg_of(self.search, built), limits.mass_kg)):
             if most is not None:
                 missing = missing + log_excess(value, np.full(len(value), most * ROUND))
         return missing
@@ -413,3 +404,16 @@ class Coding:
 def middle(index: Array | int, size: Array | int, top: int) -> Any:
     """The least gene that is read as this index of a list."""
     return -(-index * (top + 1) // size)
+
+
+def cost_of(search: Search, built: Built) -> Array:
+    """Price of everything."""
+    lights = search.problem.lights
+    lamps = search.problem.lamps_to_buy(built.light, built.count) * lights.price[built.light]
+    return np.asarray(search.imagers.cost[built.imager] + lamps)
+
+
+def mass_kg_of(search: Search, built: Built) -> Array:
+    """Mass of everything."""
+    lamps = built.count * search.problem.lights.mass_kg[built.light]
+    return np.asarray(search.imagers.mass_kg[built.imager] + lamps)

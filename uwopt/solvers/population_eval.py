@@ -24,7 +24,7 @@ from uwopt.optics import focus_map
 from uwopt.rows import SceneRows
 from uwopt.solvers.exact import Search
 from uwopt.solvers.imagers import limit
-from uwopt.solvers.population import Built, Coding
+from uwopt.solvers.population import Built, Coding, cost_of, mass_kg_of
 from uwopt.solvers.population_light import LightStore, Seen
 from uwopt.solvers.population_settings import Decoded, shortfall
 from uwopt.solvers.ranking import Found
@@ -237,8 +237,8 @@ class Evaluator:
         found: dict[str, Array] = {
             "power_w": self._camera_power_w(built) + light_w,
             "light_power_w": light_w,
-            "cost": self.coding.cost(built),
-            "mass_kg": self.coding.mass_kg(built),
+            "cost": cost_of(self.search, built),
+            "mass_kg": mass_kg_of(self.search, built),
             "gsd_mm": imagers.gsd_mm[built.imager],
             "snr_db": worst(lambda k, r, t, f: decibels(f.snr[:, k]), most=False),
             "contrast": worst(lambda k, r, t, f: f.contrast[:, k], most=False),
