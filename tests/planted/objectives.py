@@ -1,0 +1,7 @@
+"""Planted defects of margins, objectives and evaluation."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+DEFECTS: tuple[Defect, ...] = ()
