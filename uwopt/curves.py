@@ -145,7 +145,7 @@ def spectrum_way(design: Replay, scene_index: int = 0) -> SpectrumWay:
         lumens, relative_spectrum=relative_spectrum((item.spectrum_id, item.spectrum), grid), wavelength_nm=grid,
         photopic=scene.photopic,
     )  # fmt: skip
-    per_flux = axis_gain_per_m2(scene, item.beam, hw.mount.lamps(hw.count), range_m)
+    per_flux = axis_gain_per_m2(scene, item.beams[scene_index], hw.mount.lamps(hw.count), range_m)
     irradiance = flux * per_flux
     radiance = seafloor.lambertian_radiance(irradiance, reflectance=scene.reflectance)
     passes = float(model.lenses.transmission[0]) * (1.0 if scene.paper else port_transmission(shape))
@@ -294,7 +294,7 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
     scene, view = problem.scenes[scene_index], model.views[scene_index]
     shape, vehicle = model.shapes[scene_index], scene.view.vehicle
     range_m = float(scene.range_m[scene.nominal])
-    beam = problem.optics[int(model.lights.optics_index[0])].beam
+    beam = problem.beam(scene_index, int(model.lights.optics_index[0]))
     sharp = beams.has_sharp_edge(beam)
     half_angle = beams.edge_half_angle_rad(beam) if sharp else beams.half_power_angle_rad(beam)
     lamps = hw.mount.lamps(hw.count)

@@ -159,7 +159,7 @@ class DesignModel:
 
     def _dark_share(self, index: int) -> float:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
-        beam = self.problem.optics[int(self.lights.optics_index[0])].beam
+        beam = self.problem.beam(index, int(self.lights.optics_index[0]))
         lamps, range_m = hw.mount.lamps(hw.count), float(scene.range_m[scene.nominal])
         middles, _ = imaging.cells(DARK_CELLS)
         along, across = np.meshgrid(view.tan_along[0] * middles, view.tan_across[0] * middles)

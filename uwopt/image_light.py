@@ -119,7 +119,7 @@ class LampField:
         self.scene, self.contraction = problem.scenes[scene_index], problem.contractions[scene_index]
         self.fineness = self.scene.fineness
         self.shape = problem.shape(port_index, scene_index)
-        self.beam = problem.optics[optics].beam
+        self.beam = problem.beam(scene_index, optics)
         self.spectrum = int(self.contraction.spectrum_of[optics])
         self.efficiency, self.channel = efficiency, channel
         self.lamps = mount.lamps(count)

@@ -165,7 +165,7 @@ def floor_map(
 
     def lux(x_m: Array, y_m: Array) -> Array:
         return lumens * imaging.floor_illuminance_per_lm(
-            x_m, y_m, lamps=hw.mount.lamps(hw.count), beam=item.beam, range_m=range_m,
+            x_m, y_m, lamps=hw.mount.lamps(hw.count), beam=item.beams[scene_index], range_m=range_m,
             weight=luminous_weight(scene, item),
             attenuation_per_m=scene.lamp_attenuation_per_m,
         )  # fmt: skip

@@ -406,22 +406,30 @@ def required_rate_hz(requirements: Requirements, speed_m_s: float, footprint_alo
 
 @dataclass(frozen=True)
 class LightOptics:
-    """What one lamp's light is like: beam in water and relative spectrum. Lights that share it share signals."""
+    """What one lamp's light is like: beam in each scene's water and relative spectrum. Lights that share it share
+    signals."""
 
-    beam: beams.Beam
+    beams: tuple[beams.Beam, ...]
     spectrum_id: str
     spectrum: Curve | None
 
 
-def light_optics(light: Light, *, n_water: float, end: str = "central", paper: bool = False) -> LightOptics:
-    """Beam and spectrum of a light; angles stated in air, or in no medium, are refracted into water.
+def light_optics(
+    light: Light, *, n_water: Sequence[float], end: str = "central", paper: bool = False
+) -> LightOptics:
+    """Beam and spectrum of a light; angles stated in air, or in no medium, are refracted into each scene's water.
 
     Physics `paper` knows one beam, the even disc: it takes the place of any other of the same angle.
     """
-    beam = light_beam(light, n_water=n_water, end=end)
-    if paper and beam.kind != "disc":
-        beam = beams.disc_beam(min(beams.half_power_angle_rad(beam), WIDEST_DISC_RAD))
-    return LightOptics(beam, light.spectrum_id, light.spectrum)
+    made = {index: light_beam(light, n_water=index, end=end) for index in n_water}
+    if paper:
+        made = {
+            index: beam
+            if beam.kind == "disc"
+            else beams.disc_beam(min(beams.half_power_angle_rad(beam), WIDEST_DISC_RAD))
+            for index, beam in made.items()
+        }
+    return LightOptics(tuple(made[index] for index in n_water), light.spectrum_id, light.spectrum)
 
 
 def light_beam(light: Light, *, n_water: float, end: str = "central") -> beams.Beam:

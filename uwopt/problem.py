@@ -36,6 +36,7 @@ from uwopt.image_light import ImageLight, LampField, SunLight, Veils
 from uwopt.mission import Mission
 from uwopt.model import fineness as fine
 from uwopt.model import imaging
+from uwopt.model.beam import Beam
 from uwopt.model.fidelity import FULL, PAPER, Effects
 from uwopt.model.imaging import Lamps, PortShape
 from uwopt.optics import (
@@ -142,7 +143,9 @@ class Problem:
         self.ports: Ports = port_rows(
             parts.ports, money=self.money, glass_index=glass_index, end=end, high_basis=high
         )
-        self.optics, optics_index = distinct_optics(parts.lights, self.scenes[0].n_water, end, paper=paper)
+        self.optics, optics_index = distinct_optics(
+            parts.lights, [scene.n_water for scene in self.scenes], end, paper=paper
+        )
         self.lights: Lights = light_rows(
             parts.lights, money=self.money, optics_index=optics_index, end=end, paper=paper, high_basis=high
         )
@@ -192,6 +195,10 @@ class Problem:
         return np.asarray(np.maximum(count - owned[light], 0.0))
 
     # ------------------------------------------------------------ light
+
+    def beam(self, scene_index: int, optics: int) -> Beam:
+        """The beam of one light optics in one scene's water."""
+        return self.optics[optics].beams[scene_index]
 
     def image_light(
         self, scene_index: int, view: Views, camera: Array, *, port_index: int, optics: int, mount: Mount,
@@ -267,16 +274,16 @@ class Problem:
         altitude: int,
     ) -> tuple[float, float]:  # fmt: skip
         """Mean and least floor illuminance per lumen over one imager's footprint [1/m^2]."""
-        scene, item = self.scenes[scene_index], self.optics[optics]
+        scene, beam = self.scenes[scene_index], self.beam(scene_index, optics)
         range_m = float(scene.range_m[altitude])
-        weight = luminous_weight(scene, item)
+        weight = luminous_weight(scene, self.optics[optics])
         if self.paper:
-            axis = float(on_axis_gain(item.beam, np.array([range_m]))[0])
+            axis = float(on_axis_gain(beam, np.array([range_m]))[0])
             loss = float((weight * np.exp(-scene.lamp_attenuation_per_m * range_m)).sum() / weight.sum())
             return axis * loss, axis * loss
         return imaging.footprint_illuminance_per_lm(
             float(view.tan_along[0]), float(view.tan_across[0]), shape=self.shape(port_index, scene_index),
-            range_m=range_m, lamps=mount.lamps(count), beam=item.beam, weight=weight,
+            range_m=range_m, lamps=mount.lamps(count), beam=beam, weight=weight,
             attenuation_per_m=scene.lamp_attenuation_per_m, fineness=scene.fineness,
         )  # fmt: skip
 
@@ -450,7 +457,7 @@ def mission_mounts(mission: Mission) -> list[Mount]:
 
 
 def distinct_optics(
-    lights: Sequence[Light], n_water: float, end: End, *, paper: bool
+    lights: Sequence[Light], n_water: Sequence[float], end: End, *, paper: bool
 ) -> tuple[list[LightOptics], list[int]]:
     """Distinct beams with spectra, and each light's index into them."""
     found: dict[tuple[Any, ...], int] = {}
@@ -458,7 +465,7 @@ def distinct_optics(
     index = []
     for part in lights:
         item = light_optics(part, n_water=n_water, end=end, paper=paper)
-        key = (item.beam, item.spectrum_id, item.spectrum)
+        key = (item.beams, item.spectrum_id, item.spectrum)
         if key not in found:
             found[key] = len(optics)
             optics.append(item)

@@ -70,9 +70,8 @@ class FieldTables:
         spectrum = int(contraction.spectrum_of[lighting.optics])
         collecting = imagers.scenes[scene_index].view.collecting_m2[rows]
         if problem.paper:  # knows no field, so the bound is exact
-            axis = on_axis_gain(problem.optics[lighting.optics].beam, problem.scenes[scene_index].range_m)[
-                altitude
-            ]
+            beam, ranges = problem.beam(scene_index, lighting.optics), problem.scenes[scene_index].range_m
+            axis = on_axis_gain(beam, ranges)[altitude]
             loss = [contraction.straight_loss(spectrum, int(q))[altitude] for q in curves]
         else:
             loss = [self._least_loss(scene_index, lighting, altitude, int(q)) for q in curves]
@@ -162,12 +161,12 @@ class LightTable:
     ) -> LightTable:
         """Sum cells outward from the axis, all four quadrants folded into one."""
         scene = problem.scenes[scene_index]
-        beam, range_m = problem.optics[lighting.optics].beam, float(scene.range_m[altitude])
+        beam, range_m = problem.beam(scene_index, lighting.optics), float(scene.range_m[altitude])
         lamps = one_side(lighting.mount.lamps(2))
         peak = beams.peak_intensity_per_sr(beam) / min(range_m - z for z in lamps.z_m) ** 2
         along = edges_to(float(widest.half_along_m.max(initial=1e-6)))
         across = edges_to(float(widest.half_across_m.max(initial=1e-6)))
-        cells = most_in_cells(problem.optics[lighting.optics].beam, lamps, along, across, range_m,
+        cells = most_in_cells(beam, lamps, along, across, range_m,
                               float(scene.lamp_attenuation_per_m.min()))  # fmt: skip
         radius = np.square(along[:-1, None]) + np.square(across[None, :-1])  # of the corner next to the axis
         depth = range_m + widest.deepest_m

@@ -28,7 +28,7 @@ class SignalTables(FieldTables):
 
     def bound(self, scene_index: int, lighting: Lighting, altitude: int, rows: Array) -> Array:
         """Upper bound on the electrons per lm s of these imagers at one altitude, (n,)."""
-        scene, beam = self.problem.scenes[scene_index], self.problem.optics[lighting.optics].beam
+        scene, beam = self.problem.scenes[scene_index], self.problem.beam(scene_index, lighting.optics)
         coarse = super().bound(scene_index, lighting, altitude, rows)
         if self.problem.paper or altitude != len(scene.range_m) - 1 or beams.has_sharp_edge(beam):
             return coarse
@@ -56,7 +56,7 @@ class SignalTables(FieldTables):
     ) -> Array:
         """Mean of `imaging.local_gain` over images behind ports of one geometry [1/m^2]."""
         problem, view = self.problem, self.imagers.scenes[scene_index].view
-        scene, beam = problem.scenes[scene_index], problem.optics[lighting.optics].beam
+        scene, beam = problem.scenes[scene_index], problem.beam(scene_index, lighting.optics)
         lamps, range_m = one_side(lighting.mount.lamps(2)), float(scene.range_m[altitude])
         along, across = view.tan_along[rows], view.tan_across[rows]
         shape = self._shape(scene_index, rows, is_dome, ())
@@ -86,7 +86,7 @@ class SignalTables(FieldTables):
     ) -> Array:
         """The product rule of `imaging.mean_of_order` for these imagers."""
         problem, view = self.problem, self.imagers.scenes[scene_index].view
-        beam, lamps = problem.optics[lighting.optics].beam, one_side(lighting.mount.lamps(2))
+        beam, lamps = problem.beam(scene_index, lighting.optics), one_side(lighting.mount.lamps(2))
         spectrum = int(problem.contractions[scene_index].spectrum_of[lighting.optics])
         across_nodes, across_weights = imaging.gauss(order)
         along_nodes, along_weights = across_nodes, across_weights
