@@ -8,7 +8,7 @@ counts what it discards first.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,7 @@ from uwopt.problem import Focused, Problem
 
 Array = NDArray[Any]
 SAMPLES = 24  # discarded imagers remembered per rule, port and orientation, for an audit
+PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule
 ROUND = 1.0 + 1e-9  # a limit met to rounding is met
 
 IMAGER_RULES = (
@@ -89,7 +90,7 @@ def enumerate_imagers(problem: Problem, *, cameras: Array | None = None) -> Imag
     `cameras` marks those worth a look; the others are counted under the rule `bound`.
     """
     pairs = fitting_pairs(problem, cameras=cameras)
-    samples: dict[str, list[tuple[int, int, int, bool]]] = {}
+    samples = pairs.samples
     blocks = [
         block
         for port in range(len(problem.parts.ports))
@@ -113,6 +114,7 @@ class Pairs:
     camera: Array
     lens: Array
     discarded: dict[str, int]
+    samples: dict[str, list[tuple[int, int, int, bool]]] = field(default_factory=dict)
 
 
 def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> Pairs:
@@ -124,19 +126,30 @@ def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> Pairs:
         return Pairs(np.empty(0, int), np.empty(0, int), discarded)
     fits = mount_compatible([c.mounts for c in parts.cameras], [part.mounts for part in parts.lenses])
     fits = fits.reshape(n_camera, n_lens)
-    circle = circles_ok(problem)
-    per_pair = n_port * len(landscapes(problem))
-    discarded["mount"] = int((~fits).sum()) * per_pair
-    discarded["image_circle"] = int((fits & ~circle).sum()) * per_pair
+    asked = [("mount", fits), ("image_circle", circles_ok(problem))]
     if problem.mission.catalog.lens_rating == "limit":
-        sharp = ratings_ok(problem)
-        discarded["lens_rating"] = int((fits & circle & ~sharp).sum()) * per_pair
-        circle = circle & sharp
+        asked.append(("lens_rating", ratings_ok(problem)))
     if cameras is not None:
-        discarded["bound"] = int((fits & circle)[~cameras].sum()) * per_pair
-        circle = circle & cameras[:, None]
-    camera, lens = np.nonzero(fits & circle)
-    return Pairs(camera, lens, discarded)
+        asked.append(("bound", np.broadcast_to(cameras[:, None], fits.shape)))
+    samples: dict[str, list[tuple[int, int, int, bool]]] = {}
+    alive = np.ones(fits.shape, bool)
+    for rule, passes in asked:
+        lost = np.argwhere(alive & ~passes)
+        discarded[rule] = len(lost) * n_port * len(landscapes(problem))
+        samples[rule] = sampled_pairs(problem, lost)
+        alive &= passes
+    camera, lens = np.nonzero(alive)
+    return Pairs(camera, lens, discarded, samples)
+
+
+def sampled_pairs(problem: Problem, lost: Array) -> list[tuple[int, int, int, bool]]:
+    """Some of these pairs, evenly spread, behind the ports and in the orientations by turns."""
+    n_port, orientations = len(problem.parts.ports), landscapes(problem)
+    some = lost[:: max(1, len(lost) // PAIR_SAMPLES)]
+    return [
+        (int(camera), int(lens), i % n_port, orientations[i % len(orientations)])
+        for i, (camera, lens) in enumerate(some)
+    ]
 
 
 def circles_ok(problem: Problem) -> Array:

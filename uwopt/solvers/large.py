@@ -50,7 +50,7 @@ class LargeSearch:
         low, high = self.problem.count_range
         self.every = len(self.problem.parts.lights) * (high - low + 1) * len(self.problem.mounts)
         self.pending: list[tuple[Rows, Array]] = []  # imagers with their bounds
-        self.samples: dict[str, list[tuple[int, int, int, bool]]] = {}
+        self.samples = pairs.samples
         self.outline_s = 0.0
 
     # ------------------------------------------------------------ run
