@@ -104,7 +104,7 @@ def solve(
     solver : exact (search with certificate); casadi or nlopt also solve the settings of the best
         hardware again and report what they find; bonmin solves hardware and settings of the best together
     top : how many designs with other hardware to list, the best included
-    audit : how many discarded combinations to attack
+    audit : how many other combinations to attack, half of them discarded
     seconds : give up the proof after this long; the gap that is left is reported
     alternatives : also say what systems of other makers lack
     accuracy : estimate the numerical error of every figure, in `result.accuracy`

@@ -88,7 +88,7 @@ def solve_command(
     physics: PhysicsOption = None,
     top: Annotated[int, typer.Option(metavar="K", min=1, max=1000, help="How many systems to list.")] = 5,
     audit: Annotated[
-        int, typer.Option(metavar="N", min=0, max=1_000_000, help="Try N discarded combinations again.")
+        int, typer.Option(metavar="N", min=0, max=1_000_000, help="Try N other combinations, half of them discarded.")
     ] = 0,
     seconds: Annotated[
         float | None, typer.Option(metavar="S", help="Stop after S seconds; the gap that is left is told.")

@@ -182,7 +182,7 @@ def test_failed_audit_stands_out(make_result: Make) -> None:
         "passed": False,
         "better": [{"rule": "bound", "camera": "acme-cam-9", "objective_value": 39.0}],
     }
-    assert "Audit FAILED: 20 discarded combinations tried again" in flat(text_of(make_result(audit=audit)))
+    assert "Audit FAILED: 20 other combinations tried again" in flat(text_of(make_result(audit=audit)))
 
 
 def test_result_read_back_from_json_reads_the_same(make_result: Make) -> None:

@@ -316,8 +316,8 @@ def whose(result: Result, hardware: list[str]) -> str:
 
 
 def audit_sentence(audit: Mapping[str, Any]) -> Text:
-    """Outcome of the attack on discarded combinations."""
-    tried = words.counted(int(audit.get("tried") or 0), "discarded combination")
+    """Outcome of the attack on what was not recommended."""
+    tried = words.counted(int(audit.get("tried") or 0), "other combination")
     if audit.get("passed", True):
         return sentence(f"Audit: {tried} tried again by a generic search; none beats the recommendation.")
     better = audit.get("better") or [{}]

@@ -289,10 +289,12 @@ class Search:
         }
         for rule, units in self._samples.items():
             pool = pools.setdefault(rule, [])
-            for camera, lens, port, landscape, k in units[: max(count, 1)]:
+            for place in rng.permutation(len(units))[: max(count, 1)]:
+                camera, lens, port, landscape, k = units[int(place)]
                 lights = None if k is None else self.bounds.light_tables[k].light
-                light = None if lights is None else int(lights[int(rng.integers(len(lights)))])
-                pool.append((camera, lens, port, landscape, light))
+                if lights is None or len(lights):  # a table of no lights holds no combination
+                    light = None if lights is None else int(rng.choice(lights))
+                    pool.append((camera, lens, port, landscape, light))
         return pools
 
     # ------------------------------------------------------------ evaluation

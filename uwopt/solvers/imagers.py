@@ -134,7 +134,7 @@ def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> Pairs:
     samples: dict[str, list[tuple[int, int, int, bool]]] = {}
     alive = np.ones(fits.shape, bool)
     for rule, passes in asked:
-        lost = np.argwhere(alive & ~passes)
+        lost = np.flatnonzero(alive & ~passes)
         discarded[rule] = len(lost) * n_port * len(landscapes(problem))
         samples[rule] = sampled_pairs(problem, lost)
         alive &= passes
@@ -143,12 +143,13 @@ def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> Pairs:
 
 
 def sampled_pairs(problem: Problem, lost: Array) -> list[tuple[int, int, int, bool]]:
-    """Some of these pairs, evenly spread, behind the ports and in the orientations by turns."""
-    n_port, orientations = len(problem.parts.ports), landscapes(problem)
+    """Some of these pairs, counted lens by lens, evenly spread, behind the ports and orientations by turns."""
+    n_port, n_lens = len(problem.parts.ports), len(problem.parts.lenses)
+    orientations = landscapes(problem)
     some = lost[:: max(1, len(lost) // PAIR_SAMPLES)]
     return [
         (int(camera), int(lens), i % n_port, orientations[i % len(orientations)])
-        for i, (camera, lens) in enumerate(some)
+        for i, (camera, lens) in enumerate(zip(*np.divmod(some, n_lens), strict=True))
     ]
 
 
