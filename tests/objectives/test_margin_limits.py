@@ -1,0 +1,257 @@
+"""Every requirement holds just inside its limit and is missed just outside; a margin without a case fails.
+
+Values of geometry, time and totals are worked out here by hand, for physics `paper` behind a flat port: the
+effective focal length is 1.33 f. Figures that rest on spectra are read from the design and combined by hand.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from math import hypot, log10, sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import uwopt
+from uwopt.api import prepared, scene_settings, system_problem
+from uwopt.design_model import SceneSettings, design_model
+from uwopt.mission import load_mission
+from uwopt.objectives.margins import MarginRows
+from uwopt.system import load_system
+
+PACKAGE = Path(uwopt.__file__).parent
+JUST = 1e-5  # of a limit; 1e-6 is allowed for rounding
+
+MISSION: dict[str, Any] = {
+    "name": "limits", "physics": "paper",
+    "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
+    "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "light_baseline_m": 0.5, "light_count": [2, 2]},
+    "catalog": {"extras": [{"name": "housing", "cost": 50.0, "mass_kg": 3.0, "power_w": 6.0}]},
+    "requirements": {"circle_of_confusion_px": 2.0}, "limits": {},
+}  # fmt: skip
+SYSTEM: dict[str, Any] = {
+    "camera": {"resolution_x_px": 2000, "resolution_y_px": 1000, "pixel_pitch_um": 5.0, "read_noise_e": 5.0,
+               "quantum_efficiency": 0.5, "bit_depth": 12, "gain_dn_per_e": 0.5, "saturation_e": 20_000,
+               "max_frame_rate_hz": 10.0, "price": 1000.0, "mass_g": 500.0, "power_w": 4.0},
+    "lens": {"focal_length_mm": 10.0, "f_number_min": 1.4, "f_number_max": 16.0, "price": 300.0, "mass_g": 100.0},
+    "port": {"id": "port", "geometry": "flat", "gap_mm": 5.0, "thickness_mm": 10.0, "price": 200.0, "mass_g": 300.0},
+    "light": {"id": "lamp", "flux_lm": 10_000, "power_w": 100.0, "beam": "cosine-power", "beam_half_angle_deg": 40.0,
+              "price": 400.0, "mass_g": 700.0},
+    "light_count": 2,
+    "settings": {"f_number": 4.0, "exposure_ms": 1.0, "gain": 1.0, "frame_rate_hz": 2.0},
+}  # fmt: skip
+PULSED = {"light.kind": "pulsed_led", "settings.pulse_ms": 0.5}
+FLASH = {
+    **{"light.kind": "flash", "light.flux_lm": None, "light.power_w": None},
+    **{"light.flash_energy_j": 10.0, "light.flash_duration_us": 1000.0},
+}
+FULL = {"physics": "full"}
+
+FOCAL_M, PIXEL_M = 1.33 * 10e-3, 5e-6
+GSD_M = 2.0 * PIXEL_M / FOCAL_M
+BLUR_PX = 0.5 * 1e-3 / GSD_M
+SKEW_PX = 0.5 * 0.1 / GSD_M  # all rows of a 10 Hz camera are read in 0.1 s
+OVERLAP = 1.0 - 0.5 / (2.0 * 1000 * GSD_M)
+CORNER_MM = hypot(1000, 500) * 5e-6 / 10e-3 * 5.0  # of the view in air, 5 mm behind the window
+
+
+def depth_of_field_m(focus_m: float) -> tuple[float, float]:
+    """Near and far end by the thin lens at F4 and a circle of two pixels."""
+    half = 4.0 * 2.0 * PIXEL_M * (1.0 - FOCAL_M / focus_m) / FOCAL_M**2
+    return 1.0 / (1.0 / focus_m + half), 1.0 / (1.0 / focus_m - half)
+
+
+NEAR_M, FAR_M = depth_of_field_m(2.0)
+FAR_OF_NEARER_FOCUS_M = depth_of_field_m(1.5)[1]
+
+
+def changed(base: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
+    """A nested mapping with other values at dotted keys; None removes a key. Keys of other mappings are passed."""
+    out = {key: dict(value) if isinstance(value, dict) else value for key, value in base.items()}
+    for path, value in changes.items():
+        section, _, key = path.partition(".")
+        if section not in out:
+            continue
+        if not key:
+            out[section] = value
+        elif value is None:
+            out[section].pop(key)
+        else:
+            out[section][key] = value
+    return out
+
+
+class Design:
+    """One design, its margins by name, and figures as `evaluate` would report them."""
+
+    def __init__(self, changes: dict[str, Any], *, given: dict[str, Any] | None = None):
+        mission = prepared(load_mission(changed(MISSION, changes)), None, None)
+        system = load_system(changed(SYSTEM, changes))
+        problem, hardware = system_problem(mission, system)
+        self.model = design_model(problem, hardware)
+        wanted: SceneSettings = replace(scene_settings(problem, hardware, system, "scene 1"), **(given or {}))
+        self.settings = self.model.settings(0, wanted)
+        self.figures = self.model.figures(0, self.settings, information=not problem.paper)
+
+    def margins(self) -> dict[str, MarginRows]:
+        return {m.requirement: m for m in self.model.margins(0, self.settings, self.figures)}
+
+
+@cache
+def reached(figure: str, *changes: tuple[str, Any]) -> float:
+    """A figure of the design at its one altitude."""
+    return float(np.ravel(getattr(Design(dict(changes)).figures, figure))[0])
+
+
+def snr_db() -> float:
+    """From the electrons: K is 0.5 DN of 12 bit, 8 of the paper's 16."""
+    electrons = reached("electrons_signal")
+    return 20.0 * log10(electrons / sqrt(5.0**2 + 1.0 / (12.0 * 8.0**2) + electrons))
+
+
+def contrast() -> float:
+    signal, forward, back = (
+        reached(f"electrons_{name}", *FULL.items()) for name in ("signal", "forward", "backscatter")
+    )
+    return signal / (signal + forward + back)
+
+
+def uniformity() -> float:
+    result = uwopt.evaluate(changed(MISSION, FULL), changed(SYSTEM, FULL))
+    assert result.design is not None
+    return float(result.design.scenes[0].figures["uniformity"])
+
+
+Changes = dict[str, Any]
+
+
+def high(key: str, value: float, **more: Any) -> Callable[[float], Changes]:
+    """A highest value that the design's own passes by a share."""
+    return lambda over: {**more, key: value / (1.0 + over)}
+
+
+def low(key: str, value: float, **more: Any) -> Callable[[float], Changes]:
+    """A least value that the design's own misses by a share."""
+    return lambda over: {**more, key: value * (1.0 + over)}
+
+
+#: Requirement, and what puts the design beyond its limit by a share (inside, where that is below 0).
+CASES: list[tuple[str, Callable[[float], Changes]]] = [
+    ("max_blur_px", high("requirements.max_blur_px", BLUR_PX)),
+    ("max_skew_px", high("requirements.max_skew_px", SKEW_PX, **{"camera.shutter": "rolling"})),
+    ("overlap", low("requirements.overlap", OVERLAP)),
+    ("frame_interval_s", high("requirements.frame_interval_s", 1.0 / 2.0)),
+    ("frame_rate", high("camera.max_frame_rate_hz", 2.0)),
+    ("frame_rate", high("camera.bandwidth_mb_s", 2.0 * 2000 * 1000 * 12 / 8 / 1e6)),
+    ("dof_near_m", lambda over: {
+        "requirements.min_dof_m": 0.1, "vehicle.altitude_tolerance_m": 2.0 - NEAR_M / (1.0 + over)}),
+    ("dof_far_m", lambda over: {
+        "requirements.min_dof_m": 0.1, "settings.focus_distance_m": 1.5,
+        "vehicle.altitude_tolerance_m": FAR_OF_NEARER_FOCUS_M * (1.0 + over) - 2.0}),
+    ("min_dof_m", low("requirements.min_dof_m", FAR_M - NEAR_M)),
+    ("max_gsd_mm", high("requirements.max_gsd_mm", GSD_M * 1e3)),
+    ("min_swath_m", low("requirements.min_swath_m", 2000 * GSD_M)),
+    ("min_snr_db", lambda over: {"requirements.min_snr_db": snr_db() * (1.0 + over)}),
+    ("min_mtf_half_nyquist", lambda over: {
+        **FULL, "requirements.min_mtf_half_nyquist":
+            reached("mtf_half_nyquist", *FULL.items(), ("requirements.min_mtf_half_nyquist", 0.1)) * (1.0 + over)}),
+    ("min_contrast", lambda over: {**FULL, "requirements.min_contrast": contrast() * (1.0 + over)}),
+    ("min_uniformity", lambda over: {**FULL, "requirements.min_uniformity": uniformity() * (1.0 + over)}),
+    ("mean_level", lambda over: {"requirements.mean_level": reached("mean_level") * (1.0 + max(over, 0.0))}),
+    ("mean_level", lambda over: {"requirements.mean_level": reached("mean_level") * (1.0 - max(over, 0.0))}),
+    ("saturation_fraction", lambda over: {"requirements.highlight_ratio": (1.0 + over) / reached("mean_level")}),
+    ("saturation_fraction", lambda over: {
+        "camera.saturation_e": 2.0 * reached("electrons_signal"), "requirements.highlight_ratio": 2.0 * (1.0 + over)}),
+    ("f_number_min", low("lens.f_number_min", 4.0)),
+    ("f_number_max", high("lens.f_number_max", 4.0)),
+    ("nearest_focus_m", low("lens.min_object_distance_m", 2.0)),
+    ("gain_min", lambda over: {"given": {"gain": 1.0 / (1.0 + over)}}),
+    ("gain_max", lambda over: {"camera.max_gain_db": 20.0 * log10(2.0 / (1.0 + over)), "settings.gain": 2.0}),
+    ("max_exposure_ms", high("camera.max_exposure_us", 1000.0)),
+    ("max_exposure_ms", high("limits.max_exposure_ms", 1.0)),
+    ("max_exposure_ms", lambda over: {"settings.exposure_ms": 1e3 / 2.0 * (1.0 + over)}),
+    ("min_exposure_ms", low("camera.min_exposure_us", 1000.0)),
+    ("light_level_max", lambda over: {"given": {"level": 1.0 + over}}),
+    ("light_level", low("light.dim_min_frac", 0.5, **{"settings.dim_frac": 0.5})),
+    ("light_level", lambda over: {
+        "light.dim_levels": [0.25, 0.5, 1.0], "settings.dim_frac": 0.5 * (1.0 + max(over, 0.0))}),
+    ("max_pulse_ms", high("light.max_pulse_us", 500.0, **PULSED)),
+    ("min_pulse_ms", low("light.min_pulse_us", 500.0, **PULSED)),
+    ("light_duty", high("light.max_duty_frac", 0.5e-3 * 2.0, **PULSED)),
+    ("light_rate", high("light.max_rate_hz", 2.0, **PULSED)),
+    ("light_rate", low("light.recycle_s", 1.0 / 2.0, **FLASH)),
+    ("shutter_open_ms", lambda over: {
+        **PULSED, "camera.shutter": "rolling", "settings.exposure_ms": (100.0 + 0.5) / (1.0 + over)}),
+    ("shutter_open_ms", lambda over: {
+        **FLASH, "camera.shutter": "rolling", "settings.exposure_ms": (100.0 + 1.0) / (1.0 + over)}),
+    ("cost", high("limits.cost", 1000.0 + 300.0 + 200.0 + 2 * 400.0 + 50.0)),
+    ("power_w", high("limits.power_w", 4.0 + 2 * 100.0 + 6.0)),
+    ("power_w", high("limits.power_w", 4.0 + 2 * 100.0 * 0.5e-3 * 2.0 + 6.0, **PULSED)),
+    ("peak_power_w", high("limits.peak_power_w", 4.0 + 2 * 100.0 + 6.0, **PULSED)),
+    ("mass_kg", high("limits.mass_kg", 0.5 + 0.1 + 0.3 + 2 * 0.7 + 3.0)),
+    ("data_rate_mb_s", high("limits.data_rate_mb_s", 2.0 * 2000 * 1000 * 12 / 8 / 1e6)),
+    ("depth_rating_m (port)", lambda over: {"port.depth_rating_m": 300.0 / (1.0 + over)}),
+    ("depth_rating_m (lamp)", lambda over: {"light.depth_rating_m": 300.0 / (1.0 + over)}),
+    ("port_clears_view_mm", high("port.clear_diameter_mm", 2.0 * CORNER_MM, **FULL)),
+]  # fmt: skip
+EACH = pytest.mark.parametrize(
+    ("name", "beyond"), CASES, ids=[f"{name} {index}" for index, (name, _) in enumerate(CASES)]
+)
+
+
+def margin_of(name: str, changes: Changes) -> MarginRows:
+    given = changes.pop("given", None)
+    return Design(changes, given=given).margins()[name]
+
+
+@EACH
+def test_requirement_holds_just_inside_its_limit(name: str, beyond: Callable[[float], Changes]) -> None:
+    assert margin_of(name, beyond(-JUST)).satisfied.all()
+
+
+@EACH
+def test_requirement_is_missed_just_outside_its_limit(name: str, beyond: Callable[[float], Changes]) -> None:
+    margin = margin_of(name, beyond(JUST))
+    assert not margin.satisfied.any()
+    size = max(abs(float(margin.limit[0])), 1e-12)
+    assert float(margin.margin[0]) == pytest.approx(
+        -JUST * size, rel=1e-2
+    )  # (1 + x) and 1 / (1 - x) differ by x
+
+
+def loop_names(node: ast.AST) -> dict[str, set[str]]:
+    """Of `for name, ... in (("cost", ...), ...)`: the variable and the texts it takes."""
+    if not (
+        isinstance(node, ast.For) and isinstance(node.target, ast.Tuple) and isinstance(node.iter, ast.Tuple)
+    ):
+        return {}
+    firsts = [row.elts[0] for row in node.iter.elts if isinstance(row, ast.Tuple)]
+    texts = {str(one.value) for one in firsts if isinstance(one, ast.Constant)}
+    return {ast.unparse(node.target.elts[0]): texts}
+
+
+def names_in(node: ast.AST, loops: dict[str, set[str]]) -> set[str]:
+    """First arguments of all `MarginRows(...)`; where it is a loop's variable, what that takes."""
+    found: set[str] = set()
+    loops = {**loops, **loop_names(node)}
+    if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("MarginRows") and node.args:
+        first = node.args[0]
+        if isinstance(first, ast.JoinedStr):
+            first = first.values[0]  # of "name (part)": the name
+        if isinstance(first, ast.Constant):
+            found.add(str(first.value).rstrip(" ("))
+        else:
+            found |= loops.get(ast.unparse(first), {f"? {ast.unparse(first)}"})
+    return found.union(*(names_in(child, loops) for child in ast.iter_child_nodes(node)))
+
+
+def test_every_margin_of_the_program_has_a_case() -> None:
+    texts = [file.read_text(encoding="utf-8") for file in PACKAGE.rglob("*.py")]
+    trees = [ast.parse(text) for text in texts if "MarginRows(" in text]
+    written = set[str]().union(*(names_in(tree, {}) for tree in trees))
+    assert written == {name.partition(" (")[0] for name, _ in CASES}
