@@ -44,7 +44,7 @@ def cold(mission: Path, names: Sequence[str], algorithm: str, seed: int, seconds
     wanted = prepared(mission, None, None)
     selection = selected(wanted, load_catalog(wanted), generic="never")
     objective = Objective(dict.fromkeys(names, 1.0))
-    search = Search(build_problem(wanted, selection), objective, top=1, deadline_s=None, progress=None)
+    search = Search(build_problem(wanted, selection), objective, top=1)
     search.prepare()
     before = time.time() - began
     front = population_front(

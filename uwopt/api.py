@@ -29,6 +29,7 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Choice, Selection, select
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.catalog.load import load_catalog as _load_catalog
+from uwopt.deadline import Deadline
 from uwopt.design_model import DesignModel, Hardware, SceneSettings, design_model
 from uwopt.effects import Influence, effects_kept
 from uwopt.errors import CatalogError, MissionError
@@ -105,12 +106,13 @@ def solve(
         hardware again and report what they find; bonmin solves hardware and settings of the best together
     top : how many designs with other hardware to list, the best included
     audit : how many other combinations to attack, half of them discarded
-    seconds : give up the proof after this long; the gap that is left is reported
+    seconds : for all of it: what is proven by then is reported with the gap that is left, and what is told of
+        a result beyond its proof is left out where there is no time for it
     alternatives : also say what systems of other makers lack
     accuracy : estimate the numerical error of every figure, in `result.accuracy`
     tolerance : largest error of a figure, a share: integrals are taken as coarsely as it allows
     """
-    start = time.perf_counter()
+    start, deadline = time.perf_counter(), Deadline.after(seconds)
     if solver not in SOLVERS:
         raise MissionError(f"solver {solver!r} is not one of {', '.join(SOLVERS)}")
     wanted = prepared(mission, physics, objective)
@@ -121,24 +123,30 @@ def solve(
         catalog = load_catalog(wanted)
 
     def search(fineness: Fineness) -> Searched:
-        left_s = None if seconds is None else max(seconds - (time.perf_counter() - start), 0.01)
-        return searched(wanted, catalog, goal, top, left_s, progress, timing, fineness)
+        return searched(wanted, catalog, goal, top, deadline, progress, timing, fineness)
 
     if tolerance is None:
         (sought, alternative), measured = search(DEFAULT), None
     else:
         paper = wanted.physics == "paper"
         sunlit = any(view.scene.sun_lux > 0 for view in wanted.views)
-        (sought, alternative), measured = search_within(tolerance, search, goal, paper=paper, sunlit=sunlit)
+        (sought, alternative), measured = search_within(
+            tolerance, search, goal, paper=paper, sunlit=sunlit, deadline=deadline
+        )
     result = base_result("solve", wanted, goal, sought.problem)
     if not sought.outcome.best:
-        result = infeasible_result(result, wanted, catalog, goal, sought, alternative, timing)
+        result = infeasible_result(
+            result, wanted, catalog, goal, sought, alternative, timing, deadline, progress
+        )
     else:
-        result = found_result(result, goal, sought, alternative, timing, solver=solver)
+        result = found_result(result, goal, sought, alternative, timing, deadline, solver=solver)
         if measured is None and accuracy and not interrupted(result):
             try:
+                estimator = estimator_of_search(sought, goal, deadline)
                 with recommend.timed(timing, "accuracy"):
-                    measured = estimator_of_search(sought, goal).errors(sought.problem.fineness)
+                    measured = deadline.within(
+                        "errors of figures", lambda: estimator.errors(sought.problem.fineness), None
+                    )
             except KeyboardInterrupt:
                 result = replace(result, warnings=[*result.warnings, *cut_warnings()])
         result = replace(
@@ -155,44 +163,40 @@ def solve(
         from uwopt.solvers.alternatives import beside_best
 
         with recommend.timed(timing, "alternatives"):
-            told = beside_best(sought.selection, sought.problem, goal, result.recommendation)
+            told = beside_best(sought.selection, sought.problem, goal, result.recommendation, deadline)
         result = replace(result, alternatives=told)
     if audit:
-        result = audited(result, sought, goal, audit, wanted.seed, timing)
+        result = audited(result, sought, goal, audit, wanted.seed, timing, deadline)
     timing.update({f"search_{name}": value for name, value in sought.outcome.timing_s.items()})
     timing["total"] = time.perf_counter() - start
-    return replace(result, timing_s=timing)
+    return replace(result, timing_s=timing, warnings=[*result.warnings, *time_warnings(deadline)])
 
 
 def searched(
-    mission: Mission, catalog: Catalog, goal: Objective, top: int, seconds: float | None,
+    mission: Mission, catalog: Catalog, goal: Objective, top: int, deadline: Deadline,
     progress: Progress | None, timing: dict[str, float], fineness: Fineness,
 ) -> Searched:  # fmt: skip
     """The search over parts that are sold, and with parts to be made where they could matter."""
-    start = time.perf_counter()
     policy = mission.catalog.generic
     first: recommend.Generic = "allow" if policy == "allow" else "never"
     with recommend.timed(timing, "search"):
         sought = seek(
-            mission, catalog, goal, generic=first, top=top, deadline_s=seconds, progress=progress,
+            mission, catalog, goal, generic=first, top=top, deadline=deadline, progress=progress,
             fineness=fineness,
         )  # fmt: skip
     alternative: Sought | None = None
     if policy == "fallback" and sought.outcome.complete:
-        left_s = None if seconds is None else max(seconds - (time.perf_counter() - start), 0.01)
-        if sought.outcome.best and scenes_need_cells(sought.problem.scenes, goal):
-            left_s = min(
-                left_s or SLOW_S, SLOW_S
-            )  # parts to be made are an extra, and no closed form is slow
+        extra = bool(sought.outcome.best) and scenes_need_cells(sought.problem.scenes, goal)
+        patience = deadline.at_most(SLOW_S) if extra else deadline  # no closed form is slow
         with recommend.timed(timing, "search_generic"):
-            alternative = generic_search(mission, catalog, goal, sought, top, left_s, progress)
+            alternative = generic_search(mission, catalog, goal, sought, top, patience, progress)
         if not sought.outcome.best and alternative is not None and alternative.outcome.best:
             sought, alternative = alternative, None
     return sought, alternative
 
 
 def generic_search(
-    mission: Mission, catalog: Catalog, goal: Objective, sought: Sought, top: int, seconds: float | None,
+    mission: Mission, catalog: Catalog, goal: Objective, sought: Sought, top: int, deadline: Deadline,
     progress: Progress | None,
 ) -> Sought | None:  # fmt: skip
     """Generic parts come second: searched in full when nothing real fits, else only for a gain of 10 %."""
@@ -201,7 +205,7 @@ def generic_search(
     if best:
         ceiling = best[0].minimised - GENERIC_GAIN * abs(best[0].minimised)
     return seek(
-        mission, catalog, goal, generic="allow", top=1 if best else top, deadline_s=seconds, progress=progress,
+        mission, catalog, goal, generic="allow", top=1 if best else top, deadline=deadline, progress=progress,
         ceiling=ceiling, fineness=sought.problem.fineness,
     )  # fmt: skip
 
@@ -212,6 +216,7 @@ def found_result(
     sought: Sought,
     alternative: Sought | None,
     timing: dict[str, float],
+    deadline: Deadline,
     *,
     solver: str,
 ) -> Result:
@@ -220,7 +225,7 @@ def found_result(
 
     best = sought.outcome.best
     cut = alternative is not None and alternative.outcome.interrupted
-    in_haste = cut or not sought.outcome.complete
+    in_haste = cut or sought.outcome.interrupted
     others: list[Design] = []
     with recommend.timed(timing, "evaluation"):
         try:
@@ -232,12 +237,19 @@ def found_result(
     generic = None
     if alternative is not None and alternative.outcome.best:
         generic = design_of(alternative, alternative.outcome.best[0], goal)
-    doubt, opinions = None, []
+    doubt: dict[str, Any] | None = None
+    opinions: list[dict[str, Any]] = []
     try:
         with recommend.timed(timing, "robustness"):
-            doubt = None if in_haste else doubts(sought, goal, winner)
+            if not in_haste:
+                doubt = deadline.within(
+                    "how firm the answer is", lambda: doubts(sought, goal, winner, deadline), None
+                )
         with recommend.timed(timing, "second_opinion"):
-            opinions = [] if in_haste else second_opinions(sought, goal, solver)
+            if not in_haste:
+                opinions = deadline.within(
+                    "second opinions", lambda: second_opinions(sought, goal, solver, deadline), []
+                )
     except KeyboardInterrupt:  # what is proven is not lost
         cut = True
     proven = sought.outcome.complete
@@ -269,39 +281,50 @@ def found_result(
     )
 
 
-def doubts(sought: Sought, goal: Objective, winner: Design) -> dict[str, Any] | None:
+def doubts(
+    sought: Sought, goal: Objective, winner: Design, deadline: Deadline
+) -> dict[str, Any] | None:
     """What the estimates, the choice of water table and the lamps' places could change."""
     from uwopt.solvers.mounts import polished_mount, tilt_tolerance
     from uwopt.solvers.robustness import robustness
     from uwopt.solvers.waters import in_other_waters
 
-    found = robustness(sought, goal)
+    found = robustness(sought, goal, deadline=deadline)
     if found is None:
         return None
     return {
         **found,
-        "waters": in_other_waters(sought, goal),
-        "tilt": tilt_tolerance(sought, winner, goal),
-        "outside_certificate": polished_mount(sought, goal),
+        "waters": in_other_waters(sought, goal, deadline),
+        "tilt": tilt_tolerance(sought, winner, goal, deadline),
+        "outside_certificate": polished_mount(sought, goal, deadline),
     }
 
 
-def second_opinions(sought: Sought, goal: Objective, solver: str) -> list[dict[str, Any]]:
+def second_opinions(
+    sought: Sought, goal: Objective, solver: str, deadline: Deadline
+) -> list[dict[str, Any]]:
     """The winner's settings solved again by continuous solvers, compared by objective."""
     from uwopt.solvers import opinions
 
     if solver == "bonmin":
-        return [opinions.mixed_opinion(sought, goal)]
+        return [
+            opinions.mixed_opinion(sought, goal, max_seconds=min(opinions.BONMIN_S, deadline.left_s))
+        ]
     methods = {"exact": ("casadi",), "casadi": ("casadi",), "nlopt": ("slsqp", "cobyla", "global")}[solver]
     if not opinions.smooth(sought, goal):
         return opinions.aperture_opinions(sought, sought.outcome.best[0], goal)
     few = sought.outcome.best[:1] if solver == "exact" else sought.outcome.best
-    return [opinions.opinion(sought, found, goal, method) for found in few for method in methods]
+    made = []
+    for found in few:
+        for method in methods:
+            deadline.check()
+            made.append(opinions.opinion(sought, found, goal, method, deadline))
+    return made
 
 
 def infeasible_result(
     result: Result, mission: Mission, catalog: Catalog, goal: Objective, sought: Sought,
-    alternative: Sought | None, timing: dict[str, float],
+    alternative: Sought | None, timing: dict[str, float], deadline: Deadline, progress: Progress | None,
 ) -> Result:  # fmt: skip
     """A result without a recommendation: why, and what would help."""
     from uwopt.solvers.infeasible import explain
@@ -313,7 +336,9 @@ def infeasible_result(
     why = None
     if used.outcome.complete:
         with recommend.timed(timing, "explanation"):
-            why = explain(mission, catalog, goal, proof, generic=generic)
+            why = explain(
+                mission, catalog, goal, proof, generic=generic, deadline=deadline, progress=progress
+            )
     status = "infeasible" if used.outcome.complete else "stopped"
     return replace(
         result,
@@ -335,14 +360,15 @@ def half_warnings(sought: Sought, used: Sought) -> list[dict[str, str]]:
 
 
 def audited(
-    result: Result, sought: Sought, goal: Objective, count: int, seed: int, timing: dict[str, float]
-) -> Result:
+    result: Result, sought: Sought, goal: Objective, count: int, seed: int, timing: dict[str, float],
+    deadline: Deadline,
+) -> Result:  # fmt: skip
     """A result with the outcome of an attack on its certificate."""
     from uwopt.solvers.audit import audit as attack
 
     best = sought.outcome.best[0].minimised if sought.outcome.best else None
     with recommend.timed(timing, "audit"):
-        report = attack(sought.search, goal, count=count, seed=seed, best_value=best)
+        report = attack(sought.search, goal, count=count, seed=seed, best_value=best, deadline=deadline)
     return replace(result, audit=report)
 
 
@@ -365,6 +391,14 @@ def cut_warnings() -> list[dict[str, str]]:
     """That what follows the proof was interrupted."""
     text = "interrupted: the system is proven, but not all that is usually told of it was worked out"
     return [{"code": "interrupted", "path": "", "message": text}]
+
+
+def time_warnings(deadline: Deadline) -> list[dict[str, str]]:
+    """What there was no time for."""
+    if not deadline.left_out:
+        return []
+    text = "the time that was given is over; not worked out: " + "; ".join(dict.fromkeys(deadline.left_out))
+    return [{"code": "time", "path": "", "message": text}]
 
 
 def interrupted(result: Result) -> bool:

@@ -9,6 +9,7 @@ from numbers import Real
 from typing import Any
 
 from uwopt.accuracy import Accuracy, Estimator, coarsest, parts_that_count
+from uwopt.deadline import NEVER, Deadline
 from uwopt.design_model import Hardware, design_model
 from uwopt.errors import MissionError
 from uwopt.evaluation import evaluate_design
@@ -46,7 +47,7 @@ def checked_tolerance(tolerance: Any) -> float | None:
     return float(tolerance)
 
 
-def estimator_of_search(sought: Sought, goal: Objective) -> Estimator:
+def estimator_of_search(sought: Sought, goal: Objective, deadline: Deadline = NEVER) -> Estimator:
     """Errors of the best design of a search: of figures with its settings, of the objective with the best ones."""
     from uwopt.solvers.mounts import best_value, one_design
 
@@ -58,10 +59,11 @@ def estimator_of_search(sought: Sought, goal: Objective) -> Estimator:
     given = [exact_settings(model, index, numbers) for index, numbers in enumerate(found.settings)]
 
     def evaluate(at: Problem) -> Design:
+        deadline.check()
         design = evaluate_design(at, hardware, given, goal)
         if slow:  # searched to a gap; the value at fixed settings tells of quality, but not of power
             return replace(design, objective_value=None) if goal.weight("power") else design
-        value = best_value(at, goal, found.count)
+        value = best_value(at, goal, found.count, deadline)
         told = goal.reported(value) if math.isfinite(value) else None
         return replace(design, objective_value=told)
 
@@ -80,8 +82,9 @@ def estimator_of(problem: Problem, evaluate: Callable[[Problem], Design]) -> Est
 
 
 def search_within(
-    tolerance: float, search: Callable[[Fineness], Searched], goal: Objective, *, paper: bool, sunlit: bool
-) -> tuple[Searched, Accuracy | None]:
+    tolerance: float, search: Callable[[Fineness], Searched], goal: Objective, *, paper: bool, sunlit: bool,
+    deadline: Deadline = NEVER,
+) -> tuple[Searched, Accuracy | None]:  # fmt: skip
     """Search with integrals as coarse as the tolerance allows at the design that is found.
 
     Begins with coarse ones; where the errors at the winner are too large, the parts that make them are taken
@@ -94,8 +97,11 @@ def search_within(
         sought = found[0]
         if not sought.outcome.best:
             return (found if fineness == DEFAULT or not sought.outcome.complete else search(DEFAULT)), None
-        measured = estimator_of_search(sought, goal).cheapest(tolerance, fineness)
-        if measured.fineness == fineness or not sought.outcome.complete:
+        estimator = estimator_of_search(sought, goal, deadline)
+        measured = deadline.within(
+            "errors of figures", lambda: estimator.cheapest(tolerance, fineness), None  # noqa: B023
+        )
+        if measured is None or measured.fineness == fineness or not sought.outcome.complete:
             break
         fineness = measured.fineness
     return found, measured

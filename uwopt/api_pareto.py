@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from uwopt import api
 from uwopt.catalog.catalogue import Catalog
+from uwopt.deadline import Deadline
 from uwopt.design_model import design_model
 from uwopt.errors import MissionError, SolverError
 from uwopt.evaluation import evaluate_design
@@ -23,7 +24,7 @@ from uwopt.objectives.axes import DEFAULT, FEWEST, MOST, Axes, Frame, plain_name
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnFunction, OwnObjective
 from uwopt.problem import Problem
-from uwopt.result import Design
+from uwopt.result import Design, Result
 from uwopt.solvers import recommend
 from uwopt.solvers.certificate import accounted, scope
 from uwopt.solvers.dominance import hypervolume, igd_plus, nondominated
@@ -75,12 +76,12 @@ def pareto(
     objectives : two or three of power, cost, mass, snr_db, gsd_mm, contrast, information; or functions of your
         own (see `objectives.own.OwnObjective`), which population solvers alone can search
     solver : exact, and names of pymoo's algorithms such as nsga2 or nsga3, one or several
-    seconds : for each solver; unless told the exact search stops after 120 s, population solvers after 10 s,
-        or 30 s where there is no exact front
+    seconds : for all of it, shared by the solvers; unless told the exact search stops after 120 s, population
+        solvers after 10 s each, or 30 s where there is no exact front
     seed : of the population solvers; the mission's unless given
     alternatives : also say why systems of other makers are not on the front
     """
-    start = time.perf_counter()
+    start, deadline = time.perf_counter(), Deadline.after(seconds)
     wanted = api.prepared(mission, physics, None)
     names, own = split(objectives)
     solvers = checked_solvers(solver, own)
@@ -94,7 +95,7 @@ def pareto(
         catalog = api.load_catalog(wanted)
     policy: recommend.Generic = "allow" if wanted.catalog.generic == "allow" else "never"
     run = Run(
-        wanted, catalog, objectives, axes, solvers, seconds, wanted.seed if seed is None else seed, progress
+        wanted, catalog, objectives, axes, solvers, deadline, wanted.seed if seed is None else seed, progress
     )
     sought = run.sought(policy, timing)
     if wanted.catalog.generic == "fallback" and run.is_empty(sought):
@@ -104,10 +105,10 @@ def pareto(
         from uwopt.solvers.alternatives import beside_front
 
         with recommend.timed(timing, "alternatives"):
-            told = beside_front(sought.selection, sought.search, axes, result)
+            told = beside_front(sought.selection, sought.search, axes, result, deadline)
         result = replace(result, alternatives=told)
     timing["total"] = time.perf_counter() - start
-    return replace(result, timing_s=timing)
+    return replace(result, timing_s=timing, warnings=[*result.warnings, *api.time_warnings(deadline)])
 
 
 def split(
@@ -163,7 +164,7 @@ class Run:
 
     def __init__(
         self, mission: Mission, catalog: Catalog, objectives: Sequence[Any], axes: Axes | None, solvers: list[str],
-        seconds: float | None, seed: int, progress: Progress | None,
+        deadline: Deadline, seed: int, progress: Progress | None,
     ):  # fmt: skip
         self.mission, self.catalog, self.axes, self.solvers = mission, catalog, axes, solvers
         self.objectives: list[str | OwnObjective] = (
@@ -174,7 +175,7 @@ class Run:
             if axes is None
             else list(axes.names)
         )
-        self.seconds, self.seed, self.left_out = seconds, seed, ""
+        self.deadline, self.seed, self.left_out = deadline, seed, ""
         self.progress = progress or (lambda share, what: None)
 
     @property
@@ -198,29 +199,40 @@ class Run:
         if EXACT in solvers and self.axes is not None:
             with recommend.timed(timing, EXACT):
                 made = FrontSearch(
-                    problem, self.axes, deadline_s=self.seconds or EXACT_S,
+                    problem, self.axes, deadline=self.turn(len(solvers), EXACT_S),
                     progress=lambda share, what: self.progress(0.5 * share, what),
                 )  # fmt: skip
                 front = made.run()
             search = made.search
-        peers = []
+        peers: list[Any] = []
         if search is None:
-            search = Search(problem, self.builtin, top=1, deadline_s=None, progress=None)
+            search = Search(problem, self.builtin, top=1)
             with recommend.timed(timing, "tables"):
                 search.prepare()
         halted = front is not None and (front.interrupted or not len(front.values))
-        for name in [] if halted else [name for name in solvers if name != EXACT]:
+        waiting = [] if halted else [name for name in solvers if name != EXACT]
+        for place, name in enumerate(waiting):
+            turn = self.turn(len(waiting) - place, PEER_ALONE_S if front is None else PEER_S)
             with recommend.timed(timing, name):
-                peers.append(self.peer(search, name, PEER_ALONE_S if front is None else PEER_S))
+                peers += self.deadline.within(name, lambda: [self.peer(search, name, turn)], [])  # noqa: B023
         return Sought(selection, problem, search, front, peers)
 
-    def peer(self, search: Search, name: str, usual_s: float) -> Any:
+    def turn(self, n_waiting: int, usual_s: float) -> Deadline:
+        """One solver's time: an even share of what is left for those that wait, or the usual time."""
+        return self.deadline.at_most(self.deadline.left_s / n_waiting if self.limited else usual_s)
+
+    @property
+    def limited(self) -> bool:
+        """Whether the call set a time."""
+        return math.isfinite(self.deadline.end_s)
+
+    def peer(self, search: Search, name: str, turn: Deadline) -> Any:
         """A front by a population solver."""
         from uwopt.solvers.pymoo_front import population_front
 
         return population_front(
             search, self.objectives, algorithm=name, seed=self.seed,
-            seconds=self.seconds or usual_s,
+            seconds=turn.left_s,
             progress=lambda share, what: self.progress(0.5 + 0.4 * share, f"{name}: {what}"),
         )  # fmt: skip
 
@@ -237,7 +249,7 @@ class Run:
         """Everything found, as a result."""
         base = api.base_result("pareto", self.mission, self.builtin, sought.problem)
         front = sought.front
-        status = status_of(sought, limited=self.seconds is not None)
+        status = status_of(sought, limited=self.limited)
         made = FrontResult(
             status=status, mission=base.mission, physics=base.physics, objectives=self.axes_of_result(),
             uwopt_version=base.uwopt_version, seed=self.seed, versions=base.versions, mission_file=base.mission_file,
@@ -444,9 +456,20 @@ class Run:
         """A result without a point: why nothing fits, as `solve` tells it."""
         if made.status != "infeasible":
             return made
-        told = api.solve(self.mission, objective="power")
+        told = self.deadline.within("why nothing fits", self.explained, None)
+        if told is None:
+            return made
         proof = None if told.certificate is None else told.to_dict()["certificate"]
-        return replace(made, infeasible=told.infeasible, certificate=proof or made.certificate)
+        cut = [warning for warning in told.warnings if warning["code"] == "time"]
+        return replace(
+            made, infeasible=told.infeasible, certificate=proof or made.certificate, warnings=[*made.warnings, *cut]
+        )
+
+    def explained(self) -> Result:
+        """What `solve` tells of a mission that nothing meets."""
+        self.deadline.check()
+        seconds = self.deadline.left_s if self.limited else None
+        return api.solve(self.mission, objective="power", seconds=seconds)
 
 
 def why_no_exact(problem: Problem, axes: Axes | None) -> str:

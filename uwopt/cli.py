@@ -91,7 +91,7 @@ def solve_command(
         int, typer.Option(metavar="N", min=0, max=1_000_000, help="Try N other combinations, half of them discarded.")
     ] = 0,
     seconds: Annotated[
-        float | None, typer.Option(metavar="S", help="Stop after S seconds; the gap that is left is told.")
+        float | None, typer.Option(metavar="S", help="Stop after S seconds; the gap and what is left out are told.")
     ] = None,
     accuracy: AccuracyOption = False,
     tolerance: ToleranceOption = None,

@@ -32,7 +32,8 @@ def pareto_command(
     ] = "exact,nsga2",
     physics: PhysicsOption = None,
     seconds: Annotated[
-        float | None, typer.Option(metavar="S", help="Stop each solver after S seconds and keep what it has.")
+        float | None,
+        typer.Option(metavar="S", help="Stop after S seconds, shared by the solvers; keep what they have."),
     ] = None,
     seed: Annotated[
         int | None, typer.Option(metavar="N", help="Seed of pymoo; the mission's unless given.")

@@ -159,7 +159,6 @@ def test_search_equals_enumeration(name: str) -> None:
         Problem(mission, parts, paper=False),
         Objective.of(mission.objective),
         top=1,
-        deadline_s=None,
         progress=None,
     ).run()
     assert outcome.complete and outcome.account.adds_up()

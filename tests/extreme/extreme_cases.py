@@ -139,5 +139,5 @@ def searched(parts: Parts, plain: dict[str, Any], objective: Any = "power", *, t
     wanted = load_mission({"objective": objective, **plain})
     with np.errstate(under="ignore"):
         problem = Problem(wanted, parts, paper=wanted.physics == "paper")
-        search = Search(problem, Objective.of(objective), top=top, deadline_s=None, progress=None)
+        search = Search(problem, Objective.of(objective), top=top, progress=None)
         return search.run()

@@ -38,7 +38,7 @@ LAMPS = {
 def search_of(case: Any, names: tuple[str, ...]) -> Search:
     """A prepared search that knows these terms."""
     wanted = Objective(dict.fromkeys(names, 1.0))
-    search = Search(case.problem(), wanted, top=1, deadline_s=None, progress=None)
+    search = Search(case.problem(), wanted, top=1, progress=None)
     search.prepare()
     return search
 

@@ -37,7 +37,7 @@ class Case:
 
     def searcher(self, parts: Parts | None = None, **options: Any) -> Search:
         """The exact search, ready to run."""
-        wanted = {"top": TOP, "deadline_s": None, "progress": None, **options}
+        wanted = {"top": TOP, "progress": None, **options}
         return Search(self.problem(parts), self.objective, **wanted)
 
     def solve(self, parts: Parts | None = None, **options: Any) -> tuple[Search, Outcome]:

@@ -13,6 +13,7 @@ from random_cases import THOROUGH, Case, case, lamp, planted
 
 from uwopt.api import load_catalog
 from uwopt.catalog.records import exact
+from uwopt.deadline import Deadline
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Problem
 from uwopt.solvers import exact as exact_search
@@ -139,7 +140,7 @@ def test_account_adds_up_when_interrupted(seed: int, calls: int, monkeypatch: py
 @pytest.mark.parametrize("seed", FEW)
 def test_a_search_without_time_claims_nothing(seed: int) -> None:
     """A deadline of zero leaves a bound that the optimum respects, and an account that adds up."""
-    full, outcome = case(seed).solve()[1], case(seed).solve(deadline_s=0.0)[1]
+    full, outcome = case(seed).solve()[1], case(seed).solve(deadline=Deadline.after(0.0))[1]
     assert outcome.account.adds_up()
     if full.best and not outcome.complete:
         assert outcome.lower_bound <= full.best[0].minimised

@@ -9,6 +9,7 @@ import pytest
 from random_cases import THOROUGH, Case, case, lamp, planted
 
 from uwopt.catalog.records import exact
+from uwopt.deadline import Deadline
 from uwopt.solvers import bounds, large, outline
 from uwopt.solvers import exact as exact_search
 from uwopt.solvers.audit import audit
@@ -72,7 +73,7 @@ def test_audit_passes(seed: int) -> None:
 @pytest.mark.parametrize("seed", FEW)
 def test_without_time_it_claims_nothing(seed: int) -> None:
     """A deadline of zero leaves a bound that the optimum respects, and an account that adds up."""
-    full, outcome = case(seed).solve()[1], case(seed).solve(deadline_s=0.0)[1]
+    full, outcome = case(seed).solve()[1], case(seed).solve(deadline=Deadline.after(0.0))[1]
     assert outcome.account.adds_up() and full.complete
     assert not outcome.complete or outcome.account.discarded.get("not_reached", 0) == 0
     if full.best:

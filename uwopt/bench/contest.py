@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from uwopt.api import load_catalog, prepared
 from uwopt.bench.suite import Budget
 from uwopt.catalog.choose import Selection
+from uwopt.deadline import Deadline
 from uwopt.design_model import Hardware, design_model
 from uwopt.evaluation import evaluate_design
 from uwopt.mission import Mission
@@ -101,7 +102,7 @@ class Contest:
 
 def certified(problem: Problem, objective: Objective, longest_s: float) -> Outcome:
     """The exact search, until its proof is complete or time is up."""
-    outcome = Search(problem, objective, top=1, deadline_s=longest_s, progress=None).run()
+    outcome = Search(problem, objective, top=1, deadline=Deadline.after(longest_s)).run()
     if outcome.interrupted:  # the search keeps what it found; a benchmark ends
         raise KeyboardInterrupt
     return outcome
@@ -192,7 +193,7 @@ class Ground:
     def __init__(self, referee: Referee):
         self.referee, self.problem = referee, referee.problem
         self.objective = referee.contest.objective
-        self.search = Search(self.problem, self.objective, top=1, deadline_s=None, progress=None)
+        self.search = Search(self.problem, self.objective, top=1, progress=None)
         self.imagers = self.search.prepare()
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from uwopt.api import load_catalog, prepared
 from uwopt.bench.contest import at_most, mission_of, sources_of
 from uwopt.bench.suite import Budget, Row, Suite, Table
+from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
 from uwopt.mission import Mission
 from uwopt.objectives.axes import Axes
@@ -43,7 +44,7 @@ def exact_front(
 ) -> Front:
     """The exact front over the parts that are sold, or those to be made too."""
     wanted = mission if isinstance(mission, Mission) else prepared(mission, None, None)
-    return FrontSearch(problem_of(wanted, generic), Axes.of(names), deadline_s=longest_s).run()
+    return FrontSearch(problem_of(wanted, generic), Axes.of(names), deadline=Deadline.after(longest_s)).run()
 
 
 def problem_of(mission: Mission, generic: Generic) -> Problem:
@@ -93,7 +94,7 @@ def run_exact(
 ) -> tuple[Front, list[Row]]:
     """The exact front, and how it came about."""
     problem = problem_of(mission, generic)
-    front = FrontSearch(problem, Axes.of(AXES), deadline_s=longest_s).run()
+    front = FrontSearch(problem, Axes.of(AXES), deadline=Deadline.after(longest_s)).run()
     if front.interrupted:  # the search keeps what it found; a benchmark ends
         raise KeyboardInterrupt
     status = "optimal" if front.complete else "stopped"
@@ -113,7 +114,7 @@ def run_population(
 
     problem = problem_of(mission, generic)
     start = time.perf_counter()
-    search = Search(problem, Objective(dict.fromkeys(AXES, 1.0)), top=1, deadline_s=None, progress=None)
+    search = Search(problem, Objective(dict.fromkeys(AXES, 1.0)), top=1, progress=None)
     search.prepare()
     before_s = time.perf_counter() - start
     left_s = max(seconds - before_s, 0.05)

@@ -77,7 +77,7 @@ class WatchedSearch(Search):
     """The exact search, whose best designs are written down as they come."""
 
     def __init__(self, problem: Problem, objective: Objective, referee: Referee):
-        super().__init__(problem, objective, top=1, deadline_s=None, progress=None)
+        super().__init__(problem, objective, top=1, progress=None)
         self.referee = referee
 
     def prepare(self) -> Imagers:

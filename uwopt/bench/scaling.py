@@ -19,6 +19,7 @@ from typing import Any
 
 from uwopt.bench.scaling_parts import DEPTH_M, made_parts
 from uwopt.bench.suite import Budget, Row, Suite, Table
+from uwopt.deadline import NEVER, Deadline
 from uwopt.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Problem
@@ -79,11 +80,11 @@ def sizes_up_to(largest: float, start: float = 1e3) -> tuple[float, ...]:
     return tuple(10.0**n for n in range(round(math.log10(start)), round(math.log10(largest)) + 1))
 
 
-def search_of(mission: Mission, size: float, *, deadline_s: float | None = None) -> Search:
+def search_of(mission: Mission, size: float, *, deadline: Deadline = NEVER) -> Search:
     """The search over a made catalogue, ready to run."""
     problem = Problem(mission, made_parts(size), paper=mission.physics == "paper")
     objective = Objective.of(mission.objective)
-    return Search(problem, objective, top=1, deadline_s=deadline_s, progress=None)
+    return Search(problem, objective, top=1, deadline=deadline)
 
 
 def status_of(outcome: Outcome) -> str:
@@ -98,12 +99,12 @@ def status_of(outcome: Outcome) -> str:
     return "optimal" if best - outcome.lower_bound <= GAP_REL * abs(best) else "wrong"
 
 
-def measured(name: str, size: float, *, physics: str = PHYSICS, deadline_s: float | None = None) -> Point:
+def measured(name: str, size: float, *, physics: str = PHYSICS, deadline: Deadline = NEVER) -> Point:
     """One search in this process."""
     mission, parts = mission_for(name, physics), made_parts(size)
     elapsed, start_s = time.perf_counter(), time.process_time()
     problem = Problem(mission, parts, paper=physics == "paper")
-    search = Search(problem, Objective.of(mission.objective), top=1, deadline_s=deadline_s, progress=None)
+    search = Search(problem, Objective.of(mission.objective), top=1, deadline=deadline)
     outcome = search.run()
     took_s, elapsed_s = time.process_time() - start_s, time.perf_counter() - elapsed
     found = outcome.best[0] if outcome.best else None
@@ -209,7 +210,7 @@ def memory_cell(row: Row | None) -> str:
 def main(arguments: Sequence[str]) -> None:
     """One point for `apart`, as JSON on standard output: mission, size, physics, seconds."""
     name, size, physics, seconds = arguments
-    point = measured(name, float(size), physics=physics, deadline_s=float(seconds))
+    point = measured(name, float(size), physics=physics, deadline=Deadline.after(float(seconds)))
     sys.stdout.write(json.dumps(asdict(point)))
 
 

@@ -6,7 +6,6 @@ it finds is worse than the recommendation, or dominated by a point of the front;
 
 from __future__ import annotations
 
-import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
@@ -15,6 +14,7 @@ import numpy as np
 
 from uwopt.catalog.choose import Selection
 from uwopt.catalog.records import Part
+from uwopt.deadline import NEVER, Deadline
 from uwopt.design_model import design_model
 from uwopt.evaluation import evaluate_design
 from uwopt.front_result import FrontObjective, FrontPoint, FrontResult
@@ -35,7 +35,7 @@ TIE_REL = 1e-9
 
 
 def beside_best(
-    selection: Selection, problem: Problem, goal: Objective, best: Design
+    selection: Selection, problem: Problem, goal: Objective, best: Design, deadline: Deadline = NEVER
 ) -> list[dict[str, Any]]:
     """Other makers' best systems beside a recommendation."""
 
@@ -53,11 +53,11 @@ def beside_best(
         return {**item, "values": values, "outcome": "worse", "text": text}
 
     shown = {kind: {best.hardware[kind]["id"]} for kind in KINDS}
-    return told(selection, problem, goal, shown, judged)
+    return told(selection, problem, goal, shown, judged, deadline)
 
 
 def beside_front(
-    selection: Selection, search: Search, axes: Axes, front: FrontResult
+    selection: Selection, search: Search, axes: Axes, front: FrontResult, deadline: Deadline = NEVER
 ) -> list[dict[str, Any]]:
     """Other makers' systems of best first objective beside a front, and which of its points dominates each."""
 
@@ -79,15 +79,15 @@ def beside_front(
 
     shown = {kind: {p.design.hardware[kind]["id"] for p in front.points} for kind in KINDS}
     goal = Objective({axes.names[0]: 1.0})
-    return told(selection, search.problem, goal, shown, judged)
+    return told(selection, search.problem, goal, shown, judged, deadline)
 
 
 def told(
     selection: Selection, problem: Problem, goal: Objective, shown: dict[str, set[str]],
-    judged: Callable[[dict[str, Any], Design], dict[str, Any]],
+    judged: Callable[[dict[str, Any], Design], dict[str, Any]], deadline: Deadline,
 ) -> list[dict[str, Any]]:  # fmt: skip
     """One entry a maker whose parts are not shown."""
-    start, out = time.perf_counter(), []
+    patience, out = deadline.at_most(LONGEST_S), []
     for kind, maker, mask in other_makers(selection, problem, shown):
         item: dict[str, Any] = {
             "kind": kind, "maker": maker, "hardware": None, "values": {}, "outcome": "infeasible", "by": None,
@@ -96,10 +96,9 @@ def told(
         if mask is None:
             out.append({**item, "outcome": "not allowed", "text": why_left_out(selection, kind, maker)})
             continue
-        left_s = LONGEST_S - (time.perf_counter() - start)
-        if left_s <= 0:
+        if patience.passed():
             break
-        search = Search(problem, goal, top=1, deadline_s=left_s, progress=None, only={kind: mask})
+        search = Search(problem, goal, top=1, deadline=patience, only={kind: mask})
         outcome = search.run()
         if not outcome.best:
             if outcome.complete:

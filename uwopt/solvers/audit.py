@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.design_model import Hardware
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Problem
@@ -37,14 +38,18 @@ class Attempt:
 
 
 def audit(
-    search: Search, objective: Objective, *, count: int, seed: int, best_value: float | None
+    search: Search, objective: Objective, *, count: int, seed: int, best_value: float | None,
+    deadline: Deadline = NEVER,
 ) -> dict[str, Any]:
     """Draw, attack, report."""
     rng = np.random.default_rng(seed)
-    found = [
-        Attempt(rule, hardware, attack(search.problem, hardware, objective, rng))
-        for rule, hardware in drawn(search, count, rng)
-    ]
+    tries = drawn(search, count, rng)
+    found: list[Attempt] = []
+    for rule, hardware in tries:
+        if deadline.passed():
+            deadline.left_out.append(f"{len(tries) - len(found)} of the audit's {len(tries)} attempts")
+            break
+        found.append(Attempt(rule, hardware, attack(search.problem, hardware, objective, rng)))
     most = np.inf if best_value is None else least_that_beats(search.problem, objective, best_value)
     better = [a for a in found if a.value < most]
     by_rule: dict[str, int] = {}

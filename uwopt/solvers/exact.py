@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.image_light import ImageLight, SunLight, Veils
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.problem import Problem
@@ -102,13 +103,14 @@ class Search:
     """State of one search."""
 
     def __init__(
-        self, problem: Problem, objective: Objective, *, top: int, deadline_s: float | None,
-        progress: Callable[[float, str], None] | None, ceiling: float = np.inf, only: Mapping[str, Array] | None = None,
+        self, problem: Problem, objective: Objective, *, top: int, deadline: Deadline = NEVER,
+        progress: Callable[[float, str], None] | None = None, ceiling: float = np.inf,
+        only: Mapping[str, Array] | None = None,
     ):  # fmt: skip
         self.only = only or {}  # camera, light: masks of the parts to search; the others count as bounded
         self.ceiling = ceiling  # designs that are no better than this are not wanted
         self.problem, self.objective, self.top = problem, objective, max(1, top)
-        self.deadline = None if deadline_s is None else time.perf_counter() + deadline_s
+        self.deadline = deadline
         self.progress = progress or (lambda share, what: None)
         self.account = Account()
         self.limits = problem.mission.limits
@@ -255,14 +257,18 @@ class Search:
             ahead = ahead[value[ahead] <= threshold]
             if len(ahead) == 0:
                 break
-            if self.deadline is not None and time.perf_counter() > self.deadline:
+            tied = np.isfinite(threshold) & (value[ahead] >= threshold - 2 * TIE * abs(threshold))
+            useful = ahead[~(tied & (power[ahead] > self.ranking.power_threshold()))]
+            before = (self.account.evaluated, dict(self.account.discarded))
+            self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
+            try:
+                self.deadline.check()
+                (self.sift or self.evaluate_units)(useful // n, rows[useful % n])
+            except OutOfTimeError:  # what was found of this batch stays; the batch counts as not reached
+                self.account.evaluated, self.account.discarded = before
                 rest = order[position:]
                 self.account.discarded["not_reached"] = int(size[rest].sum())
                 return float(value[rest].min())
-            tied = np.isfinite(threshold) & (value[ahead] >= threshold - 2 * TIE * abs(threshold))
-            useful = ahead[~(tied & (power[ahead] > self.ranking.power_threshold()))]
-            self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
-            (self.sift or self.evaluate_units)(useful // n, rows[useful % n])
             position += len(ahead)
             batch = min(2 * batch, LARGEST_BATCH)
         self.account.discarded["bound"] += int(size[order[position:]].sum())
@@ -417,8 +423,9 @@ class Search:
     ) -> tuple[Array, Terms, list[Chosen], list[Array]]:
         """Objective (inf where infeasible), its terms, settings and exposures of these designs.
 
-        `optimistic`: lower bounds for any veil that the lights may have.
+        `optimistic`: lower bounds for any veil that the lights may have. Raises OutOfTimeError past the deadline.
         """
+        self.deadline.check()
         imager, cost, mass = pairs.imager[pairs.unit], pairs.cost, pairs.mass_kg
         rows = self.rows(imager, lights, pairs.light, pairs.count, lighting, optimistic=optimistic)
         motorised = self.motorised[imager]

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import MissionError
 from uwopt.image_light import ImageLight, Veils
 from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
@@ -71,7 +72,7 @@ class FrontSearch:
         problem: Problem,
         axes: Axes,
         *,
-        deadline_s: float | None = None,
+        deadline: Deadline = NEVER,
         progress: Progress | None = None,
     ):
         self.problem, self.axes = problem, axes
@@ -79,9 +80,9 @@ class FrontSearch:
         self.trade = Trade(self.quality)
         self.resolved_rel = np.array([RESOLVED_REL.get(name, SAME_REL) for name in axes.names])
         self.start = time.perf_counter()
-        self.deadline = None if deadline_s is None else self.start + deadline_s
+        self.deadline = deadline
         self.progress = progress or (lambda share, what: None)
-        self.search = Search(problem, axes.objective, top=1, deadline_s=deadline_s, progress=None)
+        self.search = Search(problem, axes.objective, top=1)
         self.archive = Archive(len(axes))
         self.curves: list[Curves] = []
         self.account: dict[str, int] = dict.fromkeys(FRONT_RULES, 0) | {"evaluated": 0}
@@ -208,7 +209,7 @@ class FrontSearch:
         return np.argsort(merit, kind="stable")[:batch]
 
     def _late(self) -> bool:
-        return self.deadline is not None and time.perf_counter() > self.deadline
+        return self.deadline.passed()
 
     # ------------------------------------------------------------ one wave
 

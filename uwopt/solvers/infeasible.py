@@ -12,13 +12,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from uwopt.catalog.catalogue import Catalog
+from uwopt.deadline import NEVER, Deadline
 from uwopt.design_model import DesignModel, Hardware
 from uwopt.evaluation import evaluate_design
 from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
 from uwopt.result import Certificate, Design
-from uwopt.solvers.recommend import Generic, Sought, seek
+from uwopt.solvers.recommend import Generic, Progress, Sought, seek
 from uwopt.solvers.robustness import parts_of
 from uwopt.solvers.rounding import exact_settings
 
@@ -56,11 +57,13 @@ class Relaxation:
 
 
 def explain(
-    mission: Mission, catalog: Catalog, objective: Objective, certificate: Certificate, *, generic: Generic
-) -> dict[str, Any]:
+    mission: Mission, catalog: Catalog, objective: Objective, certificate: Certificate, *, generic: Generic,
+    deadline: Deadline = NEVER, progress: Progress | None = None,
+) -> dict[str, Any]:  # fmt: skip
     """The `infeasible` part of a result."""
     relaxations = sorted(
-        single_relaxations(mission, catalog, objective, generic=generic), key=lambda r: r.miss_rel
+        single_relaxations(mission, catalog, objective, generic=generic, deadline=deadline, progress=progress),
+        key=lambda r: r.miss_rel,
     )
     requirements = [
         {"name": item["rule"], "n_excluded": item["count"], "n_is_bound": item["rule"] in BOUNDED}
@@ -81,10 +84,11 @@ BOUNDED = ("light", "bound", "power_w", "cost", "mass_kg")
 
 
 def single_relaxations(
-    mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic
+    mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic, deadline: Deadline,
+    progress: Progress | None,
 ) -> Iterator[Relaxation]:
     """Drop each requirement that is asked for, and see whether something fits then."""
-    for name, (section, key, best) in RELAXABLE.items():
+    for number, (name, (section, key, best)) in enumerate(RELAXABLE.items()):
         limit = asked_value(mission, section, key)
         if limit is None:
             continue
@@ -92,8 +96,16 @@ def single_relaxations(
         relaxed = mission if by_depth else without(mission, section, key)
         if relaxed is None:
             continue
+        if deadline.passed():
+            deadline.left_out.append(f"whether the mission could be met without {name}")
+            continue
+        if progress is not None:
+            progress(number / len(RELAXABLE), f"why nothing fits: without {name}")
         goal = Objective.of(best or "power")
-        found = seek(relaxed, catalog, goal, generic=generic, top=1, depth_m=0.0 if by_depth else None)
+        depth_m = 0.0 if by_depth else None
+        found = seek(relaxed, catalog, goal, generic=generic, top=1, depth_m=depth_m, deadline=deadline)
+        if not found.outcome.complete:
+            deadline.left_out.append(f"the least change of {name}")
         if not found.outcome.best:
             continue
         design = judged_by(mission, found, objective)

@@ -159,7 +159,7 @@ class LargeSearch:
                 break
             before, waiting = self._snapshot(), list(self.pending)
             try:
-                if search.deadline is not None and time.perf_counter() > search.deadline:
+                if search.deadline.passed():
                     return self._cut_short(float(floor[pairs[0]]))
                 self._outline(pairs)
                 position += len(pairs)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.design_model import DesignModel, SceneSettings
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Mount, Parts, Problem
@@ -45,7 +46,9 @@ def leaning(mount: Mount, by_deg: float) -> Mount:
     return replace(mount, tilt_deg=max(-STEEPEST_DEG, min(STEEPEST_DEG, mount.tilt_deg + by_deg)))
 
 
-def tilt_tolerance(sought: Sought, design: Design, objective: Objective) -> dict[str, Any] | None:
+def tilt_tolerance(
+    sought: Sought, design: Design, objective: Objective, deadline: Deadline = NEVER
+) -> dict[str, Any] | None:
     """How far the lamps' tilt may be off, outward and inward, before a requirement breaks [deg].
 
     Once with the settings held as they are to be set, once with light, exposure and gain set anew.
@@ -55,10 +58,12 @@ def tilt_tolerance(sought: Sought, design: Design, objective: Objective) -> dict
     found = sought.outcome.best[0]
 
     def held(by_deg: float) -> bool:
+        deadline.check()
         return not missed_when_leaning(sought.problem, found, design, by_deg)
 
     def readjusted(by_deg: float) -> bool:
-        return math.isfinite(value_at_mount(sought, found, objective, leaning(found.lighting.mount, by_deg)))
+        leant = leaning(found.lighting.mount, by_deg)
+        return math.isfinite(value_at_mount(sought, found, objective, leant, deadline))
 
     slow = scenes_need_cells(sought.problem.scenes, objective)
     start = missed_when_leaning(sought.problem, found, design, 0.0)
@@ -129,19 +134,23 @@ def one_design(problem: Problem, found: Found, mount: Mount) -> Problem:
     )  # fmt: skip
 
 
-def value_at_mount(sought: Sought, found: Found, objective: Objective, mount: Mount) -> float:
+def value_at_mount(
+    sought: Sought, found: Found, objective: Objective, mount: Mount, deadline: Deadline
+) -> float:
     """Best objective of one design with its lamps at another mount; inf where it is not feasible."""
-    return best_value(one_design(sought.problem, found, mount), objective, found.count)
+    return best_value(one_design(sought.problem, found, mount), objective, found.count, deadline)
 
 
-def best_value(problem: Problem, objective: Objective, count: int) -> float:
+def best_value(problem: Problem, objective: Objective, count: int, deadline: Deadline = NEVER) -> float:
     """Best objective of a problem over one part of each kind; inf where it is not feasible."""
-    search = Search(problem, objective, top=1, deadline_s=None, progress=None)
+    search = Search(problem, objective, top=1, deadline=deadline)
     place = dict.fromkeys(("camera", "lens", "port", "light"), 0)
     return values_at(search, search.prepare(), [place], count)[0]
 
 
-def polished_mount(sought: Sought, objective: Objective) -> dict[str, Any] | None:
+def polished_mount(
+    sought: Sought, objective: Objective, deadline: Deadline = NEVER
+) -> dict[str, Any] | None:
     """Baseline and tilt between the grid's points that do better for the winner's parts, if any.
 
     A pattern search from the winner's mount within the mission's ranges; None where nothing may vary.
@@ -163,7 +172,8 @@ def polished_mount(sought: Sought, objective: Objective) -> dict[str, Any] | Non
                 tried[axis] = np.clip(at[axis] + sign * step[axis], low[axis], high[axis])
                 if tried[axis] == at[axis]:
                     continue
-                value = value_at_mount(sought, found, objective, Mount(float(tried[0]), float(tried[1])))
+                mount = Mount(float(tried[0]), float(tried[1]))
+                value = value_at_mount(sought, found, objective, mount, deadline)
                 if value < best - 1e-9 * abs(best):
                     best, at, moved = value, tried, True
                     break

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.objectives.objective import Objective
 from uwopt.scene import SceneOptics
 from uwopt.solvers.continuous import FEASIBLE, solve_settings
@@ -73,7 +75,9 @@ def aperture_opinions(sought: Sought, found: Found, objective: Objective) -> lis
     return made
 
 
-def opinion(sought: Sought, found: Found, objective: Objective, method: str) -> dict[str, Any]:
+def opinion(
+    sought: Sought, found: Found, objective: Objective, method: str, deadline: Deadline = NEVER
+) -> dict[str, Any]:
     """What a continuous solver finds for one hardware, beside the search's value."""
     answer = solve_settings(
         scene_rows_of(sought.search, found),
@@ -81,6 +85,7 @@ def opinion(sought: Sought, found: Found, objective: Objective, method: str) -> 
         objective=objective,
         power_limit_w=limit(sought.problem.mission.limits.power_w),
         method=method,  # type: ignore[arg-type]
+        max_seconds=None if math.isinf(deadline.left_s) else deadline.left_s,
     )
     value = answer.objective_value
     difference = None

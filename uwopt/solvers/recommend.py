@@ -17,6 +17,7 @@ import numpy as np
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, matches, select
 from uwopt.catalog.compatibility import explain_pair
+from uwopt.deadline import NEVER, Deadline
 from uwopt.design_model import Hardware, design_model
 from uwopt.errors import MissionError, SolverError
 from uwopt.evaluation import evaluate_design
@@ -91,13 +92,13 @@ def owned_ids(selection: Selection) -> dict[str, int]:
 
 def seek(
     mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic, top: int,
-    deadline_s: float | None = None, progress: Progress | None = None, ceiling: float = math.inf,
+    deadline: Deadline = NEVER, progress: Progress | None = None, ceiling: float = math.inf,
     depth_m: float | None = None, fineness: Fineness = DEFAULT,
 ) -> Sought:  # fmt: skip
     """Select, tabulate and search."""
     selection = selected(mission, catalog, generic=generic, depth_m=depth_m)
     problem = build_problem(mission, selection, fineness=fineness)
-    search = Search(problem, objective, top=top, deadline_s=deadline_s, progress=progress, ceiling=ceiling)
+    search = Search(problem, objective, top=top, deadline=deadline, progress=progress, ceiling=ceiling)
     return Sought(selection, problem, search, search.run())
 
 

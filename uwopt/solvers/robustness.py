@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from uwopt.catalog.records import Part, Quantity, exact
+from uwopt.deadline import NEVER, Deadline
 from uwopt.hardware import FAVOURED
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
@@ -131,8 +132,9 @@ Variant = tuple[str, str, str]  # kind, field ("" for all), end
 
 
 def values_with(
-    sought: Sought, found: Found, objective: Objective, variants: Sequence[Variant | None]
-) -> list[float]:
+    sought: Sought, found: Found, objective: Objective, variants: Sequence[Variant | None],
+    deadline: Deadline = NEVER,
+) -> list[float]:  # fmt: skip
     """Best objective of one hardware with one number, or all, of one part changed; inf where infeasible.
 
     None stands for the hardware as it is. All variants are parts of one small catalogue, so that one
@@ -149,7 +151,7 @@ def values_with(
             lists[kind].append(at_end(lists[kind][0], end, only=name or None))
         places.append(place)
     problem = small_problem(base, found, lists)
-    search = Search(problem, objective, top=1, deadline_s=None, progress=None)
+    search = Search(problem, objective, top=1, deadline=deadline)
     imagers = search.prepare()
     return values_at(search, imagers, places, found.count)
 
@@ -201,7 +203,9 @@ def values_under(search: Search, imagers: Any, rows: Any, light_index: int, coun
     return np.where(within, value, np.inf)
 
 
-def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[str, Any] | None:
+def robustness(
+    sought: Sought, objective: Objective, *, top: int = 3, deadline: Deadline = NEVER
+) -> dict[str, Any] | None:
     """Regret, rival, and the quotes that could change the answer.
 
     Where settings have no closed form the search for a rival ends after a while (`complete` says so), and
@@ -213,11 +217,13 @@ def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[st
     problem = sought.problem
     bad = {kind: at_end(part, "bad") for kind, part in parts_of(problem, winner)}
     lists: dict[str, list[Any]] = {kind: [part] for kind, part in bad.items()}
-    at_bad = Search(small_problem(problem, winner, lists), objective, top=1, deadline_s=None, progress=None)
+    at_bad = Search(small_problem(problem, winner, lists), objective, top=1, deadline=deadline)
     bad_value = values_at(at_bad, at_bad.prepare(), [dict.fromkeys(KINDS, 0)], winner.count)[0]
     mixed = mixed_problem(problem, winner, bad)
     slow = scenes_need_cells(problem.scenes, objective)
-    outcome = Search(mixed, objective, top=2, deadline_s=SLOW_S if slow else None, progress=None).run()
+    patience = deadline.at_most(SLOW_S) if slow else deadline
+    outcome = Search(mixed, objective, top=2, deadline=patience).run()
+    deadline.check()  # a rival of half a search is none
     if outcome.interrupted:  # a search keeps what it has; these doubts are all or nothing
         raise KeyboardInterrupt
     rival = next((f for f in outcome.best if not same_parts(mixed, f, problem, winner)), None)
@@ -234,7 +240,9 @@ def robustness(sought: Sought, objective: Objective, *, top: int = 3) -> dict[st
         else rival_dict(mixed, rival, objective),
         "quotes_that_matter": []
         if slow
-        else quotes_that_matter(sought, objective, outcome_rivals(sought, outcome.best, mixed), top=top),
+        else quotes_that_matter(
+            sought, objective, outcome_rivals(sought, outcome.best, mixed), top=top, deadline=deadline
+        ),
     }
 
 
@@ -293,7 +301,7 @@ def matters(name: str, problem: Problem, objective: Objective) -> bool:
 
 
 def quotes_that_matter(
-    sought: Sought, objective: Objective, rivals: Sequence[Found], *, top: int
+    sought: Sought, objective: Objective, rivals: Sequence[Found], *, top: int, deadline: Deadline = NEVER
 ) -> list[dict[str, Any]]:
     """Single numbers whose bad end for the winner, or good end for a rival, would change the answer."""
     problem = sought.problem
@@ -307,8 +315,8 @@ def quotes_that_matter(
             for name, doubt in doubtful(part)
             if matters(name, problem, objective)
         ]
-        ours = with_changes(sought, winner, objective, asked)
-        theirs = with_changes(sought, rival, objective, asked)
+        ours = with_changes(sought, winner, objective, asked, deadline)
+        theirs = with_changes(sought, rival, objective, asked, deadline)
         for (kind, part, name, doubt, _), mine, other in zip(asked, ours, theirs, strict=True):
             known = any(q["part"] == part.id and q["field"] == name for q in matter)
             if not known and other < mine and other < mine - 1e-9 * abs(other):
@@ -323,11 +331,12 @@ def quotes_that_matter(
 
 
 def with_changes(
-    sought: Sought, design: Found, objective: Objective, asked: Sequence[tuple[str, Part, str, Quantity, str]]
-) -> list[float]:
+    sought: Sought, design: Found, objective: Objective, asked: Sequence[tuple[str, Part, str, Quantity, str]],
+    deadline: Deadline = NEVER,
+) -> list[float]:  # fmt: skip
     """A design's objective under each change in turn; changes of parts it does not have leave it as it is."""
     own = {kind: part.id for kind, part in parts_of(sought.problem, design)}
     variants: list[Variant | None] = [
         (kind, name, end) if own[kind] == part.id else None for kind, part, name, _, end in asked
     ]
-    return values_with(sought, design, objective, variants)
+    return values_with(sought, design, objective, variants, deadline)

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from uwopt.catalog.spectra import water_types
+from uwopt.deadline import NEVER, Deadline
 from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
@@ -33,13 +34,15 @@ OTHER: dict[str, Literal["measured", "solonenko-mobley"]] = {
 }
 
 
-def in_other_waters(sought: Sought, objective: Objective) -> list[dict[str, Any]]:
+def in_other_waters(
+    sought: Sought, objective: Objective, deadline: Deadline = NEVER
+) -> list[dict[str, Any]]:
     """The systems shown, solved again with the other water table and with both bounds of K on the lamp leg."""
     problem = sought.problem
     if problem.paper or not sought.outcome.best:
         return []
     return [
-        {"case": name, **verdict(sought, objective, scenes)}
+        {"case": name, **verdict(sought, objective, scenes, deadline)}
         for name, scenes in variants(problem.mission, problem.scenes)
     ]
 
@@ -77,12 +80,14 @@ def changed_scene(
     )  # fmt: skip
 
 
-def verdict(sought: Sought, objective: Objective, scenes: list[SceneOptics]) -> dict[str, Any]:
+def verdict(
+    sought: Sought, objective: Objective, scenes: list[SceneOptics], deadline: Deadline
+) -> dict[str, Any]:
     """How the systems shown do in other waters, and whether another of them would be chosen."""
     problem = sought.problem
     slow = scenes_need_cells(problem.scenes, objective)
     shown = sought.outcome.best[: 1 if slow else MOST_SHOWN]
-    values = [value_in(problem, scenes, found, objective) for found in shown]
+    values = [value_in(problem, scenes, found, objective, deadline) for found in shown]
     best = int(np.argmin(values))
     return {
         "feasible": math.isfinite(values[0]),
@@ -94,14 +99,16 @@ def verdict(sought: Sought, objective: Objective, scenes: list[SceneOptics]) -> 
     }
 
 
-def value_in(problem: Problem, scenes: list[SceneOptics], found: Found, objective: Objective) -> float:
+def value_in(
+    problem: Problem, scenes: list[SceneOptics], found: Found, objective: Objective, deadline: Deadline
+) -> float:
     """Best objective of one hardware in other scenes; inf where it is not feasible."""
     parts = Parts(*((part,) for _, part in parts_of(problem, found)))  # type: ignore[arg-type]
     small = Problem(
         problem.mission, parts, paper=False, owned_lights=problem.owned_lights, counts=(found.count, found.count),
         mounts=[found.lighting.mount], scenes=scenes,
     )  # fmt: skip
-    search = Search(small, objective, top=1, deadline_s=None, progress=None)
+    search = Search(small, objective, top=1, deadline=deadline)
     return values_at(
         search, search.prepare(), [dict.fromkeys(("camera", "lens", "port", "light"), 0)], found.count
     )[0]

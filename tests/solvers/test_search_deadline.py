@@ -1,0 +1,55 @@
+"""A search whose time ends anywhere: what it found stays, what it did not reach is counted, its bound is valid."""
+
+from __future__ import annotations
+
+import math
+from itertools import count
+
+import pytest
+from random_cases import THOROUGH, case
+
+from uwopt.deadline import Deadline
+from uwopt.solvers import exact as exact_search
+from uwopt.solvers.exact import Outcome
+
+SEEDS = range(40) if THOROUGH else (1, 3)  # the fast ones
+READINGS = range(0, 60) if THOROUGH else (0, 1, 2, 3, 5, 9, 17)
+
+
+def cut_at(seed: int, readings: int) -> Outcome:
+    """The search of a case, whose clock counts its readings and ends it after so many."""
+    return case(seed).solve(deadline=Deadline(readings + 0.5, count(1).__next__))[1]
+
+
+def assert_valid(outcome: Outcome, full: Outcome) -> None:
+    assert outcome.account.adds_up()
+    assert outcome.complete == (outcome.account.discarded.get("not_reached", 0) == 0)
+    optimum = full.best[0].minimised if full.best else math.inf
+    slack = 1e-9 * abs(optimum) if math.isfinite(optimum) else 0.0
+    assert outcome.lower_bound <= optimum + slack
+    assert all(found.minimised >= optimum - slack for found in outcome.best)
+    assert not outcome.interrupted
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_wherever_time_ends_bound_and_account_hold(seed: int) -> None:
+    full = case(seed).solve()[1]
+    for readings in READINGS:
+        assert_valid(cut_at(seed, readings), full)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_wherever_time_ends_bound_and_account_of_pairs_hold(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    full = case(seed).solve()[1]
+    monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
+    for readings in READINGS:
+        assert_valid(cut_at(seed, readings), full)
+
+
+def test_time_that_ends_within_a_batch_ends_it() -> None:
+    """At the second reading, within the first batch, nothing is solved yet, though the batch is the whole search."""
+    assert [cut_at(seed, 1).complete for seed in SEEDS if case(seed).solve()[1].best] == [False] * sum(
+        bool(case(seed).solve()[1].best) for seed in SEEDS
+    )

@@ -1,0 +1,174 @@
+"""Time limits, on clocks that the tests turn by hand."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from uwopt import api, api_pareto
+from uwopt.cli_status import result_status
+from uwopt.deadline import Deadline, OutOfTimeError
+from uwopt.solvers.exact import Search
+
+ROOT = Path(__file__).parents[1]
+TANK = ROOT / "problems" / "paper-tank.yaml"
+FEW_PARTS = {"cameras": ["flir"], "lenses": ["kowa"]}
+
+
+class Clock:
+    """Shows what it is told, and so much more at each reading."""
+
+    def __init__(self, step_s: float = 0.0):
+        self.now_s, self.step_s, self.readings = 0.0, step_s, 0
+
+    def __call__(self) -> float:
+        self.readings += 1
+        self.now_s += self.step_s
+        return self.now_s
+
+
+@pytest.fixture
+def limited(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], Clock]:
+    """Let deadlines of a call run on a clock of the test, which moves by a step at each reading."""
+
+    def prepare(step_s: float = 0.0) -> Clock:
+        clock, honest = Clock(step_s), Deadline.after
+        monkeypatch.setattr(Deadline, "after", lambda seconds: honest(seconds, clock))
+        return clock
+
+    return prepare
+
+
+@pytest.fixture
+def ends_with_search(monkeypatch: pytest.MonkeyPatch, limited: Callable[[float], Clock]) -> Clock:
+    """The time is over as soon as the first search is done."""
+    clock, honest = limited(0.0), Search.run
+
+    def run(self: Search) -> Any:
+        outcome = honest(self)
+        clock.now_s = math.inf
+        return outcome
+
+    monkeypatch.setattr(Search, "run", run)
+    return clock
+
+
+def mission(**changes: Any) -> Any:
+    return api.prepared(TANK, "paper", None).with_changes(**changes)
+
+
+def time_warning(result: Any) -> str:
+    [text] = [item["message"] for item in result.warnings if item["code"] == "time"]
+    return str(text)
+
+
+# ---------------------------------------------------------------- the object
+
+
+def test_it_passes_when_the_clock_reaches_its_end() -> None:
+    clock = Clock()
+    deadline = Deadline.after(10.0, clock)
+    clock.now_s = 9.0
+    assert not deadline.passed() and deadline.left_s == 1.0
+    clock.now_s = 10.0
+    assert deadline.passed() and deadline.left_s == 0.0
+    with pytest.raises(OutOfTimeError):
+        deadline.check()
+
+
+def test_without_a_number_it_never_passes() -> None:
+    clock = Clock()
+    deadline = Deadline.after(None, clock)
+    clock.now_s = 1e30
+    assert not deadline.passed() and deadline.left_s == math.inf
+
+
+@pytest.mark.parametrize(("seconds", "left_s"), [(3.0, 3.0), (30.0, 10.0)])
+def test_of_two_limits_the_sooner_holds(seconds: float, left_s: float) -> None:
+    assert Deadline.after(10.0, Clock()).at_most(seconds).left_s == left_s
+
+
+def test_what_has_no_time_is_left_out_and_told() -> None:
+    clock = Clock()
+    deadline = Deadline.after(1.0, clock)
+    assert deadline.within("first", lambda: 1, 0) == 1
+    clock.now_s = 2.0
+    assert deadline.within("second", lambda: 1, 0) == 0
+    assert deadline.left_out == ["second"]
+
+
+def test_what_runs_out_of_time_midway_is_left_out_and_told() -> None:
+    clock = Clock()
+    deadline = Deadline.after(1.0, clock)
+
+    def slow() -> int:
+        clock.now_s = 5.0
+        deadline.check()
+        return 1
+
+    assert deadline.within("slow", slow, 0) == 0
+    assert deadline.left_out == ["slow"]
+
+
+# ---------------------------------------------------------------- solve
+
+
+def test_time_that_ends_with_the_search_leaves_the_proof_and_nothing_more(ends_with_search: Clock) -> None:
+    wanted = mission(catalog={**FEW_PARTS, "generic": "never"})
+    result = api.solve(wanted, seconds=1.0, accuracy=True, alternatives=True, audit=5)
+    assert result.status == "optimal" and result_status(result) == 0
+    assert (result.robustness, result.solvers, result.audit["tried"]) == (None, [], 0)
+    told = time_warning(result)
+    for what in ("how firm the answer is", "second opinions", "errors of figures", "the audit's 5 attempts"):
+        assert what in told
+
+
+def test_time_that_ends_with_the_search_leaves_infeasibility_unexplained(ends_with_search: Clock) -> None:
+    wanted = mission(catalog={**FEW_PARTS, "generic": "never"}, limits={"power_w": 0.001})
+    result = api.solve(wanted, seconds=1.0)
+    assert result.status == "infeasible" and result_status(result) == 3
+    assert result.infeasible["relaxations"] == []
+    assert "whether the mission could be met without power_w" in time_warning(result)
+
+
+def test_enough_time_leaves_nothing_out(limited: Callable[[float], Clock]) -> None:
+    limited(0.0)
+    result = api.solve(mission(catalog={**FEW_PARTS, "generic": "never"}), seconds=1.0)
+    assert result.robustness and result.solvers
+    assert not [item for item in result.warnings if item["code"] == "time"]
+
+
+@pytest.mark.parametrize("readings", [1, 2, 3, 5, 8, 20, 40])
+def test_wherever_time_ends_the_result_is_sound(readings: int, limited: Callable[[float], Clock]) -> None:
+    limited(1.0)
+    wanted = mission(catalog=FEW_PARTS)
+    result = api.solve(wanted, seconds=readings + 0.5)
+    assert result.certificate.adds_up()
+    assert result.status in ("stopped", "optimal")
+    if result.recommendation is not None:
+        assert result.recommendation.feasible
+        assert result.certificate.lower_bound <= result.objective["value"] * (1 + 1e-9)
+
+
+# ---------------------------------------------------------------- pareto
+
+
+def test_solvers_of_a_front_share_the_time(limited: Callable[[float], Clock]) -> None:
+    run = api_pareto.Run(mission(), None, (), None, [], Deadline.after(60.0, Clock()), 0, None)  # type: ignore[arg-type]
+    assert run.turn(3, usual_s=10.0).left_s == 20.0
+
+
+def test_solvers_of_a_front_have_the_usual_time_without_a_limit() -> None:
+    run = api_pareto.Run(mission(), None, (), None, [], Deadline.after(None, Clock()), 0, None)  # type: ignore[arg-type]
+    assert run.turn(3, usual_s=10.0).left_s == 10.0
+
+
+def test_explanation_of_an_empty_front_has_the_time_that_is_left(ends_with_search: Clock) -> None:
+    wanted = mission(catalog={**FEW_PARTS, "generic": "never"}, limits={"power_w": 0.001})
+    front = api_pareto.pareto(wanted, objectives=["power", "cost"], solver="exact", seconds=1.0)
+    assert front.status == "infeasible"
+    assert "whether the mission could be met without power_w" in time_warning(front)

@@ -1,0 +1,65 @@
+"""How long an answer may take: one object for a whole call, from the search to the last remark about its result.
+
+Steps that a result can do without run `within` the deadline: what has no time is left out and remembered, so
+that the result can say so. Long work asks `check` now and then; what it has found by then is kept by its caller.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+Made = TypeVar("Made")
+
+
+class OutOfTimeError(Exception):
+    """The time that a caller gave is over; never leaves the package."""
+
+
+@dataclass(frozen=True)
+class Deadline:
+    """A time on a clock, and what was left out because it had passed."""
+
+    end_s: float = math.inf  # on the clock
+    clock: Callable[[], float] = time.perf_counter
+    left_out: list[str] = field(default_factory=list)
+
+    @classmethod
+    def after(
+        cls, seconds: float | None, clock: Callable[[], float] = time.perf_counter
+    ) -> Deadline:
+        """So many seconds from now; without a number never."""
+        return cls(math.inf if seconds is None else clock() + seconds, clock)
+
+    @property
+    def left_s(self) -> float:
+        """Seconds until it passes, not below 0; infinite where there is none."""
+        return math.inf if math.isinf(self.end_s) else max(self.end_s - self.clock(), 0.0)
+
+    def passed(self) -> bool:
+        """Whether the time is over."""
+        return self.left_s <= 0.0
+
+    def check(self) -> None:
+        """Raise OutOfTimeError once it has passed."""
+        if self.passed():
+            raise OutOfTimeError
+
+    def at_most(self, seconds: float) -> Deadline:
+        """This deadline, or one in so many seconds if that is sooner; what is left out is told to neither's caller."""
+        return Deadline(min(self.end_s, self.clock() + seconds), self.clock)
+
+    def within(self, what: str, work: Callable[[], Made], otherwise: Made) -> Made:
+        """What a step makes; where the time does not reach, something else instead, and a note of what is missing."""
+        try:
+            self.check()
+            return work()
+        except OutOfTimeError:
+            self.left_out.append(what)
+            return otherwise
+
+
+NEVER = Deadline()
