@@ -11,6 +11,7 @@ HELPERS = (
     "scene_search",
     "brute_force",
     "random_cases",
+    "one_of_each",
     "hand_made_rows",
     "population_cases",
     "front_cases",

@@ -1,0 +1,357 @@
+"""Every rule that discards, on either side of its limit: what it throws away is infeasible, and no more than that.
+
+One design whose numbers are worked out by hand is put a millionth inside and outside of each limit. A rule
+without a case here makes a test fail. What `brute_force` says, which shares no code with the search, must agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+from typing import Any
+
+import brute_force as brute
+import numpy as np
+import pytest
+from one_of_each import DISTANCE_M, RATE_HZ, one, with_parts
+from random_cases import Case
+
+from uwopt.catalog.records import exact
+from uwopt.solvers import exact as exact_search
+from uwopt.solvers import large
+from uwopt.solvers.bounds import UNIT_RULES, Bounds
+from uwopt.solvers.exact import RULES, Search
+from uwopt.solvers.imagers import IMAGER_RULES, enumerate_imagers, fitting_pairs
+from uwopt.solvers.outline import Level, Rows, port_tree
+from uwopt.solvers.screen import pair_rules
+
+NEAR = 1e-6
+RADIUS_M, GLASS_M, N_GLASS = 0.08, 0.01, 1.5
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A limit on one number: the key of `one` and of the field, and the value at which the design just fits."""
+
+    place: str
+    name: str
+    value: float
+    least: bool  # the design fits at this value and above; else and below
+    near: float = NEAR
+    more: Mapping[str, Any] = field(default_factory=dict)  # beside it
+
+    def case(self, *, fits: bool, objective: Any = "power") -> Case:
+        """The design just inside, or just outside."""
+        up = 1.0 if self.least == fits else -1.0
+        value = self.value * (1.0 + up * self.near)
+        given = {**self.more, self.place: {**self.more.get(self.place, {}), self.name: value}}
+        return one(objective, **given)
+
+
+def virtual_image_m(n_water: float) -> float:
+    """Where the dome shows a floor at 2 m, from its centre (physics page, section 4)."""
+    power = 1.0 / (n_water * DISTANCE_M) + (1.0 / N_GLASS - 1.0 / n_water) / RADIUS_M
+    return 1.0 / (power + (1.0 - 1.0 / N_GLASS) / (RADIUS_M - GLASS_M))
+
+
+@cache
+def f_number_of_depth(depth_m: float) -> float:
+    """The least f-number at which the forward model sees a depth sharp, by bisection of its margins."""
+    made = one(wanted={**SHARP, "min_dof_m": depth_m}, vehicle=DEEP)
+    problem = made.problem()
+    model = brute.Bench(problem).model(next(iter(brute.buildable(problem))))
+    low, high = 1.0, 64.0
+
+    def missed(f_number: float) -> bool:
+        settings = [{"time_s": 1e-3, "level": 1.0, "f_number": f_number}]
+        return any(
+            text.startswith(("dof", "min_dof")) for text in brute.margins_missed(model, settings, 1e-9)
+        )
+
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if missed(middle) else (low, middle)
+    return high
+
+
+DEEP, SHARP = {"altitude_tolerance_m": 0.3}, {"circle_of_confusion_px": 0.2}
+TILT = 0.625  # tangent of the corner: 5 mm of image over 8 mm
+
+
+RATED = {"catalog": {"lens_rating": "limit"}}
+SHORT = {"limits": {"max_exposure_ms": 0.5}, "wanted": {"max_blur_px": 9.0}}
+
+
+@cache
+def imager_limits() -> dict[str, Limit]:
+    """What each rule of imagers looks at."""
+    n_water = float(one().problem().scenes[0].n_water)
+    return {
+        "image_circle": Limit("lens", "image_circle_mm", 10.0 / 1.02, least=True),
+        "lens_rating": Limit("lens", "rated_pixel_pitch_um", 4.0 * 1.02, least=False, more=RATED),
+        "view": Limit("port", "clear_diameter_mm", 2 * TILT * 50.0, least=True, more={"flat": True}),
+        "focus": Limit("lens", "min_object_distance_m", virtual_image_m(n_water), least=False),
+        "max_gsd_mm": Limit("wanted", "max_gsd_mm", 0.5e-3 * DISTANCE_M * 1e3, least=True),
+        "min_swath_m": Limit("wanted", "min_swath_m", DISTANCE_M, least=False),
+        "frame_rate": Limit("camera", "max_frame_rate_hz", RATE_HZ, least=True),
+        "data_rate_mb_s": Limit("limits", "data_rate_mb_s", 4.5 * RATE_HZ, least=True),
+        "min_dof_m": Limit("lens", "f_number_max", f_number_of_depth(0.6), least=True, near=1e-5,
+                           more={"wanted": {**SHARP, "min_dof_m": 0.6}, "vehicle": DEEP}),
+        "max_blur_px": Limit("camera", "min_exposure_us", 500.0, least=False, more=SHORT),
+        "cost": Limit("limits", "cost", 1800.0, least=True),
+        "mass_kg": Limit("limits", "mass_kg", 0.8, least=True),
+        "power_w": Limit("limits", "power_w", 3.0, least=True),
+    }  # fmt: skip
+
+
+MOUNTS = {True: one(), False: one(lens={"mounts": ("S",)})}
+NAMES = tuple(rule for rule in IMAGER_RULES if rule != "mount")
+
+
+def sides(rule: str, *, fits: bool) -> Case:
+    """The design on one side of a rule's limit."""
+    return MOUNTS[fits] if rule == "mount" else imager_limits()[rule].case(fits=fits)
+
+
+# ---------------------------------------------------------------- imagers
+
+
+def test_every_rule_of_imagers_has_a_case() -> None:
+    """A new rule needs a limit above."""
+    assert set(IMAGER_RULES) == {"mount", *imager_limits()}
+
+
+@pytest.mark.parametrize("rule", IMAGER_RULES)
+def test_a_rule_discards_what_is_a_millionth_outside(rule: str) -> None:
+    """That imager, and under this rule's name."""
+    imagers = enumerate_imagers(sides(rule, fits=False).problem())
+    assert len(imagers) == 0
+    assert {name: count for name, count in imagers.discarded.items() if count} == {rule: 1}
+
+
+@pytest.mark.parametrize("rule", IMAGER_RULES)
+def test_a_rule_keeps_what_is_a_millionth_inside(rule: str) -> None:
+    """Nothing is discarded."""
+    imagers = enumerate_imagers(sides(rule, fits=True).problem())
+    assert len(imagers) == 1 and not any(imagers.discarded.values())
+
+
+@pytest.mark.parametrize("rule", [rule for rule in IMAGER_RULES if rule != "lens_rating"])
+def test_what_a_rule_of_imagers_discards_has_no_feasible_settings(rule: str) -> None:
+    """Enumeration finds none; that a lens is softer than its sensor is a wish that it does not know."""
+    case_ = sides(rule, fits=False)
+    bench = brute.Bench(case_.problem())
+    for hardware in brute.buildable(bench.problem):
+        assert not np.isfinite(brute.best_of(bench, hardware, case_.objective).value)
+
+
+def test_discarded_imagers_are_counted_with_all_their_lamps_and_numbers() -> None:
+    """Two lamps in one to three: six combinations behind the lens that does not fit."""
+    case_ = with_parts(one(lens={"mounts": ("S",)}, vehicle={"light_count": [1, 3]}), lights=[{}])
+    account = case_.solve()[1].account
+    assert account.total == 6 and account.discarded["mount"] == 6
+
+
+# ---------------------------------------------------------------- outlines
+
+
+OUTLINED = tuple(rule for rule in NAMES if rule not in ("image_circle", "lens_rating", "view"))
+
+
+def outline(case_: Case) -> dict[str, bool]:
+    """What each rule of an outline says of the one design."""
+    problem = case_.problem()
+    level, pairs, none = Level(problem, port_tree(problem)[-1]), fitting_pairs(problem), np.zeros(1, int)
+    rows = Rows(pairs.camera, pairs.lens, np.ones(1, bool), none)
+    return {name: bool(passes[0]) for name, passes in level.rules(rows, level.imagers(rows))}
+
+
+def test_every_rule_of_outlines_has_a_case() -> None:
+    """What is not asked there is asked of pairs before, or of imagers after."""
+    assert set(outline(one())) == set(OUTLINED)
+
+
+@pytest.mark.parametrize("rule", OUTLINED)
+def test_an_outline_discards_what_is_outside(rule: str) -> None:
+    """Behind a single port its numbers are the imager's own, so the rule is as sharp."""
+    assert next(name for name, passes in outline(sides(rule, fits=False)).items() if not passes) == rule
+
+
+@pytest.mark.parametrize("rule", OUTLINED)
+def test_an_outline_keeps_what_is_inside(rule: str) -> None:
+    """Nothing is discarded that an imager's rule keeps."""
+    assert all(outline(sides(rule, fits=True)).values())
+
+
+# ---------------------------------------------------------------- lights of units
+
+
+@cache
+def needed(physics: str) -> tuple[float, float]:
+    """Flux that the one lamp must have, and power that the design draws then, by enumeration."""
+    case_ = one(physics=physics, wanted=FAST)
+    bench = brute.Bench(case_.problem())
+    best = brute.best_of(bench, next(iter(brute.buildable(bench.problem))), case_.objective)
+    return best.settings[0]["level"] * 30_000.0, best.power_w
+
+
+FAST = {"max_blur_px": 1.0, "min_snr_db": 26.0}
+LOOSE = 0.99  # in physics `paper` bounds are exact but for quantisation: a part in a thousand here
+
+
+def unit_limit(rule: str, *, fits: bool) -> Case:
+    """The one lamp on either side of a rule of units; outside of light and power by what bounds leave out."""
+    flux_lm, power_w = needed("paper")
+    share = 1.0001 if fits else LOOSE
+    exactly = 1.0 + (NEAR if fits else -NEAR)
+    given: dict[str, Any] = {
+        "light": {"light": {"flux_lm": flux_lm * share, "power_w": flux_lm * share / 100.0}},
+        "cost": {"limits": {"cost": 2300.0 * exactly}},
+        "mass_kg": {"limits": {"mass_kg": 1.3 * exactly}},
+        "power_w": {"limits": {"power_w": power_w * share}},
+        "bound": {},
+    }[rule]
+    return one(physics="paper", wanted=FAST, **given)
+
+
+def unit_rules(case_: Case, *, coupled: bool) -> list[str]:
+    """Rules that discard the one unit."""
+    search = case_.searcher()
+    imagers = search.prepare()
+    bounds = Bounds(search.problem, search.objective, imagers, search.tables, coupled=coupled)
+    return [UNIT_RULES[int(rule)] for rule in bounds.of_units(0, np.arange(1)).rule if rule >= 0]
+
+
+def light_rules(case_: Case, threshold: float = np.inf) -> list[str]:
+    """Rules that discard its one light when looked at alone."""
+    search = case_.searcher()
+    imagers = search.prepare()
+    bounds = Bounds(search.problem, search.objective, imagers, search.tables, coupled=True)
+    unit = replace(bounds.of_units(0, np.arange(1)), rule=np.array([-1]))
+    rule, _ = pair_rules(bounds, 0, np.arange(1), unit, threshold)
+    return [UNIT_RULES[int(one_)] for one_ in rule.ravel() if one_ >= 0]
+
+
+IN_TABLES = tuple(rule for rule in UNIT_RULES if rule != "bound")
+
+
+@pytest.mark.parametrize("coupled", [False, True])
+@pytest.mark.parametrize("rule", IN_TABLES)
+def test_a_unit_falls_when_its_light_is_outside(rule: str, coupled: bool) -> None:
+    """A hundredth less light or power than the enumeration needs is enough, a millionth of the others."""
+    assert unit_rules(unit_limit(rule, fits=False), coupled=coupled) == [rule]
+
+
+@pytest.mark.parametrize("coupled", [False, True])
+@pytest.mark.parametrize("rule", IN_TABLES)
+def test_a_unit_stays_when_its_light_is_inside(rule: str, coupled: bool) -> None:
+    """What the enumeration finds feasible is not discarded."""
+    assert unit_rules(unit_limit(rule, fits=True), coupled=coupled) == []
+
+
+@pytest.mark.parametrize("rule", IN_TABLES)
+def test_a_single_light_falls_when_it_is_outside(rule: str) -> None:
+    """As the unit does."""
+    assert light_rules(unit_limit(rule, fits=False)) == [rule]
+
+
+@pytest.mark.parametrize("rule", IN_TABLES)
+def test_a_single_light_stays_when_it_is_inside(rule: str) -> None:
+    """As the unit does."""
+    assert light_rules(unit_limit(rule, fits=True)) == []
+
+
+def test_a_single_light_falls_when_it_cannot_win() -> None:
+    """Its least power, a hundredth below what enumeration finds at most, against a threshold."""
+    _, power_w = needed("paper")
+    assert light_rules(unit_limit("bound", fits=True), threshold=LOOSE * power_w) == ["bound"]
+    assert light_rules(unit_limit("bound", fits=True), threshold=power_w) == []
+
+
+LED = {
+    "kind": "pulsed_led", "min_pulse_us": 1.0, "max_pulse_us": 2000.0, "max_duty_frac": exact(1.0),
+    "max_rate_hz": exact(50.0),
+}  # fmt: skip
+
+
+def test_a_lamp_that_cannot_keep_up_with_the_images_falls() -> None:
+    """0.2747 pulses a second are asked."""
+    for share, found in ((1.0 - NEAR, ["light"]), (1.0 + NEAR, [])):
+        light = {**LED, "max_rate_hz": exact(RATE_HZ * share)}
+        assert light_rules(one(light=light, wanted=FAST)) == found
+
+
+# ---------------------------------------------------------------- the whole search
+
+
+def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search of pairs for the one design."""
+    monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
+
+
+def test_rules_of_all_searches_are_known_here() -> None:
+    """The certificate lists no other rule."""
+    assert set(RULES) == {*IMAGER_RULES, *UNIT_RULES}
+    assert large.UNIT_RULES is UNIT_RULES
+
+
+@pytest.mark.parametrize("way", ["small", "large"])
+@pytest.mark.parametrize("rule", IMAGER_RULES)
+def test_a_search_counts_what_a_rule_of_imagers_discards(
+    rule: str, way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One combination, discarded by that rule, and nothing found."""
+    if way == "large":
+        as_if_large(monkeypatch)
+    outcome = sides(rule, fits=False).solve()[1]
+    assert not outcome.best and outcome.complete
+    assert {name: count for name, count in outcome.account.discarded.items() if count} == {rule: 1}
+
+
+@pytest.mark.parametrize("way", ["small", "large"])
+@pytest.mark.parametrize("rule", IN_TABLES)
+def test_a_search_counts_what_a_rule_of_units_discards(
+    rule: str, way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same for the light's rules."""
+    monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)
+    if way == "large":
+        as_if_large(monkeypatch)
+    outcome = unit_limit(rule, fits=False).solve()[1]
+    assert not outcome.best and outcome.complete
+    assert {name: count for name, count in outcome.account.discarded.items() if count} == {rule: 1}
+
+
+@pytest.mark.parametrize("rule", ["cost", "mass_kg"])
+def test_a_search_that_does_not_bound_drops_designs_over_budget(rule: str) -> None:
+    """Few units are evaluated without bounds; their lights are held against the limits all the same."""
+    outcome = unit_limit(rule, fits=False).solve()[1]
+    assert not outcome.best
+    assert outcome.account.discarded[rule] == 1 and outcome.account.evaluated == 0
+
+
+@pytest.mark.parametrize("way", ["small", "large"])
+def test_a_search_counts_what_cannot_win(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of two cameras, one drawing 1000 W, the other is never evaluated."""
+    if way == "large":
+        as_if_large(monkeypatch)
+    for module, names in (
+        (exact_search, ("FIRST_CHUNK", "FIRST_BATCH")),
+        (large, ("FIRST_PAIRS", "FIRST_LEAVES")),
+    ):
+        for name in names:
+            monkeypatch.setattr(module, name, 1)
+    case_ = with_parts(one(wanted=FAST), cameras=[{"power_w": 1000.0}])
+    outcome = case_.solve(top=1)[1]
+    assert {name: count for name, count in outcome.account.discarded.items() if count} == {"bound": 1}
+    assert outcome.account.evaluated == 1 and outcome.account.total == 2
+
+
+def test_cameras_beyond_a_ceiling_are_counted_as_bounded() -> None:
+    """Only what draws less than 900 W is wanted."""
+    case_ = with_parts(one(wanted=FAST), cameras=[{"power_w": 1000.0}])
+    search: Search = case_.searcher(ceiling=900.0)
+    outcome = search.run()
+    assert outcome.account.discarded["bound"] == 1 and outcome.account.adds_up()
+    assert [found.camera for found in outcome.best] == [0]
