@@ -139,7 +139,7 @@ def loaded_catalog(files: list[str] | None) -> Any:
 def raise_unknown(pattern: str, catalog: Any, kind: Any) -> NoReturn:
     """A pattern that fits nothing is a fault; near names help."""
     from uwopt.catalog.catalogue import near_names
-    from uwopt.catalog.columns import KINDS
+    from uwopt.catalog.records import KINDS
     from uwopt.errors import CatalogError
 
     parts = [part for each in KINDS if kind in (None, each) for part in catalog.parts(each)]

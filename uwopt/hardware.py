@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.compatibility import rated_pitch_um
+from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
 from uwopt.catalog.records import Camera, Curve, Lens, Light, Part, Port, Quantity
 from uwopt.model.light import flash_light_lm_s
 
@@ -26,17 +27,6 @@ T = TypeVar("T", bound="Rows")
 CONTINUOUS, PULSED, FLASH = 0, 1, 2
 KIND_CODES = {"continuous": CONTINUOUS, "pulsed_led": PULSED, "flash": FLASH}
 PAPER_BITS = 16
-
-# +1: more favours a design, -1: less does. Only fields whose estimate enters a figure stand here.
-FAVOURED = {
-    "price": -1, "mass_g": -1, "power_w": -1, "read_noise_e": -1, "dark_current_e_s": -1, "prnu_frac": -1,
-    "min_exposure_us": -1, "min_object_distance_m": -1, "recycle_s": -1, "min_pulse_us": -1, "f_number_min": -1,
-    "thickness_mm": -1, "flash_energy_j": +1, "flash_duration_us": -1, "beam_angle_deg": -1,
-    "saturation_e": +1, "qe_scale": +1, "max_frame_rate_hz": +1, "bandwidth_mb_s": +1, "max_gain_db": +1,
-    "max_exposure_us": +1, "exposure_offset_us": +1, "transmission_frac": +1, "f_number_max": +1,
-    "flux_lm": +1, "output_factor": +1, "max_pulse_us": +1, "max_duty_frac": +1, "max_rate_hz": +1,
-    "flash_efficacy_lm_s_per_j": +1, "charging_efficiency_frac": +1, "refractive_index": +1,
-}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from uwopt.catalog.catalogue import plain_name
-from uwopt.catalog.columns import Kind
-from uwopt.catalog.records import Part
+from uwopt.catalog.records import Kind, Part
 from uwopt.design_model import DesignModel, Hardware, SceneSettings
 from uwopt.errors import UwoptError
 from uwopt.figures import Figures, SettingRows

@@ -5,10 +5,9 @@ from dataclasses import fields
 import pytest
 
 from uwopt.catalog.catalogue import plain_name
-from uwopt.catalog.columns import KINDS
 from uwopt.catalog.load import load_catalog
 from uwopt.catalog.money import price_in
-from uwopt.catalog.records import Quantity
+from uwopt.catalog.records import KINDS, Quantity
 from uwopt.errors import CatalogError
 
 CATALOG = load_catalog()

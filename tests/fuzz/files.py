@@ -21,7 +21,8 @@ from pydantic import AfterValidator
 
 from uwopt.catalog.columns import COLUMNS
 from uwopt.catalog.inline import INLINE_MODELS
-from uwopt.catalog.physical import LARGEST, PHYSICAL, SMALLEST
+from uwopt.catalog.parts.cell import LARGEST
+from uwopt.catalog.parts.kinds import ALL_FIELDS
 from uwopt.fields import keys_of
 from uwopt.mission import LightMount
 from uwopt.mission import sections as mission_sections
@@ -38,6 +39,7 @@ HARDWARE = (
     "orientation",
 )
 PHYSICS = ("auto", "full", "paper")
+SPANS = {field.name: field.cell.span for field in ALL_FIELDS}
 FUZZ = int(os.environ.get("UWOPT_FUZZ", "0"))
 Draw = Any
 
@@ -79,7 +81,7 @@ def numbers(metadata: Any, *, whole: bool, name: str) -> st.SearchStrategy[Any]:
                 high = min(high, found.le)
             elif isinstance(found, annotated_types.Lt):
                 high = min(high, found.lt - 1e-9)
-    least, most = PHYSICAL.get(name, (low, high))
+    least, most = SPANS.get(name, (low, high))
     low, high = max(low, least) if low > 0 else low, min(high, most)
     return st.integers(math.ceil(low), int(min(high, 1e6))) if whole else between(float(low), float(high))
 
@@ -235,9 +237,9 @@ def cells(kind: str) -> dict[str, st.SearchStrategy[Any]]:
     found: dict[str, st.SearchStrategy[Any]] = {}
     for name, column in COLUMNS[kind].items():  # type: ignore[index]
         if column.form == "number":
-            least, most = PHYSICAL.get(name, (SMALLEST, LARGEST))
-            low, high = max(column.low, -LARGEST), min(column.high, most)
-            low = max(low, least) if column.open_low else low
+            (least, most), within = column.span, column.within
+            low, high = max(within.low, -LARGEST), min(within.high, most)
+            low = max(low, least) if within.open_low else low
             found[name] = (
                 st.integers(math.ceil(low), int(min(high, 1e6))) if column.whole else between(low, high)
             )

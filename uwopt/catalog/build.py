@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Literal, TypedDict
 
 from uwopt.catalog.catalogue import Exclusion
-from uwopt.catalog.columns import Kind
 from uwopt.catalog.estimates import ClassEstimate
-from uwopt.catalog.records import Availability, Part, Quantity, Status
+from uwopt.catalog.records import Availability, Kind, Part, Quantity, Status
 from uwopt.catalog.userparts import PartRow
 
 Origin = Literal["published", "user", "generic"]  # whose row it is: the catalogue's, the user's, to be made

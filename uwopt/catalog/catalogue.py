@@ -7,8 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from uwopt.catalog.columns import KINDS, Kind
-from uwopt.catalog.records import Camera, Lens, Light, Part, Port
+from uwopt.catalog.records import KINDS, Camera, Kind, Lens, Light, Part, Port
 from uwopt.errors import CatalogError
 
 

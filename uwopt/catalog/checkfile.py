@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from uwopt.catalog.columns import COLUMNS, KINDS, Kind
+from uwopt.catalog.columns import COLUMNS
+from uwopt.catalog.parts.kinds import PARTS
+from uwopt.catalog.records import KINDS
 from uwopt.catalog.tables import parse_table, read_text
 from uwopt.catalog.usercurves import check_curves, is_curve_table
 from uwopt.catalog.userparts import PriceQuote, check_parts, check_prices, is_price_table
@@ -89,38 +91,6 @@ def _unknown_ids(quotes: list[PriceQuote]) -> list[str]:
     ]
 
 
-EXAMPLES: dict[Kind, dict[str, str]] = {
-    "camera": {
-        "id": "acme-cam-5m", "manufacturer": "Acme", "model": "Cam 5M", "availability": "current",
-        "chip": "IMX250",
-        "colour": "mono", "resolution_x_px": "2448", "resolution_y_px": "2048", "pixel_pitch_um": "3.45",
-        "shutter": "global", "mounts": "C", "interface": "USB3", "max_frame_rate_hz": "75", "bit_depth": "12",
-        "read_noise_e": "2.4", "saturation_e": "10500", "power_w": "3", "mass_g": "60", "price": "1200",
-        "currency": "USD", "price_date": "2026-11-01",
-    },
-    "lens": {
-        "id": "acme-lens-8", "manufacturer": "Acme", "model": "8 mm", "availability": "current",
-        "focal_length_mm": "8",
-        "f_number_min": "1.8", "f_number_max": "16", "aperture_control": "manual", "optical_format_in": "2/3",
-        "mounts": "C", "rated_pixel_pitch_um": "3.45", "min_object_distance_m": "0.1", "mass_g": "80",
-        "price": "300", "currency": "USD",
-    },
-    "port": {
-        "id": "acme-dome-75", "manufacturer": "Acme", "model": "dome", "availability": "current",
-        "geometry": "dome",
-        "material": "acrylic", "glass": "pmma", "outer_radius_mm": "75", "thickness_mm": "8",
-        "depth_rating_m": "300",
-        "mass_g": "600", "price": "350", "currency": "USD",
-    },
-    "light": {
-        "id": "acme-lamp-5000", "manufacturer": "Acme", "model": "Lamp 5000", "availability": "current",
-        "kind": "continuous", "flux_lm": "5000", "power_w": "50", "beam": "cosine-power",
-        "beam_angle_deg": "90",
-        "beam_medium": "water", "dim_levels": "1|0.5|0.25", "depth_rating_m": "300", "mass_g": "500",
-        "price": "700", "currency": "USD",
-    },
-}  # fmt: skip
-
 OTHER_TEMPLATES = {
     "prices": "# Your own quotes; they replace the catalogue's prices. id: as in `uwopt catalog list`.\n"
     "id,price,currency,date\nflir-bfs-u3-51s5m,1304,USD,2026-08-14\n",
@@ -154,5 +124,5 @@ def template(kind: str) -> str:
         text.write(f"# {column.name}: {column.allowed()}{'; ' + column.meaning if column.meaning else ''}\n")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([column.name for column in columns])
-    writer.writerow([EXAMPLES[found].get(column.name, "") for column in columns])
+    writer.writerow([PARTS[found].example.get(column.name, "") for column in columns])
     return text.getvalue()

@@ -12,8 +12,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, TypeVar
 
 from uwopt.catalog.catalogue import Catalog, Exclusion, near_names, plain_name, unknown_part
-from uwopt.catalog.columns import KINDS, Kind
-from uwopt.catalog.records import Camera, Lens, Light, Part, Port, Quantity, exact
+from uwopt.catalog.records import KINDS, Camera, Kind, Lens, Light, Part, Port, Quantity, exact
 from uwopt.errors import CatalogError
 
 RULES = (

@@ -17,7 +17,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, field_validator, model_validator
 
-from uwopt.catalog.physical import beyond
+from uwopt.catalog.parts.cell import LARGEST, SMALLEST, beyond
+from uwopt.catalog.parts.kinds import ALL_FIELDS
 from uwopt.catalog.records import Camera, Curve, Lens, Light, Port, Quantity, exact
 from uwopt.errors import CatalogError
 from uwopt.fields import (
@@ -52,6 +53,7 @@ SYNONYMS: dict[str, dict[str, str]] = {
 }
 
 Kind = Literal["camera", "lens", "port", "light"]
+SPANS = {field.name: field.cell.span for field in ALL_FIELDS}
 PositiveShare = Annotated[float, Field(gt=0, le=1), NUMBER]
 
 
@@ -94,7 +96,9 @@ class InlinePart(Section):
     @classmethod
     def _of_a_part(cls, value: Any, info: ValidationInfo) -> Any:
         is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        fault = beyond(info.field_name or "", float(value)) if is_number else ""
+        fault = (
+            beyond(float(value), SPANS.get(info.field_name or "", (SMALLEST, LARGEST))) if is_number else ""
+        )
         if fault:
             raise refusal(f"{fault}, as none is made", "check its unit")
         return value

@@ -3,29 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 from uwopt.catalog.catalogue import Catalog, Exclusion
 from uwopt.catalog.choose import matches
-from uwopt.catalog.columns import KINDS, Kind
-from uwopt.catalog.records import Camera, Curve, Lens, Light, Part, Port, Quantity
-
-SILENT_FIELDS = frozenset(
-    {
-        "generic",
-        "inline",
-        "currency",
-        "bit_depth_status",
-        "image_circle_status",
-        "dim_status",
-        "beam_profile_is_candela",
-    }
-)
-STATUS_FIELDS = {
-    "bit_depth": "bit_depth_status",
-    "image_circle_mm": "image_circle_status",
-    "dim_levels": "dim_status",
-}
+from uwopt.catalog.parts.cell import Field, kept_fields
+from uwopt.catalog.parts.kinds import PARTS
+from uwopt.catalog.records import KINDS, Curve, Kind, Part, Quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +62,8 @@ def show_part(catalog: Catalog, part_id: str) -> tuple[list[FieldLine], tuple[Ex
     part = catalog.part(part_id)
     lines = [
         line
-        for f in fields(part)
-        if f.name not in SILENT_FIELDS and (line := _field_line(part, f.name)) is not None
+        for field in kept_fields(type(part))
+        if field.cell.shown and (line := _field_line(part, field)) is not None
     ]
     return lines, catalog.exclusions_of(part.id)
 
@@ -91,7 +75,7 @@ def _part_line(part: Part, kind: Kind, reasons: tuple[str, ...]) -> PartLine:
         part.manufacturer,
         part.model,
         part.availability,
-        summary(part),
+        summary(part, kind),
         part.price,
         part.currency,
         part.generic,
@@ -100,71 +84,32 @@ def _part_line(part: Part, kind: Kind, reasons: tuple[str, ...]) -> PartLine:
     )
 
 
-def summary(part: Part) -> str:
+def summary(part: Part, kind: Kind) -> str:
     """A part in a few words with units; `~` marks an estimate."""
-    if isinstance(part, Camera):
-        size = f"{part.resolution_x_px} x {part.resolution_y_px} px, {part.pixel_pitch_um:g} µm"
-        return ", ".join(
-            word
-            for word in (part.chip, part.colour, size, part.shutter, "/".join(part.mounts), part.interface)
-            if word
-        )
-    if isinstance(part, Lens):
-        circle = "" if part.image_circle_mm is None else f"circle {part.image_circle_mm:g} mm"
-        words = (
-            f"{part.focal_length_mm:g} mm",
-            _shown("F", part.f_number_min, ""),
-            circle,
-            "/".join(part.mounts),
-        )
-        return ", ".join(word for word in words if word)
-    if isinstance(part, Port):
-        size = "" if part.outer_radius_mm is None else f"radius {part.outer_radius_mm:g} mm"
-        return ", ".join(word for word in (part.geometry, part.material, size, _depth(part)) if word)
-    if isinstance(part, Light):
-        light = (
-            _shown("", part.flash_energy_j, " J") if part.kind == "flash" else _shown("", part.flux_lm, " lm")
-        )
-        power = "" if part.kind == "flash" else _shown("", part.power_w, " W")
-        medium = "(medium not stated)" if part.beam_medium == "not stated" else f"in {part.beam_medium}"
-        angle = _shown("", part.beam_angle_deg, f" deg {medium}")
-        return ", ".join(word for word in (part.kind, light, power, angle, _depth(part)) if word)
-    return part.model
+    return ", ".join(word for word in PARTS[kind].summary(part) if word)
 
 
 def estimated_fields(part: Part) -> list[str]:
     """Fields that no source states for this part: class estimates stand there."""
-    names = []
-    for f in fields(part):
-        value = getattr(part, f.name)
-        status = (
-            value.status if isinstance(value, Quantity) else getattr(part, STATUS_FIELDS.get(f.name, ""), "")
-        )
-        if status == "estimated":
-            names.append(f.name)
-    return names
+    return [field.name for field in kept_fields(type(part)) if _status(part, field) == "estimated"]
 
 
-def _shown(before: str, quantity: Quantity | None, after: str) -> str:
-    if quantity is None:
-        return ""
-    number = f"{quantity.value:.3g}" if abs(quantity.value) < 1000.0 else f"{quantity.value:.0f}"
-    return f"{before}{'~' if quantity.estimated else ''}{number}{after}"
-
-
-def _depth(part: Port | Light) -> str:
-    return "" if part.depth_rating_m is None else f"to {part.depth_rating_m:g} m"
-
-
-def _field_line(part: Part, name: str) -> FieldLine | None:
-    value = getattr(part, name)
+def _field_line(part: Part, field: Field) -> FieldLine | None:
+    value = getattr(part, field.name)
     if value is None or value == "" or value == () or value == {}:
         return None
     if isinstance(value, Quantity):
-        text = f"{value.value:.6g}" + (f" {part.currency}" if name == "price" else "")
-        return FieldLine(name, text, value.low, value.high, value.status, value.source)
-    status = getattr(part, STATUS_FIELDS[name]) if name in STATUS_FIELDS else ""
-    return FieldLine(name, _in_words(value), None, None, status, "")
+        text = f"{value.value:.6g}" + (f" {part.currency}" if field.name == "price" else "")
+        return FieldLine(field.name, text, value.low, value.high, value.status, value.source)
+    return FieldLine(field.name, _in_words(value), None, None, _status(part, field), "")
+
+
+def _status(part: Part, field: Field) -> str:
+    """How a field is known, "" where nothing tells."""
+    value = getattr(part, field.name)
+    if isinstance(value, Quantity):
+        return value.status
+    return getattr(part, field.cell.status) if field.cell.status else ""
 
 
 def _in_words(value: object) -> str:

@@ -14,8 +14,7 @@ from uwopt.catalog.build_lens import build_lens
 from uwopt.catalog.build_light import build_light
 from uwopt.catalog.build_port import build_port
 from uwopt.catalog.catalogue import Catalog, Exclusion, plain_name, unknown_part
-from uwopt.catalog.columns import KINDS, Kind
-from uwopt.catalog.records import Camera, Lens, Light, Part, Port, Quantity
+from uwopt.catalog.records import KINDS, Camera, Kind, Lens, Light, Part, Port, Quantity
 from uwopt.catalog.tables import DATA_DIR, read_table
 from uwopt.catalog.userparts import PartRow, PriceQuote, read_parts, read_prices, typed_rows
 from uwopt.errors import CatalogError

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwopt.catalog.columns import CellError, Column, parse_number
+from uwopt.catalog.parts.cell import POSITIVE, Range
 from uwopt.catalog.spectra import pure_water
 from uwopt.catalog.tables import Row, Table, read_table
 from uwopt.errors import CatalogError, RangeError
@@ -32,12 +33,12 @@ STATION_ALIASES: Mapping[str, str] = MappingProxyType(
     {"clear-ocean": "AUTEC 8", "coastal-ocean": "HAOCE 11", "turbid-harbor": "NUC 2040"}
 )
 
-ANGLE = Column("angle_deg", low=0, high=180, meaning="scattering angle, increasing")
+ANGLE = Column("angle_deg", within=Range(0.0, 180.0), meaning="scattering angle, increasing")
 VALUES = {
     column.name: column
     for column in (
-        Column("phase_per_sr", low=0, open_low=True, meaning="integral over the sphere is 1"),
-        Column("vsf_per_m_sr", low=0, open_low=True, meaning="volume scattering function, water included"),
+        Column("phase_per_sr", within=POSITIVE, meaning="integral over the sphere is 1"),
+        Column("vsf_per_m_sr", within=POSITIVE, meaning="volume scattering function, water included"),
     )
 }
 MIN_ROWS = 4

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.columns import CellError, Column, parse_number
-from uwopt.catalog.records import Curve
+from uwopt.catalog.parts.cell import FROM_ZERO, SHARE, Range
+from uwopt.catalog.parts.quantity import Curve
 from uwopt.catalog.tables import Row, Table, read_table
 from uwopt.errors import CatalogError
 
@@ -18,21 +19,21 @@ FloatArray = NDArray[np.float64]
 
 VISIBLE_NM = (400.0, 700.0)  # what a spectrum must cover
 
-WAVELENGTH = Column("wavelength_nm", low=200, high=2500, meaning="in vacuum, increasing")
-ANGLE = Column("angle_deg", low=0, high=180, meaning="from the axis, increasing from 0")
+WAVELENGTH = Column("wavelength_nm", within=Range(200.0, 2500.0), meaning="in vacuum, increasing")
+ANGLE = Column("angle_deg", within=Range(0.0, 180.0), meaning="from the axis, increasing from 0")
 CHANNELS = ("mono", "red", "green", "blue")
 
 VALUE_COLUMNS = {
     column.name: column
     for column in (
-        Column("relative_power", low=0),
-        Column("reflectance", low=0, high=1),
-        Column("attenuation_per_m", low=0),
-        Column("a_per_m", low=0),
-        Column("b_per_m", low=0),
-        Column("kd_per_m", low=0),
-        Column("qe", low=0, high=1),
-        Column("intensity", low=0, meaning="relative, or in candela"),
+        Column("relative_power", within=FROM_ZERO),
+        Column("reflectance", within=SHARE),
+        Column("attenuation_per_m", within=FROM_ZERO),
+        Column("a_per_m", within=FROM_ZERO),
+        Column("b_per_m", within=FROM_ZERO),
+        Column("kd_per_m", within=FROM_ZERO),
+        Column("qe", within=SHARE),
+        Column("intensity", within=FROM_ZERO, meaning="relative, or in candela"),
     )
 }
 

@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from uwopt.catalog.columns import COLUMNS, KINDS, REQUIRED, Cell, CellError, Column, Kind, parse_cell
-from uwopt.catalog.physical import beyond
+from uwopt.catalog.columns import COLUMNS, REQUIRED, TELLTALE, Cell, CellError, Column, parse_cell
+from uwopt.catalog.parts.cell import FROM_ZERO, beyond
+from uwopt.catalog.parts.kinds import ORDERED_PAIRS
+from uwopt.catalog.parts.part import KINDS, Kind
 from uwopt.catalog.tables import Row, Table, parse_table, read_text
 from uwopt.errors import CatalogError
 
@@ -23,36 +25,14 @@ PRICE_COLUMNS = {
     column.name: column
     for column in (
         Column("id", "text"),
-        Column("price", low=0.0),
-        Column("price_low", low=0.0),
-        Column("price_high", low=0.0),
+        Column("price", within=FROM_ZERO),
+        Column("price_low", within=FROM_ZERO),
+        Column("price_high", within=FROM_ZERO),
         Column("currency", "text", meaning="three letters, e.g. USD"),
         Column("date", "text", meaning="YYYY-MM-DD"),
         Column("note", "text"),
     )
 }
-
-#: Columns whose mere presence tells the kind of part.
-TELLTALE: dict[str, Kind] = {
-    "resolution_x_px": "camera",
-    "focal_length_mm": "lens",
-    "geometry": "port",
-    "flux_lm": "light",
-    "guide_number_m": "light",
-}
-
-#: (smaller, larger) pairs of columns.
-ORDERED_PAIRS = (
-    ("f_number_min", "f_number_max"),
-    ("min_exposure_us", "max_exposure_us"),
-    ("min_pulse_us", "max_pulse_us"),
-    ("price_low", "price"),
-    ("price", "price_high"),
-    ("mass_low_g", "mass_g"),
-    ("mass_g", "mass_high_g"),
-    ("supply_v_min", "supply_v_max"),
-    ("thickness_mm", "outer_radius_mm"),
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +162,7 @@ def _typed_cells(row: Row, kind: Kind, required: tuple[str, ...]) -> tuple[dict[
             faults.append(str(fault))
             continue
         value = cells[name]
-        if isinstance(value, float) and (far := beyond(name, value)):
+        if isinstance(value, float) and (far := beyond(value, column.span)):
             faults.append(f"{name} = {text} {far}, as none is made; check its unit")
     faults += [f"{name} is empty; a {kind} needs it" for name in required if not row.cells.get(name)]
     return cells, faults + _cross_faults(cells)

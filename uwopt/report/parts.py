@@ -6,9 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from uwopt.catalog.catalogue import Exclusion
 from uwopt.catalog.checkfile import FileReport
-from uwopt.catalog.columns import KINDS
 from uwopt.catalog.listing import FieldLine, PartLine
-from uwopt.catalog.records import Quantity
+from uwopt.catalog.records import KINDS, Quantity
 from uwopt.report import words
 from uwopt.report.layout import Block, Line, Text, block, columns, sentence
 from uwopt.units import format_number

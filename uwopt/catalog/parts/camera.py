@@ -1,0 +1,236 @@
+"""Camera bodies with their sensors: what is stated of one, and what the model reads."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import field
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator
+from pydantic.dataclasses import dataclass
+
+from uwopt.catalog.parts.cell import FROM_ZERO, POSITIVE, POSITIVE_SHARE, SHARE, SMALLEST, Cell, Inline, Range
+from uwopt.catalog.parts.part import FORMAT, MOUNTS, Part, PartKind
+from uwopt.catalog.parts.quantity import Curve, Quantity, Status
+from uwopt.fields import refusal, to_number, to_text
+
+MAX_GAIN_DB = 48.0  # of an inline camera that does not say
+PIXELS = Range(1.0, 1e5)
+BITS = Range(1.0, 32.0)
+TIME_US = (1e-6, 1e10)
+
+
+def _number_or_name(value: Any) -> float | str:
+    if isinstance(value, str) and not value.strip()[:1].isdigit():
+        return to_text(value)
+    if isinstance(value, str) and value.strip().casefold().endswith(".csv"):
+        return to_text(value)
+    number = to_number(value)
+    if not 0 < number <= 1:
+        raise refusal("is not an efficiency above 0 and up to 1", "write 0.6 for 60 %")
+    return number
+
+
+NumberOrName = Annotated[float | str, BeforeValidator(_number_or_name)]
+
+
+@dataclass(frozen=True, slots=True)
+class Camera(Part):
+    """A camera body with its sensor."""
+
+    chip: Annotated[str, Cell("maker and type of the sensor", inline=Inline(doc="type of the sensor"))] = ""
+    colour: Annotated[Literal["mono", "colour"], Cell("sensor: mono or colour", inline=Inline())] = "mono"
+    resolution_x_px: Annotated[
+        int, Cell("image width in pixels", PIXELS, needed=True, tells=True, inline=Inline(needed=True))
+    ] = 0
+    resolution_y_px: Annotated[
+        int, Cell("image height in pixels", PIXELS, needed=True, inline=Inline(needed=True))
+    ] = 0
+    pixel_pitch_um: Annotated[
+        float,
+        Cell(
+            "pixel pitch in micrometres",
+            Range(0.0, 100.0, open_low=True),
+            span=(0.05, 100.0),
+            needed=True,
+            inline=Inline(needed=True),
+        ),
+    ] = 0.0
+    shutter: Annotated[Literal["global", "rolling"], Cell("shutter: global or rolling", inline=Inline())] = (
+        "global"
+    )
+    optical_format_in: ClassVar[Annotated[str, FORMAT]]
+    mounts: Annotated[tuple[str, ...], MOUNTS] = ()  # () is unknown and fits nothing
+    interface: Annotated[str, Cell("interface, such as USB3", inline=Inline())] = ""
+    bandwidth_mb_s: Annotated[
+        Quantity | None,
+        Cell(
+            "what the interface carries, 10^6 byte/s",
+            POSITIVE,
+            favours="high",
+            unknown=math.inf,
+            inline=Inline(),
+        ),
+    ] = None
+    max_frame_rate_hz: Annotated[
+        Quantity | None,
+        Cell(
+            "highest frame rate in hertz",
+            POSITIVE,
+            span=(1e-6, 1e9),
+            favours="high",
+            unknown=math.inf,
+            inline=Inline(),
+        ),
+    ] = None
+    bit_depth: Annotated[
+        int, Cell("bits of the transmitted image", BITS, status="bit_depth_status", inline=Inline())
+    ] = 12
+    bit_depth_status: Annotated[Status, Cell(in_files=False, shown=False)] = "published"
+    read_noise_e: Annotated[
+        Quantity | None,
+        Cell(
+            "temporal dark noise in electrons",
+            FROM_ZERO,
+            span=(SMALLEST, 1e6),
+            favours="low",
+            inline=Inline(needed=True),
+        ),
+    ] = None
+    saturation_e: Annotated[
+        Quantity | None,
+        Cell(
+            "saturation capacity in electrons",
+            POSITIVE,
+            span=(1.0, 1e10),
+            favours="high",
+            unknown=math.inf,
+            inline=Inline(),
+        ),
+    ] = None
+    dark_current_e_s: Annotated[
+        Quantity | None,
+        Cell(
+            "dark current in electrons per second",
+            FROM_ZERO,
+            span=(SMALLEST, 1e9),
+            favours="low",
+            inline=Inline(),
+        ),
+    ] = None
+    gain_dn_per_e: Annotated[
+        float | None,
+        Cell("system gain at 0 dB in DN per electron", POSITIVE, span=(1e-9, 1e9), inline=Inline()),
+    ] = None
+    gain_bits: Annotated[
+        int | None,
+        Cell(
+            "bit depth that gain_dn_per_e refers to", BITS, inline=Inline(unless="; bit_depth unless given")
+        ),
+    ] = None
+    max_gain_db: Annotated[
+        Quantity | None,
+        Cell(
+            "highest gain setting in decibels",
+            FROM_ZERO,
+            span=(SMALLEST, 120.0),
+            favours="high",
+            inline=Inline(default=MAX_GAIN_DB),
+        ),
+    ] = None
+    black_level_dn: Annotated[
+        float, Cell("offset of the image in digital numbers", FROM_ZERO, inline=Inline())
+    ] = 0.0
+    min_exposure_us: Annotated[
+        Quantity | None,
+        Cell(
+            "shortest exposure in microseconds",
+            POSITIVE,
+            span=TIME_US,
+            favours="low",
+            at_most="max_exposure_us",
+            inline=Inline(within=FROM_ZERO),
+        ),
+    ] = None
+    max_exposure_us: Annotated[
+        Quantity | None,
+        Cell(
+            "longest exposure in microseconds",
+            POSITIVE,
+            span=TIME_US,
+            favours="high",
+            unknown=math.inf,
+            inline=Inline(),
+        ),
+    ] = None
+    exposure_offset_us: Annotated[
+        Quantity | None,
+        Cell(
+            "time that the sensor adds to each exposure, in microseconds",
+            FROM_ZERO,
+            favours="high",
+            inline=Inline(),
+        ),
+    ] = None
+    prnu_frac: Annotated[
+        Quantity | None,
+        Cell("photo response non-uniformity, a share 0..1", SHARE, favours="low", inline=Inline()),
+    ] = None
+    qe: ClassVar[
+        Annotated[float, Cell("quantum efficiency at qe_nm, 0..1", POSITIVE_SHARE, span=(1e-9, 1.0))]
+    ]
+    qe_nm: ClassVar[Annotated[float, Cell("wavelength of qe", Range(200.0, 1200.0))]]
+    qe_curve: ClassVar[
+        Annotated[str, Cell("id of a curve, or a CSV with wavelength_nm, qe and channel for colour")]
+    ]
+    quantum_efficiency: ClassVar[
+        Annotated[
+            float | str,
+            Cell(
+                "quantum efficiency: a number 0..1, the id of a curve, or a CSV with wavelength_nm and qe",
+                span=(1e-9, 1.0),
+                in_files=False,
+                inline=Inline(needed=True, type=NumberOrName, names=("qe", "qe_curve")),
+            ),
+        ]
+    ]
+    power_w: Annotated[
+        Quantity | None,
+        Cell(
+            "electrical power in watts",
+            POSITIVE,
+            span=(1e-9, 1e9),
+            favours="low",
+            inline=Inline(within=FROM_ZERO),
+        ),
+    ] = None
+    perf_quality: ClassVar[Annotated[Literal["A", "B", "C", "D"], Cell("grade of the sensor's figures")]]
+    snr_max_db: ClassVar[
+        Annotated[float, Cell("best ratio of signal to noise, as EMVA 1288 measures it", POSITIVE)]
+    ]
+    dynamic_range_db: ClassVar[Annotated[float, Cell("", POSITIVE)]]
+    # Quantum efficiency by channel ("mono", or "red", "green", "blue"): id of a curve, scaled.
+    qe_curves: Annotated[dict[str, Curve], Cell(in_files=False)] = field(default_factory=dict)
+    qe_curve_id: Annotated[str, Cell(in_files=False)] = ""
+    qe_scale: Annotated[Quantity | None, Cell(in_files=False, favours="high", unknown=1.0)] = None
+
+
+def _summary(camera: Camera) -> tuple[str, ...]:
+    size = f"{camera.resolution_x_px} x {camera.resolution_y_px} px, {camera.pixel_pitch_um:g} µm"
+    return (camera.chip, camera.colour, size, camera.shutter, "/".join(camera.mounts), camera.interface)
+
+
+KIND = PartKind(
+    "camera",
+    Camera,
+    files={"cameras.csv": "published"},
+    example={
+        "id": "acme-cam-5m", "manufacturer": "Acme", "model": "Cam 5M", "availability": "current", "chip": "IMX250",
+        "colour": "mono", "resolution_x_px": "2448", "resolution_y_px": "2048", "pixel_pitch_um": "3.45",
+        "shutter": "global", "mounts": "C", "interface": "USB3", "max_frame_rate_hz": "75", "bit_depth": "12",
+        "read_noise_e": "2.4", "saturation_e": "10500", "power_w": "3", "mass_g": "60", "price": "1200",
+        "currency": "USD", "price_date": "2026-11-01",
+    },
+    summary=_summary,
+    inline_doc="A camera in a system file.",
+)  # fmt: skip

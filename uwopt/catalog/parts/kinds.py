@@ -1,0 +1,22 @@
+"""All kinds of parts, and tables by field name that hold for all of them."""
+
+from __future__ import annotations
+
+from uwopt.catalog.parts import camera, lens, light, port
+from uwopt.catalog.parts.cell import Field, fields_of
+from uwopt.catalog.parts.part import Kind, PartKind
+
+PARTS: dict[Kind, PartKind] = {
+    "camera": camera.KIND,
+    "lens": lens.KIND,
+    "port": port.KIND,
+    "light": light.KIND,
+}
+
+ALL_FIELDS: tuple[Field, ...] = tuple(field for kind in PARTS.values() for field in fields_of(kind.record))
+
+#: +1: more favours a design, -1: less does. Only fields whose estimate enters a figure stand here.
+FAVOURED = {f.name: 1 if f.cell.favours == "high" else -1 for f in ALL_FIELDS if f.cell.favours}
+
+#: (smaller, larger) pairs of fields.
+ORDERED_PAIRS = tuple(dict.fromkeys((f.name, f.cell.at_most) for f in ALL_FIELDS if f.cell.at_most))

@@ -1,0 +1,89 @@
+"""What every part has, and what a kind of part brings along."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass as plain_dataclass
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic.dataclasses import dataclass
+
+from uwopt.catalog.parts.cell import FROM_ZERO, Cell, Inline
+from uwopt.catalog.parts.quantity import Quantity
+
+Kind = Literal["camera", "lens", "port", "light"]
+KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light")
+Availability = Literal["current", "discontinued", "not_a_product", "unknown"]
+PriceStatus = Literal["quoted", "derived", "estimated"]
+
+MOUNT_NAMES = ("C", "CS", "S", "M12", "F", "EF", "MFT", "TFL", "TFL-II", "M42", "M58", "M72", "T2", "none")
+MOUNTS = Cell("lens mounts", choices=MOUNT_NAMES, inline=Inline(unless="such as [C]"))
+FORMAT = Cell("such as 2/3")
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """What every part has: identity, price, and where the facts come from."""
+
+    part: ClassVar[Annotated[Kind, Cell("kind of part, where a file holds several kinds")]]
+    id: Annotated[
+        str, Cell("maker_model; never reused", needed=True, inline=Inline(doc="name of the part in results"))
+    ]
+    manufacturer: Annotated[str, Cell("maker of the part", inline=Inline())] = ""
+    model: Annotated[str, Cell("maker's name of the part", inline=Inline())] = ""
+    availability: Annotated[Availability, Cell()] = "unknown"
+    generic: Annotated[bool, Cell(in_files=False, shown=False)] = (
+        False  # "to be made": no product, a class of parts
+    )
+    inline: Annotated[bool, Cell(in_files=False, shown=False)] = (
+        False  # from a system file: gaps are not checked
+    )
+    price: Annotated[
+        Quantity | None,
+        Cell("price of one piece", FROM_ZERO, favours="low", at_most="price_high", inline=Inline()),
+    ] = None
+    price_low: ClassVar[Annotated[float, Cell("", FROM_ZERO, at_most="price")]]
+    price_high: ClassVar[Annotated[float, Cell("", FROM_ZERO)]]
+    currency: Annotated[
+        str, Cell("currency of the price, three letters", shown=False, inline=Inline(default="USD"))
+    ] = "USD"
+    price_date: Annotated[str, Cell("YYYY-MM-DD")] = ""
+    price_status: ClassVar[Annotated[PriceStatus, Cell("how the price is known")]]
+    mass_g: Annotated[
+        Quantity | None,
+        Cell("mass of one piece in grams", FROM_ZERO, favours="low", at_most="mass_high_g", inline=Inline()),
+    ] = None
+    mass_low_g: ClassVar[Annotated[float, Cell("", FROM_ZERO, at_most="mass_g")]]
+    mass_high_g: ClassVar[Annotated[float, Cell("", FROM_ZERO)]]
+    source_url: Annotated[str, Cell("where the numbers are from")] = ""
+    correction: ClassVar[Annotated[str, Cell("old value and reason, where a source was corrected")]]
+    note: Annotated[str, Cell("remark", inline=Inline())] = ""
+
+
+#: The columns of a file begin with these; price, mass and sources end it.
+OPENING = ("part", "id", "manufacturer", "model", "availability")
+
+
+@plain_dataclass(frozen=True)
+class PartKind:
+    """One kind of part: its record, its files, an example row, and a part of it in a few words."""
+
+    name: Kind
+    record: type[Part]
+    files: Mapping[str, Literal["published", "generic"]]  # built-in tables, and whether they hold products
+    example: Mapping[str, str]
+    summary: Callable[[Any], tuple[str, ...]]  # words of which the empty ones are left out
+    inline_doc: str  # what an inline record of it is
+
+
+def shown(before: str, quantity: Quantity | None, after: str) -> str:
+    """A quantity with its unit; `~` marks an estimate; empty when unknown."""
+    if quantity is None:
+        return ""
+    number = f"{quantity.value:.3g}" if abs(quantity.value) < 1000.0 else f"{quantity.value:.0f}"
+    return f"{before}{'~' if quantity.estimated else ''}{number}{after}"
+
+
+def shown_depth(depth_rating_m: float | None) -> str:
+    """How deep a part may go; empty when unknown."""
+    return "" if depth_rating_m is None else f"to {depth_rating_m:g} m"

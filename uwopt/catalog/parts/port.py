@@ -1,0 +1,93 @@
+"""Windows between water and lens: what is stated of one, and what the model reads."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+from pydantic.dataclasses import dataclass
+
+from uwopt.catalog.parts.cell import FROM_ZERO, POSITIVE, SMALLEST, Cell, Inline, Range
+from uwopt.catalog.parts.part import Part, PartKind, shown_depth
+from uwopt.catalog.parts.quantity import Quantity
+
+REFRACTIVE_INDEX = Quantity(1.5, 1.46, 1.52, "estimated", "default of an inline port")
+THICKNESS_MM = Quantity(10.0, 5.0, 15.0, "estimated", "default of an inline port")
+
+
+@dataclass(frozen=True, slots=True)
+class Port(Part):
+    """A window between water and lens: flat, or a concentric dome."""
+
+    geometry: Annotated[
+        Literal["flat", "dome"],
+        Cell("shape of the window: flat or dome", needed=True, tells=True, inline=Inline(needed=True)),
+    ] = "flat"
+    material: Annotated[str, Cell("material, such as acrylic", inline=Inline())] = ""
+    refractive_index: Annotated[
+        Quantity | None,
+        Cell(
+            "refractive index of the window",
+            Range(1.0, 3.0, open_low=True),
+            favours="high",
+            unknown=1.5,
+            inline=Inline(unless="1.5 unless glass or this is given"),
+        ),
+    ] = None  # constant: no dispersion formula
+    glass: Annotated[str, Cell("id of a dispersion formula, such as n_bk7", inline=Inline())] = ""
+    outer_radius_mm: Annotated[
+        float | None,
+        Cell(
+            "outer radius of a dome in millimetres",
+            POSITIVE,
+            span=(0.1, 1e6),
+            inline=Inline(names=("radius_mm",)),
+        ),
+    ] = None
+    thickness_mm: Annotated[
+        Quantity | None,
+        Cell(
+            "thickness in millimetres",
+            POSITIVE,
+            span=(1e-3, 1e6),
+            favours="low",
+            at_most="outer_radius_mm",
+            inline=Inline(unless="10 unless given", estimate=THICKNESS_MM),
+        ),
+    ] = None
+    clear_diameter_mm: Annotated[
+        float | None,
+        Cell("clear diameter in millimetres", POSITIVE, span=(0.01, 1e6), unknown=math.inf, inline=Inline()),
+    ] = None
+    nominal_diameter_mm: ClassVar[Annotated[float, Cell("trade size", POSITIVE)]]
+    gap_mm: Annotated[
+        float,
+        Cell(
+            "distance from the lens's entrance pupil to a flat port in millimetres",
+            FROM_ZERO,
+            span=(SMALLEST, 1e6),
+            inline=Inline(),
+        ),
+    ] = 0.0  # to its inner face
+    depth_rating_m: Annotated[float | None, Cell("depth rating in metres", POSITIVE, inline=Inline())] = (
+        None  # never estimated
+    )
+
+
+def _summary(port: Port) -> tuple[str, ...]:
+    size = "" if port.outer_radius_mm is None else f"radius {port.outer_radius_mm:g} mm"
+    return (port.geometry, port.material, size, shown_depth(port.depth_rating_m))
+
+
+KIND = PartKind(
+    "port",
+    Port,
+    files={"ports.csv": "published", "generic_ports.csv": "generic"},
+    example={
+        "id": "acme-dome-75", "manufacturer": "Acme", "model": "dome", "availability": "current", "geometry": "dome",
+        "material": "acrylic", "glass": "pmma", "outer_radius_mm": "75", "thickness_mm": "8", "depth_rating_m": "300",
+        "mass_g": "600", "price": "350", "currency": "USD",
+    },
+    summary=_summary,
+    inline_doc="A port in a system file.",
+)  # fmt: skip
