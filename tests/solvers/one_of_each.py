@@ -8,13 +8,13 @@ floor, so 2.08 m from the dome's centre: tangents 0.5 and 0.375, footprint 2.08 
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 from random_cases import Case
 from small_catalogues import MONO
 
-from uwopt.catalog.records import Camera, Lens, Light, Port, Quantity, exact
+from uwopt.catalog.records import Camera, Lens, Light, Port, exact
 from uwopt.mission import load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts
@@ -46,16 +46,14 @@ LAMP = Light(
 )  # fmt: skip
 
 
-def measured(name: str, value: Any) -> Any:
-    """A record's value: exact where the field is a quantity."""
-    plain = ("image_circle_mm", "focal_length_mm", "outer_radius_mm", "gap_mm", "clear_diameter_mm")
-    bare = name in plain or name.startswith("rated_") or not isinstance(value, float)
-    return value if bare or isinstance(value, Quantity) else exact(value)
-
-
 def changed(part: Any, changes: dict[str, Any]) -> Any:
-    """A part with other numbers."""
-    return replace(part, **{name: measured(name, value) for name, value in changes.items()})
+    """A part with other numbers, exact where its field is a quantity."""
+    quantities = {f.name for f in fields(part) if "Quantity" in str(f.type)}
+    given = {
+        name: exact(value) if name in quantities and isinstance(value, float) else value
+        for name, value in changes.items()
+    }
+    return replace(part, **given)
 
 
 def one(

@@ -1,0 +1,391 @@
+"""Bounds against the best that enumeration finds for what they bound: never above it, and not far below.
+
+A catalogue of 32 combinations is enumerated by `brute_force`, which shares no code with the search, for missions
+that make another term of the bounds count each. Information, which the enumeration does not know, is held against
+the audit's generic search.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import brute_force as brute
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from one_of_each import one, with_parts
+from random_cases import Case
+
+from uwopt.hardware import Lights
+from uwopt.solvers import large
+from uwopt.solvers.attack import attack
+from uwopt.solvers.bounds import Bounds, bit_per_px_bound, suffix_min
+from uwopt.solvers.exact import Search
+from uwopt.solvers.fields import FieldTables
+from uwopt.solvers.imagers import Imagers
+from uwopt.solvers.large import LargeSearch
+from uwopt.solvers.outline import Level, OutlineTables, Rows, port_tree
+from uwopt.solvers.screen import level_set, pair_rules
+from uwopt.solvers.signals import SignalTables
+
+Array = NDArray[Any]
+FOUND = 1.0 + 1e-6  # what the enumeration's own rounding may take
+SUM = {"power": 0.2, "snr_db": 1.0}
+FAST = {"max_blur_px": 1.0, "min_snr_db": 26.0}
+LEVEL = {**FAST, "mean_level": 0.3, "highlight_ratio": 1.2}
+LED = {
+    "kind": "pulsed_led",
+    "min_pulse_us": 20.0,
+    "max_pulse_us": 2000.0,
+    "max_duty_frac": 0.5,
+    "max_rate_hz": 20.0,
+}
+FLASH = {
+    "kind": "flash", "flux_lm": None, "power_w": None, "flash_energy_j": 30.0, "flash_efficacy_lm_s_per_j": 35.0,
+    "flash_duration_us": 800.0, "recycle_s": 0.5, "charging_efficiency_frac": 0.7, "dim_levels": (0.25, 0.5, 1.0),
+}  # fmt: skip
+STEPS = {"dim_levels": (0.1, 0.5, 1.0)}
+TWO = ({}, {"altitude_m": 1.4, "water": "III"})
+
+MISSIONS: dict[str, Callable[[], Case]] = {
+    "least power": lambda: one(wanted=FAST, physics="paper"),
+    "least power in full physics": lambda: one(wanted=FAST),
+    "a wanted level": lambda: one(wanted=LEVEL, physics="paper", camera={"max_gain_db": 3.0}),
+    "two scenes": lambda: one(
+        wanted=FAST, physics="paper", scenes=TWO, vehicle={"altitude_tolerance_m": 0.2}
+    ),
+    "pulses": lambda: one(wanted=FAST, physics="paper", light=LED),
+    "flashes in steps": lambda: one(wanted=FAST, physics="paper", light=FLASH),
+    "lamps in steps": lambda: one(
+        "cost", wanted=FAST, physics="paper", light=STEPS, limits={"power_w": 60.0}
+    ),
+    "best signal": lambda: one(
+        "snr_db", wanted=FAST, physics="paper", limits={"power_w": 40.0, "cost": 3500.0}
+    ),
+    "power against signal": lambda: one(SUM, wanted=FAST, physics="paper", limits={"mass_kg": 2.0}),
+}
+MOSTLY_BOUNDED = 0.6
+UNDIMMED = ("least power", "two scenes", "pulses")  # where nothing is left out of a bound but quantisation
+
+
+@cache
+def world(name: str) -> Case:
+    """Two of each part around the one of each, in one or two lamps."""
+    made = MISSIONS[name]()
+    grown = with_parts(
+        made, cameras=[{"pixel_pitch_um": 3.0, "read_noise_e": 6.0, "price": 700.0}],
+        lenses=[{"focal_length_mm": 12.0, "f_number_min": 2.8, "price": 300.0}],
+        ports=[{"outer_radius_mm": 120.0, "price": 100.0}],
+        lights=[{"price": 900.0, "beam_angle_deg": 50.0}],
+    )  # fmt: skip
+    vehicle = grown.mission.vehicle.model_copy(update={"light_count": (1, 2)})
+    views = grown.mission.with_changes(vehicle={**vehicle.model_dump(), "light_count": [1, 2]})
+    return Case(grown.parts, views, grown.objective)
+
+
+@dataclass(frozen=True)
+class Known:
+    """The best of every combination, by camera, lens, port, light and number."""
+
+    best: dict[tuple[int, ...], brute.Best]
+
+    def least(self, **fixed: Any) -> brute.Best | None:
+        """The best of those with these parts; None where nothing is feasible."""
+        names = ("camera", "lens", "port", "light", "count")
+        mine = [
+            found for key, found in self.best.items()
+            if all(dict(zip(names, key, strict=True))[n] in np.atleast_1d(v) for n, v in fixed.items())
+            and np.isfinite(found.value)
+        ]  # fmt: skip
+        return min(mine, key=lambda found: found.value, default=None)
+
+
+@cache
+def known(name: str) -> Known:
+    """Everything enumerated."""
+    case_ = world(name)
+    bench = brute.Bench(case_.problem())
+    found = {}
+    for hw in brute.buildable(bench.problem):
+        key = (hw.camera, hw.lens, hw.port, hw.light, hw.count)
+        found[key] = brute.best_of(bench, hw, case_.objective)
+    return Known(found)
+
+
+@cache
+def searched(name: str) -> tuple[Search, Imagers]:
+    """Tables of the search, ready to bound."""
+    search = world(name).searcher()
+    return search, search.prepare()
+
+
+def below(bound: float, best: brute.Best) -> bool:
+    """Whether a bound is one."""
+    return bool(bound <= best.value + (FOUND - 1.0) * best.scale)
+
+
+def bounds_of(name: str, *, coupled: bool, tables: type[FieldTables] = FieldTables) -> Bounds:
+    """Bounds of all imagers, with signals from the tables or integrated."""
+    search, imagers = searched(name)
+    made = search.tables if tables is FieldTables else tables(search.problem, imagers, like=search.tables)
+    return Bounds(search.problem, search.objective, imagers, made, coupled=coupled)
+
+
+# ---------------------------------------------------------------- units
+
+
+@pytest.mark.parametrize("coupled", [False, True])
+@pytest.mark.parametrize("name", MISSIONS)
+def test_a_unit_is_bounded_by_its_best(name: str, coupled: bool) -> None:
+    """Objective and power of the best lamp and number; and what a rule discards has no feasible one."""
+    _, imagers = searched(name)
+    bounds, tried = bounds_of(name, coupled=coupled), 0
+    for k, table in enumerate(bounds.light_tables):
+        unit = bounds.of_units(k, np.arange(len(imagers)))
+        for row in range(len(imagers)):
+            best = known(name).least(
+                camera=imagers.camera[row], lens=imagers.lens[row], port=imagers.port[row], light=table.light
+            )
+            if best is None:
+                continue
+            tried += 1
+            assert unit.rule[row] < 0, "discarded, and yet feasible"
+            assert below(unit.value[row], best)
+            assert unit.power[row] <= best.power_w * FOUND
+    assert tried > 0, "the mission was made to be feasible"
+
+
+@pytest.mark.parametrize("coupled", [False, True])
+@pytest.mark.parametrize("name", UNDIMMED)
+def test_the_bound_of_a_unit_is_tight(name: str, coupled: bool) -> None:
+    """In physics `paper` light is known exactly: the best unit's power is bounded to a hundredth."""
+    _, imagers = searched(name)
+    bounds, best = bounds_of(name, coupled=coupled), known(name).least()
+    assert best is not None
+    hw = best.hardware
+    row = np.nonzero((imagers.camera == hw.camera) & (imagers.lens == hw.lens) & (imagers.port == hw.port))[0]
+    k = next(i for i, table in enumerate(bounds.light_tables) if hw.light in table.light)
+    light_w = best.power_w - 3.0
+    assert bounds.of_units(k, row).power[0] - 3.0 >= 0.99 * light_w
+
+
+@pytest.mark.parametrize("tables", [FieldTables, SignalTables])
+@pytest.mark.parametrize("name", MISSIONS)
+def test_a_single_light_is_bounded_by_its_best(name: str, tables: type[FieldTables]) -> None:
+    """A light that a rule discards has no feasible settings, and the least of the others bounds the unit."""
+    _, imagers = searched(name)
+    bounds, rows = bounds_of(name, coupled=True, tables=tables), np.arange(len(imagers))
+    for k, table in enumerate(bounds.light_tables):
+        unit = bounds.of_units(k, rows)
+        rule, least = pair_rules(bounds, k, rows, unit, np.inf)
+        for row in rows:
+            own = dict(camera=imagers.camera[row], lens=imagers.lens[row], port=imagers.port[row])
+            for column, (light, count) in enumerate(zip(table.light, table.count, strict=True)):
+                best = known(name).least(**own, light=light, count=count)
+                if best is not None:
+                    assert rule[row, column] < 0, "discarded, and yet feasible"
+                    assert below(least[row], best)
+
+
+def test_a_single_light_is_bounded_more_sharply_than_the_unit() -> None:
+    """A lamp with steps draws the next one up: the unit's bound knows no step, the light's own does."""
+    search = one(wanted=FAST, physics="paper", light={"dim_levels": (0.9, 1.0)}).searcher()
+    imagers, row = search.prepare(), np.arange(1)
+    bounds = Bounds(search.problem, search.objective, imagers, search.tables)
+    unit = bounds.of_units(0, row)
+    _, least = pair_rules(bounds, 0, row, unit, np.inf)
+    assert least[0] == pytest.approx(3.0 + 0.9 * 300.0) and unit.value[0] < 0.9 * least[0]
+
+
+# ---------------------------------------------------------------- pairs, groups of ports, cameras
+
+
+@pytest.mark.parametrize("name", MISSIONS)
+def test_a_group_of_ports_is_bounded_by_its_best(name: str) -> None:
+    """From both domes together down to each."""
+    search, imagers = searched(name)
+    problem = search.problem
+    like = FieldTables(problem, imagers)
+    camera, lens = (grid.ravel() for grid in np.meshgrid([0, 1], [0, 1]))
+    for groups in port_tree(problem):
+        level = Level(problem, groups)
+        for group in range(len(groups.start)):
+            rows = Rows(camera, lens, np.ones(4, bool), np.full(4, group))
+            ports = groups.order[groups.start[group] : groups.stop[group]]
+            seen = level.imagers(rows)
+            passes = np.logical_and.reduce([ok for _, ok in level.rules(rows, seen)])
+            tables = OutlineTables(level, rows, seen, like)
+            bounds = Bounds(problem, search.objective, seen, tables, coupled=True)
+            units = [bounds.of_units(k, np.arange(4)) for k in range(len(tables.lightings))]
+            for row in range(4):
+                best = known(name).least(camera=camera[row], lens=lens[row], port=ports)
+                if best is not None:
+                    assert passes[row], "discarded, and yet feasible"
+                    assert below(min(u.value[row] for u in units if u.rule[row] < 0), best)
+
+
+@pytest.mark.parametrize("name", MISSIONS)
+def test_the_floor_of_a_pair_is_below_its_best(name: str) -> None:
+    """What camera and lens cost without light behind the cheapest port."""
+    from uwopt.solvers.imagers import fitting_pairs
+
+    search = searched(name)[0]
+    pairs = fitting_pairs(search.problem)
+    floors = LargeSearch(search, pairs)._floors()
+    for camera, lens, floor in zip(pairs.camera, pairs.lens, floors, strict=True):
+        best = known(name).least(camera=camera, lens=lens)
+        assert best is None or below(floor, best)
+
+
+def test_the_floor_of_a_pair_is_its_cost_without_light_behind_the_cheaper_dome() -> None:
+    """1000 + 500 + 100 USD for the first camera and lens, by hand: the second dome costs 100."""
+    search = world("lamps in steps").searcher()
+    from uwopt.solvers.imagers import fitting_pairs
+
+    floors = LargeSearch(search, fitting_pairs(search.problem))._floors()
+    assert floors.tolist() == [1600.0, 1400.0, 1300.0, 1100.0]
+
+
+@pytest.mark.parametrize("name", MISSIONS)
+def test_a_camera_that_reaches_a_ceiling_is_looked_at(name: str) -> None:
+    """With a ceiling at its best no camera is left out."""
+    for camera in (0, 1):
+        best = known(name).least(camera=camera)
+        if best is not None:
+            search = world(name).searcher(ceiling=best.value + (FOUND - 1.0) * best.scale)
+            assert search._hopeful_cameras()[camera]
+
+
+# ---------------------------------------------------------------- signal and quality
+
+
+@pytest.mark.parametrize("flat", [False, True])
+def test_the_integrated_signal_is_the_exact_one(flat: bool) -> None:
+    """The sieve's integral is the field mean's own, but for a millionth."""
+    made = with_parts(
+        one(wanted=FAST, flat=flat), lenses=[{"focal_length_mm": 12.0}], ports=[{"thickness_mm": 16.0}]
+    )
+    search = made.searcher()
+    imagers = search.prepare()
+    tables, rows = SignalTables(search.problem, imagers, like=search.tables), np.arange(len(imagers))
+    for lighting in tables.lightings:
+        bound = tables.bound(0, lighting, len(search.problem.scenes[0].range_m) - 1, rows)
+        exactly = tables.exact(0, lighting, rows, veils="none").signal_e[:, -1]
+        assert (bound >= exactly).all() and (bound <= exactly * (1.0 + 3e-6)).all()
+
+
+@pytest.mark.parametrize(("flat", "most"), [(False, 1.25), (True, 1.5)])
+def test_the_tabled_signal_is_not_far_above_the_exact_one(flat: bool, most: float) -> None:
+    """A looser bound would cost time only: behind a dome within a quarter, behind a flat port with a gap a half."""
+    search = one(wanted=FAST, flat=flat).searcher()
+    search.prepare()
+    row, lighting = np.arange(1), search.tables.lightings[0]
+    bound = search.tables.bound(0, lighting, 0, row)
+    exactly = search.tables.exact(0, lighting, row, veils="none").signal_e[0, 0]
+    assert exactly <= bound[0] <= most * exactly
+
+
+def test_information_is_bounded_by_what_a_generic_search_finds() -> None:
+    """Under every lamp, at the ceiling of no light at all, and of each unit."""
+    made = with_parts(
+        one("information", wanted={**FAST, "min_swath_m": 1.0}), cameras=[{"pixel_pitch_um": 3.0}]
+    )
+    search, rng = made.searcher(), np.random.default_rng(0)
+    imagers = search.prepare()
+    rows = np.arange(len(imagers))
+    ceiling, unit = search.bounds.information_ceiling(rows), search.bounds.of_units(0, rows)
+    for hardware in brute.buildable(search.problem):
+        row = int(np.nonzero(imagers.camera == hardware.camera)[0][0])
+        found = -attack(search.problem, hardware, search.objective, rng)
+        assert 0.0 < found <= unit.information[row] <= ceiling[row]
+        assert unit.information[row] <= 4.0 * found, "not so loose that it is empty"
+
+
+def test_bits_of_a_pixel_are_bounded_by_the_pixel_alone() -> None:
+    """A lens without rating and no diffraction: the mean of half a binary logarithm over the Nyquist square."""
+    nu = (np.arange(400) + 0.5) / 800.0
+    mtf = np.sinc(nu)[:, None] * np.sinc(nu)
+    for snr_db in (3.0, 20.0, 41.3):
+        snr = 10.0 ** (snr_db / 20.0)
+        bits = float(np.mean(0.5 * np.log2(1.0 + (0.1 * snr * mtf) ** 2)))
+        bound = float(bit_per_px_bound(np.array([snr_db]), np.array([0.0]))[0])
+        assert bits <= bound <= 1.15 * bits + 0.02  # the next half decibel up
+
+
+@pytest.mark.parametrize("min_contrast", [None, 0.5])
+def test_contrast_is_bounded_by_the_image_itself(min_contrast: float | None) -> None:
+    """The forward veil alone leaves at least what the forward model's image has, and less than all."""
+    wanted = FAST if min_contrast is None else {**FAST, "min_contrast": min_contrast}
+    search = one("contrast", wanted=wanted).searcher()
+    imagers = search.prepare()
+    bound, enough = search.bounds._contrast_bound(search.tables.lightings[0], np.arange(len(imagers)))
+    light = search.tables.exact(0, search.tables.lightings[0], np.arange(1))
+    assert light.forward_e is not None and light.backscatter_e is not None
+    signal, forward, back = (float(v[0, 0]) for v in (light.signal_e, light.forward_e, light.backscatter_e))
+    assert signal / (signal + forward + back) <= float(np.ravel(bound)[0]) <= 1.0
+    assert float(np.ravel(bound)[0]) <= 1.1 * signal / (signal + forward)
+    assert enough.all()
+
+
+def test_a_contrast_that_the_forward_veil_forbids_is_discarded() -> None:
+    """Nothing is discarded at the image's own contrast; beyond what the bound leaves everything is."""
+    search = one("contrast", wanted=FAST).searcher()
+    search.prepare()
+    bound = float(np.ravel(search.bounds._contrast_bound(search.tables.lightings[0], np.arange(1))[0])[0])
+    for share, found in ((0.999, 1), (1.001, 0)):
+        wanted = {**FAST, "min_contrast": share * bound}
+        other = one("contrast", wanted=wanted).searcher()
+        other.prepare()
+        assert int((other.bounds.of_units(0, np.arange(1)).rule < 0).sum()) == found
+
+
+# ---------------------------------------------------------------- small things that bounds are made of
+
+
+@pytest.mark.parametrize(
+    ("levels", "least", "wanted", "level"),
+    [
+        ((0.1, 0.5, 1.0), 0.0, 0.3, 0.5),  # the next step up
+        ((0.1, 0.5, 1.0), 0.0, 0.5, 0.5),  # the very step
+        ((0.1, 0.5, 1.0), 0.0, 2.0, 1.0),  # no step is enough: full, and another rule says so
+        (None, 0.2, 0.05, 0.2),  # not below the dial's end
+        (None, 0.2, 0.6, 0.6),
+    ],
+)
+def test_the_least_level_that_is_enough(
+    levels: tuple[float, ...] | None, least: float, wanted: float, level: float
+) -> None:
+    """By hand."""
+    light = {"dim_levels": levels} if levels else {"dim_min_frac": least}
+    lamp: Lights = one(light=light).problem().lights
+    assert level_set(np.array([[wanted]]), lamp)[0, 0] == pytest.approx(level, rel=1e-8)
+
+
+def test_the_least_of_each_number_and_all_after_it() -> None:
+    """A light without power has no number and does not count."""
+    assert suffix_min(np.array([3.0, 1.0, np.nan, 2.0, 5.0])).tolist() == [1.0, 1.0, 2.0, 2.0, 5.0]
+
+
+def test_large_and_small_search_agree_on_the_best_of_the_enumeration(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both find it, with every bound at work."""
+    from uwopt.solvers import exact as exact_search
+
+    for place, names in ((exact_search, ("FIRST_CHUNK", "FIRST_BATCH", "LARGEST_BATCH", "LARGEST_CHUNK")),
+                         (large, ("FIRST_PAIRS", "FIRST_LEAVES", "FIRST_UNITS"))):  # fmt: skip
+        for name in names:
+            monkeypatch.setattr(place, name, 1)
+    monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)
+    evaluated = []
+    for name in MISSIONS:
+        best = known(name).least()
+        assert best is not None
+        for most in (10**9, 0):
+            monkeypatch.setattr(exact_search, "MOST_IMAGERS", most)
+            outcome = world(name).solve(top=1)[1]
+            assert outcome.best[0].minimised == pytest.approx(best.value, abs=2e-3 * best.scale), name
+            assert outcome.account.adds_up()
+            evaluated.append(outcome.account.evaluated / outcome.account.total)
+    assert np.mean(evaluated) < MOSTLY_BOUNDED, "bounds keep most combinations from being evaluated"
