@@ -13,6 +13,7 @@ HELPERS = (
     "random_cases",
     "one_of_each",
     "hand_made_rows",
+    "settings_attack",
     "population_cases",
     "front_cases",
 )  # each needs only those before it

@@ -70,9 +70,6 @@ def test_curve_of_snr_covers_what_is_tried_however_far_it_is_asked(key):
             assert_covered(curves, power, quality, 1e-6)
 
 
-@pytest.mark.xfail(
-    reason="much dark current helps a wanted mean level; longer pulses than the shortest need less light"
-)
 def test_least_power_uses_dark_current_for_the_wanted_level():
     search, designs = designs_of("dark at a level", "snr_db")
     for some in designs:

@@ -454,25 +454,7 @@ class Search:
             if optimistic:
                 return best.lower_bound, terms, chosen, exposure
             self.open_gap_bound = min(self.open_gap_bound, float(best.lower_bound.min(initial=np.inf)))
-        elif self.objective.weight("snr_db") and not optimistic:
-            self._bound_by_dark(rows, motorised, camera_power, feasible, terms)
         return value, terms, chosen, exposure
-
-    def _bound_by_dark(
-        self, rows: list[SceneRows], motorised: Array, camera_power: Array, feasible: Array, terms: Terms
-    ) -> None:
-        """Where SNR counts, exposure and dark current are not optimised together: what is left of the gap.
-
-        No settings can do better than the best without any dark current.
-        """
-        if not any(np.any(r.dark_current_e_s[feasible] > 0) for r in rows):
-            return
-        dark_free = [replace(r, dark_current_e_s=np.zeros_like(r.dark_current_e_s)) for r in rows]
-        limit_w = limit(self.limits.power_w)
-        free = best_settings(dark_free, motorised, self.objective, camera_power, limit_w)
-        power = camera_power + np.max([c.light_power_w for c in free.chosen], axis=0)
-        best = self.objective.cost_to_minimise(replace(terms, power=power, snr_db=free.snr_db))
-        self.open_gap_bound = min(self.open_gap_bound, float(np.nanmin(np.where(feasible, best, np.inf))))
 
     def rows(
         self, imager: Array, lights: list[ImageLight], light: Array, count: Array, lighting: Lighting, *,

@@ -13,6 +13,7 @@ from uwopt.model import sensor
 from uwopt.objectives.objective import Objective
 from uwopt.rows import SceneRows
 from uwopt.scene import SceneOptics
+from uwopt.solvers import dark
 from uwopt.solvers import settings as closed_form
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 Array = NDArray[Any]
 DARK_ROUNDS = 25
 GAP = 1e-4  # relative, where cells are searched
+NO_RELATIVE_GAP = 0.1  # of an objective near 0, which has none
 FAINTEST = 1e-6  # of the highest SNR: where a weighing starts when nothing asks for light
 
 
@@ -55,7 +57,10 @@ def best_settings(
 ) -> Best:  # fmt: skip
     """Settings that are best for an objective; the keywords as in `cells.best_by_cells`, for where it is used."""
     if not needs_cells(rows, objective):
-        return best_closed(rows, motorised, objective, camera_power_w, power_limit_w)
+        return best_in_the_dark(
+            rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
+            cutoff=cutoff, hardware=hardware, top=top,
+        )  # fmt: skip
     if objective.weight("information") or any(r.sunlit for r in rows):
         from uwopt.solvers.cells import best_by_cells  # brings scipy.special, which no closed form needs
 
@@ -87,28 +92,66 @@ def best_where_sharp(
     Without that requirement the closed form holds and is a bound: where its settings happen to be sharp they
     are best; where it finds none, there are none; where it cannot beat the cutoff, neither can sharp settings.
     """
-    easy = best_closed(rows, motorised, objective, camera_power_w, power_limit_w)
-    power = np.max([c.light_power_w for c in easy.chosen], axis=0)
+    easy = best_closed(rows, motorised, objective, camera_power_w, power_limit_w, constant=constant)
+    lower = easy.lower_bound
+    if lower is None:
+        lower = np.where(easy.feasible, value_of(easy, objective, constant), np.inf)
+    sharp = np.logical_and.reduce([is_sharp(r, c) for r, c in zip(rows, easy.chosen, strict=True)])
+    feasible = easy.feasible & sharp
+    open_ = np.isfinite(lower) & ~feasible & (lower <= cutoff)
+    return searched_where(
+        open_, replace(easy, feasible=feasible, lower_bound=lower), rows, motorised, objective, camera_power_w,
+        power_limit_w, constant=constant, cutoff=cutoff, **more,
+    )  # fmt: skip
+
+
+def best_in_the_dark(
+    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
+    power_limit_w: float | Array, *,
+    gap_rel: float, constant: Array | float, cutoff: float | Array, **more: Any,
+) -> Best:  # fmt: skip
+    """Best settings in closed form; where dark current leaves more than the gap open, searched over cells."""
+    easy = best_closed(rows, motorised, objective, camera_power_w, power_limit_w, constant=constant)
+    lower = easy.lower_bound
+    if lower is None:
+        return easy
+    value = np.where(easy.feasible, value_of(easy, objective, constant), np.inf)
+    known = np.where(np.isfinite(lower), lower, 0.0)
+    close = value - known <= gap_rel * np.maximum(np.abs(known), NO_RELATIVE_GAP)
+    return searched_where(
+        np.isfinite(lower) & ~close & (lower <= cutoff), easy, rows, motorised, objective, camera_power_w,
+        power_limit_w, gap_rel=gap_rel, constant=constant, cutoff=cutoff, **more,
+    )  # fmt: skip
+
+
+def value_of(best: Best, objective: Objective, constant: Array | float) -> Array:
+    """The minimised objective of settings, constants included; no sum that holds information."""
+    power = np.max([c.light_power_w for c in best.chosen], axis=0)
     value = constant + objective.weight("power") * power
     for name in ("snr_db", "contrast"):
         if objective.weight(name):
-            value = value - objective.weight(name) * getattr(easy, name)
-    lower = np.where(easy.feasible, value, np.inf)
-    sharp = np.logical_and.reduce([is_sharp(r, c) for r, c in zip(rows, easy.chosen, strict=True)])
-    # The SNR of a fixed point with much dark current is no bound: only what needs no SNR is told here.
-    sure = not objective.weight("snr_db") or not any(np.any(r.dark_current_e_s > 0) for r in rows)
-    open_ = np.nonzero(easy.feasible & ~sharp & ((lower <= cutoff) | (not sure)))[0]
-    feasible = easy.feasible & sharp
+            value = value - objective.weight(name) * getattr(best, name)
+    return np.asarray(value)
+
+
+def searched_where(
+    which: Array, easy: Best, rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
+    power_limit_w: float | Array, *,
+    constant: Array | float, cutoff: float | Array, hardware: Array | None, **more: Any,
+) -> Best:  # fmt: skip
+    """Some designs searched over cells, the others as they are."""
+    open_ = np.nonzero(which)[0]
     if len(open_) == 0:
-        return replace(easy, feasible=feasible, lower_bound=lower)
-    hardware = more.pop("hardware")
+        return easy
     from uwopt.solvers.cells import best_by_cells
 
+    assert easy.lower_bound is not None
+    every = easy.feasible.shape
     found = best_by_cells(
         [r.take(open_) for r in rows], motorised[open_], objective, camera_power_w[open_],
-        np.broadcast_to(power_limit_w, lower.shape)[open_],
-        constant=np.broadcast_to(constant, lower.shape)[open_],
-        cutoff=np.broadcast_to(cutoff, lower.shape)[open_],
+        np.broadcast_to(power_limit_w, every)[open_],
+        constant=np.broadcast_to(constant, every)[open_],
+        cutoff=np.broadcast_to(cutoff, every)[open_],
         hardware=None if hardware is None else hardware[open_], **more,
     )  # fmt: skip
 
@@ -125,8 +168,8 @@ def best_where_sharp(
             closed_form.Chosen(**{name: placed(getattr(old, name), getattr(new, name)) for name in names})
         )
     return Best(
-        chosen, placed(feasible, found.feasible), placed(easy.snr_db, found.snr_db),
-        placed(easy.contrast, found.contrast), easy.information, placed(lower, found.lower_bound),
+        chosen, placed(easy.feasible, found.feasible), placed(easy.snr_db, found.snr_db),
+        placed(easy.contrast, found.contrast), easy.information, placed(easy.lower_bound, found.lower_bound),
     )  # fmt: skip
 
 
@@ -148,25 +191,90 @@ def best_closed(
     objective: Objective,
     camera_power_w: Array,
     power_limit_w: float | Array,
+    constant: Array | float = 0.0,
 ) -> Best:
     """Best settings in closed form.
 
     Dark current depends on the exposure that is chosen, so the closed form is taken again with the
     exposure of the last round, from the shortest up; dark electrons are few, and two or three rounds
-    settle it. Where they are many, the fixed point is feasible but need not be the joint optimum.
+    settle it. Least power is settled with its dark electrons where that need not be the joint optimum; where SNR
+    counts too, the bound says what is left. Rows for bounds are answered with a bound at once.
     """
-    rows = [replace(r, dark_time_s=np.maximum(r.exposure_s(r.time_min_s), 0.0)) for r in rows]
+    if not any(np.any(r.dark_current_e_s > 0) for r in rows):
+        return closed_at(rows, settings_at_dark(rows, motorised, objective, camera_power_w, power_limit_w))
+    if rows[0].optimistic:
+        rows = [dark.relaxed(r) for r in rows]
+        return closed_at(rows, settings_at_dark(rows, motorised, objective, camera_power_w, power_limit_w))
+    start = rows = [dark.at_time(r, r.time_min_s) for r in rows]
+    ever = np.zeros(len(motorised), bool)
     for _ in range(DARK_ROUNDS):
-        chosen, feasible, snr_db = settings_at_dark(rows, motorised, objective, camera_power_w, power_limit_w)
-        updated = [closed_form.with_exposure(r, c) for r, c in zip(rows, chosen, strict=True)]
-        if all(
-            np.allclose(closed_form.dark_e(a), closed_form.dark_e(b), rtol=0, atol=1e-10)
-            for a, b in zip(rows, updated, strict=True)
-        ):
+        found = settings_at_dark(rows, motorised, objective, camera_power_w, power_limit_w)
+        ever |= found[1]
+        updated = [closed_form.with_exposure(r, c) for r, c in zip(rows, found[0], strict=True)]
+        settled = np.logical_and.reduce(
+            [
+                np.isclose(closed_form.dark_e(a), closed_form.dark_e(b), rtol=1e-12, atol=1e-10)
+                for a, b in zip(rows, updated, strict=True)
+            ]
+        )
+        if settled.all():
             break
         rows = updated
+    best = closed_at(rows, found)
+    best = replace(best, feasible=best.feasible & settled)
+    if not objective.weight("snr_db"):
+        return with_joint_optimum(best, rows, motorised, ever)
+    free = [dark.relaxed(r) for r in start]
+    bound = closed_at(free, settings_at_dark(free, motorised, objective, camera_power_w, power_limit_w))
+    lower = np.where(bound.feasible, value_of(bound, objective, constant), np.inf)
+    return replace(best, lower_bound=lower)
+
+
+def closed_at(rows: list[SceneRows], found: tuple[list[closed_form.Chosen], Array, Array]) -> Best:
+    """Settings with the figures that they have."""
+    chosen, feasible, snr_db = found
     contrast = np.min([closed_form.nominal_contrast(r) for r in rows], axis=0)
     return Best(chosen, feasible, snr_db, contrast, np.zeros(len(feasible)))
+
+
+def with_joint_optimum(best: Best, rows: list[SceneRows], motorised: Array, ever: Array) -> Best:
+    """Least power, settled with its dark electrons where a fixed point need not be the optimum.
+
+    rows : with the dark electrons of the settings; ever : whether some round had settings
+    """
+    sure = dark.surely_least(rows, best.chosen, motorised)
+    lost = ~best.feasible & (ever | (rows[0].mean_level is not None))
+    if lost.any():
+        index = np.nonzero(lost)[0]
+        free = [dark.relaxed(r.take(index)) for r in rows]
+        lost[index] = closed_form.least_power(free, motorised[index])[1]
+    open_ = np.nonzero(np.where(best.feasible, ~sure, lost))[0]
+    if len(open_) == 0:
+        return best
+    some = [r.take(open_) for r in rows]
+    chosen, feasible = dark.least_power(some, motorised[open_])
+    some = [closed_form.with_exposure(r, c) for r, c in zip(some, chosen, strict=True)]
+    joint = closed_at(some, (chosen, feasible, snr_of(some, chosen)))
+
+    def placed(all_: Array, new: Array) -> Array:
+        out = np.array(all_)
+        out[open_] = new
+        return out
+
+    settings = [
+        closed_form.Chosen(**{
+            name: placed(getattr(old, name), getattr(new, name))
+            for name in old.__dataclass_fields__
+            if name != "exposure_s"
+        })
+        for old, new in zip(best.chosen, chosen, strict=True)
+    ]  # fmt: skip
+    return replace(
+        best,
+        chosen=settings,
+        feasible=placed(best.feasible, feasible),
+        snr_db=placed(best.snr_db, joint.snr_db),
+    )
 
 
 def settings_at_dark(
@@ -191,9 +299,14 @@ def settings_at_dark(
             goal = weighted_goal(rows, motorised, goal, objective.weight("power"), weight)
         chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=goal)
         feasible &= np.isfinite(top)
+    return chosen, feasible, snr_of(rows, chosen)
+
+
+def snr_of(rows: list[SceneRows], chosen: list[closed_form.Chosen]) -> Array:
+    """SNR of settings at the nominal altitude in dB, worst scene; NaN where there is no light."""
     snr = np.min([closed_form.nominal_snr(r, c.light_x) for r, c in zip(rows, chosen, strict=True)], axis=0)
     with np.errstate(invalid="ignore"):
-        return chosen, feasible, np.asarray(sensor.to_db(np.where(snr > 0, snr, np.nan)))
+        return np.asarray(sensor.to_db(np.where(snr > 0, snr, np.nan)))
 
 
 def weighted_goal(

@@ -72,48 +72,81 @@ class Sun:
         return Sun(signal, signal + veil, worst, worst + over)
 
 
+@dataclass(frozen=True)
+class Window:
+    """What bounds X in each scene's window; more dark electrons raise `for_snr` and lower the other two of the first
+    three, while `gain_at_brightest` grows in proportion to them."""
+
+    for_level: Array  # least X at the highest gain, for the wanted mean level
+    for_snr: Array
+    full: Array  # most X: wells, full scale, the wanted level at the lowest gain
+    gain_at_brightest: Array  # most X: the gain of the wanted level must not saturate at another altitude
+
+    @property
+    def low(self) -> Array:
+        """Least X."""
+        return np.maximum(self.for_level, self.for_snr)
+
+    @property
+    def high(self) -> Array:
+        """Most X."""
+        return np.minimum(self.full, self.gain_at_brightest)
+
+
 def window(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | None = None) -> tuple[Array, Array]:
     """Lowest and highest X that the requirements on SNR, level and saturation allow; inf: none does.
 
     `snr_floor` is wanted at the nominal altitude beside the mission's own requirement over all.
     """
+    sides = window_sides(rows, snr_floor=snr_floor, sun=sun)
+    return sides.low, sides.high
+
+
+def window_sides(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | None = None) -> Window:
+    """The window of X by what bounds it, as `window` takes its arguments."""
     total = rows.total_e
     nominal = total[:, rows.nominal]
     dark = dark_e(rows)
+    level_dark = dark if rows.spare_dark_s is None else dark + rows.dark_current_e_s * rows.spare_dark_s
     other = np.zeros_like(total) if sun is None else sun.total_e
-    other_nominal = other[:, rows.nominal] + dark
+    other_nominal = other[:, rows.nominal] + level_dark
     headroom_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         well = (rows.well_e / rows.highlight_ratio - dark)[:, None]
-        high = ((well - other) / total).min(axis=1)
-        low = np.zeros(len(nominal))
+        full = ((well - other) / total).min(axis=1)
+        brightest = np.full(len(nominal), np.inf)
+        for_level, for_snr = np.zeros(len(nominal)), np.zeros(len(nominal))
         if rows.mean_level is None:
-            full = (headroom_dn / rows.gain_dn_per_e - dark)[:, None]
-            high = np.minimum(high, ((full - other) / total).min(axis=1))
-        elif rows.optimistic:
-            wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
-            high = np.minimum(high, (wanted_dn / rows.gain_dn_per_e - other_nominal) / nominal)
-            if rows.most_veil_e is not None:
-                most = (rows.signal_e + rows.most_veil_e)[:, rows.nominal]
-                low = (wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - other_nominal) / most
+            scale = (headroom_dn / rows.gain_dn_per_e - dark)[:, None]
+            full = np.minimum(full, ((scale - other) / total).min(axis=1))
         else:
             wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
-            low = (wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - other_nominal) / nominal
-            high = np.minimum(high, (wanted_dn / rows.gain_dn_per_e - other_nominal) / nominal)
-            # The gain follows the nominal level; the brightest altitude must not saturate with it.
-            excess = wanted_dn[:, None] * total - (headroom_dn * nominal)[:, None]
-            spare = (headroom_dn * other_nominal)[:, None] - wanted_dn[:, None] * (other + dark[:, None])
-            steep = np.abs(excess) > SLACK * wanted_dn[:, None] * total
-            high = np.minimum(high, np.where(steep & (excess > 0), spare / excess, np.inf).min(axis=1))
-            low = np.maximum(low, np.where(steep & (excess < 0), spare / excess, 0.0).max(axis=1))
+            most_e = wanted_dn / rows.gain_dn_per_e - other[:, rows.nominal] - dark
+            full = np.minimum(full, most_e / nominal)
+            least_e = wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - other_nominal
+            if not rows.optimistic:
+                for_level = least_e / nominal
+                # The gain follows the nominal level; the brightest altitude must not saturate with it.
+                excess = wanted_dn[:, None] * total - (headroom_dn * nominal)[:, None]
+                spare = (headroom_dn * other_nominal)[:, None] - wanted_dn[:, None] * (
+                    other + level_dark[:, None]
+                )
+                steep = np.abs(excess) > SLACK * wanted_dn[:, None] * total
+                brightest = np.where(steep & (excess > 0), spare / excess, np.inf).min(axis=1)
+                for_level = np.maximum(
+                    for_level, np.where(steep & (excess < 0), spare / excess, 0.0).max(axis=1)
+                )
+            elif rows.most_veil_e is not None:
+                for_level = least_e / (rows.signal_e + rows.most_veil_e)[:, rows.nominal]
         for altitude in range(total.shape[1]):
             wanted = light_for_snr(rows, altitude, rows.min_snr, worst=rows.worst_e is not None, sun=sun)
-            low = np.maximum(low, wanted)
-        low = np.maximum(low, light_for_snr(rows, rows.nominal, snr_floor, worst=False, sun=sun))
+            for_snr = np.maximum(for_snr, wanted)
+        for_snr = np.maximum(for_snr, light_for_snr(rows, rows.nominal, snr_floor, worst=False, sun=sun))
     if rows.min_contrast > 0.0 and sun is None:
-        high = np.where(contrast(rows) < rows.min_contrast * (1 - 1e-9), -np.inf, high)
-    low = np.maximum(np.where(np.isnan(low), np.inf, low), 0.0)
-    return low, np.where(np.isnan(high), -np.inf, high)
+        full = np.where(contrast(rows) < rows.min_contrast * (1 - 1e-9), -np.inf, full)
+    lows = (np.maximum(np.where(np.isnan(low), np.inf, low), 0.0) for low in (for_level, for_snr))
+    highs = (np.where(np.isnan(high), -np.inf, high) for high in (full, brightest))
+    return Window(*lows, *highs)
 
 
 def contrast(rows: SceneRows) -> Array:
@@ -245,8 +278,7 @@ def settle(rows: SceneRows, f_number: Array, low: Array, high: Array) -> Chosen:
         level = np.where(rows.dims_freely, free_level(rows, need), stepped_level(rows, need, cap))
         time = np.fmax(rows.time_min_s, need / level)  # no light needed: level 0, the shortest time
         light_x = rows.light_lm * level * time / square
-    power = drawn_power_w(rows, level, time)
-    peak = np.where(rows.kind == FLASH, rows.pulse_energy_j * level * rows.rate_hz, rows.full_power_w * level)
+    power, peak = drawn_power_w(rows, level, time), peak_power_w(rows, level)
     return Chosen(f_number, level, time, best_gain(rows, light_x), light_x, power, peak)
 
 
@@ -282,6 +314,11 @@ def drawn_power_w(rows: SceneRows, level: Array, time_s: Array) -> Array:
         rows.pulse_energy_j * level, count=1, frame_rate_hz=rows.rate_hz, charging_efficiency=1.0
     )
     return np.where(rows.kind == CONTINUOUS, burning, np.where(rows.kind == PULSED, pulsed, flashing))
+
+
+def peak_power_w(rows: SceneRows, level: Array) -> Array:
+    """Peak electrical power of all lights."""
+    return np.where(rows.kind == FLASH, rows.pulse_energy_j * level * rows.rate_hz, rows.full_power_w * level)
 
 
 def best_gain(rows: SceneRows, light_x: Array, sun: Sun | None = None) -> Array:

@@ -19,9 +19,10 @@ from uwopt.hardware import FLASH, PULSED
 from uwopt.model import sensor
 from uwopt.objectives.objective import Objective
 from uwopt.rows import SceneRows
+from uwopt.solvers import dark
 from uwopt.solvers import settings as closed_form
 from uwopt.solvers.bounds import bit_per_px_bound
-from uwopt.solvers.goals import Best, best_settings
+from uwopt.solvers.goals import Best, best_settings, settings_at_dark
 from uwopt.solvers.settings import Chosen
 
 Array = NDArray[Any]
@@ -146,8 +147,8 @@ def with_exposures(rows: list[SceneRows], chosen: list[Chosen]) -> list[Chosen]:
 
 
 def unhindered(rows: list[SceneRows]) -> list[SceneRows]:
-    """The same rows without dark current and wanted sharpness, which have a closed form: no settings do better."""
-    return [replace(r, dark_current_e_s=np.zeros_like(r.dark_current_e_s), min_mtf=0.0) for r in rows]
+    """Rows with least dark current and no wanted sharpness, which have a closed form: no settings do better."""
+    return [replace(dark.relaxed(r), min_mtf=0.0) for r in rows]
 
 
 class Trade:
@@ -193,11 +194,9 @@ class Trade:
         )  # fmt: skip
 
     def _quality_bound(self, some: Hopeful, best: Best, limit_w: Array) -> Array:
-        """What no settings can beat: the value in closed form, the cells' bound, or that without dark current."""
+        """What no settings can beat: the value in closed form, or a bound beside it."""
         if best.lower_bound is not None:
             return np.where(np.isfinite(best.lower_bound), -best.lower_bound, -np.inf)
-        if any(np.any(r.dark_current_e_s > 0) for r in some.rows):
-            return most_snr_db(some, limit_w)
         return np.where(best.feasible, best.snr_db, -np.inf)
 
     def _quality_of(self, some: Hopeful, best: Best, chosen: list[Chosen]) -> Array:
@@ -413,10 +412,10 @@ def full_draw_w(rows: SceneRows) -> Array:
 
 
 def most_snr_db(some: Hopeful, limit_w: Array) -> Array:
-    """SNR that no settings within a power exceed: without dark current, blur or wanted sharpness; -inf: none."""
-    rows = [replace(r, sharp=None) for r in unhindered(some.rows)]
-    best = best_settings(rows, some.motorised, Objective({"snr_db": 1.0}), some.camera_power_w, limit_w)
-    return np.where(best.feasible, best.snr_db, -np.inf)
+    """SNR that no settings within a power exceed: with least dark current, without wanted sharpness; -inf: none."""
+    rows, goal = unhindered(some.rows), Objective({"snr_db": 1.0})
+    _, feasible, snr_db = settings_at_dark(rows, some.motorised, goal, some.camera_power_w, limit_w)
+    return np.where(feasible, snr_db, -np.inf)
 
 
 def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) -> Array:

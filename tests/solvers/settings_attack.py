@@ -1,0 +1,170 @@
+"""Settings of hand-made rows attacked by random search, through formulas written out again here.
+
+Nothing here uses the solvers' windows, bounds or tangents: electrons, noise, gain and level are the equations of
+the physics page (section 6), MTF and information those of `SharpRows`, which has tests of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from hand_made_rows import scene
+from numpy.typing import NDArray
+
+from uwopt.hardware import CONTINUOUS, FLASH, PULSED
+from uwopt.objectives.objective import Objective
+from uwopt.rows import SceneRows
+from uwopt.sharp import SharpRows
+
+Array = NDArray[Any]
+
+
+def sharp(*, blur: float = 2000.0, place: float = 4.0, rms: float = 6.0, rated: float = 0.8) -> SharpRows:
+    """A 3.45 um sensor that moves, with some image curvature; discs at f-number 1."""
+    one, none = np.ones(1), np.zeros(1)
+    return SharpRows(
+        wavelength_nm=530.0 * one, pixel_pitch_m=3.45e-6 * one, rated_pitch_px=rated * one,
+        blur_px_per_s=np.array([[1.1, 1.0, 0.9]]) * blur, place_disc_px=np.array([[1.0, 0.2, 1.0]]) * place,
+        rms_disc_px=np.array([[1.0, 0.6, 1.0]]) * rms, place_k_along=none, place_k_across=none, rms_k_along=none,
+        rms_k_across=none, spread_index=np.zeros(1, int), pixel_area_m2=1e-6 * one, spreads=(),
+    )  # fmt: skip
+
+
+def lit(
+    sharpness: SharpRows | None = None, *, sun: tuple[float, float] | None = None, veil: float | None = None,
+    open_max_s: float | None = None, min_mtf: float = 0.0, min_contrast: float = 0.0, **changed: Any,
+) -> SceneRows:  # fmt: skip
+    """Three altitudes under lamps, with sun (signal, veil) where a test wants it."""
+    values: dict[str, Any] = dict(signal_e=[120.0, 100.0, 80.0], nominal=1)
+    values.update(changed)
+    rows = scene(**values)
+    shape = np.array([[1.2, 1.0, 0.8]])
+    more: dict[str, Any] = dict(sharp=sharpness or sharp(), min_mtf=min_mtf, min_contrast=min_contrast)
+    if veil is not None:
+        more["veil_e"] = veil * shape[:, ::-1]
+    if sun is not None:
+        more.update(sun_signal_e_s=sun[0] * shape, sun_veil_e_s=sun[1] * shape[:, ::-1])
+    if open_max_s is not None:
+        more["open_max_s"] = np.array([open_max_s])
+    return replace(rows, **more)
+
+
+# ---------------------------------------------------------------- the equations, written out
+
+
+def figures(
+    rows: SceneRows, n: Array, tau: Array, open_s: Array, u: Array, *, info: bool
+) -> dict[str, Array]:
+    """Power, SNR in dB, contrast, information and feasibility of one design at many settings."""
+    r = rows.take(np.zeros(len(n), int))
+    kind = int(rows.kind[0])
+    n_w = n * r.working_factor
+    x = (r.light_lm * u * tau / n_w**2)[:, None]
+    signal, veil = r.signal_e * x, (0.0 if r.veil_e is None else r.veil_e) * x
+    exposure = open_s - r.exposure_offset_s
+    if r.sun_signal_e_s is not None:
+        assert r.sun_veil_e_s is not None
+        y = (open_s / n_w**2)[:, None]
+        signal, veil = signal + r.sun_signal_e_s * y, veil + r.sun_veil_e_s * y
+    else:
+        exposure = tau + r.readout_s if kind == PULSED else tau - r.exposure_offset_s
+        exposure = np.maximum(exposure, r.min_exposure_s)
+    dark = (r.dark_current_e_s * exposure)[:, None]
+    every = signal + veil + dark
+    full, black, ratio = r.full_scale_dn, r.black_level_dn, r.highlight_ratio
+    ok = (ratio * every <= r.well_e[:, None] * (1 + 1e-8)).all(axis=1)
+    k0 = r.gain_dn_per_e
+    if r.mean_level is None:
+        gain = np.clip((full / ratio - black) / (k0 * every.max(axis=1)), 1.0, r.max_gain)
+    else:
+        gain = (r.mean_level * full - black) / (k0 * every[:, r.nominal])
+        ok &= (gain >= 1 - 1e-8) & (gain <= r.max_gain * (1 + 1e-8))
+    k = (k0 * gain)[:, None]
+    ok &= (ratio * (k * every + black[:, None]) <= full[:, None] * (1 + 1e-8)).all(axis=1)
+    noise = (
+        r.read_noise_e[:, None] ** 2
+        + 1.0 / 12.0 / k**2
+        + every
+        + (r.prnu_frac[:, None] * (signal + veil)) ** 2
+    )
+    snr = signal / np.sqrt(noise)
+    ok &= (snr >= r.min_snr * (1 - 1e-8)).all(axis=1)
+    with np.errstate(invalid="ignore"):
+        contrast = signal / (signal + veil)
+    if r.min_contrast:
+        ok &= (contrast >= r.min_contrast * (1 - 1e-8)).all(axis=1)
+    blur = tau if r.sun_signal_e_s is None else open_s
+    assert r.sharp is not None
+    if r.min_mtf:
+        mtf = r.sharp.mtf_half_nyquist(f_number=n, working_f_number=n_w, blur_s=blur)
+        ok &= mtf.min(axis=1) >= r.min_mtf * (1 - 1e-8)
+    duty = np.minimum(1.0, tau * r.rate_hz)
+    drawn = {CONTINUOUS: r.full_power_w, PULSED: r.full_power_w * duty, FLASH: r.pulse_energy_j * r.rate_hz}
+    bits = np.zeros(len(n))
+    if info and ok.any():
+        bits[ok] = r.sharp.take(np.nonzero(ok)[0]).information_bit_per_m2(
+            snr[ok, r.nominal], f_number=n[ok], working_f_number=n_w[ok], blur_s=blur[ok]
+        )
+    return dict(
+        power=u * drawn[kind], snr_db=20 * np.log10(np.maximum(snr[:, r.nominal], 1e-300)),
+        contrast=contrast[:, r.nominal], information=bits, ok=ok,
+    )  # fmt: skip
+
+
+def sample(
+    rows: SceneRows, rng: np.random.Generator, count: int, near: Array | None, width: float
+) -> list[Array]:
+    """Settings all over their ranges in (ln N, ln tau, ln open, level), or near given ones."""
+    kind, t0 = int(rows.kind[0]), float(rows.exposure_offset_s[0])
+    limits = [(rows.n_low, rows.n_high), (rows.time_min_s, rows.time_max_s)]
+    low, high = (np.log([float(pair[end][0]) for pair in limits]) for end in (0, 1))
+    place = low + (high - low) * rng.uniform(size=(count, 2))
+    share, extra = rng.uniform(-7, 0, size=count), rng.uniform(size=count)
+    if near is not None:
+        index = rng.integers(len(near), size=count)
+        scale = width * rng.standard_normal((count, 4)) * rng.integers(0, 2, (count, 4))
+        place = np.clip(np.log(near[index][:, :2]) + scale[:, :2], low, high)
+        share = np.log(np.maximum(near[index][:, 3], 1e-9)) + scale[:, 3]
+        extra = near[index][:, 2] + scale[:, 2]
+    n, tau = np.exp(place).T
+    u = np.minimum(np.exp(share), float(min(1.0, rows.max_level[0])))
+    u = np.maximum(u, float(rows.min_level[0]))
+    if not rows.dims_freely[0]:
+        steps = rows.levels[0]
+        u = steps[np.argmin(np.abs(np.log(steps) - np.log(u)[:, None]), axis=1)]
+    open_s = tau.copy()
+    if rows.sunlit and kind == PULSED:
+        least = np.maximum(rows.min_exposure_s[0], tau + rows.readout_s[0]) + t0
+        most = least if rows.open_max_s is None else np.maximum(rows.open_max_s[0], least)
+        extra = np.clip(extra, 0.0, 1.0)
+        open_s = least + extra * (most - least)
+    return [n, tau, open_s, u, extra]
+
+
+def attacked(rows: SceneRows, objective: Objective, rng: np.random.Generator) -> float:
+    """Least value found by random search with rounds of smaller steps about the best; inf: nothing feasible."""
+    info, best, near = bool(objective.weight("information")), np.inf, None
+    for step in range(7):
+        count = 3000 if near is None else 800
+        n, tau, open_s, u, extra = sample(rows, rng, count, near, 0.5 * 0.3**step)
+        seen = figures(rows, n, tau, open_s, u, info=info)
+        value = sum(
+            (
+                objective.weight(name) * sign * seen[name]
+                for name, sign in SIGNS.items()
+                if objective.weight(name)
+            ),
+            np.zeros(count),
+        )
+        value = np.where(seen["ok"], value, np.inf)
+        order = np.argsort(value)[:10]
+        order = order[np.isfinite(value[order])]
+        if len(order):
+            best = min(best, float(value[order[0]]))
+            near = np.stack([n, tau, extra, u], axis=1)[order]
+    return best
+
+
+SIGNS = {"power": 1.0, "snr_db": -1.0, "contrast": -1.0, "information": -1.0}
