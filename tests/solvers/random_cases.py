@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Any
 
@@ -18,7 +18,6 @@ from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
 from uwopt.solvers.exact import Outcome, Search
 
-UNITS = ("lm", "w", "deg", "j", "us", "s", "hz")
 THOROUGH = bool(os.environ.get("UWOPT_THOROUGH"))
 TOP = 4
 
@@ -144,8 +143,11 @@ def planted(
 
 def lamp(name: str, **given: Any) -> Light:
     """A lamp with numbers as given, all exact."""
-    known = {key: exact(value) if isinstance(value, float) and key.rpartition("_")[2] in UNITS else value
-             for key, value in given.items()}  # fmt: skip
+    quantities = {f.name for f in fields(Light) if "Quantity" in str(f.type)}
+    known = {
+        key: exact(value) if key in quantities and isinstance(value, float) else value
+        for key, value in given.items()
+    }
     common: dict[str, Any] = {
         "price": exact(500.0), "mass_g": exact(500.0), "depth_rating_m": 6000.0, "beam_medium": "water",
         "beam_angle_deg": exact(80.0),
