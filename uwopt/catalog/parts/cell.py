@@ -15,7 +15,10 @@ from functools import cache
 from inspect import get_annotations
 from typing import Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
-from uwopt.catalog.parts.quantity import Quantity
+from pydantic import GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from uwopt.catalog.parts.quantity import Quantity, exact
 
 Form = Literal["number", "text", "choice", "list", "flag"]
 
@@ -89,6 +92,16 @@ class Cell:
     inline: Inline | None = None
     status: str = ""  # the field that says how this one is known
     shown: bool = True  # to people, in lists
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """A bare number is a quantity without doubt."""
+        schema = handler(source)
+        is_quantity = Quantity in get_args(source)
+        return core_schema.no_info_before_validator_function(_quantity, schema) if is_quantity else schema
+
+
+def _quantity(value: Any) -> Any:
+    return exact(float(value)) if isinstance(value, (int, float)) else value
 
 
 @dataclass(frozen=True, slots=True)
