@@ -40,14 +40,15 @@ from uwopt.model.fidelity import Effects
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Mount, Parts, Problem
-from uwopt.result import Certificate, Design, Margin, Result
+from uwopt.result import Certificate, Design, Margin, Result, is_settable
 from uwopt.scene_checks import check_physical
 from uwopt.solvers import recommend
 from uwopt.solvers.certificate import certificate
 from uwopt.solvers.goals import scenes_need_cells
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, design_of, seek
 from uwopt.solvers.robustness import SLOW_S
-from uwopt.solvers.rounding import LEVEL_TOLERANCE_REL, exact_settings
+from uwopt.solvers.rounding import exact_settings
+from uwopt.solvers.settable_scene import LEVEL_TOLERANCE_REL
 from uwopt.system import System, load_system
 
 Source = str | Path | Mapping[str, Any]
@@ -262,7 +263,7 @@ def found_result(
     return replace(
         result,
         physics={**result.physics, "effects": [item.as_dict() for item in proven_in_full(influences)]},
-        status="stopped" if not proven else "feasible" if wide else "optimal",
+        status="stopped" if not proven else "optimal" if is_settable(winner) and not wide else "feasible",
         recommendation=winner,
         runners_up=others,
         generic_alternative=generic,

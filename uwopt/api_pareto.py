@@ -345,12 +345,8 @@ class Run:
         return replace(design, objective_value=None, warnings=notes)
 
     def rounded(self, sought: Sought, point: FrontPoint, found: Found) -> FrontPoint:
-        """A point with the settings that a person can set."""
-        holder = recommend.Sought(sought.selection, sought.problem, sought.search, None)  # type: ignore[arg-type]
-        found = replace(found, snr_db=-200.0)  # what is rounded must meet the requirements, no more
-        return replace(
-            point, design=recommend.with_rounded(holder, found, point.design, Objective({"power": 1.0}))
-        )
+        """A point with the settings that a person can set, near its own: that is the trade-off it stands for."""
+        return replace(point, design=recommend.with_rounded(sought.problem, found, point.design, None))
 
     def certificate(self, sought: Sought, front: Front) -> dict[str, Any]:
         """What the exact front proves, and where every combination went."""

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 RESULT_SCHEMA = "uwopt.result/1"
+NOT_SETTABLE = "not_settable"  # code of the warning that no settings to type in are offered
 
 
 @dataclass(frozen=True)
@@ -167,6 +168,11 @@ def design_from_dict(data: Mapping[str, Any]) -> Design:
         for scene in data["scenes"]
     ]
     return Design(**values)
+
+
+def is_settable(design: Design) -> bool:
+    """Whether no settings to set were looked for, or some were found with which every requirement holds."""
+    return design.rounded is None or bool(design.rounded.get("feasible"))
 
 
 def plain(value: Any) -> Any:

@@ -73,26 +73,17 @@ def test_missed_requirement_is_marked_and_counted(
     assert "motion blur 2.000 px at most 1.000 px -1.00 px MISSED" in text
 
 
-def test_rounding_that_misses_is_told(make_result: Make, make_design: Make) -> None:
+def test_settings_to_set_that_miss_a_requirement_are_not_shown(make_result: Make, make_design: Make) -> None:
     from dataclasses import replace
 
     best = replace(
         make_design(), rounded={"feasible": False, "objective_value": 41.0, "missed": ["max_blur_px"]}
     )
     text = flat(text_of(make_result(recommendation=best)))
-    assert "Rounded as shown, these are missed: motion blur. Use the exact values." in text
-
-
-def test_exact_settings_of_all_scenes_stand_below_a_rounding_that_misses(
-    make_result: Make, make_design: Make, make_scene: Make
-) -> None:
-    from dataclasses import replace
-
-    best = make_design(scenes=[make_scene("reef"), make_scene("wall")])
-    best = replace(best, rounded={"feasible": False, "objective_value": None, "missed": ["overlap"]})
-    text = flat(text_of(make_result(recommendation=best)))
-    assert "Exact values:" in text
-    assert "exposure 43.5678 µs 43.5678 µs" in text
+    assert "Settings to type in" not in text
+    assert "These are the exact optimum, not settings to type in" in text
+    assert "The nearest misses motion blur." in text
+    assert "exposure 43.5678 µs gain" in text  # the exact value alone
 
 
 def test_runners_up_show_what_differs_and_what_it_costs(make_result: Make) -> None:

@@ -12,6 +12,7 @@ HELPERS = (
     "brute_force",
     "random_cases",
     "one_of_each",
+    "settable_cases",
     "hand_made_rows",
     "settings_attack",
     "population_cases",

@@ -24,6 +24,7 @@ Array = NDArray[Any]
 Sense = Literal["<=", ">=", "="]
 SATISFIED_REL = 1e-6
 BINDING_REL = 1e-4
+TINY = 1e-12
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,13 @@ class MarginRows:
         slack = self.tolerance_rel * np.where(np.isfinite(self.limit), self._size, 0.0)
         with np.errstate(invalid="ignore"):
             return np.asarray((self.margin >= -slack) & ~np.isnan(self.value))
+
+    @property
+    def shortfall(self) -> Array:
+        """How far it is missed, as a share of its size; 0 where it holds."""
+        with np.errstate(invalid="ignore"):
+            missed = np.nan_to_num(-self.margin / np.maximum(self._size, TINY), nan=np.inf)
+        return np.where(self.satisfied, 0.0, np.maximum(missed, TINY))
 
     @property
     def binding(self) -> Array:

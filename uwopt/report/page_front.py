@@ -13,7 +13,7 @@ from uwopt.front_result import FrontMethod, FrontPoint, FrontResult
 from uwopt.report import words
 from uwopt.report.page_parts import Card, bar, cards, scene_value
 from uwopt.report.page_style import SCALE_DARK, SCALE_LIGHT
-from uwopt.report.tables import has_no_limit, kinds_by_id, shown_settings
+from uwopt.report.tables import has_no_limit, kinds_by_id, scenes_to_set, shown_settings
 from uwopt.report.verdict import axis_name
 from uwopt.result import Design, SceneResult
 from uwopt.units import format_number, symbol
@@ -202,7 +202,7 @@ def point_data(
                     for b in (bar(margin, kinds) for margin in scene.margins if not has_no_limit(margin))
                 ],
             }
-            for scene in design.scenes
+            for scene in scenes_to_set(design)
         ],
     }  # fmt: skip
 

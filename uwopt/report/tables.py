@@ -22,7 +22,7 @@ from uwopt.report.doubts import (
 )
 from uwopt.report.exactness import exactness_block, has_errors
 from uwopt.report.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
-from uwopt.result import Design, Margin, Result, SceneResult, design_from_dict
+from uwopt.result import Design, Margin, Result, SceneResult, design_from_dict, is_settable
 
 ONE_COLUMN_A_SCENE = 3  # more scenes are shown one a row
 
@@ -108,14 +108,18 @@ def hardware_block(design: Design, title: str, note: Text | None = None) -> Bloc
 
 
 def settings_block(result: Result | FrontResult, design: Design) -> Block:
-    """What to set: rounded values where there are any, the exact ones beside or below them."""
-    scenes = design.scenes
+    """What to set: rounded values where there are any, the exact ones beside them."""
+    scenes = scenes_to_set(design)
     rounded = any(scene.settings_to_set for scene in scenes)
     lines: list[Line] = [settings_table(scenes), *rounding_lines(result, design)]
-    if design.rounded and not design.rounded.get("feasible") and len(scenes) > 1:
-        exact = [replace(scene, settings_to_set=None) for scene in scenes]
-        lines += [Text(""), sentence("Exact values:"), settings_table(exact)]
     return block("Settings to type in" if rounded else "Settings", lines)
+
+
+def scenes_to_set(design: Design) -> list[SceneResult]:
+    """The scenes without settings to set that miss a requirement, which are nothing to offer."""
+    if is_settable(design):
+        return design.scenes
+    return [replace(scene, settings_to_set=None) for scene in design.scenes]
 
 
 def settings_table(scenes: Sequence[SceneResult]) -> Grid:
@@ -165,11 +169,13 @@ def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
     rounded = design.rounded
     if not rounded:
         return []
-    if not rounded.get("feasible"):
+    if not is_settable(design):
         missed = ", ".join(words.requirement_name(str(name)) for name in rounded.get("missed") or [])
         return [
             sentence(
-                f"Rounded as shown, these are missed: {missed or 'some requirements'}. Use the exact values.",
+                "These are the exact optimum, not settings to type in: no stop of the lens with steps of time, gain "
+                "and light was found that meets every requirement. The nearest misses "
+                f"{missed or 'some requirements'}.",
                 "red",
             )
         ]

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from uwopt.result import Certificate, Design, Margin, Result
+from uwopt.result import Certificate, Design, Margin, Result, is_settable
 from uwopt.units import format_number, format_quantity, split_unit, symbol
 
 STATUS_SENTENCES: Mapping[str, str] = {
@@ -356,6 +356,8 @@ def status_sentence(result: Result) -> str:
         if missed:
             verb = "is" if len(missed) == 1 else "are"
             return f"{counted(len(missed), 'requirement')} {verb} missed"
+    if result.status == "feasible" and result.best is not None and not is_settable(result.best):
+        return "the exact design meets every requirement, but no settings that can be typed in were found that do"
     if result.status == "stopped" and result.best is None:
         interrupted = any(warning.get("code") == "interrupted" for warning in result.warnings)
         return f"{'interrupted' if interrupted else 'stopped by a limit'} before a system was found"

@@ -23,7 +23,7 @@ from uwopt.solvers.goals import scenes_need_cells
 from uwopt.solvers.ranking import Found
 from uwopt.solvers.recommend import Sought, hardware_of
 from uwopt.solvers.robustness import parts_of, values_at
-from uwopt.solvers.rounding import LEVEL_TOLERANCE_REL
+from uwopt.solvers.settable_scene import LEVEL_TOLERANCE_REL
 
 TRIED_DEG = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 BISECTIONS = 3

@@ -25,12 +25,13 @@ from uwopt.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
-from uwopt.result import Design
+from uwopt.result import NOT_SETTABLE, Design
 from uwopt.rows import SceneRows
 from uwopt.solvers.certificate import select_problem_mission
 from uwopt.solvers.exact import Outcome, Search
 from uwopt.solvers.ranking import Found
 from uwopt.solvers.rounding import exact_settings, rounded_design
+from uwopt.solvers.settable import printed
 
 Progress = Callable[[float, str], None]
 Generic = Literal["fallback", "allow", "never"]
@@ -126,7 +127,7 @@ def design_of(sought: Sought, found: Found, objective: Objective, *, with_roundi
     design = evaluate_design(problem, hardware, given, objective)
     check_claim(design, found, objective)
     design = replace(design, warnings=[*part_warnings(problem, hardware), *design.warnings])
-    return with_rounded(sought, found, design, objective) if with_rounding else design
+    return with_rounded(problem, found, design, objective) if with_rounding else design
 
 
 def check_claim(design: Design, found: Found, objective: Objective) -> None:
@@ -146,24 +147,31 @@ def check_claim(design: Design, found: Found, objective: Objective) -> None:
         )
 
 
-def with_rounded(sought: Sought, found: Found, design: Design, objective: Objective) -> Design:
-    """Add the settings a person can set, and how the design does with them."""
-    rows = scene_rows_of(sought.search, found)
-    by_noise = bool(objective.weight("snr_db") or objective.weight("information"))
-    floor = 10.0 ** (found.snr_db / 20.0) * (1 - 1e-9) if by_noise else 0.0
-    exact = [{**numbers, "snr_floor": min(floor, 1e300) * 0.99} for numbers in found.settings]
-    focus = [scene.settings["focus_distance_m"] for scene in design.scenes]
-    made = rounded_design(sought.problem, hardware_of(found), rows, exact, focus, objective)
-    if made is None:
-        return design
-    again, _ = made
+def with_rounded(problem: Problem, found: Found, design: Design, objective: Objective | None) -> Design:
+    """Add the settings a person can set, and how the design does with them; a warning where there are none.
+
+    Without an objective they are those nearest to the design's own.
+    """
+    again = rounded_design(problem, hardware_of(found), found.settings, objective).design
+    missed = list(dict.fromkeys(m.requirement for s in again.scenes for m in s.margins if not m.satisfied))
+    rounded = {"feasible": again.feasible, "objective_value": again.objective_value, "missed": missed}
+    if not again.feasible:
+        rounded["objective_value"] = None
+        return replace(design, rounded=rounded, warnings=[*design.warnings, not_settable()])
     scenes = [
-        replace(scene, settings_to_set=other.settings)
+        replace(scene, settings_to_set=printed(other.settings))
         for scene, other in zip(design.scenes, again.scenes, strict=True)
     ]
-    missed = [m.requirement for s in again.scenes for m in s.margins if not m.satisfied]
-    rounded = {"feasible": again.feasible, "objective_value": again.objective_value, "missed": missed}
     return replace(design, scenes=scenes, rounded=rounded)
+
+
+def not_settable() -> dict[str, str]:
+    """That no stop, time, gain and level that can be set were found to keep every requirement."""
+    text = (
+        "no settings to type in are offered: no stop of the lens with steps of time, gain and light was found that "
+        "meets every requirement; the settings shown are exact numbers"
+    )
+    return {"code": NOT_SETTABLE, "path": "settings_to_set", "message": text}
 
 
 def part_warnings(problem: Problem, hardware: Hardware) -> list[dict[str, str]]:

@@ -1,152 +1,130 @@
-"""Settings as a person can set them: stops, tenths of a decibel, microseconds, steps of light.
+"""Settings as a person can set them: stops, tenths of a decibel, microseconds, per cents of light.
 
-The f-number goes up to the next third of a stop, light and time follow in closed form and are rounded
-up, so that what was met stays met; the design is evaluated again with the rounded values.
+Whatever is offered to be set has been evaluated with all light counted and meets every requirement. Among
+thirds of a stop (then between them) the best by the objective is taken; where no mark holds, nothing is offered.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from uwopt.design_model import DesignModel, Hardware, SceneSettings, design_model
 from uwopt.evaluation import evaluate_design
+from uwopt.figures import SettingRows
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED
+from uwopt.model.port import lens_dioptre_per_m, water_distance_m
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Problem
 from uwopt.result import Design
-from uwopt.rows import SceneRows
-from uwopt.solvers import settings as closed_form
+from uwopt.solvers.settable import DIGITS, focus_distances_m, rates_hz, stops
+from uwopt.solvers.settable_scene import LEVEL_TOLERANCE_REL, SettableScene, Tried, terms_of
 
-THIRD_STOPS = tuple(float(f"{2 ** (n / 6):.2g}") for n in range(37))
-SIXTH_STOPS = tuple(float(f"{2 ** (n / 12):.3g}") for n in range(73))
-GAIN_STEP_DB = 0.1
-TIME_STEP_S = 1e-6
-LEVEL_STEP = 0.01
-FOCUS_STEP_M = 0.01
-LEVEL_TOLERANCE_REL = 0.012  # one step of gain: how well a mean level can be met with 0.1 dB
-TRIES = 12
+FAR_M = 10_000.0  # what a focus at infinity, or beyond, is set to
+HOPELESS = 0.05  # share by which a requirement is missed that no finer rate or focus can mend
+BY_POWER = Objective({"power": 1.0})  # of a design that only has to stay near the optimum
+
+
+@dataclass(frozen=True)
+class Rounded:
+    """The settable settings that come nearest to the requirements, and the design that they make."""
+
+    given: list[SceneSettings]
+    design: Design
 
 
 def rounded_design(
-    problem: Problem, hardware: Hardware, rows: Sequence[SceneRows], exact: Sequence[dict[str, float]],
-    focus_m: Sequence[float | None], objective: Objective,
-) -> tuple[Design, list[SceneSettings]] | None:  # fmt: skip
-    """The design with settings to set, evaluated again; None when no rounding keeps every requirement."""
-    fallback: tuple[Design, list[SceneSettings]] | None = None
-    model = design_model(problem, hardware)
-    for attempt in range(TRIES):
-        given = [
-            rounded_settings(model, i, row, numbers, focus, attempt)
-            for i, (row, numbers, focus) in enumerate(zip(rows, exact, focus_m, strict=True))
-        ]
-        design = evaluate_design(problem, hardware, given, objective, level_tolerance_rel=LEVEL_TOLERANCE_REL)
-        if design.feasible:
-            return design, given
-        fallback = fallback or (design, given)
-    return fallback
+    problem: Problem, hardware: Hardware, exact: Sequence[dict[str, Any]], objective: Objective | None
+) -> Rounded:
+    """The best design that can be set; feasible, or the nearest miss where none is.
 
-
-def rounded_settings(
-    model: DesignModel,
-    index: int,
-    rows: SceneRows,
-    exact: dict[str, float],
-    focus_m: float | None,
-    attempt: int,
-) -> SceneSettings:
-    """One scene's settings rounded; each attempt leaves a little more light or depth of field."""
-    n_low = max(exact["f_number"], float(rows.n_low[0]))
-    f_number = next_stop(n_low, float(rows.n_high[0]), attempt)
-    low, high = closed_form.window(rows, snr_floor=exact.get("snr_floor", 0.0))
-    spare = 1.0 + 0.004 * (attempt % 4)
-    chosen = closed_form.settle(rows, np.array([f_number]), low * spare, high)
-    level, time_s = float(chosen.level[0]), float(chosen.time_s[0])
-    if not math.isfinite(level):
-        level, time_s = exact["level"], exact["time_s"]
-    kind = int(rows.kind[0])
-    if bool(rows.dims_freely[0]) and kind != PULSED:
-        level = min(1.0, math.ceil(level / LEVEL_STEP - 1e-9) * LEVEL_STEP)
-    exposure, pulse = exposure_and_pulse(
-        model, kind, time_s, up=kind != CONTINUOUS or time_s < rows.time_max_s[0] * (1 - 1e-9)
-    )
-    rate = rounded_rate_hz(model, exact["rate_hz"])
-    if exposure * rate > 1.0:
-        exposure = math.floor(1.0 / rate / TIME_STEP_S) * TIME_STEP_S
-    light_x = float(rows.light_lm[0]) * level * collected_s(rows, kind, exposure, pulse)
-    light_x /= (f_number * float(rows.working_factor[0])) ** 2
-    gain = float(closed_form.best_gain(rows, np.array([light_x]))[0])
-    gain_db = 20.0 * math.log10(max(gain, 1.0)) if math.isfinite(gain) else 0.0
-    wanted = rows.mean_level is not None
-    steps = gain_db / GAIN_STEP_DB
-    down = not wanted or attempt % 2 == 1  # a level that must not saturate is rounded down
-    gain_db = GAIN_STEP_DB * (math.floor(steps + 1e-9) if down else round(steps))
-    focus = None if focus_m is None else max(round(focus_m / FOCUS_STEP_M) * FOCUS_STEP_M, FOCUS_STEP_M)
-    return SceneSettings(
-        f_number=f_number, exposure_s=exposure, pulse_s=pulse, gain=10.0 ** (gain_db / 20.0), level=level,
-        rate_hz=rate, focus_distance_m=focus,
-    )  # fmt: skip
-
-
-def collected_s(rows: SceneRows, kind: int, exposure_s: float, pulse_s: float | None) -> float:
-    """Time that collects light at these settings."""
-    window_s = exposure_s + float(rows.exposure_offset_s[0])
-    return window_s if kind == CONTINUOUS or pulse_s is None else min(pulse_s, window_s)
-
-
-def rounded_rate_hz(model: DesignModel, rate_hz: float) -> float:
-    """The rate in three figures, upward; no higher than camera and light allow."""
-    if rate_hz <= 0.0:
-        return 0.0
-    step = 10.0 ** (math.floor(math.log10(rate_hz)) - 2)
-    up = math.ceil(rate_hz / step - 1e-9) * step
-    highest = min(float(model.cameras.max_rate_hz[0]), float(model.lights.max_rate_hz[0]))
-    return max(rate_hz, min(up, highest))
-
-
-def next_stop(f_number: float, largest: float, attempt: int) -> float:
-    """The f-number to set: a third of a stop at or above; then sixths; then tenths and hundredths,
-    which a ring without clicks can be turned to.
-
-    The lens's own widest opening counts as a mark.
+    `exact` : the optimum's settings by scene. Without an objective the design stays as near to it as it can.
     """
-    if attempt < 4:
-        series: tuple[float, ...] = THIRD_STOPS
-    elif attempt < 8:
-        series = SIXTH_STOPS
-    else:
-        step = 10 if attempt < 10 else 100
-        series = (math.ceil(f_number * step - 1e-9) / step,)
-    if abs(f_number * 100 - round(f_number * 100)) < 1e-6:  # a number that a lens is engraved with
-        return f_number
-    above = [stop for stop in series if stop >= f_number * (1 - 1e-9)]
-    return min(above[0], largest) if above else f_number
+    model = design_model(problem, hardware)
+    optimum = [model.settings(i, exact_settings(model, i, numbers)) for i, numbers in enumerate(exact)]
+    nearest: tuple[float, list[SceneSettings]] = (np.inf, [])
+    for rates, dioptres in variants(model, optimum):
+        scenes = [
+            SettableScene(model, i, one, objective, rate_hz=rates[i], dioptre_per_m=dioptres[i])
+            for i, one in enumerate(optimum)
+        ]
+        for between in (False, True):
+            tried = best_common(model, scenes, objective, between=between)
+            nearest = min(nearest, tried, key=lambda found: found[0])
+            if nearest[0] == 0.0:
+                break
+        if nearest[0] == 0.0 or nearest[0] > HOPELESS:
+            break
+    return evaluated(problem, hardware, nearest[1], objective)
 
 
-def exposure_and_pulse(
-    model: DesignModel, kind: int, time_s: float, *, up: bool
-) -> tuple[float, float | None]:
-    """Exposure and pulse that collect light for a time, rounded to a microsecond."""
-    cam, lights = model.cameras, model.lights
-    offset, readout, least = (float(c[0]) for c in (cam.exposure_offset_s, cam.readout_s, cam.min_exposure_s))
+def evaluated(
+    problem: Problem, hardware: Hardware, given: list[SceneSettings], objective: Objective | None
+) -> Rounded:
+    """A design with these settings, evaluated."""
+    design = evaluate_design(
+        problem, hardware, given, objective or BY_POWER, level_tolerance_rel=LEVEL_TOLERANCE_REL
+    )
+    return Rounded(given, design)
 
-    def stepped(value: float) -> float:
-        steps = value / TIME_STEP_S
-        return (math.ceil(steps - 1e-6) if up else math.floor(steps + 1e-6)) * TIME_STEP_S
 
-    if kind == CONTINUOUS:
-        return max(stepped(time_s - offset), least), None
-    if kind == PULSED:
-        pulse = stepped(time_s)
-        return max(math.ceil(least / TIME_STEP_S) * TIME_STEP_S, pulse + readout), pulse
-    assert kind == FLASH
-    duration = float(lights.flash_duration_s[0])
-    if time_s >= duration * (1 - 1e-9):
-        return max(least, math.ceil((duration + readout) / TIME_STEP_S - 1e-6) * TIME_STEP_S), duration
-    return max(stepped(time_s - offset), least), duration
+def variants(
+    model: DesignModel, optimum: Sequence[SettingRows]
+) -> Iterator[tuple[list[float], list[float]]]:
+    """Frame rates and focus to try, by scene: in few figures first; the focus ring stands alike in all scenes."""
+    rates = [rates_hz(float(one.rate_hz[0])) for one in optimum]
+    distance_m = float(water_distance_m(optimum[0].dioptre_per_m[0], focus_map=model.maps[0]))
+    marks_m = focus_distances_m(distance_m) if 0 < distance_m < FAR_M else [FAR_M]
+    for number, mark_m in enumerate(marks_m):
+        ring = float(lens_dioptre_per_m(mark_m, focus_map=model.maps[0]))
+        dioptres = [typed_dioptre_per_m(model, i, ring) for i in range(len(optimum))]
+        for finer in (False, True):
+            if number == 0 or finer:
+                yield [rate[finer] for rate in rates], dioptres
+
+
+def typed_dioptre_per_m(model: DesignModel, index: int, ring: float) -> float:
+    """The lens's focus in one scene when its distance in that scene's water is typed in as it is printed."""
+    return float(lens_dioptre_per_m(typed_focus_m(model, index, ring), focus_map=model.maps[index]))
+
+
+def typed_focus_m(model: DesignModel, index: int, dioptre_per_m: float) -> float:
+    """The distance in water at which a lens is focused, in the digits that are printed."""
+    distance_m = float(water_distance_m(dioptre_per_m, focus_map=model.maps[index]))
+    return float(f"{distance_m:.{DIGITS}g}") if 0 < distance_m < FAR_M else FAR_M
+
+
+def best_common(
+    model: DesignModel, scenes: Sequence[SettableScene], objective: Objective | None, *, between: bool
+) -> tuple[float, list[SceneSettings]]:
+    """The best settings with an f-number common to all scenes unless the iris has a motor, and what they miss."""
+    tried = [scene.best_by_stop(stops(model.lenses, between=between)) for scene in scenes]
+    if model.lenses.motorised[0]:
+        every = np.zeros(len(tried[0].shortfall), np.intp)
+        tried = [one.take(one.best_of_each(every)) for one in tried]
+    missed = np.max([one.shortfall for one in tried], axis=0)
+    value = np.max([one.value for one in tried], axis=0)
+    if objective is not None:
+        value = np.where(missed == 0.0, objective.cost_to_minimise(terms_of(tried)), np.inf)
+    common = replace(tried[0], shortfall=missed, value=value, power_w=terms_of(tried).power)
+    best = common.best_of_each(np.zeros(len(missed), np.intp))
+    return float(missed[best[0]]), [
+        scene_settings(scene, one.take(best)) for scene, one in zip(scenes, tried, strict=True)
+    ]
+
+
+def scene_settings(scene: SettableScene, tried: Tried) -> SceneSettings:
+    """One scene's settings as the evaluation takes them."""
+    one = tried.settings
+    pulse_s = float(one.pulse_s[0])
+    return SceneSettings(
+        f_number=float(one.f_number[0]), exposure_s=float(one.exposure_s[0]),
+        pulse_s=pulse_s if np.isfinite(pulse_s) else None, gain=float(one.gain[0]), level=float(one.level[0]),
+        rate_hz=float(one.rate_hz[0]), focus_distance_m=typed_focus_m(scene.model, scene.index, scene.dioptre_per_m),
+    )  # fmt: skip
 
 
 def exact_settings(model: DesignModel, index: int, numbers: dict[str, Any]) -> SceneSettings:

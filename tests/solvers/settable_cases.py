@@ -1,0 +1,117 @@
+"""Random missions whose optimum is rounded to what can be set, and the plain system files that this makes.
+
+Every kind of light, sun or none, one scene or two, and every requirement that a setting can miss take turns.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import brute_force as brute
+import numpy as np
+import pytest
+import random_cases as rc
+import small_catalogues as small
+
+import uwopt
+import uwopt.api
+from uwopt.catalog.catalogue import Catalog
+from uwopt.design_model import Hardware, SceneSettings, design_model
+from uwopt.mission import Mission
+from uwopt.objectives.objective import Objective
+from uwopt.optics import place_focus
+from uwopt.problem import Parts, Problem
+from uwopt.report import words
+from uwopt.result import Design, Result
+from uwopt.solvers.rounding import rounded_design
+from uwopt.solvers.settable import printed
+
+TYPED = ("f_number", "exposure_ms", "pulse_ms", "gain", "dim_frac", "frame_rate_hz", "focus_distance_m")
+
+
+@dataclass(frozen=True)
+class Start:
+    """One hardware of a problem and settings to begin from."""
+
+    case: rc.Case
+    problem: Problem
+    hardware: Hardware
+    exact: list[dict[str, Any]]
+
+    def rounded(self) -> Design:
+        """The design with the best settings that can be set, or the nearest miss."""
+        return rounded_design(self.problem, self.hardware, self.exact, self.case.objective).design
+
+
+def case(seed: int) -> rc.Case:
+    """A random case; half of them in sunlight, some with requirements on contrast and sharpness."""
+    rng = np.random.default_rng([seed, 3])
+    parts, plain = small.parts(rng, 2), small.mission(rng)
+    if small.chance(rng, 0.5):
+        plain["physics"] = "full" if plain["physics"] == "paper" else plain["physics"]
+        for scene in plain["scenes"]:
+            scene |= {"sun_lux": small.pick(rng, [1e2, 1e4, 1e5]), "depth_m": small.pick(rng, [3.0, 12.0, 40.0])}
+    if plain["physics"] == "full" and small.chance(rng, 0.15):
+        plain["requirements"]["min_mtf_half_nyquist"] = small.between(rng, 0.02, 0.3)
+    if plain["physics"] == "full" and small.chance(rng, 0.15):
+        plain["objective"] = small.pick(rng, ["contrast", "information"])
+        plain["requirements"]["min_swath_m"] = 0.1
+    return rc.Case(parts, small.loaded(plain), Objective.of(plain["objective"]))
+
+
+def start(wanted: rc.Case, seed: int) -> Start | None:
+    """Some hardware of a case, with settings that need not hold; None where no parts fit together."""
+    rng, problem = np.random.default_rng([seed, 4]), wanted.problem()
+    buildable = list(brute.buildable(problem))
+    if not buildable:
+        return None
+    hardware = small.pick(rng, buildable)
+    model = design_model(problem, hardware)
+    focus = place_focus(problem.scenes, model.maps, model.views)
+    f_number = max(float(model.lenses.f_number_min[0]), float(focus.n_depth[0])) * small.between(rng, 1.0, 1.2)
+    f_number = min(f_number, float(model.lenses.f_number_max[0]))
+    exact = []
+    for index, dioptre in enumerate(focus.dioptre_per_m):
+        made = model.settings(index, SceneSettings(f_number=f_number, dioptre_per_m=float(dioptre[0])))
+        numbers = {f.name: float(getattr(made, f.name)[0]) for f in fields(made)}
+        exact.append({**numbers, "time_s": numbers["pulse_s"]})
+    return Start(wanted, problem, hardware, exact)
+
+
+def parts_of(parts: Parts) -> tuple[Any, ...]:
+    """Parts of each kind."""
+    return parts.cameras, parts.lenses, parts.ports, parts.lights
+
+
+def as_typed(design: Design) -> dict[str, Any]:
+    """The system file of a person who types in what is printed to be set."""
+    hardware = design.hardware
+    system: dict[str, Any] = {kind: hardware[kind]["id"] for kind in ("camera", "lens", "port", "light")}
+    for key in ("camera_count", "light_count", "orientation", "light_mounts"):
+        system[key] = hardware[key]
+    system["scenes"] = {}
+    for scene in design.scenes:
+        given = {key: as_read(key, scene.settings) for key in TYPED}
+        system["scenes"][scene.name] = {key: value for key, value in given.items() if value is not None}
+    return system
+
+
+def as_read(key: str, settings: dict[str, float | None]) -> float | None:
+    """A setting as a person reads it from the printed table, in the units of a system file."""
+    name = "gain_db" if key == "gain" else key
+    value = printed(settings)[name]
+    if value is None or (name == "frame_rate_hz" and value == 0.0):  # no rate is asked for
+        return None
+    text = words.setting_text(name, value)
+    has_unit = bool(words.SETTINGS[name][1]) or name == "dim_frac"
+    number, _, unit = text.rpartition(" ") if has_unit else (text, "", "")
+    read = float(number.replace(" ", ""))
+    read *= {"µs": 1e-3, "%": 1e-2}.get(unit, 1.0)
+    return 10.0 ** (read / 20.0) if key == "gain" else read
+
+
+def evaluated(monkeypatch: pytest.MonkeyPatch, mission: Mission, parts: Parts, system: dict[str, Any]) -> Result:
+    """What `uwopt.evaluate` says of a system made of these parts."""
+    monkeypatch.setattr(uwopt.api, "load_catalog", lambda mission=None: Catalog(*parts_of(parts)))
+    return uwopt.evaluate(mission, system)

@@ -1,0 +1,237 @@
+"""What is offered to be typed in holds when it is evaluated, is the best that can be set, or is not offered.
+
+UWOPT_THOROUGH=1 tries more seeds.
+"""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import random_cases as rc
+import settable_cases as sc
+
+import uwopt
+from uwopt.catalog.catalogue import Catalog
+from uwopt.catalog.records import exact
+from uwopt.design_model import DesignModel, design_model
+from uwopt.figures import SettingRows
+from uwopt.problem import Parts
+from uwopt.report.console import print_blocks
+from uwopt.report.tables import result_blocks
+from uwopt.solvers.recommend import hardware_of
+from uwopt.solvers.rounding import exact_settings, rounded_design
+from uwopt.solvers.settable import focus_distances_m, rates_hz, stops, time_steps
+
+SEEDS = tuple(range(150)) if rc.THOROUGH else (0, 1, 2, 3, 5, 8)
+BURNING = rc.lamp("burning", kind="continuous", flux_lm=20_000.0, power_w=200.0)
+STEPPED = rc.lamp(
+    "stepped", kind="pulsed_led", flux_lm=20_000.0, power_w=200.0, dim_levels=(0.25, 0.5, 1.0), min_pulse_us=1.0,
+    max_pulse_us=2000.0, max_duty_frac=0.5, max_rate_hz=50.0,
+)  # fmt: skip
+
+
+def with_lens(case: rc.Case, **changed: Any) -> rc.Case:
+    """A case with another lens."""
+    lens = replace(case.parts.lenses[0], **changed)
+    return replace(case, parts=Parts(case.parts.cameras, (lens,), case.parts.ports, case.parts.lights))
+
+
+def best_of(case: rc.Case) -> tuple[Any, Any]:
+    """The problem of a case and its optimum."""
+    search, outcome = case.solve(top=1)
+    return search.problem, outcome.best[0]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_what_is_printed_to_set_meets_every_requirement_when_evaluated(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = sc.case(seed)
+    start = sc.start(case, seed)
+    design = None if start is None else start.rounded()
+    if design is None or not design.feasible:
+        pytest.skip("nothing that can be set holds, so nothing is printed")
+    again = sc.evaluated(monkeypatch, case.mission, case.parts, sc.as_typed(design)).best
+    assert again is not None
+    assert [m for scene in again.scenes for m in scene.margins if not m.satisfied] == []
+
+
+# ---------------------------------------------------------------- with all light counted
+
+
+def test_sunlight_counts_when_a_sunlit_optimum_is_rounded() -> None:
+    """Lamps that may be off beside a bright sun: without it the exposure would have to be a thousand times longer."""
+    bright = ({"sun_lux": 1e5, "depth_m": 5.0},)
+    case = rc.planted("power", (BURNING,), {"min_snr_db": 25.0, "max_blur_px": 1.0, "mean_level": 0.3}, scenes=bright)
+    problem, best = best_of(case)
+    made = rounded_design(problem, hardware_of(best), best.settings, case.objective).design
+    assert made.feasible
+    to_set = made.scenes[0].settings
+    assert to_set["dim_frac"] == 0.0
+    assert to_set["exposure_ms"] == pytest.approx(best.settings[0]["exposure_s"] * 1e3, rel=0.3)  # a third of a stop
+
+
+def test_pulsed_lamp_that_the_sun_makes_idle_is_rounded() -> None:
+    """No light is asked of the lamp, so no time collects any: its quotient is not a number."""
+    bright = ({"sun_lux": 2e4, "depth_m": 10.0},)
+    case = rc.planted("power", (replace(STEPPED, dim_levels=None),), {"min_snr_db": 10.0}, scenes=bright)
+    problem, best = best_of(case)
+    made = rounded_design(problem, hardware_of(best), best.settings, case.objective).design
+    assert made.feasible
+    assert made.scenes[0].settings["dim_frac"] == 0.0
+
+
+# ---------------------------------------------------------------- the best that can be set
+
+
+def test_no_setting_of_a_whole_grid_draws_less_power() -> None:
+    """Every third of a stop, step of the lamp and microsecond of pulse, one by one."""
+    case = rc.planted("power", (STEPPED,), {"min_snr_db": 20.0, "max_blur_px": 1.0}, camera={"max_gain_db": exact(0.0)})
+    problem, best = best_of(case)
+    model = design_model(problem, hardware_of(best))
+    made = rounded_design(problem, hardware_of(best), best.settings, case.objective).design
+    assert made.feasible
+    given = made.scenes[0].settings
+    assert given["focus_distance_m"] is not None
+    n, level, pulse_us = (
+        axis.ravel() for axis in np.meshgrid(stops(model.lenses, between=False), (0.25, 0.5, 1.0), np.arange(1, 2001))
+    )
+    tried = settings(model, best.settings[0], n, level, pulse_us * 1e-6, rate_hz=float(given["frame_rate_hz"] or 0))
+    figures = model.figures(0, tried)
+    margins = model.margins(0, tried, figures)
+    holds = np.logical_and.reduce([np.broadcast_to(m.satisfied, n.shape) for m in margins])
+    assert holds.any()
+    least_w = float(figures.light_power_w[holds].min())
+    assert made.totals["light_power_w"] == pytest.approx(least_w, rel=1e-9)  # the same formulas: rounding
+
+
+def settings(
+    model: DesignModel, numbers: dict[str, Any], n: Any, level: Any, pulse_s: Any, *, rate_hz: float
+) -> SettingRows:
+    """Settings of a pulsed lamp under a global shutter at unit gain."""
+    one = np.ones(len(n))
+    open_s = np.maximum(pulse_s, float(np.ceil(model.cameras.min_exposure_s[0] * 1e6)) * 1e-6)
+    return SettingRows(n, open_s, pulse_s, one, level, rate_hz * one, float(numbers["dioptre_per_m"]) * one)
+
+
+def test_without_an_objective_rounding_stays_near_the_optimum() -> None:
+    """A bright point of a front is not dimmed to the least that its mission asks for."""
+    case = rc.planted("snr_db", (BURNING,), {"min_snr_db": 10.0, "max_blur_px": 1.0})
+    problem, best = best_of(case)
+    made = rounded_design(problem, hardware_of(best), best.settings, None).design
+    assert made.feasible
+    assert made.scenes[0].figures["snr_db"] == pytest.approx(best.snr_db, abs=0.3)  # the optimum has 20 dB to spare
+
+
+def test_manual_lens_keeps_stop_and_ring_in_both_scenes() -> None:
+    """Behind a sealed port neither can be touched; the ring's distance differs with the water's index alone."""
+    two = ({"water": "II", "temperature_c": 2.0}, {"water": "III", "temperature_c": 25.0, "altitude_m": 1.6})
+    wanted = {"min_snr_db": 20.0, "max_blur_px": 1.0, "min_dof_m": 0.1}
+    case = with_lens(rc.planted("power", (BURNING,), wanted, scenes=two), aperture_control="manual")
+    problem, best = best_of(case)
+    model = design_model(problem, hardware_of(best))
+    made = rounded_design(problem, hardware_of(best), best.settings, case.objective)
+    assert made.design.feasible
+    first, second = (model.settings(i, given) for i, given in enumerate(made.given))
+    assert first.f_number == second.f_number
+    assert float(first.dioptre_per_m[0]) == pytest.approx(float(second.dioptre_per_m[0]), rel=1e-5)  # six figures
+
+
+# ---------------------------------------------------------------- nothing offered
+
+
+def between_two_microseconds() -> rc.Case:
+    """One stop, one level, no gain, and a mean level that falls halfway between 10 and 11 microseconds."""
+    wanted = {"mean_level": 0.3, "max_blur_px": 1.0}
+    camera = {"max_gain_db": exact(0.0), "min_exposure_us": exact(1.0), "exposure_offset_us": exact(0.0),
+              "black_level_dn": 0.0}  # fmt: skip
+    light = replace(BURNING, flux_lm=exact(1e7), dim_levels=(1.0,))
+    case = with_lens(
+        rc.planted("power", (light,), wanted, camera=camera), aperture_control="fixed", f_number_max=exact(1.4)
+    )
+    _, best = best_of(case)
+    light = replace(light, flux_lm=exact(1e7 * best.settings[0]["exposure_s"] / 10.5e-6))
+    return replace(case, parts=replace(case.parts, lights=(light,)))
+
+
+def test_level_between_two_microseconds_is_not_offered() -> None:
+    # the level is proportional to the exposure: 10 us give 4.8 % too little, 11 us 4.8 % too much, and 1.2 % count
+    problem, best = best_of(between_two_microseconds())
+    assert best.settings[0]["exposure_s"] == pytest.approx(10.5e-6, rel=1e-6)
+    made = rounded_design(problem, hardware_of(best), best.settings, None).design
+    assert not made.feasible
+    assert made.scenes[0].settings["exposure_ms"] in (pytest.approx(0.010), pytest.approx(0.011))
+
+
+@pytest.fixture(scope="module")
+def unsettable() -> uwopt.Result:
+    """The result of a mission whose optimum cannot be set."""
+    case = between_two_microseconds()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("uwopt.api.load_catalog", lambda mission=None: Catalog(*sc.parts_of(case.parts)))
+        return uwopt.solve(case.mission)
+
+
+def test_result_is_not_headed_optimal_where_nothing_can_be_set(unsettable: uwopt.Result) -> None:
+    assert unsettable.certificate is not None
+    assert unsettable.certificate.complete
+    assert unsettable.status == "feasible"
+
+
+def test_no_settings_are_offered_where_none_holds(unsettable: uwopt.Result) -> None:
+    assert unsettable.best is not None
+    assert [scene.settings_to_set for scene in unsettable.best.scenes] == [None]
+    assert unsettable.best.rounded == {"feasible": False, "objective_value": None, "missed": ["mean_level"]}
+    assert "not_settable" in [warning["code"] for warning in unsettable.warnings]
+
+
+def test_text_says_that_the_optimum_cannot_be_typed_in(unsettable: uwopt.Result) -> None:
+    stream = io.StringIO()
+    print_blocks(result_blocks(unsettable), stream)
+    text = " ".join(stream.getvalue().split())
+    assert "Settings to type in" not in text
+    assert "no settings that can be typed in were found" in text
+    assert "The nearest misses mean image level." in text
+
+
+# ---------------------------------------------------------------- marks
+
+
+def test_stops_are_those_engraved_and_lie_on_the_lens() -> None:
+    case = with_lens(rc.planted("power", (BURNING,), {}), f_number_min=exact(1.8), f_number_max=exact(5.9))
+    marks = [1.8, 2.0, 2.2, 2.5, 2.8, 3.2, 3.5, 4.0, 4.5, 5.0, 5.6, 5.9]
+    assert stops(case.problem().lenses, between=False).tolist() == marks
+
+
+def test_halfway_stops_lie_between_all_marks() -> None:
+    case = with_lens(rc.planted("power", (BURNING,), {}), f_number_min=exact(2.0), f_number_max=exact(2.8))
+    found = stops(case.problem().lenses, between=True)
+    # sqrt(2.0 * 2.2) = 2.098, sqrt(2.2 * 2.5) = 2.345, sqrt(2.5 * 2.8) = 2.646, in three figures upward
+    assert found.tolist() == [2.0, 2.1, 2.2, 2.35, 2.5, 2.65, 2.8]
+
+
+def test_frame_rate_is_rounded_upward() -> None:
+    assert rates_hz(3.2162257797) == (3.22, 3.21623)
+    assert rates_hz(2.0) == (2.0, 2.0)
+
+
+def test_focus_is_offered_in_centimetres_and_within_a_metre_finer() -> None:
+    assert focus_distances_m(2.0064) == [2.01, 2.0]
+    assert focus_distances_m(0.15049) == [0.15, 0.151]
+
+
+def test_long_exposures_keep_to_the_digits_that_are_printed() -> None:
+    # six figures of 1 234 567 us are 1 234 560 us or 1 234 570 us
+    assert time_steps(np.array([172.0, 1_234_567.0])).tolist() == [172.0, 1_234_560.0]
+    assert time_steps(np.array([1_234_567.0]), up=True).tolist() == [1_234_570.0]
+
+
+def test_exact_settings_are_left_as_the_search_found_them() -> None:
+    case = rc.planted("power", (STEPPED,), {"min_snr_db": 20.0})
+    problem, best = best_of(case)
+    given = exact_settings(design_model(problem, hardware_of(best)), 0, best.settings[0])
+    assert given.pulse_s == best.settings[0]["time_s"]
