@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -471,6 +472,12 @@ def base_result(
 
 def versions() -> dict[str, str]:
     """Versions of Python and of the libraries that numbers depend on."""
+    return dict(installed_versions())
+
+
+@cache
+def installed_versions() -> dict[str, str]:
+    """The same, looked up once: reading packages' metadata costs as much as a small evaluation."""
     out = {"python": sys.version.split()[0]}
     for name in ("numpy", "scipy", "casadi", "nlopt", "pymoo", "jerlov"):
         try:

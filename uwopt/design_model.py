@@ -199,12 +199,16 @@ class DesignModel:
         return light
 
     def _image_light(self, index: int, pixels: bool, channel: str | None) -> ImageLight:
-        hw = self.hardware
+        hw, split = self.hardware, pixels and not self.problem.paper
         light = self.problem.image_light(
             index, self.views[index], np.array([hw.camera]), port_index=hw.port,
             optics=int(self.lights.optics_index[0]), mount=hw.mount, count=hw.count, pixels=pixels, channel=channel,
-        )  # fmt: skip
-        return light.scaled(self.lights.output_factor)
+            means=not split,
+        ).scaled(self.lights.output_factor)  # fmt: skip
+        if not split:
+            return light
+        means = self.image_light(index, channel=channel)  # the costly integrals, often known already
+        return replace(means, worst_e=light.worst_e, worst_veil_e=light.worst_veil_e)
 
     # ------------------------------------------------------------ settings
 
