@@ -6,9 +6,17 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, settings
+from thorough import THOROUGH
 
 import uwopt
 from uwopt.replay import Replay, replay
+
+# No test may hang on the clock or on luck: a loaded machine is no failure, and a red run can be had again.
+settings.register_profile(
+    "uwopt", deadline=None, derandomize=not THOROUGH, database=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("uwopt")
 
 COLOUR: dict[str, Any] = {
     "camera": {"resolution_x_px": 1600, "resolution_y_px": 1200, "pixel_pitch_um": 4.5, "read_noise_e": 6,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import brute_force as brute
 import numpy as np
 import small_catalogues as small
+from thorough import THOROUGH, drawn
 
 from uwopt.catalog.records import Light, exact
 from uwopt.mission import Mission
@@ -18,8 +18,16 @@ from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
 from uwopt.solvers.exact import Outcome, Search
 
-THOROUGH = bool(os.environ.get("UWOPT_THOROUGH"))
 TOP = 4
+#: Of the first hundred random cases some that are enumerated quickly and, together, meet every kind of part, wish and
+#: rule, most of them with designs that are feasible; a test lists the kinds.
+CHOSEN = (
+    4, 9, 10, 11, 14, 17, 20, 21, 22, 24, 32, 33, 35, 39, 44, 45, 48, 49, 54, 57, 60, 62, 72, 73, 75, 79, 80, 81, 87,
+    91,
+)  # fmt: skip
+RICH = (10, 22, 33, 35, 57)  # of them some with several designs to choose from
+CASES = drawn(CHOSEN, tuple(range(600)))
+FEW = drawn(RICH, tuple(range(100)))
 
 
 @dataclass(frozen=True)
@@ -79,6 +87,12 @@ def limits_that_bind(rng: np.random.Generator, free: Case) -> tuple[dict[str, fl
     if small.chance(rng, 0.25):
         wanted["min_swath_m"] = min(float(v.footprint_across_m.min()) for v in model.views) / room
     return limits, wanted
+
+
+@cache
+def solved(seed: int) -> Outcome:
+    """What the exact search, as shipped, finds in a case."""
+    return case(seed).solve()[1]
 
 
 @cache

@@ -15,8 +15,10 @@ from typing import Any
 import brute_force as brute
 import numpy as np
 import pytest
+import random_cases as rc
 import small_catalogues as small
-from random_cases import THOROUGH, TOP, Case, bench, case, enumerated, ids, lamp, planted, ranked
+from random_cases import CASES, FEW, TOP, Case, bench, case, enumerated, ids, lamp, planted, ranked, solved
+from thorough import drawn
 
 from uwopt.catalog.records import exact
 from uwopt.design_model import DesignModel, SceneSettings
@@ -30,8 +32,19 @@ from uwopt.solvers.exact import Outcome
 from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.rounding import exact_settings
 
-CASES = range(600) if THOROUGH else range(24)
-FEW = range(100) if THOROUGH else range(6)
+EVERY_KIND = {
+    *(str(one) for one in small.OBJECTIVES),
+    *(f"{physics}, {n} scenes" for physics in ("full", "paper") for n in (1, 2)),
+    *(f"{iris} iris, {n} scenes" for iris in ("fixed", "manual", "motorised") for n in (1, 2)),
+    *(f"{kind} {dimming}" for kind in ("continuous", "pulsed_led", "flash") for dimming in ("dial", "steps")),
+    "cost", "mass_kg", "power_w", "peak_power_w", "data_rate_mb_s", "max_gsd_mm", "min_swath_m", "overlap",
+    "frame_interval_s", "max_blur_px", "max_skew_px", "min_dof_m", "min_snr_db", "mean_level", "min_contrast",
+    "min_uniformity",
+    *(f"rule {rule}" for rule in (
+        "mount", "image_circle", "view", "focus", "frame_rate", "max_gsd_mm", "min_swath_m", "min_dof_m", "cost",
+        "mass_kg", "power_w", "light", "bound",
+    )),
+}  # fmt: skip
 BEATEN_REL = 1e-6  # the enumeration may find rounding, nothing more
 REACHED_REL = 2e-3  # what its grids of SNR against power may miss
 
@@ -147,8 +160,7 @@ def test_planted_cases_equal_enumeration(name: str) -> None:
 @pytest.mark.parametrize("seed", CASES)
 def test_claims_hold_in_the_forward_model(seed: int) -> None:
     """Each listed design is feasible and worth what the search says, by `evaluate_design` on fresh tables."""
-    _, outcome = case(seed).solve()
-    objective = case(seed).objective
+    outcome, objective = solved(seed), case(seed).objective
     for found in outcome.best:
         problem, hardware = case(seed).problem(), hardware_of(found)
         model = DesignModel(problem, hardware)
@@ -171,9 +183,9 @@ def test_no_random_design_beats_the_optimum(seed: int) -> None:
     light grows with its square.
     """
     problem, objective = bench(seed).problem, case(seed).objective
-    _, outcome = case(seed).solve(top=1)
+    outcome = solved(seed)
     best, rng = outcome.lower_bound if outcome.best else math.inf, np.random.default_rng(seed)
-    for _ in range(100 if THOROUGH else 15):
+    for _ in range(drawn(15, 100)):
         if not enumerated(seed):
             break
         found = small.pick(rng, enumerated(seed))
@@ -223,6 +235,25 @@ def random_settings(rng: np.random.Generator, model: DesignModel, near: list[Any
     return made
 
 
+def kinds_of(seed: int) -> set[str]:
+    """What a case is about: objective, wishes, parts, and the rules that discard in it."""
+    case_, mission = case(seed), case(seed).mission
+    asked = mission.requirements.model_dump(exclude_none=True) | mission.limits.model_dump(exclude_none=True)
+    lights = {f"{p.kind} {'steps' if p.dim_levels else 'dial'}" for p in case_.parts.lights}
+    irises = {f"{p.aperture_control} iris, {len(mission.scenes)} scenes" for p in case_.parts.lenses}
+    rules = {f"rule {rule}" for rule, count in solved(seed).account.discarded.items() if count}
+    more = {f"{mission.physics}, {len(mission.scenes)} scenes", str(mission.objective)}
+    return {key for key in asked if asked[key]} | lights | irises | rules | more
+
+
+def test_chosen_cases_meet_every_kind_with_designs_that_are_feasible() -> None:
+    met = [kinds_of(seed) for seed in rc.CHOSEN]
+    feasible = [kinds for seed, kinds in zip(rc.CHOSEN, met, strict=True) if solved(seed).best]
+    assert len(feasible) >= 0.6 * len(met)
+    assert EVERY_KIND - set().union(*feasible) == set()
+    assert "rule data_rate_mb_s" in set().union(*met)  # it leaves nothing in the one case where it discards
+
+
 # ---------------------------------------------------------------- what must not matter
 
 
@@ -232,7 +263,7 @@ def test_order_of_parts_changes_nothing(seed: int) -> None:
     parts = case(seed).parts
     rng = np.random.default_rng(seed + 1000)
     mixed = Parts(*(shuffled(rng, getattr(parts, k)) for k in ("cameras", "lenses", "ports", "lights")))
-    assert named(case(seed).solve()[1], parts) == named(case(seed).solve(mixed)[1], mixed)
+    assert named(solved(seed), parts) == named(case(seed).solve(mixed)[1], mixed)
 
 
 def shuffled(rng: np.random.Generator, items: tuple[Any, ...]) -> tuple[Any, ...]:

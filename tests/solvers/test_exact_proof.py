@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 import small_catalogues as small
-from random_cases import THOROUGH, Case, case, lamp, planted
+from random_cases import FEW, Case, case, lamp, planted, solved
+from thorough import drawn
 
 from uwopt.api import load_catalog
 from uwopt.catalog.records import exact
@@ -24,13 +25,10 @@ from uwopt.solvers.fields import FieldTables
 from uwopt.solvers.imagers import enumerate_imagers
 from uwopt.solvers.recommend import seek
 
-FEW = range(100) if THOROUGH else range(6)
-
-
 # ---------------------------------------------------------------- bounds and the audit
 
 
-@pytest.mark.parametrize("seed", range(300) if THOROUGH else range(40))
+@pytest.mark.parametrize("seed", drawn(range(40), range(300)))
 def test_bound_of_the_signal_is_a_bound(seed: int) -> None:
     """No image gets more light than its bound says: flat and dome, wide and long, narrow beams, turbid water."""
     rng = np.random.default_rng(seed)
@@ -128,7 +126,7 @@ def test_account_adds_up_when_interrupted(seed: int, calls: int, monkeypatch: py
         made.append(1)
         honest(self, *given)
 
-    full = case(seed).solve()[1]
+    full = solved(seed)
     monkeypatch.setattr(Search, "_evaluate_pairs", stopping)
     outcome = search.run()
     assert outcome.account.adds_up()
@@ -140,7 +138,7 @@ def test_account_adds_up_when_interrupted(seed: int, calls: int, monkeypatch: py
 @pytest.mark.parametrize("seed", FEW)
 def test_a_search_without_time_claims_nothing(seed: int) -> None:
     """A deadline of zero leaves a bound that the optimum respects, and an account that adds up."""
-    full, outcome = case(seed).solve()[1], case(seed).solve(deadline=Deadline.after(0.0))[1]
+    full, outcome = solved(seed), case(seed).solve(deadline=Deadline.after(0.0))[1]
     assert outcome.account.adds_up()
     if full.best and not outcome.complete:
         assert outcome.lower_bound <= full.best[0].minimised

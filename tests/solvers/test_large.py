@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_cases import THOROUGH, Case, case, lamp, planted
+from random_cases import CHOSEN, FEW, Case, case, lamp, planted
+from thorough import drawn
 
 from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline
@@ -18,8 +19,6 @@ from uwopt.solvers.exact import Outcome, Search
 from uwopt.solvers.imagers import enumerate_imagers
 from uwopt.solvers.outline import Level, Rows, port_tree
 
-FEW = range(60) if THOROUGH else range(5)
-
 
 @pytest.fixture(autouse=True)
 def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -30,7 +29,7 @@ def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(large, name, value)
 
 
-@pytest.mark.parametrize("seed", range(100) if THOROUGH else range(12))
+@pytest.mark.parametrize("seed", drawn(CHOSEN[::2], tuple(range(100))))
 def test_outlines_bound_their_imagers(seed: int) -> None:
     """No imager behind a port of a group is cheaper, nearer, slower or wider than the group's outline says."""
     problem = case(seed).problem()
