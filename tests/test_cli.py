@@ -188,7 +188,7 @@ def test_options_reach_the_search(solving: Callable[..., list[dict[str, Any]]]) 
     calls = solving()
     done = run(
         "solve", MISSION, "--solver", "nlopt", "--objective", "power=1, cost=0.01", "--physics", "full", "--top", 3,
-        "--audit", 7, "--seconds", 2.5, "--accuracy", "--tolerance", "0.001",
+        "--audit", 7, "--seconds", 2.5, "--accuracy", "--tolerance", "0.001", "--quiet",
     )  # fmt: skip
     assert done.exit_code == 0
     assert calls == [

@@ -33,7 +33,7 @@ ToleranceOption = Annotated[
     typer.Option(metavar="SHARE", help="Largest error of any figure, such as 0.001; coarser is faster."),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON and nothing else.")]
-QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no notes.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")]
 
 
 def checked_seconds(seconds: float | None) -> float | None:

@@ -22,7 +22,7 @@ def report_command(
             "--out", metavar="FILE|DIR", help="Page to write; report.html beside the result unless given."
         ),
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no notes.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")] = False,
 ) -> int:
     """Make the page of a result again: verdict, figures and margins from the file, pictures by the model."""
     from uwopt.report.console import ProgressBar

@@ -9,6 +9,13 @@ SEARCH_DEADLINE = "tests/solvers/test_search_deadline.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="progress in a log comes once and never again",
+        file="uwopt/report/console.py",
+        old="            self._wait(LINE_EVERY_S, self._line)\n\n",
+        new="\n",
+        test="tests/report/test_console.py::test_a_log_gets_a_line_each_time_the_timer_rings",
+    ),
+    Defect(
         name="a batch that time cuts short stays counted",
         file="uwopt/solvers/exact.py",
         old="                self.account.evaluated, self.account.discarded = before\n                rest =",

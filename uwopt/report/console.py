@@ -9,6 +9,7 @@ import os
 import shutil
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterable
 from dataclasses import asdict
 from types import TracebackType
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 PIPE_WIDTH = 100
 NARROWEST = 60
 PATIENCE_S = 1.0  # what takes less shows no bar
+LINE_EVERY_S = 10.0  # in a pipe or a log, where there is no bar
+Timer = Callable[[float, Callable[[], None]], threading.Timer]
 
 
 def print_blocks(blocks: Iterable[RenderableType], stream: TextIO | None = None) -> None:
@@ -86,18 +89,19 @@ def is_terminal(stream: TextIO | None) -> bool:
 
 
 class ProgressBar:
-    """A bar on the error stream for what takes longer than a second; nothing when nobody watches.
+    """A bar on the error stream for what takes longer than a second; in a pipe a line every ten seconds.
 
     Use as a context; `report` is the callback that a search calls with its share done and what it does.
     """
 
-    def __init__(self, *, quiet: bool = False):
-        self._wanted = not quiet and is_terminal(sys.stderr)
+    def __init__(self, *, quiet: bool = False, timer: Timer = threading.Timer):
+        self._wanted = not quiet and sys.stderr is not None
+        self._new_timer = timer
         self._share, self._what = 0.0, ""
         self._lock = threading.Lock()
         self._bar: Progress | None = None
-        self._timer = threading.Timer(PATIENCE_S, self._show)
-        self._timer.daemon = True
+        self._start_s = time.monotonic()
+        self._timer: threading.Timer | None = None
 
     @property
     def report(self) -> Callable[[float, str], None] | None:
@@ -105,19 +109,39 @@ class ProgressBar:
         return self._report if self._wanted else None
 
     def __enter__(self) -> ProgressBar:
-        if self._wanted:
-            self._timer.start()
+        if self._wanted and is_terminal(sys.stderr):
+            self._wait(PATIENCE_S, self._show)
+        elif self._wanted:
+            self._wait(LINE_EVERY_S, self._line)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._timer.cancel()
         with self._lock:
             self._wanted = False
+            if self._timer is not None:
+                self._timer.cancel()
             if self._bar is not None:
                 self._bar.stop()
                 self._bar = None
+
+    def _wait(self, seconds: float, then: Callable[[], None]) -> None:
+        self._timer = self._new_timer(seconds, then)
+        self._timer.daemon = True
+        self._timer.start()
+
+    def _line(self) -> None:
+        with self._lock:
+            if not self._wanted:
+                return
+            spent_s = time.monotonic() - self._start_s
+            with contextlib.suppress(OSError, ValueError):  # nobody reads it
+                print(
+                    f"uwopt: {self._what or 'working'}, {100 * self._share:.0f} % of it, {spent_s:.0f} s",
+                    file=sys.stderr, flush=True,
+                )  # fmt: skip
+            self._wait(LINE_EVERY_S, self._line)
 
     def _show(self) -> None:
         from rich.console import Console

@@ -1,0 +1,78 @@
+"""Progress: a bar for a person, lines for a log, nothing for who wants none."""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Callable
+
+import pytest
+
+from uwopt.report.console import ProgressBar
+
+
+class Timer:
+    """A timer that rings when a test says so."""
+
+    made: list[Timer]
+    daemon = False
+
+    def __init__(self, seconds: float, then: Callable[[], None]):
+        self.then, self.started, self.cancelled = then, False, False
+        Timer.made.append(self)
+
+    def start(self) -> None:
+        self.started = True
+
+    def cancel(self) -> None:
+        self.cancelled = True
+
+
+Log = pytest.CaptureFixture[str]
+
+
+@pytest.fixture(autouse=True)
+def no_timer() -> None:
+    """Timers of this test only."""
+    Timer.made = []
+
+
+def test_a_log_gets_a_line_each_time_the_timer_rings(capsys: Log) -> None:
+    with ProgressBar(timer=Timer) as bar:  # type: ignore[arg-type]
+        assert bar.report is not None
+        bar.report(0.25, "search")
+        Timer.made[-1].then()
+        bar.report(0.5, "search")
+        Timer.made[-1].then()
+    text = capsys.readouterr().err
+    first, second = text.splitlines()
+    assert first.startswith("uwopt: search, 25 %") and second.startswith("uwopt: search, 50 %")
+    assert "\r" not in text and "\x1b" not in text
+
+
+def test_what_is_soon_done_writes_nothing_into_a_log(capsys: Log) -> None:
+    with ProgressBar(timer=Timer) as bar:  # type: ignore[arg-type]
+        assert bar.report is not None
+        bar.report(0.25, "search")
+    assert capsys.readouterr().err == "" and Timer.made[-1].cancelled
+
+
+def test_a_timer_that_rings_after_the_end_writes_nothing(capsys: Log) -> None:
+    with ProgressBar(timer=Timer):  # type: ignore[arg-type]
+        pass
+    Timer.made[-1].then()
+    assert capsys.readouterr().err == "" and len(Timer.made) == 1
+
+
+def test_quiet_writes_nothing(capsys: Log) -> None:
+    with ProgressBar(quiet=True, timer=Timer) as bar:  # type: ignore[arg-type]
+        assert bar.report is None
+    assert Timer.made == []
+
+
+def test_a_log_that_nobody_reads_any_more_stops_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    log = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", log)
+    with ProgressBar(timer=Timer):  # type: ignore[arg-type]
+        log.close()
+        Timer.made[-1].then()
