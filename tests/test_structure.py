@@ -34,8 +34,8 @@ INPUT_MODULES = {
 #: What the modules of a room may import, by the first name below uwopt.
 MAY_IMPORT: dict[str, set[str]] = {
     "model": {"model", "units", "errors"},
-    "catalog": {"catalog", "units", "errors", "faults", "fields"},
-    "mission": {*INPUT_MODULES, "units", "errors"},
+    "catalog": {"catalog", "units", "errors", "faults", "fields", "files"},
+    "mission": {*INPUT_MODULES, "units", "errors", "files"},
     "objectives": {
         "objectives",
         "model",
@@ -48,7 +48,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "scene",
     },
     "report": {
-        *("report", "catalog", "model", "result", "front_result", "units", "errors"),
+        *("report", "catalog", "model", "result", "front_result", "units", "errors", "files"),
         *("replay", "curves", "maps", "picture"),  # what the model computes again for a page
     },
 }

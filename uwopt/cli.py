@@ -28,7 +28,7 @@ from uwopt.cli_options import (
 from uwopt.cli_output import hand_over
 from uwopt.cli_pareto import pareto_command
 from uwopt.cli_report import report_command
-from uwopt.cli_status import DONE, EXIT_STATUS, command, result_status, told
+from uwopt.cli_status import BAD_INPUT, DONE, EXIT_STATUS, command, result_status, told
 from uwopt.errors import MissionError
 
 if TYPE_CHECKING:
@@ -250,7 +250,13 @@ def main() -> None:
         import warnings
 
         warnings.simplefilter("ignore")
-    app()
+    try:
+        app()
+    except OSError as fault:  # help and version are printed by typer itself
+        from uwopt.report.console import discard_rest
+
+        discard_rest(sys.stdout)
+        sys.exit(told(f"standard output cannot be written ({fault.strerror or fault}).", BAD_INPUT, fault))
 
 
 if __name__ == "__main__":

@@ -58,6 +58,7 @@ def status_of(work: Callable[[], int | None]) -> int:
 
 def told(message: str, status: int, fault: BaseException | None = None) -> int:
     """Print a message on the error stream, and the traceback if it is asked for; returns the status."""
+    from uwopt.report.console import discard_rest
     from uwopt.report.words import in_encoding, printable
 
     stream = sys.stderr
@@ -66,7 +67,10 @@ def told(message: str, status: int, fault: BaseException | None = None) -> int:
             import traceback
 
             traceback.print_exception(fault, file=stream)
-        print(in_encoding(printable(message), stream.encoding or "utf-8"), file=stream)
+        try:
+            print(in_encoding(printable(message), stream.encoding or "utf-8"), file=stream, flush=True)
+        except OSError:  # a full disk behind it, or nobody reads it any more
+            discard_rest(stream)
     return status
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 from uwopt.errors import MissionError
 from uwopt.faults import KeyPath, nearest, show
+from uwopt.files import UnfitFileError, content
 from uwopt.yaml_lines import MAX_DEPTH, MAX_NODES, compose, too_deep, too_many
 
 MAX_BYTES = 10_000_000
@@ -99,7 +100,9 @@ def _read_file(source: str | Path, what: str) -> Document:
     try:
         path = Path(name).expanduser() if name.startswith("~") else Path(name)
         _refuse_unreadable(path, shown, what)
-        raw = path.read_bytes()
+        raw = content(path, MAX_BYTES)
+    except UnfitFileError as fault:
+        raise MissionError(f"{shown}: {fault}; a {what} is a YAML file of a few kB.") from None
     except (OSError, ValueError, RuntimeError) as fault:
         reason = getattr(fault, "strerror", None) or str(fault)
         raise MissionError(f"{shown}: cannot be read ({reason}); check its name and rights.") from None
@@ -123,14 +126,6 @@ def _refuse_unreadable(path: Path, shown: str, what: str) -> None:
         near = nearest(path.name, _yaml_names(path.parent))
         hint = f"did you mean {near}?" if near else f"`uwopt init` writes a {what} to start from."
         raise MissionError(f"{shown}: no such file; {hint}")
-    if not path.is_file():
-        raise MissionError(f"{shown}: is not a regular file; save the {what} as a YAML file first.")
-    size = path.stat().st_size
-    if size > MAX_BYTES:
-        raise MissionError(
-            f"{shown}: holds {size / 1e6:.0f} MB, more than {MAX_BYTES / 1e6:.0f}; a {what} takes a few kB, "
-            "spectra and parts belong in CSV files."
-        )
 
 
 def _yaml_names(folder: Path) -> list[str]:

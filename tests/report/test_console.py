@@ -44,6 +44,7 @@ def test_a_log_gets_a_line_each_time_the_timer_rings(capsys: Log) -> None:
         Timer.made[-1].then()
         bar.report(0.5, "search")
         Timer.made[-1].then()
+    assert len(Timer.made) == 3  # the first, and one after each line
     text = capsys.readouterr().err
     first, second = text.splitlines()
     assert first.startswith("uwopt: search, 25 %") and second.startswith("uwopt: search, 50 %")

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from uwopt.errors import CatalogError
+from uwopt.faults import show
+from uwopt.files import UnfitFileError, content
 
 DATA_DIR = Path(__file__).parent / "data"
 
@@ -58,7 +60,7 @@ class _NumberedLines:
 def read_text(path: Path) -> str:
     """Text of a file that a person or a spreadsheet wrote; a byte order mark is dropped."""
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return content(path).decode("utf-8-sig")
     except FileNotFoundError:
         raise CatalogError(f"{path}: no such file; paths are relative to the mission file.") from None
     except IsADirectoryError:
@@ -67,6 +69,11 @@ def read_text(path: Path) -> str:
         raise CatalogError(
             f"{path}: is not UTF-8 text (byte {fault.start}); export it from the spreadsheet as 'CSV UTF-8'."
         ) from None
+    except UnfitFileError as fault:
+        raise CatalogError(f"{path}: {fault}.") from None
+    except (OSError, ValueError) as fault:
+        reason = getattr(fault, "strerror", None) or str(fault)
+        raise CatalogError(f"{show(str(path), 200)[1:-1]}: cannot be read ({reason}).") from None
 
 
 def read_table(path: Path) -> Table:

@@ -17,10 +17,12 @@ from uwopt.catalog.parts.kinds import ORDERED_PAIRS
 from uwopt.catalog.parts.part import KINDS, Kind
 from uwopt.catalog.tables import Row, Table, parse_table, read_text
 from uwopt.errors import CatalogError
+from uwopt.files import MOST_BYTES
 
 if TYPE_CHECKING:
     import yaml
 
+NESTED = "{...}"  # what is no cell: a mapping, or a list in a list
 PRICE_COLUMNS = {
     column.name: column
     for column in (
@@ -213,6 +215,8 @@ def yaml_table(text: str, file: str) -> Table:
 
     try:
         root = yaml.compose(text, Loader=yaml.SafeLoader)
+    except RecursionError:
+        return Table(file, (), (), (f"{file}: is nested too deeply; a part is keys and values.",))
     except yaml.MarkedYAMLError as fault:
         line = fault.problem_mark.line + 1 if fault.problem_mark else 1
         return Table(file, (), (), (f"{file} line {line}: is not YAML: {fault.problem}.",))
@@ -224,7 +228,7 @@ def yaml_table(text: str, file: str) -> Table:
         return Table(
             file, (), (), (f"{file}: must be a list of parts, each beginning with `- part: camera`.",)
         )
-    rows, faults = [], []
+    rows, faults, n_signs = [], [], 0
     for node in root.value:
         line = node.start_mark.line + 1
         if not isinstance(node, yaml.MappingNode):
@@ -236,6 +240,9 @@ def yaml_table(text: str, file: str) -> Table:
             if name in cells:
                 faults.append(f"{file} row {key.start_mark.line + 1}: {name} stands twice.")
             cells[name] = _yaml_text(value)
+            n_signs += len(cells[name])
+            if n_signs > MOST_BYTES:  # aliases grow a file beyond its size
+                raise CatalogError(f"{file}: its aliases stand for more than {MOST_BYTES / 1e6:.0f} MB of text.")
         rows.append(Row(file, line, cells))
     header = tuple(dict.fromkeys(name for row in rows for name in row.cells))
     return Table(file, header, tuple(rows), tuple(faults))
@@ -245,10 +252,10 @@ def _yaml_text(node: yaml.Node) -> str:
     import yaml
 
     if isinstance(node, yaml.SequenceNode):
-        return "|".join(_yaml_text(item) for item in node.value)
+        return "|".join(_yaml_text(item) if isinstance(item, yaml.ScalarNode) else NESTED for item in node.value)
     if isinstance(node, yaml.ScalarNode):
         return "" if node.tag == "tag:yaml.org,2002:null" else str(node.value).strip()
-    return "{...}"
+    return NESTED
 
 
 def read_prices(path: Path) -> list[PriceQuote]:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from uwopt.errors import ResultError
+from uwopt.files import UnfitFileError, content
 from uwopt.front_result import FRONT_SCHEMA, FrontResult
 from uwopt.result import RESULT_SCHEMA, Design, Result
 
@@ -54,7 +55,7 @@ def read_json(path: str | Path) -> dict[str, Any]:
     """The JSON object in a file."""
     file = Path(path)
     try:
-        text = file.read_bytes().decode("utf-8-sig")
+        text = content(file).decode("utf-8-sig")
     except FileNotFoundError:
         raise ResultError(
             f"{path}: no such file; name a result.json or front.json that --out wrote."
@@ -65,6 +66,8 @@ def read_json(path: str | Path) -> dict[str, Any]:
         raise ResultError(f"{path}: is a folder; {hint}.") from None
     except UnicodeDecodeError:
         raise ResultError(f"{path}: is not text in UTF-8; name a result.json or front.json.") from None
+    except UnfitFileError as fault:
+        raise ResultError(f"{path}: {fault}; name a result.json or front.json.") from None
     except (OSError, ValueError) as fault:
         raise ResultError(f"{path}: cannot be read ({getattr(fault, 'strerror', None) or fault}).") from None
     if not text.strip():

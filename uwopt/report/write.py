@@ -5,11 +5,13 @@ What is written belongs together: the JSON, the table made from it, and the page
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import json
 import os
-from collections.abc import Mapping, Sequence
+import threading
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -93,6 +95,8 @@ def check_folder(folder: str | Path) -> Path:
     try:
         if path.exists() and not path.is_dir():
             raise OutputError(f"{folder}: is a file, not a folder; choose another --out.")
+        if path.is_symlink() and not path.exists():
+            raise OutputError(f"{folder}: is a link to what does not exist; choose another --out.")
         standing = path.absolute()
         while not standing.exists() and standing != standing.parent:
             standing = standing.parent
@@ -118,20 +122,38 @@ def write_files(folder: Path, texts: Mapping[str, str]) -> list[Path]:
     made: list[tuple[Path, Path]] = []
     try:
         for name, text in texts.items():
-            temporary = folder / f".{name}.{os.getpid()}.tmp"
+            temporary = folder / f".{name}.{os.getpid()}.{threading.get_ident()}.tmp"
             made.append((temporary, folder / name))
             with temporary.open("w", encoding="utf-8", newline="") as file:
                 file.write(text)
                 file.flush()
                 os.fsync(file.fileno())
-        for temporary, final in made:
-            temporary.replace(final)
+        with alone_in(folder):
+            for temporary, final in made:
+                temporary.replace(final)
     except OSError as fault:
         raise OutputError(f"{folder}: cannot be written ({reason(fault)}); choose another --out.") from None
     finally:
         for temporary, _ in made:
             temporary.unlink(missing_ok=True)
     return [final for _, final in made]
+
+
+@contextlib.contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """One run at a time moves its files into a folder, so that they belong together; where folders can be locked."""
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        yield
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        with contextlib.suppress(OSError):  # some network drives know no locks
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
 
 
 def write_new(path: str | Path, text: str) -> Path:

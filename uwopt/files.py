@@ -1,0 +1,23 @@
+"""Files that a person names: read only where they can end, and are not larger than such a file ever is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+MOST_BYTES = 100_000_000  # of a table or a result; missions are held to less
+
+
+class UnfitFileError(Exception):
+    """A file is not read; the message says why, as the end of a sentence that begins with its name."""
+
+
+def content(path: Path, most_bytes: int = MOST_BYTES) -> bytes:
+    """What a file holds; raises UnfitFileError for pipes, devices and what is too large, OSError as reading does."""
+    status = path.stat()
+    if path.is_dir():
+        raise IsADirectoryError(21, "Is a directory", str(path))
+    if not path.is_file():
+        raise UnfitFileError("is not a regular file; save what it gives to one first")
+    if status.st_size > most_bytes:
+        raise UnfitFileError(f"holds {status.st_size / 1e6:.0f} MB, more than {most_bytes / 1e6:.0f}")
+    return path.read_bytes()
