@@ -199,9 +199,13 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("depth_rating_m (lamp)", lambda over: {"light.depth_rating_m": 300.0 / (1.0 + over)}),
     ("port_clears_view_mm", high("port.clear_diameter_mm", 2.0 * CORNER_MM, **FULL)),
 ]  # fmt: skip
-EACH = pytest.mark.parametrize(
-    ("name", "beyond"), CASES, ids=[f"{name} {index}" for index, (name, _) in enumerate(CASES)]
-)
+NAMES = [name for name, _ in CASES]
+#: `gain_min`, `light_duty`, and `light_rate 2` for the second case of a name.
+IDS = [
+    name if name not in NAMES[:at] else f"{name} {NAMES[: at + 1].count(name)}"
+    for at, name in enumerate(NAMES)
+]
+EACH = pytest.mark.parametrize(("name", "beyond"), CASES, ids=IDS)
 
 
 def margin_of(name: str, changes: Changes) -> MarginRows:
@@ -254,4 +258,4 @@ def test_every_margin_of_the_program_has_a_case() -> None:
     texts = [file.read_text(encoding="utf-8") for file in PACKAGE.rglob("*.py")]
     trees = [ast.parse(text) for text in texts if "MarginRows(" in text]
     written = set[str]().union(*(names_in(tree, {}) for tree in trees))
-    assert written == {name.partition(" (")[0] for name, _ in CASES}
+    assert written == {name.partition(" (")[0] for name in NAMES}
