@@ -142,3 +142,27 @@ def test_owned_lights_are_free_up_to_their_number():
 def test_owned_part_that_does_not_exist_is_a_fault_with_near_ids():
     with pytest.raises(CatalogError, match=r"did you mean.*lamp-300"):
         select(CATALOG, Choice(owned=[{"id": "lamp-30"}]))
+
+
+@pytest.mark.parametrize(
+    ("depth_m", "ports", "lights"), [(100.0, (0,), (0,)), (101.0, (2,), (0,)), (301.0, (2,), (1,))]
+)
+def test_part_serves_down_to_its_rating_and_no_deeper(depth_m, ports, lights):
+    selection = select(CATALOG, required_depth_m=depth_m)
+    assert (selection.indices["port"], selection.indices["light"]) == (ports, lights)
+
+
+@pytest.mark.parametrize(
+    ("status", "verified"), [("published", True), ("quoted", True), ("estimated", False)]
+)
+def test_price_counts_as_verified_by_its_status(status, verified):
+    lamp = Light(id="lamp", price=Quantity(100.0, 90.0, 120.0, status))
+    catalog = Catalog(cameras=(), lenses=(), ports=(), lights=(lamp,), exclusions=())
+    chosen = select(catalog, Choice(verified=["price"], generic="allow")).indices["light"]
+    assert chosen == ((0,) if verified else ())
+
+
+def test_owned_cameras_save_their_share_of_several():
+    # one of two is at hand: each costs half of 800 on average
+    selection = select(CATALOG, Choice(owned=[{"id": "flir-bfs-1", "quantity": 1}]), camera_count=2)
+    assert selection.cameras[0].price.value == 400.0

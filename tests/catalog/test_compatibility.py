@@ -109,3 +109,23 @@ def test_inline_parts_are_not_checked_for_what_they_leave_out():
     lens = Lens(id="inline", inline=True, focal_length_mm=8.0)
     port, light = Port(id="p", inline=True), Light(id="l", inline=True)
     assert explain_pair(CAMERA, lens, port, light, required_depth_m=6000.0) == []
+
+
+@pytest.mark.parametrize(("depth_m", "rules"), [(300.0, []), (300.1, ["depth rating"])])
+def test_part_fails_just_below_its_rated_depth(depth_m, rules):
+    lamp = Light(id="lamp", depth_rating_m=300.0)
+    found = explain_pair(CAMERA, LENS, None, lamp, required_depth_m=depth_m)
+    assert [finding.rule for finding in found] == rules
+
+
+@pytest.mark.parametrize(("pitch_um", "rules"), [(3.45, []), (3.5, []), (3.6, ["lens rating"])])
+def test_lens_is_soft_for_pixels_smaller_than_its_rating(pitch_um, rules):
+    # pixels of 3.45 um, two per cent allowed: 3.519 um
+    lens = Lens(id="l", image_circle_mm=11.0, mounts=("C",), rated_pixel_pitch_um=pitch_um)
+    assert [finding.rule for finding in explain_pair(CAMERA, lens)] == rules
+
+
+@pytest.mark.parametrize(("rate_hz", "rules"), [(22.9, []), (23.1, ["interface"])])
+def test_interface_carries_what_it_states(rate_hz, rules):
+    # 115 MB/s over 2448 x 2048 byte an image: 22.94 Hz
+    assert [finding.rule for finding in explain_pair(CAMERA, LENS, frame_rate_hz=rate_hz)] == rules

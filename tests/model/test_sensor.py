@@ -268,3 +268,36 @@ def test_sensor_accepts_symbols(symbol: Any) -> None:
     got = [float(value) for value in function(100.0)]
     plain = sensor.snr(100.0, veil_e=5.0, dark_e=1.0, prnu_frac=0.01, **IMX250)
     assert got == pytest.approx([plain, 34.725, 115.5, 50.0 / 1023.0], rel=1e-12)
+
+
+@pytest.mark.parametrize(("other_signal_e", "other_veil_e"), [(40.0, 10.0), (300.0, 0.0), (5.0, 200.0)])
+def test_light_for_an_snr_counts_what_the_sun_brings(other_signal_e: float, other_veil_e: float) -> None:
+    pixel = {"read_noise_e": 3.0, "dark_e": 20.0, "prnu_frac": 0.004, "gain_dn_per_e": 0.3}
+    light = sensor.light_for_snr(
+        30.0, signal_per_light_e=2.0, total_per_light_e=2.5, other_signal_e=other_signal_e,
+        other_light_e=other_signal_e + other_veil_e, **pixel,
+    )  # fmt: skip
+    assert light > 0.0
+    reached = sensor.snr(2.0 * light + other_signal_e, veil_e=0.5 * light + other_veil_e, **pixel)
+    assert reached == pytest.approx(30.0, rel=1e-12)
+
+
+def test_light_for_an_snr_holds_a_level_that_the_sun_fills_too() -> None:
+    # gain 500 DN over all electrons of the nominal pixel: lamps 3 a unit of light, sun 80, dark 20
+    light = sensor.light_for_snr(
+        30.0, signal_per_light_e=2.0, read_noise_e=3.0, dark_e=20.0, level_per_light_e=3.0, level_dn=500.0,
+        other_signal_e=60.0, other_light_e=60.0, other_level_e=80.0,
+    )  # fmt: skip
+    gain = 500.0 / (3.0 * light + 80.0 + 20.0)
+    reached = sensor.snr(2.0 * light + 60.0, read_noise_e=3.0, dark_e=20.0, gain_dn_per_e=gain)
+    assert reached == pytest.approx(30.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("enough", [True, False])
+def test_sun_alone_may_be_enough(enough: bool) -> None:
+    # 900 electrons have an SNR of 900 / sqrt(900 + 9) = 29.85 without quantisation
+    wanted = 29.8 if enough else 29.9
+    light = sensor.light_for_snr(
+        wanted, signal_per_light_e=1.0, read_noise_e=3.0, other_signal_e=900.0, other_light_e=900.0
+    )
+    assert bool(light == 0.0) is enough
