@@ -24,7 +24,7 @@ from planted.defect import Defect, all_defects  # noqa: E402
 
 DEFECTS = all_defects()
 EACH = pytest.mark.parametrize("defect", DEFECTS, ids=[defect.name for defect in DEFECTS])
-LEAST = 1
+LEAST = 60
 
 
 @cache
