@@ -18,18 +18,18 @@ DEFECTS = (
         test=f"{OUTSIDE}[max_gsd_mm]",
     ),
     Defect(
-        name="no rounding is forgiven in a mean level",
+        name="a mean level may be too low",
         file="uwopt/objectives/margins.py",
         old="return -np.abs(self.value - self.limit)",
         new="return np.minimum(self.limit - self.value, 0.0)",
-        test=f"{OUTSIDE}[mean_level 2]",
+        test=f"{OUTSIDE}[mean_level]",
     ),
     Defect(
-        name="a highest value counts as a least one",
+        name="a highest value must be met exactly",
         file="uwopt/objectives/margins.py",
         old='            if self.sense == "<=":',
         new='            if self.sense == ">":',
-        test=f"{OUTSIDE}[max_blur_px]",
+        test=f"{INSIDE}[max_blur_px]",
     ),
     Defect(
         name="the light's depth rating is no margin",
