@@ -234,7 +234,8 @@ def test_one_scene_that_misses_is_enough(limit_gsd_mm: float) -> None:
 
 def test_totals_of_two_cameras_by_hand() -> None:
     design = design_of(vehicle={"camera_count": 2}, camera_count=2, **SET)
-    assert design.totals["cost"]["value"] == 2 * (1000.0 + 300.0 + 200.0) + 2 * 400.0
+    cost = 2 * (1000.0 + 300.0 + 200.0) + 2 * 400.0
+    assert (design.totals["cost"]["value"], design.scenes[0].figures["cost"]) == (cost, cost)
     assert design.totals["mass_kg"] == pytest.approx(2 * (0.5 + 0.1 + 0.3) + 2 * 0.7)
     assert design.totals["power_w"] == pytest.approx(2 * 4.0 + 2 * 100.0)
     # 2000 x 1000 px of 12 bit at 1 Hz are 3 MB/s
@@ -250,3 +251,116 @@ def test_bill_adds_up_to_the_cost() -> None:
         "port": 1,
         "light": 2,
     }
+
+
+# ---------------------------------------------------------------- geometry and motion
+
+
+DOME = {"geometry": "dome", "outer_radius_mm": 100.0, "thickness_mm": 10.0, "refractive_index": 1.5}
+PIXEL_M, FOCAL_M, RADIUS_M, WALL_M = 5e-6, 10e-3, 0.100, 0.010
+
+
+def figures_of(**asked: Any) -> dict[str, Any]:
+    return design_of(**{"physics": "full", **SET, **asked}).scenes[0].figures
+
+
+@pytest.fixture(scope="module")
+def n_water() -> float:
+    """Index of this water at the design wavelength: a flat port makes the focal length so much longer."""
+    return float(figures_of()["effective_focal_length_mm"]) / 10.0
+
+
+def dome_power_per_m(n_water: float) -> float:
+    """Of both faces, for what lies at infinity."""
+    outer = (1.0 / 1.5 - 1.0 / n_water) / RADIUS_M
+    return outer + (1.0 - 1.0 / 1.5) / (RADIUS_M - WALL_M)
+
+
+def test_corner_of_a_dome_image_is_soft_by_its_obliquity(n_water: float) -> None:
+    # The image of infinity lies at P / cos of the field angle; the lens is focused on the axis, at 2 m of water
+    power = dome_power_per_m(n_water)
+    secant = math.sqrt(1.0 + (1000**2 + 500**2) * (PIXEL_M / FOCAL_M) ** 2)
+    focus_per_m = power + 1.0 / n_water / (2.0 + RADIUS_M)
+    disc_m = FOCAL_M**2 / (4.0 * (1.0 - FOCAL_M * focus_per_m)) * power * (secant - 1.0)
+    assert figures_of(port=DOME)["defocus_corner_px"] == pytest.approx(disc_m / PIXEL_M, rel=1e-9)
+
+
+def test_sharp_depth_at_the_corner_of_a_dome_begins_later(n_water: float) -> None:
+    power = dome_power_per_m(n_water)
+    secant = math.sqrt(1.0 + (1000**2 + 500**2) * (PIXEL_M / FOCAL_M) ** 2)
+    focus_per_m = power + 1.0 / n_water / (2.0 + RADIUS_M)
+    half_per_m = 4.0 * 2.0 * PIXEL_M * (1.0 - FOCAL_M * focus_per_m) / FOCAL_M**2
+    near_m = 1.0 / n_water / (focus_per_m + half_per_m - power * secant) - RADIUS_M
+    needs = {"min_dof_m": 0.1, "dof_at": "corner", "circle_of_confusion_px": 2.0}
+    assert figures_of(port=DOME, requirements=needs)["dof_near_m"] == pytest.approx(near_m, rel=1e-9)
+
+
+def test_rolling_blurs_across_the_track() -> None:
+    # w t (d + R) over a pixel of (d + R) p / f
+    turning = {"speed_m_s": 0.0, "roll_rate_deg_s": 5.0}
+    wanted = math.radians(5.0) * 1e-3 * FOCAL_M / PIXEL_M
+    still = {"frame_interval_s": 2.0}
+    assert figures_of(port=DOME, vehicle=turning, requirements=still)["blur_px"] == pytest.approx(
+        wanted, rel=1e-12
+    )
+
+
+def test_rows_read_one_after_another_skew_under_lamps_that_burn_only() -> None:
+    rolling = {**SYSTEM["camera"], "shutter": "rolling"}
+    burning = figures_of(port=DOME, camera=rolling)["skew_px"]
+    assert burning == pytest.approx(0.5 * 0.1 / ((2.0 + RADIUS_M) * PIXEL_M / FOCAL_M), rel=1e-12)
+    assert figures_of(port=DOME, camera=rolling, light=FLASH)["skew_px"] == 0.0
+
+
+@pytest.mark.parametrize(("sun_lux", "blurring_s"), [(0.0, 0.2e-3), (50_000.0, 1e-3)])
+def test_sun_blurs_over_the_whole_shutter_and_a_pulse_over_itself(sun_lux: float, blurring_s: float) -> None:
+    shallow = [{"name": "one", **SCENE, "depth_m": 5.0, "sun_lux": sun_lux}]
+    pulse = {"settings": {**SET["settings"], "pulse_ms": 0.2}}
+    figures = figures_of(port=DOME, light=PULSED, scenes=shallow, **pulse)
+    wanted = 0.5 * blurring_s / ((2.0 + RADIUS_M) * PIXEL_M / FOCAL_M)
+    assert figures["blur_px"] == pytest.approx(wanted, rel=1e-12)
+
+
+@pytest.mark.parametrize(("orientation", "swath_px"), [("landscape", 2000), ("portrait", 1000)])
+def test_view_keeps_its_width_and_the_swath_lies_across_the_track(orientation: str, swath_px: int) -> None:
+    figures = design_of(orientation=orientation, **SET).scenes[0].figures
+    assert figures["fov_x_m"] == pytest.approx(2000 * 2.0 * GSD_PER_M, rel=1e-12)
+    assert figures["fov_y_m"] == pytest.approx(1000 * 2.0 * GSD_PER_M, rel=1e-12)
+    assert figures["swath_m"] == pytest.approx(swath_px * 2.0 * GSD_PER_M, rel=1e-12)
+
+
+def test_lux_on_the_floor_are_those_that_leave_the_lamp() -> None:
+    dim = {**SYSTEM["light"], "output_factor": 0.25}
+    assert figures_of(light=dim)["floor_illuminance_mean_lx"] == pytest.approx(
+        0.25 * figures_of()["floor_illuminance_mean_lx"], rel=1e-9
+    )
+
+
+# ---------------------------------------------------------------- money
+
+
+def test_prices_of_the_bill_are_in_the_missions_currency() -> None:
+    lamp = {**SYSTEM["light"], "price": 400.0, "currency": "EUR"}
+    design = design_of(light=lamp, limits={"rates": {"EUR": 1.25}}, **SET)
+    assert {row["kind"]: row["unit_price"] for row in design.bom}["light"] == pytest.approx(500.0)
+    assert design.totals["cost"]["value"] == pytest.approx(1500.0 + 2 * 500.0)
+
+
+def test_owned_lamps_are_not_paid_and_estimates_are_told_apart() -> None:
+    lamp = "deepsea-power-light-led-sealite-lsl-flood"
+    mission = {
+        "scenes": [{"name": "one", **SCENE}], "vehicle": SPEED,
+        "catalog": {"owned": [{"id": lamp, "quantity": 1}]},
+    }  # fmt: skip
+    design = uwopt.evaluate(mission, {**SYSTEM, **SET, "light": lamp}, physics="paper").design
+    assert design is not None
+    row = {row["kind"]: row for row in design.bom}["light"]
+    assert (row["count"], row["owned"], row["price_status"]) == (2, 1, "estimated")
+    assert row["unit_price_low"] < row["unit_price"] < row["unit_price_high"]
+    cost = design.totals["cost"]
+    assert cost["value"] == pytest.approx(1500.0 + row["unit_price"])
+    assert (cost["low"], cost["high"]) == pytest.approx(
+        (1500.0 + row["unit_price_low"], 1500.0 + row["unit_price_high"])
+    )
+    assert cost["estimated"] == pytest.approx(row["unit_price"])
+    assert design.scenes[0].figures["cost"] == pytest.approx(cost["value"])

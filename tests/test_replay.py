@@ -124,3 +124,42 @@ def test_lights_on_the_grid_are_one_mount_and_others_stand_one_by_one():
     assert (mount_of(pair, []).baseline_m, mount_of(pair, []).tilt_deg) == (0.8, 5.0)
     moved = [*pair[:2], {**pair[2], "x_m": 0.1}]
     assert len(mount_of(moved, []).explicit) == 3
+
+
+DIVER: dict[str, Any] = {
+    "camera": {"resolution_x_px": 2000, "resolution_y_px": 1000, "pixel_pitch_um": 5.0, "read_noise_e": 5.0,
+               "quantum_efficiency": 0.5, "gain_dn_per_e": 0.05, "max_gain_db": 20},
+    "lens": {"focal_length_mm": 10.0, "f_number_min": 1.4, "f_number_max": 16.0},
+    "port": {"geometry": "flat", "gap_mm": 5.0, "thickness_mm": 10.0},
+    "light": {"flux_lm": 10_000, "power_w": 100.0, "beam": "cosine-power", "beam_half_angle_deg": 40.0,
+              "kind": "pulsed_led"},
+    "settings": {"f_number": 5.6, "exposure_ms": 2.0, "pulse_ms": 0.7, "gain": 3.0, "dim_frac": 0.4,
+                 "frame_rate_hz": 1.5, "focus_distance_m": 1.25},
+}  # fmt: skip
+DIVE: dict[str, Any] = {
+    "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30.0}, "vehicle": {"altitude_m": 1.5, "speed_m_s": 0.2},
+}  # fmt: skip
+
+
+def replayed_from(result: Result) -> Any:
+    kept = stored(result)
+    assert kept.design is not None
+    return replay(kept.mission, kept.design, physics=kept.physics, system=kept.system)
+
+
+def test_settings_of_a_result_come_back_in_si():
+    made = replayed_from(uwopt.evaluate(DIVE, DIVER, physics="paper"))
+    rows = made.settings[0]
+    found = [rows.f_number, rows.exposure_s, rows.pulse_s, rows.gain, rows.level, rows.rate_hz]
+    assert [float(column[0]) for column in found] == pytest.approx(
+        [5.6, 2e-3, 0.7e-3, 3.0, 0.4, 1.5], rel=1e-12
+    )
+    assert made.plain_figures(0)["focus_distance_m"] == pytest.approx(1.25, rel=1e-12)
+
+
+def test_effects_that_were_left_out_stay_out():
+    result = uwopt.evaluate({**DIVE, "tolerance": 0.5}, DIVER, physics="auto")
+    left_out = {item["name"] for item in result.physics["effects"] if not item["kept"]}
+    assert left_out
+    effects = replayed_from(result).model.problem.effects
+    assert {name for name, kept in vars(effects).items() if not kept} == left_out

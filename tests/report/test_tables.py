@@ -206,3 +206,18 @@ def test_narrow_encodings_get_plain_signs(make_result: Make, encoding: str) -> N
     text = text_of(make_result(mission={"name": "Récif 海"}), encoding)
     assert "cif ?" in text
     assert "43.5678 us" in text if encoding == "ascii" else "43.5678" in text
+
+
+def test_missed_requirement_without_a_number_is_told(
+    make_result: Make, make_design: Make, make_scene: Make, make_margin: Make
+) -> None:
+    from dataclasses import replace
+
+    unknown = replace(
+        make_margin("min_contrast", 0.0, 0.3, ">=", "", satisfied=False), value=None, margin=None
+    )
+    result = make_result(
+        command="evaluate", status="violated", recommendation=None, runners_up=[], generic_alternative=None,
+        certificate=None, design=make_design(scenes=[make_scene("reef", margins=[unknown])]),
+    )  # fmt: skip
+    assert "contrast – at least 0.3000 – MISSED" in flat(text_of(result))
