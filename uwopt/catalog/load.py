@@ -2,37 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TypeVar
 
-from uwopt.catalog.build import Built, Origin
-from uwopt.catalog.build_camera import build_camera
-from uwopt.catalog.build_lens import build_lens
-from uwopt.catalog.build_light import build_light
-from uwopt.catalog.build_port import build_port
 from uwopt.catalog.catalogue import Catalog, Exclusion, plain_name, unknown_part
+from uwopt.catalog.parts.kinds import PARTS
+from uwopt.catalog.parts.readers import READERS
+from uwopt.catalog.parts.reading import Built, Origin
 from uwopt.catalog.records import KINDS, Camera, Kind, Lens, Light, Part, Port, Quantity
 from uwopt.catalog.tables import DATA_DIR, read_table
 from uwopt.catalog.userparts import PartRow, PriceQuote, read_parts, read_prices, typed_rows
 from uwopt.errors import CatalogError
 
-BUILT_IN_FILES: dict[Kind, str] = {
-    "camera": "cameras.csv",
-    "lens": "lenses.csv",
-    "port": "ports.csv",
-    "light": "lights.csv",
-}
-#: Parts "to be made": classes of lamps and windows that no shop sells under a name.
-GENERIC_FILES: dict[Kind, str] = {"port": "generic_ports.csv", "light": "generic_lights.csv"}
-BUILDERS: dict[Kind, Callable[[PartRow, Origin], Built]] = {
-    "camera": build_camera,
-    "lens": build_lens,
-    "port": build_port,
-    "light": build_light,
-}
 PathLike = str | Path
 P = TypeVar("P", bound=Part)
 
@@ -75,10 +59,10 @@ def load_catalog(
 def built_in_catalog() -> Catalog:
     """Built-in and generic parts, read once per process."""
     built: list[tuple[Kind, Built]] = []
-    for kind, file in BUILT_IN_FILES.items():
-        built += build_rows(_built_in(file, kind), "published")
-    for kind, file in GENERIC_FILES.items():
-        built += build_rows(_built_in(file, kind), "generic")
+    for origin in ("published", "generic"):
+        for kind, part in PARTS.items():
+            for file in (name for name, of in part.files.items() if of == origin):
+                built += build_rows(_built_in(file, kind), origin)
     return assembled(built)
 
 
@@ -88,7 +72,7 @@ def build_rows(rows: Iterable[PartRow], origin: Origin) -> list[tuple[Kind, Buil
     built = []
     for row in rows:
         try:
-            built.append((row.kind, BUILDERS[row.kind](row, origin)))
+            built.append((row.kind, READERS[row.kind].from_row(row, origin)))
         except CatalogError as fault:
             faults += fault.faults
     if faults:

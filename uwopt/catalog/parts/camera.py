@@ -38,7 +38,10 @@ NumberOrName = Annotated[float | str, BeforeValidator(_number_or_name)]
 class Camera(Part):
     """A camera body with its sensor."""
 
-    chip: Annotated[str, Cell("maker and type of the sensor", inline=Inline(doc="type of the sensor"))] = ""
+    chip: Annotated[
+        str,
+        Cell("maker and type of the sensor", inline=Inline(doc="type of the sensor", names=("sensor_chip",))),
+    ] = ""
     colour: Annotated[Literal["mono", "colour"], Cell("sensor: mono or colour", inline=Inline())] = "mono"
     resolution_x_px: Annotated[
         int, Cell("image width in pixels", PIXELS, needed=True, tells=True, inline=Inline(needed=True))

@@ -1,17 +1,33 @@
-"""A row of lights.csv becomes a `Light`: flux from power or the reverse, a flash by its guide number."""
+"""What is stated of a light becomes a `Light`: flux from power or the reverse, a flash by its guide number."""
 
 from __future__ import annotations
 
 import math
-from functools import cache
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Any
 
-from uwopt.catalog.build import Built, Origin, identity, known, known_or
-from uwopt.catalog.estimates import ClassEstimate, first_class, required_class
-from uwopt.catalog.records import Curve, Light, Quantity, Status, exact
+from uwopt.catalog.estimates import ClassEstimate, required_class
+from uwopt.catalog.parts.light import Light, LightKind
+from uwopt.catalog.parts.quantity import Curve, Quantity, Status, exact
+from uwopt.catalog.parts.reading import (
+    Built,
+    Fault,
+    Origin,
+    Reader,
+    file_beside,
+    identity,
+    inline_fields,
+    is_csv,
+    known,
+    plain_id,
+    row_fields,
+    unordered,
+    user_number,
+)
+from uwopt.catalog.parts.tabled import beam_profiles
 from uwopt.catalog.spectra import light_spectrum
-from uwopt.catalog.tables import built_in_rows, read_text
+from uwopt.catalog.tables import read_text
 from uwopt.catalog.usercurves import read_channels, read_columns
 from uwopt.catalog.userparts import PartRow, parse_dim_levels
 from uwopt.errors import CatalogError
@@ -21,65 +37,32 @@ WATER_INDEX = 1.34
 WIDEST_LOBE_DEG = 179.0
 SHALLOW_M, MIDDLE_M = 150.0, 1000.0  # borders of the price and efficacy classes
 
-LightKind = Literal["continuous", "pulsed_led", "flash"]
-_KINDS: dict[str, LightKind] = {"continuous": "continuous", "pulsed_led": "pulsed_led", "flash": "flash"}
-_CLASS_OF: dict[LightKind, str] = {"continuous": "continuous", "pulsed_led": "pulsed-led", "flash": "flash"}
-_BEAMS: dict[str, Literal["disc", "cone", "cosine-power", "tabulated"]] = {
-    "disc": "disc",
-    "cone": "cone",
-    "cosine-power": "cosine-power",
-    "tabulated": "tabulated",
-}
-_MEDIA: dict[str, Literal["air", "water"]] = {"air": "air", "water": "water"}
+_CLASS_OF: dict[str, str] = {"continuous": "continuous", "pulsed_led": "pulsed-led", "flash": "flash"}
+
+# ---------------------------------------------------------------- rows of tables
 
 
-def build_light(row: PartRow, origin: Origin) -> Built:
+def from_row(row: PartRow, origin: Origin) -> Built:
     """The light of a row, with what the model needs filled in."""
-    kind = _KINDS[row.text("kind")]
+    kind: LightKind = row.cells["kind"]  # type: ignore[assignment]
+    made = row_fields(Light, row, origin, (_CLASS_OF[kind],))
     flux, power = _flux_and_power(row, origin, kind)
-    angle = known_or(row, "beam_angle_deg", origin, required_class("light-beam-angle-deg", _CLASS_OF[kind]))
-    efficacy = known_or(
-        row, "flash_efficacy_lm_s_per_j", origin, _class("light-flash-efficacy-lm-s-per-j", kind)
-    )
-    energy = known(row, "flash_energy_j", origin) or _energy_from_guide_number(row, angle, efficacy)
     price, currency = _price_class(row, kind, flux)
     levels, dim_status = _dimming(row, origin, kind)
-    profile, is_candela = _profile(row)
-    spectrum_id, spectrum = _spectrum(row, kind)
-    mass = required_class("light-mass-g", _CLASS_OF[kind])
-    light = Light(
-        **identity(row, origin, price, currency, mass.quantity()),
-        kind=kind,
-        flux_lm=None if kind == "flash" else flux,
-        power_w=None if kind == "flash" else power,
-        output_factor=_output_factor(row, origin, kind),
-        beam=_BEAMS.get(row.text("beam"), "tabulated" if profile else "cosine-power"),
-        beam_angle_deg=angle,
-        beam_medium=_MEDIA.get(row.text("beam_medium"), "not stated"),
-        beam_profile=profile,
-        beam_profile_is_candela=is_candela,
-        beam_profile_id=row.text("beam_profile"),
-        spectrum_id=spectrum_id,
-        spectrum=spectrum,
-        front_radius_mm=row.number("front_radius_mm") or 20.0,
-        dim_levels=levels,
-        dim_min_frac=row.number("dim_min_frac") or 0.0,
-        dim_status=dim_status,
-        min_pulse_us=known_or(row, "min_pulse_us", origin, _class("light-min-pulse-us", kind)),
-        max_pulse_us=known_or(row, "max_pulse_us", origin, _class("light-max-pulse-us", kind)),
-        max_duty_frac=known_or(row, "max_duty_frac", origin, _class("light-max-duty-frac", kind)),
-        max_rate_hz=known_or(row, "max_rate_hz", origin, _class("light-max-rate-hz", kind)),
-        flash_energy_j=energy if kind == "flash" else None,
-        flash_efficacy_lm_s_per_j=efficacy,
-        flash_duration_us=known_or(row, "flash_duration_us", origin, _class("light-flash-duration-us", kind)),
-        recycle_s=known_or(row, "recycle_s", origin, _class("light-recycle-s", kind)),
-        charging_efficiency_frac=known_or(
-            row, "charging_efficiency_frac", origin, _class("light-charging-efficiency-frac", kind)
-        ),
-        guide_number_m=row.number("guide_number_m"),
-        colour_temperature_k=row.number("colour_temperature_k"),
-        depth_rating_m=row.number("depth_rating_m"),
+    profile, is_candela = _profile_of_row(row)
+    spectrum_id, spectrum = _spectrum_of_row(row, kind)
+    made |= identity(row, origin, price, currency, made["mass_g"])
+    energy = known(row, "flash_energy_j", origin) or _energy_from_guide_number(
+        row, made.get("beam_angle_deg"), made.get("flash_efficacy_lm_s_per_j")
     )
+    if kind == "flash":
+        made |= {"flux_lm": None, "power_w": None, "flash_energy_j": energy}
+    else:
+        made |= {"flux_lm": flux, "power_w": power, "flash_energy_j": None}
+    made |= {"dim_levels": levels, "dim_status": dim_status, "spectrum_id": spectrum_id, "spectrum": spectrum}
+    made |= _profile_fields(profile, is_candela, row.text("beam_profile"), row.text("beam"))
+    made["output_factor"] = _output_factor(row, origin, kind)
+    light = Light(**made)
     return Built(light, tuple(_lacking(light)))
 
 
@@ -92,10 +75,6 @@ def _lacking(light: Light) -> list[str]:
     if light.beam == "tabulated" and light.beam_profile is None:
         lacks.append("no beam profile")
     return lacks
-
-
-def _class(prefix: str, kind: LightKind) -> ClassEstimate | None:
-    return first_class(prefix, _CLASS_OF[kind])
 
 
 def _flux_and_power(row: PartRow, origin: Origin, kind: LightKind) -> tuple[Quantity | None, Quantity | None]:
@@ -182,29 +161,16 @@ def _dimming(row: PartRow, origin: Origin, kind: LightKind) -> tuple[tuple[float
     return tuple((steps - step) / steps for step in range(steps)), "estimated"
 
 
-@cache
-def _built_in_profiles() -> dict[str, tuple[Curve, bool]]:
-    points: dict[str, list[tuple[float, float]]] = {}
-    is_candela: dict[str, bool] = {}
-    for row in built_in_rows("beam_profiles.csv"):
-        points.setdefault(row["profile_id"], []).append((float(row["angle_deg"]), float(row["intensity"])))
-        is_candela[row["profile_id"]] = row["unit"] == "candela"
-    return {
-        name: (Curve(tuple(x for x, _ in values), tuple(y for _, y in values)), is_candela[name])
-        for name, values in points.items()
-    }
-
-
-def _profile(row: PartRow) -> tuple[Curve | None, bool]:
+def _profile_of_row(row: PartRow) -> tuple[Curve | None, bool]:
     """A built-in profile by id, a user's CSV (relative: scaled to the flux) or IES file (candela)."""
     name = row.text("beam_profile")
     if not name:
         return None, False
     if name.casefold().endswith(".ies"):
         return _ies_profile((row.base_dir or Path()) / name), True
-    if name.casefold().endswith(".csv"):
+    if is_csv(name):
         return read_channels((row.base_dir or Path()) / name, "intensity")["mono"], False
-    profiles = _built_in_profiles()
+    profiles = beam_profiles()
     if name not in profiles:
         raise CatalogError(
             f"{row.where}: beam_profile = {name!r} is no CSV or IES file, and none of {', '.join(profiles)}."
@@ -222,17 +188,87 @@ def _ies_profile(path: Path) -> Curve:
     return Curve(tuple(photometry.angle_deg.tolist()), tuple(photometry.candela.tolist()))
 
 
-def _spectrum(row: PartRow, kind: LightKind) -> tuple[str, Curve | None]:
+def _spectrum_of_row(row: PartRow, kind: LightKind) -> tuple[str, Curve | None]:
     name = row.text("spectrum")
     if not name:
-        return ("xenon-flash" if kind == "flash" else "generic-led"), None
-    if name.casefold().endswith(".csv"):
-        columns = read_columns((row.base_dir or Path()) / name, ("relative_power",))
-        return name, Curve(
-            tuple(columns["wavelength_nm"].tolist()), tuple(columns["relative_power"].tolist())
-        )
+        return _own_spectrum(kind), None
+    if is_csv(name):
+        return name, _spectrum_file((row.base_dir or Path()) / name)
     try:
         light_spectrum(name)
     except CatalogError as fault:
         raise CatalogError(f"{row.where}: {fault}") from None
     return name, None
+
+
+def _own_spectrum(kind: LightKind) -> str:
+    return "xenon-flash" if kind == "flash" else "generic-led"
+
+
+def _spectrum_file(path: Path) -> Curve:
+    columns = read_columns(path, ("relative_power",))
+    return Curve(tuple(columns["wavelength_nm"].tolist()), tuple(columns["relative_power"].tolist()))
+
+
+def _profile_fields(profile: Curve | None, is_candela: bool, name: str, beam: str) -> dict[str, Any]:
+    """A beam whose shape is not stated is that of its profile, else a cosine to a power."""
+    return {
+        "beam": beam or ("cosine-power" if profile is None else "tabulated"),
+        "beam_profile": profile,
+        "beam_profile_is_candela": is_candela,
+        "beam_profile_id": name,
+    }
+
+
+# ---------------------------------------------------------------- inline records
+
+
+def from_inline(values: Mapping[str, Any], base_dir: Path | None) -> Light:
+    """The record of an inline light; a half-angle in water becomes the full angle there."""
+    made = inline_fields(Light, "light", values)
+    kind: LightKind = made.setdefault("kind", "continuous" if made["flash_energy_j"] is None else "flash")
+    half_deg = values["beam_half_angle_deg"]
+    if half_deg is not None:
+        made |= {"beam_angle_deg": user_number(2.0 * half_deg), "beam_medium": "water"}
+    name, spectrum_name = values["beam_profile"], values["spectrum"] or _own_spectrum(kind)
+    profile, is_candela = (None, False) if name is None else _profile(name, base_dir)
+    own = _spectrum_file(file_beside(spectrum_name, base_dir)) if is_csv(spectrum_name) else None
+    made |= _profile_fields(profile, is_candela, name or "", values["beam"] or "")
+    return Light(**made | {"spectrum_id": spectrum_name, "spectrum": own})
+
+
+def _profile(name: str, base_dir: Path | None) -> tuple[Curve, bool]:
+    if is_csv(name):
+        columns = read_columns(file_beside(name, base_dir), ("intensity",))
+        return Curve(tuple(columns["angle_deg"].tolist()), tuple(columns["intensity"].tolist())), False
+    by_name = {plain_id(known_id): found for known_id, found in beam_profiles().items()}
+    if plain_id(name) not in by_name:
+        known_ids = ", ".join(sorted(beam_profiles()))
+        raise CatalogError(f"beam_profile {name!r} is unknown; known are {known_ids}, or name a CSV.")
+    return by_name[plain_id(name)]
+
+
+def inline_faults(values: Mapping[str, Any]) -> list[Fault]:
+    """Keys of an inline light that do not agree."""
+    faults = unordered(Light, values)
+    given = {name for name, value in values.items() if value is not None}
+    is_flash = values.get("kind") == "flash" or (values.get("kind") is None and "flash_energy_j" in given)
+    if is_flash and "flash_energy_j" not in given:
+        faults.append(("flash_energy_j", "is missing; give the energy of one flash in joules"))
+    if not is_flash and "flux_lm" not in given:
+        faults.append(("flux_lm", "is missing; give the flux of one lamp at full in lumens"))
+    if {"beam_half_angle_deg", "beam_angle_deg"} <= given:
+        faults.append(("beam_half_angle_deg", "and beam_angle_deg are both given; keep one of them"))
+    if "beam_medium" in given and "beam_half_angle_deg" in given:
+        faults.append(("beam_medium", "belongs to beam_angle_deg; beam_half_angle_deg is always in water"))
+    if not given & {"beam_half_angle_deg", "beam_angle_deg", "beam_profile"}:
+        text = "is missing; give the half-angle in water in degrees, or beam_angle_deg, or beam_profile"
+        faults.append(("beam_half_angle_deg", text))
+    if values.get("beam") == "tabulated" and "beam_profile" not in given:
+        faults.append(
+            ("beam_profile", "is missing; a tabulated beam needs a CSV with angle_deg and intensity")
+        )
+    return faults
+
+
+READER = Reader(from_row, from_inline, inline_faults)

@@ -1,12 +1,25 @@
-"""A row of ports.csv becomes a `Port`: wall, index and mass by class where the row is silent."""
+"""What is stated of a port becomes a `Port`: wall, index and mass by class where it is silent."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
-from uwopt.catalog.build import Built, Origin, identity, known
 from uwopt.catalog.estimates import ClassEstimate, first_class, required_class
-from uwopt.catalog.records import Port, Quantity
+from uwopt.catalog.parts.port import REFRACTIVE_INDEX, Port
+from uwopt.catalog.parts.quantity import Quantity
+from uwopt.catalog.parts.reading import (
+    Built,
+    Fault,
+    Origin,
+    Reader,
+    identity,
+    inline_fields,
+    known,
+    row_fields,
+)
 from uwopt.catalog.userparts import PartRow
 
 PLASTICS = ("acrylic", "polycarbonate")
@@ -15,23 +28,14 @@ SMALL_WINDOW_MM = 60.0
 KG_M3_TO_G_MM3 = 1e-6
 
 
-def build_port(row: PartRow, origin: Origin) -> Built:
+def from_row(row: PartRow, origin: Origin) -> Built:
     """The port of a row, with what the model needs filled in."""
     thickness = known(row, "thickness_mm", origin) or _thickness(row)
     price = _price_class(row)
-    port = Port(
-        **identity(row, origin, price, price.currency, _mass(row, thickness)),
-        geometry="dome" if row.text("geometry") == "dome" else "flat",
-        material=row.text("material"),
-        refractive_index=_index(row, origin),
-        glass=row.text("glass"),
-        outer_radius_mm=row.number("outer_radius_mm"),
-        thickness_mm=thickness,
-        clear_diameter_mm=row.number("clear_diameter_mm"),
-        gap_mm=row.number("gap_mm") or 0.0,
-        depth_rating_m=row.number("depth_rating_m"),
-    )
-    return Built(port, tuple(_lacking(row, thickness)))
+    made = row_fields(Port, row, origin, ())
+    made |= identity(row, origin, price, price.currency, _mass(row, thickness))
+    made |= {"thickness_mm": thickness, "refractive_index": _index(row, origin)}
+    return Built(Port(**made), tuple(_lacking(row, thickness)))
 
 
 def _lacking(row: PartRow, thickness: Quantity | None) -> list[str]:
@@ -113,3 +117,30 @@ def _price_class(row: PartRow) -> ClassEstimate:
     else:
         name = "deep-window" if material in ("sapphire", "fused silica") else "any"
     return required_class("port-price", name)
+
+
+def from_inline(values: Mapping[str, Any], base_dir: Path | None) -> Port:
+    """The record of an inline port."""
+    made = inline_fields(Port, "port", values)
+    if made["refractive_index"] is None and "glass" not in made:
+        made["refractive_index"] = REFRACTIVE_INDEX
+    return Port(**made)
+
+
+def inline_faults(values: Mapping[str, Any]) -> list[Fault]:
+    """Keys of an inline port that do not agree."""
+    radius_mm, thickness_mm = values.get("outer_radius_mm"), values.get("thickness_mm")
+    is_dome = values.get("geometry") == "dome"
+    faults = []
+    if is_dome and radius_mm is None:
+        faults.append(("outer_radius_mm", "is missing; a dome needs its outer radius in millimetres"))
+    if is_dome and radius_mm is not None and thickness_mm is not None and thickness_mm >= radius_mm:
+        faults.append(
+            ("thickness_mm", f"= {thickness_mm:g} is not below outer_radius_mm = {radius_mm:g}; lower it")
+        )
+    if values.get("refractive_index") is not None and values.get("glass") is not None:
+        faults.append(("glass", "and refractive_index are both given; keep one of them"))
+    return faults
+
+
+READER = Reader(from_row, from_inline, inline_faults)
