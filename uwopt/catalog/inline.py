@@ -31,7 +31,7 @@ MOST = 1e12  # of a number that nothing else bounds
 
 def inline_keys(kind: Kind) -> dict[str, tuple[Field, Inline]]:
     """The fields that an inline record of this kind may state, by name."""
-    return {f.name: (f, f.cell.inline) for f in fields_of(PARTS[kind].record) if f.cell.inline is not None}
+    return {f.name: (f, f.inline) for f in fields_of(PARTS[kind].record) if f.inline is not None}
 
 
 #: Other names that an inline record may use, by kind.

@@ -9,9 +9,22 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator
 from pydantic.dataclasses import dataclass
 
-from uwopt.catalog.parts.cell import FROM_ZERO, POSITIVE, POSITIVE_SHARE, SHARE, SMALLEST, Cell, Inline, Range
+from uwopt.catalog.parts.cell import (
+    FROM_ZERO,
+    MADE,
+    NEEDED,
+    OR_ZERO,
+    POSITIVE,
+    POSITIVE_SHARE,
+    SHARE,
+    SMALLEST,
+    UNSEEN,
+    Cell,
+    Inline,
+    Range,
+)
 from uwopt.catalog.parts.part import FORMAT, MOUNTS, Part, PartKind
-from uwopt.catalog.parts.quantity import Curve, Quantity, Status
+from uwopt.catalog.parts.quantity import Curve, Known, Status
 from uwopt.fields import refusal, to_number, to_text
 
 MAX_GAIN_DB = 48.0  # of an inline camera that does not say
@@ -42,13 +55,11 @@ class Camera(Part):
         str,
         Cell("maker and type of the sensor", inline=Inline(doc="type of the sensor", names=("sensor_chip",))),
     ] = ""
-    colour: Annotated[Literal["mono", "colour"], Cell("sensor: mono or colour", inline=Inline())] = "mono"
+    colour: Annotated[Literal["mono", "colour"], Cell("sensor: mono or colour")] = "mono"
     resolution_x_px: Annotated[
-        int, Cell("image width in pixels", PIXELS, needed=True, tells=True, inline=Inline(needed=True))
+        int, Cell("image width in pixels", PIXELS, needed=True, tells=True, inline=NEEDED)
     ] = 0
-    resolution_y_px: Annotated[
-        int, Cell("image height in pixels", PIXELS, needed=True, inline=Inline(needed=True))
-    ] = 0
+    resolution_y_px: Annotated[int, Cell("image height in pixels", PIXELS, needed=True, inline=NEEDED)] = 0
     pixel_pitch_um: Annotated[
         float,
         Cell(
@@ -56,74 +67,39 @@ class Camera(Part):
             Range(0.0, 100.0, open_low=True),
             span=(0.05, 100.0),
             needed=True,
-            inline=Inline(needed=True),
+            inline=NEEDED,
         ),
     ] = 0.0
-    shutter: Annotated[Literal["global", "rolling"], Cell("shutter: global or rolling", inline=Inline())] = (
-        "global"
-    )
+    shutter: Annotated[Literal["global", "rolling"], Cell("shutter: global or rolling")] = "global"
     optical_format_in: ClassVar[Annotated[str, FORMAT]]
     mounts: Annotated[tuple[str, ...], MOUNTS] = ()  # () is unknown and fits nothing
-    interface: Annotated[str, Cell("interface, such as USB3", inline=Inline())] = ""
+    interface: Annotated[str, Cell("interface, such as USB3")] = ""
     bandwidth_mb_s: Annotated[
-        Quantity | None,
-        Cell(
-            "what the interface carries, 10^6 byte/s",
-            POSITIVE,
-            favours="high",
-            unknown=math.inf,
-            inline=Inline(),
-        ),
+        Known, Cell("what the interface carries, 10^6 byte/s", POSITIVE, favours="high", unknown=math.inf)
     ] = None
     max_frame_rate_hz: Annotated[
-        Quantity | None,
-        Cell(
-            "highest frame rate in hertz",
-            POSITIVE,
-            span=(1e-6, 1e9),
-            favours="high",
-            unknown=math.inf,
-            inline=Inline(),
-        ),
+        Known,
+        Cell("highest frame rate in hertz", POSITIVE, span=(1e-6, 1e9), favours="high", unknown=math.inf),
     ] = None
-    bit_depth: Annotated[
-        int, Cell("bits of the transmitted image", BITS, status="bit_depth_status", inline=Inline())
-    ] = 12
-    bit_depth_status: Annotated[Status, Cell(in_files=False, shown=False)] = "published"
+    bit_depth: Annotated[int, Cell("bits of the transmitted image", BITS, status="bit_depth_status")] = 12
+    bit_depth_status: Annotated[Status, UNSEEN] = "published"
     read_noise_e: Annotated[
-        Quantity | None,
+        Known,
         Cell(
-            "temporal dark noise in electrons",
-            FROM_ZERO,
-            span=(SMALLEST, 1e6),
-            favours="low",
-            inline=Inline(needed=True),
+            "temporal dark noise in electrons", FROM_ZERO, span=(SMALLEST, 1e6), favours="low", inline=NEEDED
         ),
     ] = None
     saturation_e: Annotated[
-        Quantity | None,
+        Known,
         Cell(
-            "saturation capacity in electrons",
-            POSITIVE,
-            span=(1.0, 1e10),
-            favours="high",
-            unknown=math.inf,
-            inline=Inline(),
+            "saturation capacity in electrons", POSITIVE, span=(1.0, 1e10), favours="high", unknown=math.inf
         ),
     ] = None
     dark_current_e_s: Annotated[
-        Quantity | None,
-        Cell(
-            "dark current in electrons per second",
-            FROM_ZERO,
-            span=(SMALLEST, 1e9),
-            favours="low",
-            inline=Inline(),
-        ),
+        Known, Cell("dark current in electrons per second", FROM_ZERO, span=(SMALLEST, 1e9), favours="low")
     ] = None
     gain_dn_per_e: Annotated[
-        float | None,
-        Cell("system gain at 0 dB in DN per electron", POSITIVE, span=(1e-9, 1e9), inline=Inline()),
+        float | None, Cell("system gain at 0 dB in DN per electron", POSITIVE, span=(1e-9, 1e9))
     ] = None
     gain_bits: Annotated[
         int | None,
@@ -132,7 +108,7 @@ class Camera(Part):
         ),
     ] = None
     max_gain_db: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "highest gain setting in decibels",
             FROM_ZERO,
@@ -141,44 +117,28 @@ class Camera(Part):
             inline=Inline(default=MAX_GAIN_DB),
         ),
     ] = None
-    black_level_dn: Annotated[
-        float, Cell("offset of the image in digital numbers", FROM_ZERO, inline=Inline())
-    ] = 0.0
+    black_level_dn: Annotated[float, Cell("offset of the image in digital numbers", FROM_ZERO)] = 0.0
     min_exposure_us: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "shortest exposure in microseconds",
             POSITIVE,
             span=TIME_US,
             favours="low",
             at_most="max_exposure_us",
-            inline=Inline(within=FROM_ZERO),
+            inline=OR_ZERO,
         ),
     ] = None
     max_exposure_us: Annotated[
-        Quantity | None,
-        Cell(
-            "longest exposure in microseconds",
-            POSITIVE,
-            span=TIME_US,
-            favours="high",
-            unknown=math.inf,
-            inline=Inline(),
-        ),
+        Known,
+        Cell("longest exposure in microseconds", POSITIVE, span=TIME_US, favours="high", unknown=math.inf),
     ] = None
     exposure_offset_us: Annotated[
-        Quantity | None,
-        Cell(
-            "time that the sensor adds to each exposure, in microseconds",
-            FROM_ZERO,
-            favours="high",
-            inline=Inline(),
-        ),
+        Known, Cell("time that the sensor adds to each exposure, in microseconds", FROM_ZERO, favours="high")
     ] = None
-    prnu_frac: Annotated[
-        Quantity | None,
-        Cell("photo response non-uniformity, a share 0..1", SHARE, favours="low", inline=Inline()),
-    ] = None
+    prnu_frac: Annotated[Known, Cell("photo response non-uniformity, a share 0..1", SHARE, favours="low")] = (
+        None
+    )
     qe: ClassVar[
         Annotated[float, Cell("quantum efficiency at qe_nm, 0..1", POSITIVE_SHARE, span=(1e-9, 1.0))]
     ]
@@ -198,14 +158,7 @@ class Camera(Part):
         ]
     ]
     power_w: Annotated[
-        Quantity | None,
-        Cell(
-            "electrical power in watts",
-            POSITIVE,
-            span=(1e-9, 1e9),
-            favours="low",
-            inline=Inline(within=FROM_ZERO),
-        ),
+        Known, Cell("electrical power in watts", POSITIVE, span=(1e-9, 1e9), favours="low", inline=OR_ZERO)
     ] = None
     perf_quality: ClassVar[Annotated[Literal["A", "B", "C", "D"], Cell("grade of the sensor's figures")]]
     snr_max_db: ClassVar[
@@ -213,9 +166,9 @@ class Camera(Part):
     ]
     dynamic_range_db: ClassVar[Annotated[float, Cell("", POSITIVE)]]
     # Quantum efficiency by channel ("mono", or "red", "green", "blue"): id of a curve, scaled.
-    qe_curves: Annotated[dict[str, Curve], Cell(in_files=False)] = field(default_factory=dict)
-    qe_curve_id: Annotated[str, Cell(in_files=False)] = ""
-    qe_scale: Annotated[Quantity | None, Cell(in_files=False, favours="high", unknown=1.0)] = None
+    qe_curves: Annotated[dict[str, Curve], MADE] = field(default_factory=dict)
+    qe_curve_id: Annotated[str, MADE] = ""
+    qe_scale: Annotated[Known, Cell(in_files=False, favours="high", unknown=1.0)] = None
 
 
 def _summary(camera: Camera) -> tuple[str, ...]:

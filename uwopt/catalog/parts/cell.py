@@ -89,7 +89,7 @@ class Cell:
     needed: bool = False  # without it a row says nothing about a part
     tells: bool = False  # its mere presence in a header tells the kind of part
     in_files: bool = True
-    inline: Inline | None = None
+    inline: Inline | Literal["as in files", "never"] = "as in files"
     status: str = ""  # the field that says how this one is known
     shown: bool = True  # to people, in lists
 
@@ -98,6 +98,12 @@ class Cell:
         schema = handler(source)
         is_quantity = Quantity in get_args(source)
         return core_schema.no_info_before_validator_function(_quantity, schema) if is_quantity else schema
+
+
+NEEDED = Inline(needed=True)
+OR_ZERO = Inline(within=FROM_ZERO)  # where 0 may stand for next to nothing
+MADE = Cell(in_files=False)  # by a kind's reader, from other fields
+UNSEEN = Cell(in_files=False, shown=False)
 
 
 def _quantity(value: Any) -> Any:
@@ -113,6 +119,13 @@ class Field:
     cell: Cell
     kept: bool  # in the record; False: only in files
     default: Any = None
+
+    @property
+    def inline(self) -> Inline | None:
+        """How an inline record states it; None where none does."""
+        if isinstance(self.cell.inline, Inline):
+            return self.cell.inline
+        return Inline() if self.cell.inline != "never" and self.kept and self.cell.in_files else None
 
     @property
     def bare_type(self) -> Any:

@@ -6,9 +6,9 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic.dataclasses import dataclass
 
-from uwopt.catalog.parts.cell import FROM_ZERO, POSITIVE, POSITIVE_SHARE, Cell, Inline, Range
+from uwopt.catalog.parts.cell import FROM_ZERO, NEEDED, POSITIVE, POSITIVE_SHARE, UNSEEN, Cell, Inline, Range
 from uwopt.catalog.parts.part import FORMAT, MOUNTS, Part, PartKind, shown
-from uwopt.catalog.parts.quantity import Quantity, Status
+from uwopt.catalog.parts.quantity import Known, Quantity, Status
 
 F_NUMBERS = (1.4, 16.0)  # widest and smallest opening of an inline lens that does not say
 F_NUMBER = Range(0.4, 128.0, open_low=True)
@@ -27,11 +27,11 @@ class Lens(Part):
             span=(0.05, 1e4),
             needed=True,
             tells=True,
-            inline=Inline(needed=True),
+            inline=NEEDED,
         ),
     ] = 0.0
     f_number_min: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "f-number of the widest opening",
             F_NUMBER,
@@ -42,7 +42,7 @@ class Lens(Part):
         ),
     ] = None
     f_number_max: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "f-number of the smallest opening",
             F_NUMBER,
@@ -53,7 +53,7 @@ class Lens(Part):
     ] = None
     aperture_control: Annotated[
         Literal["manual", "motorised", "fixed", "unknown"],
-        Cell("how the aperture is set: manual, motorised, fixed or unknown", inline=Inline()),
+        Cell("how the aperture is set: manual, motorised, fixed or unknown"),
     ] = "unknown"
     image_circle_mm: Annotated[
         float | None,
@@ -62,14 +62,13 @@ class Lens(Part):
             POSITIVE,
             span=(0.01, 1e5),
             status="image_circle_status",
-            inline=Inline(),
         ),
     ] = None  # published, or derived from the optical format
-    image_circle_status: Annotated[Status, Cell(in_files=False, shown=False)] = "published"
+    image_circle_status: Annotated[Status, UNSEEN] = "published"
     optical_format_in: Annotated[str, FORMAT] = ""
     mounts: Annotated[tuple[str, ...], MOUNTS] = ()
     transmission_frac: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "transmission (share 0..1 of the light)",
             POSITIVE_SHARE,
@@ -80,18 +79,16 @@ class Lens(Part):
         ),
     ] = None
     rated_megapixel: ClassVar[Annotated[float, Cell("", POSITIVE)]]
-    rated_pixel_pitch_um: Annotated[
-        float | None, Cell("rated pixel pitch in micrometres", POSITIVE, inline=Inline())
-    ] = None
+    rated_pixel_pitch_um: Annotated[float | None, Cell("rated pixel pitch in micrometres", POSITIVE)] = None
     rated_lp_per_mm: Annotated[
-        float | None, Cell("rated resolution in line pairs per millimetre", POSITIVE, inline=Inline())
+        float | None, Cell("rated resolution in line pairs per millimetre", POSITIVE)
     ] = None
     min_object_distance_m: Annotated[
-        Quantity | None, Cell("nearest focus in air in metres", FROM_ZERO, favours="low", inline=Inline())
+        Known, Cell("nearest focus in air in metres", FROM_ZERO, favours="low")
     ] = None
-    distortion_pct: Annotated[float | None, Cell("distortion in per cent", inline=Inline())] = None
-    length_mm: Annotated[float | None, Cell("length in millimetres", POSITIVE, inline=Inline())] = None
-    diameter_mm: Annotated[float | None, Cell("diameter in millimetres", POSITIVE, inline=Inline())] = None
+    distortion_pct: Annotated[float | None, Cell("distortion in per cent")] = None
+    length_mm: Annotated[float | None, Cell("length in millimetres", POSITIVE)] = None
+    diameter_mm: Annotated[float | None, Cell("diameter in millimetres", POSITIVE)] = None
     filter_thread: ClassVar[Annotated[str, Cell()]]
     is_zoom: ClassVar[Annotated[bool, Cell()]]
 

@@ -8,9 +8,20 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from uwopt.catalog.parts.cell import FROM_ZERO, POSITIVE, POSITIVE_SHARE, SHARE, Cell, Inline, Range
+from uwopt.catalog.parts.cell import (
+    FROM_ZERO,
+    MADE,
+    OR_ZERO,
+    POSITIVE,
+    POSITIVE_SHARE,
+    SHARE,
+    UNSEEN,
+    Cell,
+    Inline,
+    Range,
+)
 from uwopt.catalog.parts.part import Part, PartKind, shown, shown_depth
-from uwopt.catalog.parts.quantity import Curve, Quantity, Status
+from uwopt.catalog.parts.quantity import Curve, Known, Status
 from uwopt.fields import NUMBER
 
 LightKind = Literal["continuous", "pulsed_led", "flash"]
@@ -34,7 +45,7 @@ class Light(Part):
         ),
     ] = "continuous"
     flux_lm: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "nameplate flux of one lamp at full (pulsed: while on) in lumens",
             POSITIVE,
@@ -45,18 +56,18 @@ class Light(Part):
         ),
     ] = None
     power_w: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "electrical power at full (pulsed: while on) in watts",
             POSITIVE,
             span=(1e-9, 1e9),
             favours="low",
-            inline=Inline(within=FROM_ZERO),
+            inline=OR_ZERO,
         ),
     ] = None
     mean_power_w: ClassVar[Annotated[float, Cell("of a pulsed lamp", POSITIVE, span=(1e-9, 1e9))]]
     output_factor: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "share 0..1 of the flux that leaves the window",
             POSITIVE_SHARE,
@@ -83,13 +94,12 @@ class Light(Part):
         ]
     ]
     beam_angle_deg: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "full angle of the beam in beam_medium in degrees",
             Range(0.0, 180.0, True, True),
             span=(0.05, 179.9),
             favours="low",
-            inline=Inline(),
         ),
     ] = None
     beam_medium: Annotated[
@@ -110,9 +120,9 @@ class Light(Part):
         ),
     ] = None
     peak_candela: ClassVar[Annotated[float, Cell("", POSITIVE, span=(1e-6, 1e12))]]
-    beam_profile_is_candela: Annotated[bool, Cell(in_files=False, shown=False)] = False  # else relative
-    beam_profile_id: Annotated[str, Cell(in_files=False)] = ""
-    spectrum_id: Annotated[str, Cell(in_files=False)] = "generic-led"
+    beam_profile_is_candela: Annotated[bool, UNSEEN] = False  # else relative
+    beam_profile_id: Annotated[str, MADE] = ""
+    spectrum_id: Annotated[str, MADE] = "generic-led"
     spectrum: Annotated[
         Curve | None,
         Cell(
@@ -122,7 +132,7 @@ class Light(Part):
         ),
     ] = None  # the user's own; else that of the id
     front_radius_mm: Annotated[
-        float, Cell("radius of the lamp's front in millimetres", POSITIVE, span=(1e-3, 1e5), inline=Inline())
+        float, Cell("radius of the lamp's front in millimetres", POSITIVE, span=(1e-3, 1e5))
     ] = 20.0
     dim_levels: Annotated[
         tuple[float, ...] | None,
@@ -134,62 +144,43 @@ class Light(Part):
         ),
     ] = None  # None: continuous
     dim_step_count: ClassVar[Annotated[int, Cell("", Range(1.0))]]
-    dim_min_frac: Annotated[
-        float, Cell("least light level of a continuous dimmer, a share 0..1", SHARE, inline=Inline())
-    ] = 0.0
-    dim_status: Annotated[Status, Cell(in_files=False, shown=False)] = "published"
+    dim_min_frac: Annotated[float, Cell("least light level of a continuous dimmer, a share 0..1", SHARE)] = (
+        0.0
+    )
+    dim_status: Annotated[Status, UNSEEN] = "published"
     min_pulse_us: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "shortest pulse in microseconds",
             POSITIVE,
             span=TIME_US,
             favours="low",
             at_most="max_pulse_us",
-            inline=Inline(within=FROM_ZERO),
+            inline=OR_ZERO,
         ),
     ] = None
     max_pulse_us: Annotated[
-        Quantity | None,
-        Cell(
-            "longest pulse in microseconds",
-            POSITIVE,
-            span=TIME_US,
-            favours="high",
-            unknown=math.inf,
-            inline=Inline(),
-        ),
+        Known, Cell("longest pulse in microseconds", POSITIVE, span=TIME_US, favours="high", unknown=math.inf)
     ] = None
     max_duty_frac: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "highest share 0..1 of time that it is on",
             POSITIVE_SHARE,
             span=SHARE_SPAN,
             favours="high",
             unknown=1.0,
-            inline=Inline(),
         ),
     ] = None
     max_rate_hz: Annotated[
-        Quantity | None,
-        Cell(
-            "highest pulse rate in hertz",
-            POSITIVE,
-            span=(1e-6, 1e9),
-            favours="high",
-            unknown=math.inf,
-            inline=Inline(),
-        ),
+        Known,
+        Cell("highest pulse rate in hertz", POSITIVE, span=(1e-6, 1e9), favours="high", unknown=math.inf),
     ] = None
     flash_energy_j: Annotated[
-        Quantity | None,
-        Cell(
-            "full energy of one flash in joules", POSITIVE, span=(1e-9, 1e9), favours="high", inline=Inline()
-        ),
+        Known, Cell("full energy of one flash in joules", POSITIVE, span=(1e-9, 1e9), favours="high")
     ] = None
     flash_efficacy_lm_s_per_j: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "light of a flash in lumen-seconds per joule",
             POSITIVE,
@@ -200,41 +191,28 @@ class Light(Part):
         ),
     ] = None
     flash_duration_us: Annotated[
-        Quantity | None,
-        Cell(
-            "duration of a flash in microseconds",
-            POSITIVE,
-            span=TIME_US,
-            favours="low",
-            unknown=math.inf,
-            inline=Inline(),
-        ),
+        Known,
+        Cell("duration of a flash in microseconds", POSITIVE, span=TIME_US, favours="low", unknown=math.inf),
     ] = None
     recycle_s: Annotated[
-        Quantity | None,
-        Cell(
-            "time between full flashes in seconds", POSITIVE, favours="low", inline=Inline(within=FROM_ZERO)
-        ),
+        Known, Cell("time between full flashes in seconds", POSITIVE, favours="low", inline=OR_ZERO)
     ] = None
     charging_efficiency_frac: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "share 0..1 of the power drawn that the flash stores",
             POSITIVE_SHARE,
             span=SHARE_SPAN,
             favours="high",
             unknown=1.0,
-            inline=Inline(),
         ),
     ] = None
     guide_number_m: Annotated[
-        float | None, Cell("on land, ISO 100", POSITIVE, span=(1e-3, 1e5), tells=True)
+        float | None, Cell("on land, ISO 100", POSITIVE, span=(1e-3, 1e5), tells=True, inline="never")
     ] = None
-    colour_temperature_k: Annotated[
-        float | None, Cell("colour temperature in kelvin", POSITIVE, inline=Inline())
-    ] = None
+    colour_temperature_k: Annotated[float | None, Cell("colour temperature in kelvin", POSITIVE)] = None
     cri: ClassVar[Annotated[float, Cell("colour rendering index", Range(0.0, 100.0, open_low=True))]]
-    depth_rating_m: Annotated[float | None, Cell("depth rating in metres", POSITIVE, inline=Inline())] = (
+    depth_rating_m: Annotated[float | None, Cell("depth rating in metres", POSITIVE)] = (
         None  # never estimated
     )
     supply_v_min: ClassVar[Annotated[float, Cell("", POSITIVE, at_most="supply_v_max")]]

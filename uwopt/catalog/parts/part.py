@@ -8,8 +8,8 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic.dataclasses import dataclass
 
-from uwopt.catalog.parts.cell import FROM_ZERO, Cell, Inline
-from uwopt.catalog.parts.quantity import Quantity
+from uwopt.catalog.parts.cell import FROM_ZERO, UNSEEN, Cell, Inline
+from uwopt.catalog.parts.quantity import Known, Quantity
 
 Kind = Literal["camera", "lens", "port", "light"]
 KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light")
@@ -18,7 +18,7 @@ PriceStatus = Literal["quoted", "derived", "estimated"]
 
 MOUNT_NAMES = ("C", "CS", "S", "M12", "F", "EF", "MFT", "TFL", "TFL-II", "M42", "M58", "M72", "T2", "none")
 MOUNTS = Cell("lens mounts", choices=MOUNT_NAMES, inline=Inline(unless="such as [C]"))
-FORMAT = Cell("such as 2/3")
+FORMAT = Cell("such as 2/3", inline="never")
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,35 +29,27 @@ class Part:
     id: Annotated[
         str, Cell("maker_model; never reused", needed=True, inline=Inline(doc="name of the part in results"))
     ]
-    manufacturer: Annotated[str, Cell("maker of the part", inline=Inline())] = ""
-    model: Annotated[str, Cell("maker's name of the part", inline=Inline())] = ""
-    availability: Annotated[Availability, Cell()] = "unknown"
-    generic: Annotated[bool, Cell(in_files=False, shown=False)] = (
-        False  # "to be made": no product, a class of parts
-    )
-    inline: Annotated[bool, Cell(in_files=False, shown=False)] = (
-        False  # from a system file: gaps are not checked
-    )
-    price: Annotated[
-        Quantity | None,
-        Cell("price of one piece", FROM_ZERO, favours="low", at_most="price_high", inline=Inline()),
-    ] = None
+    manufacturer: Annotated[str, Cell("maker of the part")] = ""
+    model: Annotated[str, Cell("maker's name of the part")] = ""
+    availability: Annotated[Availability, Cell(inline="never")] = "unknown"
+    generic: Annotated[bool, UNSEEN] = False  # "to be made": no product, a class of parts
+    inline: Annotated[bool, UNSEEN] = False  # from a system file: gaps are not checked
+    price: Annotated[Known, Cell("price of one piece", FROM_ZERO, favours="low", at_most="price_high")] = None
     price_low: ClassVar[Annotated[float, Cell("", FROM_ZERO, at_most="price")]]
     price_high: ClassVar[Annotated[float, Cell("", FROM_ZERO)]]
     currency: Annotated[
         str, Cell("currency of the price, three letters", shown=False, inline=Inline(default="USD"))
     ] = "USD"
-    price_date: Annotated[str, Cell("YYYY-MM-DD")] = ""
+    price_date: Annotated[str, Cell("YYYY-MM-DD", inline="never")] = ""
     price_status: ClassVar[Annotated[PriceStatus, Cell("how the price is known")]]
     mass_g: Annotated[
-        Quantity | None,
-        Cell("mass of one piece in grams", FROM_ZERO, favours="low", at_most="mass_high_g", inline=Inline()),
+        Known, Cell("mass of one piece in grams", FROM_ZERO, favours="low", at_most="mass_high_g")
     ] = None
     mass_low_g: ClassVar[Annotated[float, Cell("", FROM_ZERO, at_most="mass_g")]]
     mass_high_g: ClassVar[Annotated[float, Cell("", FROM_ZERO)]]
-    source_url: Annotated[str, Cell("where the numbers are from")] = ""
+    source_url: Annotated[str, Cell("where the numbers are from", inline="never")] = ""
     correction: ClassVar[Annotated[str, Cell("old value and reason, where a source was corrected")]]
-    note: Annotated[str, Cell("remark", inline=Inline())] = ""
+    note: Annotated[str, Cell("remark")] = ""
 
 
 #: The columns of a file begin with these; price, mass and sources end it.

@@ -7,9 +7,9 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic.dataclasses import dataclass
 
-from uwopt.catalog.parts.cell import FROM_ZERO, POSITIVE, SMALLEST, Cell, Inline, Range
+from uwopt.catalog.parts.cell import FROM_ZERO, NEEDED, POSITIVE, SMALLEST, Cell, Inline, Range
 from uwopt.catalog.parts.part import Part, PartKind, shown_depth
-from uwopt.catalog.parts.quantity import Quantity
+from uwopt.catalog.parts.quantity import Known, Quantity
 
 REFRACTIVE_INDEX = Quantity(1.5, 1.46, 1.52, "estimated", "default of an inline port")
 THICKNESS_MM = Quantity(10.0, 5.0, 15.0, "estimated", "default of an inline port")
@@ -21,11 +21,11 @@ class Port(Part):
 
     geometry: Annotated[
         Literal["flat", "dome"],
-        Cell("shape of the window: flat or dome", needed=True, tells=True, inline=Inline(needed=True)),
+        Cell("shape of the window: flat or dome", needed=True, tells=True, inline=NEEDED),
     ] = "flat"
-    material: Annotated[str, Cell("material, such as acrylic", inline=Inline())] = ""
+    material: Annotated[str, Cell("material, such as acrylic")] = ""
     refractive_index: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "refractive index of the window",
             Range(1.0, 3.0, open_low=True),
@@ -34,7 +34,7 @@ class Port(Part):
             inline=Inline(unless="1.5 unless glass or this is given"),
         ),
     ] = None  # constant: no dispersion formula
-    glass: Annotated[str, Cell("id of a dispersion formula, such as n_bk7", inline=Inline())] = ""
+    glass: Annotated[str, Cell("id of a dispersion formula, such as n_bk7")] = ""
     outer_radius_mm: Annotated[
         float | None,
         Cell(
@@ -45,7 +45,7 @@ class Port(Part):
         ),
     ] = None
     thickness_mm: Annotated[
-        Quantity | None,
+        Known,
         Cell(
             "thickness in millimetres",
             POSITIVE,
@@ -56,8 +56,7 @@ class Port(Part):
         ),
     ] = None
     clear_diameter_mm: Annotated[
-        float | None,
-        Cell("clear diameter in millimetres", POSITIVE, span=(0.01, 1e6), unknown=math.inf, inline=Inline()),
+        float | None, Cell("clear diameter in millimetres", POSITIVE, span=(0.01, 1e6), unknown=math.inf)
     ] = None
     nominal_diameter_mm: ClassVar[Annotated[float, Cell("trade size", POSITIVE)]]
     gap_mm: Annotated[
@@ -66,10 +65,9 @@ class Port(Part):
             "distance from the lens's entrance pupil to a flat port in millimetres",
             FROM_ZERO,
             span=(SMALLEST, 1e6),
-            inline=Inline(),
         ),
     ] = 0.0  # to its inner face
-    depth_rating_m: Annotated[float | None, Cell("depth rating in metres", POSITIVE, inline=Inline())] = (
+    depth_rating_m: Annotated[float | None, Cell("depth rating in metres", POSITIVE)] = (
         None  # never estimated
     )
 

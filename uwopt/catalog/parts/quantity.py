@@ -24,6 +24,9 @@ class Quantity:
         return self.status == "estimated"
 
 
+Known = Quantity | None  # None: unknown, and not estimated
+
+
 def exact(value: float, status: Status = "published", source: str = "") -> Quantity:
     """A number without a range."""
     return Quantity(value, value, value, status, source)

@@ -132,7 +132,7 @@ def inline_fields(record: type[Part], kind: Kind, values: Mapping[str, Any]) -> 
     """The fields of a record as an inline part states them; curves are left to the kind's own reader."""
     made: dict[str, Any] = {"inline": True}
     for field in kept_fields(record):
-        inline, value = field.cell.inline, values.get(field.name)
+        inline, value = field.inline, values.get(field.name)
         if inline is None or field.bare_type is Curve:
             continue
         if field.is_quantity:
