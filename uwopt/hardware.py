@@ -7,17 +7,20 @@ becomes one column in SI, taken at its central value, or at the end that favours
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cache
 from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.compatibility import rated_pitch_um
+from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
 from uwopt.catalog.records import Camera, Curve, Lens, Light, Part, Port, Quantity
 from uwopt.model.light import flash_light_lm_s
+from uwopt.units import convert
 
 Array = NDArray[Any]
 End = Literal["central", "good", "bad"]
@@ -27,6 +30,8 @@ T = TypeVar("T", bound="Rows")
 CONTINUOUS, PULSED, FLASH = 0, 1, 2
 KIND_CODES = {"continuous": CONTINUOUS, "pulsed_led": PULSED, "flash": FLASH}
 PAPER_BITS = 16
+NOT_IN_PAPER = ("black_level_dn", "exposure_offset_s", "dark_current_e_s", "prnu_frac")
+SI_UNITS = {"um": "m", "mm": "m", "us": "s", "g": "kg"}
 
 
 @dataclass(frozen=True)
@@ -140,24 +145,45 @@ def number(
     return quantity.high if (favoured > 0) == (end == "good") else quantity.low
 
 
-def column(
-    parts: Sequence[Part], name: str, default: float, *, scale: float = 1.0, end: End = "central"
-) -> Array:
-    """One property of all parts as a float column in SI (value times scale)."""
-    favoured = FAVOURED.get(name, 0)
-    return np.array(
-        [number(getattr(part, name), default / scale, end, favoured) * scale for part in parts], float
-    )
+def column(parts: Sequence[Part], field: Field, end: End = "central") -> Array:
+    """One field of all parts as a float column in SI; what is unknown is what its cell says."""
+    scale, favoured = in_si(field.name)[1], FAVOURED.get(field.name, 0)
+    numbers = (number(getattr(part, field.name), field.cell.unknown, end, favoured) for part in parts)
+    return np.array([value * scale for value in numbers], float)
 
 
-def price_column(parts: Sequence[Part], money: Money, end: End) -> Array:
+@cache
+def in_si(name: str) -> tuple[str, float]:
+    """The name of a field in the SI unit, and the factor to it: `min_pulse_us` is `min_pulse_s`, 1e-6."""
+    stem, _, unit = name.rpartition("_")
+    si = SI_UNITS.get(unit, unit)
+    return (f"{stem}_{si}", convert(1.0, unit, si) or 1.0) if si != unit else (name, 1.0)
+
+
+def columns_of(record: type[Part], parts: Sequence[Part], end: End) -> dict[str, Array]:
+    """The numbers of parts as columns in SI, each by its name there; the price apart, which has a currency."""
+    return {
+        in_si(field.name)[0]: column(parts, field, end)
+        for field in kept_fields(record)
+        if field.form == "number" and field.name != "price"
+    }
+
+
+def of_table(table: type[Rows], known: Mapping[str, Array]) -> dict[str, Array]:
+    """Those columns that stand in a table as they are."""
+    return {f.name: known[f.name] for f in fields(table) if f.name in known}
+
+
+def prices(parts: Sequence[Part], money: Money, end: End, high_basis: bool) -> dict[str, Array]:
     """Prices in the mission's currency; an inline part without a price costs nothing."""
+    return {
+        "price": _prices(parts, money, end),
+        "limit_price": _prices(parts, money, "bad" if high_basis else end),
+    }
+
+
+def _prices(parts: Sequence[Part], money: Money, end: End) -> Array:
     return np.array([money(number(p.price, 0.0, end, FAVOURED["price"]), p.currency) for p in parts], float)
-
-
-def limit_end(end: End, high_basis: bool) -> End:
-    """Which end of a price counts against a budget."""
-    return "bad" if high_basis else end
 
 
 def camera_rows(
@@ -182,69 +208,57 @@ def camera_rows(
             curves.append(dict(part.qe_curves))
         qe_index.append(index_of[key])
     bits = np.array([PAPER_BITS if paper else part.bit_depth for part in parts], float)
-    sent_bits = np.array([part.bit_depth for part in parts], float)
-    black = column(parts, "black_level_dn", 0.0) * (0.0 if paper else 1.0)
-    saturation = column(parts, "saturation_e", np.inf, end=end)
-    full_scale = 2.0**bits - 1.0
-    gain = np.array(
+    known = columns_of(Camera, parts, end)
+    if paper:
+        known |= {name: 0.0 * known[name] for name in NOT_IN_PAPER}
+    pixels = known["resolution_x_px"] * known["resolution_y_px"]
+    frame_mb = pixels * known["bit_depth"] / 8.0 / 1e6
+    rate = np.minimum(known["max_frame_rate_hz"], known["bandwidth_mb_s"] / frame_mb)
+    rolling = np.array([part.shutter == "rolling" for part in parts], bool)
+    rows = Cameras(
+        **of_table(Cameras, known)
+        | prices(parts, money, end, high_basis)
+        | {
+            "gain_dn_per_e": _gain(parts, bits, known),
+            "bits": bits,
+            "max_gain": 10.0 ** (known["max_gain_db"] / 20.0),
+            "max_rate_hz": rate,
+            "readout_s": np.where(rolling & np.isfinite(rate), 1.0 / np.maximum(rate, 1e-9), 0.0),
+            "frame_mb": frame_mb,
+            "qe_index": np.array(qe_index, int),
+        }
+    )
+    return rows, curves
+
+
+def _gain(parts: Sequence[Camera], bits: Array, known: Mapping[str, Array]) -> Array:
+    """Numbers of so many bits per electron; full scale at saturation where it is not known."""
+    stated = np.array(
         [
             np.nan if part.gain_dn_per_e is None else part.gain_dn_per_e * 2.0 ** (b - (part.gain_bits or b))
             for part, b in zip(parts, bits, strict=True)
         ],
         float,
     )
+    black, saturation = known["black_level_dn"], known["saturation_e"]
     with np.errstate(invalid="ignore", divide="ignore"):
-        at_saturation = np.where(np.isfinite(saturation), (full_scale - black) / saturation, 1.0)
-    gain = np.where(np.isnan(gain), at_saturation, gain)
-    pixels = column(parts, "resolution_x_px", 0.0) * column(parts, "resolution_y_px", 0.0)
-    frame_mb = pixels * sent_bits / 8.0 / 1e6
-    bandwidth = column(parts, "bandwidth_mb_s", np.inf, end=end)
-    rate = np.minimum(column(parts, "max_frame_rate_hz", np.inf, end=end), bandwidth / frame_mb)
-    rolling = np.array([part.shutter == "rolling" for part in parts], bool)
-    off = 0.0 if paper else 1.0
-    rows = Cameras(
-        resolution_x_px=column(parts, "resolution_x_px", 0.0),
-        resolution_y_px=column(parts, "resolution_y_px", 0.0),
-        pixel_pitch_m=column(parts, "pixel_pitch_um", 0.0, scale=1e-6),
-        read_noise_e=column(parts, "read_noise_e", 0.0, end=end),
-        saturation_e=saturation,
-        gain_dn_per_e=gain,
-        bits=bits,
-        black_level_dn=black,
-        max_gain=10.0 ** (column(parts, "max_gain_db", 0.0, end=end) / 20.0),
-        min_exposure_s=column(parts, "min_exposure_us", 0.0, scale=1e-6, end=end),
-        max_exposure_s=column(parts, "max_exposure_us", np.inf, scale=1e-6, end=end),
-        exposure_offset_s=column(parts, "exposure_offset_us", 0.0, scale=1e-6, end=end) * off,
-        dark_current_e_s=column(parts, "dark_current_e_s", 0.0, end=end) * off,
-        prnu_frac=column(parts, "prnu_frac", 0.0, end=end) * off,
-        max_rate_hz=rate,
-        readout_s=np.where(rolling & np.isfinite(rate), 1.0 / np.maximum(rate, 1e-9), 0.0),
-        frame_mb=frame_mb,
-        qe_index=np.array(qe_index, int),
-        qe_scale=column(parts, "qe_scale", 1.0, end=end),
-        price=price_column(parts, money, end),
-        limit_price=price_column(parts, money, limit_end(end, high_basis)),
-        mass_kg=column(parts, "mass_g", 0.0, scale=1e-3, end=end),
-        power_w=column(parts, "power_w", 0.0, end=end),
-    )
-    return rows, curves
+        at_saturation = np.where(np.isfinite(saturation), (2.0**bits - 1.0 - black) / saturation, 1.0)
+    return np.where(np.isnan(stated), at_saturation, stated)
 
 
 def lens_rows(
     parts: Sequence[Lens], *, money: Money, end: End = "central", high_basis: bool = False
 ) -> Lenses:
     """Lenses as columns."""
+    known = columns_of(Lens, parts, end)
     return Lenses(
-        focal_length_m=column(parts, "focal_length_mm", 0.0, scale=1e-3),
-        f_number_min=column(parts, "f_number_min", 1.0, end=end),
-        f_number_max=column(parts, "f_number_max", 16.0, end=end),
-        transmission=column(parts, "transmission_frac", 1.0, end=end),
-        min_object_distance_m=column(parts, "min_object_distance_m", 0.0, end=end),
-        rated_pitch_m=np.array([(rated_pitch_um(part) or 0.0) * 1e-6 for part in parts], float),
-        motorised=np.array([part.aperture_control == "motorised" for part in parts], bool),
-        price=price_column(parts, money, end),
-        limit_price=price_column(parts, money, limit_end(end, high_basis)),
-        mass_kg=column(parts, "mass_g", 0.0, scale=1e-3, end=end),
+        **of_table(Lenses, known)
+        | prices(parts, money, end, high_basis)
+        | {
+            "transmission": known["transmission_frac"],
+            "rated_pitch_m": np.array([(rated_pitch_um(part) or 0.0) * 1e-6 for part in parts], float),
+            "motorised": np.array([part.aperture_control == "motorised" for part in parts], bool),
+        }
     )
 
 
@@ -262,16 +276,16 @@ def port_rows(
     def radius_of(part: Port) -> float:
         return (part.outer_radius_mm or 0.0) * 1e-3 if part.geometry == "dome" else 0.0
 
+    known = columns_of(Port, parts, end)
     return Ports(
-        is_dome=np.array([part.geometry == "dome" for part in parts], bool),
-        outer_radius_m=np.array([radius_of(part) for part in parts], float),
-        thickness_m=column(parts, "thickness_mm", 0.0, scale=1e-3, end=end),
-        refractive_index=np.array([index_of(part) for part in parts], float),
-        gap_m=column(parts, "gap_mm", 0.0, scale=1e-3),
-        clear_radius_m=column(parts, "clear_diameter_mm", np.inf, scale=0.5e-3),
-        price=price_column(parts, money, end),
-        limit_price=price_column(parts, money, limit_end(end, high_basis)),
-        mass_kg=column(parts, "mass_g", 0.0, scale=1e-3, end=end),
+        **of_table(Ports, known)
+        | prices(parts, money, end, high_basis)
+        | {
+            "is_dome": np.array([part.geometry == "dome" for part in parts], bool),
+            "outer_radius_m": np.array([radius_of(part) for part in parts], float),
+            "refractive_index": np.array([index_of(part) for part in parts], float),
+            "clear_radius_m": known["clear_diameter_m"] / 2.0,
+        }
     )
 
 
@@ -288,44 +302,47 @@ def light_rows(
     high_basis: bool = False,
 ) -> Lights:  # fmt: skip
     """Lights as columns; physics `paper` does not derate lumens."""
+    known = columns_of(Light, parts, end)
     kind = np.array([KIND_CODES[part.kind] for part in parts], int)
     flash = kind == FLASH
-    stored = column(parts, "flash_energy_j", 0.0, end=end)
-    flux = column(parts, "flux_lm", 0.0, end=end)
-    efficacy = column(parts, "flash_efficacy_lm_s_per_j", 35.0, end=end)
+    stored, rate = known["flash_energy_j"], known["max_rate_hz"]
+    with np.errstate(divide="ignore"):
+        rate = np.where(flash, np.minimum(rate, 1.0 / known["recycle_s"]), rate)
+    flash_lm_s = flash_light_lm_s(stored, efficacy_lm_s_per_j=known["flash_efficacy_lm_s_per_j"])
+    return Lights(
+        **of_table(Lights, known)
+        | prices(parts, money, end, high_basis)
+        | {
+            "kind": kind,
+            "full_light": np.where(flash, flash_lm_s, known["flux_lm"]),
+            "output_factor": np.ones(len(parts)) if paper else _output(parts, known),
+            "full_power_w": np.where(flash, 0.0, known["power_w"]),
+            "pulse_energy_j": np.where(flash, stored / known["charging_efficiency_frac"], 0.0),
+            "stored_energy_j": np.where(flash, stored, 0.0),
+            "levels": _levels(parts),
+            "min_level": known["dim_min_frac"],
+            "dims_freely": np.array([part.dim_levels is None for part in parts], bool),
+            "max_duty": known["max_duty_frac"],
+            "max_rate_hz": rate,
+            "optics_index": np.array(optics_index, int),
+        }
+    )
+
+
+def _levels(parts: Sequence[Light]) -> Array:
+    """Shares of full light in rising order, NaN-padded; a row of NaN: continuous."""
     n_levels = max([1] + [len(part.dim_levels) for part in parts if part.dim_levels is not None])
     levels = np.full((len(parts), n_levels), np.nan)
     for row, part in enumerate(parts):
         if part.dim_levels is not None:
-            steps = sorted(part.dim_levels)
-            levels[row, : len(steps)] = steps
-    recycle = column(parts, "recycle_s", 0.0, end=end)
-    rate = column(parts, "max_rate_hz", np.inf, end=end)
-    with np.errstate(divide="ignore"):
-        rate = np.where(flash, np.minimum(rate, 1.0 / recycle), rate)
-    charging = column(parts, "charging_efficiency_frac", 1.0, end=end)
-    output = column(parts, "output_factor", 1.0, end=end)
+            levels[row, : len(part.dim_levels)] = sorted(part.dim_levels)
+    return levels
+
+
+def _output(parts: Sequence[Light], known: Mapping[str, Array]) -> Array:
+    """Share of the nameplate flux that leaves the window; measured where the profile is in candela."""
+    output = known["output_factor"].copy()
     for row, part in enumerate(parts):
         if part.beam_profile_is_candela and part.beam_profile is not None and part.flux_lm is not None:
-            output[row] = measured_lumens(part.beam_profile) / flux[row]
-    return Lights(
-        kind=kind,
-        full_light=np.where(flash, flash_light_lm_s(stored, efficacy_lm_s_per_j=efficacy), flux),
-        output_factor=np.ones(len(parts)) if paper else output,
-        full_power_w=np.where(flash, 0.0, column(parts, "power_w", 0.0, end=end)),
-        pulse_energy_j=np.where(flash, stored / charging, 0.0),
-        stored_energy_j=np.where(flash, stored, 0.0),
-        levels=levels,
-        min_level=np.array([part.dim_min_frac for part in parts], float),
-        dims_freely=np.array([part.dim_levels is None for part in parts], bool),
-        min_pulse_s=column(parts, "min_pulse_us", 0.0, scale=1e-6, end=end),
-        max_pulse_s=column(parts, "max_pulse_us", np.inf, scale=1e-6, end=end),
-        max_duty=column(parts, "max_duty_frac", 1.0, end=end),
-        max_rate_hz=rate,
-        flash_duration_s=column(parts, "flash_duration_us", np.inf, scale=1e-6, end=end),
-        front_radius_m=column(parts, "front_radius_mm", 0.02, scale=1e-3),
-        optics_index=np.array(optics_index, int),
-        price=price_column(parts, money, end),
-        limit_price=price_column(parts, money, limit_end(end, high_basis)),
-        mass_kg=column(parts, "mass_g", 0.0, scale=1e-3, end=end),
-    )
+            output[row] = measured_lumens(part.beam_profile) / known["flux_lm"][row]
+    return output
