@@ -1,0 +1,102 @@
+"""Bounds of cells of settings, one by one, against points of `settings_attack`, whose formulas are its own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from settings_attack import SIGNS, figures, lit, sample
+
+from uwopt.hardware import PULSED
+from uwopt.objectives.objective import Objective
+from uwopt.rows import SceneRows
+from uwopt.solvers.cell_tangent import DIMMEST
+from uwopt.solvers.cells import CellSearch, best_by_cells
+
+Array = NDArray[Any]
+GAP = 1e-4
+LED = {"kind": PULSED, "rate_hz": 5.0, "min_exposure_s": 1e-5, "time_max_s": 4e-3}
+BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
+    "information under lamps": ({}, "information"),
+    "information with a veil and dark current": (dict(veil=60.0, dark_current_e_s=50.0), "information"),
+    "information of a bright image": (dict(signal_e=[1200.0, 1000.0, 800.0], well_e=6000.0), "information"),
+    "information against power": (dict(veil=30.0), {"information": 1e-5, "power": 0.01}),
+    "power of a sharp image": (dict(min_mtf=0.25), "power"),
+    "signal of a sharp image": (dict(min_mtf=0.25), "snr_db"),
+    "signal under the sun": (dict(sun=(3e5, 2e5), open_max_s=5e-3), "snr_db"),
+    "contrast under the sun": (dict(sun=(3e5, 2e5), veil=20.0, open_max_s=5e-3), "contrast"),
+    "power under the sun": (dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0), "power"),
+    "pulses under the sun": (dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0, **LED), "power"),
+    "information of pulses under the sun": (dict(sun=(3e4, 2e4), open_max_s=5e-3, **LED), "information"),
+    "signal against power": (dict(sun=(1e4, 1e4), open_max_s=5e-3), {"snr_db": 1.0, "power": 0.1}),
+}  # fmt: skip
+
+
+def cell_search(rows: SceneRows, wanted: Any) -> CellSearch:
+    """The search over cells of one design, not yet run."""
+    return CellSearch(
+        [rows], Objective.of(wanted), np.array([np.inf]), own_f_number=False, gap_rel=GAP, constant=np.zeros(1),
+        cutoff=np.array([np.inf]), hardware=None, top=None, most_cells=10_000,
+    )  # fmt: skip
+
+
+def within(search: CellSearch, pool: Any, points: list[Array]) -> Array:
+    """Which points (n_points, n_cells) lie in which cells, to rounding."""
+    n, tau, open_s, u, _ = (np.log(np.maximum(p, 1e-300))[:, None] for p in points)
+    inside, slack = np.ones((len(n), len(pool.design)), bool), 1e-9
+    dims = (search.n_dim[0], search.t_dim[0], search.open_dim[0], search.u_dim[0])
+    for value, dim in zip((n, tau, open_s, u), dims, strict=True):
+        if dim < 0:
+            continue
+        low = pool.lo[:, dim].copy()
+        if dim == search.u_dim[0]:  # the lowest cells reach down to the lamp's own least level
+            low[low <= np.log(DIMMEST * search.scenes[0].u_max[0]) + 1e-9] = -np.inf
+        inside &= (value >= low - slack) & (value <= pool.hi[:, dim] + slack)
+    return inside
+
+
+@pytest.mark.parametrize("name", BY_CELLS)
+def test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it(name: str) -> None:
+    """Cells of four halvings against points all over: every feasible one lies in a cell, none below its bound."""
+    given, wanted = BY_CELLS[name]
+    rows, rng, objective = lit(**given), np.random.default_rng(0), Objective.of(wanted)
+    points = sample(rows, rng, 3000, None, 0.0)
+    seen = figures(rows, *points[:4], info=bool(objective.weight("information")))
+    keep = np.nonzero(seen["ok"])[0]
+    assert len(keep) > 20, "points enough"
+    value = sum(objective.weight(n) * s * seen[n][keep] for n, s in SIGNS.items() if objective.weight(n))
+    search = cell_search(rows, wanted)
+    if not search.power_decides:
+        value = value + search.offset[0]
+    places = [p[keep] for p in points]
+    pool, _ = search._bounded(search._roots())
+    for _ in range(4):
+        inside = within(search, pool, places)
+        assert inside.any(axis=1).all(), "a feasible point lies in no cell"
+        bound = np.where(inside, pool.bound, -np.inf).max(axis=1)
+        assert (value >= bound - 1e-7 * np.abs(bound) - 1e-12).all()
+        pool, _ = search._bounded(search._halved(pool))
+
+
+CELLS_ENOUGH = {  # halved until a gap of 1e-4 closes, a quarter more than it takes: looser bounds take many more
+    "information under lamps": 250, "information with a veil and dark current": 215,
+    "information of a bright image": 125, "signal under the sun": 190, "pulses under the sun": 500,
+    "signal against power": 1370,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CELLS_ENOUGH)
+def test_bounds_of_cells_close_the_gap_soon(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bound that is loosened costs time alone; the cells that are halved tell."""
+    given, wanted = BY_CELLS[name]
+    halved, sound = [], CellSearch._halved
+
+    def counted(self: CellSearch, pool: Any) -> Any:
+        halved.append(len(pool.design))
+        return sound(self, pool)
+
+    monkeypatch.setattr(CellSearch, "_halved", counted)
+    best_by_cells([lit(**given)], np.array([False]), Objective.of(wanted), np.array([3.0]), np.inf)
+    assert sum(halved) <= CELLS_ENOUGH[name]
