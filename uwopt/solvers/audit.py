@@ -8,6 +8,7 @@ search over its settings; one that is feasible and better than the recommendatio
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import islice, zip_longest
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.design_model import Hardware
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Problem
-from uwopt.solvers.attack import attack
+from uwopt.solvers.attack import attack, fits
 from uwopt.solvers.exact import Search
 from uwopt.solvers.goals import GAP, scenes_need_cells
 from uwopt.solvers.ranking import Found
@@ -38,7 +39,12 @@ class Attempt:
 
 
 def audit(
-    search: Search, objective: Objective, *, count: int, seed: int, best_value: float | None,
+    search: Search,
+    objective: Objective,
+    *,
+    count: int,
+    seed: int,
+    best_value: float | None,
     deadline: Deadline = NEVER,
 ) -> dict[str, Any]:
     """Draw, attack, report."""
@@ -111,7 +117,10 @@ def from_rules(search: Search, count: int, rng: np.random.Generator) -> list[tup
 
 
 def neighbours(problem: Problem, best: Found, count: int, rng: np.random.Generator) -> list[Hardware]:
-    """Hardware that differs from the best by one part, number, mount or orientation, some by a second one."""
+    """Hardware that differs from the best by one part, number, mount or orientation, some by a second one.
+
+    Of each kind as many while there are some; parts that do not go together are no use.
+    """
     home = Hardware(
         best.camera, best.lens, best.port, best.landscape, best.light, best.count, best.lighting.mount
     )
@@ -119,16 +128,18 @@ def neighbours(problem: Problem, best: Found, count: int, rng: np.random.Generat
         name: [value for value in options if value != getattr(home, name)]
         for name, options in options_of(problem).items()
     }
-    swaps = [(name, value) for name, values in choices.items() for value in values]
+    by_turns = zip_longest(*(
+        [replace(home, **{name: values[int(place)]}) for place in rng.permutation(len(values))]
+        for name, values in choices.items()
+    ))  # fmt: skip
+    single = (hardware for turn in by_turns for hardware in turn if hardware is not None)
     found = []
-    for place in rng.permutation(len(swaps))[:count]:
-        name, value = swaps[int(place)]
-        changed = {name: value}
-        others = [other for other, values in choices.items() if values and other != name]
-        if others and rng.random() < TWO_PARTS:
-            other = others[int(rng.integers(len(others)))]
-            changed[other] = choices[other][int(rng.integers(len(choices[other])))]
-        found.append(replace(home, **changed))
+    for hardware in islice((one for one in single if fits(problem, one)), count):
+        twice = hardware
+        name = list(choices)[int(rng.integers(len(choices)))]
+        if choices[name] and rng.random() < TWO_PARTS:
+            twice = replace(hardware, **{name: choices[name][int(rng.integers(len(choices[name])))]})
+        found.append(twice if fits(problem, twice) else hardware)
     return found
 
 
