@@ -1,0 +1,235 @@
+"""The certificate by hand: where every combination went, what bound is left, and whose word breaks a tie."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from one_of_each import one, with_parts
+
+from uwopt.deadline import Deadline
+from uwopt.objectives.objective import Objective
+from uwopt.result import Certificate
+from uwopt.solvers import exact as exact_search
+from uwopt.solvers import large
+from uwopt.solvers.certificate import accounted, certificate
+from uwopt.solvers.exact import Account, Outcome, Search
+from uwopt.solvers.ranking import TIE, Found, Ranking
+
+FAST = {"max_blur_px": 1.0, "min_snr_db": 26.0}
+
+
+# ---------------------------------------------------------------- the account
+
+
+def selection() -> Any:
+    """Three cameras of which one has no colour, two lenses, a port, two lamps of which one is not deep enough."""
+    sizes = {"camera": 3, "lens": 2, "port": 1, "light": 2}
+    return SimpleNamespace(
+        catalog=SimpleNamespace(parts=lambda kind: range(sizes[kind])),
+        indices={"camera": (0, 2), "lens": (0, 1), "port": (0,), "light": (1,)},
+        counts={"camera": {"colour": 1}, "lens": {}, "port": {}, "light": {"depth": 1}},
+    )
+
+
+def four_ways() -> Any:
+    """One or two lamps, both orientations."""
+    return one(vehicle={"light_count": [1, 2], "orientation": "any"}).problem()
+
+
+def test_every_combination_is_counted_once_by_hand() -> None:
+    """3 x 2 x 1 x 2 x 4 = 48; a camera takes 2 x 1 x 2 x 4 with it, a lamp then 2 x 2 x 1 x 4; 16 are searched."""
+    found = accounted(selection(), four_ways(), 6, {"mount": 10, "cost": 0})
+    assert (found["loaded"], found["selected"], found["evaluated"]) == (48, 16, 6)
+    assert found["discarded"] == [
+        {"rule": "camera: colour", "count": 16}, {"rule": "light: depth", "count": 16}, {"rule": "mount", "count": 10},
+    ]  # fmt: skip
+
+
+def proof(best: float | None, lower: float, objective: Any = "power", *, evaluated: int = 6) -> Certificate:
+    """The certificate of an outcome made up."""
+    outcome = SimpleNamespace(
+        best=[] if best is None else [SimpleNamespace(minimised=best)], lower_bound=lower, complete=False,
+        account=SimpleNamespace(evaluated=evaluated, discarded={"mount": 10}),
+    )  # fmt: skip
+    return certificate(selection(), four_ways(), outcome, Objective.of(objective))  # type: ignore[arg-type]
+
+
+def test_an_account_that_counts_twice_does_not_add_up() -> None:
+    """Six evaluated add up, seven do not."""
+    assert proof(10.0, 8.0).adds_up() and not proof(10.0, 8.0, evaluated=7).adds_up()
+
+
+def test_a_gap_that_is_open_is_told() -> None:
+    """Best 10 W, none below 8 W: 2 W are open, a fifth."""
+    found = proof(10.0, 8.0)
+    assert (found.lower_bound, found.best_value, found.gap_abs) == (8.0, 10.0, 2.0)
+    assert found.gap_rel == pytest.approx(0.2) and not found.complete
+
+
+def test_bounds_of_what_is_maximised_lie_above() -> None:
+    """30 dB found, 31 dB not excluded."""
+    found = proof(-30.0, -31.0, "snr_db")
+    assert (found.lower_bound, found.best_value, found.gap_abs) == (31.0, 30.0, 1.0)
+
+
+def test_nothing_found_has_no_gap() -> None:
+    """Infinite is no number of a result."""
+    found = proof(None, math.inf)
+    assert found.lower_bound is None and found.gap_rel is None
+
+
+@pytest.mark.parametrize(
+    ("evaluated", "discarded", "whole"),
+    [(6, {"mount": 4}, True), (6, {"mount": 5}, False), (5, {"mount": 4}, False)],
+)
+def test_the_search_holds_its_account_against_all_combinations(
+    evaluated: int, discarded: dict[str, int], whole: bool
+) -> None:
+    """Ten in all."""
+    assert Account(10, evaluated, discarded).adds_up() == whole
+
+
+# ---------------------------------------------------------------- what bound is left
+
+
+def cut(monkeypatch: pytest.MonkeyPatch, calls: int, *, way: str = "small") -> tuple[Outcome, Outcome]:
+    """A search of three cameras that Ctrl-C ends before an evaluation, and the whole one."""
+    case_ = with_parts(
+        one(wanted=FAST),
+        cameras=[{"read_noise_e": 40.0, "power_w": 3.1}, {"read_noise_e": 80.0, "power_w": 3.2}],
+    )
+    for name in ("FIRST_CHUNK", "FIRST_BATCH", "LARGEST_BATCH"):
+        monkeypatch.setattr(exact_search, name, 1)
+    for name in ("FIRST_PAIRS", "FIRST_LEAVES", "FIRST_UNITS"):
+        monkeypatch.setattr(large, name, 1)
+    monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)
+    monkeypatch.setattr(exact_search, "MOST_IMAGERS", 10**9 if way == "small" else 0)
+    case_ = replace(case_, parts=replace(case_.parts, cameras=case_.parts.cameras[::-1]))
+    full, sound, made = case_.solve(top=3)[1], Search._evaluate_pairs, []
+
+    def stopping(self: Search, *given: Any) -> None:
+        made.append(1)
+        if len(made) > calls:
+            raise KeyboardInterrupt
+        sound(self, *given)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Search, "_evaluate_pairs", stopping)
+        return case_.solve(top=3)[1], full
+
+
+@pytest.mark.parametrize("way", ["small", "large"])
+def test_a_search_cut_short_has_a_bound_below_what_it_found(
+    way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The next camera draws 3.1 W and any light: less cannot be excluded, and nothing below it is claimed."""
+    outcome, full = cut(monkeypatch, 1, way=way)
+    assert outcome.interrupted and not outcome.complete and outcome.account.adds_up()
+    assert 3.0 <= outcome.lower_bound <= full.best[0].minimised
+    assert outcome.lower_bound == pytest.approx(3.1)
+
+
+def test_a_search_that_found_nothing_yet_has_a_bound_below_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
+    """3 W for the first camera's electronics alone."""
+    outcome, full = cut(monkeypatch, 0)
+    assert not outcome.best and outcome.lower_bound == pytest.approx(3.0)
+    assert outcome.lower_bound < full.best[0].minimised
+
+
+def test_a_search_out_of_time_has_the_bound_of_the_next_unit() -> None:
+    """Above the electronics' 3 W, as the unit's light is bounded too, and no more than the best of all."""
+    case_ = one(wanted=FAST)
+    ticks = iter(range(10_000))
+    late = Deadline(0.0, clock=lambda: float(next(ticks)))
+    grown = with_parts(case_, lenses=[{"focal_length_mm": f} for f in np.linspace(7.0, 9.0, 9)])
+    outcome, full = grown.solve(deadline=late)[1], grown.solve()[1]
+    assert not outcome.complete and outcome.account.adds_up()
+    assert 3.0 < outcome.lower_bound <= full.best[0].minimised
+
+
+def test_a_gap_of_settings_is_left_in_the_bound() -> None:
+    """Information is found to a gap, and by another quadrature: the bound lies above the best, by a little."""
+    outcome = one("information", wanted={**FAST, "min_swath_m": 1.0}).solve()[1]
+    best = -outcome.best[0].minimised
+    assert best < -outcome.lower_bound <= best * (1.0 + 2e-4)
+
+
+# ---------------------------------------------------------------- ties and runners-up
+
+
+def ranked(top: int = 3) -> tuple[Ranking, Found]:
+    """An empty list of the best, and a design that draws 10 W."""
+    search, outcome = with_parts(one(wanted=FAST), cameras=[{}, {}, {}]).solve(top=1)
+    sample = replace(
+        outcome.best[0], minimised=10.0, power_w=10.0, cost=2000.0, mass_kg=2.0, count=2, pulse_s=1e-3
+    )
+    return Ranking(search.problem, search.imagers, top=top, ceiling=math.inf), sample
+
+
+@pytest.mark.parametrize(
+    "better",
+    [{"power_w": 9.9}, {"cost": 1999.0}, {"mass_kg": 1.9}, {"count": 1}, {"pulse_s": 9e-4}],
+    ids=lambda given: next(iter(given)),
+)
+def test_a_tie_is_broken_by(better: dict[str, float]) -> None:
+    """Of two designs with the same objective the one with less of it, though its id comes later."""
+    ranking, design = ranked()
+    ranking._insert(replace(design, camera=0))
+    ranking._insert(replace(design, camera=1, minimised=10.0 * (1.0 + 0.5 * TIE), **better))  # type: ignore[arg-type]
+    assert [found.camera for found in ranking.best] == [1, 0]
+
+
+def test_what_breaks_a_tie_first_decides() -> None:
+    """Less power at a higher price wins where power and price both differ."""
+    ranking, design = ranked()
+    ranking._insert(replace(design, camera=0, power_w=9.0, cost=9000.0))
+    ranking._insert(replace(design, camera=1))
+    assert [found.camera for found in ranking.best] == [0, 1]
+
+
+def test_ids_break_the_last_tie() -> None:
+    """In whatever order they are found."""
+    for order in ((0, 1), (1, 0)):
+        ranking, design = ranked()
+        for camera in order:
+            ranking._insert(replace(design, camera=camera))
+        assert [found.camera for found in ranking.best] == [0, 1]
+
+
+def test_more_than_a_tie_is_no_tie() -> None:
+    """A billionth and a little more decides before all else."""
+    ranking, design = ranked()
+    ranking._insert(replace(design, camera=1, minimised=10.0 * (1.0 + 3.0 * TIE), power_w=1.0))
+    ranking._insert(replace(design, camera=0))
+    assert [found.camera for found in ranking.best] == [0, 1]
+
+
+def test_runners_up_have_other_hardware() -> None:
+    """Of one hardware only the best number of lamps is listed, and only so many in all."""
+    ranking, design = ranked(top=2)
+    for camera, value in ((0, 12.0), (0, 11.0), (1, 13.0), (0, 14.0), (2, 12.5)):
+        ranking._insert(replace(design, camera=camera, minimised=value))
+    assert [(found.camera, found.minimised) for found in ranking.best] == [(0, 11.0), (2, 12.5)]
+
+
+def test_the_last_place_is_what_must_be_beaten() -> None:
+    """Ties included; anything while there is room."""
+    ranking, design = ranked(top=2)
+    ranking._insert(replace(design, camera=0))
+    assert ranking.threshold() == math.inf and ranking.power_threshold() == math.inf
+    ranking._insert(replace(design, camera=1, minimised=20.0, power_w=20.0))
+    assert ranking.threshold() == pytest.approx(20.0, rel=2 * TIE) and ranking.threshold() > 20.0
+    assert ranking.power_threshold() == pytest.approx(20.0, rel=2 * TIE)
+
+
+def test_a_search_lists_runners_up_in_their_order() -> None:
+    """Cameras that draw 3, 4 and 5 W are the three best."""
+    case_ = with_parts(one(wanted=FAST), cameras=[{"power_w": 5.0}, {"power_w": 4.0}, {"power_w": 6.0}])
+    outcome = case_.solve(top=3)[1]
+    assert [found.camera for found in outcome.best] == [0, 2, 1]
+    assert np.diff([found.minimised for found in outcome.best]).tolist() == pytest.approx([1.0, 1.0])

@@ -1,0 +1,108 @@
+"""Doubt by hand: which end of an estimate harms, what the regret is, and which quotes matter."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import pytest
+from one_of_each import one, with_parts
+
+from uwopt.catalog.records import Quantity
+from uwopt.solvers.recommend import Sought
+from uwopt.solvers.robustness import assumptions, at_end, doubtful, mixed_problem, parts_of, robustness
+
+FAST = {"max_blur_px": 1.0, "min_snr_db": 26.0}
+
+
+def between(low: float, value: float, high: float) -> Quantity:
+    """A number that is estimated."""
+    return Quantity(value, low, high, "estimated")
+
+
+PRICES = {"price": between(900.0, 1000.0, 1500.0)}
+RIVAL = {"price": between(950.0, 1100.0, 1200.0)}
+
+
+@cache
+def sought(objective: str = "cost") -> Sought:
+    """Two cameras that differ by their price alone, which nobody has quoted."""
+    case_ = with_parts(one(objective, wanted=FAST, camera=PRICES), cameras=[RIVAL])
+    search, outcome = case_.solve(top=2)
+    return Sought(None, search.problem, search, outcome)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("name", "bad", "good"),
+    [("price", 3.0, 1.0), ("mass_g", 3.0, 1.0), ("power_w", 3.0, 1.0), ("read_noise_e", 3.0, 1.0),
+     ("saturation_e", 1.0, 3.0), ("max_gain_db", 1.0, 3.0), ("max_frame_rate_hz", 1.0, 3.0)],
+)  # fmt: skip
+def test_the_bad_end_of_a_camera_harms(name: str, bad: float, good: float) -> None:
+    """What one wants less of is bad when high."""
+    camera: Any = replace(one().parts.cameras[0], **{name: between(1.0, 2.0, 3.0)})
+    assert getattr(at_end(camera, "bad"), name).value == bad
+    assert getattr(at_end(camera, "good"), name).value == good
+
+
+def test_the_bad_end_of_a_lamp_is_its_dim_one() -> None:
+    """Less flux for more power."""
+    lamp: Any = replace(
+        one().parts.lights[0], flux_lm=between(1e4, 2e4, 3e4), power_w=between(100.0, 200.0, 300.0)
+    )
+    bad = at_end(lamp, "bad")
+    assert (bad.flux_lm.value, bad.power_w.value) == (1e4, 300.0)
+
+
+def test_one_number_alone_can_be_put_at_an_end() -> None:
+    """The others stay."""
+    camera: Any = replace(one().parts.cameras[0], price=between(1.0, 2.0, 3.0), mass_g=between(1.0, 2.0, 3.0))
+    bad = at_end(camera, "bad", only="mass_g")
+    assert (bad.price.value, bad.mass_g.value) == (2.0, 3.0)
+
+
+def test_only_what_no_source_states_is_doubtful() -> None:
+    """A range that is published is none."""
+    camera: Any = replace(
+        one().parts.cameras[0], price=between(1.0, 2.0, 3.0), mass_g=Quantity(2.0, 1.0, 3.0, "published")
+    )
+    assert [name for name, _ in doubtful(camera)] == ["price"]
+
+
+def test_rivals_stand_at_their_good_end_and_the_winner_at_its_bad_one() -> None:
+    """1500 against 950."""
+    found = sought().outcome.best[0]
+    bad = {kind: at_end(part, "bad") for kind, part in parts_of(sought().problem, found)}
+    mixed = mixed_problem(sought().problem, found, bad)
+    assert [camera.price.value for camera in mixed.parts.cameras] == [1500.0, 950.0]
+
+
+def test_the_regret_is_what_a_rival_saves_at_worst() -> None:
+    """The winner at 1500, its rival at 950: 550 USD."""
+    doubt = robustness(sought(), sought().search.objective)
+    assert doubt is not None
+    assert doubt["max_regret"] == pytest.approx(550.0)
+    assert doubt["value_at_bad_end"] == pytest.approx(1500.0 + 500.0 + 300.0 + 500.0)
+    assert doubt["rival"]["camera"] == "camera-0" and doubt["feasible_at_bad_end"]
+
+
+def test_the_quotes_that_matter_are_those_that_change_the_choice() -> None:
+    """The winner at 1500 loses against 1100; the rival at 950 wins against 1000."""
+    doubt = robustness(sought(), sought().search.objective)
+    assert doubt is not None
+    assert {(quote["part"], quote["field"]) for quote in doubt["quotes_that_matter"]} == {
+        ("camera", "price"), ("camera-0", "price"),
+    }  # fmt: skip
+
+
+def test_a_price_does_not_matter_where_none_is_asked_for() -> None:
+    """Least power knows no money."""
+    doubt = robustness(sought("power"), sought("power").search.objective)
+    assert doubt is not None and doubt["quotes_that_matter"] == []
+
+
+def test_assumptions_name_the_estimate_with_its_range() -> None:
+    """As a result shows it."""
+    found = assumptions(sought().problem, sought().outcome.best[0])
+    price = next(item for item in found if item["path"] == "camera.price")
+    assert (price["low"], price["value"], price["high"], price["unit"]) == (900.0, 1000.0, 1500.0, "USD")
