@@ -35,6 +35,7 @@ from uwopt.design_model import DesignModel, Hardware, SceneSettings, design_mode
 from uwopt.effects import Influence, effects_kept
 from uwopt.errors import CatalogError, MissionError
 from uwopt.evaluation import evaluate_design
+from uwopt.floats import own_float_rules
 from uwopt.hardware import FLASH
 from uwopt.mission import Mission, load_mission
 from uwopt.model.fidelity import Effects
@@ -84,7 +85,7 @@ def prepared(mission: Source | Mission, physics: str | None, objective: Any) -> 
     return made
 
 
-@np.errstate(under="ignore")  # less light than a float can hold is no light, whatever the caller has set
+@own_float_rules
 def solve(
     mission: Source | Mission,
     *,
@@ -490,7 +491,7 @@ def installed_versions() -> dict[str, str]:
 # ---------------------------------------------------------------- evaluate
 
 
-@np.errstate(under="ignore")  # less light than a float can hold is no light, whatever the caller has set
+@own_float_rules
 def evaluate(
     mission: Source | Mission, system: Source | System, *, physics: str | None = None, accuracy: bool = False,
     tolerance: float | None = None,

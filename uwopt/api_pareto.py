@@ -18,6 +18,7 @@ from uwopt.design_model import design_model
 from uwopt.errors import MissionError, SolverError
 from uwopt.evaluation import evaluate_design
 from uwopt.faults import nearest
+from uwopt.floats import own_float_rules
 from uwopt.front_result import FrontMethod, FrontObjective, FrontPoint, FrontResult
 from uwopt.mission import Mission
 from uwopt.objectives.axes import DEFAULT, FEWEST, MOST, Axes, Frame, plain_names
@@ -56,7 +57,7 @@ class Sought:
     peers: list[Any]  # PopulationFront
 
 
-@np.errstate(under="ignore")  # less light than a float can hold is no light, whatever the caller has set
+@own_float_rules
 def pareto(
     mission: api.Source | Mission,
     *,
