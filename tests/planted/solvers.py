@@ -35,4 +35,33 @@ DEFECTS: tuple[Defect, ...] = (
         new="spare_dark_s=0.0 * longest)",
         test=f"{DARK}test_bounds_for_any_veil_are_no_higher_than_the_power_with_the_least_veil",
     ),
+    Defect(
+        name="the least change of a limit is that of the first hardware that was found",
+        file="uwopt/solvers/least_change.py",
+        old="        if not closer.outcome.best:",
+        new="        if True:",
+        test="tests/solvers/test_least_change.py::"
+        "test_least_change_of_swath_takes_the_wider_lens_though_the_other_needs_less_power",
+    ),
+    Defect(
+        name="a limit is said to be possible that the cheapest design happens to reach",
+        file="uwopt/solvers/least_change.py",
+        old="        change = with_its_hardware(asked, change, relaxed)\n",
+        new="        return change\n",
+        test="tests/solvers/test_least_change.py::test_least_blur_is_that_of_the_lamp_at_full_level",
+    ),
+    Defect(
+        name="a possible limit is rounded towards what was asked",
+        file="uwopt/solvers/least_change.py",
+        old="if value > asked else math.floor",
+        new="if value < asked else math.floor",
+        test="tests/solvers/test_least_change.py::test_limit_to_type_is_rounded_away_from_what_was_asked",
+    ),
+    Defect(
+        name="of parts not rated deep enough the first is named",
+        file="uwopt/solvers/infeasible.py",
+        old="        found = deeper\n",
+        new="        break\n",
+        test="tests/solvers/test_least_change.py::test_least_change_of_depth_is_that_of_the_part_rated_deepest",
+    ),
 )

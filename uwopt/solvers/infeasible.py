@@ -1,7 +1,8 @@
 """Why nothing fits: the cascade of rules, what each single requirement costs, and the nearest miss.
 
 Each requirement is dropped in turn and the search run again: where that helps, its figure is made as
-good as the others allow, which is the smallest relaxation that makes the mission feasible.
+good as the others allow, or its limit drawn in as far as something still fits (`least_change`): the smallest
+relaxation that makes the mission feasible.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from uwopt.catalog.catalogue import Catalog
@@ -19,6 +21,7 @@ from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.problem import Parts, Problem
 from uwopt.result import Certificate, Design
+from uwopt.solvers.least_change import least_change, rounded_away
 from uwopt.solvers.recommend import Generic, Progress, Sought, seek
 from uwopt.solvers.robustness import parts_of
 from uwopt.solvers.rounding import exact_settings
@@ -62,7 +65,9 @@ def explain(
 ) -> dict[str, Any]:  # fmt: skip
     """The `infeasible` part of a result."""
     relaxations = sorted(
-        single_relaxations(mission, catalog, objective, generic=generic, deadline=deadline, progress=progress),
+        single_relaxations(
+            mission, catalog, objective, generic=generic, deadline=deadline, progress=progress
+        ),
         key=lambda r: r.miss_rel,
     )
     requirements = [
@@ -84,7 +89,12 @@ BOUNDED = ("light", "bound", "power_w", "cost", "mass_kg")
 
 
 def single_relaxations(
-    mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic, deadline: Deadline,
+    mission: Mission,
+    catalog: Catalog,
+    objective: Objective,
+    *,
+    generic: Generic,
+    deadline: Deadline,
     progress: Progress | None,
 ) -> Iterator[Relaxation]:
     """Drop each requirement that is asked for, and see whether something fits then."""
@@ -108,9 +118,41 @@ def single_relaxations(
             deadline.left_out.append(f"the least change of {name}")
         if not found.outcome.best:
             continue
+        if by_depth:
+            found = deepest(found, relaxed, catalog, goal, generic=generic, deadline=deadline)
         design = judged_by(mission, found, objective)
         needed = rated_depth(found) if by_depth else reached_value(design, key)
+        if best is None and not by_depth and needed is not None:
+
+            def search(wanted: Mission, goal: Objective = goal) -> Sought:
+                return seek(wanted, catalog, goal, generic=generic, top=1, deadline=deadline)
+
+            change = least_change(
+                limit, rounded_away(needed, limit), found, search=search, deadline=deadline, name=name,
+                relaxed=partial(with_limit, mission, section, key, limit),
+            )  # fmt: skip
+            needed, design = change.limit, judged_by(mission, change.found, objective)
         yield Relaxation(name, limit, needed, miss(limit, needed), design)
+
+
+def deepest(
+    found: Sought,
+    mission: Mission,
+    catalog: Catalog,
+    goal: Objective,
+    *,
+    generic: Generic,
+    deadline: Deadline,
+) -> Sought:
+    """Of designs whose parts are not rated deep enough, one whose are rated deepest."""
+    while (rated := rated_depth(found)) is not None and not deadline.passed():
+        deeper = seek(
+            mission, catalog, goal, generic=generic, top=1, depth_m=rated * (1 + 1e-6), deadline=deadline
+        )
+        if not deeper.outcome.best or (rated_depth(deeper) or 0.0) <= rated:
+            break
+        found = deeper
+    return found
 
 
 def judged_by(mission: Mission, found: Sought, objective: Objective) -> Design:
@@ -156,6 +198,22 @@ def without(mission: Mission, section: str, key: str) -> Mission | None:
             (scene.get(section) or {}).pop(name, None)
     if key == "overlap" and mission.requirements.frame_interval_s is None and mission.vehicle.speed_m_s == 0:
         return None
+    return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
+
+
+def with_limit(mission: Mission, section: str, key: str, asked: float, value: float) -> Mission:
+    """The mission with another limit in all scenes; one that already asks for less stays as it is."""
+    data = mission.to_dict()
+
+    def weaker(old: float) -> float:
+        if key == "mean_level":
+            return value if old == asked else old
+        return max(old, value) if value > asked else min(old, value)
+
+    for place in (data, *data["scenes"]):
+        own = place.get(section) or {}
+        if own.get(key) is not None:
+            own[key] = weaker(float(own[key]))
     return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
 
 

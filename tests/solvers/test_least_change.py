@@ -1,0 +1,127 @@
+"""What the text of an infeasible mission says would be enough is enough, and little less is not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from uwopt.api import load_catalog
+from uwopt.catalog.catalogue import Catalog
+from uwopt.mission import Mission, load_mission
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.certificate import certificate
+from uwopt.solvers.infeasible import explain
+from uwopt.solvers.least_change import rounded_away
+from uwopt.solvers.recommend import seek
+
+POWER = Objective.of("power")
+FILES = {
+    "cameras": "id,colour,resolution_x_px,resolution_y_px,pixel_pitch_um,shutter,mounts,max_frame_rate_hz,bit_depth,"
+    "read_noise_e,saturation_e,dark_current_e_s,max_gain_db,black_level_dn,min_exposure_us,max_exposure_us,"
+    "exposure_offset_us,prnu_frac,qe,qe_nm,power_w,mass_g,price,currency\n"
+    "zz-cam,mono,1936,1216,5.86,global,C,40,12,7,30000,0,36,0,10,1000000,0,0,0.7,530,3,100,500,USD\n",
+    "lenses": "id,focal_length_mm,f_number_min,f_number_max,aperture_control,image_circle_mm,mounts,"
+    "transmission_frac,min_object_distance_m,mass_g,price,currency\n"
+    "zz-lens,12,1.4,16,manual,16,C,0.9,0.1,100,300,USD\n"
+    "zz-wide,8,4,16,manual,16,C,0.9,0.1,100,300,USD\n",
+    "ports": "id,geometry,refractive_index,thickness_mm,gap_mm,clear_diameter_mm,depth_rating_m,mass_g,price,currency\n"
+    "zz-port,flat,1.49,10,0,200,300,500,200,USD\n"
+    "zz-deep,flat,1.49,20,0,200,500,2500,900,USD\n",
+    "lights": "id,kind,flux_lm,power_w,output_factor,beam,beam_angle_deg,beam_medium,dim_levels,spectrum,"
+    "depth_rating_m,mass_g,price,currency\n"
+    "zz-led,continuous,20000,200,1,cosine-power,90,water,continuous,generic-led,6000,500,700,USD\n",
+}
+
+
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with one camera, two lenses, two ports and one lamp."""
+    folder = tmp_path_factory.mktemp("parts")
+    for name, text in FILES.items():
+        (folder / f"{name}.csv").write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def catalog(parts: Path) -> Catalog:
+    """The catalogue with these parts, read once."""
+    return load_catalog(mission(parts))
+
+
+def mission(
+    parts: Path, lenses: tuple[str, ...] = ("zz-lens",), depth_m: float = 30.0, **asked: Any
+) -> Mission:
+    """A survey from 2 m with these requirements."""
+    files = [str(parts / f"{name}.csv") for name in FILES]
+    return load_mission(
+        {
+            "name": "a little too much",
+            "scene": {"water": "II", "seafloor": "coral", "depth_m": depth_m},
+            "vehicle": {
+                "altitude_m": 2.0, "speed_m_s": 0.5, "orientation": "landscape", "light_baseline_m": 0.8,
+                "light_count": 1,
+            },
+            "requirements": {"overlap": 0.6, "min_snr_db": 25.0, **asked},
+            "catalog": {
+                "files": files, "cameras": ["zz-cam"], "lenses": list(lenses), "ports": ["zz-port", "zz-deep"],
+                "lights": ["zz-led"], "generic": "never",
+            },
+            "physics": "paper",
+        }
+    )  # fmt: skip
+
+
+def told(wanted: Mission, catalog: Catalog) -> dict[str, float]:
+    """Requirements with the limit that is said to be possible."""
+    found = seek(wanted, catalog, POWER, generic="never", top=1)
+    assert not found.outcome.best
+    proof = certificate(found.selection, found.problem, found.outcome, POWER)
+    why = explain(wanted, catalog, POWER, proof, generic="never")
+    return {item["name"]: item["needed"] for item in why["relaxations"]}
+
+
+def fits(wanted: Mission, catalog: Catalog) -> bool:
+    """Whether any system does."""
+    return bool(seek(wanted, catalog, POWER, generic="never", top=1).outcome.best)
+
+
+def test_least_blur_is_that_of_the_lamp_at_full_level(parts, catalog):
+    # Light is level * time, and blur is proportional to time: the lamp at full level needs the blur of a mission
+    # that is met, times its level there.
+    asked = dict(max_blur_px=0.1, min_snr_db=30.0)
+    met = seek(mission(parts, **{**asked, "max_blur_px": 5.0}), catalog, POWER, generic="never", top=1)
+    level = met.outcome.best[0].settings[0]["level"]
+    possible = told(mission(parts, **asked), catalog)["max_blur_px"]
+    assert possible == pytest.approx(5.0 * level, rel=0.03)
+    assert possible >= 5.0 * level * (1 - 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "asked"), [("max_blur_px", 0.1), ("min_dof_m", 3.9), ("overlap", 0.995), ("min_swath_m", 9.0)]
+)
+def test_limit_said_to_be_possible_is_enough_and_a_little_less_is_not(parts, catalog, name, asked):
+    base = {"max_blur_px": 1.0} if name != "max_blur_px" else {"min_snr_db": 30.0}
+    possible = told(mission(parts, **{**base, name: asked}), catalog)[name]
+    assert fits(mission(parts, **{**base, name: possible}), catalog)
+    assert not fits(mission(parts, **{**base, name: possible + 0.03 * (asked - possible)}), catalog)
+
+
+def test_least_change_of_swath_takes_the_wider_lens_though_the_other_needs_less_power(parts, catalog):
+    both = ("zz-lens", "zz-wide")
+    narrow = told(mission(parts, min_swath_m=9.0), catalog)["min_swath_m"]
+    wide = told(mission(parts, both, min_swath_m=9.0), catalog)["min_swath_m"]
+    assert wide == pytest.approx(narrow * 12.0 / 8.0, rel=0.02)
+
+
+def test_least_change_of_depth_is_that_of_the_part_rated_deepest(parts, catalog):
+    assert told(mission(parts, depth_m=800.0), catalog)["depth_rating_m"] == 500.0
+
+
+@pytest.mark.parametrize(
+    ("value", "asked", "rounded"),
+    [(2.7134, 1.0, 2.72), (2.71, 1.0, 2.71), (0.061239, 0.5, 0.0612), (1234.5, 0.0, 1240.0), (-3.217, 1.0, -3.22)],
+)  # fmt: skip
+def test_limit_to_type_is_rounded_away_from_what_was_asked(value, asked, rounded):
+    assert rounded_away(value, asked) == rounded
