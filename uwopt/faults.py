@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Mapping
 
 KeyPath = tuple[str | int, ...]
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+")
 
 
 def path_text(path: KeyPath) -> str:
@@ -43,6 +46,15 @@ def nearest(word: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
         return longer[0]
     found = difflib.get_close_matches(plain, by_plain, n=1, cutoff=cutoff)
     return by_plain[found[0]] if found else None
+
+
+def without_comma(text: str) -> str:
+    """How to write a number that has commas; empty where it is no such number. `10,000` may mean two numbers."""
+    plain = text.strip()
+    if _THOUSANDS.fullmatch(plain):
+        decimal = f", or {plain.replace(',', '.')} if the comma is a decimal one" if plain.count(",") == 1 else ""
+        return f"write {plain.replace(',', '')}{decimal}"
+    return f"write a decimal point: {plain.replace(',', '.')}" if _DECIMAL_COMMA.fullmatch(plain) else ""
 
 
 def _printable_key(key: str) -> str:

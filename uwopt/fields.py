@@ -24,10 +24,10 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
-from uwopt.faults import nearest
+from uwopt.faults import nearest, without_comma
 
 _UNIT_TEXT = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*[^\d\s.,].*", re.DOTALL)
-_DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
+_PERCENT = re.compile(r"\s*([-+]?\d{1,9}\.?\d*)\s*%\s*")
 SMALLEST = 1e-12  # of what may not be 0: products of a few such stay within what a float holds
 _SPELLINGS = {"color": "colour", "monochrome": "mono", "grey": "mono", "highest": "high"}
 
@@ -62,8 +62,10 @@ def _number_from_text(text: str) -> float | str:
             return float(text)
     except ValueError:
         pass
-    if _DECIMAL_COMMA.fullmatch(text):
-        raise refusal("is not a number", f"write a decimal point: {text.strip().replace(',', '.')}")
+    if mend := without_comma(text):
+        raise refusal("is not a number", mend)
+    if percent := _PERCENT.fullmatch(text):
+        raise refusal("is not a number", f"a share is written without sign: {float(percent[1]) / 100:g}")
     if _UNIT_TEXT.fullmatch(text):
         raise refusal("is not a number", "the unit belongs in the key, the value is a bare number")
     return text

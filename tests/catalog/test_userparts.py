@@ -51,7 +51,7 @@ def test_every_fault_of_a_file_is_told_once(tmp_path):
         "lenses.csv row 5 (c): id stands already in row 4",
         "lenses.csv row 5 (c): mounts = 'Z' is not any of C, CS",
         "lenses.csv row 6: id is empty",
-        "lenses.csv row 6: focal_length_mm = '6,5' has a decimal comma; write 6.5",
+        "lenses.csv row 6: focal_length_mm = '6,5' has a comma; write a decimal point: 6.5",
     ):
         assert sum(words in fault for fault in faults) == 1, words
 

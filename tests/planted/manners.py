@@ -9,6 +9,13 @@ SEARCH_DEADLINE = "tests/solvers/test_search_deadline.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="ten thousand with a comma becomes ten",
+        file="uwopt/faults.py",
+        old="    if _THOUSANDS.fullmatch(plain):",
+        new="    if False:",
+        test="tests/test_mission.py::test_a_bad_mission_is_told_in_words",
+    ),
+    Defect(
         name="runs side by side mix their files",
         file="uwopt/report/write.py",
         old="            fcntl.flock(descriptor, fcntl.LOCK_EX)",

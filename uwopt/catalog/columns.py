@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from uwopt.catalog.parts.cell import ANY, LARGEST, SMALLEST, Field, Form, Range, fields_of
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.parts.part import OPENING, Kind, Part
+from uwopt.faults import without_comma
 
 Cell = float | str | bool | tuple[str, ...] | None
 
@@ -71,7 +72,6 @@ TELLTALE: dict[str, Kind] = {
     field.name: kind for kind, part in PARTS.items() for field in fields_of(part.record) if field.cell.tells
 }
 
-_DECIMAL_COMMA = re.compile(r"^[+-]?\d+,\d+$")
 _FLAGS = {"yes": True, "true": True, "1": True, "no": False, "false": False, "0": False}
 
 
@@ -118,8 +118,8 @@ def parse_number(column: Column, text: str) -> float:
 
 
 def _why_no_number(text: str) -> str:
-    if _DECIMAL_COMMA.match(text):
-        return f"has a decimal comma; write {text.replace(',', '.')}"
+    if mend := without_comma(text):
+        return f"has a comma; {mend}"
     if re.match(r"^[+-]?[\d.]+\s*[a-zA-Zµ°%\"]", text):
         return "is not a number; the unit belongs in the header"
     return "is not a number"
