@@ -202,8 +202,8 @@ DEFECTS = (
     Defect(
         name="interface and data in bits",
         file="uwopt/hardware.py",
-        old="frame_mb = pixels * sent_bits / 8.0 / 1e6",
-        new="frame_mb = pixels * sent_bits / 1e6",
+        old='frame_mb = pixels * known["bit_depth"] / 8.0 / 1e6',
+        new='frame_mb = pixels * known["bit_depth"] / 1e6',
         test=f"{INSIDE}[data_rate_mb_s]",
     ),
     Defect(
@@ -433,21 +433,21 @@ DEFECTS = (
     Defect(
         name="a budget takes the central price for the high one",
         file="uwopt/hardware.py",
-        old='return "bad" if high_basis else end',
-        new="return end",
+        old='"bad" if high_basis else end',
+        new="end",
         test="tests/test_hardware.py::test_budget_counts_the_high_end_of_a_price_where_that_is_its_basis",
     ),
     Defect(
         name="a flash takes no more than it stores",
         file="uwopt/hardware.py",
-        old="np.where(flash, stored / charging, 0.0)",
+        old='np.where(flash, stored / known["charging_efficiency_frac"], 0.0)',
         new="np.where(flash, stored, 0.0)",
         test="tests/test_hardware.py::test_flash_gives_the_light_of_its_tube_and_takes_what_charging_loses",
     ),
     Defect(
         name="lumens of a profile in candela are ignored",
         file="uwopt/hardware.py",
-        old="output[row] = measured_lumens(part.beam_profile) / flux[row]",
+        old='output[row] = measured_lumens(part.beam_profile) / known["flux_lm"][row]',
         new="output[row] = 1.0",
         test="tests/test_hardware.py::test_lamp_measured_in_candela_gives_the_lumens_of_its_profile",
     ),
@@ -461,8 +461,8 @@ DEFECTS = (
     Defect(
         name="the paper's sensors have dark current",
         file="uwopt/hardware.py",
-        old='dark_current_e_s=column(parts, "dark_current_e_s", 0.0, end=end) * off',
-        new='dark_current_e_s=column(parts, "dark_current_e_s", 0.0, end=end)',
+        old='"exposure_offset_s", "dark_current_e_s", "prnu_frac")',
+        new='"exposure_offset_s", "prnu_frac")',
         test="tests/test_hardware.py::test_paper_leaves_out_what_the_paper_leaves_out",
     ),
     Defect(

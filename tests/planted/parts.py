@@ -46,24 +46,10 @@ DEFECTS: tuple[Defect, ...] = (
         f"{TESTS}::test_saturation_follows_from_the_best_signal_to_noise_ratio",
     ),
     Defect(
-        "more read noise favours a design",
-        "uwopt/catalog/parts/camera.py",
-        '"temporal dark noise in electrons", FROM_ZERO, span=(SMALLEST, 1e6), favours="low"',
-        '"temporal dark noise in electrons", FROM_ZERO, span=(SMALLEST, 1e6), favours="high"',
-        f"{TESTS}::test_each_estimate_that_enters_a_figure_favours_the_right_end",
-    ),
-    Defect(
         "microseconds stand as milliseconds",
         "uwopt/hardware.py",
         "convert(1.0, unit, si) or 1.0",
         "1e3 * (convert(1.0, unit, si) or 1.0)",
         f"{TESTS}::test_names_of_columns_carry_the_unit_of_their_numbers",
-    ),
-    Defect(
-        "the good end of an estimate is the bad one",
-        "uwopt/hardware.py",
-        'quantity.high if (favoured > 0) == (end == "good") else quantity.low',
-        'quantity.low if (favoured > 0) == (end == "good") else quantity.high',
-        f"{TESTS}::test_columns_stand_at_the_end_that_favours_or_harms_a_design",
     ),
 )
