@@ -294,6 +294,29 @@ def f_number_to_cover(
     )
 
 
+def f_number_to_reach(
+    near_dioptre_per_m: Numeric,
+    *,
+    far_dioptre_per_m: Numeric,
+    focus_dioptre_per_m: Numeric,
+    focal_length_m: Numeric,
+    circle_of_confusion_m: Numeric,
+) -> Numeric:
+    """Smallest f-number that is sharp over an interval of dioptres, for a given focus.
+
+        N = (f^2 / c) max(D_n - D, D - D_f) / (1 - f D)
+
+    Arguments broadcast, [1/m] and [m]. Returns (...,), 0 or less where the interval is the focus itself; inf where
+    f D >= 1. Physics page, section 7.
+    """
+    return _f_number_or_inf(
+        np.maximum(near_dioptre_per_m - focus_dioptre_per_m, focus_dioptre_per_m - far_dioptre_per_m),
+        focal_length_m=focal_length_m,
+        circle_of_confusion_m=circle_of_confusion_m,
+        focus_dioptre_per_m=focus_dioptre_per_m,
+    )
+
+
 def half_depth_for_length_per_m(
     focus_dioptre_per_m: Numeric, *, min_dof_m: Numeric, focus_map: FocusMap
 ) -> Numeric:

@@ -126,12 +126,13 @@ def motion_margins(
 
 
 def depth_of_field_margins(scene: SceneOptics, figures: Figures) -> Iterator[MarginRows]:
-    """Near end, far end and length of the depth of field."""
+    """Near end, far end and length of the depth of field; the nominal altitude within it where none is asked for."""
     depth = scene.view.requirements.min_dof_m
+    first, last = (0, -1) if depth is not None else (scene.nominal, scene.nominal)
+    yield MarginRows("dof_near_m", figures.dof_near_m, at_all(figures, scene.range_m[first]), "<=", "m")
+    yield MarginRows("dof_far_m", figures.dof_far_m, at_all(figures, scene.range_m[last]), ">=", "m")
     if depth is None:
         return
-    yield MarginRows("dof_near_m", figures.dof_near_m, at_all(figures, scene.range_m[0]), "<=", "m")
-    yield MarginRows("dof_far_m", figures.dof_far_m, at_all(figures, scene.range_m[-1]), ">=", "m")
     sharp = figures.dof_near_m < figures.dof_far_m  # else centre and corner are nowhere sharp together
     length = np.where(sharp, figures.dof_far_m - np.where(sharp, figures.dof_near_m, 0.0), 0.0)
     yield MarginRows("min_dof_m", length, at_all(figures, depth), ">=", "m")

@@ -202,7 +202,7 @@ def imagers_behind(
             Focused(
                 dioptre_per_m=dioptre,
                 working_factor=factor,
-                n_low=np.maximum(lenses.f_number_min, focus.n_depth),
+                n_low=np.maximum(lenses.f_number_min, focus.n_depth[index]),
                 n_high=lenses.f_number_max,
                 rate_hz=required_rate_hz(requirements, speed, view.footprint_along_m).max(axis=1),
                 blur_time_s=blur_time_s(scene, problem.shape(port, index), view),
@@ -308,7 +308,7 @@ def focus_reached(lenses: Any, focused: Focused) -> Array:
 
 
 def common_f_number(lenses: Any, focused: list[Focused]) -> Array:
-    """Whether an f-number of the lens keeps the wanted depth sharp, the same in all scenes unless motorised."""
+    """Whether an f-number of the lens keeps sharp what must be, the same in all scenes unless motorised."""
     low = np.max([extra.n_low for extra in focused], axis=0)
     return np.asarray(np.isfinite(low) & (low <= lenses.f_number_max * ROUND))
 

@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 from uwopt.model import lens, port
 from uwopt.optics import (
     Views,
-    dioptre_interval,
     focus_map,
     held_at_corner,
     place_focus,
     port_transmission,
     required_rate_hz,
+    sharp_ends_m,
 )
 from uwopt.problem import Focused, Problem
 from uwopt.scene import PAPER_N_WATER, SceneOptics
@@ -109,41 +109,42 @@ def port_tree(problem: Problem) -> list[PortGroups]:
 @dataclass(frozen=True)
 class LensFocus:
     """What lenses bring to groups of ports, (n_lenses, n_groups): whether any port of the group lets the lens
-    focus, the least f-number times circle of confusion that keeps the depth sharp, the least working factor."""
+    focus, and by scene, (n_scenes, n_lenses, n_groups), the least f-number times circle of confusion that keeps
+    sharp what must be, and the least working factor."""
 
     focuses: Array
     cover_m: Array
-    factor: Array  # (n_scenes, n_lenses, n_groups)
+    factor: Array
 
 
 def lens_focus(problem: Problem, groups: PortGroups) -> LensFocus:
     """The best of each group's ports for every lens."""
     by_port = [focus_behind(problem, int(p)) for p in groups.order]
     focuses = np.stack([one[0] for one in by_port], axis=1)
-    cover = np.where(focuses, np.stack([one[1] for one in by_port], axis=1), np.inf)
+    cover = np.where(focuses, np.stack([one[1] for one in by_port], axis=2), np.inf)
     factor = np.where(focuses, np.stack([one[2] for one in by_port], axis=2), np.inf)
     return LensFocus(
         np.logical_or.reduceat(focuses, groups.start, axis=1),
-        np.minimum.reduceat(cover, groups.start, axis=1),
+        np.minimum.reduceat(cover, groups.start, axis=2),
         np.minimum.reduceat(factor, groups.start, axis=2),
     )
 
 
 def focus_behind(problem: Problem, port_index: int) -> tuple[Array, Array, Array]:
-    """Whether each lens focuses behind one port, the f-number that its depth needs times the circle of
-    confusion, and the working factor by scene; lower bounds where the depth must hold in the corners too."""
+    """Whether each lens focuses behind one port, and by scene the f-number that its depth needs times the circle
+    of confusion and the working factor; lower bounds where the place of the focus depends on the camera."""
     lenses, scenes = problem.lenses, problem.scenes
     n = len(lenses.price)
     focal = focal_lengths_m(problem, bool(problem.ports.is_dome[port_index]))
     maps = [focus_map(scene, problem.shape(port_index, i)) for i, scene in enumerate(scenes)]
-    if any(held_at_corner(scene) for scene in scenes):
-        near, far = dioptre_interval(scenes, maps)
-        cover = lens.f_number_to_cover(
-            near, far_dioptre_per_m=far, focal_length_m=focal, circle_of_confusion_m=1.0
-        )
-        return np.ones(n, bool), np.asarray(cover), np.ones((len(scenes), n))
-    seen = [empty_views(n, coc_m=np.ones(n), focal_length_m=focal)] * len(scenes)
-    focus = place_focus(scenes, maps, seen)
+    relative = [scene.view.requirements.circle_of_confusion_px for scene in scenes]
+    mixed = None in relative and len(set(relative)) > 1  # some by the pixel, some by the sensor
+    if mixed or any(held_at_corner(scene) for scene in scenes):
+        return np.ones(n, bool), own_covers_m(scenes, maps, focal), np.ones((len(scenes), n))
+    coc = [np.full(n, wanted or 1.0) for wanted in relative]
+    focus = place_focus(
+        scenes, maps, [empty_views(n, coc_m=own, focal_length_m=focal) for own in coc]
+    )
     ok, factors = np.ones(n, bool), []
     for scene, dioptre in zip(scenes, focus.dioptre_per_m, strict=True):
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -151,7 +152,20 @@ def focus_behind(problem: Problem, port_index: int) -> tuple[Array, Array, Array
             factor = lens.working_f_number(1.0, focal_length_m=focal, object_distance_m=distance)
         ok &= (distance > lenses.focal_length_m) & (distance * ROUND >= lenses.min_object_distance_m)
         factors.append(np.ones(n) if scene.paper else factor)
-    return ok, focus.n_depth, np.array(factors)
+    return ok, np.array(focus.n_depth) * np.array(coc), np.array(factors)
+
+
+def own_covers_m(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap], focal_m: Array) -> Array:
+    """The f-number times circle of confusion that each scene would need if the focus were its own, on the axis."""
+    covers = []
+    for scene, at in zip(scenes, maps, strict=True):
+        near, far = (float(port.lens_dioptre_per_m(end, focus_map=at)) for end in sharp_ends_m(scene))
+        covers.append(
+            lens.f_number_to_cover(
+                near, far_dioptre_per_m=far, focal_length_m=focal_m, circle_of_confusion_m=1.0
+            )
+        )
+    return np.array(covers)
 
 
 def focal_lengths_m(problem: Problem, dome: bool) -> Array:
@@ -347,7 +361,7 @@ class Level:
             gsd_m=self.pixel_per_range(rows) * self.path_m(scene, rows, nominal_m, high=False),
             collecting_m2=np.square(pitch) * lenses.transmission[rows.lens] * passed * cameras.qe_scale[rows.camera],
         )  # fmt: skip
-        n_depth = self.lens_focus.cover_m[rows.lens, rows.group] / self.least_coc_m(rows)
+        n_depth = self.lens_focus.cover_m[index][rows.lens, rows.group] / self.coc_m(scene, rows)
         nothing = np.zeros(len(rows))
         rate = required_rate_hz(needs, scene.view.vehicle.speed_m_s, 2.0 * nearest.along_high_m)
         return SceneImagers(view, Focused(
@@ -355,13 +369,6 @@ class Level:
             np.maximum(lenses.f_number_min[rows.lens], n_depth), lenses.f_number_max[rows.lens], rate,
             self.blur_time_s(scene, rows), nothing,
         ))  # fmt: skip
-
-    def least_coc_m(self, rows: Rows) -> Array:
-        """The smallest circle of confusion of the scenes that ask for a depth of field: theirs is the f-number
-        of all, as the focus is common."""
-        scenes = self.problem.scenes
-        asking = [scene for scene in scenes if scene.view.requirements.min_dof_m is not None] or scenes
-        return np.asarray(np.min([self.coc_m(scene, rows) for scene in asking], axis=0))
 
     def coc_m(self, scene: SceneOptics, rows: Rows) -> Array:
         """Circle of confusion of the cameras."""
