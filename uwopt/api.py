@@ -40,7 +40,9 @@ from uwopt.hardware import FLASH
 from uwopt.mission import Mission, load_mission
 from uwopt.model.fidelity import Effects
 from uwopt.model.fineness import DEFAULT, Fineness
+from uwopt.objectives.margins import SATISFIED_REL
 from uwopt.objectives.objective import Objective
+from uwopt.outside import Departure, departures
 from uwopt.problem import Mount, Parts, Problem
 from uwopt.result import Certificate, Design, Margin, Result, is_settable
 from uwopt.scene_checks import check_physical
@@ -511,6 +513,7 @@ def evaluate(
         wanted = wanted.with_changes(tolerance=(tolerance or 0.0) - allowed) if auto else wanted
     built = load_system(system)
     built.check_scenes(wanted)
+    asked = wanted
     if built.camera_count != wanted.vehicle.camera_count:
         vehicle = {**wanted.to_dict()["vehicle"], "camera_count": built.camera_count}
         wanted = wanted.with_changes(vehicle=vehicle)
@@ -536,7 +539,8 @@ def evaluate(
                 measured = estimator.cheapest(allowed, coarsest(estimator.parts))
                 problem = problem.with_fineness(measured.fineness)
     with recommend.timed(timing, "evaluation"):
-        design = with_compatibility(evaluated(problem), problem, wanted)
+        elsewhere = departures(asked, load_catalog(asked), built, problem, hardware, given, goal)
+        design = with_compatibility(evaluated(problem), problem, wanted, elsewhere)
     result = base_result("evaluate", wanted, goal, problem, influences)
     return replace(
         result,
@@ -635,8 +639,10 @@ def scene_settings(problem: Problem, hardware: Hardware, system: System, name: s
     )
 
 
-def with_compatibility(design: Design, problem: Problem, mission: Mission) -> Design:
-    """A design with what does not fit together among its parts, as margins that are missed."""
+def with_compatibility(
+    design: Design, problem: Problem, mission: Mission, elsewhere: Sequence[Departure] = ()
+) -> Design:
+    """A design with what does not fit together among its parts, or not on the vehicle, as margins that are missed."""
     parts = problem.parts
     findings = explain_pair(
         parts.cameras[0], parts.lenses[0], parts.ports[0], parts.lights[0],
@@ -645,8 +651,10 @@ def with_compatibility(design: Design, problem: Problem, mission: Mission) -> De
     strict = "lens rating" if mission.catalog.lens_rating == "limit" else ""
     faults = [f.rule for f in findings if f.severity == "fault" or f.rule == strict]
     faults += unwanted_kind(problem, mission)
+    faults += [departure.rule for departure in elsewhere if departure.binds]
     notes = [{"code": f.rule, "path": "hardware", "message": f.message} for f in findings]
-    notes += [*breathing_notes(design), *design.warnings]
+    notes += [*(departure.note for departure in elsewhere), *breathing_notes(design), *design.warnings]
+    notes += inexact_level_notes(design)
     if not faults:
         return replace(design, warnings=notes)
     missed = [Margin(f"fits: {rule}", 0.0, 1.0, ">=", -1.0, "", None, False, False) for rule in faults]
@@ -665,6 +673,18 @@ def unwanted_kind(problem: Problem, mission: Mission) -> list[str]:
             if getattr(view.requirements, key) not in ("any", getattr(camera, key))
         }
     )
+
+
+def inexact_level_notes(design: Design) -> list[dict[str, str]]:
+    """That a mean level is met as well as a gain in steps can, where `solve` meets it exactly."""
+    text = f"the mean level is met to {100 * LEVEL_TOLERANCE_REL:g} %, a step of the gain; solve meets it exactly"
+    return [
+        {"code": "outside_search", "path": "settings.gain", "message": f"{scene.name}: {text}"}
+        for scene in design.scenes
+        for level in scene.margins
+        if level.requirement == "mean_level" and level.satisfied
+        if (level.margin or 0.0) < -SATISFIED_REL * (level.limit or 0.0)
+    ]
 
 
 def breathing_notes(design: Design) -> list[dict[str, str]]:

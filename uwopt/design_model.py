@@ -24,8 +24,10 @@ from uwopt.model import imaging, veil
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.objectives.margins import MarginRows, scene_margins, system_margins
 from uwopt.optics import (
+    Focus,
     blur_time_s,
     focus_map,
+    place_focus,
     required_rate_hz,
     views,
 )
@@ -222,8 +224,9 @@ class DesignModel:
             rate = float(required_rate_hz(needs, speed, rows.view.footprint_along_m).max())
         dioptre = given.dioptre_per_m
         if dioptre is None:
-            distance = given.focus_distance_m or float(scene.range_m[scene.nominal])
-            dioptre = float(lens_dioptre_per_m(distance, focus_map=self.maps[index]))
+            dioptre = self._default_dioptre_per_m(index)
+            if given.focus_distance_m is not None:
+                dioptre = float(lens_dioptre_per_m(given.focus_distance_m, focus_map=self.maps[index]))
         f_number = given.f_number or float(self.lenses.f_number_min[0])
         level = 1.0 if given.level is None else given.level
         cam, lights = self.cameras, self.lights
@@ -246,6 +249,18 @@ class DesignModel:
         if gain is None:
             gain = self._default_gain(index, f_number, exposure, pulse, level, rate, dioptre)
         return _setting_rows(f_number, exposure, pulse, gain, level, rate, dioptre)
+
+    def _default_dioptre_per_m(self, index: int) -> float:
+        """Focus at the nominal altitude; of several scenes the one focus that serves all."""
+        scene = self.problem.scenes[index]
+        if len(self.problem.scenes) == 1:
+            return float(lens_dioptre_per_m(scene.range_m[scene.nominal], focus_map=self.maps[index]))
+        return self.searched_dioptre_per_m(index)
+
+    def searched_dioptre_per_m(self, index: int) -> float:
+        """Where a search puts the focus."""
+        focus: Focus = self._once("focus", lambda: place_focus(self.problem.scenes, self.maps, self.views))
+        return float(focus.dioptre_per_m[index][0])
 
     def _default_gain(self, index: int, *values: Any) -> float:
         """The gain that gives the wanted mean level, within the camera's range; 1 when none is wanted."""

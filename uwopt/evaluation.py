@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.design_model import Hardware, SceneSettings, design_model
-from uwopt.objectives.margins import MarginRows
+from uwopt.figures import SettingRows
+from uwopt.objectives.margins import MarginRows, common_margins
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.problem import Problem
 from uwopt.reported import light_notes, plain_figures, plain_settings, uneven_notes
@@ -21,6 +22,7 @@ from uwopt.result import Design, Margin, SceneResult
 from uwopt.shopping import bill_of_materials, cost_range, hardware_dict
 
 Array = NDArray[Any]
+UNBOUND = ("light_level", "mean_level", "common_f_number", "common_focus_m")  # met or not, never scarce
 
 
 def evaluate_design(
@@ -31,11 +33,14 @@ def evaluate_design(
     model = design_model(problem, hardware)
     scenes, powers, snrs, peaks, light_powers = [], [], [], [], []
     contrasts, information = [], []
+    first: SettingRows | None = None
     for index, wanted in enumerate(given):
         scene = problem.scenes[index]
         settings = model.settings(index, wanted)
         figures = model.figures(index, settings, information=not scene.paper)
         margins = model.margins(index, settings, figures, level_tolerance_rel=level_tolerance_rel)
+        margins += [] if first is None else common_margins(model.lenses, settings, first)
+        first = first or settings
         contrasts.append(float(figures.contrast[0, scene.nominal]))
         bits = figures.information_bit_per_m2
         information.append(math.nan if bits is None else float(bits[0]))
@@ -91,8 +96,5 @@ def plain_margin(row: MarginRows) -> Margin:
         unit=row.unit,
         at_altitude_m=where,
         satisfied=bool(row.satisfied[0]),
-        binding=bool(row.binding[0])
-        and finite(limit)
-        and finite(value)
-        and row.requirement not in ("light_level", "mean_level"),
+        binding=bool(row.binding[0]) and finite(limit) and finite(value) and row.requirement not in UNBOUND,
     )

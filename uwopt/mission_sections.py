@@ -138,14 +138,18 @@ class Requirements(Section):
     """What the images must be; a key that is left out asks for nothing."""
 
     overlap: Annotated[float, Field(ge=0, lt=1), NUMBER] | None = Field(
-        default=None, description="overlap of following images along track, a share 0..1"
+        default=None,
+        description="overlap of following images along track, a share 0..1; without it and frame_interval_s 0, images "
+        "that just touch",
     )
     frame_interval_s: Positive | None = Field(
         default=None, description="longest time between images in seconds"
     )
     max_blur_px: Positive | None = Field(default=None, description="longest motion blur in pixels")
     max_skew_px: Positive | None = Field(default=None, description="largest rolling-shutter skew in pixels")
-    min_dof_m: NonNegative | None = Field(default=None, description="least depth of field in metres")
+    min_dof_m: NonNegative | None = Field(
+        default=None, description="least depth of field in metres; without it the nominal altitude is sharp"
+    )
     dof_at: Annotated[Literal["axis", "corner"], CHOICE] = Field(
         default="axis", description="place in the image where the depth of field must hold: axis or corner"
     )

@@ -322,9 +322,7 @@ def sharp_intervals(
     found = []
     for scene, at, view in zip(scenes, maps, seen, strict=True):
         ends_m = sharp_ends_m(scene, float(port.water_distance_m(nearest, focus_map=at)))
-        near, far = (
-            np.full(count, float(port.lens_dioptre_per_m(end, focus_map=at))) for end in ends_m
-        )
+        near, far = (np.full(count, float(port.lens_dioptre_per_m(end, focus_map=at))) for end in ends_m)
         if held_at_corner(scene):
             ends = field_dioptres_per_m(view.corner_image, np.array(sharp_ends_m(scene)))
             near, far = np.maximum(near, ends.max(axis=(1, 2))), np.minimum(far, ends.min(axis=(1, 2)))
@@ -415,13 +413,19 @@ def motion_across(scene: SceneOptics, lever_m: Array) -> dict[str, Any]:
     return dict(speed_m_s=0.0, rotation_rate_rad_s=np.deg2rad(vehicle.roll_rate_deg_s), lever_m=lever_m)
 
 
+def least_overlap(requirements: Requirements) -> float | None:
+    """Overlap that images must have: what is asked for; 0, images that just touch, where nothing fixes their rate."""
+    if requirements.overlap is None and requirements.frame_interval_s is None:
+        return 0.0
+    return requirements.overlap
+
+
 def required_rate_hz(requirements: Requirements, speed_m_s: float, footprint_along_m: Array) -> Array:
     """Frame rate that overlap or frame interval ask for; frames that just touch when neither is given."""
-    rate = operation.frame_rate_hz(
-        speed_m_s, footprint_along_m=footprint_along_m, overlap=requirements.overlap or 0.0
-    )
-    if requirements.overlap is None and requirements.frame_interval_s is not None:
-        rate = np.zeros_like(footprint_along_m)
+    shared = least_overlap(requirements)
+    rate = np.zeros_like(footprint_along_m)
+    if shared is not None:
+        rate = operation.frame_rate_hz(speed_m_s, footprint_along_m=footprint_along_m, overlap=shared)
     if requirements.frame_interval_s is not None:
         rate = np.maximum(rate, 1.0 / requirements.frame_interval_s)
     return np.asarray(rate)

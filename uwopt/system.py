@@ -77,7 +77,8 @@ class Settings(Section):
         description="exposure in milliseconds; the longest that requirements and limits allow unless given",
     )
     pulse_ms: Annotated[float, Field(gt=0, le=600_000), NUMBER] | None = Field(
-        default=None, description="time that pulsed lights are on, in milliseconds; the exposure unless given"
+        default=None,
+        description="time that pulsed lights are on, in milliseconds; the exposure unless given; a flash has its own",
     )
     gain: Annotated[float, Field(ge=1, le=1e5), NUMBER] | None = Field(
         default=None,
@@ -97,7 +98,9 @@ class Settings(Section):
         default=None, description="frame rate in hertz; the least that the requirements need unless given"
     )
     focus_distance_m: Annotated[float, Field(gt=0, le=10_000), NUMBER] | None = Field(
-        default=None, description="focus in water from the port in metres; the nominal altitude unless given"
+        default=None,
+        description="focus in water from the port in metres; the nominal altitude unless given, of several scenes "
+        "the one that serves all",
     )
 
 

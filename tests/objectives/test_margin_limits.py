@@ -153,6 +153,8 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("dof_far_m", lambda over: {
         "requirements.min_dof_m": 0.1, "settings.focus_distance_m": 1.5,
         "vehicle.altitude_tolerance_m": FAR_OF_NEARER_FOCUS_M * (1.0 + over) - 2.0}),
+    ("dof_near_m", lambda over: {"vehicle.altitude_m": NEAR_M / (1.0 + over), "settings.focus_distance_m": 2.0}),
+    ("dof_far_m", lambda over: {"vehicle.altitude_m": FAR_M * (1.0 + over), "settings.focus_distance_m": 2.0}),
     ("min_dof_m", low("requirements.min_dof_m", FAR_M - NEAR_M)),
     ("max_gsd_mm", high("requirements.max_gsd_mm", GSD_M * 1e3)),
     ("min_swath_m", low("requirements.min_swath_m", 2000 * GSD_M)),
@@ -182,6 +184,8 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
         "light.dim_levels": [0.25, 0.5, 1.0], "settings.dim_frac": 0.5 * (1.0 + max(over, 0.0))}),
     ("max_pulse_ms", high("light.max_pulse_us", 500.0, **PULSED)),
     ("min_pulse_ms", low("light.min_pulse_us", 500.0, **PULSED)),
+    ("min_pulse_ms", lambda over: {
+        **FLASH, "light.flash_duration_us": 500.0 * (1.0 + over), "settings.pulse_ms": 0.5}),
     ("light_duty", high("light.max_duty_frac", 0.5e-3 * 2.0, **PULSED)),
     ("light_rate", high("light.max_rate_hz", 2.0, **PULSED)),
     ("light_rate", low("light.recycle_s", 1.0 / 2.0, **FLASH)),
@@ -206,6 +210,10 @@ IDS = [
     for at, name in enumerate(NAMES)
 ]
 EACH = pytest.mark.parametrize(("name", "beyond"), CASES, ids=IDS)
+
+
+#: Held against each other in tests/test_one_set_of_rules.py.
+OF_SEVERAL_SCENES = {"common_f_number", "common_focus_m"}
 
 
 def margin_of(name: str, changes: Changes) -> MarginRows:
@@ -258,4 +266,4 @@ def test_every_margin_of_the_program_has_a_case() -> None:
     texts = [file.read_text(encoding="utf-8") for file in PACKAGE.rglob("*.py")]
     trees = [ast.parse(text) for text in texts if "MarginRows(" in text]
     written = set[str]().union(*(names_in(tree, {}) for tree in trees))
-    assert written == {name.partition(" (")[0] for name in NAMES}
+    assert written == {name.partition(" (")[0] for name in NAMES} | OF_SEVERAL_SCENES

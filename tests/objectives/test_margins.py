@@ -17,7 +17,8 @@ def test_burning_lamps_beside_pulsed_ones_miss_no_pulse_requirement():
         max_duty=np.ones(3), max_rate_hz=np.array([np.inf, 30.0, 2.0]),
         flash_duration_s=np.array([np.inf, np.inf, 1e-3]),
     )  # fmt: skip
-    rows = SimpleNamespace(cameras=SimpleNamespace(readout_s=np.array([0.01, 0.0, 0.0])), lights=lights)
+    cameras = SimpleNamespace(readout_s=np.array([0.01, 0.0, 0.0]), exposure_offset_s=np.zeros(3))
+    rows = SimpleNamespace(cameras=cameras, lights=lights)
     settings = SimpleNamespace(
         pulse_s=np.array([np.inf, 1e-3, 1e-3]), rate_hz=np.array([0.0, 5.0, 1.0]), exposure_s=np.full(3, 2e-3)
     )

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.figures import DesignRows, Figures, SettingRows
-from uwopt.hardware import CONTINUOUS, FLASH, PULSED
+from uwopt.hardware import CONTINUOUS, FLASH, PULSED, Lenses
 from uwopt.mission import Limits
 from uwopt.model import sensor
-from uwopt.optics import altitudes_m
+from uwopt.optics import altitudes_m, least_overlap
 from uwopt.scene import SceneOptics
 
 Array = NDArray[Any]
@@ -25,6 +25,8 @@ Sense = Literal["<=", ">=", "="]
 SATISFIED_REL = 1e-6
 BINDING_REL = 1e-4
 TINY = 1e-12
+OVERLAP_ROUNDING = 1e-12
+FOCUS_TOLERANCE_REL = 0.01  # no closer does a person set one focus by distances in two waters
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,7 @@ class MarginRows:
     unit: str
     at_altitude_m: Array | None = None
     tolerance_rel: float = SATISFIED_REL
+    tolerance_abs: float = 0.0  # rounding, where the limit may be 0
 
     @property
     def margin(self) -> Array:
@@ -52,7 +55,7 @@ class MarginRows:
     @property
     def satisfied(self) -> Array:
         """Whether it holds, to rounding."""
-        slack = self.tolerance_rel * np.where(np.isfinite(self.limit), self._size, 0.0)
+        slack = self.tolerance_rel * np.where(np.isfinite(self.limit), self._size, 0.0) + self.tolerance_abs
         with np.errstate(invalid="ignore"):
             return np.asarray((self.margin >= -slack) & ~np.isnan(self.value))
 
@@ -115,9 +118,12 @@ def motion_margins(
     if needs.max_skew_px is not None:
         value, where = worst(figures.skew_px, three, highest=True)
         yield MarginRows("max_skew_px", value, at_all(figures, needs.max_skew_px), "<=", "px", where)
-    if needs.overlap is not None:
+    shared = least_overlap(needs)
+    if shared is not None:
         value, where = worst(figures.overlap, three, highest=False)
-        yield MarginRows("overlap", value, at_all(figures, needs.overlap), ">=", "", where)
+        yield MarginRows(
+            "overlap", value, at_all(figures, shared), ">=", "", where, tolerance_abs=OVERLAP_ROUNDING
+        )
     if needs.frame_interval_s is not None:
         with np.errstate(divide="ignore"):
             interval = 1.0 / settings.rate_hz
@@ -136,6 +142,16 @@ def depth_of_field_margins(scene: SceneOptics, figures: Figures) -> Iterator[Mar
     sharp = figures.dof_near_m < figures.dof_far_m  # else centre and corner are nowhere sharp together
     length = np.where(sharp, figures.dof_far_m - np.where(sharp, figures.dof_near_m, 0.0), 0.0)
     yield MarginRows("min_dof_m", length, at_all(figures, depth), ">=", "m")
+
+
+def common_margins(lenses: Lenses, settings: SettingRows, first: SettingRows) -> Iterator[MarginRows]:
+    """What scenes share with the first where no motor turns the lens: none touches it behind a sealed port."""
+    if lenses.motorised.all():
+        return
+    yield MarginRows("common_f_number", settings.f_number, first.f_number, "=", "")
+    with np.errstate(divide="ignore"):
+        focus_m, first_m = 1.0 / settings.dioptre_per_m, 1.0 / first.dioptre_per_m
+    yield MarginRows("common_focus_m", focus_m, first_m, "=", "m", tolerance_rel=FOCUS_TOLERANCE_REL)
 
 
 def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Iterator[MarginRows]:
@@ -201,7 +217,10 @@ def nearest_level(rows: DesignRows, settings: SettingRows) -> tuple[Array, Array
 
 
 def pulse_margins(rows: DesignRows, settings: SettingRows, triggered: Array) -> Iterator[MarginRows]:
-    """Pulse length, duty, recycle time, and a rolling shutter that must be open in all rows."""
+    """Pulse length, duty, recycle time, and a rolling shutter that must be open in all rows.
+
+    Nothing but the shutter shortens a flash: its pulse is no setting.
+    """
     cam, lights = rows.cameras, rows.lights
     inf = np.full(len(triggered), np.inf)
     led = lights.kind == PULSED
@@ -209,8 +228,14 @@ def pulse_margins(rows: DesignRows, settings: SettingRows, triggered: Array) -> 
     pulse_s = np.where(pulsed, settings.pulse_s, 0.0)  # of lamps that burn: inf, and inf - inf is no margin
     pulse_ms = pulse_s * 1e3
     yield MarginRows("max_pulse_ms", pulse_ms, np.where(led, lights.max_pulse_s * 1e3, inf), "<=", "ms")
+    flash, open_s = lights.kind == FLASH, settings.exposure_s + cam.exposure_offset_s
+    shortest_s = np.where(led, lights.min_pulse_s, np.minimum(lights.flash_duration_s, open_s))
     yield MarginRows(
-        "min_pulse_ms", np.where(led, pulse_ms, inf), np.where(led, lights.min_pulse_s * 1e3, 0.0), ">=", "ms"
+        "min_pulse_ms",
+        np.where(led | flash, pulse_ms, inf),
+        np.where(led | flash, shortest_s * 1e3, 0.0),
+        ">=",
+        "ms",
     )
     duty = np.where(led, pulse_s * settings.rate_hz, 0.0)
     yield MarginRows("light_duty", duty, np.where(led, lights.max_duty, 1.0), "<=", "")

@@ -64,6 +64,8 @@ REQUIREMENTS: Mapping[str, str] = {
     "light_duty": "duty of the lamp",
     "light_rate": "rate of the lamp",
     "shutter_open_ms": "all rows open for the pulse",
+    "common_f_number": "f-number, one for all scenes",
+    "common_focus_m": "focus, one for all scenes",
     "cost": "cost",
     "power_w": "power",
     "peak_power_w": "peak power of the lamps",

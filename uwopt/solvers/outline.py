@@ -142,9 +142,7 @@ def focus_behind(problem: Problem, port_index: int) -> tuple[Array, Array, Array
     if mixed or any(held_at_corner(scene) for scene in scenes):
         return np.ones(n, bool), own_covers_m(scenes, maps, focal), np.ones((len(scenes), n))
     coc = [np.full(n, wanted or 1.0) for wanted in relative]
-    focus = place_focus(
-        scenes, maps, [empty_views(n, coc_m=own, focal_length_m=focal) for own in coc]
-    )
+    focus = place_focus(scenes, maps, [empty_views(n, coc_m=own, focal_length_m=focal) for own in coc])
     ok, factors = np.ones(n, bool), []
     for scene, dioptre in zip(scenes, focus.dioptre_per_m, strict=True):
         with np.errstate(divide="ignore", invalid="ignore"):
