@@ -107,12 +107,16 @@ class SceneSearch:
         return (np.array([least, top]) if least <= top else np.empty(0)), True
 
     def _f_range(self) -> tuple[float, float]:
-        """Smallest f-number that keeps the wanted depth sharp, by bisection of the forward model, and the largest."""
+        """Smallest f-number that keeps sharp what must be, by bisection of the forward model, and the largest.
+
+        The depth of field that is asked for, or the nominal altitude.
+        """
         low, high = float(self.model.lenses.f_number_min[0]), float(self.model.lenses.f_number_max[0])
         depth = self.needs.min_dof_m
-        if depth is None:
-            return low, high
         first, last = float(self.scene.range_m[0]), float(self.scene.range_m[-1])
+        if depth is None:
+            depth, first = 0.0, float(self.scene.range_m[self.scene.nominal])
+            last = first
 
         def sharp(f_number: float) -> bool:
             one = np.array([f_number])
