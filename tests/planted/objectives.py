@@ -223,15 +223,15 @@ DEFECTS = (
     Defect(
         name="sharp depth may begin beyond the nearest altitude",
         file="uwopt/objectives/margins.py",
-        old="at_all(figures, scene.range_m[0])",
-        new="at_all(figures, scene.range_m[scene.nominal])",
+        old="first, last = (0, -1) if depth is not None",
+        new="first, last = (scene.nominal, -1) if depth is not None",
         test=f"{OUTSIDE}[dof_near_m]",
     ),
     Defect(
         name="sharp depth may end before the farthest altitude",
         file="uwopt/objectives/margins.py",
-        old="at_all(figures, scene.range_m[-1])",
-        new="at_all(figures, scene.range_m[scene.nominal])",
+        old="first, last = (0, -1) if depth is not None",
+        new="first, last = (0, scene.nominal) if depth is not None",
         test=f"{OUTSIDE}[dof_far_m]",
     ),
     Defect(
@@ -363,8 +363,8 @@ DEFECTS = (
     Defect(
         name="focus lies at the nearest altitude unless set",
         file="uwopt/design_model.py",
-        old="given.focus_distance_m or float(scene.range_m[scene.nominal])",
-        new="given.focus_distance_m or float(scene.range_m[0])",
+        old="lens_dioptre_per_m(scene.range_m[scene.nominal], focus_map=self.maps[index])",
+        new="lens_dioptre_per_m(scene.range_m[0], focus_map=self.maps[index])",
         test="tests/test_design_model.py::test_focus_lies_at_the_nominal_altitude_unless_set",
     ),
     Defect(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from planted.defect import Defect
 
 SCENE_ORDER = "tests/solvers/test_scene_order.py"
+ONE_SET = "tests/test_one_set_of_rules.py"
+FOCUS = "tests/test_focus.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
@@ -20,5 +22,54 @@ DEFECTS: tuple[Defect, ...] = (
         old="return self.optics[optics].beams[scene_index]",
         new="return self.optics[optics].beams[0]",
         test=f"{SCENE_ORDER}::test_the_order_of_scenes_changes_no_optimum[33]",
+    ),
+    Defect(
+        name="an image out of focus will do where no depth of field is asked",
+        file="uwopt/objectives/margins.py",
+        old="else (scene.nominal, scene.nominal)\n",
+        new="else (scene.nominal, scene.nominal)\n    if depth is None:\n        return\n",
+        test=f"{ONE_SET}::test_the_nominal_altitude_must_be_sharp_where_no_depth_of_field_is_asked",
+    ),
+    Defect(
+        name="images may lie apart where nothing fixes their rate",
+        file="uwopt/objectives/margins.py",
+        old="shared = least_overlap(needs)",
+        new="shared = needs.overlap",
+        test=f"{ONE_SET}::test_images_must_touch_where_nothing_fixes_their_rate",
+    ),
+    Defect(
+        name="a setting cuts a flash short",
+        file="uwopt/objectives/margins.py",
+        old="np.where(led, lights.min_pulse_s, np.minimum(lights.flash_duration_s, open_s))",
+        new="np.where(led, lights.min_pulse_s, 0.0 * open_s)",
+        test=f"{ONE_SET}::test_no_setting_cuts_a_flash_short",
+    ),
+    Defect(
+        name="a manual lens is set anew between scenes",
+        file="uwopt/objectives/margins.py",
+        old="if lenses.motorised.all():",
+        new="if len(lenses.motorised):",
+        test=f"{ONE_SET}::test_a_manual_lens_cannot_be_set_anew_between_scenes",
+    ),
+    Defect(
+        name="what the vehicle states does not bind",
+        file="uwopt/api.py",
+        old="for departure in elsewhere if departure.binds]",
+        new="for departure in elsewhere if departure.rule == 'orientation']",
+        test=f"{ONE_SET}::test_what_the_vehicle_states_binds[light count]",
+    ),
+    Defect(
+        name="scenes that ask for no depth of field need not be sharp",
+        file="uwopt/solvers/imagers.py",
+        old="np.maximum(lenses.f_number_min, focus.n_depth[index])",
+        new="lenses.f_number_min",
+        test=f"{FOCUS}::test_scenes_at_two_altitudes_are_both_sharp_with_the_f_number_of_the_thin_lens",
+    ),
+    Defect(
+        name="the common focus in the middle whatever the circles of confusion",
+        file="uwopt/optics.py",
+        old="share = coc_near / (coc_near + coc_far)",
+        new="share = 0.5",
+        test=f"{FOCUS}::test_the_common_focus_needs_the_least_f_number",
     ),
 )
