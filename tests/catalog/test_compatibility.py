@@ -88,7 +88,7 @@ def test_coarse_lens_is_a_warning_only():
         CAMERA, Lens(id="soft", image_circle_mm=11.0, mounts=("C",), rated_lp_per_mm=100.0)
     )
     assert (finding.rule, finding.severity) == ("lens rating", "warning")
-    assert "5 um" in finding.message
+    assert "rated for pixels of 5 um" in finding.message
 
 
 def test_interface_too_slow_names_the_rates():

@@ -66,7 +66,7 @@ DEFECTS = (
         file="uwopt/report/tables.py",
         old="all(margin in other.margins for other in rest)",
         new="True",
-        test="tests/report/test_tables.py::test_several_scenes_share_what_is_equal",
+        test="tests/report/test_tables.py::test_margin_that_differs_between_scenes_stands_in_each",
     ),
     Defect(
         name="owned pieces are paid in the printed bill",

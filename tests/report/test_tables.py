@@ -221,3 +221,17 @@ def test_missed_requirement_without_a_number_is_told(
         certificate=None, design=make_design(scenes=[make_scene("reef", margins=[unknown])]),
     )  # fmt: skip
     assert "contrast – at least 0.3000 – MISSED" in flat(text_of(result))
+
+
+def test_margin_that_differs_between_scenes_stands_in_each(
+    make_result: Make, make_design: Make, make_scene: Make, make_margin: Make
+) -> None:
+    same = make_margin("cost", 900.0, 1000.0, "<=", "USD")
+    scenes = [
+        make_scene(name, margins=[same, make_margin("min_snr_db", reached_db, 20.0, ">=", "dB")])
+        for name, reached_db in (("reef", 21.0), ("wall", 24.0))
+    ]
+    text = flat(text_of(make_result(recommendation=make_design(scenes=scenes))))
+    assert "signal to noise 21.00 dB at least 20.00 dB" in text
+    assert "signal to noise 24.00 dB at least 20.00 dB" in text
+    assert text.count("900.0 USD at most") == 1
