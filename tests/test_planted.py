@@ -21,6 +21,7 @@ if "planted" not in sys.modules:  # tests are imported without packages
     spec.loader.exec_module(sys.modules["planted"])
 
 from planted.defect import Defect, all_defects  # noqa: E402
+from planted.run import fault_of  # noqa: E402
 
 DEFECTS = all_defects()
 EACH = pytest.mark.parametrize("defect", DEFECTS, ids=[defect.name for defect in DEFECTS])
@@ -77,3 +78,12 @@ def test_patch_that_does_not_fit_is_an_error():
         Defect("twice", "x.py", "a", "b", "t").applied("a a")
     with pytest.raises(ValueError, match="the same"):
         Defect("same", "x.py", "a", "a", "t").applied("a")
+
+
+@pytest.mark.parametrize(
+    ("code", "told"), [(1, ""), (0, "lives"), (2, "was not run"), (4, "was not run"), (None, "did not end")]
+)
+def test_only_a_failed_test_catches_a_defect(code: int | None, told: str):
+    fault = fault_of("tests/test_x.py::test_y", code, "")
+    assert told in fault
+    assert bool(fault) is (code != 1)

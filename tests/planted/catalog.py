@@ -201,4 +201,18 @@ DEFECTS = (
         new='FROM_ZERO, span=(SMALLEST, 1e6), favours="high"',
         test="tests/test_hardware.py::test_good_end_of_an_estimate_favours_the_design_and_the_bad_one_does_not",
     ),
+    Defect(
+        name="measured lumens of a lamp are ignored in the search",
+        file="uwopt/problem.py",
+        old="shining = image_light.scaled(lamp.output_factor)",
+        new="shining = image_light",
+        test="tests/solvers/test_exact.py::test_claims_hold_in_the_forward_model",
+    ),
+    Defect(
+        name="clear view of a port a fifth too small in the search",
+        file="uwopt/solvers/imagers.py",
+        old="corner * ports.gap_m[port] <= ports.clear_radius_m[port]",
+        new="corner * ports.gap_m[port] <= 0.8 * ports.clear_radius_m[port]",
+        test="tests/solvers/test_rules.py::test_a_rule_keeps_what_is_a_millionth_inside[view]",
+    ),
 )

@@ -22,7 +22,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from queue import SimpleQueue
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+if not __package__:  # run as a script
+    sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from planted.defect import ROOT, Defect, all_defects
 
