@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -47,3 +48,17 @@ def replayed() -> Callable[[Any, Any], tuple[Replay, dict[str, Any]]]:
         return made, design.scenes[0].figures
 
     return of
+
+
+@pytest.fixture(scope="module")
+def unhurried() -> Iterator[None]:
+    """Let the clock stop no search: the exact front takes its time, population solvers breed a few generations."""
+    from uwopt import api_pareto
+    from uwopt.solvers import pymoo_front
+
+    honest, short = pymoo_front.population_front, {"seconds": None, "pop_size": 40, "generations": 10}
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("EXACT_S", "PEER_S", "PEER_ALONE_S"):
+            patch.setattr(api_pareto, name, math.inf)
+        patch.setattr(pymoo_front, "population_front", lambda *given, **more: honest(*given, **(more | short)))
+        yield

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import replace
 from importlib import util
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from thorough import drawn
 
 import uwopt
 from uwopt import api
@@ -42,8 +42,10 @@ ABE = (ROOT / "problems" / "whoi-abe.yaml", ROOT / "problems" / "whoi-abe.system
 PARTS = Fineness.names()
 REFERENCE = Fineness(*[FINEST] * len(PARTS))
 HALF = coarsest(PARTS)
-THOROUGH = bool(os.environ.get("UWOPT_THOROUGH"))
-CASES, CHUNKS = 4, 60 if THOROUGH else 4
+#: Random cases by seed, in groups; by default those that are quick and whose errors come near to what is claimed.
+GROUPS = drawn(
+    [[(0, 3), (8, 1)], [(1, 3), (7, 3), (11, 2)]], [[(chunk, number) for number in range(4)] for chunk in range(60)]
+)  # fmt: skip
 NO_TRANSFER = 5e-2  # an image so blurred has none to speak of, and these digits of it do not matter:
 OF_TRANSFER = ("mtf_half_nyquist", "resolution_10_mm")
 LEAST_COVER = 0.99  # the issue's share of claims that must hold
@@ -175,11 +177,11 @@ def true_errors(estimator: Estimator, fineness: Fineness) -> dict[str, float]:
     }
 
 
-@pytest.mark.parametrize("chunk", range(CHUNKS))
-def test_claimed_errors_bound_the_true_ones(chunk: int):
+@pytest.mark.parametrize("seeds", GROUPS, ids=str)
+def test_claimed_errors_bound_the_true_ones(seeds: list[tuple[int, int]]):
     held = told = 0
-    for number in range(CASES):
-        estimator = random_estimator(chunk, number)
+    for seed in seeds:
+        estimator = random_estimator(*seed)
         if estimator is None:
             continue
         for fineness in (HALF, DEFAULT):

@@ -23,6 +23,7 @@ from uwopt.objectives.own import OwnObjective
 PROBLEMS = Path(__file__).parents[1] / "problems"
 MISSION = PROBLEMS / "mbari-lass-2013.yaml"  # few combinations
 TRIPLE = ("power", "cost", "snr_db")
+pytestmark = pytest.mark.usefixtures("unhurried")
 
 
 def mission(**changes: Any) -> dict[str, Any]:
@@ -34,9 +35,9 @@ def mission(**changes: Any) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def exact() -> FrontResult:
+def exact(unhurried: None) -> FrontResult:
     """The exact front beside a short one of NSGA-II."""
-    return uwopt.pareto(MISSION, objectives=TRIPLE, solver=("exact", "nsga2"), seconds=2.0, seed=3)
+    return uwopt.pareto(MISSION, objectives=TRIPLE, solver=("exact", "nsga2"), seed=3)
 
 
 # ---------------------------------------------------------------- bad input
@@ -88,7 +89,7 @@ def test_information_is_unknown_to_physics_paper():
 )
 def test_fault_of_an_own_function_is_told(own):
     with pytest.raises(MissionError, match="objective <lambda>"):
-        uwopt.pareto(MISSION, objectives=["cost", own], solver="nsga2", seconds=1.0)
+        uwopt.pareto(MISSION, objectives=["cost", own], solver="nsga2")
 
 
 # ---------------------------------------------------------------- the result
@@ -266,15 +267,7 @@ def test_out_of_time_it_claims_nothing():
 # ---------------------------------------------------------------- population solvers
 
 
-def test_same_seed_gives_the_same_front(monkeypatch):
-    from uwopt.solvers import pymoo_front
-
-    honest = pymoo_front.population_front
-    monkeypatch.setattr(
-        pymoo_front, "population_front",
-        lambda *given, **more: honest(*given, **{**more, "seconds": None, "pop_size": 30, "generations": 8}),
-    )  # fmt: skip
-
+def test_same_seed_gives_the_same_front():
     def values(seed):
         return [
             p.values
@@ -286,9 +279,7 @@ def test_same_seed_gives_the_same_front(monkeypatch):
 
 
 def test_two_qualities_of_settings_are_left_to_the_population_solver():
-    result = uwopt.pareto(
-        MISSION, objectives=["snr_db", "information"], solver=("exact", "nsga2"), seconds=2.0
-    )
+    result = uwopt.pareto(MISSION, objectives=["snr_db", "information"], solver=("exact", "nsga2"))
     assert [m.name for m in result.methods] == ["nsga2"]
     assert result.certificate is None
     assert result.points
@@ -297,7 +288,7 @@ def test_two_qualities_of_settings_are_left_to_the_population_solver():
 
 def test_own_objective_is_an_axis_of_the_result():
     worth = OwnObjective("swath_per_watt", lambda f: f["swath_m"] / f["power_w"], "maximise", "m/W")
-    result = uwopt.pareto(MISSION, objectives=[" Cost", worth], solver=("exact", "nsga2"), seconds=2.0)
+    result = uwopt.pareto(MISSION, objectives=[" Cost", worth], solver=("exact", "nsga2"))
     assert [(o.name, o.direction, o.unit, o.own) for o in result.objectives][1] == (
         "swath_per_watt",
         "maximise",

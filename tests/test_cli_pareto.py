@@ -15,6 +15,7 @@ from uwopt.cli import app
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
 MISSION = PROBLEMS / "mbari-lass-2013.yaml"  # few combinations
+pytestmark = pytest.mark.usefixtures("unhurried")
 
 
 def run(*arguments: object) -> Any:

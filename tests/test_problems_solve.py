@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from thorough import drawn
 
 import uwopt
 from uwopt.result import Design, Result
@@ -21,7 +22,7 @@ MISSIONS = sorted(p.stem for p in PROBLEMS.glob("*.yaml") if not p.stem.endswith
 SETTINGS = (
     "f_number", "exposure_ms", "pulse_ms", "gain", "dim_frac", "frame_rate_hz", "focus_distance_m",
 )  # fmt: skip
-N_ATTACKED = 40
+N_ATTACKED = drawn(10, 40)
 
 
 def as_system(design: Design) -> dict[str, Any]:
