@@ -14,7 +14,7 @@ import pytest
 from thorough import drawn
 
 import uwopt
-from uwopt import api
+from uwopt import accuracy, api
 from uwopt.accuracy import (
     FINEST,
     FLOOR,
@@ -253,7 +253,8 @@ def test_a_search_tells_gap_and_residual_and_within_a_tolerance_errors():
     assert coarse.recommendation.hardware["camera"] == plain.recommendation.hardware["camera"]
 
 
-def test_a_tolerance_beyond_reach_is_told():
+def test_a_tolerance_beyond_reach_is_told(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(accuracy, "FINEST", 1.0)  # the end of the way is reached sooner
     found = uwopt.evaluate(*ABE, physics="full", tolerance=1e-6)
     assert not found.accuracy["meets_tolerance"]
     assert [warning["code"] for warning in found.warnings].count("tolerance") == 1

@@ -10,19 +10,26 @@ import shlex
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 import yaml
+from thorough import THOROUGH
+from typer.testing import CliRunner
 
 from uwopt import cli_status
 from uwopt.api import NOT_MODELLED
+from uwopt.bench import run as bench_run
+from uwopt.cli import app
 from uwopt.mission import load_mission
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+AS_PROCESS = "uwopt solve problems/reef-mosaic.yaml --out reef"
+BENCH_S = 4.0  # for all suites together; they end when it is spent, whatever they have measured
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
@@ -49,11 +56,11 @@ def output_module() -> ModuleType:
     return module
 
 
-@cache
-def outputs() -> tuple[str, str]:
-    """The output that the README shows, and a fresh one."""
+@pytest.fixture(scope="module")
+def outputs(done: dict[str, Done]) -> tuple[str, str]:
+    """The output that the README shows, and what the command printed."""
     module = output_module()
-    return module.pasted(README), module.shortened(module.fresh_output())
+    return module.pasted(README), module.shortened(done[AS_PROCESS].out)
 
 
 def words(line: str) -> str:
@@ -85,22 +92,57 @@ def test_the_two_commands_are_the_ones_that_ci_runs():
     assert os.access(ci, os.X_OK)
 
 
-def test_commands_run_in_the_order_in_which_they_stand(folder: Path):
-    lines = [line for line in commands() if line.startswith(("uwopt ", "python "))]
-    assert len(lines) >= 10
+@dataclass(frozen=True)
+class Done:
+    """What a command left."""
+
+    status: int
+    out: str
+    err: str
+
+
+def as_process(program: str, arguments: list[str], folder: Path) -> Done:
+    """Run a command as a person does: a program of its own, to whom every warning is an error."""
+    head = [sys.executable, "-m", "uwopt"] if program == "uwopt" else [sys.executable]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error"}
-    for line in lines:
-        text, _, target = line.partition(" > ")
-        program, *arguments = shlex.split(text)
-        head = [sys.executable, "-m", "uwopt"] if program == "uwopt" else [sys.executable]
-        done = subprocess.run(
-            [*head, *arguments], cwd=folder, env=environment, capture_output=True, text=True,
-            encoding="utf-8", timeout=120, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
-        assert done.stdout or done.stderr, line
-        if target:
-            (folder / target.strip()).write_text(done.stdout, encoding="utf-8")
+    done = subprocess.run(
+        [*head, *arguments], cwd=folder, env=environment, capture_output=True, text=True, encoding="utf-8", check=False
+    )
+    return Done(done.returncode, done.stdout, done.stderr)
+
+
+def within_tests(arguments: list[str]) -> Done:
+    """Run a command of uwopt in this process, where libraries are loaded already."""
+    done = CliRunner().invoke(app, arguments)
+    return Done(done.exit_code, done.stdout, done.stderr)
+
+
+@pytest.fixture(scope="module")
+def done(folder: Path, unhurried: None) -> dict[str, Done]:
+    """All commands of the README, run in the order in which they stand.
+
+    One is a process of its own, all of them are before a release; a benchmark takes the time that it is given.
+    """
+    lines = [line for line in commands() if line.startswith(("uwopt ", "python "))]
+    found: dict[str, Done] = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        patch.setattr(bench_run, "QUICK_S", BENCH_S)
+        for line in lines:
+            text, _, target = line.partition(" > ")
+            program, *arguments = shlex.split(text)
+            apart = THOROUGH or program != "uwopt" or line == AS_PROCESS
+            found[line] = as_process(program, arguments, folder) if apart else within_tests(arguments)
+            if target:
+                (folder / target.strip()).write_text(found[line].out, encoding="utf-8")
+    return found
+
+
+def test_commands_run_in_the_order_in_which_they_stand(done: dict[str, Done]):
+    assert len(done) >= 10 and AS_PROCESS in done
+    for line, left in done.items():
+        assert left.status == 0, f"{line}\n{left.out}{left.err}"
+        assert left.out or left.err, line
 
 
 @pytest.mark.parametrize("index", range(len(blocks("python"))))
@@ -110,17 +152,17 @@ def test_python_snippet_runs(folder: Path, monkeypatch: pytest.MonkeyPatch, caps
     assert capsys.readouterr().out.strip()
 
 
-def test_output_shown_has_the_lines_of_a_fresh_run():
-    shown, fresh = outputs()
+def test_output_shown_has_the_lines_of_a_fresh_run(outputs: tuple[str, str]):
+    shown, fresh = outputs
     assert [words(line) for line in shown.splitlines()] == [words(line) for line in fresh.splitlines()], (
         "the README's output is out of date: python docs/make_readme_output.py"
     )
 
 
-def test_output_shown_has_the_numbers_of_a_fresh_run():
+def test_output_shown_has_the_numbers_of_a_fresh_run(outputs: tuple[str, str]):
     # 1e-3: the last printed digit may differ between machines. Lines that begin with a number count what the
     # search looked at; how it divides its work is no claim of the README, see the next test.
-    shown, fresh = outputs()
+    shown, fresh = outputs
     for old, new in zip(shown.splitlines(), fresh.splitlines(), strict=True):
         if old.strip()[:1].isdigit():
             continue
@@ -130,16 +172,16 @@ def test_output_shown_has_the_numbers_of_a_fresh_run():
             )
 
 
-def test_account_shown_adds_up_to_all_combinations_of_a_fresh_run():
+def test_account_shown_adds_up_to_all_combinations_of_a_fresh_run(outputs: tuple[str, str]):
     def account(text: str) -> list[float]:
         return values(next(line for line in text.splitlines() if line.endswith("adds up")))
 
-    evaluated, discarded, loaded = account(outputs()[0])
-    assert evaluated + discarded == loaded == account(outputs()[1])[2]
+    evaluated, discarded, loaded = account(outputs[0])
+    assert evaluated + discarded == loaded == account(outputs[1])[2]
 
 
-def test_output_shown_names_the_parts_and_the_objective_of_a_fresh_run():
-    shown, fresh = outputs()
+def test_output_shown_names_the_parts_and_the_objective_of_a_fresh_run(outputs: tuple[str, str]):
+    shown, fresh = outputs
     parts = re.compile(r"^  (?:camera|lens|port|light) .* (\S+)$", re.MULTILINE)
     assert len(parts.findall(shown)) >= 4
     assert parts.findall(shown) == parts.findall(fresh)
