@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,13 +13,13 @@ import pytest
 import small_catalogues as small
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from thorough import THOROUGH
 
 import uwopt
 from uwopt.catalog.records import exact
 from uwopt.problem import Parts
 from uwopt.solvers.exact import Outcome
 
-THOROUGH = bool(os.environ.get("UWOPT_THOROUGH"))
 EXAMPLES = 60 if THOROUGH else 4
 PHYSICS = ("full", "paper")
 SAME = 1e-9  # below that two designs count as equal and part ids decide

@@ -7,7 +7,6 @@ fail; it must not say optimal of what is not, nor infeasible of what is feasible
 from __future__ import annotations
 
 import math
-import os
 from typing import Any
 
 import exact_settings as exact
@@ -16,6 +15,7 @@ import numpy as np
 import pytest
 from exact_settings import CONTINUOUS, FLASH, PULSED, Truth
 from hand_made_rows import scene
+from thorough import THOROUGH
 
 from uwopt.objectives.objective import Objective
 from uwopt.rows import SceneRows
@@ -25,7 +25,6 @@ from uwopt.solvers.optimality import derivatives
 from uwopt.solvers.pieces import Scene, pieces_of
 from uwopt.solvers.program import Program
 
-THOROUGH = bool(os.environ.get("UWOPT_THOROUGH"))
 TRUE_REL = 1e-6  # of a value called optimal; the proofs ask for residuals of 1e-6 to 1e-4 in logarithms
 #: Methods that settle every design below within their means; all others may only fail honestly.
 SURE = ("casadi", "slsqp")

@@ -6,7 +6,6 @@ every extreme case. The other physics are held to what limits and symmetries dem
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +15,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from thorough import THOROUGH
 
 import uwopt
 from uwopt.errors import MissionError
 
 mp.mp.dps = 40
-THOROUGH = bool(os.environ.get("UWOPT_THOROUGH"))
 EXAMPLES = 100 if THOROUGH else 6
 PHYSICS = ("full", "auto", "paper") if THOROUGH else ("full", "paper")
 GREEN = ["wavelength_nm,relative_power", "380,0", "549.99,0", "550,1", "550.01,0", "780,0"]

@@ -18,6 +18,7 @@ import annotated_types
 from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
 from pydantic import AfterValidator
+from thorough import drawn
 
 from uwopt.catalog.columns import COLUMNS
 from uwopt.catalog.inline import INLINE_MODELS
@@ -40,7 +41,7 @@ HARDWARE = (
 )
 PHYSICS = ("auto", "full", "paper")
 SPANS = {field.name: field.cell.span for field in ALL_FIELDS}
-FUZZ = int(os.environ.get("UWOPT_FUZZ", "0"))
+FUZZ = int(os.environ.get("UWOPT_FUZZ", drawn("0", "5")))
 Draw = Any
 
 

@@ -8,6 +8,7 @@ import pytest
 import random_cases as rc
 from hypothesis import given
 from hypothesis import strategies as st
+from thorough import drawn
 
 from uwopt.catalog.records import exact
 from uwopt.errors import MissionError
@@ -19,6 +20,8 @@ from uwopt.solvers.population_archive import distinct, near
 from uwopt.solvers.pymoo_front import ALGORITHMS, Run, population_front
 
 PAIR, TRIPLE = ("power", "cost"), ("power", "cost", "snr_db")
+SEEDS = drawn((9, 10, 17, 22, 24), cases.FEASIBLE)  # one scene and two, physics full and paper
+ONE_SCENE = drawn((9, 17, 22), (3, 7, 8, 9, 13, 17, 22, 24))
 CURVE_REL = 2e-4  # how near the enumeration's grids come to the best settings
 
 
@@ -48,13 +51,13 @@ def share_of(values, reference, names):
 # ---------------------------------------------------------------- against enumeration
 
 
-@pytest.mark.parametrize("seed", cases.FEASIBLE)
+@pytest.mark.parametrize("seed", SEEDS)
 def test_front_of_three_is_feasible_nondominated_and_distinct(seed):
     search, front = cases.front(seed, TRIPLE)
     assert_front(search, front, TRIPLE)
 
 
-@pytest.mark.parametrize("seed", cases.FEASIBLE)
+@pytest.mark.parametrize("seed", SEEDS)
 def test_front_of_power_and_cost_reaches_that_of_enumeration(seed):
     reference = cases.enumerated_power_and_cost(seed)
     search, front = cases.front(seed, PAIR)
@@ -66,7 +69,7 @@ def test_front_of_power_and_cost_reaches_that_of_enumeration(seed):
     assert front.values[:, 0].min() == pytest.approx(least, rel=CURVE_REL)
 
 
-@pytest.mark.parametrize("seed", [s for s in cases.FEASIBLE if len(rc.case(s).mission.scenes) == 1])
+@pytest.mark.parametrize("seed", ONE_SCENE)
 def test_front_of_three_reaches_that_of_enumeration(seed):
     reference = cases.enumerated_with_snr(seed)
     _, front = cases.front(seed, TRIPLE)
@@ -74,7 +77,7 @@ def test_front_of_three_reaches_that_of_enumeration(seed):
     assert share_of(front.values, reference, TRIPLE) >= 0.97
 
 
-@pytest.mark.parametrize("seed", [1, 6, 18])
+@pytest.mark.parametrize("seed", drawn([20, 21], [1, 6, 18, 20, 21]))
 def test_front_is_empty_where_enumeration_finds_nothing(seed):
     assert len(cases.enumerated_power_and_cost(seed)) == 0
     _, front = cases.front(seed, PAIR)
