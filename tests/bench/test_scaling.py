@@ -36,6 +36,7 @@ from uwopt.solvers.exact import Outcome, Search
 
 KINDS = ("cameras", "lenses", "ports", "lights")
 SMALL, MEDIUM = 1e3, 1e6
+ENOUGH_S = 1e5  # the clock ends nothing
 
 
 @cache
@@ -138,7 +139,7 @@ def test_kinds_grow_by_one_factor(size: float) -> None:
 def enumerated() -> tuple[Parts, list[tuple[float, float]]]:
     """A small catalogue, and least power and cost of every design of it that can be built, by enumeration."""
     made = made_parts(SMALL)
-    parts = replace(made, lenses=made.lenses[:8])
+    parts = replace(made, lenses=made.lenses[:4])
     mission = mission_for("loose")
     brute = brute_force()
     bench = brute.Bench(Problem(mission, parts, paper=False))
@@ -150,7 +151,7 @@ def enumerated() -> tuple[Parts, list[tuple[float, float]]]:
 
 @pytest.mark.parametrize("name", MISSIONS)
 def test_search_equals_enumeration(name: str) -> None:
-    """About 700 combinations, each through the forward model, its settings by grids; budgets applied afterwards."""
+    """Hundreds of combinations, each through the forward model, its settings by grids; budgets applied afterwards."""
     parts, designs = enumerated()
     mission = mission_for(name)
     cost_limit, power_limit_w = mission.limits.cost or math.inf, mission.limits.power_w or math.inf
@@ -231,7 +232,7 @@ def test_more_parts_never_make_it_worse(name: str) -> None:
 
 def test_a_point_in_a_process_of_its_own(capsys: pytest.CaptureFixture[str]) -> None:
     """What a fresh process writes is the point that this process measures, time and memory apart."""
-    apart = scaling.apart("loose", SMALL, seconds=math.inf)
+    apart = scaling.apart("loose", SMALL, seconds=ENOUGH_S)
     here = measured("loose", SMALL)
     assert apart is not None and apart.status == "optimal" and apart.value == here.value
     assert apart.memory_mib > 10.0 and apart.time_s > 0.0
@@ -249,7 +250,7 @@ def test_rows_and_table(monkeypatch: pytest.MonkeyPatch) -> None:
     """A row carries the combinations loaded, and the table has a line a size."""
     point = Point(1440.0, 0.5, 0.6, 70.0, "optimal", 12, 3.0, "camera, lens, port, 2 x light")
     monkeypatch.setattr(scaling, "apart", lambda *given, **more: point)
-    rows = list(scaling.rows_of(Budget(quick=True, seconds=math.inf), (SMALL,), "full"))
+    rows = list(scaling.rows_of(Budget(quick=True, seconds=ENOUGH_S), (SMALL,), "full"))
     assert {row.case for row in rows} == set(MISSIONS) and all(isinstance(row, Row) for row in rows)
     assert rows[0].size == 1440.0 and rows[0].memory_mib == 70.0 and "12 evaluated" in rows[0].note
     seconds, memory = scaling.tables(rows)
