@@ -57,6 +57,8 @@ def case(seed: int) -> rc.Case:
     if plain["physics"] == "full" and small.chance(rng, 0.15):
         plain["objective"] = small.pick(rng, ["contrast", "information"])
         plain["requirements"]["min_swath_m"] = 0.1
+    if plain["physics"] == "full" and small.chance(rng, 0.5):
+        plain["physics"] = "auto"
     return rc.Case(parts, small.loaded(plain), Objective.of(plain["objective"]))
 
 

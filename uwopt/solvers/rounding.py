@@ -101,7 +101,9 @@ def best_common(
     model: DesignModel, scenes: Sequence[SettableScene], objective: Objective | None, *, between: bool
 ) -> tuple[float, list[SceneSettings]]:
     """The best settings with an f-number common to all scenes unless the iris has a motor, and what they miss."""
-    tried = [scene.best_by_stop(stops(model.lenses, between=between)) for scene in scenes]
+    marks = stops(model.lenses, between=between)
+    sharp = np.logical_and.reduce([scene.keep_depth(marks) for scene in scenes], axis=0)
+    tried = [scene.best_by_stop(marks[sharp] if sharp.any() else marks[-1:]) for scene in scenes]
     if model.lenses.motorised[0]:
         every = np.zeros(len(tried[0].shortfall), np.intp)
         tried = [one.take(one.best_of_each(every)) for one in tried]

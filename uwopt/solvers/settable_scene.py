@@ -8,7 +8,9 @@ among its marks likewise.
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +18,9 @@ from numpy.typing import NDArray
 from uwopt.design_model import DesignModel
 from uwopt.figures import Figures, SettingRows, figures_of
 from uwopt.hardware import FLASH, PULSED
+from uwopt.image_light import worst_candidates
 from uwopt.model import sensor
+from uwopt.objectives.margins import depth_of_field_margins
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.ranking import told_apart
 from uwopt.solvers.settable import EDGE, GAIN_STEP_DB, TIME_STEP_S, light_levels, time_steps
@@ -28,9 +32,11 @@ LEVEL_TOLERANCE_REL = 0.012  # one step of gain: how well a mean level can be me
 TIMES = 12  # looked at a row, before the search goes on between two of them
 LEVELS = 9
 ROUNDS = 12  # 11 ** 12 is more than there are microseconds in any exposure
+SHARP_LAST = 1e-6  # weight of a sharpness that is missed: first all else must hold
 WORST = 1e290  # stands for an objective that is infinite
 MOST_PIXELS = 4_000_000  # figures at pixels that are held at a time
-OPEN_LONGER = (0.0, 0.25, 0.5, 1.0, 2.0)  # of the optimum's open shutter beyond the pulse, under the sun
+BALANCES = 13  # of lamps against sun, at which the worst pixels are looked for
+OPEN_LONGER = (0.0, 0.5, 1.0)  # of the optimum's open shutter beyond the pulse, under the sun
 
 
 @dataclass(frozen=True)
@@ -74,7 +80,7 @@ class SettableScene:
         self, model: DesignModel, index: int, exact: SettingRows, objective: Objective | None, *,
         rate_hz: float, dioptre_per_m: float,
     ):  # fmt: skip
-        self.model, self.index, self.exact, self.objective = model, index, exact, objective
+        self.model, self.index, self.exact, self.objective = few_pixels(model, index), index, exact, objective
         self.rate_hz, self.dioptre_per_m = rate_hz, dioptre_per_m
         self.kind = int(model.lights.kind[0])
         self.levels = light_levels(model.lights)
@@ -82,10 +88,17 @@ class SettableScene:
         n_gains = int(_db(model.cameras.max_gain[0]) / GAIN_STEP_DB + EDGE) + 1
         self.gains_db = np.arange(n_gains) * GAIN_STEP_DB
         self.at_exact = self._figures(exact)
-        self.rows = model.rows[index]
+        self.rows = self.model.rows[index]
         self.lean = replace(self.rows, light=replace(self.rows.light, worst_e=None, worst_veil_e=None))
 
     # ------------------------------------------------------------ what there is to try
+
+    def keep_depth(self, stops: Array) -> NDArray[np.bool_]:
+        """Which f-numbers keep the wanted depth sharp; no light changes that."""
+        tried = self._settings(stops, np.ones(len(stops)), np.ones(len(stops)), np.zeros(len(stops)))
+        scene = self.model.problem.scenes[self.index]
+        margins = depth_of_field_margins(scene, figures_of(scene, self.lean, tried))
+        return np.logical_and.reduce([m.satisfied for m in margins], axis=0) | np.zeros(len(stops), bool)
 
     def best_by_stop(self, stops: Array) -> Tried:
         """The best settings at each of these f-numbers."""
@@ -227,15 +240,24 @@ class SettableScene:
         return Tried.joined([self._some(settings.take(at)) for at in np.split(places, places[each::each])])
 
     def _some(self, settings: SettingRows) -> Tried:
-        """Figures and margins of some settings."""
-        count = len(settings.f_number)
-        figures = self.model.figures(self.index, settings)
-        margins = self.model.margins(self.index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL)
-        shortfall = np.zeros(count)
-        for margin in margins:
-            shortfall = np.maximum(shortfall, margin.shortfall)
+        """Figures and margins of some settings; sharpness, which is dear, of those where all else holds."""
+        scene, asked = self.model.problem.scenes[self.index], self.needs.min_mtf_half_nyquist is not None
+        figures = figures_of(scene, self.rows, settings)
+        shortfall = self._shortfall(settings, figures)
+        if asked and not scene.paper and (rest := np.nonzero(shortfall == 0.0)[0]).size:
+            few = settings.take(rest)
+            shortfall[rest] = SHARP_LAST * self._shortfall(few, self.model.figures(self.index, few))
         made = self._terms(settings, figures, shortfall == 0.0)
         return replace(made, shortfall=shortfall, value=np.where(shortfall == 0.0, self._value(made), np.inf))
+
+    def _shortfall(self, settings: SettingRows, figures: Figures) -> Array:
+        """How far the requirement that is missed most is missed."""
+        worst = np.zeros(len(settings.f_number))
+        for margin in self.model.margins(
+            self.index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL
+        ):
+            worst = np.maximum(worst, margin.shortfall)
+        return worst
 
     def _figures(self, settings: SettingRows) -> Tried:
         """The figures that objectives are made of."""
@@ -269,6 +291,37 @@ class SettableScene:
         with np.errstate(divide="ignore", invalid="ignore"):
             folds = np.abs(np.log(tried.power_w / self.at_exact.power_w))
         return np.asarray(away_db / _db(np.e) + np.nan_to_num(folds, nan=0.0))
+
+
+def few_pixels(model: DesignModel, index: int) -> DesignModel:
+    """The model with the pixels alone that some balance of lamps and sun makes the worst.
+
+    What is found with them is evaluated with all.
+    """
+    rows = model.rows[index]
+    lamp, sun = rows.light, rows.sun
+    if lamp.worst_e is None or sun is None or sun.worst_e_s is None or not sun.worst_e_s.mean() > 0:
+        return model
+    with np.errstate(divide="ignore"):
+        share = np.nan_to_num(sun.worst_e_s.mean() / lamp.worst_e.mean(), posinf=1.0)
+    keep = np.unique(np.concatenate([
+        worst_candidates(
+            lamp.worst_e * share * balance + sun.worst_e_s,
+            None if sun.worst_veil_e_s is None else
+            (0.0 if lamp.worst_veil_e is None else lamp.worst_veil_e * share * balance) + sun.worst_veil_e_s,
+        )
+        for balance in (0.0, *np.geomspace(1e-3, 1e3, BALANCES))
+    ]))  # fmt: skip
+    few = copy(model)
+    few.rows = list(model.rows)
+    few.rows[index] = replace(rows, light=only_pixels(lamp, keep), sun=only_pixels(sun, keep))
+    return few
+
+
+def only_pixels(light: Any, keep: Index) -> Any:
+    """Light of lamps or sun with some of its pixels."""
+    columns = {f.name: getattr(light, f.name) for f in fields(light)}
+    return replace(light, **{k: c[:, :, keep] for k, c in columns.items() if c is not None and c.ndim == 3})
 
 
 def terms_of(scenes: list[Tried]) -> Terms:
