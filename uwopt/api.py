@@ -25,20 +25,19 @@ from uwopt.api_accuracy import (
     plain_accuracy,
     search_within,
 )
-from uwopt.batch import Batch, Designs
+from uwopt.batch import influences_of
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Choice, Selection, select
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.catalog.load import load_catalog as _load_catalog
 from uwopt.deadline import Deadline
-from uwopt.design_model import DesignModel, Hardware, SceneSettings, design_model
+from uwopt.design_model import Hardware, SceneSettings, design_model
 from uwopt.effects import Influence, effects_kept
 from uwopt.errors import CatalogError, MissionError
 from uwopt.evaluation import evaluate_design
 from uwopt.floats import own_float_rules
 from uwopt.hardware import FLASH
 from uwopt.mission import Mission, load_mission
-from uwopt.model.fidelity import Effects
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.margins import SATISFIED_REL
 from uwopt.objectives.objective import Objective
@@ -414,24 +413,6 @@ def interrupted(result: Result) -> bool:
 def selection_warnings(selection: Selection) -> list[dict[str, str]]:
     """Patterns that match nothing."""
     return [{"code": "pattern", "path": "catalog", "message": text} for text in selection.warnings]
-
-
-def influences_of(
-    problem: Problem, hardware: Hardware, given: list[SceneSettings], goal: Objective
-) -> list[Influence]:
-    """How much each effect matters to one design, and what physics `auto` would leave out."""
-    if problem.paper:
-        return []
-    plain = DesignModel(problem.with_effects(Effects.none()), hardware)
-    settings = [plain.settings(index, one) for index, one in enumerate(given)]
-    one = np.array([0])
-    designs = Designs(
-        one + hardware.camera, one + hardware.lens, one + hardware.port, np.array([hardware.landscape]),
-        one + hardware.light, one + hardware.count, hardware.mount,
-    )  # fmt: skip
-    batch = Batch(problem, designs)
-    information = bool(goal.weight("information"))
-    return batch.influences(problem.mission.tolerance, settings, information=information)
 
 
 def proven_in_full(influences: Sequence[Influence]) -> list[Influence]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt import api
+from uwopt.batch import influences_of
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
 from uwopt.design_model import design_model
@@ -424,7 +425,7 @@ class Run:
         hardware = recommend.hardware_of(found)
         model = design_model(sought.problem, hardware)
         given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
-        influences = api.influences_of(sought.problem, hardware, given, self.builtin)
+        influences = influences_of(sought.problem, hardware, given, self.builtin)
         return [item.as_dict() for item in api.proven_in_full(influences)]
 
     def warned(self, sought: Sought) -> list[dict[str, str]]:

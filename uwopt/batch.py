@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt import effects as influence
+from uwopt.design_model import DesignModel, Hardware, SceneSettings
 from uwopt.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
 from uwopt.image_light import ImageLight, Veils
 from uwopt.model.fidelity import Effects
 from uwopt.model.port import FocusMap
+from uwopt.objectives.objective import Objective
 from uwopt.optics import Views, focus_map, views
 from uwopt.problem import Mount, Problem
 from uwopt.scene import SceneOptics
@@ -192,3 +194,21 @@ class Batch:
         lean = Batch(self.problem.with_effects(effects), self.designs)
         lean._signals = self._signals  # with the window's loss by angle, which is then no less true
         return lean
+
+
+def influences_of(
+    problem: Problem, hardware: Hardware, given: list[SceneSettings], goal: Objective
+) -> list[influence.Influence]:
+    """How much each effect matters to one design, and what physics `auto` would leave out."""
+    if problem.paper:
+        return []
+    plain = DesignModel(problem.with_effects(Effects.none()), hardware)
+    settings = [plain.settings(index, one) for index, one in enumerate(given)]
+    one = np.array([0])
+    designs = Designs(
+        one + hardware.camera, one + hardware.lens, one + hardware.port, np.array([hardware.landscape]),
+        one + hardware.light, one + hardware.count, hardware.mount,
+    )  # fmt: skip
+    batch = Batch(problem, designs)
+    information = bool(goal.weight("information"))
+    return batch.influences(problem.mission.tolerance, settings, information=information)

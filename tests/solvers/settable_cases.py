@@ -17,7 +17,9 @@ import small_catalogues as small
 import uwopt
 import uwopt.api
 from uwopt.catalog.catalogue import Catalog
-from uwopt.design_model import Hardware, SceneSettings, design_model
+from uwopt.design_model import DesignModel, Hardware, SceneSettings, design_model
+from uwopt.figures import SettingRows
+from uwopt.hardware import FLASH, PULSED
 from uwopt.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.optics import place_focus
@@ -25,7 +27,7 @@ from uwopt.problem import Parts, Problem
 from uwopt.report import words
 from uwopt.result import Design, Result
 from uwopt.solvers.rounding import rounded_design
-from uwopt.solvers.settable import printed
+from uwopt.solvers.settable import light_levels, printed, stops
 
 TYPED = ("f_number", "exposure_ms", "pulse_ms", "gain", "dim_frac", "frame_rate_hz", "focus_distance_m")
 
@@ -79,6 +81,29 @@ def start(wanted: rc.Case, seed: int) -> Start | None:
         numbers = {f.name: float(getattr(made, f.name)[0]) for f in fields(made)}
         exact.append({**numbers, "time_s": numbers["pulse_s"]})
     return Start(wanted, problem, hardware, exact)
+
+
+def random_settings(
+    model: DesignModel, numbers: dict[str, Any], rng: small.Rng, count: int
+) -> SettingRows:
+    """Stops, levels, microseconds and tenths of a decibel drawn at random, in one scene."""
+    cam, flash = model.cameras, int(model.lights.kind[0]) == FLASH
+    longest_s = min(float(cam.max_exposure_s[0]), 1.0 / max(numbers["rate_hz"], 1e-3))
+    time_s = np.round(1e6 * np.exp(rng.uniform(np.log(2e-6), np.log(longest_s), count))) * 1e-6
+    pulse_s = np.full(count, np.inf)
+    exposure_s = time_s
+    if int(model.lights.kind[0]) == PULSED:
+        pulse_s, exposure_s = time_s, time_s + float(cam.readout_s[0])
+    if flash:
+        pulse_s = np.full(count, float(model.lights.flash_duration_s[0]))
+    exposure_s = np.maximum(exposure_s, float(cam.min_exposure_s[0]))
+    top_db = 20.0 * float(np.log10(cam.max_gain[0]))
+    gain_db = np.floor(rng.uniform(0.0, top_db, count) / 0.1) * 0.1
+    ones = np.ones(count)
+    return SettingRows(
+        rng.choice(stops(model.lenses, between=True), count), exposure_s, pulse_s, 10.0 ** (gain_db / 20.0),
+        rng.choice(light_levels(model.lights), count), numbers["rate_hz"] * ones, numbers["dioptre_per_m"] * ones,
+    )  # fmt: skip
 
 
 def parts_of(parts: Parts) -> tuple[Any, ...]:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import random_cases as rc
 import settable_cases as sc
+from thorough import drawn
 
 import uwopt
 from uwopt.catalog.catalogue import Catalog
@@ -25,8 +26,11 @@ from uwopt.report.tables import result_blocks
 from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.rounding import exact_settings, rounded_design
 from uwopt.solvers.settable import focus_distances_m, rates_hz, stops, time_steps
+from uwopt.solvers.settable_scene import LEVEL_TOLERANCE_REL
 
-SEEDS = tuple(range(150)) if rc.THOROUGH else (0, 1, 2, 3, 5, 8)
+# Lamps that burn, pulse, flash; by steps or freely; one scene or two; full, auto, paper; every kind of requirement.
+HOLDING = (4, 5, 12, 14, 23, 40, 46, 54, 62)
+FAILING = (41,)
 BURNING = rc.lamp("burning", kind="continuous", flux_lm=20_000.0, power_w=200.0)
 STEPPED = rc.lamp(
     "stepped", kind="pulsed_led", flux_lm=20_000.0, power_w=200.0, dim_levels=(0.25, 0.5, 1.0), min_pulse_us=1.0,
@@ -46,18 +50,32 @@ def best_of(case: rc.Case) -> tuple[Any, Any]:
     return search.problem, outcome.best[0]
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", drawn(HOLDING, range(200)))
 def test_what_is_printed_to_set_meets_every_requirement_when_evaluated(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     case = sc.case(seed)
     start = sc.start(case, seed)
     design = None if start is None else start.rounded()
-    if design is None or not design.feasible:
+    if seed not in HOLDING and (design is None or not design.feasible):
         pytest.skip("nothing that can be set holds, so nothing is printed")
+    assert design is not None
+    assert design.feasible
     again = sc.evaluated(monkeypatch, case.mission, case.parts, sc.as_typed(design)).best
     assert again is not None
     assert [m for scene in again.scenes for m in scene.margins if not m.satisfied] == []
+
+
+@pytest.mark.parametrize("seed", drawn(FAILING, range(200)))
+def test_where_nothing_is_offered_no_random_setting_holds(seed: int) -> None:
+    start = sc.start(sc.case(seed), seed)
+    if start is None or len(start.exact) > 1 or start.rounded().feasible:
+        pytest.skip("something is offered, or more than one scene would have to be set")
+    model, rng, count = design_model(start.problem, start.hardware), np.random.default_rng([seed, 5]), 5000
+    tried = sc.random_settings(model, start.exact[0], rng, count)
+    margins = model.margins(0, tried, model.figures(0, tried), level_tolerance_rel=LEVEL_TOLERANCE_REL)
+    holds = np.logical_and.reduce([np.broadcast_to(m.satisfied, count) for m in margins])
+    assert not holds.any()
 
 
 # ---------------------------------------------------------------- with all light counted

@@ -115,7 +115,7 @@ def worker(subject: Subject, method: str) -> Any:
         return lambda: subject.evaluated(subject.problem(physics, fineness))
 
     def by_auto() -> Design:
-        from uwopt.api import influences_of
+        from uwopt.batch import influences_of
 
         problem = subject.problem("full")
         goal = Objective.of(subject.mission.objective)

@@ -12,7 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from uwopt.batch import influences_of
 from uwopt.design_model import DesignModel, Hardware, SceneSettings, design_model
+from uwopt.effects import effects_kept
 from uwopt.evaluation import evaluate_design
 from uwopt.figures import SettingRows
 from uwopt.hardware import CONTINUOUS, FLASH, PULSED
@@ -25,6 +27,7 @@ from uwopt.solvers.settable_scene import LEVEL_TOLERANCE_REL, SettableScene, Tri
 
 FAR_M = 10_000.0  # what a focus at infinity, or beyond, is set to
 HOPELESS = 0.05  # share by which a requirement is missed that no finer rate or focus can mend
+MOST_LEAN = 2  # models with effects left out that the search heeds, one after the other
 BY_POWER = Objective({"power": 1.0})  # of a design that only has to stay near the optimum
 
 
@@ -42,33 +45,58 @@ def rounded_design(
     """The best design that can be set; feasible, or the nearest miss where none is.
 
     `exact` : the optimum's settings by scene. Without an objective the design stays as near to it as it can.
+    Physics `auto` leaves effects out when the settings are evaluated; the requirements then hold with and without.
     """
-    model = design_model(problem, hardware)
+    goal, model = objective or BY_POWER, design_model(problem, hardware)
     optimum = [model.settings(i, exact_settings(model, i, numbers)) for i, numbers in enumerate(exact)]
+    leaner: list[DesignModel] = []
+    while True:
+        given = settable(model, optimum, objective, leaner)
+        made = Rounded(given, evaluated(problem, hardware, given, goal))
+        if not made.design.feasible or problem.mission.physics != "auto":
+            return made
+        lean = problem.with_effects(effects_kept(influences_of(problem, hardware, given, goal)))
+        if lean.effects == problem.effects or holds(design_model(lean, hardware), given):
+            return made
+        if len(leaner) == MOST_LEAN:
+            return Rounded(given, evaluated(lean, hardware, given, goal))
+        leaner.append(design_model(lean, hardware))
+
+
+def settable(
+    model: DesignModel, optimum: Sequence[SettingRows], objective: Objective | None, leaner: Sequence[DesignModel]
+) -> list[SceneSettings]:
+    """The best settings that can be set, or those of the nearest miss; `leaner` models must agree that all holds."""
     nearest: tuple[float, list[SceneSettings]] = (np.inf, [])
     for rates, dioptres in variants(model, optimum):
         scenes = [
-            SettableScene(model, i, one, objective, rate_hz=rates[i], dioptre_per_m=dioptres[i])
+            SettableScene(model, i, one, objective, rate_hz=rates[i], dioptre_per_m=dioptres[i], leaner=leaner)
             for i, one in enumerate(optimum)
         ]
         for between in (False, True):
             tried = best_common(model, scenes, objective, between=between)
             nearest = min(nearest, tried, key=lambda found: found[0])
             if nearest[0] == 0.0:
-                break
-        if nearest[0] == 0.0 or nearest[0] > HOPELESS:
+                return nearest[1]
+        if nearest[0] > HOPELESS:
             break
-    return evaluated(problem, hardware, nearest[1], objective)
+    return nearest[1]
 
 
-def evaluated(
-    problem: Problem, hardware: Hardware, given: list[SceneSettings], objective: Objective | None
-) -> Rounded:
+def evaluated(problem: Problem, hardware: Hardware, given: list[SceneSettings], goal: Objective) -> Design:
     """A design with these settings, evaluated."""
-    design = evaluate_design(
-        problem, hardware, given, objective or BY_POWER, level_tolerance_rel=LEVEL_TOLERANCE_REL
-    )
-    return Rounded(given, design)
+    return evaluate_design(problem, hardware, given, goal, level_tolerance_rel=LEVEL_TOLERANCE_REL)
+
+
+def holds(model: DesignModel, given: Sequence[SceneSettings]) -> bool:
+    """Whether these settings meet every requirement in a model."""
+    for index, one in enumerate(given):
+        settings = model.settings(index, one)
+        figures = model.figures(index, settings)
+        margins = model.margins(index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL)
+        if not all(bool(m.satisfied[0]) for m in margins):
+            return False
+    return True
 
 
 def variants(

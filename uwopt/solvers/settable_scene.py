@@ -8,6 +8,7 @@ among its marks likewise.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.design_model import DesignModel
-from uwopt.figures import Figures, SettingRows, figures_of
+from uwopt.figures import DesignRows, Figures, SettingRows, figures_of
 from uwopt.hardware import FLASH, PULSED
 from uwopt.image_light import worst_candidates
 from uwopt.model import sensor
@@ -78,7 +79,7 @@ class SettableScene:
 
     def __init__(
         self, model: DesignModel, index: int, exact: SettingRows, objective: Objective | None, *,
-        rate_hz: float, dioptre_per_m: float,
+        rate_hz: float, dioptre_per_m: float, leaner: Sequence[DesignModel] = (),
     ):  # fmt: skip
         self.model, self.index, self.exact, self.objective = few_pixels(model, index), index, exact, objective
         self.rate_hz, self.dioptre_per_m = rate_hz, dioptre_per_m
@@ -88,8 +89,9 @@ class SettableScene:
         n_gains = int(_db(model.cameras.max_gain[0]) / GAIN_STEP_DB + EDGE) + 1
         self.gains_db = np.arange(n_gains) * GAIN_STEP_DB
         self.at_exact = self._figures(exact)
+        self.models = [self.model, *(few_pixels(lean, index) for lean in leaner)]
         self.rows = self.model.rows[index]
-        self.lean = replace(self.rows, light=replace(self.rows.light, worst_e=None, worst_veil_e=None))
+        self.means = [means_alone(one.rows[index]) for one in self.models]
 
     # ------------------------------------------------------------ what there is to try
 
@@ -97,7 +99,7 @@ class SettableScene:
         """Which f-numbers keep the wanted depth sharp; no light changes that."""
         tried = self._settings(stops, np.ones(len(stops)), np.ones(len(stops)), np.zeros(len(stops)))
         scene = self.model.problem.scenes[self.index]
-        margins = depth_of_field_margins(scene, figures_of(scene, self.lean, tried))
+        margins = depth_of_field_margins(scene, figures_of(scene, self.means[0], tried))
         return np.logical_and.reduce([m.satisfied for m in margins], axis=0) | np.zeros(len(stops), bool)
 
     def best_by_stop(self, stops: Array) -> Tried:
@@ -219,9 +221,9 @@ class SettableScene:
         """The highest gain that does not saturate; of a wanted mean level the steps on either side, nearest first."""
         cam, scene = self.model.cameras, self.model.problem.scenes[self.index]
         full, black = float(2.0 ** cam.bits[0] - 1.0), float(cam.black_level_dn[0])
-        seen = figures_of(scene, self.lean, settings).mean_level * full - black
         wanted = self.needs.mean_level
-        reached = seen.max(axis=1) if wanted is None else seen[:, scene.nominal]
+        seen = [figures_of(scene, rows, settings).mean_level * full - black for rows in self.means]
+        reached = np.max(seen, axis=(0, 2)) if wanted is None else seen[0][:, scene.nominal]
         target = (full / self.needs.highlight_ratio if wanted is None else wanted * full) - black
         with np.errstate(divide="ignore", invalid="ignore"):
             steps = np.nan_to_num(_db(target / reached) / GAIN_STEP_DB, nan=0.0)
@@ -242,21 +244,23 @@ class SettableScene:
     def _some(self, settings: SettingRows) -> Tried:
         """Figures and margins of some settings; sharpness, which is dear, of those where all else holds."""
         scene, asked = self.model.problem.scenes[self.index], self.needs.min_mtf_half_nyquist is not None
-        figures = figures_of(scene, self.rows, settings)
+        figures = [figures_of(scene, model.rows[self.index], settings) for model in self.models]
         shortfall = self._shortfall(settings, figures)
         if asked and not scene.paper and (rest := np.nonzero(shortfall == 0.0)[0]).size:
             few = settings.take(rest)
-            shortfall[rest] = SHARP_LAST * self._shortfall(few, self.model.figures(self.index, few))
-        made = self._terms(settings, figures, shortfall == 0.0)
+            sharp = [model.figures(self.index, few) for model in self.models]
+            shortfall[rest] = SHARP_LAST * self._shortfall(few, sharp)
+        made = self._terms(settings, figures[0], shortfall == 0.0)
         return replace(made, shortfall=shortfall, value=np.where(shortfall == 0.0, self._value(made), np.inf))
 
-    def _shortfall(self, settings: SettingRows, figures: Figures) -> Array:
-        """How far the requirement that is missed most is missed."""
+    def _shortfall(self, settings: SettingRows, by_model: Sequence[Figures]) -> Array:
+        """How far the requirement that is missed most is missed, in any of the models."""
         worst = np.zeros(len(settings.f_number))
-        for margin in self.model.margins(
-            self.index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL
-        ):
-            worst = np.maximum(worst, margin.shortfall)
+        for model, figures in zip(self.models, by_model, strict=True):
+            for margin in model.margins(
+                self.index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL
+            ):
+                worst = np.maximum(worst, margin.shortfall)
         return worst
 
     def _figures(self, settings: SettingRows) -> Tried:
@@ -316,6 +320,11 @@ def few_pixels(model: DesignModel, index: int) -> DesignModel:
     few.rows = list(model.rows)
     few.rows[index] = replace(rows, light=only_pixels(lamp, keep), sun=only_pixels(sun, keep))
     return few
+
+
+def means_alone(rows: DesignRows) -> DesignRows:
+    """The rows without pixels."""
+    return replace(rows, light=replace(rows.light, worst_e=None, worst_veil_e=None))
 
 
 def only_pixels(light: Any, keep: Index) -> Any:

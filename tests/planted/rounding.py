@@ -1,0 +1,57 @@
+"""Planted defects of the settings to type in."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+SCENE, RING = "uwopt/solvers/settable_scene.py", "uwopt/solvers/settable.py"
+TESTS = "tests/solvers/test_rounding.py::"
+
+DEFECTS: tuple[Defect, ...] = (
+    Defect(
+        name="a result whose optimum cannot be set is headed optimal", file="uwopt/api.py",
+        old='"optimal" if is_settable(winner) and not wide', new='"optimal" if not wide',
+        test=f"{TESTS}test_result_is_not_headed_optimal_where_nothing_can_be_set",
+    ),
+    Defect(
+        name="settings that miss a requirement are offered", file="uwopt/solvers/recommend.py",
+        old="if not again.feasible:", new="if again.scenes == []:",
+        test=f"{TESTS}test_no_settings_are_offered_where_none_holds",
+    ),
+    Defect(
+        name="each scene has its own stop behind a sealed port", file="uwopt/solvers/rounding.py",
+        old="if model.lenses.motorised[0]:", new="if True:",
+        test=f"{TESTS}test_manual_lens_keeps_stop_and_ring_in_both_scenes",
+    ),
+    Defect(
+        name="stops that no lens has", file=RING,
+        old=" & (marks < highest * (1 - EDGE))", new="",
+        test=f"{TESTS}test_stops_are_those_engraved_and_lie_on_the_lens",
+    ),
+    Defect(
+        name="frame rates are rounded down", file=RING,
+        old="math.ceil(value / step - 1e-6)", new="math.floor(value / step)",
+        test=f"{TESTS}test_frame_rate_is_rounded_upward",
+    ),
+    Defect(
+        name="times are looked for in two rounds", file=SCENE,
+        old="ROUNDS = 12", new="ROUNDS = 2",
+        test=f"{TESTS}test_no_setting_of_a_whole_grid_draws_less_power",
+    ),
+    Defect(
+        name="points of a front are dimmed to the least", file=SCENE,
+        old="away_db = np.abs(tried.snr_db - self.at_exact.snr_db)", new="away_db = tried.snr_db",
+        test=f"{TESTS}test_without_an_objective_rounding_stays_near_the_optimum",
+    ),
+    Defect(
+        name="what physics auto leaves out is not heeded when rounding", file="uwopt/solvers/rounding.py",
+        old='or problem.mission.physics != "auto":', new="or True:",
+        test=f"{TESTS}test_what_is_printed_to_set_meets_every_requirement_when_evaluated[46]",
+    ),
+    Defect(
+        name="the sun does not count when settings are rounded", file=SCENE,
+        old="self.rows = self.model.rows[index]",
+        new="self.rows = self.model.rows[index] = replace(self.model.rows[index], sun=None)",
+        test=f"{TESTS}test_sunlight_counts_when_a_sunlit_optimum_is_rounded",
+    ),
+)  # fmt: skip
