@@ -12,8 +12,6 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from uwopt.accuracy import coarsest
 from uwopt.api_accuracy import (
     Searched,
