@@ -138,8 +138,8 @@ def places(lamps: Lamps) -> dict[tuple[float, ...], float]:
     found: dict[tuple[float, ...], float] = {}
     for x, y, z, aim, share in zip(lamps.x_m, lamps.y_m, lamps.z_m, lamps.aim, lamps.share, strict=True):
         place = tuple(round(value, PLACE_DIGITS) + 0.0 for value in (x, y, z, *aim))
-        found[place] = round(found.get(place, 0.0) + share, PLACE_DIGITS)
-    return found
+        found[place] = found.get(place, 0.0) + share
+    return {place: round(share, PLACE_DIGITS) for place, share in found.items()}  # thirds add up first
 
 
 def other_focus(

@@ -73,7 +73,7 @@ def start(wanted: rc.Case, seed: int) -> Start | None:
     hardware = small.pick(rng, buildable)
     model = design_model(problem, hardware)
     focus = place_focus(problem.scenes, model.maps, model.views)
-    f_number = max(float(model.lenses.f_number_min[0]), float(focus.n_depth[0])) * small.between(rng, 1.0, 1.2)
+    f_number = max(float(model.lenses.f_number_min[0]), float(np.max(focus.n_depth))) * small.between(rng, 1.0, 1.2)
     f_number = min(f_number, float(model.lenses.f_number_max[0]))
     exact = []
     for index, dioptre in enumerate(focus.dioptre_per_m):
