@@ -12,6 +12,7 @@ What it leaves out is not checked against anything (`inline=True`), and these de
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_origin
 
@@ -29,6 +30,7 @@ from uwopt.fields import CHOICE, NUMBER, SMALLEST, WHOLE, Section, Text, Texts, 
 MOST = 1e12  # of a number that nothing else bounds
 
 
+@cache
 def inline_keys(kind: Kind) -> dict[str, tuple[Field, Inline]]:
     """The fields that an inline record of this kind may state, by name."""
     return {f.name: (f, f.inline) for f in fields_of(PARTS[kind].record) if f.inline is not None}
