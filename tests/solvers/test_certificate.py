@@ -18,7 +18,7 @@ from uwopt.solvers import exact as exact_search
 from uwopt.solvers import large
 from uwopt.solvers.certificate import accounted, certificate
 from uwopt.solvers.exact import Account, Outcome, Search
-from uwopt.solvers.ranking import TIE, Found, Ranking
+from uwopt.solvers.ranking import Found, Ranking
 
 FAST = {"max_blur_px": 1.0, "min_snr_db": 26.0}
 
@@ -180,7 +180,7 @@ def test_a_tie_is_broken_by(better: dict[str, float]) -> None:
     """Of two designs with the same objective the one with less of it, though its id comes later."""
     ranking, design = ranked()
     ranking._insert(replace(design, camera=0))
-    ranking._insert(replace(design, camera=1, minimised=10.0 * (1.0 + 0.5 * TIE), **better))  # type: ignore[arg-type]
+    ranking._insert(replace(design, camera=1, minimised=10.0 * (1.0 + 0.5e-9), **better))  # type: ignore[arg-type]
     assert [found.camera for found in ranking.best] == [1, 0]
 
 
@@ -204,7 +204,7 @@ def test_ids_break_the_last_tie() -> None:
 def test_more_than_a_tie_is_no_tie() -> None:
     """A billionth and a little more decides before all else."""
     ranking, design = ranked()
-    ranking._insert(replace(design, camera=1, minimised=10.0 * (1.0 + 3.0 * TIE), power_w=1.0))
+    ranking._insert(replace(design, camera=1, minimised=10.0 * (1.0 + 3e-9), power_w=1.0))
     ranking._insert(replace(design, camera=0))
     assert [found.camera for found in ranking.best] == [0, 1]
 
@@ -223,8 +223,8 @@ def test_the_last_place_is_what_must_be_beaten() -> None:
     ranking._insert(replace(design, camera=0))
     assert ranking.threshold() == math.inf and ranking.power_threshold() == math.inf
     ranking._insert(replace(design, camera=1, minimised=20.0, power_w=20.0))
-    assert ranking.threshold() == pytest.approx(20.0, rel=2 * TIE) and ranking.threshold() > 20.0
-    assert ranking.power_threshold() == pytest.approx(20.0, rel=2 * TIE)
+    assert ranking.threshold() == pytest.approx(20.0, rel=2e-9) and ranking.threshold() > 20.0
+    assert ranking.power_threshold() == pytest.approx(20.0, rel=2e-9)
 
 
 def test_a_search_lists_runners_up_in_their_order() -> None:
