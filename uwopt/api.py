@@ -370,7 +370,10 @@ def audited(
 
     best = sought.outcome.best[0].minimised if sought.outcome.best else None
     with recommend.timed(timing, "audit"):
-        report = attack(sought.search, goal, count=count, seed=seed, best_value=best, deadline=deadline)
+        report = attack(
+            sought.search, goal, count=count, seed=seed, best_value=best,
+            lower_bound=sought.outcome.lower_bound, deadline=deadline,
+        )  # fmt: skip
     return replace(result, audit=report)
 
 

@@ -26,7 +26,9 @@ SUM = {"power": 0.2, "snr_db": 1.0}
 OBJECTIVES: tuple[Any, ...] = (
     "power", "cost", "mass", "snr_db", "gsd_mm", "contrast", "information", SUM, {"power": 1.0, "cost": 0.01},
 )  # fmt: skip
-ELSEWHERE = ("power", "snr_db", "contrast") + (("information",) if THOROUGH else ())  # it takes a quarter minute
+ELSEWHERE = ("power", "snr_db", "contrast") + (
+    ("information",) if THOROUGH else ()
+)  # it takes a quarter minute
 SUN = ({"sun_lux": 5_000.0, "depth_m": 20.0},)
 TWO = ({}, {"altitude_m": 1.5, "water": "III"})
 WANTED: dict[str, Any] = {"max_blur_px": 1.0, "min_snr_db": 20.0, "min_swath_m": 0.8}
@@ -161,6 +163,19 @@ def test_it_sees_a_gain_of_one_percent() -> None:
         report = audit(search, case_.objective, count=TRIED, seed=1, best_value=worse * kept)
         assert report["passed"] == passed
     search.ranking.best = outcome.best
+
+
+@pytest.mark.parametrize(("bound", "passed"), [(1.0, True), (1.005, False)])
+def test_a_search_cut_short_is_held_to_its_bound_beside_the_best(bound: float, passed: bool) -> None:
+    """Something 1 % better was not reached: no defect, unless the certificate says that there is nothing."""
+    case_, (search, outcome) = world("power"), honest("power")
+    kept = outcome.best[0].minimised
+    search.ranking.best = [replace(outcome.best[0], count=2, minimised=1.01 * kept)]
+    report = audit(
+        search, case_.objective, count=TRIED, seed=1, best_value=1.01 * kept, lower_bound=bound * kept
+    )
+    search.ranking.best = outcome.best
+    assert report["passed"] == passed
 
 
 def test_it_fails_when_a_bound_throws_units_away(monkeypatch: pytest.MonkeyPatch) -> None:

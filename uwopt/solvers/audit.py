@@ -39,15 +39,14 @@ class Attempt:
 
 
 def audit(
-    search: Search,
-    objective: Objective,
-    *,
-    count: int,
-    seed: int,
-    best_value: float | None,
-    deadline: Deadline = NEVER,
-) -> dict[str, Any]:
-    """Draw, attack, report."""
+    search: Search, objective: Objective, *, count: int, seed: int, best_value: float | None,
+    lower_bound: float = np.inf, deadline: Deadline = NEVER,
+) -> dict[str, Any]:  # fmt: skip
+    """Draw, attack, report.
+
+    What a rule discarded must not beat the best. Beside the best there is what was not reached in time, or not
+    settled to the last digit: the certificate claims no more of it than its `lower_bound`.
+    """
     rng = np.random.default_rng(seed)
     tries = drawn(search, count, rng)
     found: list[Attempt] = []
@@ -57,7 +56,8 @@ def audit(
             break
         found.append(Attempt(rule, hardware, attack(search.problem, hardware, objective, rng)))
     most = np.inf if best_value is None else least_that_beats(search.problem, objective, best_value)
-    better = [a for a in found if a.value < most]
+    open_from = min(most, lower_bound - BEATS_REL * abs(lower_bound)) if np.isfinite(lower_bound) else most
+    better = [a for a in found if a.value < (open_from if a.rule == BESIDE else most)]
     by_rule: dict[str, int] = {}
     for attempt in found:
         by_rule[attempt.rule] = by_rule.get(attempt.rule, 0) + 1
