@@ -76,3 +76,22 @@ def test_a_mission_that_nothing_meets_says_why(tmp_path):
     assert done.exit_code == 3, done.output
     assert "infeasible" in done.stdout
     assert (tmp_path / "out" / "report.html").exists()
+
+
+def interrupted(*args: Any, **kwargs: Any) -> Any:
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("place", ["Run._algorithm", "population_front"])  # while it breeds, and before
+def test_interruption_after_the_exact_front_keeps_it_with_status_130(place, monkeypatch):
+    monkeypatch.setattr(f"uwopt.solvers.pymoo_front.{place}", interrupted)
+    done = run(MISSION, "--objectives", "power,cost", "--solver", "exact,nsga2,nsga3", "--physics", "paper", "--json")
+    assert done.exit_code == 130
+    data = json.loads(done.stdout)
+    assert data["status"] == "complete"  # the exact front
+    assert data["certificate"]["complete"]
+    assert data["points"]
+    assert "nsga3" not in {method["name"] for method in data["methods"]}
+    assert [w["message"] for w in data["warnings"] if w["code"] == "interrupted"] == [
+        "nsga2 was interrupted; the exact front was finished before"
+    ]

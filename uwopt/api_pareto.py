@@ -56,6 +56,7 @@ class Sought:
     search: Search
     front: Front | None
     peers: list[Any]  # PopulationFront
+    cut: str = ""  # the population solver that was interrupted
 
 
 @own_float_rules
@@ -103,7 +104,7 @@ def pareto(
     if wanted.catalog.generic == "fallback" and run.is_empty(sought):
         sought = run.sought("allow", timing)
     result = run.result(sought, timing)
-    if alternatives and result.points and axes is not None:
+    if alternatives and result.points and axes is not None and not sought.cut:
         from uwopt.solvers.alternatives import beside_front
 
         with recommend.timed(timing, "alternatives"):
@@ -213,11 +214,20 @@ class Run:
                 search.prepare()
         halted = front is not None and (front.interrupted or not len(front.values))
         waiting = [] if halted else [name for name in solvers if name != EXACT]
+        cut = ""
         for place, name in enumerate(waiting):
             turn = self.turn(len(waiting) - place, PEER_ALONE_S if front is None else PEER_S)
             with recommend.timed(timing, name):
-                peers += self.deadline.within(name, lambda: [self.peer(search, name, turn)], [])  # noqa: B023
-        return Sought(selection, problem, search, front, peers)
+                try:
+                    peers += self.deadline.within(name, lambda: [self.peer(search, name, turn)], [])  # noqa: B023
+                except KeyboardInterrupt:  # what others found is kept
+                    if front is None and not peers:
+                        raise
+                    cut = name
+            if cut or (peers and peers[-1].status == "interrupted"):
+                cut = name  # who interrupts does not want the next solver
+                break
+        return Sought(selection, problem, search, front, peers, cut)
 
     def turn(self, n_waiting: int, usual_s: float) -> Deadline:
         """One solver's time: an even share of what is left for those that wait, or the usual time."""
@@ -440,6 +450,9 @@ class Run:
         elif front is not None and front.hypervolume_bound > front.hypervolume * 1.001:
             share = 100.0 * (1.0 - front.hypervolume / front.hypervolume_bound)
             out.append(("gap", f"bounds on settings leave {share:.2g} % of the hypervolume open"))
+        if sought.cut:
+            rest = "the exact front was finished before" if front is not None else "the front holds what it had found"
+            out.append(("interrupted", f"{sought.cut} was interrupted; {rest}"))
         if front is not None and len(front.values) == 1:
             out.append(("one_point", "one design is best in every objective: there is nothing to trade"))
         for peer in sought.peers:
@@ -488,7 +501,7 @@ def status_of(sought: Sought, *, limited: bool) -> str:
     if sought.front is not None:
         empty = len(sought.front.values) == 0
         return "infeasible" if empty and sought.front.complete else front_status(sought.front)
-    if any(peer.status == "interrupted" for peer in sought.peers):
+    if sought.cut:
         return "interrupted"
     empty = all(len(peer.values) == 0 for peer in sought.peers)
     if empty and all(peer.status == "complete" for peer in sought.peers):

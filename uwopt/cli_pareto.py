@@ -8,9 +8,7 @@ import typer
 
 from uwopt.cli_options import JsonOption, MissionArgument, PhysicsOption, QuietOption, checked_seconds
 from uwopt.cli_output import hand_over
-from uwopt.cli_status import DONE, INTERRUPTED, LIMIT_REACHED, NOT_FEASIBLE, command
-
-STATUS = {"infeasible": NOT_FEASIBLE, "stopped": LIMIT_REACHED, "interrupted": INTERRUPTED}
+from uwopt.cli_status import command, front_status
 
 
 @command
@@ -60,4 +58,4 @@ def pareto_command(
             physics=None if physics is None else physics.value, alternatives=out is not None, progress=bar.report,
         )  # fmt: skip
     hand_over(front, as_json=as_json, out=out, quiet=quiet)
-    return STATUS.get(front.status, DONE)
+    return front_status(front)

@@ -14,6 +14,7 @@ from uwopt import __version__
 from uwopt.errors import SolverError, UwoptError
 
 if TYPE_CHECKING:
+    from uwopt.front_result import FrontResult
     from uwopt.result import Result
 
 DONE, DEFECT, BAD_INPUT, NOT_FEASIBLE, LIMIT_REACHED, INTERRUPTED = 0, 1, 2, 3, 4, 130
@@ -89,9 +90,14 @@ def defect_message(fault: Exception) -> str:
     )
 
 
+def was_interrupted(result: Result | FrontResult) -> bool:
+    """Whether the result holds only what was there when a person interrupted."""
+    return any(warning.get("code") == "interrupted" for warning in result.warnings)
+
+
 def result_status(result: Result, *, check: bool = False) -> int:
     """The exit status that a result asks for."""
-    if any(warning.get("code") == "interrupted" for warning in result.warnings):
+    if was_interrupted(result):
         return INTERRUPTED
     if result.audit and not result.audit.get("passed", True):
         return told(
@@ -100,3 +106,11 @@ def result_status(result: Result, *, check: bool = False) -> int:
     if result.status == "violated":
         return NOT_FEASIBLE if check else DONE
     return {"infeasible": NOT_FEASIBLE, "stopped": LIMIT_REACHED}.get(result.status, DONE)
+
+
+def front_status(result: FrontResult) -> int:
+    """The exit status that a front asks for."""
+    if was_interrupted(result):
+        return INTERRUPTED
+    ends = {"infeasible": NOT_FEASIBLE, "stopped": LIMIT_REACHED, "interrupted": INTERRUPTED}
+    return ends.get(result.status, DONE)
