@@ -23,6 +23,7 @@ from uwopt.shopping import bill_of_materials, cost_range, hardware_dict
 
 Array = NDArray[Any]
 UNBOUND = ("light_level", "mean_level", "common_f_number", "common_focus_m")  # met or not, never scarce
+NO_SIGNAL_DB = -200.0  # of an SNR: less than one electron in ten thousand million pixels
 
 
 def evaluate_design(
@@ -85,6 +86,9 @@ def evaluate_design(
 def plain_margin(row: MarginRows) -> Margin:
     """One margin of one design."""
     value, limit, margin = float(row.value[0]), float(row.limit[0]), float(row.margin[0])
+    lost = row.unit == "dB" and value < NO_SIGNAL_DB
+    if lost:
+        value = margin = -math.inf
     finite = math.isfinite
     where = None if row.at_altitude_m is None else float(row.at_altitude_m[0])
     return Margin(
@@ -97,4 +101,5 @@ def plain_margin(row: MarginRows) -> Margin:
         at_altitude_m=where,
         satisfied=bool(row.satisfied[0]),
         binding=bool(row.binding[0]) and finite(limit) and finite(value) and row.requirement not in UNBOUND,
+        word="no signal" if lost else "",
     )

@@ -33,6 +33,7 @@ from uwopt.optics import (
 )
 from uwopt.result import SceneResult
 from uwopt.sharp import arriving, mean_wavelength_nm
+from uwopt.units import split_unit
 
 Array = NDArray[Any]
 
@@ -84,7 +85,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "swath_m": across,
         "overlap": float(figures.overlap[0, 1]),
         "frame_rate_min_hz": nominal_rate,
-        "exposure_max_ms": blur_limit * 1e3 if math.isfinite(blur_limit) else None,
+        "exposure_max_ms": blur_limit * 1e3,
         "exposure_ms": float(settings.exposure_s[0]) * 1e3,
         "pulse_ms": plain_settings(model, index, settings, figures)["pulse_ms"],
         "f_number": float(settings.f_number[0]),
@@ -93,9 +94,9 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "flux_lm": plain_settings(model, index, settings, figures)["flux_lm"],
         "duty_frac": float(figures.duty_frac[0]),
         "dof_near_m": near,
-        "dof_far_m": far if math.isfinite(far) else None,
+        "dof_far_m": far,
         "dof_far_is_infinite": math.isinf(far),
-        "dof_m": max(far - near, 0.0) if math.isfinite(far) else None,
+        "dof_m": max(far - near, 0.0),
         "focus_distance_m": plain_settings(model, index, settings, figures)["focus_distance_m"],
         "virtual_image_distance_m": virtual_image_m(model, index),
         "effective_focal_length_mm": effective_focal_mm(model, index),
@@ -127,7 +128,18 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "data_rate_mb_s": float(figures.data_rate_mb_s[0]) * model.problem.mission.vehicle.camera_count,
         "information_bit_per_m2": at_one(figures.information_bit_per_m2),
     }
-    return {key: (None if isinstance(v, float) and not math.isfinite(v) else v) for key, v in out.items()}
+    return with_flags(out)
+
+
+def with_flags(figures: dict[str, Any]) -> dict[str, Any]:
+    """Figures without numbers that JSON cannot hold: None, with a flag beside those that are infinite."""
+    out: dict[str, Any] = {}
+    for key, value in figures.items():
+        wild = isinstance(value, float) and not math.isfinite(value)
+        out[key] = None if wild else value
+        if wild and value == math.inf:
+            out[f"{split_unit(key)[0]}_is_infinite"] = True
+    return out
 
 
 def _at_nominal(scene: Any) -> Any:

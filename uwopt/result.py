@@ -32,6 +32,7 @@ class Margin:
     at_altitude_m: float | None
     satisfied: bool
     binding: bool
+    word: str = ""  # in place of a value that is no number
 
 
 @dataclass(frozen=True)

@@ -106,6 +106,8 @@ def test_waters_from_vacuum_to_ink(
     if a + b >= 100:
         assert "min_snr_db" in cases.missed(result)
         assert figures["snr"] < 1e-80
+        (lost,) = (m for m in result.best.scenes[0].margins if m.requirement == "min_snr_db")
+        assert (lost.value, lost.margin, lost.word, lost.satisfied) == (None, None, "no signal", False)
 
 
 @pytest.mark.parametrize("physics", PHYSICS)
@@ -135,6 +137,7 @@ def test_speeds_and_overlaps(speed_m_s: float, overlap: float) -> None:
     assert figures["frame_rate_min_hz"] == pytest.approx(rate, rel=1e-12)
     assert ("max_blur_px" in cases.missed(result)) == (speed_m_s > 0)
     assert (figures["exposure_max_ms"] is None) == (speed_m_s == 0)
+    assert figures.get("exposure_max_is_infinite", False) == (speed_m_s == 0)
 
 
 @pytest.mark.parametrize("physics", PHYSICS)
@@ -147,6 +150,7 @@ def test_focus_inside_at_and_beyond_hyperfocal(physics: str, f_number: float, fo
     )  # fmt: skip
     figures = cases.assert_sound(result)
     assert figures["dof_far_is_infinite"] == (figures["dof_far_m"] is None)
+    assert figures.get("dof_is_infinite", False) == (figures["dof_m"] is None)
     if f_number == 0.95 and focus_m == 0.01:
         assert "dof_far_m" in cases.missed(result)
 
@@ -168,6 +172,7 @@ def test_what_lies_within_the_focal_length_has_no_image(
     )  # fmt: skip
     figures = cases.assert_sound(result)
     assert figures["working_f_number"] is None and figures["airy_diameter_um"] is None
+    assert figures["working_f_number_is_infinite"] and figures["airy_diameter_is_infinite"]
     assert (figures["snr"], figures["mtf50_cyc_per_px"], figures["dof_m"]) == (0.0, 0.0, 0.0)
     assert {"nearest_focus_m", "min_dof_m", "min_mtf_half_nyquist"} <= cases.missed(result)
     assert "no_image" in {w["code"] for w in result.warnings}

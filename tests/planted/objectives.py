@@ -577,4 +577,25 @@ DEFECTS = (
         new="data_rate_mb_s=cam.frame_mb",
         test=f"{OUTSIDE}[data_rate_mb_s]",
     ),
+    Defect(
+        name="an SNR of no light is a number",
+        file="uwopt/evaluation.py",
+        old="    if lost:",
+        new="    if False:",
+        test="tests/extreme/test_evaluate.py::test_waters_from_vacuum_to_ink",
+    ),
+    Defect(
+        name="figures infinite for want of an image have no flag",
+        file="uwopt/reported.py",
+        old="if wild and value == math.inf:",
+        new="if key == 'dof_far_m' and wild:",
+        test="tests/extreme/test_evaluate.py::test_what_lies_within_the_focal_length_has_no_image",
+    ),
+    Defect(
+        name="the word in place of a margin's value is not shown",
+        file="uwopt/report/words.py",
+        old="return one_line(margin.word) if margin.value is None and margin.word else quantity",
+        new="return quantity",
+        test="tests/report/test_tables.py::test_margin_without_a_signal_says_so_in_text_and_page",
+    ),
 )

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from uwopt.report.console import print_blocks
+from uwopt.report.page import report_html
 from uwopt.report.tables import result_blocks
 from uwopt.result import Result
 
@@ -235,3 +236,15 @@ def test_margin_that_differs_between_scenes_stands_in_each(
     assert "signal to noise 21.00 dB at least 20.00 dB" in text
     assert "signal to noise 24.00 dB at least 20.00 dB" in text
     assert text.count("900.0 USD at most") == 1
+
+
+def test_margin_without_a_signal_says_so_in_text_and_page(
+    make_result: Make, make_design: Make, make_scene: Make, make_margin: Make
+) -> None:
+    dark = make_margin("min_snr_db", None, 10.0, ">=", "dB", satisfied=False, word="no signal")
+    result = make_result(
+        command="evaluate", status="violated", recommendation=None, runners_up=[], generic_alternative=None,
+        certificate=None, design=make_design(scenes=[make_scene("reef", margins=[dark])]),
+    )  # fmt: skip
+    assert "signal to noise no signal at least 10.00 dB" in flat(text_of(result))
+    assert "no signal" in report_html(result)

@@ -248,7 +248,7 @@ def margin_texts(margin: Margin, kinds: Mapping[str, str]) -> tuple[str, str, st
     limit = "no limit" if margin.limit is None else sign + words.quantity(margin.limit, margin.unit, 4)
     return (
         words.requirement_name(margin.requirement, kinds),
-        words.quantity(margin.value, margin.unit, 4),
+        words.margin_value(margin),
         limit,
         words.margin_text(margin),
         "" if margin.at_altitude_m is None else words.quantity(margin.at_altitude_m, "m"),
