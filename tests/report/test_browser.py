@@ -426,3 +426,28 @@ def test_texts_of_files_run_no_script(show: Callable[..., Any], make_front: Make
     page.locator("#chosen h3", has_text="Point p2").wait_for()
     assert page.evaluate("window.caught") is None
     assert poison[:20] in page.locator("h1").inner_text()
+
+
+def test_paper_has_the_plots_that_nobody_scrolled_to(show: Callable[..., Any], tank: Any) -> None:
+    page = show(tank, viewport={"width": 1300, "height": 300})
+    page.add_init_script("window.requestIdleCallback = () => 0")  # a page that has no idle moment before it is printed
+    page.reload()
+    page.locator("html[data-plots=ready]").wait_for()  # with the page, not with the first plot that is seen
+    wanted = page.locator("[data-figure]").count()
+    assert wanted > 3 and page.locator("[data-figure][data-drawn=true]").count() < wanted
+    page.pdf()
+    assert page.locator("[data-figure][data-drawn=true] .main-svg >> nth=0").count() == 1
+    assert page.locator("[data-figure]:not([data-drawn=true])").count() == 0
+
+
+def test_what_is_opened_for_paper_is_closed_again(show: Callable[..., Any], make_front: Make) -> None:
+    from playwright.sync_api import expect
+
+    page = show(make_front())
+    folded = page.locator(".tabs > .panel[hidden]")
+    some = folded.count()
+    assert some
+    page.emulate_media(media="print")
+    expect(folded).to_have_count(0, timeout=PATIENCE_MS)
+    page.emulate_media(media="screen")
+    expect(folded).to_have_count(some, timeout=PATIENCE_MS)

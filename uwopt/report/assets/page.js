@@ -44,6 +44,7 @@ function withLibrary() {
     code.textContent = await (await unpacked(document.getElementById("plots").textContent)).text();
     document.head.append(code);
     if (!window.Plotly) throw new Error("the plot library did not start");
+    root.dataset.plots = "ready";
   })();
   return library;
 }
@@ -171,11 +172,14 @@ const here = new IntersectionObserver((entries) => entries.forEach((e) => {
 }), {rootMargin: "-20% 0px -70% 0px"});
 links.forEach((_, id) => { const part = document.getElementById(id); if (part) here.observe(part); });
 
-/* print: draw everything, open what is folded, let plots scale with the paper */
-document.getElementById("print").addEventListener("click", () => print());
-addEventListener("beforeprint", () => {
-  [...pending.keys()].filter(visible).forEach(draw);
+/* print: open what is folded or behind a tab, draw everything, let plots scale with the paper */
+let onPaper = false;
+function toPaper() {
+  if (onPaper) return;
+  onPaper = true;
   document.querySelectorAll("details.whole:not([open])").forEach((d) => { d.open = true; d.dataset.folded = "true"; });
+  document.querySelectorAll(".tabs > .panel[hidden]").forEach((p) => { p.hidden = false; p.dataset.folded = "true"; });
+  [...pending.keys()].filter(visible).forEach(draw);
   document.querySelectorAll(".plot .svg-container").forEach((box) => {
     box.style.aspectRatio = box.clientWidth + " / " + box.clientHeight;
     box.querySelectorAll(".main-svg").forEach((svg) => {
@@ -183,14 +187,20 @@ addEventListener("beforeprint", () => {
       if (width && height) svg.setAttribute("viewBox", "0 0 " + parseFloat(width) + " " + parseFloat(height));
     });
   });
-});
-addEventListener("afterprint", () => {
+}
+function fromPaper() {
+  onPaper = false;
   document.querySelectorAll("details[data-folded]").forEach((d) => { d.open = false; delete d.dataset.folded; });
+  document.querySelectorAll(".panel[data-folded]").forEach((p) => { p.hidden = true; delete p.dataset.folded; });
   document.querySelectorAll(".plot .svg-container").forEach((box) => {
     box.style.aspectRatio = "";
     box.querySelectorAll(".main-svg").forEach((svg) => svg.removeAttribute("viewBox"));
   });
-});
+}
+document.getElementById("print").addEventListener("click", () => print());
+addEventListener("beforeprint", toPaper);
+addEventListener("afterprint", fromPaper);
+matchMedia("print").addEventListener("change", (paper) => paper.matches ? toPaper() : fromPaper());
 
 /* the result itself: unpacked where the browser can, else as it is */
 const raw = document.getElementById("raw");
@@ -211,5 +221,8 @@ raw.addEventListener("click", async (event) => {
 
 if (data.front) showFront(window.uwopt);
 showTheme();
-addEventListener("load", () => whenIdle(drawRest));
+addEventListener("load", () => {
+  if (pending.size) withLibrary().catch(() => {});  // print cannot wait for it
+  whenIdle(drawRest);
+});
 })();
