@@ -115,7 +115,7 @@ settings:
   flux_lm: 20000               # all lights together; or dim_frac, or flash_energy_j
   # pulse_ms: 0.86             # left out: the exposure
   # frame_rate_hz: 2           # left out: the least that is needed
-  # focus_distance_m: 2.0      # left out: the nominal altitude
+  # focus_distance_m: 2.0      # left out: the nominal altitude; of several scenes the one that serves all
 """
 
 
