@@ -149,4 +149,18 @@ DEFECTS: tuple[Defect, ...] = (
         new="LEVEL_STEPS = 0",
         test=f"{AUDIT}test_the_attack_meets_a_level_without_gain",
     ),
+    Defect(
+        name="the audit holds a search cut short to more than its bound",
+        file="uwopt/solvers/audit.py",
+        old="a.value < (open_from if a.rule == BESIDE else most)",
+        new="a.value < most",
+        test=f"{AUDIT}test_a_search_cut_short_is_held_to_its_bound_beside_the_best[1.0-True]",
+    ),
+    Defect(
+        name="the audit excuses whatever a search cut short says of its bound",
+        file="uwopt/solvers/audit.py",
+        old="a.value < (open_from if a.rule == BESIDE else most)",
+        new="a.value < most and a.rule != BESIDE",
+        test=f"{AUDIT}test_a_search_cut_short_is_held_to_its_bound_beside_the_best[1.005-False]",
+    ),
 )
