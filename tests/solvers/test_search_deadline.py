@@ -9,8 +9,10 @@ import pytest
 from random_cases import THOROUGH, case
 
 from uwopt.deadline import Deadline
+from uwopt.objectives.axes import Axes
 from uwopt.solvers import exact as exact_search
 from uwopt.solvers.exact import Outcome
+from uwopt.solvers.front import FrontSearch
 
 SEEDS = range(40) if THOROUGH else (1, 3)  # the fast ones
 READINGS = range(0, 60) if THOROUGH else (0, 1, 2, 3, 5, 9, 17)
@@ -53,3 +55,15 @@ def test_time_that_ends_within_a_batch_ends_it() -> None:
     assert [cut_at(seed, 1).complete for seed in SEEDS if case(seed).solve()[1].best] == [False] * sum(
         bool(case(seed).solve()[1].best) for seed in SEEDS
     )
+
+
+@pytest.mark.parametrize("readings", READINGS)
+def test_wherever_time_ends_a_front_is_valid(readings: int) -> None:
+    problem, axes = case(1).problem(), Axes.of(["power", "cost"])
+    clock = count(1).__next__
+    front = FrontSearch(problem, axes, deadline=Deadline(readings + 0.5, clock)).run()
+    full = FrontSearch(case(1).problem(), axes).run()
+    assert sum(front.account.values()) == sum(full.account.values())
+    assert front.complete == (front.account.get("not_reached", 0) == 0)
+    assert front.hypervolume <= front.hypervolume_bound
+    assert not front.interrupted

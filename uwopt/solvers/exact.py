@@ -385,7 +385,8 @@ class Search:
     def _with_veils(
         self, imager: Array, lights: list[ImageLight], lighting: Lighting, veils: Veils
     ) -> list[ImageLight]:
-        """Further veils beside the light that is known, by scene."""
+        """Further veils beside the light that is known, by scene; raises OutOfTimeError past the deadline."""
+        self.deadline.check()
         return [
             self.tables.exact(s, lighting, imager, known=light, veils=veils) for s, light in enumerate(lights)
         ]

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.errors import MissionError
 from uwopt.image_light import ImageLight, Veils
 from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
@@ -191,6 +191,8 @@ class FrontSearch:
                 if not self._solve(part):
                     return False
             done = True
+        except OutOfTimeError:
+            return False
         finally:
             if not done:
                 self.account = before
@@ -245,10 +247,14 @@ class FrontSearch:
     def _lights(
         self, lighting: Lighting, imager: Array, known: list[ImageLight] | None, veils: Veils
     ) -> list[ImageLight]:
-        """Light of these imagers in every scene, beside what is known."""
+        """Light of these imagers in every scene, beside what is known; raises OutOfTimeError past the deadline."""
         tables, n = self.search.tables, len(self.problem.scenes)
         given = [None] * n if known is None else known
-        return [tables.exact(s, lighting, imager, veils=veils, known=given[s]) for s in range(n)]
+        lights = []
+        for s in range(n):
+            self.deadline.check()  # veils of many images take long
+            lights.append(tables.exact(s, lighting, imager, veils=veils, known=given[s]))
+        return lights
 
     def _hopeful(
         self, k: int, imager: Array, unit: Array, item: Array, lights: list[ImageLight], *, optimistic: bool
