@@ -1,0 +1,33 @@
+"""A design's light, worked out in parts, is the light worked out at once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from uwopt import api
+from uwopt.design_model import DesignModel
+from uwopt.system import load_system
+
+PROBLEMS = Path(__file__).parents[1] / "problems"
+
+
+def tank() -> DesignModel:
+    """The system of the tank in its mission."""
+    mission = api.prepared(PROBLEMS / "paper-tank.yaml", "full", None)
+    return DesignModel(*api.system_problem(mission, load_system(PROBLEMS / "paper-tank.system.yaml")))
+
+
+def test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once() -> None:
+    model = tank()
+    hardware, optics = model.hardware, int(model.lights.optics_index[0])
+    at_once = model.problem.image_light(
+        0, model.views[0], np.array([hardware.camera]), port_index=hardware.port, optics=optics, mount=hardware.mount,
+        count=hardware.count, pixels=True,
+    ).scaled(model.lights.output_factor)  # fmt: skip
+    in_parts = model.image_light(0, pixels=True)
+    for name in ("signal_e", "forward_e", "backscatter_e", "worst_e", "worst_veil_e"):
+        assert np.array_equal(getattr(in_parts, name), getattr(at_once, name)), name
+    assert in_parts.worst_e is not None
+    assert in_parts.worst_e.min() < in_parts.signal_e.min()  # pixels and mean differ here
