@@ -119,7 +119,7 @@ def inside(result: Result) -> bool:
 
 
 def misses(result: Result) -> float:
-    """By how much requirements are missed together, of their limits; what `evaluate` forgives beyond rounding counts as well."""
+    """By how much requirements are missed together, of their limits; more than rounding is not forgiven here."""
     assert result.design is not None
     total = 0.0
     for margin in (m for scene in result.design.scenes for m in scene.margins):
