@@ -20,10 +20,10 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field as Key
 from pydantic import ValidationError, ValidationInfo, create_model, field_validator, model_validator
 
+from uwopt.catalog.parts.agreement import FAULTS
 from uwopt.catalog.parts.cell import ANY, OF_RECORD, Field, Inline, Range, beyond, fields_of
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.parts.part import Kind, Part
-from uwopt.catalog.parts.readers import READERS
 from uwopt.errors import CatalogError
 from uwopt.fields import CHOICE, NUMBER, SMALLEST, WHOLE, Section, Text, Texts, at_least, refusal
 
@@ -143,7 +143,7 @@ INLINE_MODELS: dict[str, type[InlinePart]] = {
 
 def inline_faults(kind: str, values: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Keys of an inline record that do not agree: (key, rest of the sentence)."""
-    return READERS[kind].inline_faults(values)
+    return FAULTS[kind](values)
 
 
 def part_from_inline(
@@ -153,6 +153,8 @@ def part_from_inline(
 
     Given numbers have status "user"; what is left out takes the defaults of this module's head.
     """
+    from uwopt.catalog.parts.readers import READERS  # needs NumPy, which loading a file does not
+
     part = _validated_part(kind, mapping)
     return READERS[kind].from_inline(_values(part), base_dir)
 

@@ -242,7 +242,9 @@ def yaml_table(text: str, file: str) -> Table:
             cells[name] = _yaml_text(value)
             n_signs += len(cells[name])
             if n_signs > MOST_BYTES:  # aliases grow a file beyond its size
-                raise CatalogError(f"{file}: its aliases stand for more than {MOST_BYTES / 1e6:.0f} MB of text.")
+                raise CatalogError(
+                    f"{file}: its aliases stand for more than {MOST_BYTES / 1e6:.0f} MB of text."
+                )
         rows.append(Row(file, line, cells))
     header = tuple(dict.fromkeys(name for row in rows for name in row.cells))
     return Table(file, header, tuple(rows), tuple(faults))
@@ -252,7 +254,9 @@ def _yaml_text(node: yaml.Node) -> str:
     import yaml
 
     if isinstance(node, yaml.SequenceNode):
-        return "|".join(_yaml_text(item) if isinstance(item, yaml.ScalarNode) else NESTED for item in node.value)
+        return "|".join(
+            _yaml_text(item) if isinstance(item, yaml.ScalarNode) else NESTED for item in node.value
+        )
     if isinstance(node, yaml.ScalarNode):
         return "" if node.tag == "tag:yaml.org,2002:null" else str(node.value).strip()
     return NESTED

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,6 @@ from uwopt.catalog.parts.reading import (
     is_csv,
     plain_id,
     row_fields,
-    unordered,
     user_number,
 )
 from uwopt.catalog.parts.tabled import efficiencies
@@ -208,4 +207,4 @@ def _built_in_efficiency(name: str) -> tuple[str, dict[str, Curve]]:
     return curve_id, efficiencies()[curve_id]
 
 
-READER = Reader(from_row, from_inline, partial(unordered, Camera))
+READER = Reader(from_row, from_inline)

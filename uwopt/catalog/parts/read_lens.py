@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,6 @@ from uwopt.catalog.parts.reading import (
     inline_fields,
     known,
     row_fields,
-    unordered,
     user_number,
 )
 from uwopt.catalog.tables import built_in_rows
@@ -116,4 +115,4 @@ def from_inline(values: Mapping[str, Any], base_dir: Path | None) -> Lens:
     return Lens(**made | {"f_number_max": user_number(smallest)})
 
 
-READER = Reader(from_row, from_inline, partial(unordered, Lens))
+READER = Reader(from_row, from_inline)

@@ -12,7 +12,6 @@ from uwopt.catalog.parts.light import Light, LightKind
 from uwopt.catalog.parts.quantity import Curve, Quantity, Status, exact
 from uwopt.catalog.parts.reading import (
     Built,
-    Fault,
     Origin,
     Reader,
     file_beside,
@@ -22,7 +21,6 @@ from uwopt.catalog.parts.reading import (
     known,
     plain_id,
     row_fields,
-    unordered,
     user_number,
 )
 from uwopt.catalog.parts.tabled import beam_profiles
@@ -248,27 +246,4 @@ def _profile(name: str, base_dir: Path | None) -> tuple[Curve, bool]:
     return by_name[plain_id(name)]
 
 
-def inline_faults(values: Mapping[str, Any]) -> list[Fault]:
-    """Keys of an inline light that do not agree."""
-    faults = unordered(Light, values)
-    given = {name for name, value in values.items() if value is not None}
-    is_flash = values.get("kind") == "flash" or (values.get("kind") is None and "flash_energy_j" in given)
-    if is_flash and "flash_energy_j" not in given:
-        faults.append(("flash_energy_j", "is missing; give the energy of one flash in joules"))
-    if not is_flash and "flux_lm" not in given:
-        faults.append(("flux_lm", "is missing; give the flux of one lamp at full in lumens"))
-    if {"beam_half_angle_deg", "beam_angle_deg"} <= given:
-        faults.append(("beam_half_angle_deg", "and beam_angle_deg are both given; keep one of them"))
-    if "beam_medium" in given and "beam_half_angle_deg" in given:
-        faults.append(("beam_medium", "belongs to beam_angle_deg; beam_half_angle_deg is always in water"))
-    if not given & {"beam_half_angle_deg", "beam_angle_deg", "beam_profile"}:
-        text = "is missing; give the half-angle in water in degrees, or beam_angle_deg, or beam_profile"
-        faults.append(("beam_half_angle_deg", text))
-    if values.get("beam") == "tabulated" and "beam_profile" not in given:
-        faults.append(
-            ("beam_profile", "is missing; a tabulated beam needs a CSV with angle_deg and intensity")
-        )
-    return faults
-
-
-READER = Reader(from_row, from_inline, inline_faults)
+READER = Reader(from_row, from_inline)

@@ -12,7 +12,6 @@ from uwopt.catalog.parts.port import REFRACTIVE_INDEX, Port
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.catalog.parts.reading import (
     Built,
-    Fault,
     Origin,
     Reader,
     identity,
@@ -127,20 +126,4 @@ def from_inline(values: Mapping[str, Any], base_dir: Path | None) -> Port:
     return Port(**made)
 
 
-def inline_faults(values: Mapping[str, Any]) -> list[Fault]:
-    """Keys of an inline port that do not agree."""
-    radius_mm, thickness_mm = values.get("outer_radius_mm"), values.get("thickness_mm")
-    is_dome = values.get("geometry") == "dome"
-    faults = []
-    if is_dome and radius_mm is None:
-        faults.append(("outer_radius_mm", "is missing; a dome needs its outer radius in millimetres"))
-    if is_dome and radius_mm is not None and thickness_mm is not None and thickness_mm >= radius_mm:
-        faults.append(
-            ("thickness_mm", f"= {thickness_mm:g} is not below outer_radius_mm = {radius_mm:g}; lower it")
-        )
-    if values.get("refractive_index") is not None and values.get("glass") is not None:
-        faults.append(("glass", "and refractive_index are both given; keep one of them"))
-    return faults
-
-
-READER = Reader(from_row, from_inline, inline_faults)
+READER = Reader(from_row, from_inline)

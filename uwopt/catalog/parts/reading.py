@@ -13,13 +13,12 @@ from typing import Any, Literal
 
 from uwopt.catalog.catalogue import Exclusion
 from uwopt.catalog.estimates import ClassEstimate, first_class, slug
-from uwopt.catalog.parts.cell import Field, fields_of, kept_fields
+from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.part import Kind, Part
 from uwopt.catalog.parts.quantity import Curve, Quantity, Status, exact
 from uwopt.catalog.userparts import PartRow
 
 Origin = Literal["published", "user", "generic"]  # whose row it is: the catalogue's, the user's, to be made
-Fault = tuple[str, str]  # key, and the rest of the sentence
 
 _WITHDRAWN = {"discontinued": "no longer sold", "not_a_product": "nobody sells it as a part"}
 
@@ -47,7 +46,6 @@ class Reader:
 
     from_row: Callable[[PartRow, Origin], Built]
     from_inline: Callable[[Mapping[str, Any], Path | None], Part]
-    inline_faults: Callable[[Mapping[str, Any]], list[Fault]]  # keys that do not agree
 
 
 # ---------------------------------------------------------------- rows of tables
@@ -148,16 +146,6 @@ def inline_fields(record: type[Part], kind: Kind, values: Mapping[str, Any]) -> 
 def user_number(value: float | None) -> Quantity | None:
     """A number that the user stated."""
     return None if value is None else exact(value, "user", "system file")
-
-
-def unordered(record: type[Part], values: Mapping[str, Any]) -> list[Fault]:
-    """Keys that are above the one they may at most equal."""
-    found = []
-    for field in fields_of(record):
-        low, high = values.get(field.name), values.get(field.cell.at_most)
-        if low is not None and high is not None and low > high:
-            found.append((field.name, f"= {low:g} is above {field.cell.at_most} = {high:g}; swap them"))
-    return found
 
 
 def plain_id(name: str) -> str:
