@@ -35,10 +35,10 @@ LAST_S = 0.4  # of a process: reading its archive back as designs, and writing i
 def cold(mission: Path, names: Sequence[str], algorithm: str, seed: int, seconds: float, out: Path) -> None:
     """One run in this process; what it found goes to a file, with times since the process began."""
     began = started_s()
-    from uwopt.api import load_catalog, prepared
+    from uwopt.api.solving import load_catalog, prepared
     from uwopt.objectives.objective import Objective
-    from uwopt.solvers.exact import Search
-    from uwopt.solvers.pymoo_front import population_front
+    from uwopt.solvers.exact.search import Search
+    from uwopt.solvers.population.pymoo_front import population_front
     from uwopt.solvers.recommend import build_problem, selected
 
     wanted = prepared(mission, None, None)
@@ -130,7 +130,7 @@ def pareto_table(
 
     from uwopt.bench.fronts import latest
     from uwopt.objectives.axes import Axes, Frame
-    from uwopt.solvers.dominance import hypervolume
+    from uwopt.objectives.dominance import hypervolume
 
     rows = []
     for names in FRONTS:

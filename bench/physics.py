@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.api import load_catalog
-from uwopt.batch import Batch, Designs
-from uwopt.effects import effects_kept
-from uwopt.figures import SettingRows
-from uwopt.mission import load_mission
+from uwopt.api.solving import load_catalog
+from uwopt.forward.batch import Batch, Designs
+from uwopt.forward.effects import effects_kept
+from uwopt.forward.figures import SettingRows
+from uwopt.mission.mission import load_mission
 from uwopt.solvers.recommend import build_problem, selected
 
 N_DESIGNS = 500

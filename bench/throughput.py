@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.api import load_catalog
-from uwopt.figures import DesignRows, SettingRows, figures_of, levers_m
-from uwopt.mission import load_mission
+from uwopt.api.solving import load_catalog
+from uwopt.forward.figures import DesignRows, SettingRows, figures_of, levers_m
+from uwopt.forward.optics import focus_map
+from uwopt.forward.scene import SceneOptics
+from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective
-from uwopt.optics import focus_map
-from uwopt.scene import SceneOptics
-from uwopt.solvers.exact import Search
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.recommend import seek
 
 CHUNK = 4096

@@ -41,9 +41,9 @@ SHOWN: dict[str, tuple[str, ...] | None] = {
 
 def fresh_output() -> str:
     """What `uwopt solve problems/reef-mosaic.yaml` prints."""
-    from uwopt.api import solve
-    from uwopt.report.console import print_blocks
-    from uwopt.report.tables import result_blocks
+    from uwopt.api.solving import solve
+    from uwopt.report.text.console import print_blocks
+    from uwopt.report.text.tables import result_blocks
 
     text = io.StringIO()
     with contextlib.redirect_stdout(text):

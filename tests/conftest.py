@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, settings
 from thorough import THOROUGH
 
 import uwopt
-from uwopt.replay import Replay, replay
+from uwopt.evaluation.recompute import Replay, replay
 
 # No test may hang on the clock or on luck: a loaded machine is no failure, and a red run can be had again.
 settings.register_profile(
@@ -53,8 +53,8 @@ def replayed() -> Callable[[Any, Any], tuple[Replay, dict[str, Any]]]:
 @pytest.fixture(scope="module")
 def unhurried() -> Iterator[None]:
     """Let the clock stop no search: the exact front takes its time, population solvers breed a few generations."""
-    from uwopt import api_pareto
-    from uwopt.solvers import pymoo_front
+    from uwopt.api import trading as api_pareto
+    from uwopt.solvers.population import pymoo_front
 
     honest, short = pymoo_front.population_front, {"seconds": None, "pop_size": 40, "generations": 10}
     with pytest.MonkeyPatch.context() as patch:

@@ -14,8 +14,11 @@ import pytest
 from thorough import drawn
 
 import uwopt
-from uwopt import accuracy, api
-from uwopt.accuracy import (
+from uwopt.api import solving as api
+from uwopt.api.accuracy import estimator_of
+from uwopt.errors import MissionError, UwoptError
+from uwopt.evaluation import accuracy
+from uwopt.evaluation.accuracy import (
     FINEST,
     FLOOR,
     Accuracy,
@@ -25,16 +28,14 @@ from uwopt.accuracy import (
     parts_that_count,
     relative_change,
 )
-from uwopt.api_accuracy import estimator_of
-from uwopt.design_model import design_model
-from uwopt.errors import MissionError, UwoptError
-from uwopt.evaluation import evaluate_design
+from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.design_model import design_model
+from uwopt.evaluation.recompute import replay
+from uwopt.forward.optics import LAMP_FRONT_M
+from uwopt.mission.system import load_system
 from uwopt.model.fineness import DEFAULT, Fineness, scaled
 from uwopt.objectives.objective import Objective
-from uwopt.optics import LAMP_FRONT_M
-from uwopt.replay import replay
-from uwopt.result import Design, SceneResult
-from uwopt.system import load_system
+from uwopt.results.result import Design, SceneResult
 
 ROOT = Path(__file__).parents[1]
 REEF = ROOT / "problems" / "reef-mosaic.yaml"

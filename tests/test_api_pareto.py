@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.api_pareto import Run, check_claim, history, reference
+from uwopt.api.trading import Run, check_claim, history, reference
 from uwopt.errors import MissionError, SolverError
-from uwopt.front_result import FrontObjective, FrontResult
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.own import OwnObjective
+from uwopt.results.front import FrontObjective, FrontResult
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
 MISSION = PROBLEMS / "mbari-lass-2013.yaml"  # few combinations

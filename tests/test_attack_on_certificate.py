@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.objectives.margins import SATISFIED_REL
-from uwopt.result import Result
+from uwopt.objectives.requirements import SATISFIED_REL
+from uwopt.results.result import Result
 
 PARTS = Path(__file__).parent / "rule_parts"
 KINDS = {

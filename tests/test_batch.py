@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from uwopt.api import load_catalog
-from uwopt.batch import Batch, Designs
-from uwopt.design_model import DesignModel, Hardware
-from uwopt.effects import effects_kept
-from uwopt.figures import SettingRows
-from uwopt.mission import load_mission
-from uwopt.model.fidelity import Effects
+from uwopt.api.solving import load_catalog
+from uwopt.evaluation.design_model import DesignModel, Hardware
+from uwopt.forward.batch import Batch, Designs
+from uwopt.forward.effects import effects_kept
+from uwopt.forward.figures import SettingRows
+from uwopt.mission.mission import load_mission
+from uwopt.model.effects import Effects
 from uwopt.solvers.recommend import build_problem, selected
 
 MISSION: dict[str, Any] = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from uwopt import chart
+from uwopt.report.pictures import chart
 
 
 def test_the_same_floor_lies_under_every_system():

@@ -18,11 +18,11 @@ import pytest
 from typer.testing import CliRunner
 
 import uwopt
-from uwopt import api
-from uwopt.cli import app
+from uwopt.api import solving as api
+from uwopt.cli.app import app
 from uwopt.errors import SolverError
-from uwopt.result import Certificate, Result
-from uwopt.solvers.exact import Search
+from uwopt.results.result import Certificate, Result
+from uwopt.solvers.exact.search import Search
 
 ROOT = Path(__file__).parents[1]
 MISSION = ROOT / "problems" / "paper-tank.yaml"
@@ -108,7 +108,7 @@ def test_help_imports_nothing_heavy() -> None:
         "casadi",
         "nlopt",
         "pymoo",
-        "uwopt.mission",
+        "uwopt.mission.mission",
     )
     code = (
         "import sys\nfrom uwopt.cli import app\n"
@@ -476,7 +476,7 @@ def test_check_of_a_missing_file_and_unknown_template_are_refused(tmp_path: Path
 
 
 def test_init_writes_a_mission_that_loads_and_never_writes_over_it(tmp_path: Path) -> None:
-    from uwopt.mission import load_mission
+    from uwopt.mission.mission import load_mission
 
     file = tmp_path / "reef.yaml"
     assert run("init", file).exit_code == 0
@@ -489,7 +489,7 @@ def test_init_writes_a_mission_that_loads_and_never_writes_over_it(tmp_path: Pat
 
 
 def test_init_prints_without_a_file(tmp_path: Path) -> None:
-    from uwopt.system import load_system
+    from uwopt.mission.system import load_system
 
     assert "vehicle:" in run("init").stdout
     (tmp_path / "rig.yaml").write_text(run("init", "--system").stdout, "utf-8")

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import uwopt
-from uwopt.cli import app
+from uwopt.cli.app import app
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
 MISSION = PROBLEMS / "mbari-lass-2013.yaml"  # few combinations

@@ -8,8 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from uwopt.curves import Operation, depth_of_field, operation_curves, rig_measures, spectrum_way
-from uwopt.maps import channel_fields, image_points
+from uwopt.report.pictures.curves import (
+    Operation,
+    depth_of_field,
+    operation_curves,
+    rig_measures,
+    spectrum_way,
+)
+from uwopt.report.pictures.maps import channel_fields, image_points
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
 

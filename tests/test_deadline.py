@@ -9,10 +9,11 @@ from typing import Any
 
 import pytest
 
-from uwopt import api, api_pareto
-from uwopt.cli_status import result_status
+from uwopt.api import solving as api
+from uwopt.api import trading as api_pareto
+from uwopt.cli.status import result_status
 from uwopt.deadline import Deadline, OutOfTimeError
-from uwopt.solvers.exact import Search
+from uwopt.solvers.exact.search import Search
 
 ROOT = Path(__file__).parents[1]
 TANK = ROOT / "problems" / "paper-tank.yaml"

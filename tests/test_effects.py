@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from thorough import drawn
 
-from uwopt.api import evaluate
-from uwopt.effects import choose
-from uwopt.model.fidelity import Effects
-from uwopt.result import Result
+from uwopt.api.solving import evaluate
+from uwopt.forward.effects import choose
+from uwopt.model.effects import Effects
+from uwopt.results.result import Result
 
 CASES_A_CHUNK, CHUNKS = drawn((8, 2), (25, 20))  # 500 random scenes and systems before a release
 #: Of these 500 those in which bounds are nearest to what the effects change, and what can be left out of each.

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt import api
+from uwopt.api import solving as api
 
 
 class ReachedError(Exception):

@@ -9,7 +9,7 @@ import pytest
 
 from uwopt.catalog.load import load_catalog
 from uwopt.catalog.records import Camera, Curve, Lens, Light, Part, Port, Quantity
-from uwopt.hardware import End, camera_rows, lens_rows, light_rows, port_rows
+from uwopt.forward.part_columns import End, camera_rows, lens_rows, light_rows, port_rows
 
 SPREAD = Quantity(3.0, 2.0, 5.0, "estimated")
 BETTER_LOW, BETTER_HIGH = (2.0, 5.0), (5.0, 2.0)  # good end, bad end

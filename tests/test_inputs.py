@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from uwopt.documents.faults import nearest, path_text, show
+from uwopt.documents.reading import MAX_BYTES, read_document
+from uwopt.documents.yaml_lines import MAX_NODES, compose, resolve_scalar
 from uwopt.errors import MissionError
-from uwopt.faults import nearest, path_text, show
-from uwopt.inputs import MAX_BYTES, read_document
-from uwopt.yaml_lines import MAX_NODES, compose, resolve_scalar
 
 
 def read(tmp_path, text, name="reef.yaml"):

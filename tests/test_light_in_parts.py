@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from uwopt import api
-from uwopt.design_model import DesignModel
-from uwopt.system import load_system
+from uwopt.api import solving as api
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.mission.system import load_system
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
 

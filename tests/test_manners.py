@@ -15,9 +15,9 @@ import pytest
 from typer.testing import CliRunner
 
 from uwopt.catalog.checkfile import check_file
-from uwopt.cli import app
+from uwopt.cli.app import app
+from uwopt.documents.files import MOST_BYTES
 from uwopt.errors import OutputError
-from uwopt.files import MOST_BYTES
 from uwopt.report.write import check_folder, write_files
 
 ROOT = Path(__file__).parents[1]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.maps import floor_map, image_map, image_points
+from uwopt.report.pictures.maps import floor_map, image_map, image_points
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
 

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from uwopt.errors import MissionError
-from uwopt.mission import Mission, grid, load_mission
-from uwopt.templates import mission_json_schema, mission_template
+from uwopt.mission.mission import Mission, grid, load_mission
+from uwopt.mission.templates import mission_json_schema, mission_template
 
 EXAMPLE = Path(__file__).parent / "reference" / "example_mission.yaml"
 SMALL = {

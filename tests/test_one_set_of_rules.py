@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import uwopt
-from uwopt.result import Result
+from uwopt.results.result import Result
 
 PARTS = Path(__file__).parent / "rule_parts"
 SYSTEM: dict[str, Any] = {

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt import chart
-from uwopt.maps import channel_fields
 from uwopt.model import sharpness
 from uwopt.model.sharpness import Sharpness
-from uwopt.picture import (
+from uwopt.report.pictures import chart
+from uwopt.report.pictures.maps import channel_fields
+from uwopt.report.pictures.photograph import (
     FINE,
     Sensing,
     blur,

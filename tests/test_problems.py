@@ -15,8 +15,8 @@ import pytest
 
 from uwopt.catalog.inline import part_from_inline
 from uwopt.catalog.load import load_catalog
-from uwopt.mission import Mission, load_mission
-from uwopt.system import load_system
+from uwopt.mission.mission import Mission, load_mission
+from uwopt.mission.system import load_system
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
 SYSTEMS = sorted(path.name for path in PROBLEMS.glob("*.system.yaml"))

@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.api import load_catalog, prepared
-from uwopt.front_result import FrontPoint, FrontResult
+from uwopt.api.solving import load_catalog, prepared
 from uwopt.objectives.objective import Objective
+from uwopt.results.front import FrontPoint, FrontResult
 from uwopt.solvers.recommend import seek
 
 PROBLEMS = Path(__file__).parents[1] / "problems"

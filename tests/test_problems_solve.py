@@ -15,7 +15,7 @@ import pytest
 from thorough import drawn
 
 import uwopt
-from uwopt.result import Design, Result
+from uwopt.results.result import Design, Result
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
 MISSIONS = sorted(p.stem for p in PROBLEMS.glob("*.yaml") if not p.stem.endswith(".system"))

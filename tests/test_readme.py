@@ -20,11 +20,11 @@ import yaml
 from thorough import THOROUGH
 from typer.testing import CliRunner
 
-from uwopt import cli_status
-from uwopt.api import NOT_MODELLED
+from uwopt.api.solving import NOT_MODELLED
 from uwopt.bench import run as bench_run
-from uwopt.cli import app
-from uwopt.mission import load_mission
+from uwopt.cli import status as cli_status
+from uwopt.cli.app import app
+from uwopt.mission.mission import load_mission
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

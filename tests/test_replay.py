@@ -11,8 +11,8 @@ import pytest
 
 import uwopt
 from uwopt.errors import UwoptError
-from uwopt.replay import ReplayError, mount_of, replay
-from uwopt.result import Design, Result
+from uwopt.evaluation.recompute import ReplayError, mount_of, replay
+from uwopt.results.result import Design, Result
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
 TWO_SCENES: dict[str, Any] = {

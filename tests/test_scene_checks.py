@@ -12,8 +12,8 @@ import pytest
 
 import uwopt
 from uwopt.errors import CatalogError, MissionError
-from uwopt.mission import load_mission
-from uwopt.scene_checks import check_physical
+from uwopt.forward.scene_checks import check_physical
+from uwopt.mission.mission import load_mission
 
 MISSION: dict[str, Any] = {
     "name": "checks", "physics": "full",

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from uwopt.catalog.inline import part_from_inline
 from uwopt.errors import CatalogError, MissionError
-from uwopt.mission import load_mission
-from uwopt.system import System, load_system
-from uwopt.templates import system_json_schema, system_template
+from uwopt.mission.mission import load_mission
+from uwopt.mission.system import System, load_system
+from uwopt.mission.templates import system_json_schema, system_template
 
 EXAMPLE = Path(__file__).parent / "reference" / "example_system.yaml"
 CAMERA = {

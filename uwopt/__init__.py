@@ -11,31 +11,31 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from uwopt.api import evaluate as evaluate
-    from uwopt.api import load_catalog as load_catalog
-    from uwopt.api import solve as solve
-    from uwopt.api_pareto import pareto as pareto
-    from uwopt.front_result import FrontResult as FrontResult
-    from uwopt.mission import Mission as Mission
-    from uwopt.mission import load_mission as load_mission
+    from uwopt.api.solving import evaluate as evaluate
+    from uwopt.api.solving import load_catalog as load_catalog
+    from uwopt.api.solving import solve as solve
+    from uwopt.api.trading import pareto as pareto
+    from uwopt.mission.mission import Mission as Mission
+    from uwopt.mission.mission import load_mission as load_mission
+    from uwopt.mission.system import System as System
+    from uwopt.mission.system import load_system as load_system
     from uwopt.objectives.own import OwnObjective as OwnObjective
-    from uwopt.result import Result as Result
-    from uwopt.system import System as System
-    from uwopt.system import load_system as load_system
+    from uwopt.results.front import FrontResult as FrontResult
+    from uwopt.results.result import Result as Result
 
 __version__ = "0.1.0"
 
 _WHERE = {
-    "solve": "uwopt.api",
-    "evaluate": "uwopt.api",
-    "load_catalog": "uwopt.api",
-    "Mission": "uwopt.mission",
-    "load_mission": "uwopt.mission",
-    "System": "uwopt.system",
-    "load_system": "uwopt.system",
-    "Result": "uwopt.result",
-    "pareto": "uwopt.api_pareto",
-    "FrontResult": "uwopt.front_result",
+    "solve": "uwopt.api.solving",
+    "evaluate": "uwopt.api.solving",
+    "load_catalog": "uwopt.api.solving",
+    "Mission": "uwopt.mission.mission",
+    "load_mission": "uwopt.mission.mission",
+    "System": "uwopt.mission.system",
+    "load_system": "uwopt.mission.system",
+    "Result": "uwopt.results.result",
+    "pareto": "uwopt.api.trading",
+    "FrontResult": "uwopt.results.front",
     "OwnObjective": "uwopt.objectives.own",
 }
 __all__ = ["__version__", *_WHERE]

@@ -1,6 +1,6 @@
 """`python -m uwopt` is the command `uwopt`."""
 
-from uwopt.cli import main
+from uwopt.cli.app import main
 
 if __name__ == "__main__":
     main()

@@ -140,9 +140,9 @@ def levels(
     """
     from dataclasses import replace
 
-    from uwopt import api
-    from uwopt.design_model import DesignModel
-    from uwopt.system import load_system
+    from uwopt.api import solving as api
+    from uwopt.evaluation.design_model import DesignModel
+    from uwopt.mission.system import load_system
 
     wanted, built = api.prepared(mission, None, None), load_system(system)
     problem, hardware = api.system_problem(wanted, built)

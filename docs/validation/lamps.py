@@ -82,11 +82,11 @@ def profile_in_water(kind: str) -> tuple[Any, float]:
 
 def by_uwopt(mission: dict[str, Any], system: dict[str, Any]) -> dict[str, float]:
     """The figures of illuminance that `evaluate` reports, without waiting for its veils."""
-    from uwopt import api
-    from uwopt.design_model import DesignModel
-    from uwopt.model.fidelity import Effects
-    from uwopt.reported import illuminance
-    from uwopt.system import load_system
+    from uwopt.api import solving as api
+    from uwopt.evaluation.design_model import DesignModel
+    from uwopt.evaluation.figures_by_name import illuminance
+    from uwopt.mission.system import load_system
+    from uwopt.model.effects import Effects
 
     wanted, built = api.prepared(mission, None, None), load_system(system)
     problem, hardware = api.system_problem(wanted, built)

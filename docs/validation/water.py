@@ -23,8 +23,8 @@ def library(file: str) -> list[dict[str, str]]:
 
 def scene(water: str, table: str) -> Any:
     """uwopt's scene: spectra on its grid."""
-    from uwopt import api
-    from uwopt.scene import scene_optics
+    from uwopt.api import solving as api
+    from uwopt.forward.scene import scene_optics
 
     mission = api.prepared(
         {

@@ -12,7 +12,7 @@ import pytest
 
 from uwopt.bench import fronts
 from uwopt.bench.suite import Budget, Row
-from uwopt.solvers.front import FRONT_GAP
+from uwopt.solvers.front.search import FRONT_GAP
 
 
 @pytest.fixture(scope="module")

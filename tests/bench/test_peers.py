@@ -16,7 +16,7 @@ import pytest
 from uwopt.bench import contest, peers
 from uwopt.bench.contest import Contest, Referee
 from uwopt.bench.suite import Budget, Row
-from uwopt.problem import Problem
+from uwopt.forward.problem import Problem
 from uwopt.solvers.recommend import hardware_of
 
 HELPERS = Path(__file__).parents[1] / "solvers" / "conftest.py"

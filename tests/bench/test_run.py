@@ -17,7 +17,7 @@ from uwopt.bench import run as runner
 from uwopt.bench.charts import charts
 from uwopt.bench.page import bench_html, suite_csv, write_bench
 from uwopt.bench.suite import COLUMNS, Budget, Row, Suite, Table, least_size, timed
-from uwopt.cli import app
+from uwopt.cli.app import app
 from uwopt.errors import MissionError, SolverError
 
 

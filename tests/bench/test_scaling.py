@@ -29,10 +29,10 @@ from uwopt.bench.scaling_parts import (
 )
 from uwopt.bench.suite import Budget, Row
 from uwopt.catalog.records import Camera, Lens, Light, Part, Port
+from uwopt.forward.problem import Parts, Problem
 from uwopt.objectives.objective import Objective
-from uwopt.problem import Parts, Problem
-from uwopt.solvers import exact as exact_search
-from uwopt.solvers.exact import Outcome, Search
+from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.search import Outcome, Search
 
 KINDS = ("cameras", "lenses", "ports", "lights")
 SMALL, MEDIUM = 1e3, 1e6

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import uwopt.catalog
-from uwopt.catalog import spectra
+from uwopt.catalog.curves import spectra
 
 DATA_DIR = Path(uwopt.catalog.__file__).parent / "data"
 SEED_CURVE_POINTS = 1080 - 14  # the tool's points less those beyond 912 nm, see the file's head

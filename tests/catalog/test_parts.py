@@ -16,12 +16,12 @@ from uwopt.catalog.inline import part_from_inline
 from uwopt.catalog.load import load_catalog
 from uwopt.catalog.parts.cell import FROM_ZERO, POSITIVE, Cell, Inline, Range, beyond, fields_of, kept_fields
 from uwopt.catalog.parts.kinds import FAVOURED, ORDERED_PAIRS
-from uwopt.catalog.parts.reading import inline_fields, row_fields
+from uwopt.catalog.readers.reading import inline_fields, row_fields
 from uwopt.catalog.records import Camera, Light, Part, Quantity, exact
 from uwopt.catalog.tables import DATA_DIR
 from uwopt.catalog.userparts import PartRow
 from uwopt.errors import CatalogError
-from uwopt.hardware import columns_of, in_si
+from uwopt.forward.part_columns import columns_of, in_si
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from uwopt.catalog import phase_functions
+from uwopt.catalog.curves import phase_functions
 from uwopt.errors import CatalogError, RangeError
 from uwopt.model import scattering
 

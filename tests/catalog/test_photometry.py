@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from uwopt.catalog.photometry import parse_ies
+from uwopt.catalog.curves.photometry import parse_ies
 from uwopt.errors import CatalogError
 from uwopt.model.beam import intensity_per_sr, tabulated_beam
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from uwopt.catalog import spectra
+from uwopt.catalog.curves import spectra
 from uwopt.errors import CatalogError
 
 

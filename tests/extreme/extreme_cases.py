@@ -11,11 +11,11 @@ import numpy as np
 import small_catalogues as small
 
 from uwopt.catalog.records import Light, exact
-from uwopt.mission import load_mission
+from uwopt.forward.problem import Parts, Problem
+from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective
-from uwopt.problem import Parts, Problem
-from uwopt.result import Result
-from uwopt.solvers.exact import Outcome, Search
+from uwopt.results.result import Result
+from uwopt.solvers.exact.search import Outcome, Search
 
 MAY_BE_NEGATIVE = ("snr_db", "snr_db_min", "snr_db_centre", "snr_red_below_green_db", "overlap", "gain_db",
                    "virtual_image_distance_m")  # fmt: skip

@@ -17,8 +17,8 @@ from thorough import THOROUGH
 
 import uwopt
 from uwopt.catalog.records import exact
-from uwopt.problem import Parts
-from uwopt.solvers.exact import Outcome
+from uwopt.forward.problem import Parts
+from uwopt.solvers.exact.search import Outcome
 
 EXAMPLES = 60 if THOROUGH else 4
 PHYSICS = ("full", "paper")

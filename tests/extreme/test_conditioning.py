@@ -17,13 +17,13 @@ from exact_settings import CONTINUOUS, FLASH, PULSED, Truth
 from hand_made_rows import scene
 from thorough import THOROUGH
 
+from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
-from uwopt.rows import SceneRows
-from uwopt.solvers.continuous import PROOF, ContinuousResult, solve_settings
-from uwopt.solvers.goals import best_settings
-from uwopt.solvers.optimality import derivatives
-from uwopt.solvers.pieces import Scene, pieces_of
-from uwopt.solvers.program import Program
+from uwopt.solvers.continuous.optimality import derivatives
+from uwopt.solvers.continuous.pieces import Scene, pieces_of
+from uwopt.solvers.continuous.program import Program
+from uwopt.solvers.continuous.solve_settings import PROOF, ContinuousResult, solve_settings
+from uwopt.solvers.settings.best import best_settings
 
 TRUE_REL = 1e-6  # of a value called optimal; the proofs ask for residuals of 1e-6 to 1e-4 in logarithms
 #: Methods that settle every design below within their means; all others may only fail honestly.
@@ -225,7 +225,7 @@ def extended(rows: SceneRows, truth: Truth) -> SceneRows:
 @pytest.mark.parametrize("seed", range(60 if THOROUGH else 9))
 def test_derivatives_equal_those_of_arbitrary_precision(seed: int) -> None:
     """CasADi's and the complex step's, at random points and at the corners of all ranges: relative error 1e-9."""
-    from uwopt.solvers.casadi_ipopt import SymbolicProgram
+    from uwopt.solvers.continuous.casadi_ipopt import SymbolicProgram
 
     rng = np.random.default_rng(seed)
     for program in programs(seed):

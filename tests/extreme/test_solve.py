@@ -14,7 +14,7 @@ import mpmath as mp
 import pytest
 
 import uwopt
-from uwopt.mission import load_mission
+from uwopt.mission.mission import load_mission
 
 LAMP_LM, LAMP_W, CAMERA_W, TIME_S, F_NUMBER = 1e5, 800.0, 3.0, 0.1, 2.0
 PITCH_M, QE, FLOOR, RANGE_M = 3.45e-6, 0.6, 0.2, 2.0

@@ -24,11 +24,11 @@ from uwopt.catalog.columns import COLUMNS
 from uwopt.catalog.inline import INLINE_MODELS
 from uwopt.catalog.parts.cell import LARGEST
 from uwopt.catalog.parts.kinds import ALL_FIELDS
-from uwopt.fields import keys_of
-from uwopt.mission import LightMount
-from uwopt.mission import sections as mission_sections
-from uwopt.mission_keys import JERLOV_TYPES, OBJECTIVES, SEAFLOORS
-from uwopt.system import sections as system_sections
+from uwopt.documents.key_types import keys_of
+from uwopt.mission.keys import JERLOV_TYPES, OBJECTIVES, SEAFLOORS
+from uwopt.mission.mission import LightMount
+from uwopt.mission.mission import sections as mission_sections
+from uwopt.mission.system import sections as system_sections
 
 MISSION, SYSTEM = mission_sections(), system_sections()
 HARDWARE = (

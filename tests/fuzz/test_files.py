@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 import uwopt
 from uwopt.catalog.load import load_catalog
 from uwopt.errors import CatalogError, MissionError, UwoptError
-from uwopt.mission import load_mission
-from uwopt.system import load_system
+from uwopt.mission.mission import load_mission
+from uwopt.mission.system import load_system
 
 
 @pytest.fixture(scope="module")

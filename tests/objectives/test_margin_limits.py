@@ -18,11 +18,11 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.api import prepared, scene_settings, system_problem
-from uwopt.design_model import SceneSettings, design_model
-from uwopt.mission import load_mission
-from uwopt.objectives.margins import MarginRows
-from uwopt.system import load_system
+from uwopt.api.solving import prepared, scene_settings, system_problem
+from uwopt.evaluation.design_model import SceneSettings, design_model
+from uwopt.mission.mission import load_mission
+from uwopt.mission.system import load_system
+from uwopt.objectives.requirements import MarginRows
 
 PACKAGE = Path(uwopt.__file__).parent
 JUST = 1e-5  # of a limit; 1e-6 is allowed for rounding

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from uwopt.hardware import CONTINUOUS, FLASH, PULSED
-from uwopt.objectives.margins import pulse_margins
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
+from uwopt.objectives.requirements import pulse_margins
 
 
 def test_burning_lamps_beside_pulsed_ones_miss_no_pulse_requirement():

@@ -9,28 +9,28 @@ BOUNDS = "tests/test_effects.py::test_no_effect_changes_more_than_its_bound"
 DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="bound of the forward veil a fifth too low",
-        file="uwopt/effects.py",
+        file="uwopt/forward/effects.py",
         old="return most * FORWARD_MARGIN",
         new="return most * 0.8 * FORWARD_MARGIN",
         test=f"{BOUNDS}[(13, 9)]",
     ),
     Defect(
         name="bound of backscatter half as high",
-        file="uwopt/effects.py",
+        file="uwopt/forward/effects.py",
         old="return most * margin(field)",
         new="return most * 0.5 * margin(field)",
         test=f"{BOUNDS}[(13, 10)]",
     ),
     Defect(
         name="bound of the window's angle a fifth too low",
-        file="uwopt/effects.py",
+        file="uwopt/forward/effects.py",
         old="(float(np.max(1.0 - oblique / head_on)), 0.0)",
         new="(0.8 * float(np.max(1.0 - oblique / head_on)), 0.0)",
         test=f"{BOUNDS}[(8, 5)]",
     ),
     Defect(
         name="darkest pixel taken for the mean where pixels count",
-        file="uwopt/design_model.py",
+        file="uwopt/evaluation/design_model.py",
         old="return replace(means, worst_e=light.worst_e, worst_veil_e=light.worst_veil_e)",
         new="return light",
         test="tests/test_light_in_parts.py::test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once",

@@ -10,14 +10,14 @@ SEARCH_DEADLINE = "tests/solvers/test_search_deadline.py"
 DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a front whose time ends among veils fails",
-        file="uwopt/solvers/front.py",
+        file="uwopt/solvers/front/search.py",
         old="        except OutOfTimeError:\n            return False",
         new="        except ZeroDivisionError:\n            return False",
         test="tests/solvers/test_search_deadline.py::test_wherever_time_ends_a_front_is_valid",
     ),
     Defect(
         name="ten thousand with a comma becomes ten",
-        file="uwopt/faults.py",
+        file="uwopt/documents/faults.py",
         old="    if _THOUSANDS.fullmatch(plain):",
         new="    if False:",
         test="tests/test_mission.py::test_a_bad_mission_is_told_in_words",
@@ -31,7 +31,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a message that cannot be written changes the status",
-        file="uwopt/cli_status.py",
+        file="uwopt/cli/status.py",
         old="        except OSError:  # a full disk",
         new="        except ValueError:  # a full disk",
         test="tests/test_manners.py::test_status_stays_when_the_message_cannot_be_written",
@@ -52,28 +52,28 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="progress in a log comes once and never again",
-        file="uwopt/report/console.py",
+        file="uwopt/report/text/console.py",
         old="            self._wait(LINE_EVERY_S, self._line)\n\n",
         new="\n",
         test="tests/report/test_console.py::test_a_log_gets_a_line_each_time_the_timer_rings",
     ),
     Defect(
         name="a batch that time cuts short stays counted",
-        file="uwopt/solvers/exact.py",
+        file="uwopt/solvers/exact/search.py",
         old="                self.account.evaluated, self.account.discarded = before\n                rest =",
         new="                rest =",
         test=f"{SEARCH_DEADLINE}::test_wherever_time_ends_bound_and_account_hold",
     ),
     Defect(
         name="a search looks at the clock between batches only",
-        file="uwopt/solvers/exact.py",
+        file="uwopt/solvers/exact/search.py",
         old="        self.deadline.check()\n        imager, cost",
         new="        imager, cost",
         test=f"{SEARCH_DEADLINE}::test_time_that_ends_within_a_batch_ends_it",
     ),
     Defect(
         name="explanations know no time limit",
-        file="uwopt/solvers/infeasible.py",
+        file="uwopt/solvers/explain/infeasible.py",
         old="        if deadline.passed():",
         new="        if False:",
         test=f"{DEADLINE}::test_time_that_ends_with_the_search_leaves_infeasibility_unexplained",
@@ -87,7 +87,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="each solver of a front has all the time",
-        file="uwopt/api_pareto.py",
+        file="uwopt/api/trading.py",
         old="self.deadline.left_s / n_waiting if self.limited",
         new="self.deadline.left_s if self.limited",
         test=f"{DEADLINE}::test_solvers_of_a_front_share_the_time",

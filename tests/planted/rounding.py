@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from planted.defect import Defect
 
-SCENE, RING = "uwopt/solvers/settable_scene.py", "uwopt/solvers/settable.py"
+SCENE, RING = "uwopt/solvers/settable/scene.py", "uwopt/solvers/settable/steps.py"
 TESTS = "tests/solvers/test_rounding.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
-        name="a result whose optimum cannot be set is headed optimal", file="uwopt/api.py",
+        name="a result whose optimum cannot be set is headed optimal", file="uwopt/api/solving.py",
         old='"optimal" if is_settable(winner) and not wide', new='"optimal" if not wide',
         test=f"{TESTS}test_result_is_not_headed_optimal_where_nothing_can_be_set",
     ),
@@ -19,7 +19,7 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{TESTS}test_no_settings_are_offered_where_none_holds",
     ),
     Defect(
-        name="each scene has its own stop behind a sealed port", file="uwopt/solvers/rounding.py",
+        name="each scene has its own stop behind a sealed port", file="uwopt/solvers/settable/rounding.py",
         old="if model.lenses.motorised[0]:", new="if True:",
         test=f"{TESTS}test_manual_lens_keeps_stop_and_ring_in_both_scenes",
     ),
@@ -44,7 +44,7 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{TESTS}test_without_an_objective_rounding_stays_near_the_optimum",
     ),
     Defect(
-        name="what physics auto leaves out is not heeded when rounding", file="uwopt/solvers/rounding.py",
+        name="what physics auto leaves out is not heeded when rounding", file="uwopt/solvers/settable/rounding.py",
         old='or problem.mission.physics != "auto":', new="or True:",
         test=f"{TESTS}test_what_is_printed_to_set_meets_every_requirement_when_evaluated[46]",
     ),

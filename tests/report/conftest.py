@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from uwopt.front_result import FrontMethod, FrontObjective, FrontPoint, FrontResult, Pick
-from uwopt.result import Certificate, Design, Margin, Result, SceneResult
+from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint, FrontResult, Pick
+from uwopt.results.result import Certificate, Design, Margin, Result, SceneResult
 
 SETTINGS = {
     "f_number": 2.8284, "exposure_ms": 0.0435678, "pulse_ms": None, "gain": 2.0, "gain_db": 6.0206, "flux_lm": 12345.6,

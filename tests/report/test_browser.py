@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 
-from uwopt import api
-from uwopt.report.page import report_html
+from uwopt.api import solving as api
+from uwopt.report.page.page import report_html
 
 ROOT = Path(__file__).parents[2]
 REQUIRED = os.environ.get("UWOPT_REQUIRE_BROWSER") == "1"

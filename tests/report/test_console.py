@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from uwopt.report.console import ProgressBar
+from uwopt.report.text.console import ProgressBar
 
 
 class Timer:

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.replay import replay, telling_figures
-from uwopt.report.design_pictures import (
+from uwopt.evaluation.recompute import replay, telling_figures
+from uwopt.report.pictures.design_pictures import (
     MOST_BYTES,
     Picture,
     design_pictures,
@@ -24,7 +24,7 @@ from uwopt.report.design_pictures import (
     png_uri,
     rounded,
 )
-from uwopt.report.plots import numbers
+from uwopt.report.pictures.plots import numbers
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 NAMES = {

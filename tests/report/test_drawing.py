@@ -10,8 +10,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from uwopt.curves import Lamp, RigMeasures, rig_measures
-from uwopt.report import drawing
+from uwopt.report.pictures import drawing
+from uwopt.report.pictures.curves import Lamp, RigMeasures, rig_measures
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 SVG = "{http://www.w3.org/2000/svg}"

@@ -15,11 +15,11 @@ from typing import Any
 
 import pytest
 
-from uwopt.report import page_style
-from uwopt.report.html_file import json_for_script
-from uwopt.report.page import common_width_mm, report_html
-from uwopt.report.page_parts import alternatives, bar, web_link
-from uwopt.report.page_svg import clean_svg
+from uwopt.report.page import style as page_style
+from uwopt.report.page.html_file import json_for_script
+from uwopt.report.page.page import common_width_mm, report_html
+from uwopt.report.page.sections import alternatives, bar, web_link
+from uwopt.report.page.svg import clean_svg
 
 Make = Callable[..., Any]
 VOID = {"meta", "link", "img", "br", "hr", "input", "rect", "circle", "line", "path"}
@@ -275,7 +275,7 @@ def test_picks_of_one_point_are_shown_once(make_front: Make) -> None:
 
 
 def test_parts_are_shortened_as_long_as_they_stay_apart() -> None:
-    from uwopt.report.page_front import short_id
+    from uwopt.report.page.front import short_id
 
     others = ["blue-robotics-3-in-acrylic-end-cap-2026", "blue-robotics-penetrator"]
     assert short_id("blue-robotics-4-in-acrylic-end-cap-2026", others) == "blue-robotics-4…"

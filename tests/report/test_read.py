@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from uwopt.errors import ResultError
-from uwopt.report.read import read_result
+from uwopt.results.reading import read_result
 
 Make = Callable[..., Any]
 

@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from uwopt.report.console import print_blocks
-from uwopt.report.page import report_html
-from uwopt.report.tables import result_blocks
-from uwopt.result import Result
+from uwopt.report.page.page import report_html
+from uwopt.report.text.console import print_blocks
+from uwopt.report.text.tables import result_blocks
+from uwopt.results.result import Result
 
 Make = Callable[..., Any]
 

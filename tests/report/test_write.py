@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from uwopt.errors import OutputError
-from uwopt.front_result import FrontResult
 from uwopt.report import write
-from uwopt.result import Result
+from uwopt.results.front import FrontResult
+from uwopt.results.result import Result
 
 Make = Callable[..., Any]
 

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from scene_search import SceneSearch
 
 from uwopt.catalog.compatibility import image_circle_ok, mount_compatible, sensor_diagonal_mm
-from uwopt.design_model import DesignModel, Hardware, SceneSettings
+from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings
+from uwopt.forward.optics import place_focus
+from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.optics import place_focus
-from uwopt.problem import Problem
 
 Array = NDArray[Any]
 

@@ -20,14 +20,14 @@ import random_cases as rc
 from scene_search import SceneSearch
 
 from uwopt.catalog.records import exact
-from uwopt.design_model import DesignModel
-from uwopt.figures import SettingRows
-from uwopt.hardware import CONTINUOUS, FLASH, PULSED
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.figures import SettingRows
+from uwopt.forward.optics import place_focus, required_rate_hz
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import MAXIMISED, Objective
-from uwopt.optics import place_focus, required_rate_hz
-from uwopt.solvers.front import Front, FrontSearch
-from uwopt.solvers.front_designs import found_of
+from uwopt.solvers.front.designs import found_of
+from uwopt.solvers.front.search import Front, FrontSearch
 
 QUALITIES = ("snr_db", "information", "contrast")
 MISSED_REL = 1e-6

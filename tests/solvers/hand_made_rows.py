@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.hardware import CONTINUOUS, FLASH
-from uwopt.rows import SceneRows
+from uwopt.forward.part_columns import CONTINUOUS, FLASH
+from uwopt.forward.setting_rows import SceneRows
 
 
 def scene(**changed: Any) -> SceneRows:

@@ -15,9 +15,9 @@ from random_cases import Case
 from small_catalogues import MONO
 
 from uwopt.catalog.records import Camera, Lens, Light, Port, exact
-from uwopt.mission import load_mission
+from uwopt.forward.problem import Parts
+from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective
-from uwopt.problem import Parts
 
 DISTANCE_M = 2.08
 RATE_HZ = 0.3 / (1.56 * 0.7)

@@ -12,14 +12,14 @@ import numpy as np
 import random_cases as rc
 from scene_search import SceneSearch
 
-from uwopt.design_model import design_model
-from uwopt.evaluation import evaluate_design
+from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.design_model import design_model
+from uwopt.forward.optics import place_focus
+from uwopt.objectives.dominance import nondominated
 from uwopt.objectives.objective import MAXIMISED, Objective
-from uwopt.optics import place_focus
-from uwopt.solvers.dominance import nondominated
-from uwopt.solvers.exact import Search
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.recommend import hardware_of
-from uwopt.solvers.rounding import exact_settings
+from uwopt.solvers.settable.rounding import exact_settings
 
 SMALL: dict[str, Any] = {"pop_size": 40, "generations": 25}
 #: Random cases that have designs, found by trying seeds: one scene and two, steps, flashes, mean levels.
@@ -46,7 +46,7 @@ def search_of(case: Any, names: tuple[str, ...]) -> Search:
 @cache
 def front(seed: int, names: tuple[str, ...], **options: Any) -> tuple[Search, Any]:
     """A case's front by a short run, made once."""
-    from uwopt.solvers.pymoo_front import population_front
+    from uwopt.solvers.population.pymoo_front import population_front
 
     search = search_of(rc.case(seed), names)
     return search, population_front(search, names, **{**SMALL, **options})

@@ -13,10 +13,10 @@ import small_catalogues as small
 from thorough import THOROUGH, drawn
 
 from uwopt.catalog.records import Light, exact
-from uwopt.mission import Mission
+from uwopt.forward.problem import Parts, Problem
+from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.problem import Parts, Problem
-from uwopt.solvers.exact import Outcome, Search
+from uwopt.solvers.exact.search import Outcome, Search
 
 TOP = 4
 #: Of the first hundred random cases some that are enumerated quickly and, together, meet every kind of part, wish and

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.design_model import DesignModel
-from uwopt.figures import SettingRows, depth_of_field_m, skew_px
-from uwopt.hardware import CONTINUOUS, FLASH, PULSED
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.figures import SettingRows, depth_of_field_m, skew_px
+from uwopt.forward.optics import blur_time_s, required_rate_hz
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.model import sensor
-from uwopt.optics import blur_time_s, required_rate_hz
 
 Array = NDArray[Any]
 

@@ -15,19 +15,19 @@ import random_cases as rc
 import small_catalogues as small
 
 import uwopt
-import uwopt.api
+import uwopt.api.solving
 from uwopt.catalog.catalogue import Catalog
-from uwopt.design_model import DesignModel, Hardware, SceneSettings, design_model
-from uwopt.figures import SettingRows
-from uwopt.hardware import FLASH, PULSED
-from uwopt.mission import Mission
+from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings, design_model
+from uwopt.forward.figures import SettingRows
+from uwopt.forward.optics import place_focus
+from uwopt.forward.part_columns import FLASH, PULSED
+from uwopt.forward.problem import Parts, Problem
+from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.optics import place_focus
-from uwopt.problem import Parts, Problem
-from uwopt.report import words
-from uwopt.result import Design, Result
-from uwopt.solvers.rounding import rounded_design
-from uwopt.solvers.settable import light_levels, printed, stops
+from uwopt.report.text import words
+from uwopt.results.result import Design, Result
+from uwopt.solvers.settable.rounding import rounded_design
+from uwopt.solvers.settable.steps import light_levels, printed, stops
 
 TYPED = ("f_number", "exposure_ms", "pulse_ms", "gain", "dim_frac", "frame_rate_hz", "focus_distance_m")
 

@@ -13,10 +13,10 @@ import numpy as np
 from hand_made_rows import scene
 from numpy.typing import NDArray
 
-from uwopt.hardware import CONTINUOUS, FLASH, PULSED
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.sharpness import SharpRows
 from uwopt.objectives.objective import Objective
-from uwopt.rows import SceneRows
-from uwopt.sharp import SharpRows
 
 Array = NDArray[Any]
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from uwopt.catalog.records import Camera, Curve, Lens, Light, Port, Quantity, exact
-from uwopt.mission import Mission, load_mission
-from uwopt.problem import Parts
+from uwopt.forward.problem import Parts
+from uwopt.mission.mission import Mission, load_mission
 
 Rng = np.random.Generator
 

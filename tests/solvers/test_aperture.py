@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from hand_made_rows import scene
 
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.sharpness import SharpRows
 from uwopt.model import sensor
-from uwopt.rows import SceneRows
-from uwopt.sharp import SharpRows
-from uwopt.solvers.aperture import ApertureProgram, confirmed
-from uwopt.solvers.settings import Chosen
+from uwopt.solvers.continuous.aperture import ApertureProgram, confirmed
+from uwopt.solvers.settings.closed_form import Chosen
 
 
 def rows_with(defocus_px: float, *, light: float = 1.0) -> SceneRows:

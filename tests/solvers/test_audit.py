@@ -12,15 +12,15 @@ import pytest
 from random_cases import THOROUGH, Case, bench, case, enumerated, lamp, planted
 
 from uwopt.catalog.records import exact
+from uwopt.forward.problem import Parts
 from uwopt.objectives.objective import Objective
-from uwopt.problem import Parts
-from uwopt.solvers import exact as exact_search
-from uwopt.solvers import imagers
-from uwopt.solvers.attack import attack
-from uwopt.solvers.audit import BESIDE, audit
-from uwopt.solvers.bounds import Bounds, UnitBounds
-from uwopt.solvers.exact import Outcome, Search
-from uwopt.solvers.imagers import Pairs
+from uwopt.solvers.exact import imagers
+from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.attack import attack
+from uwopt.solvers.exact.audit import BESIDE, audit
+from uwopt.solvers.exact.bounds import Bounds, UnitBounds
+from uwopt.solvers.exact.imagers import Pairs
+from uwopt.solvers.exact.search import Outcome, Search
 
 SUM = {"power": 0.2, "snr_db": 1.0}
 OBJECTIVES: tuple[Any, ...] = (

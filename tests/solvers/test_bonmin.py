@@ -17,13 +17,13 @@ import random_cases as rc
 from hand_made_rows import STEPS, scene
 
 import uwopt
+from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.rows import SceneRows
-from uwopt.solvers import opinions
-from uwopt.solvers.casadi_ipopt import solve_mixed
-from uwopt.solvers.goals import best_settings
-from uwopt.solvers.mixed import Candidate, MixedProgram, Picked
+from uwopt.solvers.continuous import opinions
+from uwopt.solvers.continuous.casadi_ipopt import solve_mixed
+from uwopt.solvers.continuous.mixed import Candidate, MixedProgram, Picked
 from uwopt.solvers.recommend import Sought
+from uwopt.solvers.settings.best import best_settings
 
 AGREE = 1e-4
 GENEROUS_S = 1e6  # the clock ends none of these

@@ -19,17 +19,17 @@ from numpy.typing import NDArray
 from one_of_each import one, with_parts
 from random_cases import Case
 
-from uwopt.hardware import Lights
-from uwopt.solvers import large
-from uwopt.solvers.attack import attack
-from uwopt.solvers.bounds import Bounds, bit_per_px_bound, suffix_min
-from uwopt.solvers.exact import Search
-from uwopt.solvers.fields import FieldTables
-from uwopt.solvers.imagers import Imagers
-from uwopt.solvers.large import LargeSearch
-from uwopt.solvers.outline import Level, OutlineTables, Rows, port_tree
-from uwopt.solvers.screen import level_set, pair_rules
-from uwopt.solvers.signals import SignalTables
+from uwopt.forward.part_columns import Lights
+from uwopt.solvers.exact import large
+from uwopt.solvers.exact.attack import attack
+from uwopt.solvers.exact.bounds import Bounds, bit_per_px_bound, suffix_min
+from uwopt.solvers.exact.imagers import Imagers
+from uwopt.solvers.exact.large import LargeSearch
+from uwopt.solvers.exact.light_tables import FieldTables
+from uwopt.solvers.exact.outline import Level, OutlineTables, Rows, port_tree
+from uwopt.solvers.exact.screen import level_set, pair_rules
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.exact.signals import SignalTables
 
 Array = NDArray[Any]
 FOUND = 1.0 + 1e-6  # what the enumeration's own rounding may take
@@ -231,7 +231,7 @@ def test_a_group_of_ports_is_bounded_by_its_best(name: str) -> None:
 @pytest.mark.parametrize("name", MISSIONS)
 def test_the_floor_of_a_pair_is_below_its_best(name: str) -> None:
     """What camera and lens cost without light behind the cheapest port."""
-    from uwopt.solvers.imagers import fitting_pairs
+    from uwopt.solvers.exact.imagers import fitting_pairs
 
     search = searched(name)[0]
     pairs = fitting_pairs(search.problem)
@@ -244,7 +244,7 @@ def test_the_floor_of_a_pair_is_below_its_best(name: str) -> None:
 def test_the_floor_of_a_pair_is_its_cost_without_light_behind_the_cheaper_dome() -> None:
     """1000 + 500 + 100 USD for the first camera and lens, by hand: the second dome costs 100."""
     search = world("lamps in steps").searcher()
-    from uwopt.solvers.imagers import fitting_pairs
+    from uwopt.solvers.exact.imagers import fitting_pairs
 
     floors = LargeSearch(search, fitting_pairs(search.problem))._floors()
     assert floors.tolist() == [1600.0, 1400.0, 1300.0, 1100.0]
@@ -372,7 +372,7 @@ def test_the_least_of_each_number_and_all_after_it() -> None:
 
 def test_large_and_small_search_agree_on_the_best_of_the_enumeration(monkeypatch: pytest.MonkeyPatch) -> None:
     """Both find it, with every bound at work."""
-    from uwopt.solvers import exact as exact_search
+    from uwopt.solvers.exact import search as exact_search
 
     for place, names in ((exact_search, ("FIRST_CHUNK", "FIRST_BATCH", "LARGEST_BATCH", "LARGEST_CHUNK")),
                          (large, ("FIRST_PAIRS", "FIRST_LEAVES", "FIRST_UNITS"))):  # fmt: skip

@@ -9,11 +9,11 @@ import pytest
 from numpy.typing import NDArray
 from settings_attack import SIGNS, figures, lit, sample
 
-from uwopt.hardware import PULSED
+from uwopt.forward.part_columns import PULSED
+from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
-from uwopt.rows import SceneRows
-from uwopt.solvers.cell_tangent import DIMMEST
-from uwopt.solvers.cells import CellSearch, best_by_cells
+from uwopt.solvers.settings.cell_tangent import DIMMEST
+from uwopt.solvers.settings.cells import CellSearch, best_by_cells
 
 Array = NDArray[Any]
 GAP = 1e-4

@@ -11,12 +11,12 @@ from hand_made_rows import FLASHES, STEPS
 from numpy.typing import NDArray
 from settings_attack import SIGNS, attacked, figures, lit, sharp
 
-from uwopt.hardware import CONTINUOUS, PULSED
+from uwopt.forward.part_columns import CONTINUOUS, PULSED
+from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
-from uwopt.rows import SceneRows
-from uwopt.solvers.cell_info import log_box, log_disc, log_pupil
-from uwopt.solvers.cells import CellResult, best_by_cells
-from uwopt.solvers.goals import best_settings
+from uwopt.solvers.settings.best import best_settings
+from uwopt.solvers.settings.cell_information import log_box, log_disc, log_pupil
+from uwopt.solvers.settings.cells import CellResult, best_by_cells
 
 Array = NDArray[Any]
 GAP = 1e-4

@@ -13,12 +13,12 @@ from one_of_each import one, with_parts
 
 from uwopt.deadline import Deadline
 from uwopt.objectives.objective import Objective
-from uwopt.result import Certificate
-from uwopt.solvers import exact as exact_search
-from uwopt.solvers import large
-from uwopt.solvers.certificate import accounted, certificate
-from uwopt.solvers.exact import Account, Outcome, Search
-from uwopt.solvers.ranking import Found, Ranking
+from uwopt.results.result import Certificate
+from uwopt.solvers.exact import large
+from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.certificate import accounted, certificate
+from uwopt.solvers.exact.ranking import Found, Ranking
+from uwopt.solvers.exact.search import Account, Outcome, Search
 
 FAST = {"max_blur_px": 1.0, "min_snr_db": 26.0}
 

@@ -1,7 +1,7 @@
 """The continuous solvers against the closed form, each other, and derivatives from elsewhere.
 
-The closed form (`uwopt.solvers.settings`) and the program (`uwopt.solvers.program`) share the sensor's and
-the lamp's formulas only: windows, f-number ranges and levels are nowhere in the program. Solvers are
+The closed form (`solvers.settings.closed_form`) and the program (`solvers.continuous.program`) share the
+sensor's and the lamp's formulas only: windows, f-number ranges and levels are nowhere in the program. Solvers are
 compared by objective and feasibility, never by settings, which need not be unique.
 """
 
@@ -20,15 +20,15 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from uwopt.errors import SolverError
-from uwopt.hardware import CONTINUOUS, FLASH, PULSED
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
+from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.rows import SceneRows
-from uwopt.solvers import continuous
-from uwopt.solvers.continuous import METHODS, ContinuousResult, solve_settings
-from uwopt.solvers.goals import best_settings
-from uwopt.solvers.optimality import derivatives
-from uwopt.solvers.pieces import Scene, Settings, pieces_of
-from uwopt.solvers.program import Program
+from uwopt.solvers.continuous import solve_settings as continuous
+from uwopt.solvers.continuous.optimality import derivatives
+from uwopt.solvers.continuous.pieces import Scene, Settings, pieces_of
+from uwopt.solvers.continuous.program import Program
+from uwopt.solvers.continuous.solve_settings import METHODS, ContinuousResult, solve_settings
+from uwopt.solvers.settings.best import best_settings
 
 AGREE = 1e-4  # what a second opinion is asked for; the solvers reach about 1e-9
 CAMERA_W, COST, MASS_KG, GSD_MM = 3.0, 5.0, 1.0, 2.0
@@ -252,7 +252,7 @@ def test_start_given_leads_to_the_same_answer() -> None:
 
 
 def test_solver_stopped_early_does_not_claim_an_optimum(monkeypatch: pytest.MonkeyPatch) -> None:
-    from uwopt.solvers import nlopt_solvers
+    from uwopt.solvers.continuous import nlopt_algorithms as nlopt_solvers
 
     monkeypatch.setitem(nlopt_solvers.EVALUATIONS, "cobyla", 5)
     assert solved([scene()], method="cobyla").status in ("feasible", "failed")
@@ -267,7 +267,7 @@ def test_time_limit_ends_the_search_with_an_honest_status(method: str) -> None:
 
 
 def test_point_that_misses_the_optimum_is_not_called_optimal(monkeypatch: pytest.MonkeyPatch) -> None:
-    from uwopt.solvers import casadi_ipopt
+    from uwopt.solvers.continuous import casadi_ipopt
 
     honest = casadi_ipopt.solve
 
@@ -298,7 +298,7 @@ def one_program(rows: SceneRows, objective: Objective) -> Program:
 
 @pytest.mark.parametrize("log_point", [(0.4, -6.0, -1.0, 0.5), (1.9, -9.0, -3.0, 2.0)])
 def test_casadi_differentiates_the_snr_like_mpmath(log_point: tuple[float, ...]) -> None:
-    from uwopt.solvers.casadi_ipopt import SymbolicProgram
+    from uwopt.solvers.continuous.casadi_ipopt import SymbolicProgram
 
     rows = scene(prnu_frac=0.01, dark_current_e_s=20.0, exposure_offset_s=1e-5)
 
@@ -327,7 +327,7 @@ def test_casadi_differentiates_the_snr_like_mpmath(log_point: tuple[float, ...])
 
 @pytest.mark.parametrize("name", ["pulsed LED", "band of altitudes with a mean level", "pixels that differ"])
 def test_casadi_and_complex_steps_agree_on_every_rule(name: str) -> None:
-    from uwopt.solvers.casadi_ipopt import SymbolicProgram
+    from uwopt.solvers.continuous.casadi_ipopt import SymbolicProgram
 
     program = one_program(TABLE[name][0], SUM)
     low, high = program.bounds

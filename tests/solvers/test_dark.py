@@ -15,10 +15,10 @@ import pytest
 from hand_made_rows import STEPS, scene
 from settings_attack import attacked, figures, lit
 
-from uwopt.hardware import CONTINUOUS, PULSED
+from uwopt.forward.part_columns import CONTINUOUS, PULSED
+from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
-from uwopt.rows import SceneRows
-from uwopt.solvers.goals import Best, best_settings
+from uwopt.solvers.settings.best import Best, best_settings
 
 POWER, SNR = Objective({"power": 1.0}), Objective({"snr_db": 1.0})
 CAMERA_W = np.array([3.0])

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from uwopt.objectives.axes import Axes, Frame
-from uwopt.solvers.dominance import Archive, Table, clearly, hypervolume, igd_plus, nondominated
+from uwopt.objectives.dominance import Archive, Table, clearly, hypervolume, igd_plus, nondominated
 
 SMALL = st.sampled_from([-3.0, -1.0, 0.0, 0.5, 1.0, 2.0])  # few values: ties and duplicates
 ANY = st.floats(-1e3, 1e3, width=32)

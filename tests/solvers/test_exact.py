@@ -21,16 +21,16 @@ from random_cases import CASES, FEW, TOP, Case, bench, case, enumerated, ids, la
 from thorough import drawn
 
 from uwopt.catalog.records import exact
-from uwopt.design_model import DesignModel, SceneSettings
-from uwopt.evaluation import evaluate_design
-from uwopt.hardware import CONTINUOUS
-from uwopt.optics import place_focus
-from uwopt.problem import Parts, Problem
-from uwopt.solvers import exact as exact_search
-from uwopt.solvers import large, outline
-from uwopt.solvers.exact import Outcome
+from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.design_model import DesignModel, SceneSettings
+from uwopt.forward.optics import place_focus
+from uwopt.forward.part_columns import CONTINUOUS
+from uwopt.forward.problem import Parts, Problem
+from uwopt.solvers.exact import large, outline
+from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.search import Outcome
 from uwopt.solvers.recommend import hardware_of
-from uwopt.solvers.rounding import exact_settings
+from uwopt.solvers.settable.rounding import exact_settings
 
 EVERY_KIND = {
     *(str(one) for one in small.OBJECTIVES),

@@ -12,17 +12,17 @@ import small_catalogues as small
 from random_cases import FEW, Case, case, lamp, planted, solved
 from thorough import drawn
 
-from uwopt.api import load_catalog
+from uwopt.api.solving import load_catalog
 from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline
+from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
-from uwopt.problem import Problem
-from uwopt.solvers import exact as exact_search
-from uwopt.solvers.audit import audit
-from uwopt.solvers.certificate import certificate
-from uwopt.solvers.exact import Outcome, Search
-from uwopt.solvers.fields import FieldTables
-from uwopt.solvers.imagers import enumerate_imagers
+from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.audit import audit
+from uwopt.solvers.exact.certificate import certificate
+from uwopt.solvers.exact.imagers import enumerate_imagers
+from uwopt.solvers.exact.light_tables import FieldTables
+from uwopt.solvers.exact.search import Outcome, Search
 from uwopt.solvers.recommend import seek
 
 # ---------------------------------------------------------------- bounds and the audit

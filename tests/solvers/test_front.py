@@ -15,14 +15,14 @@ import pytest
 import random_cases as rc
 import small_catalogues as small
 
+from uwopt.forward.problem import Parts
 from uwopt.objectives.axes import Axes, Frame
+from uwopt.objectives.dominance import hypervolume, nondominated
 from uwopt.objectives.objective import Objective
-from uwopt.problem import Parts
-from uwopt.solvers import front as front_module
-from uwopt.solvers.dominance import hypervolume, nondominated
-from uwopt.solvers.front import FrontSearch, quality_of
-from uwopt.solvers.pymoo_front import population_front
-from uwopt.solvers.trade_curves import Trade
+from uwopt.solvers.front import search as front_module
+from uwopt.solvers.front.search import FrontSearch, quality_of
+from uwopt.solvers.front.trade_curves import Trade
+from uwopt.solvers.population.pymoo_front import population_front
 
 #: One scene and two, steps, flashes, mean levels, and physics paper; all have designs.
 SEEDS = tuple(range(60)) if rc.THOROUGH else (3, 7, 24)

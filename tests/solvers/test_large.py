@@ -11,13 +11,13 @@ from thorough import drawn
 
 from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline
-from uwopt.solvers import bounds, large, outline
-from uwopt.solvers import exact as exact_search
-from uwopt.solvers.audit import audit
-from uwopt.solvers.bounds import Corner
-from uwopt.solvers.exact import Outcome, Search
-from uwopt.solvers.imagers import enumerate_imagers
-from uwopt.solvers.outline import Level, Rows, port_tree
+from uwopt.solvers.exact import bounds, large, outline
+from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.audit import audit
+from uwopt.solvers.exact.bounds import Corner
+from uwopt.solvers.exact.imagers import enumerate_imagers
+from uwopt.solvers.exact.outline import Level, Rows, port_tree
+from uwopt.solvers.exact.search import Outcome, Search
 
 
 @pytest.fixture(autouse=True)

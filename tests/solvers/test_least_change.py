@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
-from uwopt.api import load_catalog
+from uwopt.api.solving import load_catalog
 from uwopt.catalog.catalogue import Catalog
-from uwopt.mission import Mission, load_mission
+from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.certificate import certificate
-from uwopt.solvers.infeasible import explain
-from uwopt.solvers.least_change import rounded_away
+from uwopt.solvers.exact.certificate import certificate
+from uwopt.solvers.explain.infeasible import explain
+from uwopt.solvers.explain.least_change import rounded_away
 from uwopt.solvers.recommend import seek
 
 POWER = Objective.of("power")

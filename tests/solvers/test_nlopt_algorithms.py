@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from hand_made_rows import FLASHES, STEPS, scene
 
-from uwopt.hardware import CONTINUOUS, PULSED
+from uwopt.forward.part_columns import CONTINUOUS, PULSED
+from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.rows import SceneRows
-from uwopt.solvers.continuous import ALGORITHMS, FEASIBLE, ContinuousResult, solve_settings
-from uwopt.solvers.goals import best_settings
-from uwopt.solvers.pieces import Scene, pieces_of
-from uwopt.solvers.program import Program
-from uwopt.solvers.reduced import Reduced
+from uwopt.solvers.continuous.pieces import Scene, pieces_of
+from uwopt.solvers.continuous.program import Program
+from uwopt.solvers.continuous.reduced import Reduced
+from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, ContinuousResult, solve_settings
+from uwopt.solvers.settings.best import best_settings
 
 AGREE = 1e-4
 CAMERA_W, COST, MASS_KG, GSD_MM = 3.0, 5.0, 1.0, 2.0

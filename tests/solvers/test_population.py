@@ -8,10 +8,10 @@ import pytest
 import random_cases as rc
 
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.population import Coding, layers, resolved_axes
-from uwopt.solvers.population_eval import Evaluator
-from uwopt.solvers.population_light import LightStore
-from uwopt.solvers.population_settings import between, log_excess
+from uwopt.solvers.population.coding import Coding, layers, resolved_axes
+from uwopt.solvers.population.decoding import between, log_excess
+from uwopt.solvers.population.evaluator import Evaluator
+from uwopt.solvers.population.light_store import LightStore
 
 TRIPLE = ("power", "cost", "snr_db")
 

@@ -10,8 +10,15 @@ import pytest
 from one_of_each import one, with_parts
 
 from uwopt.catalog.records import Quantity
+from uwopt.solvers.explain.robustness import (
+    assumptions,
+    at_end,
+    doubtful,
+    mixed_problem,
+    parts_of,
+    robustness,
+)
 from uwopt.solvers.recommend import Sought
-from uwopt.solvers.robustness import assumptions, at_end, doubtful, mixed_problem, parts_of, robustness
 
 FAST = {"max_blur_px": 1.0, "min_snr_db": 26.0}
 

@@ -18,15 +18,15 @@ from thorough import drawn
 import uwopt
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.records import exact
-from uwopt.design_model import DesignModel, design_model
-from uwopt.figures import SettingRows
-from uwopt.problem import Parts
-from uwopt.report.console import print_blocks
-from uwopt.report.tables import result_blocks
+from uwopt.evaluation.design_model import DesignModel, design_model
+from uwopt.forward.figures import SettingRows
+from uwopt.forward.problem import Parts
+from uwopt.report.text.console import print_blocks
+from uwopt.report.text.tables import result_blocks
 from uwopt.solvers.recommend import hardware_of
-from uwopt.solvers.rounding import exact_settings, rounded_design
-from uwopt.solvers.settable import focus_distances_m, rates_hz, stops, time_steps
-from uwopt.solvers.settable_scene import LEVEL_TOLERANCE_REL
+from uwopt.solvers.settable.rounding import exact_settings, rounded_design
+from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL
+from uwopt.solvers.settable.steps import focus_distances_m, rates_hz, stops, time_steps
 
 # Lamps that burn, pulse, flash; by steps or freely; one scene or two; full, auto, paper; every kind of requirement.
 HOLDING = (4, 5, 12, 14, 23, 40, 46, 54, 62)
@@ -197,7 +197,7 @@ def unsettable() -> uwopt.Result:
     """The result of a mission whose optimum cannot be set."""
     case = between_two_microseconds()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("uwopt.api.load_catalog", lambda mission=None: Catalog(*sc.parts_of(case.parts)))
+        patch.setattr("uwopt.api.solving.load_catalog", lambda mission=None: Catalog(*sc.parts_of(case.parts)))
         return uwopt.solve(case.mission)
 
 

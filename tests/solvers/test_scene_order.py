@@ -12,7 +12,7 @@ import random_cases as cases
 import small_catalogues as small
 
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.ranking import Found
+from uwopt.solvers.exact.ranking import Found
 
 FAST = (10, 20, 33)
 SEEDS = range(40) if cases.THOROUGH else FAST

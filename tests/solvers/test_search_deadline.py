@@ -10,9 +10,9 @@ from random_cases import THOROUGH, case
 
 from uwopt.deadline import Deadline
 from uwopt.objectives.axes import Axes
-from uwopt.solvers import exact as exact_search
-from uwopt.solvers.exact import Outcome
-from uwopt.solvers.front import FrontSearch
+from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.search import Outcome
+from uwopt.solvers.front.search import FrontSearch
 
 SEEDS = range(40) if THOROUGH else (1, 3)  # the fast ones
 READINGS = range(0, 60) if THOROUGH else (0, 1, 2, 3, 5, 9, 17)

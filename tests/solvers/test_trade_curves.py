@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from uwopt.objectives.axes import Axes
-from uwopt.solvers.front import FrontSearch
-from uwopt.solvers.trade_curves import Answers, Curves, Hopeful
+from uwopt.solvers.front.search import FrontSearch
+from uwopt.solvers.front.trade_curves import Answers, Curves, Hopeful
 
 KEYS = (
     "dims", "steps", "on", "pulses", "pulses on", "flash", "flash rolling", "dark", "level",

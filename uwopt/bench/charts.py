@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from uwopt.bench.suite import Row, Suite
-from uwopt.report.plots import BLUE, DASHES, GREEN, GREY, PURPLE, VERMILLION, axis, layout, numbers
+from uwopt.report.pictures.plots import BLUE, DASHES, GREEN, GREY, PURPLE, VERMILLION, axis, layout, numbers
 
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, "#e69f00", "#56b4e9", GREY)
 SYMBOLS = ("circle", "square", "diamond", "cross", "triangle-up", "x", "star")

@@ -11,24 +11,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.api import load_catalog, prepared
+from uwopt.api.solving import load_catalog, prepared
 from uwopt.bench.suite import Budget
 from uwopt.catalog.choose import Selection
 from uwopt.deadline import Deadline
-from uwopt.design_model import Hardware, design_model
-from uwopt.evaluation import evaluate_design
-from uwopt.mission import Mission
+from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.design_model import Hardware, design_model
+from uwopt.forward.problem import Problem
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import MAXIMISED, Objective, Terms
-from uwopt.problem import Problem
-from uwopt.rows import SceneRows
-from uwopt.solvers.exact import Outcome, Search, snr_ceiling
-from uwopt.solvers.imagers import limit
-from uwopt.solvers.population import Built, Coding, cost_of, mass_kg_of
-from uwopt.solvers.population_eval import Evaluator, lacking_without_veils, scene_rows
-from uwopt.solvers.population_light import LightStore
-from uwopt.solvers.population_settings import shortfall
+from uwopt.solvers.exact.imagers import limit
+from uwopt.solvers.exact.search import Outcome, Search, snr_ceiling
+from uwopt.solvers.population.coding import Built, Coding, cost_of, mass_kg_of
+from uwopt.solvers.population.decoding import shortfall
+from uwopt.solvers.population.evaluator import Evaluator, lacking_without_veils, scene_rows
+from uwopt.solvers.population.light_store import LightStore
 from uwopt.solvers.recommend import build_problem, hardware_of, selected
-from uwopt.solvers.rounding import exact_settings
+from uwopt.solvers.settable.rounding import exact_settings
 
 Array = NDArray[Any]
 REACHED = 1e-6  # a gap at which nothing is left to see: the run is ended
@@ -46,7 +46,7 @@ def mission_of(source: str | None) -> Mission:
         return prepared(source, None, None)
     import yaml
 
-    from uwopt.templates import mission_template
+    from uwopt.mission.templates import mission_template
 
     return prepared(yaml.safe_load(mission_template()), None, None)
 

@@ -11,18 +11,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.api import load_catalog, prepared
+from uwopt.api.solving import load_catalog, prepared
 from uwopt.bench.contest import at_most, mission_of, sources_of
 from uwopt.bench.suite import Budget, Row, Suite, Table
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
-from uwopt.mission import Mission
+from uwopt.forward.problem import Problem
+from uwopt.mission.mission import Mission
 from uwopt.objectives.axes import Axes
+from uwopt.objectives.dominance import hypervolume
 from uwopt.objectives.objective import Objective
-from uwopt.problem import Problem
-from uwopt.solvers.dominance import hypervolume
-from uwopt.solvers.exact import Search
-from uwopt.solvers.front import Front, FrontSearch
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.front.search import Front, FrontSearch
 from uwopt.solvers.recommend import Generic, build_problem, selected
 
 Array = NDArray[Any]
@@ -110,7 +110,7 @@ def run_population(
     case: str, mission: Mission, generic: Generic, front: Front, algorithm: str, seed: int, seconds: float
 ) -> list[Row]:
     """One algorithm with one seed, from tables built to the end of its time."""
-    from uwopt.solvers.pymoo_front import population_front
+    from uwopt.solvers.population.pymoo_front import population_front
 
     problem = problem_of(mission, generic)
     start = time.perf_counter()
@@ -131,7 +131,7 @@ def run_population(
 
 def measure(budget: Budget, algorithms: Sequence[str] | None = None) -> Iterator[Row]:
     """Every mission: the exact front, then every algorithm with every seed, as long as there is time."""
-    from uwopt.solvers.pymoo_front import ALGORITHMS, create
+    from uwopt.solvers.population.pymoo_front import ALGORITHMS, create
 
     names = list(algorithms or (QUICK_ALGORITHMS if budget.quick else ALGORITHMS))
     for name in names:  # pymoo imports each when it is first made, which no clock should see

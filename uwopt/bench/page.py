@@ -12,9 +12,9 @@ from typing import Any
 from uwopt.bench.charts import charts
 from uwopt.bench.run import MODULES, Bench
 from uwopt.bench.suite import COLUMNS, Suite, Table
-from uwopt.report import words
-from uwopt.report.html_file import compact_json, packed, rendered
-from uwopt.report.layout import Block, Grid, Text, block, columns, sentence
+from uwopt.report.page.html_file import compact_json, packed, rendered
+from uwopt.report.text import words
+from uwopt.report.text.layout import Block, Grid, Text, block, columns, sentence
 from uwopt.report.write import check_folder, defused, made_folder, write_files
 
 PAGE, DATA = "bench.html", "bench.json"

@@ -23,13 +23,13 @@ from uwopt.bench.contest import (
 )
 from uwopt.bench.suite import Budget, Row, Suite, Table
 from uwopt.errors import UwoptError
+from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
-from uwopt.problem import Problem
-from uwopt.solvers.continuous import ALGORITHMS, FEASIBLE, Method, solve_settings
-from uwopt.solvers.exact import Search
-from uwopt.solvers.imagers import Imagers
-from uwopt.solvers.opinions import why_not_smooth
-from uwopt.solvers.ranking import Ranking
+from uwopt.solvers.continuous.opinions import why_not_smooth
+from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, Method, solve_settings
+from uwopt.solvers.exact.imagers import Imagers
+from uwopt.solvers.exact.ranking import Ranking
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.recommend import hardware_of
 
 Array = NDArray[Any]
@@ -141,8 +141,8 @@ def numbers(row: Any, f_number: float, time_s: float, level: float, gain: float)
 def bonmin(referee: Referee, seed: int) -> None:
     """Bonmin over a few hardware at a time, in the same order as the continuous solvers."""
     smooth_or_raise(referee)
-    from uwopt.solvers.casadi_ipopt import solve_mixed
-    from uwopt.solvers.mixed import Candidate, MixedProgram
+    from uwopt.solvers.continuous.casadi_ipopt import solve_mixed
+    from uwopt.solvers.continuous.mixed import Candidate, MixedProgram
 
     ground = LoopGround(referee)
     for built, rows in ground.batches(np.random.default_rng(seed)):
@@ -176,7 +176,7 @@ def smooth_or_raise(referee: Referee) -> None:
 
 def genetic(referee: Referee, seed: int) -> None:
     """pymoo's genetic algorithm."""
-    from uwopt.solvers import pymoo_single
+    from uwopt.solvers.population import pymoo_single
 
     ground = VectorGround(referee)
     if not ground.coding.empty:
@@ -228,11 +228,9 @@ PEERS: dict[str, Callable[[Referee, int], None]] = {
 
 def load_libraries() -> None:
     """Import what the peers need before any clock starts."""
-    for name in (
-        "scipy.optimize",
-        *(f"uwopt.solvers.{n}" for n in ("casadi_ipopt", "nlopt_solvers", "pymoo_single")),
-    ):
-        import_module(name)
+    for name in ("continuous.casadi_ipopt", "continuous.nlopt_algorithms", "population.pymoo_single"):
+        import_module(f"uwopt.solvers.{name}")
+    import_module("scipy.optimize")
 
 
 # ---------------------------------------------------------------- runs as rows

@@ -8,16 +8,16 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from uwopt.accuracy import FINEST, is_number, relative_change
 from uwopt.bench.suite import Budget, Row, Suite, Table, error_text, timed
-from uwopt.design_model import Hardware, SceneSettings, design_model
-from uwopt.effects import effects_kept
-from uwopt.evaluation import evaluate_design
-from uwopt.mission import Mission
+from uwopt.evaluation.accuracy import FINEST, is_number, relative_change
+from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.design_model import Hardware, SceneSettings, design_model
+from uwopt.forward.effects import effects_kept
+from uwopt.forward.problem import Parts, Problem
+from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
-from uwopt.problem import Parts, Problem
-from uwopt.result import Design
+from uwopt.results.result import Design
 
 NAME = "physics"
 COARSE, FINE = Fineness(*[0.5] * len(Fineness.names())), Fineness(*[2.0] * len(Fineness.names()))
@@ -55,10 +55,10 @@ class Subject:
 
 def subjects(missions: Sequence[str]) -> Iterator[Subject]:
     """The best system of each mission, found by the exact search in physics `full`."""
-    from uwopt.api import load_catalog, prepared
+    from uwopt.api.solving import load_catalog, prepared
+    from uwopt.mission.templates import mission_template
     from uwopt.solvers.recommend import hardware_of, seek
-    from uwopt.solvers.rounding import exact_settings
-    from uwopt.templates import mission_template
+    from uwopt.solvers.settable.rounding import exact_settings
 
     sources: list[Any] = [str(name) for name in missions]
     if not sources:
@@ -115,7 +115,7 @@ def worker(subject: Subject, method: str) -> Any:
         return lambda: subject.evaluated(subject.problem(physics, fineness))
 
     def by_auto() -> Design:
-        from uwopt.batch import influences_of
+        from uwopt.forward.batch import influences_of
 
         problem = subject.problem("full")
         goal = Objective.of(subject.mission.objective)

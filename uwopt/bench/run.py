@@ -11,8 +11,8 @@ from typing import Any
 
 from uwopt.bench.machine import machine
 from uwopt.bench.suite import Budget, Row, Suite
+from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError, UwoptError
-from uwopt.faults import nearest
 
 SCHEMA = "uwopt.bench/1"
 MODULES = {  # suite: module of `uwopt.bench`, imported when it is run
@@ -44,7 +44,7 @@ class Bench:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
-        from uwopt.result import plain
+        from uwopt.results.result import plain
 
         made: dict[str, Any] = plain({
             "schema": SCHEMA, "quick": self.quick, "seed": self.seed, "missions": list(self.missions),
@@ -67,7 +67,7 @@ def chosen_suites(names: Sequence[str]) -> list[Suite]:
 
 def mission_files(names: Sequence[str]) -> list[str]:
     """Missions by file, or all of a folder; each must be one that loads."""
-    from uwopt.mission import load_mission
+    from uwopt.mission.mission import load_mission
 
     files: list[str] = []
     for name in names:

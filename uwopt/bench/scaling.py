@@ -20,10 +20,10 @@ from typing import Any
 from uwopt.bench.scaling_parts import DEPTH_M, made_parts
 from uwopt.bench.suite import Budget, Row, Suite, Table
 from uwopt.deadline import NEVER, Deadline
-from uwopt.mission import Mission, load_mission
+from uwopt.forward.problem import Problem
+from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
-from uwopt.problem import Problem
-from uwopt.solvers.exact import Outcome, Search
+from uwopt.solvers.exact.search import Outcome, Search
 
 NAME = "scaling"
 QUICK_SIZES = (1e3, 1e4, 1e5, 1e6, 1e7)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from uwopt.bench import spectral_exact
 from uwopt.bench.spectral_exact import FIRST_NM, LAST_NM, QUICK_DEGREE, Entries, Tables
 from uwopt.bench.suite import Budget, Row, Suite, Table, error_text, least_size, timed
-from uwopt.scene import GRID_STEP_NM
+from uwopt.forward.scene import GRID_STEP_NM
 
 Array = NDArray[Any]
 
@@ -98,8 +98,8 @@ FULL_CASES = tuple(
 @lru_cache(maxsize=64)
 def scene_of(setting: Setting, altitude_m: float = 1.0) -> Any:
     """The product's scene on its own grid, physics full."""
-    from uwopt import api
-    from uwopt.scene import scene_optics
+    from uwopt.api import solving as api
+    from uwopt.forward.scene import scene_optics
 
     mission = api.prepared(
         {
@@ -118,7 +118,7 @@ def scene_of(setting: Setting, altitude_m: float = 1.0) -> Any:
 @cache
 def tables_of(setting: Setting) -> Tables:
     """The tables behind a setting, as they are published."""
-    from uwopt.catalog import spectra
+    from uwopt.catalog.curves import spectra
 
     profile = spectra.water_profile(setting.water, table=setting.water_table)  # type: ignore[arg-type]
     if profile.a_per_m is None or profile.b_per_m is None or profile.kd_per_m is None:
@@ -152,7 +152,7 @@ def entries(x: Any, y: Any) -> Entries:
 
 def lamp_of(lamp: str | Entries) -> Entries | float | None:
     """A lamp as `Tables` holds it: a formula where the model has one."""
-    from uwopt.catalog import spectra
+    from uwopt.catalog.curves import spectra
 
     if not isinstance(lamp, str):
         return lamp
@@ -276,9 +276,9 @@ def by_rule(case: Case, name: str, n: int) -> Callable[[Array, Array], Array]:
 def as_used(case: Case) -> tuple[Callable[[Array, Array], Array], int]:
     """Electrons of designs as a search computes them, and the nodes of the grid: `Contraction` and its table."""
     from uwopt.catalog.records import Curve
+    from uwopt.forward.optics import Contraction, LightOptics
     from uwopt.model.beam import disc_beam
     from uwopt.model.path_table import log_mean_transmission
-    from uwopt.optics import Contraction, LightOptics
 
     setting = case.setting
     scene = scene_of(setting, 0.9 * case.camera_m)

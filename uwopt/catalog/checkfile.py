@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Literal
 
 from uwopt.catalog.columns import COLUMNS
+from uwopt.catalog.curves.usercurves import check_curves, is_curve_table
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.records import KINDS
 from uwopt.catalog.tables import parse_table, read_text
-from uwopt.catalog.usercurves import check_curves, is_curve_table
 from uwopt.catalog.userparts import PriceQuote, check_parts, check_prices, is_price_table
 from uwopt.errors import CatalogError
 

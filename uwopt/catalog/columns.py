@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from uwopt.catalog.parts.cell import ANY, LARGEST, SMALLEST, Field, Form, Range, fields_of
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.parts.part import OPENING, Kind, Part
-from uwopt.faults import without_comma
+from uwopt.documents.faults import without_comma
 
 Cell = float | str | bool | tuple[str, ...] | None
 

@@ -24,8 +24,8 @@ from uwopt.catalog.parts.agreement import FAULTS
 from uwopt.catalog.parts.cell import ANY, OF_RECORD, Field, Inline, Range, beyond, fields_of
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.parts.part import Kind, Part
+from uwopt.documents.key_types import CHOICE, NUMBER, SMALLEST, WHOLE, Section, Text, Texts, at_least, refusal
 from uwopt.errors import CatalogError
-from uwopt.fields import CHOICE, NUMBER, SMALLEST, WHOLE, Section, Text, Texts, at_least, refusal
 
 MOST = 1e12  # of a number that nothing else bounds
 
@@ -153,7 +153,7 @@ def part_from_inline(
 
     Given numbers have status "user"; what is left out takes the defaults of this module's head.
     """
-    from uwopt.catalog.parts.readers import READERS  # needs NumPy, which loading a file does not
+    from uwopt.catalog.readers.readers import READERS  # needs NumPy, which loading a file does not
 
     part = _validated_part(kind, mapping)
     return READERS[kind].from_inline(_values(part), base_dir)

@@ -10,8 +10,8 @@ from typing import TypeVar
 
 from uwopt.catalog.catalogue import Catalog, Exclusion, plain_name, unknown_part
 from uwopt.catalog.parts.kinds import PARTS
-from uwopt.catalog.parts.readers import READERS
-from uwopt.catalog.parts.reading import Built, Origin
+from uwopt.catalog.readers.readers import READERS
+from uwopt.catalog.readers.reading import Built, Origin
 from uwopt.catalog.records import KINDS, Camera, Kind, Lens, Light, Part, Port, Quantity
 from uwopt.catalog.tables import DATA_DIR, read_table
 from uwopt.catalog.userparts import PartRow, PriceQuote, read_parts, read_prices, typed_rows

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from uwopt.documents.faults import show
+from uwopt.documents.files import UnfitFileError, content
 from uwopt.errors import CatalogError
-from uwopt.faults import show
-from uwopt.files import UnfitFileError, content
 
 DATA_DIR = Path(__file__).parent / "data"
 

@@ -16,8 +16,8 @@ from uwopt.catalog.parts.cell import FROM_ZERO, beyond
 from uwopt.catalog.parts.kinds import ORDERED_PAIRS
 from uwopt.catalog.parts.part import KINDS, Kind
 from uwopt.catalog.tables import Row, Table, parse_table, read_text
+from uwopt.documents.files import MOST_BYTES
 from uwopt.errors import CatalogError
-from uwopt.files import MOST_BYTES
 
 if TYPE_CHECKING:
     import yaml

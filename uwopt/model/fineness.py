@@ -1,6 +1,6 @@
 """How finely a model takes its integrals, part by part: 1 is the default, 2 halves steps and doubles nodes.
 
-The error of a figure is what changes when a part is taken more finely (`uwopt.accuracy`). Where an integral
+The error of a figure is what changes when a part is taken more finely (`uwopt.evaluation.accuracy`). Where an integral
 chooses its order by itself, fineness asks more of that choice.
 """
 

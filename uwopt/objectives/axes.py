@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError
-from uwopt.faults import nearest
 from uwopt.objectives.objective import MAXIMISED, UNITS, Objective, Terms
 
 Array = NDArray[Any]

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from uwopt.errors import OutputError
-from uwopt.front_result import FrontResult
-from uwopt.result import Result
+from uwopt.results.front import FrontResult
+from uwopt.results.result import Result
 
 RESULT_FILE, BOM_FILE, PAGE_FILE = "result.json", "bom.csv", "report.html"
 FRONT_FILE, FRONT_TABLE = "front.json", "front.csv"
@@ -58,7 +58,7 @@ def write_page(result: Result | FrontResult, file: str | Path) -> Path:
 
 def page_text(result: Result | FrontResult) -> str:
     """The page of a result; the template engine is loaded only when a page is made."""
-    from uwopt.report.page import report_html
+    from uwopt.report.page.page import report_html
 
     return report_html(result)
 

@@ -18,20 +18,20 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, matches, select
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.deadline import NEVER, Deadline
-from uwopt.design_model import Hardware, design_model
 from uwopt.errors import MissionError, SolverError
-from uwopt.evaluation import evaluate_design
-from uwopt.mission import Mission
+from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.design_model import Hardware, design_model
+from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
-from uwopt.problem import Parts, Problem
-from uwopt.result import NOT_SETTABLE, Design
-from uwopt.rows import SceneRows
-from uwopt.solvers.certificate import select_problem_mission
-from uwopt.solvers.exact import Outcome, Search
-from uwopt.solvers.ranking import Found
-from uwopt.solvers.rounding import exact_settings, rounded_design
-from uwopt.solvers.settable import printed
+from uwopt.results.result import NOT_SETTABLE, Design
+from uwopt.solvers.exact.certificate import select_problem_mission
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.search import Outcome, Search
+from uwopt.solvers.settable.rounding import exact_settings, rounded_design
+from uwopt.solvers.settable.steps import printed
 
 Progress = Callable[[float, str], None]
 Generic = Literal["fallback", "allow", "never"]

@@ -25,7 +25,7 @@ from uwopt.catalog.parts.cell import (
 )
 from uwopt.catalog.parts.part import FORMAT, MOUNTS, Part, PartKind
 from uwopt.catalog.parts.quantity import Curve, Known, Status
-from uwopt.fields import refusal, to_number, to_text
+from uwopt.documents.key_types import refusal, to_number, to_text
 
 MAX_GAIN_DB = 48.0  # of an inline camera that does not say
 PIXELS = Range(1.0, 1e5)

@@ -22,7 +22,7 @@ from uwopt.catalog.parts.cell import (
 )
 from uwopt.catalog.parts.part import Part, PartKind, shown, shown_depth
 from uwopt.catalog.parts.quantity import Curve, Known, Status
-from uwopt.fields import NUMBER
+from uwopt.documents.key_types import NUMBER
 
 LightKind = Literal["continuous", "pulsed_led", "flash"]
 Beam = Literal["disc", "cone", "cosine-power", "tabulated"]

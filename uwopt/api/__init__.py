@@ -1,0 +1,1 @@
+"""The public functions: arguments are checked, rooms are called, results are put together."""

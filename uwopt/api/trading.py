@@ -1,0 +1,546 @@
+"""The third thing uwopt does: the trade-off between two or three objectives."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.api import solving as api
+from uwopt.api.floats import own_float_rules
+from uwopt.catalog.catalogue import Catalog
+from uwopt.deadline import Deadline
+from uwopt.documents.faults import nearest
+from uwopt.errors import MissionError, SolverError
+from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.design_model import design_model
+from uwopt.forward.batch import influences_of
+from uwopt.forward.problem import Problem
+from uwopt.mission.mission import Mission
+from uwopt.objectives.axes import DEFAULT, FEWEST, MOST, Axes, Frame, plain_names
+from uwopt.objectives.dominance import hypervolume, igd_plus, nondominated
+from uwopt.objectives.objective import Objective
+from uwopt.objectives.own import OwnFunction, OwnObjective
+from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint, FrontResult
+from uwopt.results.result import Design, Result
+from uwopt.solvers import recommend
+from uwopt.solvers.exact.certificate import accounted, scope
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain.robustness import assumptions
+from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of, values_of
+from uwopt.solvers.front.search import Front, FrontSearch, quality_of
+from uwopt.solvers.settable.rounding import exact_settings
+
+Array = NDArray[Any]
+Progress = Callable[[float, str], None]
+EXACT, PEER = "exact", "nsga2"
+EXACT_S = 120.0  # for the exact front, unless the call says otherwise
+PEER_S, PEER_ALONE_S = 10.0, 30.0  # for a population solver, beside the exact front and without it
+AGREES_REL = 1e-6
+VEILED_REL = 1e-4  # veils are integrated for many images at once and for one, on grids that differ
+VEILED = ("contrast", "information", "snr_db")
+
+
+@dataclass
+class Sought:
+    """One problem with the fronts found in it."""
+
+    selection: Any
+    problem: Problem
+    search: Search
+    front: Front | None
+    peers: list[Any]  # PopulationFront
+    cut: str = ""  # the population solver that was interrupted
+
+
+@own_float_rules
+def pareto(
+    mission: api.Source | Mission,
+    *,
+    objectives: Sequence[str | OwnObjective | OwnFunction] = DEFAULT,
+    solver: str | Sequence[str] = (EXACT, PEER),
+    physics: str | None = None,
+    seconds: float | None = None,
+    seed: int | None = None,
+    alternatives: bool = False,
+    progress: Progress | None = None,
+) -> FrontResult:
+    """The designs of which none is better than another in every objective.
+
+    Parameters
+    ----------
+    mission : file name, mapping or Mission
+    objectives : two or three of power, cost, mass, snr_db, gsd_mm, contrast, information; or functions of your
+        own (see `objectives.own.OwnObjective`), which population solvers alone can search
+    solver : exact, and names of pymoo's algorithms such as nsga2 or nsga3, one or several
+    seconds : for all of it, shared by the solvers; unless told the exact search stops after 120 s, population
+        solvers after 10 s each, or 30 s where there is no exact front
+    seed : of the population solvers; the mission's unless given
+    alternatives : also say why systems of other makers are not on the front
+    """
+    start, deadline = time.perf_counter(), Deadline.after(seconds)
+    wanted = api.prepared(mission, physics, None)
+    names, own = split(objectives)
+    solvers = checked_solvers(solver, own)
+    axes = Axes.of(names) if not own else None
+    check_numbers(seconds, seed)
+    for name in names:  # requirements that one objective alone needs, such as information a footprint
+        if name in ("information", "contrast"):
+            api.prepared(wanted, None, name)
+    timing: dict[str, float] = {}
+    with recommend.timed(timing, "catalogue"):
+        catalog = api.load_catalog(wanted)
+    policy: recommend.Generic = "allow" if wanted.catalog.generic == "allow" else "never"
+    run = Run(
+        wanted, catalog, objectives, axes, solvers, deadline, wanted.seed if seed is None else seed, progress
+    )
+    sought = run.sought(policy, timing)
+    if wanted.catalog.generic == "fallback" and run.is_empty(sought):
+        sought = run.sought("allow", timing)
+    result = run.result(sought, timing)
+    if alternatives and result.points and axes is not None and not sought.cut:
+        from uwopt.solvers.explain.alternatives import beside_front
+
+        with recommend.timed(timing, "alternatives"):
+            told = beside_front(sought.selection, sought.search, axes, result, deadline)
+        result = replace(result, alternatives=told)
+    timing["total"] = time.perf_counter() - start
+    return replace(result, timing_s=timing, warnings=[*result.warnings, *api.time_warnings(deadline)])
+
+
+def split(
+    objectives: Sequence[str | OwnObjective | OwnFunction],
+) -> tuple[list[str], list[OwnObjective]]:
+    """Names of built-in objectives, and those of the user's own; a MissionError says what is wrong."""
+    if isinstance(objectives, str):
+        objectives = [name for name in objectives.split(",") if name.strip()]
+    names = [item for item in objectives if isinstance(item, str)]
+    own = [OwnObjective.of(item) for item in objectives if not isinstance(item, str)]
+    if own and not FEWEST <= len(names) + len(own) <= MOST:
+        raise MissionError(f"objectives: {len(names) + len(own)} are named; a front has two or three.")
+    return (plain_names(names) if own else list(Axes.of(names).names)), own
+
+
+def check_numbers(seconds: float | None, seed: int | None) -> None:
+    """Time above 0, a seed of 0 or more."""
+    faults = []
+    if seconds is not None and not seconds > 0:
+        faults.append(
+            f"seconds = {seconds} is no time to search in; give more than 0, or none for the usual time."
+        )
+    if seed is not None and seed < 0:
+        faults.append(f"seed = {seed} is below 0; seeds are whole numbers from 0.")
+    if faults:
+        raise MissionError(faults)
+
+
+def checked_solvers(solver: str | Sequence[str], own: Sequence[OwnObjective]) -> list[str]:
+    """Solvers by name, once each; with own objectives no exact one."""
+    from uwopt.solvers.population.pymoo_front import ALGORITHMS
+
+    asked = solver.split(",") if isinstance(solver, str) else list(solver)
+    plain = list(dict.fromkeys(name.strip().casefold().replace("-", "") for name in asked if name.strip()))
+    known = {name.replace("-", ""): name for name in (EXACT, *ALGORITHMS)}
+    faults = []
+    for name in plain:
+        if name not in known:
+            near = nearest(name, known)
+            hint = f"did you mean {known[near]}?" if near else f"there are {', '.join(known.values())}."
+            faults.append(f"solver {name!r} is not known; {hint}")
+    if faults or not plain:
+        raise MissionError(faults or [f"solver: none is named; there are {', '.join(known.values())}."])
+    found = [known[name] for name in plain]
+    if own and EXACT in found:
+        found.remove(EXACT)
+        found = found or [PEER]
+    return found
+
+
+class Run:
+    """One call of `pareto`."""
+
+    def __init__(
+        self, mission: Mission, catalog: Catalog, objectives: Sequence[Any], axes: Axes | None, solvers: list[str],
+        deadline: Deadline, seed: int, progress: Progress | None,
+    ):  # fmt: skip
+        self.mission, self.catalog, self.axes, self.solvers = mission, catalog, axes, solvers
+        self.objectives: list[str | OwnObjective] = (
+            [
+                plain_names([item])[0] if isinstance(item, str) else OwnObjective.of(item)
+                for item in objectives
+            ]
+            if axes is None
+            else list(axes.names)
+        )
+        self.deadline, self.seed, self.left_out = deadline, seed, ""
+        self.progress = progress or (lambda share, what: None)
+
+    @property
+    def builtin(self) -> Objective:
+        """The built-in axes with weight 1; power where there is none."""
+        names = [item for item in self.objectives if isinstance(item, str)]
+        return Objective(dict.fromkeys(names or ["power"], 1.0))
+
+    def sought(self, generic: recommend.Generic, timing: dict[str, float]) -> Sought:
+        """Select, tabulate, search with every solver."""
+        with recommend.timed(timing, "tables"):
+            selection = recommend.selected(self.mission, self.catalog, generic=generic)
+            problem = recommend.build_problem(self.mission, selection)
+        front, search = None, None
+        self.left_out = why_no_exact(problem, self.axes)
+        solvers = list(self.solvers)
+        if self.left_out and len(solvers) > 1 and EXACT in solvers:
+            solvers.remove(EXACT)
+        else:
+            self.left_out = ""
+        if EXACT in solvers and self.axes is not None:
+            with recommend.timed(timing, EXACT):
+                made = FrontSearch(
+                    problem, self.axes, deadline=self.turn(len(solvers), EXACT_S),
+                    progress=lambda share, what: self.progress(0.5 * share, what),
+                )  # fmt: skip
+                front = made.run()
+            search = made.search
+        peers: list[Any] = []
+        if search is None:
+            search = Search(problem, self.builtin, top=1)
+            with recommend.timed(timing, "tables"):
+                search.prepare()
+        halted = front is not None and (front.interrupted or not len(front.values))
+        waiting = [] if halted else [name for name in solvers if name != EXACT]
+        cut = ""
+        for place, name in enumerate(waiting):
+            turn = self.turn(len(waiting) - place, PEER_ALONE_S if front is None else PEER_S)
+            with recommend.timed(timing, name):
+                try:
+                    peers += self.deadline.within(name, lambda: [self.peer(search, name, turn)], [])  # noqa: B023
+                except KeyboardInterrupt:  # what others found is kept
+                    if front is None and not peers:
+                        raise
+                    cut = name
+            if cut or (peers and peers[-1].status == "interrupted"):
+                cut = name  # who interrupts does not want the next solver
+                break
+        return Sought(selection, problem, search, front, peers, cut)
+
+    def turn(self, n_waiting: int, usual_s: float) -> Deadline:
+        """One solver's time: an even share of what is left for those that wait, or the usual time."""
+        return self.deadline.at_most(self.deadline.left_s / n_waiting if self.limited else usual_s)
+
+    @property
+    def limited(self) -> bool:
+        """Whether the call set a time."""
+        return math.isfinite(self.deadline.end_s)
+
+    def peer(self, search: Search, name: str, turn: Deadline) -> Any:
+        """A front by a population solver."""
+        from uwopt.solvers.population.pymoo_front import population_front
+
+        return population_front(
+            search, self.objectives, algorithm=name, seed=self.seed,
+            seconds=turn.left_s,
+            progress=lambda share, what: self.progress(0.5 + 0.4 * share, f"{name}: {what}"),
+        )  # fmt: skip
+
+    @staticmethod
+    def is_empty(sought: Sought) -> bool:
+        """Whether nothing was found, and time was left to look."""
+        if sought.front is not None:
+            return sought.front.complete and len(sought.front.values) == 0
+        return all(len(peer.values) == 0 and peer.status == "complete" for peer in sought.peers)
+
+    # ------------------------------------------------------------ result
+
+    def result(self, sought: Sought, timing: dict[str, float]) -> FrontResult:
+        """Everything found, as a result."""
+        base = api.base_result("pareto", self.mission, self.builtin, sought.problem)
+        front = sought.front
+        status = status_of(sought, limited=self.limited)
+        made = FrontResult(
+            status=status, mission=base.mission, physics=base.physics, objectives=self.axes_of_result(),
+            uwopt_version=base.uwopt_version, seed=self.seed, versions=base.versions, mission_file=base.mission_file,
+            warnings=api.selection_warnings(sought.selection),
+        )  # fmt: skip
+        if front is not None:
+            made = replace(made, certificate=self.certificate(sought, front))
+        values, founds, method = self.shown(sought)
+        if len(values) == 0:
+            return self.without_points(made, sought)
+        frame = self.frame(sought)
+        with recommend.timed(timing, "evaluation"):
+            points = self.points(sought, values, founds, method)
+        picks = picks_of(points, made.objectives, frame)
+        places = {point.id: founds[n] for n, point in enumerate(points)}
+        named = {pick.point: places[pick.point] for pick in picks}
+        with recommend.timed(timing, "evaluation"):
+            points = [self.rounded(sought, p, named[p.id]) if p.id in named else p for p in points]
+        first = places[picks[-1].point]
+        return replace(
+            made, points=points, picks=picks, methods=self.methods(sought, frame), peers=self.peers_of_result(sought),
+            reference=reference(made.objectives, frame), assumptions=self.assumed(sought, list(named.values())),
+            physics={**base.physics, "effects": self.effects(sought, first)},
+            warnings=[*made.warnings, *self.warned(sought)],
+        )  # fmt: skip
+
+    def axes_of_result(self) -> list[FrontObjective]:
+        """The objectives as a result names them."""
+        currency = self.mission.limits.currency
+        out = []
+        for item in self.objectives:
+            if isinstance(item, str):
+                out += objectives_of(Axes((item,)), currency)
+            else:
+                out.append(FrontObjective(item.name, item.direction, item.unit, own=True))
+        return out
+
+    def frame(self, sought: Sought) -> Frame:
+        """The box that fronts are compared in: the exact front's where there is one."""
+        if sought.front is not None and sought.front.frame is not None:
+            return sought.front.frame
+        values = np.concatenate([peer.values for peer in sought.peers])
+        front = values[nondominated(values)]
+        known = self.axes or Axes(tuple(item if isinstance(item, str) else "own" for item in self.objectives))
+        return Frame.of(known, front)
+
+    def shown(self, sought: Sought) -> tuple[Array, list[Found], list[str]]:
+        """Values, designs and solver of the points to show, along the first objective."""
+        front = sought.front
+        if front is not None and front.frame is not None:
+            places = few(front.values, front.frame)
+            return (
+                front.values[places],
+                [found_of(sought.search, front, int(i)) for i in places],
+                [EXACT] * len(places),
+            )
+        rows = [(peer, n) for peer in sought.peers for n in range(len(peer.values))]
+        if not rows:
+            return np.empty((0, len(self.objectives))), [], []
+        values = np.array([peer.values[n] for peer, n in rows])
+        kept = np.nonzero(nondominated(values))[0]
+        places = kept[few(values[kept], self.frame(sought))]
+        picked = [rows[int(i)] for i in places]
+        return values[places], [peer.found[n] for peer, n in picked], [peer.algorithm for peer, _ in picked]
+
+    def points(
+        self, sought: Sought, values: Array, founds: list[Found], methods: list[str]
+    ) -> list[FrontPoint]:
+        """Designs evaluated again through the forward model; what it does not bear out is a defect."""
+        objectives = self.axes_of_result()
+        signs = np.array([-1.0 if o.direction == "maximise" else 1.0 for o in objectives])
+        curves: dict[Any, str] = {}
+        points = []
+        for n, found in enumerate(founds):
+            self.progress(0.9 + 0.1 * n / len(founds), "figures of the front")
+            hardware = recommend.hardware_of(found)
+            design = self.evaluated(sought.problem, found)
+            claimed = {o.name: float(v) for o, v in zip(objectives, values[n] * signs, strict=True)}
+            reported = {**claimed, **values_of(design, objectives)}
+            check_claim(claimed, reported, design)
+            curve = curves.setdefault(hardware, f"c{len(curves) + 1}")
+            points.append(FrontPoint(f"p{n + 1}", reported, curve, methods[n], design))
+        return points
+
+    @staticmethod
+    def evaluated(problem: Problem, found: Found) -> Design:
+        """One design's figures and margins."""
+        hardware = recommend.hardware_of(found)
+        model = design_model(problem, hardware)
+        given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
+        design = evaluate_design(problem, hardware, given, Objective({"power": 1.0}))
+        notes = [*recommend.part_warnings(problem, hardware), *design.warnings]
+        return replace(design, objective_value=None, warnings=notes)
+
+    def rounded(self, sought: Sought, point: FrontPoint, found: Found) -> FrontPoint:
+        """A point with the settings that a person can set, near its own: that is the trade-off it stands for."""
+        return replace(point, design=recommend.with_rounded(sought.problem, found, point.design, None))
+
+    def certificate(self, sought: Sought, front: Front) -> dict[str, Any]:
+        """What the exact front proves, and where every combination went."""
+        by_rule = {rule: count for rule, count in front.account.items() if rule != "evaluated"}
+        gap = front.hypervolume_bound - front.hypervolume
+        known = front.frame is not None or front.complete  # without a point there is no box to measure in
+        return {
+            "complete": front.complete,
+            "scope": scope(sought.selection, sought.problem),
+            "hypervolume": front.hypervolume,
+            "hypervolume_bound": front.hypervolume_bound if known else None,
+            "gap_rel": gap / front.hypervolume_bound if front.hypervolume_bound > 0 else None,
+            "points_found": len(front.values),
+            **accounted(sought.selection, sought.problem, front.account["evaluated"], by_rule),
+        }
+
+    def methods(self, sought: Sought, frame: Frame) -> list[FrontMethod]:
+        """How each solver did, in one frame."""
+        front, out = sought.front, []
+        whole = None
+        if front is not None and front.frame is not None:
+            whole = front.hypervolume
+            out.append(
+                FrontMethod(
+                    EXACT, front_status(front), front.seconds, len(front.values), whole, 1.0 if whole else None, 0.0,
+                    front.account["evaluated"], None, history(front.history, frame), front.hypervolume_bound,
+                )
+            )  # fmt: skip
+        for peer in sought.peers:
+            volume = hypervolume(peer.values, frame)
+            distance = None if front is None else igd_plus(peer.values, front.values, frame)
+            out.append(
+                FrontMethod(
+                    peer.algorithm, peer.status, peer.seconds, len(peer.values), volume,
+                    volume / whole if whole else None, distance, peer.evaluations, peer.seed,
+                    history(peer.history, frame),
+                )
+            )  # fmt: skip
+        return out
+
+    def peers_of_result(self, sought: Sought) -> list[dict[str, Any]]:
+        """Points of the population solvers beside an exact front."""
+        if sought.front is None:
+            return []
+        parts, out = sought.problem.parts, []
+        signs = np.array([-1.0 if o.direction == "maximise" else 1.0 for o in self.axes_of_result()])
+        names = [o.name for o in self.axes_of_result()]
+        for peer in sought.peers:
+            for n in few(peer.values, self.frame(sought)) if len(peer.values) else []:
+                f = peer.found[int(n)]
+                kinds = (
+                    (parts.cameras, f.camera),
+                    (parts.lenses, f.lens),
+                    (parts.ports, f.port),
+                    (parts.lights, f.light),
+                )
+                out.append({
+                    "method": peer.algorithm,
+                    "values": dict(zip(names, (peer.values[n] * signs).tolist(), strict=True)),
+                    "hardware": [group[index].id for group, index in kinds],
+                })  # fmt: skip
+        return out
+
+    def assumed(self, sought: Sought, founds: list[Found]) -> list[dict[str, Any]]:
+        """Estimates that the named points rest on, each once."""
+        items: dict[tuple[Any, ...], dict[str, Any]] = {}
+        for found in founds:
+            for item in assumptions(sought.problem, found):
+                items.setdefault((item["path"], item.get("part"), str(item["value"])), item)
+        return list(items.values())
+
+    def effects(self, sought: Sought, found: Found) -> list[dict[str, Any]]:
+        """How much each effect matters to one design."""
+        hardware = recommend.hardware_of(found)
+        model = design_model(sought.problem, hardware)
+        given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
+        influences = influences_of(sought.problem, hardware, given, self.builtin)
+        return [item.as_dict() for item in api.proven_in_full(influences)]
+
+    def warned(self, sought: Sought) -> list[dict[str, str]]:
+        """What should be known of how the front came about."""
+        out = (
+            [("no_exact", f"searched by population solvers alone: {self.left_out}")] if self.left_out else []
+        )
+        front = sought.front
+        if front is not None and not front.complete:
+            what = "interrupted" if front.interrupted else "stopped"
+            out.append((what, "the exact front was not finished; its certificate says what it may miss"))
+        elif front is not None and front.hypervolume_bound > front.hypervolume * 1.001:
+            share = 100.0 * (1.0 - front.hypervolume / front.hypervolume_bound)
+            out.append(("gap", f"bounds on settings leave {share:.2g} % of the hypervolume open"))
+        if sought.cut:
+            rest = "the exact front was finished before" if front is not None else "the front holds what it had found"
+            out.append(("interrupted", f"{sought.cut} was interrupted; {rest}"))
+        if front is not None and len(front.values) == 1:
+            out.append(("one_point", "one design is best in every objective: there is nothing to trade"))
+        for peer in sought.peers:
+            volume = hypervolume(peer.values, self.frame(sought)) if front is not None else 0.0
+            if front is not None and front.complete and volume > 1.001 * front.hypervolume_bound:
+                out.append(
+                    ("defect", f"{peer.algorithm} found more than the exact front allows; please report it")
+                )
+        return [{"code": code, "path": "objectives", "message": text} for code, text in out]
+
+    def without_points(self, made: FrontResult, sought: Sought) -> FrontResult:
+        """A result without a point: why nothing fits, as `solve` tells it."""
+        if made.status != "infeasible":
+            return made
+        told = self.deadline.within("why nothing fits", self.explained, None)
+        if told is None:
+            return made
+        proof = None if told.certificate is None else told.to_dict()["certificate"]
+        cut = [warning for warning in told.warnings if warning["code"] == "time"]
+        return replace(
+            made, infeasible=told.infeasible, certificate=proof or made.certificate, warnings=[*made.warnings, *cut]
+        )
+
+    def explained(self) -> Result:
+        """What `solve` tells of a mission that nothing meets."""
+        self.deadline.check()
+        seconds = self.deadline.left_s if self.limited else None
+        return api.solve(self.mission, objective="power", seconds=seconds)
+
+
+def why_no_exact(problem: Problem, axes: Axes | None) -> str:
+    """Why the exact search is left to population solvers where both are asked for; empty: it is not."""
+    if axes is None:
+        return ""
+    try:
+        quality_of(problem, axes)
+    except MissionError:
+        return "more than one objective depends on the settings, and the exact search knows one beside power"
+    if any(scene.sunlit for scene in problem.scenes):
+        return "under the sun settings have no closed form, and the exact search, --solver exact, takes very long"
+    return ""
+
+
+def status_of(sought: Sought, *, limited: bool) -> str:
+    """In one word, how the search ended; `limited`: the call set a time."""
+    if sought.front is not None:
+        empty = len(sought.front.values) == 0
+        return "infeasible" if empty and sought.front.complete else front_status(sought.front)
+    if sought.cut:
+        return "interrupted"
+    empty = all(len(peer.values) == 0 for peer in sought.peers)
+    if empty and all(peer.status == "complete" for peer in sought.peers):
+        return "infeasible"
+    cut = limited and any(peer.status == "stopped" for peer in sought.peers)
+    return "stopped" if empty or cut else "complete"
+
+
+def front_status(front: Front) -> str:
+    """complete, stopped or interrupted."""
+    return "interrupted" if front.interrupted else "complete" if front.complete else "stopped"
+
+
+def check_claim(claimed: dict[str, float], reported: dict[str, float], design: Design) -> None:
+    """The forward model must agree with the search, and every requirement must hold."""
+    for name, value in claimed.items():
+        rel = VEILED_REL if name in VEILED else AGREES_REL
+        if not math.isclose(value, reported[name], rel_tol=rel, abs_tol=1e-9):
+            raise SolverError(
+                f"the front claims {name} = {value:.9g}, the evaluation of the same design says "
+                f"{reported[name]:.9g}; this is a defect of uwopt"
+            )
+    missed = [m for s in design.scenes for m in s.margins if not m.satisfied]
+    if missed:
+        what = "; ".join(f"{m.requirement} = {m.value} against {m.limit}" for m in missed)
+        raise SolverError(f"the front claims a feasible design that misses {what}; this is a defect of uwopt")
+
+
+def reference(objectives: Sequence[FrontObjective], frame: Frame) -> dict[str, Any]:
+    """The frame by objective: its best and worst corner, where hypervolumes are measured from, and logarithms."""
+    signs = np.array([-1.0 if o.direction == "maximise" else 1.0 for o in objectives])
+    corners = {"ideal": np.zeros(len(signs)), "nadir": np.ones(len(signs)), "point": frame.reference}
+    named = {
+        key: dict(zip([o.name for o in objectives], (frame.values(unit) * signs).tolist(), strict=True))
+        for key, unit in corners.items()
+    }
+    return {**named, "log": {o.name: bool(log) for o, log in zip(objectives, frame.log, strict=True)}}
+
+
+def history(snapshots: Sequence[tuple[float, Array]], frame: Frame) -> list[list[float]]:
+    """Hypervolume over time."""
+    return [[float(seconds), hypervolume(values, frame)] for seconds, values in snapshots]

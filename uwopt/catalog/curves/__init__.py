@@ -1,0 +1,1 @@
+"""Curves: spectra, phase functions, photometric files, curves of users."""

@@ -1,0 +1,1 @@
+"""Rows of files and inline keys made into parts, with estimates for what they lack."""

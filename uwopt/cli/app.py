@@ -1,0 +1,260 @@
+"""The command `uwopt`: arguments in, results out, and the exit status.
+
+Nothing heavy is imported before a command runs, so that help is there at once.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from uwopt import __version__
+from uwopt.cli.bench import bench_command
+from uwopt.cli.catalog import catalog_app
+from uwopt.cli.options import (
+    AccuracyOption,
+    JsonOption,
+    MissionArgument,
+    PhysicsOption,
+    QuietOption,
+    ToleranceOption,
+    checked_seconds,
+)
+from uwopt.cli.output import hand_over
+from uwopt.cli.pareto import pareto_command
+from uwopt.cli.report import report_command
+from uwopt.cli.status import BAD_INPUT, DONE, EXIT_STATUS, command, result_status, told
+from uwopt.errors import MissionError
+
+app = typer.Typer(
+    name="uwopt",
+    help="From an underwater imaging mission to a camera system that can be bought, with a proof.",
+    epilog=EXIT_STATUS,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+    no_args_is_help=True,
+)
+app.add_typer(catalog_app, name="catalog")
+
+
+class Solver(StrEnum):
+    """How the settings of the best hardware are solved."""
+
+    exact = "exact"
+    casadi = "casadi"
+    nlopt = "nlopt"
+    bonmin = "bonmin"
+
+
+class Document(StrEnum):
+    """Files that a person writes."""
+
+    mission = "mission"
+    system = "system"
+
+
+OutOption = Annotated[
+    str | None,
+    typer.Option("--out", metavar="DIR", help="Write result.json, bom.csv and report.html into DIR."),
+]
+
+
+# ---------------------------------------------------------------- solve and evaluate
+
+
+@app.command("solve", short_help="Find the best system, and prove it.")
+@command
+def solve_command(
+    mission: MissionArgument,
+    solver: Annotated[
+        Solver,
+        typer.Option(
+            help="exact proves the optimum; casadi and nlopt solve the settings again, bonmin hardware and settings."
+        ),
+    ] = Solver.exact,
+    objective: Annotated[
+        str | None,
+        typer.Option(metavar="NAME|WEIGHTS", help="What is to be best, such as cost or power=1,cost=0.01."),
+    ] = None,
+    physics: PhysicsOption = None,
+    top: Annotated[int, typer.Option(metavar="K", min=1, max=1000, help="How many systems to list.")] = 5,
+    audit: Annotated[
+        int, typer.Option(metavar="N", min=0, max=1_000_000, help="Try N other combinations, half of them discarded.")
+    ] = 0,
+    seconds: Annotated[
+        float | None, typer.Option(metavar="S", help="Stop after S seconds; the gap and what is left out are told.")
+    ] = None,
+    accuracy: AccuracyOption = False,
+    tolerance: ToleranceOption = None,
+    as_json: JsonOption = False,
+    out: OutOption = None,
+    quiet: QuietOption = False,
+) -> int:
+    """Find the best system of the catalogue for a mission, and prove it."""
+    from uwopt.report.text.console import ProgressBar
+    from uwopt.report.write import check_folder
+
+    limit_s = checked_seconds(seconds)
+    wanted = None if objective is None else parsed_objective(objective)
+    if out is not None:
+        check_folder(out)
+    with ProgressBar(quiet=quiet) as bar:
+        from uwopt.api import solving as api
+
+        result = api.solve(
+            mission, solver=solver.value, objective=wanted, physics=None if physics is None else physics.value,
+            top=top, audit=audit, seconds=limit_s, alternatives=out is not None, accuracy=accuracy,
+            tolerance=tolerance, progress=bar.report,
+        )  # fmt: skip
+    hand_over(result, as_json=as_json, out=out, quiet=quiet)
+    return result_status(result)
+
+
+@app.command("evaluate", short_help="Say what a given system would do.")
+@command
+def evaluate_command(
+    mission: MissionArgument,
+    system: Annotated[
+        str, typer.Argument(metavar="SYSTEM", help="System file (YAML); `uwopt init --system` writes one.")
+    ],
+    physics: PhysicsOption = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Exit with status 3 when a requirement is missed.")
+    ] = False,
+    accuracy: AccuracyOption = False,
+    tolerance: ToleranceOption = None,
+    as_json: JsonOption = False,
+    out: OutOption = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No notes.")] = False,
+) -> int:
+    """Say what a given system would do in a mission: figures and margins."""
+    from uwopt.report.write import check_folder
+
+    if out is not None:
+        check_folder(out)
+    from uwopt.api import solving as api
+
+    result = api.evaluate(
+        mission, system, physics=None if physics is None else physics.value, accuracy=accuracy,
+        tolerance=tolerance,
+    )  # fmt: skip
+    hand_over(result, as_json=as_json, out=out, quiet=quiet)
+    return result_status(result, check=check)
+
+
+def parsed_objective(text: str) -> str | dict[str, float]:
+    """`power`, or weights by name from `power=1,cost=0.01`."""
+    from uwopt.documents.faults import nearest
+    from uwopt.mission.keys import OBJECTIVES
+
+    def known(name: str) -> str:
+        plain = name.strip().casefold().replace("-", "_")
+        if plain not in OBJECTIVES:
+            near = nearest(plain, OBJECTIVES)
+            hint = f"did you mean {near}?" if near else f"there are {', '.join(OBJECTIVES)}."
+            raise MissionError(f"--objective: {name.strip()!r} is no figure that can be best; {hint}")
+        return plain
+
+    if "=" not in text:
+        return known(text)
+    weights: dict[str, float] = {}
+    for item in text.split(","):
+        name, _, number = item.partition("=")
+        try:
+            weight = float(number)
+        except ValueError:
+            weight = math.nan
+        if not (math.isfinite(weight) and weight >= 0):
+            raise MissionError(
+                f"--objective: {item.strip()!r} must be a name and a weight of 0 or above, such as power=1,cost=0.01"
+            )
+        if known(name) in weights:
+            raise MissionError(f"--objective: {known(name)} stands twice; give one weight a figure.")
+        weights[known(name)] = weight
+    if not any(weights.values()):
+        raise MissionError("--objective: no weight is above 0; write such as power=1,cost=0.01")
+    return weights
+
+
+app.command("pareto", short_help="Trade two or three objectives: the whole front.")(pareto_command)
+app.command("bench", short_help="Measure error against run time on this machine.")(bench_command)
+app.command("report", short_help="Make the page of a result again.")(report_command)
+
+# ---------------------------------------------------------------- init and schema
+
+
+@app.command("init", short_help="Write a mission to start from.")
+@command
+def init_command(
+    file: Annotated[
+        str | None, typer.Argument(metavar="FILE", help="File to write; printed when left out.")
+    ] = None,
+    system: Annotated[bool, typer.Option("--system", help="A system file instead of a mission.")] = False,
+) -> None:
+    """Write a mission with comments to start from; an existing file is left alone."""
+    from uwopt.mission.templates import mission_template, system_template
+    from uwopt.report.text.console import print_text
+    from uwopt.report.write import write_new
+
+    text = system_template() if system else mission_template()
+    if file in (None, "-"):
+        print_text(text.rstrip("\n"))
+        return
+    told(f"written: {write_new(str(file), text)}", DONE)
+
+
+@app.command("schema", short_help="Print a JSON schema for editors.")
+@command
+def schema_command(
+    document: Annotated[Document, typer.Argument(help="Which file the schema is for.")] = Document.mission,
+) -> None:
+    """Print the JSON schema of a mission or system file, for editors."""
+    from uwopt.mission.templates import mission_json_schema, system_json_schema
+    from uwopt.report.text.console import print_json
+
+    print_json(mission_json_schema() if document is Document.mission else system_json_schema())
+
+
+# ---------------------------------------------------------------- the program
+
+
+def print_version(wanted: bool) -> None:
+    """Print the version and leave."""
+    if wanted:
+        typer.echo(f"uwopt {__version__}")
+        raise typer.Exit(DONE)
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """From an underwater imaging mission to a camera system that can be bought, with a proof."""
+    del version
+
+
+def main() -> None:
+    """The program `uwopt`."""
+    if not sys.warnoptions and os.environ.get("UWOPT_DEBUG") != "1":
+        import warnings
+
+        warnings.simplefilter("ignore")
+    try:
+        app()
+    except OSError as fault:  # help and version are printed by typer itself
+        from uwopt.report.text.console import discard_rest
+
+        discard_rest(sys.stdout)
+        sys.exit(told(f"standard output cannot be written ({fault.strerror or fault}).", BAD_INPUT, fault))
+
+
+if __name__ == "__main__":
+    main()

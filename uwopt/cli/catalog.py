@@ -1,0 +1,148 @@
+"""The commands `uwopt catalog ...`: what can be bought, and checks of own files."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import typer
+
+from uwopt.cli.status import BAD_INPUT, DONE, command, told
+
+catalog_app = typer.Typer(
+    help="What can be bought: list and show parts, check own files, print templates.",
+    short_help="List, show and check parts.",
+    rich_markup_mode=None,
+    no_args_is_help=True,
+)
+
+
+class PartKind(StrEnum):
+    """Kinds of parts."""
+
+    camera = "camera"
+    lens = "lens"
+    port = "port"
+    light = "light"
+
+
+FilesOption = Annotated[
+    list[str] | None,
+    typer.Option("--file", metavar="FILE", help="Own parts (CSV or YAML) to add; may be repeated."),
+]
+
+
+@catalog_app.command("list")
+@command
+def list_command(
+    pattern: Annotated[
+        str,
+        typer.Argument(metavar="PATTERN", help="Plain piece of an id or maker, or a glob such as 'kowa*'."),
+    ] = "",
+    kind: Annotated[PartKind | None, typer.Option(help="Only parts of this kind.")] = None,
+    excluded: Annotated[
+        bool, typer.Option("--excluded", help="Parts that no search uses, with the reasons.")
+    ] = False,
+    files: FilesOption = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> None:
+    """List the parts of the catalogue."""
+    from uwopt.catalog.listing import list_parts
+    from uwopt.report.text.console import print_blocks, print_json
+
+    catalog = loaded_catalog(files)
+    kind_name: Any = None if kind is None else kind.value
+    lines = list_parts(catalog, kind_name, pattern, excluded)
+    if not lines and pattern and not list_parts(catalog, kind_name, pattern, not excluded):
+        raise_unknown(pattern, catalog, kind_name)
+    if as_json:
+        print_json(lines)
+    elif lines:
+        from uwopt.report.text.parts import part_list_blocks
+
+        print_blocks(part_list_blocks(lines))
+    else:
+        told(
+            "no such part is left out."
+            if excluded
+            else "all such parts are left out; --excluded lists them.",
+            DONE,
+        )
+
+
+@catalog_app.command("show", short_help="Show all that is known of a part.")
+@command
+def show_command(
+    part: Annotated[
+        str, typer.Argument(metavar="ID", help="Id of a part, as `uwopt catalog list` prints it.")
+    ],
+    files: FilesOption = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> None:
+    """Show all that is known of a part: values, ranges, how they are known, and from where."""
+    from uwopt.catalog.listing import show_part
+    from uwopt.report.text.console import print_blocks, print_json
+
+    catalog = loaded_catalog(files)
+    lines, exclusions = show_part(catalog, part)
+    if as_json:
+        print_json({"id": catalog.part(part).id, "fields": lines, "excluded": exclusions})
+        return
+    from uwopt.report.text.parts import part_blocks
+
+    print_blocks(part_blocks(catalog.part(part).id, lines, exclusions))
+
+
+@catalog_app.command("check", short_help="Check own files row by row.")
+@command
+def check_command(
+    files: Annotated[
+        list[str], typer.Argument(metavar="FILE", help="Parts, prices or spectra (CSV or YAML).")
+    ],
+) -> int:
+    """Check own files row by row; exit with status 2 when one has a fault."""
+    from uwopt.catalog.checkfile import check_file
+    from uwopt.report.text.console import print_blocks
+    from uwopt.report.text.parts import check_blocks
+
+    reports = [check_file(Path(name)) for name in files]
+    for report in reports:
+        if report.content == "unreadable":
+            told("\n".join(report.faults), BAD_INPUT)
+        else:
+            print_blocks(check_blocks(report))
+    return DONE if all(report.ok for report in reports) else BAD_INPUT
+
+
+@catalog_app.command("template", short_help="Print a file to start from.")
+@command
+def template_command(
+    kind: Annotated[
+        str, typer.Argument(metavar="KIND", help="camera, lens, port, light, prices, or a spectrum.")
+    ],
+) -> None:
+    """Print a file to start from: comments on every column, the header, an example row."""
+    from uwopt.catalog.checkfile import template
+    from uwopt.report.text.console import print_text
+
+    print_text(template(kind.strip().casefold()).rstrip("\n"))
+
+
+def loaded_catalog(files: list[str] | None) -> Any:
+    """The built-in catalogue, with own parts."""
+    from uwopt.catalog.load import load_catalog
+
+    return load_catalog(files or ())
+
+
+def raise_unknown(pattern: str, catalog: Any, kind: Any) -> NoReturn:
+    """A pattern that fits nothing is a fault; near names help."""
+    from uwopt.catalog.catalogue import near_names
+    from uwopt.catalog.records import KINDS
+    from uwopt.errors import CatalogError
+
+    parts = [part for each in KINDS if kind in (None, each) for part in catalog.parts(each)]
+    near = near_names(pattern, [name for part in parts for name in (part.manufacturer, part.id)])
+    hint = f"did you mean {', '.join(near)}?" if near else "`uwopt catalog list` prints all ids."
+    raise CatalogError(f"no {kind or 'part'} fits {pattern!r}; {hint}")

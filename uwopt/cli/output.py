@@ -1,0 +1,48 @@
+"""What a command does with its result: write the files, print it, say where it is."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from uwopt.cli.status import DONE, told
+from uwopt.errors import OutputError
+
+if TYPE_CHECKING:
+    from uwopt.results.front import FrontResult
+    from uwopt.results.result import Result
+
+
+def hand_over(result: Result | FrontResult, *, as_json: bool, out: str | None, quiet: bool) -> None:
+    """Write the files and print the result; a result that cannot be written is printed all the same."""
+    from uwopt.report.text.console import ProgressBar, print_blocks, print_text
+    from uwopt.report.write import json_text, write_front, write_results
+    from uwopt.results.front import FrontResult
+
+    written, refused = [], None
+    try:
+        with ProgressBar(quiet=quiet) as bar:
+            if bar.report is not None:
+                bar.report(0.1, "writing the report")
+            if out is None:
+                pass
+            elif isinstance(result, FrontResult):
+                written = write_front(result, out)
+            else:
+                written = write_results(result, out)
+    except OutputError as fault:
+        refused = fault
+    if as_json:
+        print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))
+    elif isinstance(result, FrontResult):
+        from uwopt.report.text.front_tables import front_blocks
+
+        print_blocks(front_blocks(result))
+    else:
+        from uwopt.report.text.tables import result_blocks
+
+        print_blocks(result_blocks(result))
+    if refused is not None:
+        raise refused
+    if written and not quiet:
+        told("written: " + ", ".join(str(path) for path in written), DONE)

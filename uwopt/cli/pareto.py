@@ -1,0 +1,61 @@
+"""The command `uwopt pareto`: the trade-off between two or three objectives."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from uwopt.cli.options import JsonOption, MissionArgument, PhysicsOption, QuietOption, checked_seconds
+from uwopt.cli.output import hand_over
+from uwopt.cli.status import command, front_status
+
+
+@command
+def pareto_command(
+    mission: MissionArgument,
+    objectives: Annotated[
+        str,
+        typer.Option(
+            metavar="A,B[,C]",
+            help="Two or three of power, cost, mass, snr_db, gsd_mm, contrast, information.",
+        ),
+    ] = "power,cost,information",
+    solver: Annotated[
+        str,
+        typer.Option(
+            metavar="NAMES",
+            help="exact, and pymoo's nsga2, nsga3, unsga3, ctaea, rvea, spea2 or smsemoa; several by commas.",
+        ),
+    ] = "exact,nsga2",
+    physics: PhysicsOption = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(metavar="S", help="Stop after S seconds, shared by the solvers; keep what they have."),
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(metavar="N", help="Seed of pymoo; the mission's unless given.")
+    ] = None,
+    as_json: JsonOption = False,
+    out: Annotated[
+        str | None,
+        typer.Option("--out", metavar="DIR", help="Write report.html, front.csv and front.json into DIR."),
+    ] = None,
+    quiet: QuietOption = False,
+) -> int:
+    """Find the designs of which none is better than another in every objective."""
+    from uwopt.report.text.console import ProgressBar
+    from uwopt.report.write import check_folder
+
+    limit_s = checked_seconds(seconds)
+    if out is not None:
+        check_folder(out)
+    with ProgressBar(quiet=quiet) as bar:
+        from uwopt.api.trading import pareto
+
+        front = pareto(
+            mission, objectives=objectives.split(","), solver=solver, seconds=limit_s, seed=seed,
+            physics=None if physics is None else physics.value, alternatives=out is not None, progress=bar.report,
+        )  # fmt: skip
+    hand_over(front, as_json=as_json, out=out, quiet=quiet)
+    return front_status(front)

@@ -1,0 +1,52 @@
+"""The command `uwopt report`: the page of a result, made again from its JSON."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwopt.cli.status import DONE, command, told
+from uwopt.errors import OutputError
+
+
+@command
+def report_command(
+    result: Annotated[
+        str, typer.Argument(metavar="RESULT.json", help="result.json or front.json, as --out wrote it.")
+    ],
+    out: Annotated[
+        str | None,
+        typer.Option(
+            "--out", metavar="FILE|DIR", help="Page to write; report.html beside the result unless given."
+        ),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")] = False,
+) -> int:
+    """Make the page of a result again: verdict, figures and margins from the file, pictures by the model."""
+    from uwopt.report.text.console import ProgressBar
+    from uwopt.report.write import check_file, write_page
+    from uwopt.results.reading import read_result
+
+    target = check_file(page_file(result, out))
+    if target.exists() and Path(result).exists() and target.samefile(result):
+        raise OutputError(f"{target}: is the result itself; choose another --out.")
+    if target.is_file() and target.suffix.lower() not in (".html", ".htm"):
+        raise OutputError(f"{target}: is there already and is no page; choose another --out.")
+    with ProgressBar(quiet=quiet) as bar:
+        if bar.report is not None:
+            bar.report(0.1, "making the report")
+        written = write_page(read_result(result), target)
+    if not quiet:
+        told(f"written: {written}", DONE)
+    return DONE
+
+
+def page_file(result: str, out: str | None) -> str:
+    """Where the page goes: the file that is named, report.html in a folder, or beside the result."""
+    if out is None:
+        return str(Path(result).parent / "report.html")
+    named = Path(out)
+    is_folder = out.endswith(("/", "\\")) or named.is_dir() or not named.suffix
+    return str(named / "report.html") if out.strip() and is_folder else out

@@ -1,0 +1,1 @@
+"""One design in one mission: its settings, figures, margins, totals and bill."""

@@ -1,0 +1,105 @@
+"""One system in one mission: figures, margins, totals and bill of materials.
+
+Everything a result says of a design is computed here, from the same tables and formulas that the
+search uses; a search's claim is read back through this door.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.evaluation.bill import bill_of_materials, cost_range, hardware_dict
+from uwopt.evaluation.design_model import Hardware, SceneSettings, design_model
+from uwopt.evaluation.figures_by_name import light_notes, plain_figures, plain_settings, uneven_notes
+from uwopt.forward.figures import SettingRows
+from uwopt.forward.problem import Problem
+from uwopt.objectives.objective import Objective, Terms
+from uwopt.objectives.requirements import MarginRows, common_margins
+from uwopt.results.result import Design, Margin, SceneResult
+
+Array = NDArray[Any]
+UNBOUND = ("light_level", "mean_level", "common_f_number", "common_focus_m")  # met or not, never scarce
+NO_SIGNAL_DB = -200.0  # of an SNR: less than one electron in ten thousand million pixels
+
+
+def evaluate_design(
+    problem: Problem, hardware: Hardware, given: list[SceneSettings], objective: Objective,
+    *, level_tolerance_rel: float = 1e-6,
+) -> Design:  # fmt: skip
+    """Everything a result says of one design with these settings."""
+    model = design_model(problem, hardware)
+    scenes, powers, snrs, peaks, light_powers = [], [], [], [], []
+    contrasts, information = [], []
+    first: SettingRows | None = None
+    for index, wanted in enumerate(given):
+        scene = problem.scenes[index]
+        settings = model.settings(index, wanted)
+        figures = model.figures(index, settings, information=not scene.paper)
+        margins = model.margins(index, settings, figures, level_tolerance_rel=level_tolerance_rel)
+        margins += [] if first is None else common_margins(model.lenses, settings, first)
+        first = first or settings
+        contrasts.append(float(figures.contrast[0, scene.nominal]))
+        bits = figures.information_bit_per_m2
+        information.append(math.nan if bits is None else float(bits[0]))
+        terms = model.totals(index, figures)
+        powers.append(float(terms["power_w"][0]))
+        light_powers.append(float(figures.light_power_w[0]))
+        peaks.append(float(figures.light_peak_power_w[0]))
+        snr = float(figures.snr[0, scene.nominal])
+        snrs.append(20.0 * math.log10(snr) if snr > 0 else -math.inf)
+        scenes.append(
+            SceneResult(
+                name=scene.name,
+                settings=plain_settings(model, index, settings, figures),
+                settings_to_set=None,
+                figures=plain_figures(model, index, settings, figures),
+                margins=[plain_margin(m) for m in margins],
+            )
+        )
+    cost, mass = float(terms["cost"][0]), float(terms["mass_kg"][0])
+    gsd_mm = max(float(view.gsd_m[0, 1]) * 1e3 for view in model.views)
+    worst = (max(powers), cost, mass, min(snrs), gsd_mm, min(contrasts), min(information))
+    one = Terms(*(np.array([v]) for v in worst))
+    minimised = float(objective.cost_to_minimise(one)[0])
+    feasible = all(m.satisfied for s in scenes for m in s.margins)
+    return Design(
+        hardware=hardware_dict(problem, hardware),
+        objective_value=objective.reported(minimised) if math.isfinite(minimised) else None,
+        feasible=feasible,
+        totals={
+            "cost": cost_range(problem, hardware),
+            "power_w": max(powers),
+            "light_power_w": max(light_powers),
+            "light_peak_power_w": max(peaks),
+            "mass_kg": mass,
+        },
+        scenes=scenes,
+        bom=bill_of_materials(problem, hardware),
+        warnings=[*light_notes(model), *uneven_notes(scenes)],
+    )
+
+
+def plain_margin(row: MarginRows) -> Margin:
+    """One margin of one design."""
+    value, limit, margin = float(row.value[0]), float(row.limit[0]), float(row.margin[0])
+    lost = row.unit == "dB" and value < NO_SIGNAL_DB
+    if lost:
+        value = margin = -math.inf
+    finite = math.isfinite
+    where = None if row.at_altitude_m is None else float(row.at_altitude_m[0])
+    return Margin(
+        requirement=row.requirement,
+        value=value if finite(value) else None,
+        limit=limit if finite(limit) else None,
+        sense=row.sense,
+        margin=margin if finite(margin) else None,
+        unit=row.unit,
+        at_altitude_m=where,
+        satisfied=bool(row.satisfied[0]),
+        binding=bool(row.binding[0]) and finite(limit) and finite(value) and row.requirement not in UNBOUND,
+        word="no signal" if lost else "",
+    )

@@ -1,0 +1,389 @@
+"""One hardware choice of a problem, ready to be asked for figures, margins and totals in every scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.catalogue import plain_name
+from uwopt.forward.figures import (
+    DesignRows,
+    Figures,
+    SettingRows,
+    figures_of,
+    levers_m,
+)
+from uwopt.forward.lamp_light import ImageLight, LampField, SunLight
+from uwopt.forward.optics import (
+    Focus,
+    blur_time_s,
+    focus_map,
+    place_focus,
+    required_rate_hz,
+    views,
+)
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Lights
+from uwopt.forward.problem import Mount, Problem
+from uwopt.forward.sharpness import SharpRows
+from uwopt.model import imaging, veil
+from uwopt.model.port import lens_dioptre_per_m
+from uwopt.objectives.requirements import MarginRows, scene_margins, system_margins
+
+Array = NDArray[Any]
+
+DARK_CELLS = 80  # a side of the image, where its unlit share is counted
+
+
+@dataclass(frozen=True)
+class Hardware:
+    """A design's hardware as indices into a problem's tables."""
+
+    camera: int
+    lens: int
+    port: int
+    landscape: bool
+    light: int
+    count: int
+    mount: Mount
+
+
+@dataclass(frozen=True)
+class SceneSettings:
+    """Settings of one design in one scene; SI. None takes the documented default."""
+
+    f_number: float | None = None
+    exposure_s: float | None = None
+    pulse_s: float | None = None
+    gain: float | None = None
+    level: float | None = None
+    rate_hz: float | None = None
+    dioptre_per_m: float | None = None
+    focus_distance_m: float | None = None
+
+
+class DesignModel:
+    """One hardware choice of a problem, ready to be asked for figures in every scene."""
+
+    def __init__(self, problem: Problem, hardware: Hardware):
+        self.problem, self.hardware = problem, hardware
+        one = np.array([0])
+        self.cameras: Cameras = problem.cameras.take(one + hardware.camera)
+        self.lenses: Lenses = problem.lenses.take(one + hardware.lens)
+        self.lights: Lights = problem.lights.take(one + hardware.light)
+        self.shapes = [problem.shape(hardware.port, i) for i in range(len(problem.scenes))]
+        self.maps = [focus_map(s, shape) for s, shape in zip(problem.scenes, self.shapes, strict=True)]
+        self.views = [
+            views(scene, self.cameras, self.lenses, shape, landscape=hardware.landscape)
+            for scene, shape in zip(problem.scenes, self.shapes, strict=True)
+        ]
+        self.set_reach()
+        self._known: dict[Any, Any] = {}  # what no setting changes, worked out once
+        self.rows = [self._rows(i, pixels=scene.at_worst) for i, scene in enumerate(problem.scenes)]
+
+    def set_reach(self) -> None:
+        """Tell the problem's water tables how far from the axis this image reaches; other designs tell them theirs."""
+        for index, view in enumerate(self.views):
+            widest = 0.5 * float(np.hypot(view.footprint_along_m[0, 2], view.footprint_across_m[0, 2]))
+            self.problem.set_reach(index, 1.5 * widest)
+
+    def _once(self, key: Any, make: Callable[[], Any]) -> Any:
+        """What `make` gives, kept: settings come and go, the light's integrals stay."""
+        if key not in self._known:
+            self._known[key] = make()
+        return self._known[key]
+
+    def _rows(self, index: int, *, pixels: bool) -> DesignRows:
+        scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
+        return DesignRows(
+            cameras=self.cameras,
+            lenses=self.lenses,
+            lights=self.lights,
+            count=np.array([hw.count]),
+            view=view,
+            focus_map=self.maps[index],
+            lever_m=levers_m(scene, np.array([self.shapes[index].outer_radius_m])),
+            light=self.image_light(index, pixels=pixels),
+            sun=self.sun_light(index, pixels=pixels),
+        )
+
+    def snr_at_worst(self, index: int, settings: SettingRows) -> float | None:
+        """Lowest SNR over the image at the nominal altitude; None in physics `paper`, which knows no field."""
+        scene = self.problem.scenes[index]
+        if scene.paper:
+            return None
+        rows = self.rows[index]
+        if rows.light.worst_e is None:
+            rows = self._once(("rows", index), lambda: self._rows(index, pixels=True))
+        darkest = figures_of(scene, rows, settings).snr_darkest
+        return None if darkest is None else float(darkest[0, scene.nominal])
+
+    def light_at_centre(self, index: int) -> ImageLight:
+        """Electrons per lm s of nameplate light in the middle of the image; the veils together as one."""
+        light: ImageLight = self._once(("centre", index), lambda: self._light_at_centre(index))
+        return light
+
+    def _light_at_centre(self, index: int) -> ImageLight:
+        hw, problem = self.hardware, self.problem
+        field = LampField(
+            problem, index, port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
+            count=hw.count, efficiency=int(self.cameras.qe_index[0]),
+        )  # fmt: skip
+        middle = np.zeros((1, 1))
+        signal, veil = field.at_pixels(self.views[index], middle, middle, veils=True)
+        light = ImageLight(signal[:, :, 0], None if veil is None else veil[:, :, 0])
+        return light.scaled(self.lights.output_factor)
+
+    def floor_light(self, index: int) -> tuple[float, float]:
+        """Mean and least floor illuminance per lumen over the footprint at the nominal altitude [1/m^2]."""
+        hw = self.hardware
+        both: tuple[float, float] = self._once(("floor", index), lambda: self.problem.footprint_light(
+            index, self.views[index], port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
+            count=hw.count, altitude=self.problem.scenes[index].nominal,
+        ))  # fmt: skip
+        return both
+
+    def dark_share(self, index: int) -> float:
+        """Share of the image that no lamp lights, at the nominal altitude."""
+        return float(self._once(("dark", index), lambda: self._dark_share(index)))
+
+    def lamp_clearance_m(self, index: int) -> float:
+        """Least distance of a lamp's middle from any ray of the image, at the lowest altitude."""
+        view, scene = self.views[index], self.problem.scenes[index]
+        return float(self._once(("clearance", index), lambda: veil.nearest_approach_m(
+            view.tan_along, view.tan_across, shape=self.shapes[index], range_m=float(scene.range_m[0]),
+            lamps=self.hardware.mount.lamps(self.hardware.count),
+        )[0]))  # fmt: skip
+
+    def _dark_share(self, index: int) -> float:
+        scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
+        beam = self.problem.beam(index, int(self.lights.optics_index[0]))
+        lamps, range_m = hw.mount.lamps(hw.count), float(scene.range_m[scene.nominal])
+        middles, _ = imaging.cells(DARK_CELLS)
+        along, across = np.meshgrid(view.tan_along[0] * middles, view.tan_across[0] * middles)
+        x_m, y_m, _ = imaging.floor_point(along, across, shape=self.shapes[index], range_m=range_m)
+        lit = np.zeros(x_m.shape, bool)
+        for n in range(len(lamps.share)):
+            light, _, _ = imaging.lamp_light(x_m, y_m, lamps=lamps, index=n, beam=beam, range_m=range_m)
+            lit |= light > 0.0
+        return float(1.0 - lit.mean())
+
+    def sharp_rows(self, index: int, dioptre_per_m: float) -> SharpRows:
+        """What sharpness depends on at this focus."""
+        hw = self.hardware
+        sharp: SharpRows = self._once(("sharp", index, dioptre_per_m), lambda: self.problem.sharp_rows(
+            index, self.views[index], camera=np.array([hw.camera]), lens=np.array([hw.lens]), port=np.array([hw.port]),
+            optics=int(self.lights.optics_index[0]), dioptre_per_m=np.array([dioptre_per_m]),
+        ))  # fmt: skip
+        return sharp
+
+    def sun_light(self, index: int, *, pixels: bool = False, channel: str | None = None) -> SunLight | None:
+        """Electrons per second from the sun."""
+        key = ("sun", index, pixels, channel)
+        sun: SunLight | None = self._once(key, lambda: self._sun_light(index, pixels, channel))
+        return sun
+
+    def _sun_light(self, index: int, pixels: bool, channel: str | None) -> SunLight | None:
+        hw = self.hardware
+        return self.problem.sun_light(
+            index, self.views[index], np.array([hw.camera]), port_index=np.array([hw.port]), mount=hw.mount,
+            count=hw.count, channel=channel, pixels=pixels,
+        )  # fmt: skip
+
+    def image_light(self, index: int, *, pixels: bool = False, channel: str | None = None) -> ImageLight:
+        """Electrons per lm s of nameplate light."""
+        key = ("light", index, pixels, channel)
+        light: ImageLight = self._once(key, lambda: self._image_light(index, pixels, channel))
+        return light
+
+    def _image_light(self, index: int, pixels: bool, channel: str | None) -> ImageLight:
+        hw, split = self.hardware, pixels and not self.problem.paper
+        light = self.problem.image_light(
+            index, self.views[index], np.array([hw.camera]), port_index=hw.port,
+            optics=int(self.lights.optics_index[0]), mount=hw.mount, count=hw.count, pixels=pixels, channel=channel,
+            means=not split,
+        ).scaled(self.lights.output_factor)  # fmt: skip
+        if not split:
+            return light
+        means = self.image_light(index, channel=channel)  # the costly integrals, often known already
+        return replace(means, worst_e=light.worst_e, worst_veil_e=light.worst_veil_e)
+
+    # ------------------------------------------------------------ settings
+
+    def settings(self, index: int, given: SceneSettings) -> SettingRows:
+        """Settings with their defaults: widest aperture, longest exposure that fits, gain for the wanted level."""
+        scene, rows = self.problem.scenes[index], self.rows[index]
+        needs, limits = scene.view.requirements, self.problem.mission.limits
+        speed = scene.view.vehicle.speed_m_s
+        rate = given.rate_hz
+        if rate is None:
+            rate = float(required_rate_hz(needs, speed, rows.view.footprint_along_m).max())
+        dioptre = given.dioptre_per_m
+        if dioptre is None:
+            dioptre = self._default_dioptre_per_m(index)
+            if given.focus_distance_m is not None:
+                dioptre = float(lens_dioptre_per_m(given.focus_distance_m, focus_map=self.maps[index]))
+        f_number = given.f_number or float(self.lenses.f_number_min[0])
+        level = 1.0 if given.level is None else given.level
+        cam, lights = self.cameras, self.lights
+        offset, readout = float(cam.exposure_offset_s[0]), float(cam.readout_s[0])
+        blur = float(blur_time_s(scene, self.shapes[index], rows.view)[0])
+        cap = min(
+            float(cam.max_exposure_s[0]), limits.max_exposure_ms * 1e-3, 1.0 / rate if rate > 0 else math.inf
+        )
+        pulse, exposure = given.pulse_s, given.exposure_s
+        kind = int(lights.kind[0])
+        if kind == FLASH:
+            pulse = float(lights.flash_duration_s[0]) if pulse is None else pulse
+        if exposure is None:
+            exposure = min(cap, max(blur - offset, float(cam.min_exposure_s[0])))
+            if kind != CONTINUOUS:
+                exposure = min(cap, max(exposure, (pulse or 0.0) + readout))
+        if kind != CONTINUOUS and pulse is None:
+            pulse = min(exposure, float(lights.max_pulse_s[0]))
+        gain = given.gain
+        if gain is None:
+            gain = self._default_gain(index, f_number, exposure, pulse, level, rate, dioptre)
+        return _setting_rows(f_number, exposure, pulse, gain, level, rate, dioptre)
+
+    def _default_dioptre_per_m(self, index: int) -> float:
+        """Focus at the nominal altitude; of several scenes the one focus that serves all."""
+        scene = self.problem.scenes[index]
+        if len(self.problem.scenes) == 1:
+            return float(lens_dioptre_per_m(scene.range_m[scene.nominal], focus_map=self.maps[index]))
+        return self.searched_dioptre_per_m(index)
+
+    def searched_dioptre_per_m(self, index: int) -> float:
+        """Where a search puts the focus."""
+        focus: Focus = self._once("focus", lambda: place_focus(self.problem.scenes, self.maps, self.views))
+        return float(focus.dioptre_per_m[index][0])
+
+    def _default_gain(self, index: int, *values: Any) -> float:
+        """The gain that gives the wanted mean level, within the camera's range; 1 when none is wanted."""
+        f_number, exposure, pulse, level, rate, dioptre = values
+        scene, cam = self.problem.scenes[index], self.cameras
+        wanted = scene.view.requirements.mean_level
+        if wanted is None:
+            return 1.0
+        at_unit = figures_of(
+            scene, self.rows[index], _setting_rows(f_number, exposure, pulse, 1.0, level, rate, dioptre)
+        )
+        full, black = float(2.0 ** cam.bits[0] - 1.0), float(cam.black_level_dn[0])
+        reached = float(at_unit.mean_level[0, scene.nominal]) * full - black
+        if not reached > 0:
+            return float(cam.max_gain[0])
+        return float(np.clip((wanted * full - black) / reached, 1.0, cam.max_gain[0]))
+
+    # ------------------------------------------------------------ results
+
+    def figures(self, index: int, settings: SettingRows, *, information: bool = False) -> Figures:
+        """Figures of one scene, for one or many settings with a common focus."""
+        scene, rows = self.problem.scenes[index], self.rows[index]
+        if not scene.paper and (information or scene.view.requirements.min_mtf_half_nyquist is not None):
+            sharp = self.sharp_rows(index, float(settings.dioptre_per_m[0]))
+            rows = replace(rows, sharp=sharp.take(np.zeros(len(settings.f_number), int)))
+        return figures_of(scene, rows, settings, information=information)
+
+    def margins(
+        self, index: int, settings: SettingRows, figures: Figures, *, level_tolerance_rel: float = 1e-6
+    ) -> list[MarginRows]:
+        """Requirements of one scene and limits of the system in it."""
+        scene, limits = self.problem.scenes[index], self.problem.mission.limits
+        terms = self.totals(index, figures)
+        return [
+            *scene_margins(
+                scene, self.rows[index], settings, figures, limits, level_tolerance_rel=level_tolerance_rel
+            ),
+            *self.port_margins(index),
+            *self.evenness_margins(index),
+            *system_margins(
+                limits, cost_limit_value=terms["cost_limit_value"], power_w=terms["power_w"],
+                peak_power_w=figures.light_peak_power_w + terms["camera_power_w"], mass_kg=terms["mass_kg"],
+                data_rate_mb_s=figures.data_rate_mb_s * self.problem.mission.vehicle.camera_count,
+                depth_m=self.problem.mission.required_depth_m, ratings_m=self.ratings_m(),
+                accepted=self.accepted_unrated(),
+            ),
+        ]  # fmt: skip
+
+    def port_margins(self, index: int) -> list[MarginRows]:
+        """Whether the corner ray of the view passes the port's clear aperture, where that is known."""
+        port = self.problem.ports.take(np.array([self.hardware.port]))
+        if self.problem.paper or port.is_dome[0] or not np.isfinite(port.clear_radius_m[0]):
+            return []
+        view = self.views[index]
+        corner_mm = np.hypot(view.tan_along, view.tan_across) * port.gap_m * 1e3
+        return [MarginRows("port_clears_view_mm", corner_mm, port.clear_radius_m * 1e3, "<=", "mm")]
+
+    def evenness_margins(self, index: int) -> list[MarginRows]:
+        """Least over mean floor illuminance, where the mission asks for it."""
+        scene, hw = self.problem.scenes[index], self.hardware
+        wanted = scene.view.requirements.min_uniformity
+        if wanted is None:
+            return []
+        reached = self._once(("uniformity", index), lambda: self.problem.uniformity(
+            index, self.views[index], port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
+            count=hw.count,
+        ))  # fmt: skip
+        worst = int(reached.argmin())
+        value, where = np.array([reached[worst]]), np.array([scene.range_m[worst]])
+        return [MarginRows("min_uniformity", value, np.array([wanted]), ">=", "", where)]
+
+    def accepted_unrated(self) -> frozenset[str]:
+        """Parts of this design whose unknown depth rating the mission accepts, however it spells their ids."""
+        named = {plain_name(name) for name in self.problem.mission.catalog.accept_unrated}
+        return frozenset(part for part in self.ratings_m() if plain_name(part) in named)
+
+    def ratings_m(self) -> dict[str, float | None]:
+        """Depth ratings of the parts that meet the water; inline parts are not checked for what they leave out."""
+        port = self.problem.parts.ports[self.hardware.port]
+        light = self.problem.parts.lights[self.hardware.light]
+        return {
+            part.id: part.depth_rating_m
+            for part in (port, light)
+            if not (part.inline and part.depth_rating_m is None)
+        }
+
+    def totals(self, index: int, figures: Figures) -> dict[str, Array]:
+        """Cost, mass and power of the system, with the lights' power in one scene."""
+        problem, hw = self.problem, self.hardware
+        n = problem.mission.vehicle.camera_count
+        extra_cost, extra_mass, extra_power = problem.extras
+        port = problem.ports.take(np.array([hw.port]))
+        lamps_to_buy = problem.lamps_to_buy(np.array([hw.light]), np.array([hw.count]))
+
+        def money(name: str) -> Array:
+            body = getattr(self.cameras, name) + getattr(self.lenses, name) + getattr(port, name)
+            return n * body + lamps_to_buy * getattr(self.lights, name) + extra_cost
+
+        mass = (
+            n * (self.cameras.mass_kg + self.lenses.mass_kg + port.mass_kg) + hw.count * self.lights.mass_kg
+        )
+        camera_power = n * self.cameras.power_w + extra_power
+        return {
+            "cost": money("price"),
+            "cost_limit_value": money("limit_price"),
+            "mass_kg": mass + extra_mass,
+            "camera_power_w": camera_power,
+            "power_w": camera_power + figures.light_power_w,
+        }
+
+
+def design_model(problem: Problem, hardware: Hardware) -> DesignModel:
+    """The model of one hardware, made once a problem: the light's integrals are its cost."""
+    if hardware not in problem.known_models:
+        problem.known_models[hardware] = DesignModel(problem, hardware)
+    model: DesignModel = problem.known_models[hardware]
+    model.set_reach()  # another design may have told the tables its own since
+    return model
+
+
+def _setting_rows(
+    f_number: Any, exposure: Any, pulse: Any, gain: Any, level: Any, rate: Any, dioptre: Any
+) -> SettingRows:
+    """One design's settings as columns of length one."""
+    values = [f_number, exposure, np.inf if pulse is None else pulse, gain, level, rate, dioptre]
+    return SettingRows(*(np.array([value], float) for value in values))

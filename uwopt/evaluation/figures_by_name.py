@@ -1,0 +1,394 @@
+"""Figures and settings of a design by the names that reports use, in the field's units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.figures import (
+    Figures,
+    SettingRows,
+    electrons_in_image,
+    figures_of,
+    full_light_lm,
+    open_s,
+)
+from uwopt.forward.optics import (
+    LAMP_FRONT_M,
+    blur_time_s,
+    field_dioptres_per_m,
+    relative_spectrum,
+    required_rate_hz,
+)
+from uwopt.forward.part_columns import CONTINUOUS, FLASH
+from uwopt.forward.sharpness import arriving, mean_wavelength_nm
+from uwopt.model import lateral, sensor, sharpness
+from uwopt.model import lens as lens_model
+from uwopt.model.defocus import defocus_px, dome_decentring
+from uwopt.model.port import dome_virtual_image_distance_m
+from uwopt.results.result import SceneResult
+from uwopt.units import split_unit
+
+Array = NDArray[Any]
+
+
+def plain_settings(
+    model: DesignModel, index: int, settings: SettingRows, figures: Figures
+) -> dict[str, float | None]:
+    """Settings in the field's units."""
+    kind = int(model.lights.kind[0])
+    level, pulse = float(settings.level[0]), float(settings.pulse_s[0])
+    flux = None if kind == FLASH else float(model.lights.full_light[0]) * model.hardware.count * level
+    energy = float(model.lights.stored_energy_j[0]) * level if kind == FLASH else None
+    focus = float(figures.focus_distance_m[0])
+    return {
+        "f_number": float(settings.f_number[0]),
+        "exposure_ms": float(settings.exposure_s[0]) * 1e3,
+        "pulse_ms": pulse * 1e3 if kind != CONTINUOUS and math.isfinite(pulse) else None,
+        "gain": float(settings.gain[0]),
+        "gain_db": 20.0 * math.log10(float(settings.gain[0])) if settings.gain[0] > 0 else None,
+        "flux_lm": flux,
+        "dim_frac": level,
+        "flash_energy_j": energy,
+        "frame_rate_hz": float(settings.rate_hz[0]),
+        "focus_distance_m": focus if math.isfinite(focus) else None,
+    }
+
+
+def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures: Figures) -> dict[str, Any]:
+    """Figures at the nominal altitude, by the names that reports use."""
+    scene, view = model.problem.scenes[index], model.views[index]
+    landscape, at = model.hardware.landscape, scene.nominal
+    along, across = float(view.footprint_along_m[0, 1]), float(view.footprint_across_m[0, 1])
+    snr = float(figures.snr[0, at])
+    needs = scene.view.requirements
+    speed = scene.view.vehicle.speed_m_s
+    nominal_rate = float(required_rate_hz(needs, speed, view.footprint_along_m[:, 1:2])[0, 0])
+    far = float(figures.dof_far_m[0])
+    near = float(figures.dof_near_m[0])
+    cam = model.cameras
+    mean_level = float(figures.mean_level[0, at])
+    blur_limit = float(blur_time_s(_at_nominal(scene), model.shapes[index], _nominal_view(view))[0])
+    worst = model.snr_at_worst(index, settings)
+    out: dict[str, Any] = {
+        "fov_x_m": across if landscape else along,
+        "fov_y_m": along if landscape else across,
+        "gsd_mm": float(view.gsd_m[0, 1]) * 1e3,
+        "blur_px": float(figures.blur_px[0, 1]),
+        "skew_px": float(figures.skew_px[0, 1]),
+        "swath_m": across,
+        "overlap": float(figures.overlap[0, 1]),
+        "frame_rate_min_hz": nominal_rate,
+        "exposure_max_ms": blur_limit * 1e3,
+        "exposure_ms": float(settings.exposure_s[0]) * 1e3,
+        "pulse_ms": plain_settings(model, index, settings, figures)["pulse_ms"],
+        "f_number": float(settings.f_number[0]),
+        "working_f_number": float(figures.working_f_number[0]),
+        "gain": float(settings.gain[0]),
+        "flux_lm": plain_settings(model, index, settings, figures)["flux_lm"],
+        "duty_frac": float(figures.duty_frac[0]),
+        "dof_near_m": near,
+        "dof_far_m": far,
+        "dof_far_is_infinite": math.isinf(far),
+        "dof_m": max(far - near, 0.0),
+        "focus_distance_m": plain_settings(model, index, settings, figures)["focus_distance_m"],
+        "virtual_image_distance_m": virtual_image_m(model, index),
+        "effective_focal_length_mm": effective_focal_mm(model, index),
+        **illuminance(model, index, settings),
+        "electrons_signal": float(figures.electrons_signal[0, at]),
+        "electrons_forward": at_nominal(figures.electrons_forward, at),
+        "electrons_backscatter": at_nominal(figures.electrons_backscatter, at),
+        "electrons_sun": at_nominal(figures.electrons_sun, at),
+        "electrons_dark": float(figures.electrons_dark[0]),
+        "mean_level": mean_level,
+        "mean_dn": mean_level * float(2.0 ** cam.bits[0] - 1.0),
+        "saturation_fraction": float(figures.saturation_fraction[0]),
+        "snr": snr,
+        "snr_db": decibels(snr),
+        "snr_db_min": None if worst is None else decibels(worst),
+        "snr_db_centre": centre_db(model, index, settings),
+        **colour_figures(model, index, settings, figures),
+        "contrast": None if has_no_veil(figures) else at_nominal(figures.contrast, at),
+        "veil_ratio": veil_ratio(figures, at),
+        **sharpness_figures(model, index, settings, figures),
+        "airy_diameter_um": airy_um(model, index, float(figures.working_f_number[0])),
+        "power_w": float(model.totals(index, figures)["power_w"][0]),
+        "light_power_w": float(figures.light_power_w[0]),
+        "light_peak_power_w": float(figures.light_peak_power_w[0]),
+        "camera_power_w": float(model.totals(index, figures)["camera_power_w"][0]),
+        "cost": float(model.totals(index, figures)["cost"][0]),
+        "currency": model.problem.mission.limits.currency,
+        "mass_kg": float(model.totals(index, figures)["mass_kg"][0]),
+        "data_rate_mb_s": float(figures.data_rate_mb_s[0]) * model.problem.mission.vehicle.camera_count,
+        "information_bit_per_m2": at_one(figures.information_bit_per_m2),
+    }
+    return with_flags(out)
+
+
+def with_flags(figures: dict[str, Any]) -> dict[str, Any]:
+    """Figures without numbers that JSON cannot hold: None, with a flag beside those that are infinite."""
+    out: dict[str, Any] = {}
+    for key, value in figures.items():
+        wild = isinstance(value, float) and not math.isfinite(value)
+        out[key] = None if wild else value
+        if wild and value == math.inf:
+            out[f"{split_unit(key)[0]}_is_infinite"] = True
+    return out
+
+
+def _at_nominal(scene: Any) -> Any:
+    return replace(scene, range_m=scene.range_m[scene.nominal : scene.nominal + 1], nominal=0)
+
+
+def _nominal_view(view: Any) -> Any:
+    middle = {
+        name: np.repeat(getattr(view, name)[:, 1:2], 3, axis=1)
+        for name in ("footprint_along_m", "footprint_across_m", "gsd_m", "pixel_along_m", "pixel_across_m")
+    }
+    return replace(view, **middle)
+
+
+def at_nominal(column: Array | None, altitude: int) -> float | None:
+    """A figure of the only design at one altitude; None when it is left out."""
+    return None if column is None else float(column[0, altitude])
+
+
+def at_one(column: Array | None) -> float | None:
+    """A figure of the only design; None when it is left out."""
+    return None if column is None else float(column[0])
+
+
+# Gains that make a grey floor grey, relative to green, and what the red then lacks in SNR.
+WHITE_BALANCE = ("white_balance_red", "white_balance_blue", "snr_red_below_green_db")
+SHARPNESS = (
+    "mtf50_cyc_per_px", "mtf_half_nyquist", "resolution_10_mm", "lateral_colour_px", "defocus_corner_px",
+    "decentring_distortion_px", "decentring_defocus_px",
+)  # fmt: skip
+
+
+def sharpness_figures(
+    model: DesignModel, index: int, settings: SettingRows, figures: Figures
+) -> dict[str, float | None]:
+    """MTF where the mission wants the image sharp, and what colours and defocus do at the corner."""
+    scene, problem, view = model.problem.scenes[index], model.problem, model.views[index]
+    if scene.paper:
+        return dict.fromkeys(SHARPNESS)
+    dioptre = float(settings.dioptre_per_m[0])
+    rows = model.sharp_rows(index, dioptre)
+    f_number, working = settings.f_number, figures.working_f_number
+    sunlit = model.rows[index].sun is not None
+    blur_s = open_s(model.rows[index], settings) if sunlit else figures.light_time_s
+    (group, table), *_ = rows.groups()
+    at = rows.at(
+        group, table, working_f_number=working, blur_px=rows.blur_px_per_s[:, 1] * blur_s,
+        disc_px=rows.place_disc_px[:, 1] / f_number, field="place",
+    )  # fmt: skip
+    resolution_m = sharpness.resolution_10_m(
+        at, ground_sample_along_m=view.gsd_m[:, 1], ground_sample_across_m=view.gsd_m[:, 1]
+    )
+    spectrum = int(problem.contractions[index].spectrum_of[int(model.lights.optics_index[0])])
+    electrons = arriving(scene, problem.contractions[index], spectrum, int(model.cameras.qe_index[0]))
+    corner, shape = np.hypot(view.tan_along, view.tan_across), model.shapes[index]
+    colour = 0.0
+    if not shape.is_dome:
+        spread = lateral.lateral_colour_px(
+            corner, n_water=scene.n_water_spectrum, n_design=scene.n_water, electrons=electrons,
+            focal_length_m=view.focal_length_m, pixel_pitch_m=model.cameras.pixel_pitch_m,
+        ) * lateral.finite_range_share(
+            corner, gap_m=shape.gap_m, thickness_m=shape.thickness_m, n_glass=shape.n_glass,
+            n_water=shape.n_water, range_m=float(scene.range_m[scene.nominal]),
+        )  # fmt: skip
+        reflected = lateral.some_reflected(
+            corner, n_water=scene.n_water_spectrum, n_design=scene.n_water, electrons=electrons
+        )
+        colour = math.inf if reflected[0] else float(spread[0])  # reported as null
+    bent = field_dioptres_per_m(view.corner_image, float(scene.range_m[scene.nominal]))
+    disc = np.array([np.inf])  # without an image; reported as null
+    if np.isfinite(working[0]):
+        disc = defocus_px(
+            bent, f_number=f_number[:, None], focal_length_m=view.focal_length_m[:, None],
+            pixel_pitch_m=model.cameras.pixel_pitch_m[:, None], focus_dioptre_per_m=dioptre,
+        )  # fmt: skip
+    return {
+        "mtf50_cyc_per_px": float(sharpness.mtf50_cyc_per_px(at)[0]),
+        "mtf_half_nyquist": float(sharpness.mtf_half_nyquist(at)[0]),
+        "resolution_10_mm": float(resolution_m[0]) * 1e3,
+        "lateral_colour_px": colour if problem.effects.lateral_colour else None,
+        "defocus_corner_px": float(disc.max()) if problem.effects.image_curvature else None,
+        **decentring(model, index, float(f_number[0])),
+    }
+
+
+def decentring(model: DesignModel, index: int, f_number: float) -> dict[str, float | None]:
+    """What 1 mm between pupil and dome centre does at the corner; None behind a flat port."""
+    shape, view = model.shapes[index], model.views[index]
+    if not shape.is_dome:
+        return {"decentring_distortion_px": None, "decentring_defocus_px": None}
+    scene = model.problem.scenes[index]
+    moved = dome_decentring(
+        float(scene.range_m[scene.nominal]),
+        cos_field=float(1.0 / np.sqrt(1.0 + view.tan_along[0] ** 2 + view.tan_across[0] ** 2)),
+        focus_map=model.maps[index], f_number=f_number, focal_length_m=float(view.focal_length_m[0]),
+        pixel_pitch_m=float(model.cameras.pixel_pitch_m[0]),
+    )  # fmt: skip
+    distortion = max(abs(float(moved.across_distortion_px)), abs(float(moved.axial_distortion_px)))
+    return {"decentring_distortion_px": distortion, "decentring_defocus_px": float(moved.axial_defocus_px)}
+
+
+def has_no_veil(figures: Figures) -> bool:
+    """Whether the model left all veils out."""
+    return figures.electrons_forward is None and figures.electrons_backscatter is None
+
+
+def veil_ratio(figures: Figures, altitude: int) -> float | None:
+    """Veil over image-forming electrons; None where veils are left out or nothing forms an image."""
+    if has_no_veil(figures) or not figures.electrons_signal[0, altitude] > 0:
+        return None
+    veils = (figures.electrons_forward, figures.electrons_backscatter)
+    veil = sum(float(column[0, altitude]) for column in veils if column is not None)
+    return veil / float(figures.electrons_signal[0, altitude])
+
+
+def decibels(ratio: float) -> float | None:
+    """20 log10, None where there is no signal."""
+    return 20.0 * math.log10(ratio) if ratio > 0 else None
+
+
+def virtual_image_m(model: DesignModel, index: int) -> float | None:
+    """Virtual image of the floor from the dome's outer vertex."""
+    shape, scene = model.shapes[index], model.problem.scenes[index]
+    if not shape.is_dome:
+        return None
+    return float(
+        dome_virtual_image_distance_m(
+            float(scene.range_m[scene.nominal]),
+            outer_radius_m=shape.outer_radius_m,
+            thickness_m=shape.thickness_m,
+            n_glass=shape.n_glass,
+            n_water=shape.n_water,
+        )
+    )
+
+
+def effective_focal_mm(model: DesignModel, index: int) -> float:
+    """Focal length that the floor sees: n_w f behind a flat port (paraxial), f behind a dome."""
+    focal_mm = float(model.lenses.focal_length_m[0]) * 1e3
+    shape = model.shapes[index]
+    return focal_mm if shape.is_dome else focal_mm * shape.n_water
+
+
+def illuminance(model: DesignModel, index: int, settings: SettingRows) -> dict[str, float]:
+    """Floor illuminance over the footprint at the nominal altitude, while the lights are on."""
+    lumens = float(full_light_lm(model.lights, np.array([model.hardware.count]))[0]) * float(
+        settings.level[0]
+    )
+    lumens *= float(model.lights.output_factor[0])
+    mean, least = model.floor_light(index)
+    return {
+        "floor_illuminance_mean_lx": lumens * mean,
+        "floor_illuminance_min_lx": lumens * least,
+        "uniformity": least / mean if mean > 0 else 0.0,
+    }
+
+
+def colour_figures(
+    model: DesignModel, index: int, settings: SettingRows, figures: Figures
+) -> dict[str, float | None]:
+    """SNR of each channel of a colour sensor at the nominal altitude; None for a mono sensor."""
+    names = ("red", "green", "blue")
+    curves = model.problem.efficiencies[int(model.cameras.qe_index[0])]
+    if not all(name in curves for name in names):
+        return dict.fromkeys((*(f"snr_{name}" for name in names), *WHITE_BALANCE))
+    scene, cam = model.problem.scenes[index], model.cameras
+    out: dict[str, float | None] = {}
+    signal = {}
+    for name in names:
+        light, sun = model.image_light(index, channel=name), model.sun_light(index, channel=name)
+        open_y = open_s(model.rows[index], settings) / np.square(figures.working_f_number)
+        seen = electrons_in_image(replace(model.rows[index], light=light, sun=sun), figures.light_x, open_y)
+        signal[name] = float(seen.signal_e[0, scene.nominal])
+        out[f"snr_{name}"] = float(
+            sensor.snr(
+                signal[name],
+                veil_e=0.0 if seen.veil_e is None else float(seen.veil_e[0, scene.nominal]),
+                read_noise_e=float(cam.read_noise_e[0]),
+                gain_dn_per_e=float(cam.gain_dn_per_e[0] * settings.gain[0]),
+                dark_e=float(figures.electrons_dark[0]),
+                prnu_frac=float(cam.prnu_frac[0]),
+            )
+        )
+    red, green = out["snr_red"], out["snr_green"]
+    below = 20.0 * math.log10(green / red) if red and green else None
+    balance = [signal["green"] / signal[name] if signal[name] > 0 else None for name in ("red", "blue")]
+    return {**out, **dict(zip(WHITE_BALANCE, (*balance, below), strict=True))}
+
+
+def centre_db(model: DesignModel, index: int, settings: SettingRows) -> float | None:
+    """SNR at the middle of the image at the nominal altitude; None in physics `paper`, which knows no field."""
+    scene = model.problem.scenes[index]
+    if scene.paper:
+        return None
+    rows = replace(model.rows[index], light=model.light_at_centre(index))
+    return decibels(float(figures_of(scene, rows, settings).snr[0, scene.nominal]))
+
+
+def airy_um(model: DesignModel, index: int, working_f_number: float) -> float:
+    """Airy disc at the electron-weighted mean wavelength of the light that arrives."""
+    problem = model.problem
+    scene, contraction = problem.scenes[index], problem.contractions[index]
+    spectrum = int(contraction.spectrum_of[int(model.lights.optics_index[0])])
+    seen = arriving(scene, contraction, spectrum, int(model.cameras.qe_index[0]))
+    if not seen.sum() > 0:  # nothing arrives: the lamp's own colour
+        seen = relative_spectrum(contraction.spectrum_names[spectrum], scene.wavelength_nm)
+    mean_nm = mean_wavelength_nm(scene, seen)
+    return float(lens_model.airy_diameter_m(mean_nm, working_f_number=working_f_number)) * 1e6
+
+
+# ---------------------------------------------------------------- what should be known of the light
+
+
+DARK_SHARE = 0.01  # of the image: a darker part is worth a warning
+UNEVEN, FAR_BELOW_DB = 0.1, 15.0  # least over mean light on the floor; darkest pixel below the mean
+
+
+def light_notes(model: DesignModel) -> list[dict[str, str]]:
+    """Warnings of images that the lamps do not fill."""
+    notes: list[dict[str, str]] = []
+    for index, scene in enumerate(model.problem.scenes):
+        if scene.paper:
+            continue
+        clear_m = model.lamp_clearance_m(index)
+        if clear_m < LAMP_FRONT_M:
+            text = (
+                f"{scene.name}: a lamp stands in the camera's view, or within {100 * LAMP_FRONT_M:g} cm of it; what "
+                "the water scatters there is not known, nor is what the lamp hides; move it outward"
+            )
+            notes.append({"code": "lamp_in_view", "path": "vehicle.light_baseline_m", "message": text})
+        dark = model.dark_share(index)
+        if dark > DARK_SHARE:
+            text = f"{scene.name}: no light reaches {100 * dark:.0f} % of the image; widen the beam, tilt or add lamps"
+            notes.append({"code": "dark_image", "path": "light", "message": text})
+    return notes
+
+
+def uneven_notes(scenes: Sequence[SceneResult]) -> list[dict[str, str]]:
+    """Warnings of images whose mean meets the requirements while parts of them are all but dark."""
+    notes = []
+    for scene in scenes:
+        even, darkest = scene.figures["uniformity"], scene.figures["snr_db_min"]
+        mean = scene.figures["snr_db"]
+        below = None if darkest is None or mean is None else mean - darkest
+        if even is None or (even >= UNEVEN and (below is None or below <= FAR_BELOW_DB)):
+            continue
+        said = f"{scene.name}: very uneven light: the darkest place of the floor has {100 * even:.2g} % of the mean"
+        if darkest is not None:
+            said += f", its SNR is {darkest:.1f} dB"
+        said += "; ask for min_uniformity, snr_at: worst or min_contrast"
+        notes.append({"code": "uneven_light", "path": "light", "message": said})
+    return notes

@@ -1,0 +1,214 @@
+"""Many designs at once: hardware as index columns and settings as arrays in, figures out.
+
+The forward model for searches that evaluate populations. What depends on hardware alone is integrated
+once a batch, in groups that share port, light and efficiency curve; no loop runs over designs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings
+from uwopt.forward import effects as influence
+from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
+from uwopt.forward.lamp_light import ImageLight, Veils
+from uwopt.forward.optics import Views, focus_map, views
+from uwopt.forward.problem import Mount, Problem
+from uwopt.forward.scene import SceneOptics
+from uwopt.forward.sharpness import SharpRows
+from uwopt.model.effects import Effects
+from uwopt.model.port import FocusMap
+from uwopt.objectives.objective import Objective
+
+Array = NDArray[Any]
+FEW = 4  # designs that are judged first: what they need, the batch needs
+VEILS = {"forward_veil", "backscatter"}
+
+
+@dataclass(frozen=True)
+class Designs:
+    """Hardware of n designs as indices into a problem's tables; the mount is common."""
+
+    camera: Array
+    lens: Array
+    port: Array
+    landscape: Array
+    light: Array
+    count: Array
+    mount: Mount
+
+    def __len__(self) -> int:
+        return len(self.camera)
+
+
+class Batch:
+    """n designs in all scenes of a problem, their hardware tabulated."""
+
+    def __init__(self, problem: Problem, designs: Designs):
+        self.problem, self.designs = problem, designs
+        self.views = [self._views(scene, index) for index, scene in enumerate(problem.scenes)]
+        for index, view in enumerate(self.views):
+            widest = 0.5 * np.hypot(view.footprint_along_m[:, 2], view.footprint_across_m[:, 2])
+            problem.set_reach(index, 1.5 * float(widest.max(initial=0.0)))
+        self._signals: dict[int, ImageLight] = {}
+
+    def signal(self, index: int) -> ImageLight:
+        """Image-forming light of all designs in one scene, worked out once: bounds and figures both rest on it."""
+        if index not in self._signals:
+            self._signals[index] = self._light(index, veils="none")
+        return self._signals[index]
+
+    def _light(
+        self, index: int, *, veils: Veils, pixels: bool = False, known: ImageLight | None = None
+    ) -> ImageLight:
+        """Electrons per lm s behind the lamps' windows, group by group."""
+        d, view = self.designs, self.views[index]
+        parts = []
+        for rows, port, optics in self.groups(by_curve=False):
+            for count in np.unique(d.count[rows]) if pixels else [2]:
+                mine = rows[d.count[rows] == count] if pixels else rows
+                light = self.problem.image_light(
+                    index, view.take(mine), d.camera[mine], port_index=port, optics=optics, mount=d.mount,
+                    count=int(count), pixels=pixels, veils=veils, known=None if known is None else known.take(mine),
+                )  # fmt: skip
+                parts.append((mine, light))
+        return ImageLight.joined(parts, len(d))
+
+    def _views(self, scene: SceneOptics, index: int) -> Views:
+        """Geometry row by row, port by port and orientation by orientation."""
+        d, problem = self.designs, self.problem
+        columns: dict[str, Array] = {}
+        for port in np.unique(d.port):
+            for landscape in (False, True):
+                mine = np.nonzero((d.port == port) & (d.landscape == landscape))[0]
+                if len(mine) == 0:
+                    continue
+                part = views(
+                    scene, problem.cameras.take(d.camera[mine]), problem.lenses.take(d.lens[mine]),
+                    problem.shape(int(port), index), landscape=landscape,
+                )  # fmt: skip
+                for f in fields(part):
+                    value = getattr(part, f.name)
+                    column = columns.setdefault(f.name, np.empty((len(d), *value.shape[1:])))
+                    column[mine] = value
+        return Views(**columns)
+
+    def groups(self, *, by_curve: bool, some: Array | None = None) -> Iterator[tuple[Array, int, int]]:
+        """Rows (or some of them) that share port and light optics (and efficiency curve), with both."""
+        d, problem = self.designs, self.problem
+        rows = np.arange(len(d)) if some is None else some
+        keys = [d.port[rows], problem.lights.optics_index[d.light[rows]]]
+        if by_curve:
+            keys.append(problem.cameras.qe_index[d.camera[rows]])
+        unique, back = np.unique(np.stack(keys), axis=1, return_inverse=True)
+        for n in range(unique.shape[1]):
+            yield rows[back.reshape(-1) == n], int(unique[0, n]), int(unique[1, n])
+
+    def influences(
+        self, tolerance: float, settings: list[SettingRows] | None = None, *, information: bool = False
+    ) -> list[influence.Influence]:
+        """Each effect's bound over all these designs, and whether it is kept at this tolerance."""
+        every = np.arange(len(self.designs))
+        few = every[:: max(1, len(every) // FEW)]
+        found = influence.judge(self.problem, self._judged(few, settings), information=information)
+        beyond = {name for name, (bound, _) in found.items() if bound > tolerance}
+        if len(few) < len(every) and not beyond >= VEILS:  # what a few designs need is kept for all
+            found = influence.judge(self.problem, self._judged(every, settings), information=information)
+        return influence.choose(found, tolerance)
+
+    def _judged(self, some: Array, settings: list[SettingRows] | None) -> list[influence.Group]:
+        """Some of the designs in every scene, in groups that share their integrals."""
+        d = self.designs
+        return [
+            influence.Group(
+                scene_index=index, view=view.take(rows), camera=d.camera[rows], port=port,
+                light=d.light[rows], optics=optics, mount=d.mount, count=d.count[rows],
+                settings=None if settings is None else settings[index].take(rows),
+                signal_e=self.signal(index).signal_e[rows],
+            )
+            for index, view in enumerate(self.views)
+            for rows, port, optics in self.groups(by_curve=True, some=some)
+        ]  # fmt: skip
+
+    def rows(self, index: int, *, pixels: bool | None = None) -> DesignRows:
+        """Hardware of all designs in one scene, light integrals included, with the problem's effects."""
+        d, problem, view = self.designs, self.problem, self.views[index]
+        scene = problem.scenes[index]
+        worst = scene.at_worst if pixels is None else pixels
+        light = self._light(
+            index,
+            veils="all",
+            pixels=worst and not scene.paper,
+            known=None if scene.paper else self.signal(index),
+        )
+        lights = problem.lights.take(d.light)
+        return DesignRows(
+            cameras=problem.cameras.take(d.camera),
+            lenses=problem.lenses.take(d.lens),
+            lights=lights,
+            count=d.count.astype(float),
+            view=view,
+            focus_map=self._focus_map(scene, index),
+            lever_m=levers_m(scene, problem.ports.outer_radius_m[d.port]),
+            light=light.scaled(lights.output_factor),
+            sun=problem.sun_light(index, view, d.camera, port_index=d.port, mount=d.mount, pixels=worst),
+        )
+
+    def _focus_map(self, scene: SceneOptics, index: int) -> FocusMap:
+        """Focus maps of all designs' ports as columns."""
+        ports, back = np.unique(self.designs.port, return_inverse=True)
+        maps = [focus_map(scene, self.problem.shape(int(port), index)) for port in ports]
+        return FocusMap(*(np.array([getattr(m, f.name) for m in maps])[back] for f in fields(FocusMap)))
+
+    def sharp_rows(self, index: int, dioptre_per_m: Array) -> SharpRows:
+        """What the sharpness of all designs depends on at this focus."""
+        d = self.designs
+        parts = [
+            (
+                rows,
+                self.problem.sharp_rows(
+                    index, self.views[index].take(rows), camera=d.camera[rows], lens=d.lens[rows], port=d.port[rows],
+                    optics=optics, dioptre_per_m=dioptre_per_m[rows],
+                ),
+            )
+            for rows, _, optics in self.groups(by_curve=False)
+        ]  # fmt: skip
+        return SharpRows.joined(parts, len(d))
+
+    def figures(
+        self, index: int, rows: DesignRows, settings: SettingRows, *, information: bool = False
+    ) -> Figures:
+        """All figures that requirements need in one scene."""
+        scene = self.problem.scenes[index]
+        if not scene.paper and (information or scene.view.requirements.min_mtf_half_nyquist is not None):
+            rows = replace(rows, sharp=self.sharp_rows(index, settings.dioptre_per_m))
+        return figures_of(scene, rows, settings, information=information)
+
+    def with_effects(self, effects: Effects) -> Batch:
+        """The same designs in a model that keeps these effects."""
+        lean = Batch(self.problem.with_effects(effects), self.designs)
+        lean._signals = self._signals  # with the window's loss by angle, which is then no less true
+        return lean
+
+
+def influences_of(
+    problem: Problem, hardware: Hardware, given: list[SceneSettings], goal: Objective
+) -> list[influence.Influence]:
+    """How much each effect matters to one design, and what physics `auto` would leave out."""
+    if problem.paper:
+        return []
+    plain = DesignModel(problem.with_effects(Effects.none()), hardware)
+    settings = [plain.settings(index, one) for index, one in enumerate(given)]
+    one = np.array([0])
+    designs = Designs(
+        one + hardware.camera, one + hardware.lens, one + hardware.port, np.array([hardware.landscape]),
+        one + hardware.light, one + hardware.count, hardware.mount,
+    )  # fmt: skip
+    batch = Batch(problem, designs)
+    information = bool(goal.weight("information"))
+    return batch.influences(problem.mission.tolerance, settings, information=information)

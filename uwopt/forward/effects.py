@@ -1,0 +1,214 @@
+"""What a scene does not need: an upper bound of each effect's influence, and what may be left out.
+
+The influence of an effect is the largest change that leaving it out makes to any requirement or
+objective: of ratios absolutely, of decibels by a tenth of a decibel's number (0.05 dB count as 0.005), of
+all else relatively. Veils change signal, noise, level and contrast by no more than their share of the
+image-forming light, so bounds are bounds of shares; they come from coarse integrals with a margin.
+Effects are left out while the sum of their bounds stays within the tolerance.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.figures import SettingRows, full_light_lm
+from uwopt.forward.lamp_light import COARSE_ORDER, SMOOTH_MARGIN, LampField
+from uwopt.forward.optics import LARGEST_EXPONENT, TINY, Views, one_side
+from uwopt.forward.part_columns import CONTINUOUS
+from uwopt.forward.problem import Mount, Problem
+from uwopt.forward.sun_light import SunField
+from uwopt.model import beam as beams
+from uwopt.model import imaging, port
+from uwopt.model.effects import Effects
+
+Array = NDArray[Any]
+
+EDGE_MARGIN = 3.0  # where the beam ends sharply
+FORWARD_MARGIN = 1.05  # the spectrum at the ends of the lamp's ranges bounds what lies between
+PIXELS = 5  # a side, where the worst pixel counts
+FULL_OVER_COARSE = 12.0  # nodes of the full backscatter integral over the coarse one, as measured
+KEPT = float("inf")
+
+
+@dataclass(frozen=True)
+class Influence:
+    """One effect in the scenes at hand."""
+
+    name: str
+    bound: float  # inf: asked for by a requirement of its own, not worth bounding
+    kept: bool
+    time_saved_s: float  # estimated
+
+    def as_dict(self) -> dict[str, Any]:
+        """For a result."""
+        bound = None if np.isinf(self.bound) else self.bound
+        return {"name": self.name, "bound": bound, "kept": self.kept, "time_saved_s": self.time_saved_s}
+
+
+@dataclass(frozen=True)
+class Group:
+    """Imagers in one scene that share port, lighting and efficiency curve, with what is set on them."""
+
+    scene_index: int
+    view: Views
+    camera: Array
+    port: int
+    light: Array
+    optics: int
+    mount: Mount
+    count: Array
+    settings: SettingRows | None = None  # None: not known yet, so that sunlight is kept
+    signal_e: Array | None = None  # image-forming light per lm s, where it is known
+
+
+def choose(influences: dict[str, tuple[float, float]], tolerance: float) -> list[Influence]:
+    """Leave out the smallest bounds as long as their sum stays within the tolerance."""
+    spent, chosen = 0.0, []
+    for name, (bound, saved_s) in sorted(influences.items(), key=lambda item: item[1][0]):
+        fits = spent + bound <= tolerance
+        spent += bound if fits else 0.0
+        chosen.append(Influence(name, bound, not fits, saved_s if fits else 0.0))
+    order = Effects.names()
+    return sorted(chosen, key=lambda item: order.index(item.name))
+
+
+def effects_kept(influences: Sequence[Influence]) -> Effects:
+    """The model that keeps what must be kept."""
+    return Effects().without(item.name for item in influences if not item.kept)
+
+
+def judge(
+    problem: Problem, groups: Sequence[Group], *, information: bool = False
+) -> dict[str, tuple[float, float]]:
+    """Largest bound of each effect over groups of imagers, and the time that leaving it out would save [s].
+
+    `information`: the objective asks for it.
+    """
+    worst = dict.fromkeys(Effects.names(), 0.0)
+    saved = dict.fromkeys(Effects.names(), 0.0)
+    for group in groups:
+        for name, (bound, saved_s) in bounds_of(problem, group, information=information).items():
+            worst[name] = max(worst[name], bound)
+            saved[name] += saved_s
+    return {name: (worst[name], saved[name]) for name in worst}
+
+
+def bounds_of(problem: Problem, group: Group, *, information: bool) -> dict[str, tuple[float, float]]:
+    """Bound and time saved of each effect for one group."""
+    scene = problem.scenes[group.scene_index]
+    needs = scene.view.requirements
+    found = dict.fromkeys(Effects.names(), (0.0, 0.0))
+    shape = problem.shape(group.port, group.scene_index)
+    view = group.view
+    at_corner = needs.dof_at == "corner" and (
+        needs.min_dof_m is not None or needs.min_mtf_half_nyquist is not None
+    )
+    if at_corner or information:
+        found["image_curvature"] = found["lateral_colour"] = (KEPT, 0.0)
+    if not shape.is_dome:
+        corner = np.hypot(view.tan_along, view.tan_across)
+        oblique = port.flat_port_transmittance(corner, n_water=shape.n_water, n_glass=shape.n_glass)
+        head_on = port.normal_port_transmittance(n_water=shape.n_water, n_glass=shape.n_glass)
+        found["window_angle"] = (float(np.max(1.0 - oblique / head_on)), 0.0)
+    start = time.perf_counter()
+    field = LampField(
+        problem, group.scene_index, port_index=group.port, optics=group.optics, mount=group.mount,
+        count=int(group.count.max()), efficiency=int(problem.cameras.qe_index[group.camera[0]]),
+    )  # fmt: skip
+    signal = group.signal_e
+    if signal is None:
+        signal = field.light(view, pixels=False, veils="none").signal_e
+    signal_s = time.perf_counter() - start
+    if scene.scatters:
+        found["forward_veil"] = (forward_bound(field, view), signal_s)
+        start = time.perf_counter()
+        bound = backscatter_bound(field, view, signal)
+        found["backscatter"] = (bound, FULL_OVER_COARSE * (time.perf_counter() - start))
+    if needs.snr_at == "worst" and needs.min_snr is not None and scene.scatters:
+        forward, back = worst_pixel_shares(field, view)
+        found["forward_veil"] = (max(found["forward_veil"][0], forward), found["forward_veil"][1])
+        found["backscatter"] = (max(found["backscatter"][0], back), found["backscatter"][1])
+    if scene.sunlit:
+        found["sunlight"] = (sun_bound(problem, group, signal, information=information), 0.0)
+    return found
+
+
+def forward_bound(field: LampField, view: Views) -> float:
+    """Most that exp(-K r) - exp(-c r) can be of exp(-c r) over the detected spectrum, on the longest ray."""
+    scene, contraction = field.scene, field.contraction
+    weight = contraction.weight(field.spectrum, field.efficiency, field.channel)
+    excess = scene.attenuation_per_m - scene.lamp_attenuation_per_m
+    lit = weight > 0
+    if not lit.any():  # a black floor
+        return 0.0
+    most = 0.0
+    for range_m in (float(scene.range_m[0]), float(scene.range_m[-1])):
+        x_m, y_m, path_m = imaging.floor_point(
+            view.tan_along, view.tan_across, shape=field.shape, range_m=range_m
+        )
+        longest = float(path_m.max())
+        height = min(range_m - z for z in field.lamps.z_m)
+        aside = float(np.hypot(x_m, y_m).max()) + max(
+            float(np.hypot(x, y)) for x, y in zip(field.lamps.x_m, field.lamps.y_m, strict=True)
+        )
+        for lamp_m in (height, float(np.hypot(height, aside))):
+            optical = scene.lamp_attenuation_per_m * lamp_m + scene.attenuation_per_m * longest
+            seen = weight[lit] * np.exp(-(optical[lit] - optical[lit].min()))
+            veil = np.expm1(np.minimum(excess[lit] * longest, LARGEST_EXPONENT))
+            most = max(most, float((seen * veil).sum() / seen.sum()))
+    return most * FORWARD_MARGIN
+
+
+def margin(field: LampField) -> float:
+    """What a coarse integral is multiplied with."""
+    return EDGE_MARGIN if beams.has_sharp_edge(field.beam) else SMOOTH_MARGIN
+
+
+def backscatter_bound(field: LampField, view: Views, signal: Array) -> float:
+    """A coarse mean of the lamps' path radiance over the image-forming light, with a margin."""
+    from uwopt.model import veil
+
+    most = 0.0
+    for index in {0, len(field.scene.range_m) - 1}:
+        coarse = veil.mean_backscatter(
+            view.tan_along, view.tan_across, lamps=one_side(field.lamps), scatterers=field.scatterers(),
+            order=COARSE_ORDER, **field.common(float(field.scene.range_m[index])),
+        )  # fmt: skip
+        share = coarse * view.collecting_m2 / np.maximum(signal[:, index], TINY)
+        most = max(most, float(np.max(share)))
+    return most * margin(field)
+
+
+def worst_pixel_shares(field: LampField, view: Views) -> tuple[float, float]:
+    """Most that each veil can be of the image-forming light in any pixel."""
+    along, across = imaging.pixel_grid(view.tan_along, view.tan_across, n_points=PIXELS)
+    forward, back = field.veils_at_pixels(view, along, across)
+    return float(forward.max()) * FORWARD_MARGIN, float(back.max()) * margin(field)
+
+
+def sun_bound(problem: Problem, group: Group, signal: Array, *, information: bool) -> float:
+    """Most that sunlight can be of the lamps' image-forming light; inf where it would smear the image."""
+    settings, scene = group.settings, problem.scenes[group.scene_index]
+    if settings is None or scene.at_worst:  # the worst pixel may have no other light
+        return KEPT
+    cameras, lights = problem.cameras.take(group.camera), problem.lights.take(group.light)
+    open_s = settings.exposure_s + cameras.exposure_offset_s
+    pulsed = lights.kind != CONTINUOUS
+    lit_s = np.where(pulsed, np.minimum(settings.pulse_s, open_s), open_s)
+    needs = scene.view.requirements
+    if np.any(lit_s < open_s) and (
+        needs.max_blur_px is not None or needs.min_mtf_half_nyquist is not None or information
+    ):
+        return KEPT
+    sun = SunField(
+        problem, group.scene_index, port_index=group.port, efficiency=int(cameras.qe_index[0])
+    ).light(group.view)
+    lamps = full_light_lm(lights, group.count) * settings.level * lit_s * lights.output_factor
+    every = (sun.signal_e_s + sun.veil_e_s) * open_s[:, None]
+    return float(np.max(every / np.maximum(signal * lamps[:, None], TINY)))

@@ -1,0 +1,352 @@
+"""Figures of designs with given settings, for one or for millions: the forward model.
+
+The same functions that the search rests on, read the other way: hardware and settings in, what the
+images would be like out. Arrays run over designs; a second axis runs over altitudes where a
+requirement holds over a band.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.lamp_light import ImageLight, SunLight, added
+from uwopt.forward.optics import Views, altitudes_m, held_at_corner, motion_across, motion_along
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Cameras, Lenses, Lights
+from uwopt.forward.scene import SceneOptics
+from uwopt.forward.sharpness import SharpRows
+from uwopt.model import lens as lens_model
+from uwopt.model import light as light_model
+from uwopt.model import operation, sensor
+from uwopt.model.port import FocusMap, water_distance_m
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class SettingRows:
+    """What is set on n designs in one scene; SI. `pulse_s` counts for pulsed LEDs and flashes only."""
+
+    f_number: Array
+    exposure_s: Array
+    pulse_s: Array
+    gain: Array
+    level: Array
+    rate_hz: Array
+    dioptre_per_m: Array
+
+    def take(self, index: Array) -> SettingRows:
+        """These rows only."""
+        return SettingRows(**{f.name: np.asarray(getattr(self, f.name))[index] for f in fields(self)})
+
+
+@dataclass(frozen=True)
+class DesignRows:
+    """Hardware of n designs in one scene, row by row."""
+
+    cameras: Cameras
+    lenses: Lenses
+    lights: Lights
+    count: Array
+    view: Views
+    focus_map: FocusMap  # fields may be arrays
+    lever_m: Array  # (n, 3) distance from the camera's turning point to the floor
+    light: ImageLight  # electrons per lm s of nameplate light
+    sun: SunLight | None = None  # electrons per second of open shutter
+    sharp: SharpRows | None = None  # what MTF and information depend on
+
+    def by_altitude(self) -> DesignRows:
+        """The same rows with each altitude contiguous, so that millions of designs are worked through faster."""
+
+        def packed(rows: Any) -> Any:
+            columns = {f.name: getattr(rows, f.name) for f in fields(rows)}
+            return replace(rows, **{k: np.asfortranarray(v) for k, v in columns.items() if np.ndim(v) == 2})
+
+        return replace(packed(self), view=packed(self.view), light=packed(self.light))
+
+
+def light_time_s(rows: DesignRows, settings: SettingRows) -> Array:
+    """Time that collects the lamps' light: exposure + t_0, or the pulse if it is shorter."""
+    window = settings.exposure_s + rows.cameras.exposure_offset_s
+    flash = np.minimum(rows.lights.flash_duration_s, settings.pulse_s)
+    pulse = np.where(rows.lights.kind == FLASH, flash, settings.pulse_s)
+    return np.where(rows.lights.kind == CONTINUOUS, window, np.minimum(pulse, window))
+
+
+def full_light_lm(lights: Lights, count: Array) -> Array:
+    """Light of all lamps at full level; a flash gives its lumen seconds evenly over its duration."""
+    one = np.where(lights.kind == FLASH, lights.full_light / lights.flash_duration_s, lights.full_light)
+    return np.asarray(one * count)
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Figures by design; (n, 3) near, nominal, far; (n, n_altitudes) for light."""
+
+    working_f_number: Array
+    light_x: Array
+    light_time_s: Array
+    electrons_signal: Array  # (n, n_altitudes), image-forming, of lamps and sun
+    electrons_forward: Array | None  # veils, (n, n_altitudes); None: left out
+    electrons_backscatter: Array | None
+    electrons_sun: Array | None  # of all these, what the sun brings
+    electrons_dark: Array
+    contrast: Array  # (n, n_altitudes), 0 where there is no light at all
+    snr: Array  # (n, n_altitudes)
+    snr_darkest: Array | None
+    mean_level: Array  # (n, n_altitudes)
+    saturation_fraction: Array
+    blur_px: Array
+    skew_px: Array
+    overlap: Array
+    dof_near_m: Array
+    dof_far_m: Array
+    focus_distance_m: Array
+    light_power_w: Array
+    light_peak_power_w: Array
+    duty_frac: Array
+    data_rate_mb_s: Array
+    mtf_half_nyquist: Array | None  # (n, 3), where the mission wants it
+    information_bit_per_m2: Array | None  # (n,), nominal altitude
+
+
+def figures_of(
+    scene: SceneOptics, rows: DesignRows, settings: SettingRows, *, information: bool = False
+) -> Figures:
+    """All figures that requirements need, for n designs in one scene; `information` where it is asked for."""
+    cam, view = rows.cameras, rows.view
+    factor: Any = 1.0
+    if not scene.paper:
+        imaged = forms_image(rows, settings)
+        with np.errstate(divide="ignore"):
+            object_m = np.where(imaged, 1.0 / settings.dioptre_per_m, np.inf)
+        extended = lens_model.working_f_number(
+            1.0, focal_length_m=view.focal_length_m, object_distance_m=object_m
+        )
+        factor = np.where(imaged, extended, np.inf)
+    working = settings.f_number * factor
+    collected_s = light_time_s(rows, settings)
+    light_x = full_light_lm(rows.lights, rows.count) * settings.level * collected_s / np.square(working)
+    gain = cam.gain_dn_per_e * settings.gain
+    dark = cam.dark_current_e_s * settings.exposure_s
+    open_y = open_s(rows, settings) / np.square(working)
+    seen = electrons_in_image(rows, light_x, open_y)
+    noise = dict(
+        read_noise_e=cam.read_noise_e[:, None],
+        gain_dn_per_e=gain[:, None],
+        dark_e=dark[:, None],
+        prnu_frac=cam.prnu_frac[:, None],
+    )
+    veil = 0.0 if seen.veil_e is None else seen.veil_e
+    every = seen.signal_e if seen.veil_e is None else seen.signal_e + seen.veil_e
+    level = sensor.mean_level(
+        every,
+        gain_dn_per_e=gain[:, None],
+        bits=cam.bits[:, None],
+        dark_e=dark[:, None],
+        offset_dn=cam.black_level_dn[:, None],
+    )
+    near, far = depth_of_field_m(scene, rows, settings)
+    power, peak = power_w(rows, settings, collected_s)
+    snr = np.asarray(sensor.snr(seen.signal_e, veil_e=veil, **noise))
+    blur_s = collected_s if rows.sun is None else open_s(rows, settings)
+    apertures = dict(f_number=settings.f_number, working_f_number=working, blur_s=blur_s)
+    needs_mtf = rows.sharp is not None and scene.view.requirements.min_mtf_half_nyquist is not None
+    return Figures(
+        working_f_number=working,
+        light_x=light_x,
+        light_time_s=collected_s,
+        electrons_signal=seen.signal_e,
+        electrons_forward=seen.forward_e,
+        electrons_backscatter=seen.backscatter_e,
+        electrons_sun=seen.sun_e,
+        electrons_dark=dark,
+        contrast=share_of(seen.signal_e, every),
+        snr=snr,
+        snr_darkest=None if seen.worst_e is None else darkest_snr(seen, noise),
+        mean_level=np.asarray(level),
+        saturation_fraction=saturation_fraction(scene, cam, level, every, dark),
+        blur_px=blur_px(scene, rows, blur_s),
+        skew_px=skew_px(scene, rows),
+        overlap=overlap(scene, view, settings.rate_hz),
+        dof_near_m=near,
+        dof_far_m=far,
+        focus_distance_m=np.asarray(water_distance_m(settings.dioptre_per_m, focus_map=rows.focus_map)),
+        light_power_w=power,
+        light_peak_power_w=peak,
+        duty_frac=np.asarray(light_model.duty_frac(collected_s, frame_rate_hz=settings.rate_hz)),
+        data_rate_mb_s=cam.frame_mb * settings.rate_hz,
+        mtf_half_nyquist=rows.sharp.mtf_half_nyquist(**apertures) if needs_mtf and rows.sharp else None,
+        information_bit_per_m2=rows.sharp.information_bit_per_m2(snr[:, scene.nominal], **apertures)
+        if information and rows.sharp
+        else None,
+    )
+
+
+@dataclass(frozen=True)
+class Electrons:
+    """Electrons of n designs, image means (n, n_altitudes) and at the pixels that may be worst."""
+
+    signal_e: Array
+    forward_e: Array | None
+    backscatter_e: Array | None
+    sun_e: Array | None
+    veil_e: Array | None
+    worst_e: Array | None
+    worst_veil_e: Array | None
+
+
+def electrons_in_image(rows: DesignRows, light_x: Array, open_y: Array) -> Electrons:
+    """The lamps' constants times light, the sun's times open shutter over N_w^2."""
+    lamps, sun = rows.light, rows.sun
+
+    def lit(column: Array | None) -> Array | None:
+        return None if column is None else column * light_x.reshape(-1, *([1] * (column.ndim - 1)))
+
+    def sunlit(column: Array | None) -> Array | None:
+        return None if column is None else column * open_y.reshape(-1, *([1] * (column.ndim - 1)))
+
+    signal, forward, back = lit(lamps.signal_e), lit(lamps.forward_e), lit(lamps.backscatter_e)
+    worst, worst_veil = lit(lamps.worst_e), lit(lamps.worst_veil_e)
+    sun_e = None
+    assert signal is not None
+    if sun is not None:
+        sun_signal, sun_forward, sun_path = (
+            sunlit(c) for c in (sun.signal_e_s, sun.forward_e_s, sun.path_e_s)
+        )
+        sun_e = added(sun_signal, added(sun_forward, sun_path))
+        signal, forward, back = signal + sun_signal, added(forward, sun_forward), added(back, sun_path)
+        if worst is not None:
+            worst = added(worst, sunlit(sun.worst_e_s))
+            worst_veil = added(worst_veil, sunlit(sun.worst_veil_e_s))
+    return Electrons(signal, forward, back, sun_e, added(forward, back), worst, worst_veil)
+
+
+def share_of(part: Array, whole: Array) -> Array:
+    """Part over whole; 0 where there is nothing."""
+    return np.asarray(part / np.where(whole > 0.0, whole, 1.0))
+
+
+def darkest_snr(seen: Electrons, noise: dict[str, Array]) -> Array:
+    """Lowest SNR over the pixels, (n, n_altitudes)."""
+    assert seen.worst_e is not None
+    veil = 0.0 if seen.worst_veil_e is None else seen.worst_veil_e
+    at_pixels = {name: column[:, :, None] for name, column in noise.items()}
+    return np.asarray(sensor.snr(seen.worst_e, veil_e=veil, **at_pixels).min(axis=2))
+
+
+def forms_image(rows: DesignRows, settings: SettingRows) -> Array:
+    """Whether the lens, focused so near, has an image at all: f D < 1. Within its focal length it has none.
+
+    N_w is infinite then: no light arrives, nothing is sharp, and the margin `nearest_focus_m` is missed.
+    """
+    return np.asarray(rows.view.focal_length_m * settings.dioptre_per_m < 1.0)
+
+
+def open_s(rows: DesignRows, settings: SettingRows) -> Array:
+    """Time that collects sunlight: the whole exposure and its offset."""
+    return np.asarray(settings.exposure_s + rows.cameras.exposure_offset_s)
+
+
+def saturation_fraction(scene: SceneOptics, cam: Cameras, level: Array, signal: Array, dark: Array) -> Array:
+    """highlight_ratio times the brightest mean level over the altitudes, of full scale or of the full well."""
+    ratio = scene.view.requirements.highlight_ratio
+    in_well = (signal.max(axis=1) + dark) / cam.saturation_e
+    return np.asarray(ratio * np.maximum(level.max(axis=1), in_well))
+
+
+def depth_of_field_m(scene: SceneOptics, rows: DesignRows, settings: SettingRows) -> tuple[Array, Array]:
+    """Nearest and farthest sharp distance in water; inf where infinity is sharp.
+
+    On the axis; where the mission wants the corners sharp too, at both. A lens without an image has no depth
+    of field: both ends lie at the focus.
+    """
+    lens = dict(focal_length_m=rows.view.focal_length_m, circle_of_confusion_m=rows.view.coc_m)
+    near, far = lens_model.near_far_water_m(
+        settings.f_number, focus_dioptre_per_m=settings.dioptre_per_m, focus_map=rows.focus_map, **lens
+    )
+    imaged = forms_image(rows, settings)
+    if not imaged.all():
+        focus = water_distance_m(settings.dioptre_per_m, focus_map=rows.focus_map)
+        near, far = np.where(imaged, near, focus), np.where(imaged, far, focus)
+    if not held_at_corner(scene) or not imaged.any():
+        return np.asarray(near), np.asarray(far)
+    high, low = lens_model.near_far_dioptre_per_m(
+        settings.f_number, focus_dioptre_per_m=settings.dioptre_per_m, **lens
+    )
+    places = rows.view.corner_image
+    with np.errstate(divide="ignore"):
+        first, last = (
+            places[..., 1] / np.maximum(end[:, None] - places[..., 0], 0.0) - places[..., 2]
+            for end in (np.asarray(high), np.asarray(low))
+        )
+    first, last = (np.where(imaged[:, None], end, near[:, None]) for end in (first, last))
+    return np.maximum(near, first.max(axis=1)), np.minimum(far, last.min(axis=1))
+
+
+def blur_px(scene: SceneOptics, rows: DesignRows, collected_s: Array) -> Array:
+    """Motion blur at near, nominal and far altitude, (n, 3): the worse of both axes."""
+    along = operation.blur_px(
+        collected_s[:, None], ground_sample_m=rows.view.pixel_along_m, **motion_along(scene, rows.lever_m)
+    )
+    if scene.view.vehicle.roll_rate_deg_s == 0.0:
+        return np.asarray(along)
+    across = operation.blur_px(
+        collected_s[:, None], ground_sample_m=rows.view.pixel_across_m, **motion_across(scene, rows.lever_m)
+    )
+    return np.asarray(np.maximum(along, across))
+
+
+def skew_px(scene: SceneOptics, rows: DesignRows) -> Array:
+    """Skew of a rolling shutter under lamps that burn, (n, 3); a pulse freezes all rows at once."""
+    if not rows.cameras.readout_s.any():
+        return np.zeros_like(rows.view.pixel_along_m)
+    skew = operation.skew_px(
+        rows.cameras.readout_s[:, None],
+        ground_sample_m=rows.view.pixel_along_m,
+        **motion_along(scene, rows.lever_m),
+    )
+    return np.where((rows.lights.kind == CONTINUOUS)[:, None], skew, 0.0)
+
+
+def overlap(scene: SceneOptics, view: Views, rate_hz: Array) -> Array:
+    """Share of each image that the next one sees again, (n, 3); negative where there are gaps."""
+    speed = scene.view.vehicle.speed_m_s
+    if speed == 0.0:
+        return np.ones_like(view.footprint_along_m)
+    with np.errstate(divide="ignore"):
+        shared = operation.overlap_at_rate(
+            rate_hz[:, None], speed_m_s=speed, footprint_along_m=view.footprint_along_m
+        )
+    return np.asarray(shared)
+
+
+def power_w(rows: DesignRows, settings: SettingRows, collected_s: Array) -> tuple[Array, Array]:
+    """Mean and peak electrical power of all lights."""
+    lights, count = rows.lights, rows.count
+    burning = light_model.continuous_power_w(settings.level, full_power_w=lights.full_power_w, count=count)
+    pulsed = light_model.pulsed_led_power_w(
+        settings.level,
+        full_power_w=lights.full_power_w,
+        count=count,
+        pulse_s=np.where(lights.kind == PULSED, settings.pulse_s, collected_s),
+        frame_rate_hz=settings.rate_hz,
+    )
+    flashing = light_model.flash_power_w(
+        lights.pulse_energy_j * settings.level,
+        count=count,
+        frame_rate_hz=settings.rate_hz,
+        charging_efficiency=1.0,  # the pulse's energy is counted at the supply
+    )
+    mean = np.where(lights.kind == CONTINUOUS, burning, np.where(lights.kind == PULSED, pulsed, flashing))
+    peak = np.where(lights.kind == FLASH, flashing, burning)
+    return np.asarray(mean), np.asarray(peak)
+
+
+def levers_m(scene: SceneOptics, outer_radius_m: Array) -> Array:
+    """Distance from the camera's turning point to the floor at near, nominal and far altitude, (n, 3)."""
+    radius = 0.0 if scene.paper else np.asarray(outer_radius_m)[:, None]
+    return np.asarray(altitudes_m(scene)[None, :] + radius)

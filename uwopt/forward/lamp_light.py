@@ -1,0 +1,305 @@
+"""What the lamps' light becomes in the pixels of many imagers: signal, veils, and where the image is worst.
+
+Everything is in electrons per lm s of light behind the lamps' windows, at a working f-number of 1, by
+altitude: constants of hardware and scene that settings only scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.optics import Views, on_axis_gain, one_side
+from uwopt.model import beam as beams
+from uwopt.model import imaging, veil
+
+if TYPE_CHECKING:
+    from uwopt.forward.problem import Mount, Problem
+
+Array = NDArray[Any]
+Veils = Literal["none", "forward", "coarse", "all"]  # what is worked out, each with those before it
+
+COARSE_ORDER = 4  # nodes a side of the image in bounds of backscatter
+SMOOTH_MARGIN = 1.5  # times and over a coarse integral: bounds; errors of wide lobes stay below 5 %
+COARSE_FROM_RAD = float(np.deg2rad(15.0))  # half-power angle from which a lobe counts as wide
+
+
+@dataclass(frozen=True)
+class ImageLight:
+    """Electrons per lm s, (n, n_altitudes) image means; (n, n_altitudes, n_pixels) at pixels.
+
+    A veil that is None is left out of the model, or absent.
+    """
+
+    signal_e: Array
+    forward_e: Array | None = None
+    backscatter_e: Array | None = None
+    worst_e: Array | None = None  # at the pixels that may be the worst
+    worst_veil_e: Array | None = None
+    most_veil_e: Array | None = None  # of bounds: no veil is more; the others are then no less than they say
+
+    @property
+    def veil_e(self) -> Array | None:
+        """Electrons that form no image."""
+        return added(self.forward_e, self.backscatter_e)
+
+    def take(self, index: Array) -> ImageLight:
+        """These rows only."""
+        return self._each(lambda column: column[index])
+
+    def scaled(self, factor: Array) -> ImageLight:
+        """Every row times its own factor."""
+        return self._each(lambda column: column * factor.reshape(-1, *([1] * (column.ndim - 1))))
+
+    def _each(self, change: Any) -> ImageLight:
+        columns: dict[str, Any] = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        changed: dict[str, Any] = {n: None if c is None else change(c) for n, c in columns.items()}
+        return ImageLight(**changed)
+
+    @staticmethod
+    def joined(parts: Sequence[tuple[Array, ImageLight]], count: int) -> ImageLight:
+        """Groups of rows put back in their places; a group with fewer pixels repeats its last."""
+        columns: dict[str, Array | None] = {}
+        for name in ImageLight.__dataclass_fields__:
+            pieces = [(rows, getattr(light, name)) for rows, light in parts]
+            if not pieces or pieces[0][1] is None:
+                columns[name] = None
+                continue
+            deepest = max((piece.shape[2:] for _, piece in pieces), default=())
+            out = np.empty((count, *pieces[0][1].shape[1:2], *deepest))
+            for rows, piece in pieces:
+                if piece.ndim == 3 and piece.shape[2] < out.shape[2]:
+                    piece = np.pad(piece, ((0, 0), (0, 0), (0, out.shape[2] - piece.shape[2])), mode="edge")
+                out[rows] = piece
+            columns[name] = out
+        return ImageLight(**columns)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class SunLight:
+    """Electrons per second of open shutter from the sun, at a working f-number of 1; shapes as `ImageLight`."""
+
+    signal_e_s: Array
+    forward_e_s: Array
+    path_e_s: Array
+    worst_e_s: Array | None = None
+    worst_veil_e_s: Array | None = None
+
+    def take(self, index: Array) -> SunLight:
+        """These rows only."""
+        columns: dict[str, Any] = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        picked: dict[str, Any] = {n: None if c is None else c[index] for n, c in columns.items()}
+        return SunLight(**picked)
+
+    @property
+    def veil_e_s(self) -> Array:
+        """What forms no image."""
+        return np.asarray(self.forward_e_s + self.path_e_s)
+
+
+def added(one: Array | None, other: Array | None) -> Array | None:
+    """The sum of what is there."""
+    if one is None or other is None:
+        return other if one is None else one
+    return np.asarray(one + other)
+
+
+class LampField:
+    """One lighting seen by imagers that share scene, port and efficiency curve."""
+
+    def __init__(
+        self, problem: Problem, scene_index: int, *, port_index: int, optics: int, mount: Mount, count: int,
+        efficiency: int, channel: str | None = None,
+    ):  # fmt: skip
+        self.problem, self.scene_index, self.effects = problem, scene_index, problem.effects
+        self.scene, self.contraction = problem.scenes[scene_index], problem.contractions[scene_index]
+        self.fineness = self.scene.fineness
+        self.shape = problem.shape(port_index, scene_index)
+        self.beam = problem.beam(scene_index, optics)
+        self.spectrum = int(self.contraction.spectrum_of[optics])
+        self.efficiency, self.channel = efficiency, channel
+        self.lamps = mount.lamps(count)
+
+    # ------------------------------------------------------------ means
+
+    def light(
+        self, view: Views, *, pixels: bool, veils: Veils, means: bool = True, known: ImageLight | None = None
+    ) -> ImageLight:
+        """All light of these imagers; `known` holds what has been worked out already.
+
+        Without `means` only the pixels count, and the darkest stands for the mean.
+        """
+        if not means:
+            worst, worst_veil = self.at_worst_pixels(view, veils=veils != "none")
+            return ImageLight(worst.min(axis=2), worst_e=worst, worst_veil_e=worst_veil)
+        columns = view.collecting_m2[:, None]
+        response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
+        if self.problem.paper:
+            loss = self.contraction.straight_loss(self.spectrum, self.efficiency, self.channel)
+            return ImageLight(
+                columns * response * (on_axis_gain(self.beam, self.scene.range_m) * loss)[None, :]
+            )
+        signal = columns * response * self.mean_gain(view, forward=False) if known is None else known.signal_e
+        forward = backscatter = None
+        if known is not None and known.forward_e is not None:
+            forward = known.forward_e
+        elif veils != "none" and self.effects.forward_veil and self.scene.scatters:
+            forward = columns * response * self.mean_gain(view, forward=True)
+        if veils == "all" and self.effects.backscatter and self.scene.scatters:
+            backscatter = columns * self.mean_backscatter(view)
+        light = ImageLight(signal, forward, backscatter)
+        if veils == "coarse" and self.effects.backscatter and self.scene.scatters and self.is_wide():
+            light = self.between_bounds(view, light)
+        if not pixels:
+            return light
+        worst, worst_veil = self.at_worst_pixels(view, veils=veils != "none")
+        return replace(light, worst_e=worst, worst_veil_e=worst_veil)
+
+    def common(self, range_m: float) -> dict[str, Any]:
+        """What all field functions take."""
+        return dict(shape=self.shape, range_m=range_m, beam=self.beam)
+
+    def loss_table(self, *, forward: bool = False) -> Any:
+        """Water's loss on both legs; see `Contraction.table`."""
+        return self.problem.table(
+            self.scene_index, self.spectrum, self.efficiency, self.channel, forward=forward
+        )
+
+    def mean_gain(self, view: Views, *, forward: bool) -> Array:
+        """Mean of `imaging.local_gain` over the image, (n, n_altitudes) [1/m^2]."""
+        table = self.loss_table(forward=forward)
+        return np.stack(
+            [
+                imaging.field_mean(
+                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), table=table,
+                    fineness=self.fineness.image, **self.common(float(range_m)),
+                )
+                for range_m in self.scene.range_m
+            ],
+            axis=1,
+        )  # fmt: skip
+
+    def scatterers(self) -> Any:
+        """Particles and molecules with their loss tables."""
+        return self.contraction.scatterers(self.spectrum, self.efficiency, self.channel)
+
+    def is_wide(self) -> bool:
+        """Whether a coarse integral over the image is near enough to bound the fine one."""
+        smooth = self.beam.kind == "cosine-power" and not beams.has_sharp_edge(self.beam)
+        level = all(z <= 0.0 and aim[2] > 0.9 for z, aim in zip(self.lamps.z_m, self.lamps.aim, strict=True))
+        return smooth and level and beams.half_power_angle_rad(self.beam) >= COARSE_FROM_RAD
+
+    def between_bounds(self, view: Views, light: ImageLight) -> ImageLight:
+        """The light with backscatter at its least and its most, from coarse integrals at three altitudes.
+
+        Altitudes between take the lesser and the greater of their neighbours.
+        """
+        count = len(self.scene.range_m)
+        places = sorted({0, count // 2, count - 1})
+        coarse = view.collecting_m2[:, None] * np.stack(
+            [
+                veil.mean_backscatter(
+                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=self.scatterers(),
+                    order=COARSE_ORDER, **self.common(float(self.scene.range_m[n])),
+                )
+                for n in places
+            ],
+            axis=1,
+        )  # fmt: skip
+        before = np.searchsorted(places, np.arange(count), side="right") - 1
+        after = np.searchsorted(places, np.arange(count))
+        least = np.minimum(coarse[:, before], coarse[:, after]) / SMOOTH_MARGIN
+        most = np.maximum(coarse[:, before], coarse[:, after]) * SMOOTH_MARGIN
+        return replace(light, backscatter_e=least, most_veil_e=added(light.forward_e, most))
+
+    def mean_backscatter(self, view: Views) -> Array:
+        """Mean of the lamps' path radiance over the image, (n, n_altitudes)."""
+        scatterers = self.scatterers()
+        return np.stack(
+            [
+                veil.mean_backscatter(
+                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=scatterers,
+                    fineness=self.fineness.veil, **self.common(float(range_m)),
+                )
+                for range_m in self.scene.range_m
+            ],
+            axis=1,
+        )  # fmt: skip
+
+    # ------------------------------------------------------------ pixels
+
+    def at_worst_pixels(self, view: Views, *, veils: bool) -> tuple[Array, Array | None]:
+        """Signal and veil at every pixel of a grid that some setting could make the worst."""
+        along, across = imaging.pixel_grid(
+            view.tan_along, view.tan_across, half=imaging.along_symmetric(self.lamps),
+            n_points=self.problem.pixels_a_side(self.scene_index),
+        )  # fmt: skip
+        signal, veil_there = self.at_pixels(view, along, across, veils=veils)
+        if self.scene.sunlit and self.effects.sunlight:  # which is worst depends on lamps and sun together
+            return signal, veil_there
+        keep = worst_candidates(signal, veil_there)
+        return signal[:, :, keep], None if veil_there is None else veil_there[:, :, keep]
+
+    def at_pixels(
+        self, view: Views, along: Array, across: Array, *, veils: bool
+    ) -> tuple[Array, Array | None]:
+        """Signal and veil at field points (n, n_pixels) of these imagers, (n, n_altitudes, n_pixels)."""
+        collecting = view.collecting_m2[:, None]
+        response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
+        signals, veil_sum = [], []
+        scatters = veils and self.scene.scatters
+        for range_m in self.scene.range_m:
+            common = dict(lamps=self.lamps, **self.common(float(range_m)))
+            signal = response * imaging.local_gain(along, across, table=self.loss_table(), **common)
+            over = np.zeros_like(signal)
+            if scatters and self.effects.forward_veil:
+                over = response * imaging.local_gain(
+                    along, across, table=self.loss_table(forward=True), **common
+                )
+            if scatters and self.effects.backscatter:
+                over = over + veil.backscatter_gain(
+                    along, across, scatterers=self.scatterers(), fineness=self.fineness.veil, **common
+                )
+            signals.append(signal * collecting)
+            veil_sum.append(over * collecting)
+        has_veil = scatters and self.effects.veils
+        return np.stack(signals, axis=1), np.stack(veil_sum, axis=1) if has_veil else None
+
+    def veils_at_pixels(self, view: Views, along: Array, across: Array) -> tuple[Array, Array]:
+        """Forward veil and backscatter over the image-forming light at field points, farthest and nearest."""
+        shares: list[tuple[Array, Array]] = []
+        response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
+        for range_m in (float(self.scene.range_m[0]), float(self.scene.range_m[-1])):
+            common = dict(lamps=self.lamps, **self.common(range_m))
+            signal, over = (
+                imaging.local_gain(along, across, table=self.loss_table(forward=veiled), **common) * response
+                for veiled in (False, True)
+            )
+            back = veil.backscatter_gain(along, across, scatterers=self.scatterers(), **common)
+            lit = np.maximum(signal, 1e-300)
+            with np.errstate(over="ignore"):
+                shares.append((over / lit, back / lit))
+        forward, backs = (np.maximum(a, b) for a, b in zip(*shares, strict=True))
+        return forward, backs
+
+
+def worst_candidates(signal: Array, veil_there: Array | None) -> Array:
+    """Pixels with, for some row and altitude, no other pixel that has less signal and more veil.
+
+    Arrays (n, n_altitudes, n_pixels); returns the indices of these pixels.
+    """
+    if veil_there is None:
+        return np.unique(signal.argmin(axis=2))
+    flat_signal, flat_veil = (a.reshape(-1, a.shape[2]) for a in (signal, veil_there))
+    order = np.lexsort((-flat_veil, flat_signal), axis=1)
+    sorted_veil = np.take_along_axis(flat_veil, order, axis=1)
+    before = np.maximum.accumulate(sorted_veil, axis=1)
+    leads = np.ones_like(sorted_veil, bool)
+    leads[:, 1:] = sorted_veil[:, 1:] > before[:, :-1]
+    keep = np.zeros_like(leads)
+    np.put_along_axis(keep, order, leads, axis=1)
+    return np.nonzero(keep.any(axis=0))[0]

@@ -1,0 +1,290 @@
+"""A scene made ready for the model: water, floor and altitudes as arrays on one spectral grid.
+
+Physics `paper` and `full` differ here in the table of water, in how it is continued beyond its ends,
+and in how many altitudes stand for the tolerance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.curves import phase_functions, spectra
+from uwopt.errors import RangeError
+from uwopt.mission.mission import SceneView
+from uwopt.model import fineness as fine
+from uwopt.model import water
+from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr
+from uwopt.model.spectrum import resample, wavelength_grid_nm
+
+Array = NDArray[Any]
+LampLeg = Literal["diffuse", "least", "most"]
+
+PAPER_N_WATER = 1.33
+DESIGN_WAVELENGTH_NM = 550.0  # rays and virtual images are computed for green light
+PAPER_ALTITUDES = 3
+FULL_ALTITUDES = 5
+FAINTEST_SUN_LX = 1e-6  # a billionth of what lamps give; starlight on the sea is a thousand times more
+STEEPEST_SUN_PATH = 0.85  # way of light straight down over that of the sun at 60 deg, with room
+LEAST_SHARE = 1e-3  # of a step: a kink nearer to a point of the grid lies on it
+GRID_SPAN_NM = 400.0  # of `wavelength_grid_nm`
+GRID_STEP_NM = 0.5  # 1 nm would err by up to 2e-4 where turbid water leaves little light, 5 nm by 2e-3
+
+
+@dataclass(frozen=True)
+class Scattering:
+    """One of the things that scatter in a water: particles, or the water's molecules."""
+
+    name: str
+    scattering_per_m: Array  # b on the grid
+    table: PhaseTable | None  # phase function of particles; None: the molecules' own
+
+    @property
+    def phase(self) -> Callable[[Array], Array]:
+        """Phase function of the cosine of the scattering angle, 1 over the sphere [1/sr]."""
+        return molecular_per_sr if self.table is None else partial(look_up, table=self.table)
+
+
+@dataclass(frozen=True)
+class SceneOptics:
+    """Water, floor and altitudes of one scene; SI, spectra on `wavelength_nm`."""
+
+    view: SceneView
+    paper: bool
+    range_m: Array  # altitudes over which requirements hold, rising
+    nominal: int  # index of the altitude itself
+    wavelength_nm: Array
+    photopic: Array
+    attenuation_per_m: Array  # c: camera leg
+    lamp_attenuation_per_m: Array  # K: lamp leg
+    reflectance: Array
+    n_water: float  # at the design wavelength
+    n_water_spectrum: Array
+    water_table: str
+    notes: tuple[str, ...] = field(default=())
+    scattering: tuple[Scattering, ...] = ()  # none in physics `paper`, or where the water's b is unknown
+    diffuse_attenuation_per_m: Array | None = None  # K_d, of daylight
+    fineness: fine.Fineness = fine.DEFAULT  # of all integrals in this scene
+    # Weights and loss tables by light spectrum and efficiency curve, shared by all problems in this scene.
+    cache: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def name(self) -> str:
+        """Name of the scene."""
+        return self.view.scene.name
+
+    @property
+    def scatters(self) -> bool:
+        """Whether light that forms no image reaches the camera at all."""
+        return bool(self.scattering) or not np.array_equal(
+            self.attenuation_per_m, self.lamp_attenuation_per_m
+        )
+
+    @property
+    def at_worst(self) -> bool:
+        """Whether the SNR is asked of the worst pixel."""
+        needs = self.view.requirements
+        return not self.paper and needs.snr_at == "worst" and needs.min_snr is not None
+
+    @property
+    def sunlit(self) -> bool:
+        """Whether any sunlight is to be reckoned with: over a microlux at the highest camera, in the clearest colour.
+
+        Under a thousand metres of water a sun at the surface changes nothing, and must not cost a search.
+        """
+        asked = self.view.scene
+        if self.paper or asked.sun_lux <= 0.0 or self.diffuse_attenuation_per_m is None:
+            return not self.paper and asked.sun_lux > 0.0
+        seen = self.diffuse_attenuation_per_m[self.photopic > 0.0]
+        above_m = max(asked.depth_m - float(self.range_m[-1]), 0.0) * STEEPEST_SUN_PATH
+        return asked.sun_lux * float(np.exp(-seen.min() * above_m)) > FAINTEST_SUN_LX
+
+    @property
+    def radiance_index(self) -> Array | float:
+        """n_w of the radiance theorem; 1 in physics `paper`, which leaves it out."""
+        return 1.0 if self.paper else self.n_water_spectrum
+
+
+def scene_optics(
+    view: SceneView,
+    *,
+    paper: bool,
+    base_dir: Path | None = None,
+    water_table: str | None = None,
+    lamp_leg: LampLeg = "diffuse",
+    fineness: fine.Fineness = fine.DEFAULT,
+) -> SceneOptics:
+    """Tabulate one scene.
+
+    `water_table` and `lamp_leg` override the scene's table and K on the way from lamp to floor, to test a
+    decision against them: K_d where it lies between a + b_b (`least`) and c (`most`), or one of these ends.
+    `fineness` sets the step of the spectral grid, and goes with the scene to all other integrals.
+    """
+    scene = view.scene
+    grid = wavelength_grid_nm(GRID_SPAN_NM / round(GRID_SPAN_NM / GRID_STEP_NM * fineness.spectrum))
+    table = water_table or scene.water_table or ("solonenko-mobley" if paper else None)
+    profile = spectra.water_profile(str(scene.water), table=table, base_dir=base_dir)  # type: ignore[arg-type]
+    scattering: tuple[Scattering, ...] = ()
+    if not paper:
+        grid = np.union1d(grid, kinks_nm(profile, grid, scene.backscatter_ratio))
+    if profile.a_per_m is not None and profile.b_per_m is not None:
+        a, b = (
+            absorption(profile, grid, paper=paper),
+            resample(grid, table_nm=profile.wavelength_nm, table_values=profile.b_per_m, outside="hold"),
+        )
+        c = water.beam_attenuation_per_m(a, b)
+        lamp = c if paper else lamp_attenuation(profile, grid, a, b, scene.backscatter_ratio, lamp_leg)
+        scattering = () if paper else scatterers_of(grid, b, scene, base_dir)
+    else:
+        c = resample(
+            grid, table_nm=profile.wavelength_nm, table_values=profile.attenuation_per_m, outside="hold"
+        )
+        lamp = c
+        if not paper and profile.kd_per_m is not None and profile.kd_wavelength_nm is not None:
+            kd = resample(
+                grid, table_nm=profile.kd_wavelength_nm, table_values=profile.kd_per_m, outside="hold"
+            )
+            lamp = np.minimum(kd, c)
+    floor = spectra.seafloor_reflectance(scene.seafloor, base_dir=base_dir)
+    photopic = spectra.photopic()
+    index = np.full_like(grid, PAPER_N_WATER) if paper else index_of_water(grid, scene)
+    tolerance = view.vehicle.altitude_tolerance_m
+    count = 1 if tolerance == 0 else (PAPER_ALTITUDES if paper else FULL_ALTITUDES)
+    altitude = view.vehicle.altitude_m
+    ranges = np.linspace(altitude - tolerance, altitude + tolerance, count)
+    if not np.all(ranges > 0):
+        raise RangeError(f"scene {view.scene.name!r}: altitude minus tolerance is not above 0 m")
+    return SceneOptics(
+        view=view,
+        paper=paper,
+        range_m=ranges,
+        nominal=count // 2,
+        wavelength_nm=grid,
+        photopic=resample(grid, table_nm=photopic.wavelength_nm, table_values=photopic.value, outside="zero"),
+        attenuation_per_m=c,
+        lamp_attenuation_per_m=lamp,
+        reflectance=resample(grid, table_nm=floor.wavelength_nm, table_values=floor.value, outside="hold"),
+        n_water=PAPER_N_WATER if paper else float(np.interp(DESIGN_WAVELENGTH_NM, grid, index)),
+        n_water_spectrum=index,
+        water_table=profile.table,
+        notes=profile.notes + floor.notes,
+        scattering=scattering,
+        diffuse_attenuation_per_m=daylight_attenuation(profile, grid, c),
+        fineness=fineness,
+    )
+
+
+def daylight_attenuation(profile: spectra.WaterProfile, grid: Array, c_per_m: Array) -> Array:
+    """K_d of daylight: the profile's, at most c; c where the profile has none."""
+    if profile.kd_per_m is None or profile.kd_wavelength_nm is None:
+        return c_per_m
+    kd = resample(grid, table_nm=profile.kd_wavelength_nm, table_values=profile.kd_per_m, outside="hold")
+    return np.asarray(np.minimum(kd, c_per_m))
+
+
+def scatterers_of(grid: Array, b_per_m: Array, scene: Any, base_dir: Path | None) -> tuple[Scattering, ...]:
+    """Particles, and the water's molecules unless the phase function was measured with the water in it."""
+    known = phase_functions.phase_function(
+        scene.phase_function, backscatter_ratio=scene.backscatter_ratio, base_dir=base_dir
+    )
+    if known.includes_water:
+        return (Scattering("water with particles", b_per_m, known.table),)
+    molecular = np.minimum(
+        phase_functions.pure_water_scattering_per_m(grid, salinity_psu=scene.salinity_psu), b_per_m
+    )
+    return (
+        Scattering("particles", b_per_m - molecular, known.table),
+        Scattering("molecules", molecular, None),
+    )
+
+
+def absorption(profile: spectra.WaterProfile, grid: Array, *, paper: bool) -> Array:
+    """a(lambda) on the grid; beyond the table held (paper) or continued with pure water (full)."""
+    assert profile.a_per_m is not None
+    if paper:
+        return np.asarray(
+            resample(grid, table_nm=profile.wavelength_nm, table_values=profile.a_per_m, outside="hold")
+        )
+    pure = spectra.pure_water()
+    return np.asarray(
+        water.extend_absorption_per_m(
+            grid,
+            table_nm=profile.wavelength_nm,
+            table_a_per_m=profile.a_per_m,
+            pure_water_nm=pure.wavelength_nm,
+            pure_water_a_per_m=pure.a_per_m,
+        )
+    )
+
+
+def kinks_nm(profile: spectra.WaterProfile, grid: Array, backscatter_ratio: float) -> Array:
+    """Wavelengths where K meets an end of its range, a + b_b or c, and so has a kink: (n,) [nm].
+
+    In short paths of clear water the forward veil lives in the few colours where K is below c; with these
+    wavelengths on the grid the trapezoid rule follows it.
+    """
+    if profile.kd_per_m is None or profile.kd_wavelength_nm is None:
+        return np.empty(0)
+    kd = resample(grid, table_nm=profile.kd_wavelength_nm, table_values=profile.kd_per_m, outside="hold")
+    if profile.a_per_m is None or profile.b_per_m is None:
+        c = profile.attenuation_per_m
+        ends = [resample(grid, table_nm=profile.wavelength_nm, table_values=c, outside="hold")]
+    else:
+        a = absorption(profile, grid, paper=False)
+        b = resample(grid, table_nm=profile.wavelength_nm, table_values=profile.b_per_m, outside="hold")
+        ends = [water.beam_attenuation_per_m(a, b), a + backscatter_ratio * b]
+    found = []
+    for end in ends:
+        over = kd - end
+        at = np.flatnonzero(over[:-1] * over[1:] < 0.0)
+        share = over[at] / (over[at] - over[at + 1])
+        found.append(
+            (grid[at] + share * (grid[at + 1] - grid[at]))[(share > LEAST_SHARE) & (share < 1 - LEAST_SHARE)]
+        )
+    return np.concatenate(found)
+
+
+def lamp_attenuation(
+    profile: spectra.WaterProfile, grid: Array, a: Array, b: Array, backscatter_ratio: float,
+    lamp_leg: LampLeg = "diffuse",
+) -> Array:  # fmt: skip
+    """K of the lamp leg: K_d held within a + b_b and c, or one of them; c where the profile has no K_d."""
+    c = water.beam_attenuation_per_m(a, b)
+    if lamp_leg != "diffuse":
+        return np.asarray(c if lamp_leg == "most" else a + backscatter_ratio * b)
+    if profile.kd_per_m is None or profile.kd_wavelength_nm is None:
+        return np.asarray(c)
+    kd = resample(grid, table_nm=profile.kd_wavelength_nm, table_values=profile.kd_per_m, outside="hold")
+    return np.asarray(
+        water.illumination_attenuation_per_m(a, b_per_m=b, kd_per_m=kd, backscatter_ratio=backscatter_ratio)
+    )
+
+
+def index_of_water(grid: Array, scene: Any) -> Array:
+    """n_w(lambda) at the scene's temperature and salinity (Quan and Fry 1995)."""
+    return np.asarray(
+        water.refractive_index_quan_fry(
+            grid,
+            temperature_c=scene.temperature_c,
+            salinity_psu=scene.salinity_psu,
+            coefficients=list(spectra.quan_fry_coefficients()),
+        )
+    )
+
+
+def glass_index(material: str) -> float:
+    """Index of a named glass at the design wavelength."""
+    from uwopt.model.port import refractive_index_dispersion
+
+    formula = spectra.glass_coefficients(material)
+    return float(
+        refractive_index_dispersion(
+            DESIGN_WAVELENGTH_NM, formula=formula.formula, coefficients=list(formula.coefficients)
+        )
+    )

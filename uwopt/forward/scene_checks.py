@@ -1,0 +1,100 @@
+"""What physics asks of a mission beyond its form: lamps beside the port and above the floor, a sun above the water.
+
+Physics `paper` puts lamps on the axis and knows no sun, so that most of this does not concern it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from uwopt.errors import MissionError
+from uwopt.forward.optics import LAMP_FRONT_M
+from uwopt.mission.mission import Mission, SceneView
+from uwopt.model.scattering import FOURNIER_FORAND_RATIOS
+
+
+def check_physical(mission: Mission) -> None:
+    """Raise one error with every fault."""
+    faults = [*objective_faults(mission)]
+    for view in mission.views:
+        faults += light_faults(view)
+        if mission.physics != "paper":
+            faults += [*lamp_front_faults(view), *sun_faults(view), *scattering_faults(view)]
+    if faults:
+        raise MissionError([f"{mission.source_name}: {text}" for text in dict.fromkeys(faults)])
+
+
+def objective_faults(mission: Mission) -> Iterator[str]:
+    """Objectives that need another physics, or a bound without which the longest lens always wins."""
+    wanted: Any = mission.objective
+    names = [wanted] if isinstance(wanted, str) else list(wanted)
+    if "information" in names:
+        if mission.physics == "paper":
+            yield "objective: information needs sharpness, which physics paper does not know; use auto or full"
+        for view in mission.views:
+            needs = view.requirements
+            moving = view.vehicle.speed_m_s > 0 and needs.overlap is not None
+            if needs.min_swath_m is None and not moving:
+                yield (
+                    "objective: information grows without end as the image shrinks; add requirements.min_swath_m, "
+                    f"or an overlap at speed, in scene {view.scene.name!r}"
+                )
+
+
+def light_faults(view: SceneView) -> Iterator[str]:
+    """Lamps on or below the floor."""
+    lowest = view.vehicle.altitude_m - view.vehicle.altitude_tolerance_m
+    for n, mount in enumerate(view.vehicle.light_mounts or ()):
+        if mount.z_m >= lowest:
+            yield (
+                f"vehicle.light_mounts[{n}].z_m = {mount.z_m:g} m puts the lamp on or below the floor, which is "
+                f"{lowest:g} m below the port at the lowest; lower z_m or raise the altitude"
+            )
+
+
+def lamp_front_faults(view: SceneView) -> Iterator[str]:
+    """Lamps whose front would lie over the port: a point's backscatter diverges there."""
+    vehicle = view.vehicle
+    for n, mount in enumerate(vehicle.light_mounts or ()):
+        aside = (mount.x_m**2 + mount.y_m**2 + mount.z_m**2) ** 0.5
+        if aside < LAMP_FRONT_M:
+            yield (
+                f"vehicle.light_mounts[{n}] is {aside:g} m from the port, within the {LAMP_FRONT_M:g} m radius of a "
+                "lamp's front; move it aside (x_m or y_m)"
+            )
+    least = vehicle.light_baseline_range_m[0]
+    if vehicle.light_mounts is None and least < LAMP_FRONT_M:
+        yield (
+            f"vehicle.light_baseline_m = {least:g} m is within the {LAMP_FRONT_M:g} m radius of a lamp's front, where "
+            f"backscatter has no limit; begin at {LAMP_FRONT_M:g} m, or use physics: paper"
+        )
+
+
+def scattering_faults(view: SceneView) -> Iterator[str]:
+    """A share of scattering backward that the phase function's formula does not cover."""
+    scene, (low, high) = view.scene, FOURNIER_FORAND_RATIOS
+    name = scene.phase_function.casefold().replace("_", "-")
+    if name == "fournier-forand" and not low <= scene.backscatter_ratio <= high:
+        yield (
+            f"scene {scene.name!r}: backscatter_ratio = {scene.backscatter_ratio:g} is outside {low:g} to {high:g}, "
+            "which phase function fournier-forand takes; correct it, or set phase_function: henyey-greenstein"
+        )
+
+
+def sun_faults(view: SceneView) -> Iterator[str]:
+    """A sun that does not shine, or a camera above the water."""
+    scene = view.scene
+    if scene.sun_lux <= 0:
+        return
+    if scene.sun_elevation_deg <= 0:
+        yield (
+            f"scene {scene.name!r}: sun_elevation_deg = {scene.sun_elevation_deg:g} is not above the horizon, so "
+            f"sun_lux = {scene.sun_lux:g} lx cannot be sunlight; set sun_lux: 0, or raise the sun"
+        )
+    highest = view.vehicle.altitude_m + view.vehicle.altitude_tolerance_m
+    if scene.depth_m < highest:
+        yield (
+            f"scene {scene.name!r}: with sunlight, depth_m = {scene.depth_m:g} m is the depth of the floor and must be "
+            f"at least the greatest altitude, {highest:g} m; correct one of them, or set sun_lux: 0"
+        )

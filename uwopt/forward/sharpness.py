@@ -1,0 +1,238 @@
+"""Sharpness of designs in a scene: what MTF and information need beside the settings, and their figures.
+
+MTF holds where the mission wants the image sharp: on the axis, or at the corner too (`dof_at`).
+Information is that of the field point which stands for the whole image.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.optics import RMS_FIELD, TINY, Views, altitudes_m, field_dioptres_per_m, motion_along
+from uwopt.forward.part_columns import Cameras, Lenses, Ports
+from uwopt.forward.scene import SceneOptics
+from uwopt.model import lateral, operation, sharpness
+from uwopt.model.defocus import defocus_px
+from uwopt.model.lateral import SpreadTable
+from uwopt.model.sharpness import Sharpness
+from uwopt.model.spectrum import trapezoid_weights_nm
+
+if TYPE_CHECKING:
+    from uwopt.forward.optics import Contraction
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class SharpRows:
+    """What the sharpness of n designs depends on in one scene; (n, 3) at near, nominal and far altitude.
+
+    Discs are those of f-number 1: a disc in pixels is this over the f-number as engraved.
+    """
+
+    wavelength_nm: Array  # electron-weighted mean
+    pixel_pitch_m: Array
+    rated_pitch_px: Array  # 0: unknown
+    blur_px_per_s: Array  # (n, 3) along the motion
+    place_disc_px: Array  # (n, 3) where MTF must hold
+    rms_disc_px: Array  # (n, 3) at the field point that stands for the image
+    place_k_along: Array  # lateral colour, 0 behind a dome
+    place_k_across: Array
+    rms_k_along: Array
+    rms_k_across: Array
+    spread_index: Array
+    pixel_area_m2: Array  # of the floor, nominal altitude
+    spreads: tuple[SpreadTable, ...]
+    fineness: float = 1.0  # of integrals over spatial frequency
+
+    def take(self, index: Array) -> SharpRows:
+        """These rows only."""
+        picked: dict[str, Any] = {
+            f.name: getattr(self, f.name)[index]
+            for f in fields(self)
+            if isinstance(getattr(self, f.name), np.ndarray)
+        }
+        return replace(self, **picked)
+
+    @staticmethod
+    def joined(parts: Sequence[tuple[Array, SharpRows]], count: int) -> SharpRows:
+        """Groups of rows put back in their places; tables that groups share are kept once."""
+        columns: dict[str, Any] = {}
+        spreads: dict[int, SpreadTable] = {}
+        fineness = max((part.fineness for _, part in parts), default=1.0)
+        for rows, part in parts:
+            for table in part.spreads:
+                spreads.setdefault(id(table), table)
+            place = [list(spreads).index(id(table)) for table in part.spreads]
+            for f in fields(part):
+                value = getattr(part, f.name)
+                if isinstance(value, np.ndarray):
+                    column = columns.setdefault(f.name, np.empty((count, *value.shape[1:]), value.dtype))
+                    own = f.name == "spread_index" and len(place) > 0
+                    column[rows] = np.array(place)[value] if own else value
+        return SharpRows(**columns, spreads=tuple(spreads.values()), fineness=fineness)
+
+    def groups(self) -> list[tuple[Array, SpreadTable | None]]:
+        """Rows that share the colours they detect; None where no colour is spread."""
+        still = (self.place_k_along == 0) & (self.place_k_across == 0)
+        found: list[tuple[Array, SpreadTable | None]] = [(np.nonzero(still)[0], None)]
+        found += [
+            (np.nonzero(~still & (self.spread_index == index))[0], self.spreads[int(index)])
+            for index in np.unique(self.spread_index[~still])
+        ]
+        return [(rows, table) for rows, table in found if len(rows)]
+
+    def at(
+        self, rows: Array, spread: SpreadTable | None, *, working_f_number: Array, blur_px: Array, disc_px: Array,
+        field: str,
+    ) -> Sharpness:  # fmt: skip
+        """The model's record of some rows; `field` is place or rms."""
+        along, across = (getattr(self, f"{field}_k_{axis}")[rows] for axis in ("along", "across"))
+        return Sharpness(
+            working_f_number=working_f_number[rows], wavelength_nm=self.wavelength_nm[rows],
+            pixel_pitch_m=self.pixel_pitch_m[rows], motion_blur_px=blur_px[rows], defocus_px=disc_px[rows],
+            rated_pitch_px=self.rated_pitch_px[rows], lateral_k_along=along, lateral_k_across=across, spread=spread,
+        )  # fmt: skip
+
+    def each(
+        self, figure: Callable[[Sharpness, Array], Any], *, field: str, working_f_number: Array, blur_px: Array,
+        disc_px: Array,
+    ) -> Array:  # fmt: skip
+        """A figure of all rows, group by group."""
+        out = np.empty(len(self.wavelength_nm))
+        for rows, spread in self.groups():
+            at = self.at(
+                rows, spread, working_f_number=working_f_number, blur_px=blur_px, disc_px=disc_px, field=field
+            )
+            out[rows] = figure(at, rows)
+        return out
+
+    # ------------------------------------------------------------ figures
+
+    def mtf_half_nyquist(self, *, f_number: Array, working_f_number: Array, blur_s: Array) -> Array:
+        """Transfer at a quarter cycle per pixel where it must hold, (n, 3) by altitude."""
+        return np.stack(
+            [
+                self.each(
+                    lambda at, _: sharpness.mtf_half_nyquist(at), field="place", working_f_number=working_f_number,
+                    blur_px=self.blur_px_per_s[:, k] * blur_s, disc_px=self.place_disc_px[:, k] / f_number,
+                )
+                for k in range(3)
+            ],
+            axis=1,
+        )  # fmt: skip
+
+    def information_bit_per_m2(
+        self, snr: Array, *, f_number: Array, working_f_number: Array, blur_s: Array
+    ) -> Array:
+        """Information at the nominal altitude, (n,)."""
+        per_px = self.each(
+            lambda at, rows: sharpness.information_bit_per_px(
+                snr[rows], sharpness=at, fineness=self.fineness
+            ), field="rms",
+            working_f_number=working_f_number, blur_px=self.blur_px_per_s[:, 1] * blur_s,
+            disc_px=self.rms_disc_px[:, 1] / f_number,
+        )  # fmt: skip
+        return np.asarray(sharpness.information_bit_per_m2(per_px, pixel_area_m2=self.pixel_area_m2))
+
+
+def sharp_rows(
+    scene: SceneOptics, contraction: Contraction, view: Views, *, cameras: Cameras, lenses: Lenses, ports: Ports,
+    spectrum: int, dioptre_per_m: Array, lateral_colour: bool, image_curvature: bool,
+) -> SharpRows:  # fmt: skip
+    """Everything but the settings, row by row; one light spectrum for all."""
+    pitch, focal = cameras.pixel_pitch_m, view.focal_length_m
+    lever = altitudes_m(scene)[None, :] + ports.outer_radius_m[:, None]
+    blur = operation.blur_px(1.0, ground_sample_m=view.pixel_along_m, **motion_along(scene, lever))
+    imaged_at = np.where(focal * dioptre_per_m < 1.0, dioptre_per_m, 0.0)  # else N_w is infinite, MTF 0
+    optical = dict(
+        f_number=1.0, focal_length_m=focal[:, None, None], pixel_pitch_m=pitch[:, None, None],
+        focus_dioptre_per_m=imaged_at[:, None, None],
+    )  # fmt: skip
+
+    def discs(places: Array) -> Array:
+        dioptres = field_dioptres_per_m(places, altitudes_m(scene))
+        return np.asarray(defocus_px(dioptres, **optical).max(axis=1))
+
+    axis = np.array(view.axis_image)
+    rms, corner = (view.rms_image, view.corner_image) if image_curvature else (axis, axis)
+    place = discs(axis)
+    at_corner = scene.view.requirements.dof_at == "corner"
+    if at_corner:
+        place = np.maximum(place, discs(corner))
+    radius = np.hypot(view.tan_along, view.tan_across)
+    flat = ~ports.is_dome & lateral_colour
+
+    def lateral_k(share: float) -> tuple[Array, Array]:
+        if share == 0.0 or not flat.any():
+            return np.zeros(len(pitch)), np.zeros(len(pitch))
+        tangent = radius * share
+        slope = lateral.radius_slope_px(
+            tangent, n_design=scene.n_water, focal_length_m=focal, pixel_pitch_m=pitch
+        ) * lateral.finite_range_share(
+            tangent, gap_m=ports.gap_m, thickness_m=ports.thickness_m, n_glass=ports.refractive_index,
+            n_water=scene.n_water, range_m=float(scene.range_m[scene.nominal]),
+        )  # fmt: skip
+        k = np.where(flat, 2.0 * np.pi * slope, 0.0)
+        return k * view.tan_along / radius, k * view.tan_across / radius
+
+    place_k, rms_k = lateral_k(1.0 if at_corner else 0.0), lateral_k(float(RMS_FIELD))
+    curves, index = np.unique(cameras.qe_index, return_inverse=True)
+    colours = [arriving(scene, contraction, spectrum, int(q)) for q in curves]
+    spreads = tuple(spread_of(scene, contraction, spectrum, int(q)) for q in curves) if flat.any() else ()
+    wavelength = np.array([mean_wavelength_nm(scene, density) for density in colours])
+    pixels = cameras.resolution_x_px * cameras.resolution_y_px
+    return SharpRows(
+        wavelength_nm=wavelength[index],
+        pixel_pitch_m=pitch,
+        rated_pitch_px=lenses.rated_pitch_m / pitch,
+        blur_px_per_s=np.asarray(blur),
+        place_disc_px=place,
+        rms_disc_px=discs(rms),
+        place_k_along=place_k[0],
+        place_k_across=place_k[1],
+        rms_k_along=rms_k[0],
+        rms_k_across=rms_k[1],
+        spread_index=np.asarray(index),
+        pixel_area_m2=view.footprint_along_m[:, 1] * view.footprint_across_m[:, 1] / pixels,
+        spreads=spreads,
+        fineness=scene.fineness.sharpness,
+    )
+
+
+def arriving(scene: SceneOptics, contraction: Contraction, spectrum: int, efficiency: int) -> Array:
+    """Electrons by wavelength of the light that comes straight down and up at the nominal altitude, any scale."""
+    key = ("arriving", *contraction.key(spectrum, efficiency, None))
+    if key not in scene.cache:
+        weight = contraction.weight(spectrum, efficiency)
+        loss = (scene.attenuation_per_m + scene.lamp_attenuation_per_m) * float(scene.range_m[scene.nominal])
+        seen = weight > 0
+        least = float(loss[seen].min()) if seen.any() else 0.0
+        scene.cache[key] = weight * np.exp(-np.maximum(loss - least, 0.0))
+    return np.asarray(scene.cache[key])
+
+
+def mean_wavelength_nm(scene: SceneOptics, arriving_e: Array) -> float:
+    """Electron-weighted mean wavelength; the middle of the grid where nothing arrives."""
+    if not arriving_e.sum() > TINY:
+        return float(scene.wavelength_nm.mean())
+    return float((arriving_e * scene.wavelength_nm).sum() / arriving_e.sum())
+
+
+def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, efficiency: int) -> SpreadTable:
+    """Table of the spread of colours, for lateral colour."""
+    key = ("spread", *contraction.key(spectrum, efficiency, None))
+    if key not in scene.cache:
+        density = arriving(scene, contraction, spectrum, efficiency) / trapezoid_weights_nm(
+            scene.wavelength_nm
+        )
+        scene.cache[key] = lateral.spread_table(
+            scene.wavelength_nm, electrons_per_nm=density, n_water=scene.n_water_spectrum
+        )
+    table: SpreadTable = scene.cache[key]
+    return table

@@ -1,0 +1,262 @@
+"""What a mission's keys must fulfil among each other, and the one form that all missions are brought to.
+
+Plain values in, faults out: each fault is the path of a key and the rest of a sentence about it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from uwopt.documents.faults import KeyPath
+from uwopt.documents.key_types import given_values, keys_of
+from uwopt.mission.sections import Requirements, Vehicle
+
+HARDWARE_KEYS = (
+    "light_count",
+    "light_baseline_m",
+    "light_tilt_deg",
+    "light_mounts",
+    "camera_count",
+    "orientation",
+)
+
+REQUIRED_OF_VEHICLE = {"altitude_m": (1e-3, 1000.0), "speed_m_s": (0.0, 50.0)}
+
+Values = Mapping[str, Any]
+Fault = tuple[KeyPath, str]
+
+
+def in_one_form(data: Values) -> tuple[dict[str, Any], list[Fault]]:
+    """`scene` as a list of one, scenes named, and overrides of a scene in their sections."""
+    plain: dict[str, Any] = dict(data)
+    faults: list[Fault] = []
+    if plain.get("scene") is not None and plain.get("scenes") is not None:
+        faults.append((("scene",), "and scenes are both given; keep one of them"))
+    if "scene" in plain:
+        scene = plain.pop("scene")
+        if scene is not None and plain.get("scenes") is None:
+            plain["scenes"] = scene if isinstance(scene, (list, tuple)) else [scene]
+    for section in ("requirements", "limits", "catalog"):
+        if section in plain and plain[section] is None:
+            del plain[section]
+    if isinstance(plain.get("scenes"), Mapping):
+        plain["scenes"] = [plain["scenes"]]
+    if isinstance(plain.get("scenes"), (list, tuple)):
+        scenes = []
+        for index, scene in enumerate(plain["scenes"]):
+            made, wrong = _scene_in_one_form(scene, index) if isinstance(scene, Mapping) else (scene, [])
+            scenes.append(made)
+            faults += wrong
+        plain["scenes"] = scenes
+        plain["vehicle"] = _with_what_every_scene_gives(plain.get("vehicle"), scenes)
+        if plain["vehicle"] is None:
+            del plain["vehicle"]
+    return plain, faults
+
+
+def _with_what_every_scene_gives(vehicle: Any, scenes: Sequence[Any]) -> Any:
+    """`vehicle`, what it must hold taken from the first scene where every scene overrides it anyhow."""
+    if vehicle is not None and not isinstance(vehicle, Mapping):
+        return vehicle
+    made = dict(vehicle or {})
+    for key, (low, high) in REQUIRED_OF_VEHICLE.items():
+        own = [
+            s["vehicle"].get(key)
+            for s in scenes
+            if isinstance(s, Mapping) and isinstance(s.get("vehicle"), Mapping)
+        ]
+        good = [isinstance(v, (int, float)) and not isinstance(v, bool) and low <= v <= high for v in own]
+        if made.get(key) is None and own and len(own) == len(scenes) and all(good):
+            made[key] = own[0]
+    return made or vehicle
+
+
+def _scene_in_one_form(scene: Values, index: int) -> tuple[dict[str, Any], list[Fault]]:
+    made: dict[str, Any] = dict(scene)
+    faults: list[Fault] = []
+    if made.get("name") is None:
+        made["name"] = f"scene {index + 1}"
+    for section, model in (("vehicle", Vehicle), ("requirements", Requirements)):
+        nested = made.get(section)
+        if nested is not None and not isinstance(nested, Mapping):
+            continue
+        inside = dict(nested or {})
+        keys = keys_of(model)
+        for key in [key for key in made if key in keys]:
+            value = made.pop(key)
+            if key in inside:
+                path: KeyPath = ("scenes", index, section, key)
+                faults.append((path, f"is given twice in this scene, also under {section}; remove one"))
+            inside[key] = value
+        inside = {
+            k: v for k, v in inside.items() if v is not None or k not in keys or keys[k].default is None
+        }
+        if inside:
+            made[section] = inside
+        else:
+            made.pop(section, None)
+    return made, faults
+
+
+def origins(path: KeyPath) -> Iterator[KeyPath]:
+    """Where the source may hold what now stands at a path, most direct first."""
+    if path == ("scenes",):
+        yield ("scene",)
+    yield path
+    short = (
+        (*path[:2], *path[3:])
+        if len(path) > 3 and path[0] == "scenes" and path[2] in ("vehicle", "requirements")
+        else path
+    )
+    yield short
+    if path[:2] == ("scenes", 0):
+        yield ("scene", *path[2:])
+        yield ("scene", *short[2:])
+        yield ("scene", *path[1:])
+
+
+def overridden(base: Values, own: Values) -> dict[str, Any]:
+    """Values with a scene's own on top; one way of asking for SNR replaces the other."""
+    merged = dict(base)
+    for given, other in (("min_snr", "min_snr_db"), ("min_snr_db", "min_snr")):
+        if own.get(given) is not None and own.get(other) is None:
+            merged.pop(other, None)
+    return merged | dict(own)
+
+
+def make_paths_absolute(data: dict[str, Any], resolve: Callable[[str], str]) -> None:
+    """Every file name of a dumped mission, resolved in place."""
+    for scene in data["scenes"]:
+        for key in ("water", "seafloor"):
+            if isinstance(scene[key], str) and scene[key].casefold().endswith(".csv"):
+                scene[key] = resolve(scene[key])
+    catalog = data["catalog"]
+    catalog["files"] = [resolve(name) for name in catalog["files"]]
+    if catalog["prices"] is not None:
+        catalog["prices"] = resolve(catalog["prices"])
+
+
+def cross_faults(parts: Values) -> list[Fault]:
+    """Faults between keys; keys that are wrong on their own have been left out of `parts`."""
+    scenes: Sequence[Values] = parts["scenes"] or [{}]
+    faults: list[Fault] = []
+    for index, scene in enumerate(scenes):
+        vehicle = overridden(parts["vehicle"], scene.get("vehicle") or {})
+        wanted = overridden(parts["requirements"], scene.get("requirements") or {})
+        for section, key, text in (
+            *_vehicle_faults(vehicle),
+            *_snr_faults(wanted),
+            *_rate_faults(vehicle, wanted),
+        ):
+            inside = key in (scene.get(section) or {})
+            faults.append((("scenes", index, section, key) if inside else (section, key), text))
+        faults += _hardware_faults(scene, index)
+        faults += _rating_faults(parts["limits"], scene, vehicle)
+    faults += _name_faults(scenes)
+    faults += _share_faults(scenes)
+    faults += _currency_faults(parts["limits"])
+    return list(dict.fromkeys(faults))
+
+
+def _vehicle_faults(vehicle: Values) -> Iterator[tuple[str, str, str]]:
+    altitude_m, tolerance_m = vehicle.get("altitude_m"), vehicle.get("altitude_tolerance_m") or 0.0
+    if altitude_m is not None and tolerance_m >= altitude_m:
+        key = "altitude_tolerance_m"
+        text = f"= {tolerance_m:g} is not below altitude_m = {altitude_m:g}; lower it"
+        yield "vehicle", key, text
+    mounts, counts = vehicle.get("light_mounts"), vehicle.get("light_count")
+    if mounts is not None and counts is not None and counts[1] > len(mounts):
+        text = f"reaches {counts[1]} but light_mounts has {len(mounts)} place(s); add places or lower it"
+        yield "vehicle", "light_count", text
+    if mounts is not None and len(mounts) == 0:
+        yield "vehicle", "light_mounts", "is empty; list at least one place, or leave the key out"
+
+
+def _snr_faults(wanted: Values) -> Iterator[tuple[str, str, str]]:
+    if wanted.get("min_snr") is not None and wanted.get("min_snr_db") is not None:
+        yield "requirements", "min_snr", "and min_snr_db are both given; keep one of them"
+
+
+def _rate_faults(vehicle: Values, wanted: Values) -> Iterator[tuple[str, str, str]]:
+    if (
+        vehicle.get("speed_m_s") == 0
+        and wanted.get("frame_interval_s") is None
+        and wanted.get("overlap") is None
+    ):
+        text = "= 0 leaves the frame rate open; add requirements.frame_interval_s, the seconds between images"
+        yield "vehicle", "speed_m_s", text
+
+
+def _hardware_faults(scene: Values, index: int) -> Iterator[Fault]:
+    for key in HARDWARE_KEYS:
+        if key in (scene.get("vehicle") or {}):
+            text = "cannot differ from scene to scene: the hardware is common to all; move it to vehicle"
+            yield ("scenes", index, "vehicle", key), text
+
+
+def _rating_faults(limits: Values, scene: Values, vehicle: Values) -> Iterator[Fault]:
+    rating_m, depth_m = limits.get("depth_rating_m"), scene.get("depth_m")
+    altitude_m = vehicle.get("altitude_m")
+    if rating_m is None or depth_m is None or altitude_m is None or rating_m >= depth_m - altitude_m:
+        return
+    text = f"= {rating_m:g} is less than the {depth_m - altitude_m:g} m at which the camera works"
+    yield ("limits", "depth_rating_m"), f"{text} (depth_m less altitude_m); raise it or leave it out"
+
+
+def _name_faults(scenes: Sequence[Values]) -> Iterator[Fault]:
+    seen: dict[str, int] = {}
+    for index, scene in enumerate(scenes):
+        name = scene.get("name")
+        if name in seen:
+            text = f"= {name!r} is the name of scenes[{seen[name]}] too; give each scene its own"
+            yield ("scenes", index, "name"), text
+        elif name is not None:
+            seen[name] = index
+
+
+def _share_faults(scenes: Sequence[Values]) -> Iterator[Fault]:
+    shares = [scene.get("time_share") for scene in scenes]
+    total, complete = sum(s for s in shares if s is not None), None not in shares
+    if total > 1.005 or (complete and total < 0.995):
+        index = max(i for i, share in enumerate(shares) if share is not None)
+        text = f"= {shares[index]:g} makes all shares sum to {total:g}; they are shares of one whole"
+        yield ("scenes", index, "time_share"), text
+
+
+def time_shares(given: Sequence[float | None]) -> tuple[float, ...]:
+    """Shares that sum to 1; those not given divide the rest equally."""
+    total, n_open = sum(s for s in given if s is not None), given.count(None)
+    rest = max(0.0, 1.0 - total) / n_open if n_open else 0.0
+    shares = [rest if s is None else s for s in given]
+    whole = sum(shares) or 1.0
+    return tuple(share / whole for share in shares)
+
+
+def _currency_faults(limits: Values) -> Iterator[Fault]:
+    currency = limits.get("currency") or "USD"
+    own = limits.get("rates") or {}
+    if currency == "USD" or currency in own:
+        return
+    from uwopt.catalog.money import known_rates
+
+    known: Iterable[str] = known_rates()
+    if currency not in known:
+        text = f"= {currency!r} has no exchange rate; known are {', '.join(sorted(known))}"
+        yield ("limits", "currency"), f"{text}, or add limits.rates: {{{currency}: USD per unit}}"
+
+
+def valid_values(model: type[BaseModel], raw: Any) -> dict[str, Any]:
+    """The keys of a section that are right on their own."""
+    if not isinstance(raw, Mapping):
+        return {}
+    kept = dict(raw)
+    for _ in range(2):
+        try:
+            return given_values(model.model_validate(kept))
+        except ValidationError as error:
+            wrong = {detail["loc"][0] for detail in error.errors(include_url=False) if detail["loc"]}
+            kept = {key: value for key, value in kept.items() if key not in wrong}
+    return {}

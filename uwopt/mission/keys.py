@@ -1,0 +1,141 @@
+"""The words that special keys of a mission may hold: water, seafloor, objective, currencies, owned parts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from uwopt.documents.faults import nearest, show
+from uwopt.documents.key_types import one_of, refusal, to_number, to_text
+
+JERLOV_TYPES = ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")
+SEAFLOORS = ("sand", "hard", "coral", "organic", "benthic-average")
+OBJECTIVES = ("power", "cost", "mass", "snr_db", "gsd_mm", "contrast", "information")
+
+
+def to_water(value: Any) -> str:
+    """A Jerlov type in its usual spelling, or the name of a CSV."""
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        near = {1: "I or 1C", 2: "II", 3: "III or 3C", 5: "5C", 7: "7C", 9: "9C"}.get(
+            int(value) if value == value and abs(value) < 99 else 0
+        )
+        types = ", ".join(JERLOV_TYPES)
+        raise refusal(
+            "is a number, not a Jerlov type", f"write {near}" if near else f"write one of {types}, or a CSV"
+        )
+    text = to_text(value)
+    if text.casefold().endswith(".csv"):
+        return text
+    plain = text.casefold().removeprefix("jerlov").removeprefix("type").strip(" -_").upper()
+    if plain not in JERLOV_TYPES:
+        raise one_of(plain, JERLOV_TYPES, "or name a CSV profile with wavelength_nm and attenuation_per_m")
+    return plain
+
+
+def to_seafloor(value: Any) -> float | str:
+    """A reflectance, a known floor, or the name of a CSV."""
+    try:
+        number = to_number(value) if isinstance(value, (int, float)) or _is_number(value) else None
+    except ValueError:
+        number = None
+    if number is not None:
+        if not 0 <= number <= 1:
+            raise refusal("is not a reflectance 0..1", "did you mean 0.2 for 20 %?")
+        return number
+    text = to_text(value)
+    if text.casefold().endswith(".csv"):
+        return text
+    plain = text.casefold().replace("_", "-").replace(" ", "-")
+    if plain in SEAFLOORS:
+        return plain
+    measured = {name.casefold().replace("_", "-").replace(" ", "-"): name for name in _measured_seafloors()}
+    if plain not in measured:
+        raise one_of(
+            plain, SEAFLOORS, "or give a reflectance 0..1, or a CSV with wavelength_nm and reflectance"
+        )
+    return measured[plain]
+
+
+def _is_number(value: Any) -> bool:
+    try:
+        return isinstance(value, str) and float(value) == float(value)
+    except ValueError:
+        return False
+
+
+def _measured_seafloors() -> set[str]:
+    from uwopt.catalog.tables import built_in_rows
+
+    return {row["type"] for row in built_in_rows("bottom_reflectance.csv")}
+
+
+def to_objective(value: Any) -> str | dict[str, float]:
+    """The name of a figure, or weights by name."""
+    if isinstance(value, str):
+        return _objective_name(value)
+    if not isinstance(value, Mapping):
+        raise refusal(
+            f"is not one of {', '.join(OBJECTIVES)}", "or give weights such as {power: 1, cost: 0.01}"
+        )
+    weights: dict[str, float] = {}
+    for key, given in value.items():
+        name, weight = _objective_name(key), to_number(given)
+        if weight < 0:
+            raise refusal(
+                f"has a negative weight for {name}", "every term is already turned so that less is better"
+            )
+        if name in weights:
+            raise refusal(f"names {name} twice", "give one weight a figure")
+        weights[name] = weight
+    if not any(weights.values()):
+        raise refusal("has no weight above 0", "give weights such as {power: 1, cost: 0.01}")
+    return weights
+
+
+def _objective_name(value: Any) -> str:
+    plain = str(value).strip().casefold().replace("-", "_")
+    plain = {"power_w": "power", "mass_kg": "mass", "snr": "snr_db", "gsd": "gsd_mm"}.get(plain, plain)
+    if plain not in OBJECTIVES:
+        raise one_of(plain, OBJECTIVES)
+    return plain
+
+
+def to_currency_code(value: Any) -> str:
+    """Three letters, upper case."""
+    code = to_text(value).upper()
+    if len(code) != 3 or not code.isascii() or not code.isalpha():
+        raise refusal("is not a currency", "write three letters such as USD")
+    return code
+
+
+def to_rates(value: Any) -> Any:
+    """Exchange rates by currency code."""
+    if not isinstance(value, Mapping):
+        return value
+    return {to_currency_code(key): rate for key, rate in value.items()}
+
+
+def to_owned(value: Any) -> Any:
+    """A list of owned parts; a bare id means one piece."""
+    if isinstance(value, (str, Mapping)):
+        value = [value]
+    if not isinstance(value, (list, tuple)):
+        return value
+    return [{"id": item} if isinstance(item, str) else item for item in value]
+
+
+def to_part_fields(value: Any) -> tuple[str, ...]:
+    """Names of fields of a part's record."""
+    from uwopt.catalog import records
+
+    names = [value] if isinstance(value, str) else value
+    if not isinstance(names, (list, tuple)):
+        raise refusal("is not a list", "write a list such as [price]")
+    kinds = (records.Camera, records.Lens, records.Port, records.Light)
+    known = tuple(sorted({name for kind in kinds for name in kind.__dataclass_fields__}))
+    for name in names:
+        if name not in known:
+            near = nearest(str(name), known)
+            mend = f"did you mean {near}?" if near else "name fields such as price, power_w, read_noise_e"
+            raise refusal(f"holds {show(name)}, which no part has", mend)
+    return tuple(names)

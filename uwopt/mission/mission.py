@@ -1,0 +1,263 @@
+"""What is wanted: the mission, its scenes, and the view a solver has of each scene.
+
+`load_mission` is the door: a file name or a mapping becomes a `Mission`, or one MissionError that names
+every fault. Units are those of the keys; converting to SI is the caller's step into the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+from pydantic_core import PydanticCustomError
+
+from uwopt.documents.key_types import CHOICE, NUMBER, WHOLE, Section, Text, all_optional, given_values
+from uwopt.documents.reading import Document, read_document
+from uwopt.documents.validation import validated
+from uwopt.mission import checks
+from uwopt.mission.keys import OBJECTIVES, to_objective
+from uwopt.mission.sections import (
+    CatalogChoice,
+    Extra,
+    LightMount,
+    Limits,
+    Orientation,
+    OwnedPart,
+    Requirements,
+    RequirementsOverride,
+    Scene,
+    Vehicle,
+    VehicleOverride,
+    grid,
+)
+
+PIXELS_PER_CIRCLE = 2.0  # default circle of confusion outside physics `paper`
+
+__all__ = [
+    "CatalogChoice", "Extra", "LightMount", "Limits", "Mission", "Orientation", "OwnedPart", "Requirements",
+    "Scene", "SceneView", "Vehicle", "grid", "load_mission", "resolve_path", "sections",
+]  # fmt: skip
+
+Physics = Literal["auto", "full", "paper"]
+
+
+@dataclass(frozen=True)
+class SceneView:
+    """One scene as a solver sees it: its overrides applied, its share of time known.
+
+    `requirements.circle_of_confusion_px` is filled in; None there means the rule of physics `paper`.
+    """
+
+    index: int
+    scene: Scene
+    vehicle: Vehicle
+    requirements: Requirements
+    time_share: float
+
+
+class Mission(Section):
+    """Everything that is wanted of a system."""
+
+    name: Text = Field(default="mission", description="name of the mission")
+    objective: Annotated[str | dict[str, float], BeforeValidator(to_objective)] = Field(
+        default="power",
+        description=f"figure ({', '.join(OBJECTIVES)}), or weights such as {{power: 1, cost: 0.01}}",
+    )
+    physics: Annotated[Physics, CHOICE] = Field(
+        default="auto", description="physics of the model: auto, full or paper"
+    )
+    tolerance: Annotated[float, Field(gt=0, le=0.5), NUMBER] = Field(
+        default=0.005, description="error that physics auto may make, a share such as 0.005"
+    )
+    seed: Annotated[int, Field(ge=0, le=2**32 - 1), WHOLE] = Field(
+        default=0, description="seed of all random numbers, 0 or above"
+    )
+    scenes: Annotated[tuple[Scene, ...], Field(min_length=1, max_length=100)] = Field(
+        description="scene, or the list of scenes that one system must serve"
+    )
+    vehicle: Vehicle = Field(description="section vehicle with altitude_m and speed_m_s")
+    requirements: Requirements = Field(
+        default_factory=lambda: Requirements(), description="section of what the images must be"
+    )
+    limits: Limits = Field(
+        default_factory=lambda: Limits(), description="section of what the system may cost, draw and weigh"
+    )
+    catalog: CatalogChoice = Field(
+        default_factory=lambda: CatalogChoice(), description="section of which parts may be used"
+    )
+
+    _base_dir: Path | None = PrivateAttr(default=None)
+    _source_name: str = PrivateAttr(default="mission")
+    _source_text: str | None = PrivateAttr(default=None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _scenes_in_one_form(cls, data: Any) -> Any:
+        if not isinstance(data, Mapping):
+            return data
+        plain, faults = checks.in_one_form(data)
+        if faults:
+            raise PydanticCustomError("cross_check", "{what}", {"what": faults[0][1]})
+        return plain
+
+    @model_validator(mode="after")
+    def _keys_agree(self) -> Mission:
+        faults = checks.cross_faults({
+            "vehicle": given_values(self.vehicle),
+            "requirements": given_values(self.requirements),
+            "limits": given_values(self.limits),
+            "scenes": [
+                given_values(s) | {n: given_values(getattr(s, n)) for n in ("vehicle", "requirements")}
+                for s in self.scenes
+            ],
+        })  # fmt: skip
+        if faults:
+            raise PydanticCustomError("cross_check", "{what}", {"what": faults[0][1]})
+        return self
+
+    @property
+    def base_dir(self) -> Path | None:
+        """Folder of the mission file; None when it came from Python."""
+        return self._base_dir
+
+    @property
+    def source_name(self) -> str:
+        """Name of the mission file, for messages."""
+        return self._source_name
+
+    @property
+    def source_file(self) -> dict[str, str] | None:
+        """The mission file for a result: name, folder ("" unless it names files), text; None from Python."""
+        if self._source_text is None:
+            return None
+        names_files = self.to_dict() != self.to_dict(absolute_paths=True)
+        folder = str(self._base_dir) if names_files and self._base_dir is not None else ""
+        return {"name": Path(self._source_name).name, "folder": folder, "text": self._source_text}
+
+    @property
+    def required_depth_m(self) -> float:
+        """Depth that ports and lights must be rated for: as limited, else that of the deepest scene."""
+        given = self.limits.depth_rating_m
+        return max(scene.depth_m for scene in self.scenes) if given is None else given
+
+    @property
+    def objective_weights(self) -> dict[str, float]:
+        """The objective as a weight per figure; a single one weighs 1."""
+        return {self.objective: 1.0} if isinstance(self.objective, str) else dict(self.objective)
+
+    @property
+    def time_shares(self) -> tuple[float, ...]:
+        """Share of time of each scene, summing to 1; scenes without one divide the rest equally."""
+        return checks.time_shares([scene.time_share for scene in self.scenes])
+
+    @property
+    def views(self) -> tuple[SceneView, ...]:
+        """All scenes as a solver sees them."""
+        return tuple(self.scene_view(i) for i in range(len(self.scenes)))
+
+    def scene_view(self, index: int) -> SceneView:
+        """One scene with its overrides of `vehicle` and `requirements` applied and checked again."""
+        scene = self.scenes[index]
+        vehicle = checks.overridden(given_values(self.vehicle), given_values(scene.vehicle))
+        wanted = checks.overridden(given_values(self.requirements), given_values(scene.requirements))
+        if self.physics != "paper" and wanted.get("circle_of_confusion_px") is None:
+            wanted["circle_of_confusion_px"] = PIXELS_PER_CIRCLE
+        return SceneView(
+            index,
+            scene,
+            Vehicle.model_validate(vehicle),
+            Requirements.model_validate(wanted),
+            self.time_shares[index],
+        )
+
+    def resolve_path(self, text: str | Path) -> Path:
+        """A path that the mission names; relative ones start at the mission file."""
+        return resolve_path(text, self._base_dir)
+
+    def with_changes(self, **changes: Any) -> Mission:
+        """The same mission with other top-level values, checked: `with_changes(physics="paper")`."""
+        made = _checked(Document(self._source_name, {**self._as_given(), **changes}, base_dir=self._base_dir))
+        made._base_dir, made._source_name = self._base_dir, self._source_name
+        made._source_text = self._source_text
+        if "vehicle" not in changes:  # what its file states binds a system, defaults do not
+            made.__dict__["vehicle"] = self.vehicle
+        return made
+
+    def to_dict(self, absolute_paths: bool = False) -> dict[str, Any]:
+        """Plain values with all defaults filled in; `load_mission` takes them again.
+
+        With `absolute_paths` the files it names are found from any folder.
+        """
+        data = self._as_given()
+        data["requirements"] = self.requirements.model_dump(mode="json", by_alias=True)
+        if self.physics != "paper" and self.requirements.circle_of_confusion_px is None:
+            data["requirements"]["circle_of_confusion_px"] = PIXELS_PER_CIRCLE
+        if absolute_paths:
+            checks.make_paths_absolute(data, lambda text: str(self.resolve_path(text).absolute()))
+        return data
+
+    def _as_given(self) -> dict[str, Any]:
+        data = self.model_dump(mode="json", by_alias=True)
+        for scene, dumped in zip(self.scenes, data["scenes"], strict=True):
+            for section in ("vehicle", "requirements"):
+                override = getattr(scene, section)
+                dumped.pop(section)
+                if override is not None:
+                    dumped[section] = override.model_dump(mode="json", by_alias=True, exclude_unset=True)
+        return data
+
+
+def load_mission(
+    source: str | Path | Mapping[str, Any] | Mission, *, base_dir: Path | None = None
+) -> Mission:
+    """A mission from a YAML file or a mapping; raises one MissionError that lists every fault.
+
+    `base_dir` is where a mapping's files are looked for; a file's are looked for in its own folder.
+    """
+    if isinstance(source, Mission):
+        return source
+    document = read_document(source, "mission")
+    made = _checked(document)
+    made._base_dir, made._source_name = document.base_dir or base_dir, document.name
+    made._source_text = document.text
+    return made
+
+
+def resolve_path(text: str | Path, base_dir: Path | None) -> Path:
+    """A path as files of a mission mean it: relative to the folder of the file that names it."""
+    path = Path(text)
+    path = path.expanduser() if str(text).startswith("~") else path
+    return path if path.is_absolute() or base_dir is None else base_dir / path
+
+
+def sections() -> dict[str, type[Section]]:
+    """The sections of a mission file by name; "" is its top level."""
+    return {"": Mission, "vehicle": Vehicle, "requirements": Requirements, "limits": Limits,
+            "catalog": CatalogChoice, "scene": Scene}  # fmt: skip
+
+
+def _checked(document: Document) -> Mission:
+    data, early = checks.in_one_form(document.data)
+    return validated(
+        Mission, document, data, sections=sections(), origin=checks.origins, early=early,
+        cross_faults=lambda raw: checks.cross_faults(_valid_parts(raw)),
+    )  # fmt: skip
+
+
+def _valid_parts(raw: Mapping[str, Any]) -> dict[str, Any]:
+    """What of a faulty mission is right on its own, so that its keys can still be held against each other."""
+    valid = checks.valid_values
+    sections_of: dict[str, type[Section]] = {"vehicle": VehicleOverride, "requirements": RequirementsOverride}
+    parts: dict[str, Any] = {name: valid(model, raw.get(name)) for name, model in sections_of.items()}
+    parts["limits"] = valid(Limits, raw.get("limits"))
+    scene_model = all_optional(Scene, "SceneParts")
+    parts["scenes"] = []
+    scenes = raw.get("scenes")
+    for scene in scenes if isinstance(scenes, list) else ():
+        own = dict(scene) if isinstance(scene, Mapping) else {}
+        nested = {name: valid(model, own.pop(name, None)) for name, model in sections_of.items()}
+        parts["scenes"].append(valid(scene_model, own) | nested)
+    return parts

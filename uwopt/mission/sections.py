@@ -1,0 +1,355 @@
+"""The sections of a mission file: vehicle, requirements, limits, catalog, scene.
+
+Each key is a field with its limits and a description; messages and the JSON schema are made from them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from uwopt.documents.key_types import (
+    CHOICE,
+    NUMBER,
+    WHOLE,
+    Count,
+    NonNegative,
+    Positive,
+    Section,
+    Share,
+    Text,
+    Texts,
+    all_optional,
+    at_least,
+    number_or_range,
+    whole_range,
+)
+from uwopt.mission import keys as words
+from uwopt.units import db_to_ratio
+
+MAX_LIGHTS = 64
+BASELINE_STEP_M, TILT_STEP_DEG = 0.05, 2.5  # the declared grid of mounts
+
+Orientation = Literal["landscape", "portrait"]
+
+
+class LightMount(Section):
+    """Place and aim of one light in the vehicle frame: x forward, y starboard, z down, origin at the port."""
+
+    x_m: Annotated[float, Field(ge=-100, le=100), NUMBER] = Field(
+        default=0.0, description="place forward of the port in metres"
+    )
+    y_m: Annotated[float, Field(ge=-100, le=100), NUMBER] = Field(
+        default=0.0, description="place to starboard in metres"
+    )
+    z_m: Annotated[float, Field(ge=-100, le=100), NUMBER] = Field(
+        default=0.0, description="place below the port in metres"
+    )
+    tilt_x_deg: Annotated[float, Field(gt=-90, lt=90), NUMBER] = Field(
+        default=0.0, description="aim's tilt along x in degrees, outward positive, 0 is straight down"
+    )
+    tilt_y_deg: Annotated[float, Field(gt=-90, lt=90), NUMBER] = Field(
+        default=0.0, description="aim's tilt along y in degrees, outward positive, 0 is straight down"
+    )
+
+
+class Vehicle(Section):
+    """How the camera is carried, and which hardware it may carry."""
+
+    altitude_m: Annotated[float, Field(gt=0, le=1000), at_least(1e-3), NUMBER] = Field(
+        description="distance from the port to the floor in metres"
+    )
+    altitude_tolerance_m: Annotated[float, Field(ge=0, le=1000), NUMBER] = Field(
+        default=0.0, description="half-width of the altitudes over which every requirement holds, in metres"
+    )
+    speed_m_s: Annotated[float, Field(ge=0, le=50), NUMBER] = Field(
+        description="speed over the floor in metres per second, 0 when it hovers"
+    )
+    pitch_rate_deg_s: Annotated[float, Field(ge=0, le=360), NUMBER] = Field(
+        default=0.0, description="largest pitch rate in degrees per second"
+    )
+    roll_rate_deg_s: Annotated[float, Field(ge=0, le=360), NUMBER] = Field(
+        default=0.0, description="largest roll rate in degrees per second"
+    )
+    orientation: Annotated[Literal["any", "landscape", "portrait"], CHOICE] = Field(
+        default="any",
+        description="side of the image along the motion: landscape its height, portrait its width, or any",
+    )
+    camera_count: Count = Field(default=1, description="number of cameras, each with lens and port")
+    light_count: Annotated[tuple[int, int], whole_range(1, MAX_LIGHTS)] = Field(
+        default=(1, 8),
+        description=f"number of lights, or [least, most], whole numbers from 1 to {MAX_LIGHTS}",
+    )
+    light_baseline_m: Annotated[float | tuple[float, float], number_or_range(0, 20)] = Field(
+        default=0.5, description="distance across track from port to lights in metres, or [least, most]"
+    )
+    light_tilt_deg: Annotated[float | tuple[float, float], number_or_range(-89, 89)] = Field(
+        default=0.0, description="outward tilt of the lights in degrees, or [least, most]"
+    )
+    light_mounts: Annotated[tuple[LightMount, ...], Field(max_length=MAX_LIGHTS)] | None = Field(
+        default=None,
+        description="places and aims of the lights, taken in this order; instead of baseline and tilt",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _as_many_lights_as_mounts(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and data.get("light_count") is None:
+            mounts = data.get("light_mounts")
+            if isinstance(mounts, (list, tuple)) and 0 < len(mounts) <= MAX_LIGHTS:
+                return {**data, "light_count": [len(mounts)] * 2}
+        return data
+
+    @property
+    def orientations(self) -> tuple[Orientation, ...]:
+        """The orientations that may be tried."""
+        return ("landscape", "portrait") if self.orientation == "any" else (self.orientation,)
+
+    @property
+    def light_counts(self) -> range:
+        """The numbers of lights that may be tried."""
+        return range(self.light_count[0], self.light_count[1] + 1)
+
+    @property
+    def light_baseline_range_m(self) -> tuple[float, float]:
+        """Lowest and highest baseline."""
+        return _pair(self.light_baseline_m)
+
+    @property
+    def light_tilt_range_deg(self) -> tuple[float, float]:
+        """Lowest and highest tilt."""
+        return _pair(self.light_tilt_deg)
+
+    @property
+    def light_baseline_grid_m(self) -> tuple[float, ...]:
+        """Baselines that count as hardware: every 0.05 m from the lower end, both ends included."""
+        return grid(*self.light_baseline_range_m, BASELINE_STEP_M)
+
+    @property
+    def light_tilt_grid_deg(self) -> tuple[float, ...]:
+        """Tilts that count as hardware: every 2.5 degrees from the lower end, both ends included."""
+        return grid(*self.light_tilt_range_deg, TILT_STEP_DEG)
+
+
+class Requirements(Section):
+    """What the images must be; a key that is left out asks for nothing."""
+
+    overlap: Annotated[float, Field(ge=0, lt=1), NUMBER] | None = Field(
+        default=None,
+        description="overlap of following images along track, a share 0..1; without it and frame_interval_s 0, images "
+        "that just touch",
+    )
+    frame_interval_s: Positive | None = Field(
+        default=None, description="longest time between images in seconds"
+    )
+    max_blur_px: Positive | None = Field(default=None, description="longest motion blur in pixels")
+    max_skew_px: Positive | None = Field(default=None, description="largest rolling-shutter skew in pixels")
+    min_dof_m: NonNegative | None = Field(
+        default=None, description="least depth of field in metres; without it the nominal altitude is sharp"
+    )
+    dof_at: Annotated[Literal["axis", "corner"], CHOICE] = Field(
+        default="axis", description="place in the image where the depth of field must hold: axis or corner"
+    )
+    circle_of_confusion_px: Annotated[float, Field(gt=0, le=1e6), at_least(1e-3), NUMBER] | None = Field(
+        default=None,
+        description="sharpness limit in pixels; 2, in physics paper the sensor's diagonal / 1500",
+    )
+    min_snr_db: Annotated[float, Field(ge=-40, le=200), NUMBER] | None = Field(
+        default=None, description="least signal-to-noise ratio in decibels (20 log10), instead of min_snr"
+    )
+    min_snr_given: Annotated[float, Field(gt=0, le=1e10), NUMBER] | None = Field(
+        default=None,
+        alias="min_snr",
+        description="least signal-to-noise ratio as a ratio, instead of min_snr_db",
+    )
+    snr_at: Annotated[Literal["mean", "worst"], CHOICE] = Field(
+        default="mean", description="place in the image where the SNR must hold: mean or worst pixel"
+    )
+    max_gsd_mm: Positive | None = Field(default=None, description="largest pixel on the floor in millimetres")
+    min_swath_m: NonNegative | None = Field(
+        default=None, description="least footprint across track in metres"
+    )
+    mean_level: Annotated[float, Field(gt=0, lt=1), NUMBER] | None = Field(
+        default=None,
+        description="wanted mean image level, a share 0..1 of full scale; the gain is chosen for it",
+    )
+    highlight_ratio: Annotated[float, Field(ge=1, le=1000), NUMBER] = Field(
+        default=1.5, description="brightest detail over mean level, at least 1, that must not saturate"
+    )
+    min_contrast: Share | None = Field(
+        default=None, description="least image-forming over all light, a share 0..1"
+    )
+    min_uniformity: Share | None = Field(
+        default=None, description="least over mean floor illuminance, a share 0..1"
+    )
+    min_mtf_half_nyquist: Share | None = Field(
+        default=None, description="least MTF at half the Nyquist frequency, a share 0..1"
+    )
+    shutter: Annotated[Literal["any", "global", "rolling"], CHOICE] = Field(
+        default="any", description="shutter of the camera: any, global or rolling"
+    )
+    colour: Annotated[Literal["any", "mono", "colour"], CHOICE] = Field(
+        default="any", description="sensor of the camera: any, mono or colour"
+    )
+
+    @property
+    def min_snr(self) -> float | None:
+        """The least signal-to-noise ratio, whichever way it was asked for; None when it was not."""
+        return db_to_ratio(self.min_snr_db) if self.min_snr_db is not None else self.min_snr_given
+
+
+class Limits(Section):
+    """What the system may cost, draw and weigh; a key that is left out limits nothing."""
+
+    cost: NonNegative | None = Field(
+        default=None, description="highest cost of the whole system in limits.currency"
+    )
+    currency: Annotated[str, BeforeValidator(words.to_currency_code)] = Field(
+        default="USD", description="currency of costs as three letters, such as USD"
+    )
+    rates: Annotated[dict[str, Positive], BeforeValidator(words.to_rates)] = Field(
+        default_factory=dict,
+        description="exchange rates by currency, USD per unit, that override the shipped ones",
+    )
+    cost_basis: Annotated[Literal["central", "high"], CHOICE] = Field(
+        default="central",
+        description="end of an estimated price that the cost limit applies to: central or high",
+    )
+    power_w: Positive | None = Field(default=None, description="highest mean electrical power in watts")
+    peak_power_w: Positive | None = Field(
+        default=None, description="highest electrical power at any moment in watts"
+    )
+    mass_kg: Positive | None = Field(default=None, description="highest mass in kilograms")
+    depth_rating_m: Annotated[float, Field(ge=0, le=11_000), NUMBER] | None = Field(
+        default=None,
+        description="depth that ports and lights must be rated for, in metres; the deepest scene "
+        "unless given",
+    )
+    data_rate_mb_s: Positive | None = Field(
+        default=None, description="highest data rate in megabytes (10^6 byte) per second"
+    )
+    max_exposure_ms: Positive = Field(default=1000.0, description="longest exposure in milliseconds")
+
+
+class OwnedPart(Section):
+    """A part that is already there and costs nothing."""
+
+    id: Text = Field(description="id of a part of the catalogue")
+    quantity: Annotated[int, Field(ge=0, le=1000), WHOLE] = Field(
+        default=1, description="number of pieces at hand"
+    )
+
+
+class Extra(Section):
+    """Something that every system needs besides its parts: housing, cables, computer."""
+
+    name: Text = Field(description="name of the item")
+    cost: NonNegative = Field(default=0.0, description="cost in limits.currency")
+    mass_kg: NonNegative = Field(default=0.0, description="mass in kilograms")
+    power_w: NonNegative = Field(default=0.0, description="electrical power in watts")
+
+
+class CatalogChoice(Section):
+    """Which parts may be used; patterns are globs or plain parts of an id or a manufacturer."""
+
+    cameras: Texts = Field(default=(), description="patterns of cameras that may be used; none allows all")
+    lenses: Texts = Field(default=(), description="patterns of lenses that may be used; none allows all")
+    ports: Texts = Field(default=(), description="patterns of ports that may be used; none allows all")
+    lights: Texts = Field(default=(), description="patterns of lights that may be used; none allows all")
+    exclude: Texts = Field(default=(), description="patterns of parts that must not be used")
+    files: Texts = Field(
+        default=(), description="CSV or YAML files of own parts, relative to the mission file"
+    )
+    prices: Text | None = Field(
+        default=None, description="CSV of own quotes that override prices, relative to the mission file"
+    )
+    owned: Annotated[tuple[OwnedPart, ...], BeforeValidator(words.to_owned)] = Field(
+        default=(), description="list of parts already there, each {id, quantity}"
+    )
+    generic: Annotated[Literal["fallback", "allow", "never"], CHOICE] = Field(
+        default="fallback", description="use of generic parts, which no shop sells: fallback, allow or never"
+    )
+    verified: Annotated[tuple[str, ...], BeforeValidator(words.to_part_fields)] = Field(
+        default=(), description="list of part fields that must come from a source, such as price"
+    )
+    accept_unrated: Texts = Field(
+        default=(), description="ids of parts whose unknown depth rating is accepted"
+    )
+    lens_rating: Annotated[Literal["warn", "limit"], CHOICE] = Field(
+        default="warn",
+        description="what a lens rated for larger pixels than the camera's is: warn tells of it, limit refuses it",
+    )
+    extras: tuple[Extra, ...] = Field(
+        default=(), description="list of items added to every system: {name, cost, mass_kg, power_w}"
+    )
+
+
+if TYPE_CHECKING:
+    VehicleOverride = Vehicle
+    RequirementsOverride = Requirements
+else:
+    VehicleOverride = all_optional(Vehicle, "VehicleOverride")
+    RequirementsOverride = all_optional(Requirements, "RequirementsOverride")
+
+
+class Scene(Section):
+    """Water, floor and light of one place; keys of `vehicle` and `requirements` may be overridden here."""
+
+    name: Text = Field(default="scene 1", description="name of the scene, each its own")
+    water: Annotated[str, BeforeValidator(words.to_water)] = Field(
+        description=f"Jerlov type ({', '.join(words.JERLOV_TYPES)}) or the name of a CSV profile"
+    )
+    water_table: Annotated[Literal["measured", "solonenko-mobley"], CHOICE] | None = Field(
+        default=None,
+        description="table of the Jerlov types: measured or solonenko-mobley; measured where it has the type",
+    )
+    seafloor: Annotated[float | str, BeforeValidator(words.to_seafloor)] = Field(
+        description=f"seafloor: {', '.join(words.SEAFLOORS)}, a reflectance 0..1, or the name of a "
+        "CSV spectrum"
+    )
+    depth_m: Annotated[float, Field(ge=0, le=11_000), NUMBER] = Field(
+        description="depth of the scene in metres"
+    )
+    temperature_c: Annotated[float, Field(ge=-3, le=45), NUMBER] = Field(
+        default=10.0, description="temperature of the water in degrees Celsius"
+    )
+    salinity_psu: Annotated[float, Field(ge=0, le=50), NUMBER] = Field(
+        default=35.0, description="salinity of the water in practical salinity units, 0 for fresh water"
+    )
+    backscatter_ratio: Annotated[float, Field(gt=0, le=0.5), NUMBER] = Field(
+        default=0.0183, description="backscattered share of all scattering, b_b / b"
+    )
+    phase_function: Text = Field(
+        default="fournier-forand",
+        description="how particles scatter: fournier-forand or henyey-greenstein for the backscatter_ratio, "
+        "petzold-<station> as measured, or the name of a CSV file (angle_deg, phase_per_sr)",
+    )
+    sun_lux: Annotated[float, Field(ge=0, le=200_000), NUMBER] = Field(
+        default=0.0, description="sunlight at the surface in lux, 0 for night"
+    )
+    sun_elevation_deg: Annotated[float, Field(ge=0, le=90), NUMBER] = Field(
+        default=60.0, description="elevation of the sun in degrees above the horizon"
+    )
+    time_share: Share | None = Field(
+        default=None, description="share 0..1 of the mission's time spent here; equal unless given"
+    )
+    vehicle: VehicleOverride | None = Field(
+        default=None, description="keys of vehicle that differ in this scene"
+    )
+    requirements: RequirementsOverride | None = Field(
+        default=None, description="keys of requirements that differ in this scene"
+    )
+
+
+def grid(low: float, high: float, step: float) -> tuple[float, ...]:
+    """Points every `step` from `low`, and `high`."""
+    n_steps = math.floor((high - low) / step + 1e-9)
+    points = [round(low + i * step, 9) for i in range(n_steps + 1)]
+    return tuple(points) if high - points[-1] < 1e-9 else (*points, high)
+
+
+def _pair(value: float | tuple[float, float]) -> tuple[float, float]:
+    return value if isinstance(value, tuple) else (value, value)

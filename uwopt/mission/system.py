@@ -1,0 +1,304 @@
+"""What is to be evaluated: a system of catalogue or inline parts, and its settings.
+
+`load_system` is the door, as `load_mission` is for missions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, PrivateAttr, Tag, model_validator
+from pydantic_core import PydanticCustomError
+
+from uwopt.catalog.inline import (
+    INLINE_MODELS,
+    SYNONYMS,
+    InlineCamera,
+    InlineLens,
+    InlineLight,
+    InlinePart,
+    InlinePort,
+    inline_faults,
+)
+from uwopt.documents.faults import KeyPath, nearest
+from uwopt.documents.key_types import (
+    CHOICE,
+    NUMBER,
+    Count,
+    NonNegative,
+    Positive,
+    Section,
+    Share,
+    Text,
+    given_values,
+    to_text,
+)
+from uwopt.documents.reading import read_document
+from uwopt.documents.validation import validated
+from uwopt.errors import MissionError
+from uwopt.mission.checks import Fault, valid_values
+from uwopt.mission.mission import Mission, resolve_path
+from uwopt.mission.sections import MAX_LIGHTS, LightMount
+
+PART_KINDS = ("camera", "lens", "port", "light")
+LEVEL_KEYS = ("flux_lm", "dim_frac", "flash_energy_j")
+
+BY_ID, INLINE = "<id>", "<inline>"  # steps of pydantic's paths that no file holds
+
+
+def _form_of_part(value: Any) -> str | None:
+    if isinstance(value, str):
+        return BY_ID
+    return INLINE if isinstance(value, (Mapping, InlinePart)) else None
+
+
+_FORM = Discriminator(
+    _form_of_part,
+    custom_error_type="fault",
+    custom_error_message="{what}",
+    custom_error_context={
+        "what": "is neither an id nor an inline record",
+        "mend": "write the id of a catalogue part, or its keys in braces",
+    },
+)
+PartId = Annotated[str, BeforeValidator(to_text), Tag(BY_ID)]
+
+
+class Settings(Section):
+    """How the system is set; what is left out takes the default that its description names."""
+
+    f_number: Annotated[float, Field(gt=0.4, le=128), NUMBER] | None = Field(
+        default=None, description="f-number; the lens's widest opening unless given"
+    )
+    exposure_ms: Annotated[float, Field(gt=0, le=600_000), NUMBER] | None = Field(
+        default=None,
+        description="exposure in milliseconds; the longest that requirements and limits allow unless given",
+    )
+    pulse_ms: Annotated[float, Field(gt=0, le=600_000), NUMBER] | None = Field(
+        default=None,
+        description="time that pulsed lights are on, in milliseconds; the exposure unless given; a flash has its own",
+    )
+    gain: Annotated[float, Field(ge=1, le=1e5), NUMBER] | None = Field(
+        default=None,
+        description="gain as a ratio, at least 1, which is 0 dB; that of the wanted mean level unless given, else 1",
+    )
+    flux_lm: NonNegative | None = Field(
+        default=None,
+        description="nameplate flux of all lights together in lumens; full unless a level is given",
+    )
+    dim_frac: Share | None = Field(
+        default=None, description="light level as a share 0..1 of full, instead of flux_lm"
+    )
+    flash_energy_j: Positive | None = Field(
+        default=None, description="energy of one flash of one lamp in joules, instead of flux_lm"
+    )
+    frame_rate_hz: Positive | None = Field(
+        default=None, description="frame rate in hertz; the least that the requirements need unless given"
+    )
+    focus_distance_m: Annotated[float, Field(gt=0, le=10_000), NUMBER] | None = Field(
+        default=None,
+        description="focus in water from the port in metres; the nominal altitude unless given, of several scenes "
+        "the one that serves all",
+    )
+
+
+class System(Section):
+    """Hardware and settings of one system."""
+
+    name: Text = Field(default="system", description="name of the system")
+    camera: Annotated[PartId | Annotated[InlineCamera, Tag(INLINE)], _FORM] = Field(
+        description="camera: an id of the catalogue, or an inline record"
+    )
+    lens: Annotated[PartId | Annotated[InlineLens, Tag(INLINE)], _FORM] = Field(
+        description="lens: an id of the catalogue, or an inline record"
+    )
+    port: Annotated[PartId | Annotated[InlinePort, Tag(INLINE)], _FORM] = Field(
+        description="port: an id of the catalogue, or an inline record"
+    )
+    light: Annotated[PartId | Annotated[InlineLight, Tag(INLINE)], _FORM] = Field(
+        description="light: an id of the catalogue, or an inline record"
+    )
+    camera_count: Count = Field(default=1, description="number of cameras, each with lens and port")
+    light_count: Count = Field(default=1, description="number of lights; that of light_mounts unless given")
+    light_baseline_m: Annotated[float, Field(ge=0, le=20), NUMBER] | None = Field(
+        default=None,
+        description="distance across track from port to lights in metres; the mission's unless given",
+    )
+    light_tilt_deg: Annotated[float, Field(gt=-90, lt=90), NUMBER] | None = Field(
+        default=None, description="outward tilt of the lights in degrees; the mission's unless given"
+    )
+    light_mounts: Annotated[tuple[LightMount, ...], Field(max_length=MAX_LIGHTS)] | None = Field(
+        default=None, description="place and aim of each light, instead of baseline and tilt"
+    )
+    orientation: Annotated[Literal["landscape", "portrait"], CHOICE] = Field(
+        default="landscape",
+        description="side of the image along the motion: landscape its height, portrait its width",
+    )
+    settings: Settings = Field(default_factory=lambda: Settings(), description="settings in every scene")
+    scenes: dict[str, Settings] = Field(
+        default_factory=dict, description="settings that differ in a scene, by the scene's name"
+    )
+
+    _base_dir: Path | None = PrivateAttr(default=None)
+    _source_name: str = PrivateAttr(default="system")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _as_many_lights_as_mounts(cls, data: Any) -> Any:
+        return _in_one_form(data) if isinstance(data, Mapping) else data
+
+    @model_validator(mode="after")
+    def _keys_agree(self) -> System:
+        parts = {kind: getattr(self, kind) for kind in PART_KINDS}
+        faults = _cross_faults(
+            given_values(self)
+            | {kind: part if isinstance(part, str) else given_values(part) for kind, part in parts.items()}
+            | {"settings": given_values(self.settings)}
+            | {"scenes": {name: given_values(own) for name, own in self.scenes.items()}}
+        )
+        if faults:
+            raise PydanticCustomError("cross_check", "{what}", {"what": faults[0][1]})
+        return self
+
+    @property
+    def base_dir(self) -> Path | None:
+        """Folder of the system file; None when it came from Python."""
+        return self._base_dir
+
+    @property
+    def source_name(self) -> str:
+        """Name of the system file, for messages."""
+        return self._source_name
+
+    def part(self, kind: str) -> str | dict[str, Any]:
+        """The id of the camera, lens, port or light, or what its inline record states."""
+        part: str | InlinePart = getattr(self, kind)
+        return part if isinstance(part, str) else part.model_dump(mode="json", exclude_unset=True)
+
+    def settings_for(self, scene_name: str) -> Settings:
+        """Settings of one scene: those of every scene with its own on top."""
+        own = given_values(self.scenes.get(scene_name))
+        base = given_values(self.settings)
+        if any(own.get(key) is not None for key in LEVEL_KEYS):
+            base = {key: value for key, value in base.items() if key not in LEVEL_KEYS}
+        return Settings.model_validate(base | own)
+
+    def check_scenes(self, mission: Mission) -> None:
+        """Raise MissionError when settings are given for a scene that the mission has not."""
+        names = [scene.name for scene in mission.scenes]
+        faults = [
+            f"{self._source_name}: scenes.{name} is no scene of {mission.source_name}; {_hint(name, names)}"
+            for name in self.scenes
+            if name not in names
+        ]
+        if faults:
+            raise MissionError(faults)
+
+    def resolve_path(self, text: str | Path) -> Path:
+        """A path that the system names; relative ones start at the system file."""
+        return resolve_path(text, self._base_dir)
+
+    def to_dict(self, absolute_paths: bool = False) -> dict[str, Any]:
+        """Plain values with defaults filled in (inline parts as given); `load_system` takes them again.
+
+        With `absolute_paths` the files that inline parts name are found from any folder.
+        """
+        data = self.model_dump(mode="json", exclude={*PART_KINDS, "scenes"})
+        data |= {kind: self.part(kind) for kind in PART_KINDS}
+        data["scenes"] = {n: s.model_dump(mode="json", exclude_unset=True) for n, s in self.scenes.items()}
+        if absolute_paths:
+            for part in (data[kind] for kind in PART_KINDS if isinstance(data[kind], dict)):
+                for key, value in part.items():
+                    if isinstance(value, str) and value.casefold().endswith(".csv"):
+                        part[key] = str(self.resolve_path(value).absolute())
+        return data
+
+
+def load_system(source: str | Path | Mapping[str, Any] | System) -> System:
+    """A system from a YAML file or a mapping; raises one MissionError that lists every fault."""
+    if isinstance(source, System):
+        return source
+    document = read_document(source, "system")
+    made = validated(
+        System, document, _in_one_form(document.data), sections=sections(), origin=_origins,
+        cross_faults=lambda raw: _cross_faults(_valid_parts(raw)),
+    )  # fmt: skip
+    made._base_dir, made._source_name = document.base_dir, document.name
+    return made
+
+
+def sections() -> dict[str, type[Section]]:
+    """The sections of a system file by name; "" is its top level."""
+    return {"": System, "settings": Settings, **INLINE_MODELS}
+
+
+def _in_one_form(data: Mapping[str, Any]) -> dict[str, Any]:
+    plain = {
+        key: value for key, value in data.items() if value is not None or key not in ("settings", "scenes")
+    }
+    mounts = plain.get("light_mounts")
+    if plain.get("light_count") is None and isinstance(mounts, (list, tuple)) and mounts:
+        plain["light_count"] = min(len(mounts), MAX_LIGHTS)
+    return plain
+
+
+def _origins(path: KeyPath) -> Iterator[KeyPath]:
+    yield path
+    if len(path) == 2 and path[0] in PART_KINDS:
+        for other, name in SYNONYMS[str(path[0])].items():
+            if name == path[1]:
+                yield (path[0], other)
+
+
+def _cross_faults(parts: Mapping[str, Any]) -> list[Fault]:
+    faults: list[Fault] = []
+    for kind in PART_KINDS:
+        if isinstance(parts.get(kind), Mapping):
+            faults += [((kind, key), text) for key, text in inline_faults(kind, parts[kind])]
+    faults += _level_faults(("settings",), parts.get("settings") or {})
+    for name, own in (parts.get("scenes") or {}).items():
+        faults += _level_faults(("scenes", name), own)
+    mounts, count = parts.get("light_mounts"), parts.get("light_count")
+    if mounts is not None and count is not None and len(mounts) != count:
+        text = f"= {count} but light_mounts has {len(mounts)} place(s); give one for each light"
+        faults.append((("light_count",), text))
+    if mounts is not None:
+        for key in ("light_baseline_m", "light_tilt_deg"):
+            if parts.get(key) is not None:
+                faults.append(((key,), "and light_mounts are both given; keep one of them"))
+    return faults
+
+
+def _level_faults(path: KeyPath, settings: Mapping[str, Any]) -> list[Fault]:
+    given = [key for key in LEVEL_KEYS if settings.get(key) is not None]
+    if len(given) < 2:
+        return []
+    return [((*path, given[1]), f"and {given[0]} both set the light level; keep one of them")]
+
+
+def _valid_parts(raw: Mapping[str, Any]) -> dict[str, Any]:
+    parts: dict[str, Any] = {}
+    for kind, model in INLINE_MODELS.items():
+        parts[kind] = _complete_inline(model, raw.get(kind))
+    parts["settings"] = valid_values(Settings, raw.get("settings"))
+    scenes = raw.get("scenes")
+    if isinstance(scenes, Mapping):
+        parts["scenes"] = {str(name): valid_values(Settings, own) for name, own in scenes.items()}
+    for key in ("light_mounts", "light_count", "light_baseline_m", "light_tilt_deg"):
+        whole = {"camera": "x", "lens": "x", "port": "x", "light": "x", key: raw.get(key)}
+        parts[key] = valid_values(System, whole).get(key) if raw.get(key) is not None else None
+    return parts
+
+
+def _complete_inline(model: type[InlinePart], raw: Any) -> dict[str, Any] | None:
+    """An inline record that is right key by key; None otherwise, so that nothing is told twice."""
+    values = valid_values(model, raw)
+    return values if isinstance(raw, Mapping) and len(values) == len(raw) else None
+
+
+def _hint(name: str, known: Iterable[str]) -> str:
+    names = list(known)
+    near = nearest(name, names)
+    return f"did you mean {near!r}?" if near else f"its scenes are {', '.join(map(repr, names))}."

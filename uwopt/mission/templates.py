@@ -1,0 +1,193 @@
+"""The mission that `uwopt init` writes, and JSON schemas of missions and systems for editors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+_MISSION = """\
+# A mission for uwopt: what the images must be, and what the system may cost.
+# Every key carries its unit. A line with # in front shows a default or a choice; take the # away to use it.
+name: My survey
+
+# What to optimise: power | cost | mass | snr_db | gsd_mm | contrast | information,
+# or a weighted sum of several, such as {power: 1, cost: 0.01}.
+objective: power
+
+# Physics of the model: auto leaves out what this scene does not need, full keeps all, paper keeps it plain.
+physics: auto
+# tolerance: 0.005             # error that auto may make, a share
+# seed: 0
+
+# Where it works. Several places that one system must serve: write `scenes:` and a list.
+scene:
+  water: II                    # Jerlov type I IA IB II III 1C 3C 5C 7C 9C, or a CSV profile
+  # water_table: measured      # measured | solonenko-mobley
+  seafloor: coral              # sand | hard | coral | organic | benthic-average | 0..1 | a CSV spectrum
+  depth_m: 30
+  # temperature_c: 10
+  # salinity_psu: 35           # 0 for fresh water
+  # backscatter_ratio: 0.0183  # share of the scattering that goes backward
+  # phase_function: fournier-forand  # henyey-greenstein | petzold-<station> | a CSV (angle_deg, phase_per_sr)
+  # sun_lux: 0                 # sunlight at the surface; 100000 on a bright day, 0 at night
+  # sun_elevation_deg: 60
+  # time_share: 1.0            # with several scenes: share of the time spent here
+
+# How the camera is carried, and which hardware may be tried.
+vehicle:
+  altitude_m: 2.0              # from the port to the floor
+  altitude_tolerance_m: 0.25   # every requirement holds over altitude +/- tolerance
+  speed_m_s: 0.5               # 0 when it hovers; then give requirements.frame_interval_s
+  # pitch_rate_deg_s: 0
+  # roll_rate_deg_s: 0
+  orientation: any             # landscape | portrait | any: image height | width along the motion
+  # camera_count: 1
+  light_count: [1, 4]          # a number, or [least, most]
+  light_baseline_m: 0.8        # across track from port to lights: a number, or [least, most]
+  # light_tilt_deg: 0          # outward tilt: a number, or [least, most]
+  # light_mounts:              # instead of baseline and tilt: place and aim of each light
+  #   - {x_m: 0.3, y_m: 0.8, z_m: 0, tilt_x_deg: 0, tilt_y_deg: 10}
+
+# What the images must be. A requirement that is left out asks for nothing.
+requirements:
+  overlap: 0.6                 # along track, a share 0..1
+  # frame_interval_s: 2
+  max_blur_px: 1.0
+  # max_skew_px: 2             # of a rolling shutter
+  min_dof_m: 0.6               # depth of field
+  # dof_at: axis               # axis | corner
+  # circle_of_confusion_px: 2
+  min_snr_db: 30               # or min_snr, a ratio
+  # snr_at: mean               # mean | worst pixel
+  max_gsd_mm: 1.0              # largest pixel on the floor
+  # min_swath_m: 1.0
+  mean_level: 0.3              # wanted mean image level, share of full scale; the gain is chosen for it
+  # highlight_ratio: 1.5       # brightest detail over the mean, must not saturate
+  # min_contrast: 0.5          # image-forming light over all light
+  # min_uniformity: 0.3        # darkest over mean illuminance of the floor
+  # min_mtf_half_nyquist: 0.3
+  # shutter: any               # any | global | rolling
+  # colour: any                # any | mono | colour
+
+# What the system may cost, draw and weigh. A limit that is left out limits nothing.
+limits:
+  cost: 8000
+  currency: USD
+  # rates: {EUR: 1.15}         # your exchange rates, USD per unit
+  # cost_basis: central        # central | high: the end of an estimated price that must fit
+  power_w: 150
+  # peak_power_w: 500
+  # mass_kg: 20
+  depth_rating_m: 100          # left out: the deepest scene
+  # data_rate_mb_s: 100
+  # max_exposure_ms: 1000
+
+# Which parts may be used. Patterns fit an id or a maker: a plain part of the name, or a glob.
+catalog:
+  cameras: ["*"]
+  # lenses: [kowa, "fujinon*"]
+  # ports: [blue_robotics]
+  # lights: ["*"]
+  # exclude: []
+  # files: [my_parts.csv]      # own parts, relative to this file
+  # prices: my_quotes.csv      # own quotes that override prices
+  # owned: [{id: some_part_id, quantity: 1}]   # cost nothing
+  # generic: fallback          # fallback | allow | never: parts that no shop sells as such
+  # verified: [price]          # fields that must come from a source
+  # accept_unrated: []         # ids whose unknown depth rating you accept
+  # lens_rating: warn          # warn | limit: lenses rated for larger pixels than the camera's
+  # extras: [{name: housing, cost: 900, mass_kg: 2.5, power_w: 0}]
+"""
+
+_SYSTEM = """\
+# A system for `uwopt evaluate`. A part is the id of a catalogue part, or a record in braces.
+name: My rig
+camera: {resolution_x_px: 2448, resolution_y_px: 2048, pixel_pitch_um: 3.45, read_noise_e: 2.4,
+         saturation_e: 10900, quantum_efficiency: 0.6}
+lens: {focal_length_mm: 8, f_number_min: 1.4, f_number_max: 16, transmission: 0.9}
+port: {geometry: dome, outer_radius_mm: 100, thickness_mm: 10, refractive_index: 1.5}
+light: {luminous_flux_lm: 20000, power_w: 200, beam: disc, beam_half_angle_deg: 45}   # half-angle in water
+light_count: 1
+orientation: portrait          # landscape | portrait
+settings:
+  f_number: 4.0                # left out: wide open
+  exposure_ms: 0.86            # left out: the longest allowed
+  gain: 1.0                    # a ratio, 1 is 0 dB
+  flux_lm: 20000               # all lights together; or dim_frac, or flash_energy_j
+  # pulse_ms: 0.86             # left out: the exposure
+  # frame_rate_hz: 2           # left out: the least that is needed
+  # focus_distance_m: 2.0      # left out: the nominal altitude; of several scenes the one that serves all
+"""
+
+
+def mission_template() -> str:
+    """A mission with comments that loads as it stands."""
+    return _MISSION
+
+
+def system_template() -> str:
+    """A system with comments that loads as it stands."""
+    return _SYSTEM
+
+
+def mission_json_schema() -> dict[str, Any]:
+    """JSON schema of a mission file: `scene` or `scenes`, and what a scene may override."""
+    from uwopt.mission.checks import HARDWARE_KEYS
+    from uwopt.mission.mission import Mission
+
+    schema = Mission.model_json_schema(by_alias=True)
+    definitions = schema["$defs"]
+    scene = definitions["Scene"]
+    for override in ("VehicleOverride", "RequirementsOverride"):
+        properties = definitions[override]["properties"]
+        for key in HARDWARE_KEYS:
+            properties.pop(key, None)
+        scene["properties"] |= {
+            key: value for key, value in properties.items() if key not in scene["properties"]
+        }
+    count = definitions["Vehicle"]["properties"]["light_count"]
+    pair = {key: count.pop(key) for key in ("type", "prefixItems", "minItems", "maxItems")}
+    count["anyOf"] = [{"type": "integer", "minimum": 1}, pair]
+    schema["properties"]["scene"] = {
+        "$ref": "#/$defs/Scene",
+        "description": "the one scene, instead of scenes",
+    }
+    schema["required"] = [key for key in schema["required"] if key != "scenes"]
+    schema["oneOf"] = [{"required": ["scene"]}, {"required": ["scenes"]}]
+    return _titled(schema, "uwopt mission")
+
+
+def system_json_schema() -> dict[str, Any]:
+    """JSON schema of a system file, with the other names that inline records may use."""
+    from uwopt.catalog.inline import INLINE_MODELS, SYNONYMS
+    from uwopt.mission.system import System
+
+    schema = System.model_json_schema(by_alias=True)
+    for kind, model in INLINE_MODELS.items():
+        definition = schema["$defs"][model.__name__]
+        for other, name in SYNONYMS[kind].items():
+            definition["properties"][other] = definition["properties"][name]
+            if name in definition.get("required", []):
+                definition["required"].remove(name)
+                definition.setdefault("allOf", []).append({"anyOf": []})
+        for clause in definition.get("allOf", []):
+            names = [o for o, n in SYNONYMS[kind].items() if n == "quantum_efficiency"]
+            clause["anyOf"] = [{"required": [key]} for key in ("quantum_efficiency", *names)]
+    return _titled(schema, "uwopt system")
+
+
+def _titled(schema: dict[str, Any], title: str) -> dict[str, Any]:
+    plain = _without_titles(schema)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title, **plain}
+
+
+def _without_titles(node: Any) -> Any:
+    """A schema without the titles that only repeat a key in other letters."""
+    if isinstance(node, list):
+        return [_without_titles(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    return {
+        key: _without_titles(value)
+        for key, value in node.items()
+        if key != "title" or isinstance(value, dict)
+    }

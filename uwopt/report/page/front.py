@@ -1,0 +1,301 @@
+"""A front as the page's script needs it: columns of numbers for plots and filters, texts for the eye.
+
+All texts are made here, by the same words as everywhere; the script only places them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from uwopt.report.page.sections import Card, bar, cards, scene_value
+from uwopt.report.page.style import SCALE_DARK, SCALE_LIGHT
+from uwopt.report.text import words
+from uwopt.report.text.tables import has_no_limit, kinds_by_id, scenes_to_set, shown_settings
+from uwopt.report.text.verdict import axis_name
+from uwopt.results.front import FrontMethod, FrontPoint, FrontResult
+from uwopt.results.result import Design, SceneResult
+from uwopt.units import format_number, symbol
+
+KINDS = ("camera", "lens", "port", "light")
+#: Figures beside the objectives, by the objective that shows the same: name, title, unit.
+BESIDE = (
+    ("cost", "cost", "cost", ""),
+    ("power", "power_w", "power", "W"),
+    ("gsd_mm", "gsd_mm", "pixel on the floor", "mm"),
+    ("snr_db", "snr_db", "signal to noise", "dB"),
+    ("", "dof_m", "depth of field", "m"),
+    ("", "frame_rate_hz", "frame rate", "Hz"),
+    ("", "f_number", "f-number", ""),
+)
+
+
+SHORT_ID = 14  # signs of an id that are always shown in the table
+
+
+@dataclass(frozen=True)
+class Column:
+    """Numbers of all points, already in the unit that is shown."""
+
+    key: str
+    title: str
+    unit: str
+    per: float  # what the result's numbers were divided by
+    values: list[float | None]
+
+
+class Texts:
+    """Texts by number, each kept once: what all points share must not fill the file."""
+
+    def __init__(self) -> None:
+        self.all: list[str] = []
+        self._numbers: dict[str, int] = {}
+
+    def number(self, text: str) -> int:
+        """The number of a text."""
+        if text not in self._numbers:
+            self._numbers[text] = len(self.all)
+            self.all.append(text)
+        return self._numbers[text]
+
+    def row(self, *texts: str) -> list[int]:
+        """Numbers of several texts."""
+        return [self.number(text) for text in texts]
+
+
+def front_data(front: FrontResult) -> dict[str, Any]:
+    """Objectives, columns, points, picks and peers, ready for JSON."""
+    texts = Texts()
+    columns = front_columns(front)
+    names, short = pick_names(front), short_ids(front)
+    return {
+        "objectives": [
+            {"name": o.name, "title": axis_name(o), "unit": symbol(column.unit),
+             "maximise": o.direction == "maximise", "log": is_logarithmic(front, o.name)}
+            for o, column in zip(front.objectives, columns, strict=False)
+        ],
+        "columns": [
+            {"key": column.key, "title": column.title, "unit": symbol(column.unit)} for column in columns
+        ],
+        "scales": {"light": SCALE_LIGHT, "dark": SCALE_DARK},
+        "points": [
+            point_data(point, names.get(point.id, ""), [(c.unit, c.values[index]) for c in columns], short, texts)
+            for index, point in enumerate(front.points)
+        ],
+        "picks": [
+            {"name": words.one_line(pick.name, 40), "point": pick.point, "definition": words.one_line(pick.definition)}
+            for pick in front.picks
+        ],
+        "peers": [
+            {"method": words.one_line(peer.get("method") or "", 30), "values": values,
+             "shown": texts.row(*(words.quantity(v, c.unit, 4) for v, c in zip(values, columns, strict=False))),
+             "hardware": texts.number(words.one_line(" + ".join(map(str, peer.get("hardware") or [])), 200))}
+            for peer, values in zip(front.peers, peer_values(front, columns), strict=True)
+        ],
+        "texts": texts.all,
+    }  # fmt: skip
+
+
+def pick_names(front: FrontResult) -> dict[str, str]:
+    """The names of a point's picks, by the point's id."""
+    names: dict[str, list[str]] = {}
+    for pick in front.picks:
+        names.setdefault(pick.point, []).append(words.one_line(pick.name, 40))
+    return {point: ", ".join(own) for point, own in names.items()}
+
+
+def is_logarithmic(front: FrontResult, name: str) -> bool:
+    """Whether an axis is scaled by logarithm: as the reference says, where all values are above 0."""
+    asked = (front.reference.get("log") or {}).get(name, name in ("power", "cost"))
+    every = [point.values[name] for point in front.points] + [
+        peer["values"].get(name) or 0.0 for peer in front.peers
+    ]
+    return bool(asked) and all(value > 0 for value in every)
+
+
+def front_columns(front: FrontResult) -> list[Column]:
+    """Numbers of every point: the objectives, then figures that are known and not the same for all."""
+    columns = [
+        column(o.name, axis_name(o), o.unit, [point.values[o.name] for point in front.points])
+        for o in front.objectives
+    ]
+    taken = {o.name for o in front.objectives}
+    for objective, name, title, unit in BESIDE:
+        values = [beside(point.design, name) for point in front.points]
+        if objective not in taken and any(value is not None for value in values):
+            unit = unit or (currency(front) if name == "cost" else "")
+            columns.append(column(name, title, unit, values))
+    return columns
+
+
+def column(key: str, title: str, unit: str, values: Sequence[float | None]) -> Column:
+    """Numbers in the unit that their largest is read in."""
+    per, unit = words.prefixed(unit, max((abs(v) for v in values if v is not None), default=0.0))
+    return Column(key, title, unit, per, [None if value is None else value / per for value in values])
+
+
+def peer_values(front: FrontResult, columns: Sequence[Column]) -> list[list[float | None]]:
+    """The objectives of other methods' points, in the units of the columns."""
+    known = [[peer["values"].get(o.name) for o in front.objectives] for peer in front.peers]
+    return [
+        [None if value is None else value / c.per for value, c in zip(row, columns, strict=False)]
+        for row in known
+    ]
+
+
+def short_ids(front: FrontResult) -> dict[str, str]:
+    """Ids of parts that fit a column: cut at a hyphen as soon as no other part of the front begins so."""
+    every = sorted({words.part_id(point.design.hardware[kind]) for point in front.points for kind in KINDS})
+    return {name: short_id(name, [other for other in every if other != name]) for name in every}
+
+
+def short_id(name: str, others: Sequence[str]) -> str:
+    """The first words of an id, enough to tell it from the others."""
+    stem = name.partition(" (")[0]
+    ends = [place for place, sign in enumerate(stem) if sign in "-_" and place >= SHORT_ID]
+    fitting = (stem[:end] for end in ends if not any(other.startswith(stem[:end]) for other in others))
+    cut = next(fitting, stem)
+    return f"{cut}…" if len(cut) < len(name) - 3 else name
+
+
+def beside(design: Design, name: str) -> float | None:
+    """A total or a figure of the first scene."""
+    if name == "cost":
+        value = (design.totals.get("cost") or {}).get("value")
+        return None if value is None else float(value)
+    if name == "power_w":
+        return scene_value(design.totals, {}, name)
+    return scene_value(design.scenes[0].figures, design.scenes[0].settings, name)
+
+
+def currency(front: FrontResult) -> str:
+    """The currency of the mission's limits."""
+    return words.one_line((front.mission.get("limits") or {}).get("currency") or "", 8)
+
+
+def point_data(
+    point: FrontPoint, pick: str, numbers: Sequence[tuple[str, float | None]], short: Mapping[str, str],
+    texts: Texts,
+) -> dict[str, Any]:  # fmt: skip
+    """One point: numbers and texts of its columns, parts, and all that its card shows."""
+    design, hardware = point.design, point.design.hardware
+    kinds = kinds_by_id(design)
+    counts = {"light": hardware.get("light_count") or 1}
+    return {
+        "id": words.one_line(point.id, 20), "pick": pick, "curve": words.one_line(point.curve, 20),
+        "method": words.one_line(point.method, 20), "values": [value for _, value in numbers],
+        "shown": texts.row(*(words.quantity(value, unit, 4) for unit, value in numbers)),
+        "parts": texts.row(*(words.part_id(hardware[kind]) for kind in KINDS)),
+        "short": texts.row(*(short[words.part_id(hardware[kind])] for kind in KINDS)),
+        "names": texts.row(*(words.part_name(hardware[kind]) for kind in KINDS)),
+        "counts": [counts.get(kind, hardware.get("camera_count") or 1) for kind in KINDS],
+        "stand": texts.number(stand_text(hardware)),
+        "cards": [texts.row(*card_texts(card)) for card in cards(design)],
+        "scenes": [
+            {
+                "name": texts.number(words.one_line(scene.name, 60) if len(design.scenes) > 1 else ""),
+                "title": texts.number(settings_title(scene)),
+                "settings": [texts.row(name, value) for name, value in setting_pairs(scene)],
+                "margins": [
+                    [*texts.row(b.name, b.value, b.limit, b.left, b.state), b.start, b.width]
+                    for b in (bar(margin, kinds) for margin in scene.margins if not has_no_limit(margin))
+                ],
+            }
+            for scene in scenes_to_set(design)
+        ],
+    }  # fmt: skip
+
+
+def card_texts(card: Card) -> tuple[str, str, str]:
+    """Title, value and note."""
+    return card.title, card.value, card.note
+
+
+def settings_title(scene: SceneResult) -> str:
+    """What the settings are: rounded to what a person can set, or exact."""
+    return "Settings to type in" if scene.settings_to_set else "Settings"
+
+
+def setting_pairs(scene: SceneResult) -> list[tuple[str, str]]:
+    """The settings to type in, in words."""
+    chosen = scene.settings_to_set or scene.settings
+    return [
+        (words.SETTINGS[name][0], words.setting_text(name, chosen.get(name)))
+        for name in shown_settings([scene])
+    ]
+
+
+def stand_text(hardware: dict[str, Any]) -> str:
+    """How camera and lights stand."""
+    mounts = words.mounts_text(hardware.get("light_mounts") or [])
+    return f"{words.one_line(hardware.get('orientation') or '', 20)}" + (
+        f", lights {mounts}" if mounts else ""
+    )
+
+
+def front_cards(front: FrontResult) -> list[Card]:
+    """How many systems there are, and the range of each objective, the better end first."""
+    curves = len({point.curve for point in front.points})
+    made = [
+        Card(
+            "Systems",
+            words.count_text(len(front.points)),
+            f"of {words.counted(curves, 'choice')} of hardware",
+        )
+    ]
+    for objective in front.objectives:
+        values = [point.values[objective.name] for point in front.points]
+        best, worst = (
+            (max(values), min(values)) if objective.direction == "maximise" else (min(values), max(values))
+        )
+        span = "" if best == worst else f"to {words.quantity(worst, objective.unit)}"
+        made.append(Card(words.capital(axis_name(objective)), words.quantity(best, objective.unit), span))
+    return made
+
+
+# ---------------------------------------------------------------- methods
+
+
+def method_rows(front: FrontResult) -> list[list[str]]:
+    """How each method did, in words."""
+    return [method_texts(method) for method in front.methods]
+
+
+def history_figure(front: FrontResult) -> dict[str, Any] | None:
+    """Hypervolume over time of the methods that kept it, and the exact front's; None where none did."""
+    kept = [method for method in front.methods if len(method.history) > 1]
+    if not kept:
+        return None
+    lines: list[dict[str, Any]] = [
+        {"type": "scatter", "mode": "lines+markers", "name": words.one_line(method.name, 30), "marker": {"size": 5},
+         "x": [row[0] for row in method.history], "y": [row[1] for row in method.history]}
+        for method in kept
+    ]  # fmt: skip
+    end_s = max(line["x"][-1] for line in lines)
+    lines += [
+        {"type": "scatter", "mode": "lines", "name": "exact, at its end", "x": [0.0, end_s],
+         "y": [method.hypervolume] * 2, "line": {"dash": "dash", "color": "#8a9aa6"}}
+        for method in front.methods
+        if method.name == "exact"
+    ]  # fmt: skip
+    axes = {"xaxis": {"title": {"text": "time [s]"}}, "yaxis": {"title": {"text": "hypervolume"}}}
+    return {"data": lines, "layout": {**axes, "height": 300, "legend": {"orientation": "h", "y": 1.15}}}
+
+
+METHOD_HEADS = (
+    "method", "status", "time", "points", "evaluations", "hypervolume", "of the exact one", "IGD+",
+)  # fmt: skip
+
+
+def method_texts(method: FrontMethod) -> list[str]:
+    """One method in words; dashes where a figure has no meaning."""
+    bound = method.hypervolume_bound
+    most = "" if bound is None else f" (at most {format_number(bound, 5)})"
+    ratio = method.hypervolume_ratio
+    return [
+        words.one_line(method.name, 30), words.one_line(method.status, 30), words.quantity(method.seconds, "s", 2),
+        words.count_text(method.n_points), words.count_text(method.evaluations),
+        format_number(method.hypervolume, 5) + most,
+        words.quantity(None) if ratio is None else words.share(ratio), words.quantity(method.igd_plus, "", 2),
+    ]  # fmt: skip

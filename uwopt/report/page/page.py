@@ -1,0 +1,229 @@
+"""The report as one HTML file: made from a result alone, at home without a network.
+
+The file itself is made in `html_file`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from uwopt.errors import UwoptError
+from uwopt.report.page import front as page_front
+from uwopt.report.page import sections as page_parts
+from uwopt.report.page.html_file import compact_json, packed, rendered, safe_id, slim
+from uwopt.report.page.sections import DesignPart
+from uwopt.report.page.svg import clean_svg
+from uwopt.report.text import doubts, exactness, tables, words
+from uwopt.report.text.layout import Block, Line, fact_lines
+from uwopt.report.text.verdict import verdict
+from uwopt.results.front import FrontResult
+from uwopt.results.result import Certificate, Design, Result, plain
+
+TITLES = {"solve": "Recommendation", "evaluate": "Evaluation of a given system", "pareto": "Trade-off"}
+GROUPS = {
+    "picture": "What the camera would see", "drawing": "Drawing to scale", "light": "Light, from lamp to sensor",
+    "sharp": "Depth of field", "operation": "Frame rate and exposure", "image": "Light and noise over the image",
+}  # fmt: skip
+HISTORY = {
+    "id": "history", "kind": "plotly", "title": "Hypervolume over time",
+    "caption": "How fast each method approached what it reached.",
+    "alt": "Lines of the hypervolume that each method had reached over the seconds of its search",
+}  # fmt: skip
+MOST_ON_PAPER = 40  # points of a front in the printed table, beside the picks
+DETAIL_PX = 160  # of the coarsest design, over the width of a detail that all picks show
+IMAGE = re.compile(r"data:image/(?:png|jpeg|webp);base64,[A-Za-z0-9+/=]+\Z")
+
+
+@dataclass
+class Pictures:
+    """Figures of the page: what the template places, what the script draws, and why some are missing."""
+
+    shown: list[dict[str, Any]] = field(default_factory=list)
+    drawn: dict[str, Any] = field(default_factory=dict)
+    missing: list[str] = field(default_factory=list)
+
+    def add(self, pictures: list[Any], prefix: str) -> list[dict[str, Any]]:
+        """Take pictures in; ids are made unique by the prefix."""
+        taken = []
+        for picture in pictures:
+            item = {"id": f"{prefix}-{safe_id(picture.id)}", "group": picture.group, "title": picture.title,
+                    "caption": picture.caption, "alt": picture.alt, "kind": picture.kind, "content": None}  # fmt: skip
+            if picture.kind == "plotly":
+                self.drawn[item["id"]] = picture.content  # plain and short already
+            elif picture.kind == "svg":
+                item["content"] = clean_svg(picture.content, item["id"], picture.alt)
+            elif IMAGE.match(picture.content):
+                item["content"] = picture.content
+            if picture.kind == "plotly" or item["content"]:
+                taken.append(item)
+        return taken
+
+
+def report_html(result: Result | FrontResult) -> str:
+    """The page of a result or a front."""
+    front = result if isinstance(result, FrontResult) else None
+    pictures = Pictures()
+    parts = list(design_parts(result, pictures))
+    table = page_front.front_data(front) if front and front.points else None
+    facts = front_facts(front, pictures) if table and front else None
+    data = {"figures": pictures.drawn, "front": table}
+    first, second = verdict(result)
+    scripts = ("front.js", "page.js") if data["front"] else ("page.js",)
+    return rendered(
+        "page.html", scripts, data, result=result, front=front, version=result.uwopt_version, table=table,
+        quantity=words.quantity, title=TITLES.get(result.command, "Result"),
+        name=words.one_line(result.mission.get("name") or "Mission", 120), first=first, second=second,
+        parts=parts, pictures=pictures, groups=GROUPS, facts=facts,
+        alternatives=page_parts.alternatives(result), why=why_block(result), trust=list(trust_blocks(result)),
+        others=list(tables.runner_up_blocks(result)) if isinstance(result, Result) else [],
+        stages=page_parts.stages(result.timing_s), run_time=words.run_time_sentence(result.timing_s),
+        mission_text=mission_text(result), raw=packed(compact_json(result.to_dict())),
+        raw_name="front.json" if front else "result.json", status=status_words(result),
+    )  # fmt: skip
+
+
+# ---------------------------------------------------------------- designs and their pictures
+
+
+def design_parts(result: Result | FrontResult, pictures: Pictures) -> Iterator[DesignPart]:
+    """The designs that the page shows in full: the best, or the nearest miss, or a front's picks."""
+    if isinstance(result, FrontResult) and result.points:
+        names = page_front.pick_names(result) or {result.points[0].id: "First point"}
+        width_mm = common_width_mm([result.point(point_id).design for point_id in names])
+        for number, (point_id, name) in enumerate(names.items()):
+            definition = " ".join(
+                words.as_sentence(words.one_line(pick.definition)) for pick in result.picks if pick.point == point_id
+            )  # fmt: skip
+            design = result.point(point_id).design
+            part = page_parts.design_part(result, design, name, part_id=point_id, definition=definition)
+            prefix = f"d{number}"
+            add_pictures(result, design, pictures, prefix, part, whole=number == 0, width_mm=width_mm)
+            yield part
+        return
+    best = result.best if isinstance(result, Result) else None
+    shown, name = best, "Recommendation" if result.command == "solve" else "System"
+    if shown is None:
+        shown, name = tables.nearest_miss(result), "Nearest miss"
+    if shown is not None:
+        part = page_parts.design_part(result, shown, name)
+        add_pictures(result, shown, pictures, "d0", part, whole=True)
+        yield part
+
+
+def common_width_mm(designs: Sequence[Design]) -> float | None:
+    """A piece of floor that is a detail to the coarsest of the designs, so that all show the same."""
+    sizes = [design.scenes[0].figures.get("gsd_mm") for design in designs if design.scenes]
+    known = [float(size) for size in sizes if size]
+    return float(f"{DETAIL_PX * max(known):.2g}") if known else None
+
+
+def add_pictures(
+    result: Result | FrontResult,
+    design: Design,
+    pictures: Pictures,
+    prefix: str,
+    part: DesignPart,
+    *,
+    whole: bool,
+    width_mm: float | None = None,
+) -> None:
+    """Let the model draw a design: everything, or only the pair of chart and simulated picture."""
+    inputs: dict[str, Any] = {
+        "physics": result.physics, "mission_file": result.mission_file,
+        "system": result.system if isinstance(result, Result) else None, "width_mm": width_mm,
+    }  # fmt: skip
+    try:
+        from uwopt.report.pictures import design_pictures as studio
+
+        made = (studio.design_pictures if whole else studio.picture_pair)(result.mission, design, **inputs)
+    except UwoptError as fault:
+        pictures.missing.append(f"{part.name}: {fault}")
+        return
+    except Exception as fault:  # the result must not be lost for want of a picture
+        pictures.missing.append(
+            f"{part.name}: a defect of uwopt, please report it: {type(fault).__name__}: {fault}"
+        )
+        return
+    part.pictures.extend(pictures.add(list(made), prefix))
+    pictures.shown.extend(part.pictures)
+
+
+# ---------------------------------------------------------------- why, and how sure
+
+
+def why_block(result: Result | FrontResult) -> Block | None:
+    """Why nothing fits, if so."""
+    return doubts.infeasible_block(result) if result.infeasible else None
+
+
+def trust_blocks(result: Result | FrontResult) -> Iterator[Block]:
+    """Certificate, doubts, second opinions, assumptions, model, accuracy, warnings."""
+    yield from tables.warning_blocks(result)
+    if isinstance(result, Result):
+        if result.certificate is not None:
+            yield doubts.certificate_block(result, result.certificate)
+        if result.robustness:
+            yield doubts.robustness_block(result)
+        if result.solvers or result.audit:
+            yield doubts.second_opinion_block(result)
+    elif result.certificate:
+        yield Block("Certificate", tuple(front_certificate(result.certificate)))
+    yield doubts.model_block(result)
+    if isinstance(result, Result) and exactness.has_errors(result):
+        yield exactness.exactness_block(result)
+    elif result.accuracy:
+        yield Block("Numerical error", (fact_lines(page_parts.flat_facts(result.accuracy)),))
+    if result.assumptions:
+        title = f"Assumptions ({len(result.assumptions)})"
+        yield Block(title, tuple(doubts.assumption_lines(result, whole=True)))
+
+
+def front_certificate(certificate: Mapping[str, Any]) -> list[Line]:
+    """What is claimed of a front, and where every combination went."""
+    counts = ("loaded", "selected", "evaluated", "discarded")
+    lines: list[Line] = [
+        fact_lines(page_parts.flat_facts({k: v for k, v in certificate.items() if k not in counts}))
+    ]
+    if all(certificate.get(name) is not None for name in counts):
+        account = Certificate(None, None, None, None, True, "", *(certificate[name] for name in counts))
+        lines += doubts.account_lines(account)
+    return lines
+
+
+def front_facts(front: FrontResult, pictures: Pictures) -> dict[str, Any]:
+    """What a front has beside its points."""
+    history = page_front.history_figure(front)
+    if history is not None:
+        pictures.drawn[HISTORY["id"]] = slim(history)
+    return {
+        "history": HISTORY if history is not None else None,
+        "cards": page_front.front_cards(front),
+        "heads": page_front.METHOD_HEADS, "methods": page_front.method_rows(front),
+        "paper_step": -(-len(front.points) // MOST_ON_PAPER),
+        "kinds": page_front.KINDS, "peers": bool(front.peers), "three": len(front.objectives) == 3,
+    }  # fmt: skip
+
+
+def status_words(result: Result | FrontResult) -> tuple[str, str]:
+    """Status and the colour that it is shown in."""
+    mark = {
+        "optimal": "good",
+        "feasible": "good",
+        "complete": "good",
+        "stopped": "warn",
+        "interrupted": "warn",
+    }
+    return words.one_line(result.status, 30), mark.get(result.status, "bad")
+
+
+def mission_text(result: Result | FrontResult) -> str:
+    """The mission as the user wrote it, or as it was understood."""
+    text = (result.mission_file or {}).get("text")
+    if text:
+        return words.printable(str(text))
+    import yaml
+
+    return str(yaml.safe_dump(plain(result.mission), sort_keys=False, allow_unicode=True))

@@ -1,0 +1,391 @@
+"""What a page shows of one design and of the whole result, as plain values that the template lays out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+from urllib.parse import urlsplit
+
+from uwopt.report.text import words
+from uwopt.report.text.doubts import plain_fact
+from uwopt.report.text.layout import Block
+from uwopt.report.text.tables import (
+    ESTIMATED_LEGEND,
+    bom_line,
+    hardware_block,
+    has_no_limit,
+    kinds_by_id,
+    margin_state,
+    margin_texts,
+    settings_block,
+)
+from uwopt.results.front import FrontResult
+from uwopt.results.result import Design, Margin, Result
+from uwopt.units import UNIT_SUFFIXES, format_number
+
+#: Key figures: name, title, unit, digits.
+FIGURES = (
+    ("snr_db", "Signal to noise", "dB", 3),
+    ("gsd_mm", "Pixel on the floor", "mm", 3),
+    ("dof_m", "Depth of field", "m", 3),
+    ("frame_rate_hz", "Frame rate", "Hz", 3),
+    ("swath_m", "Swath", "m", 3),
+)
+FULL_BAR, LEFT_END = 1.0, -0.3333  # room to a limit that fills the bar; as far as a miss is drawn
+
+
+@dataclass(frozen=True)
+class Card:
+    """One key figure."""
+
+    title: str
+    value: str
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class BomRow:
+    """One row of the bill of materials."""
+
+    number: str
+    kind: str
+    name: str
+    id: str
+    each: str
+    due: str
+    status: str
+    mark: str  # good | warn | bad: how well the price is known
+    basis: str
+    sources: list[tuple[str, str]]  # what is shown, and the page it leads to, "" where it is none
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One margin: its texts, and the room to the limit as a share of it."""
+
+    name: str
+    value: str
+    limit: str
+    left: str
+    at: str
+    state: str  # met | binding | missed
+    room: float | None
+    room_text: str
+
+    @property
+    def start(self) -> float:
+        """Where the bar begins, per cent of the track."""
+        return track(min(0.0, self.room or 0.0))
+
+    @property
+    def width(self) -> float:
+        """How long it is, per cent of the track."""
+        return track(max(0.0, self.room or 0.0)) - self.start
+
+
+@dataclass(frozen=True)
+class SceneBars:
+    """Margins of one scene."""
+
+    name: str
+    bars: list[Bar]
+    binding: str
+
+
+@dataclass(frozen=True)
+class DesignPart:
+    """All that a page shows of one design."""
+
+    name: str
+    id: str
+    definition: str
+    cards: list[Card]
+    hardware: Block
+    settings: Block
+    bom: list[BomRow]
+    legend: str
+    total: str
+    scenes: list[SceneBars]
+    figures: list[tuple[str, list[str]]]
+    scene_names: list[str]
+    pictures: list[Any] = field(default_factory=list)
+
+
+def design_part(
+    result: Result | FrontResult, design: Design, name: str, *, part_id: str = "", definition: str = ""
+) -> DesignPart:
+    """One design, laid out for the page."""
+    rows = [bom_row(row) for row in design.bom]
+    doubtful = any(row.mark == "warn" for row in rows)
+    return DesignPart(
+        name=name, id=part_id, definition=definition, cards=cards(design),
+        hardware=hardware_block(design, "Hardware"), settings=settings_block(result, design), bom=rows,
+        legend=ESTIMATED_LEGEND if doubtful else "",
+        total=words.as_sentence(words.cost_sentence(design.totals.get("cost") or {}, words.n_unpriced(design.bom))),
+        scenes=list(scene_bars(design)), figures=figure_rows(design),
+        scene_names=[words.one_line(scene.name, 60) for scene in design.scenes],
+    )  # fmt: skip
+
+
+# ---------------------------------------------------------------- figures
+
+
+def cards(design: Design) -> list[Card]:
+    """The key figures of a design; of several scenes, from the least to the most."""
+    totals = design.totals
+    cost = totals.get("cost") or {}
+    low, high = cost.get("low"), cost.get("high")
+    notes = [f"{words.money(low)} to {words.money(high)}"] if None not in (low, high) and low != high else []
+    if unpriced := words.n_unpriced(design.bom):
+        notes.append(f"without {words.counted(unpriced, 'part')} of unknown price")
+    peak = totals.get("light_peak_power_w")
+    shown = [
+        Card("Cost", words.money(cost.get("value"), str(cost.get("currency") or "")), ", ".join(notes)),
+        Card(
+            "Power", words.quantity(totals.get("power_w"), "W"),
+            f"{words.quantity(peak, 'W')} at peak" if peak else "",
+        ),
+    ]  # fmt: skip
+    for name, title, unit, digits in FIGURES:
+        values = [scene_value(scene.figures, scene.settings, name) for scene in design.scenes]
+        text = span_text(values, unit, digits)
+        if name == "dof_m" and any(scene.figures.get("dof_far_is_infinite") for scene in design.scenes):
+            text = "infinite" if all(value is None for value in values) else f"{text} and more"
+        if text:
+            shown.append(Card(title, text, "over all scenes" if " to " in text else ""))
+    if totals.get("mass_kg") is not None:
+        shown.append(Card("Mass", words.quantity(totals["mass_kg"], "kg")))
+    return shown
+
+
+def scene_value(figures: Mapping[str, Any], settings: Mapping[str, Any], name: str) -> float | None:
+    """A figure of a scene, or a setting where no figure has that name."""
+    value = figures.get(name, settings.get(name))
+    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+
+
+def span_text(values: Sequence[float | None], unit: str, digits: int = 3) -> str:
+    """One number, or from the least to the most; "" where none is known."""
+    known = [value for value in values if value is not None]
+    if not known:
+        return ""
+    low, high = (words.quantity(end, unit, digits) for end in (min(known), max(known)))
+    return low if low == high else f"{low} to {high}"
+
+
+def figure_rows(design: Design) -> list[tuple[str, list[str]]]:
+    """Every figure in words, one column a scene; what no scene has is left out."""
+    names = dict.fromkeys(name for scene in design.scenes for name in scene.figures)
+    rows = []
+    for name in names:
+        values = [scene.figures.get(name) for scene in design.scenes]
+        if all(value is None for value in values):
+            continue
+        unit = next((suffix for suffix in UNIT_SUFFIXES if name.endswith(suffix)), "")
+        rows.append((words.one_line(name, 60), [figure_text(value, unit) for value in values]))
+    return rows
+
+
+def figure_text(value: Any, unit: str) -> str:
+    """One figure in words."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, (int, float)):
+        return words.quantity(float(value), unit, 4)
+    return words.quantity(None) if value is None else words.one_line(value, 80)
+
+
+# ---------------------------------------------------------------- margins
+
+
+def scene_bars(design: Design) -> Iterator[SceneBars]:
+    """Margins scene by scene: first what is missed, then what binds, then by the room left."""
+    kinds = kinds_by_id(design)
+    order = {"missed": 0, "binding": 1, "met": 2}
+    for scene in design.scenes:
+        bars = [bar(margin, kinds) for margin in scene.margins if not has_no_limit(margin)]
+        bars.sort(key=lambda b: (order[b.state], 9e9 if b.room is None else b.room))
+        names = list(dict.fromkeys(b.name for b in bars if b.state == "binding"))
+        missed = list(dict.fromkeys(b.name for b in bars if b.state == "missed"))
+        said = [
+            f"{head}: {'; '.join(own)}." for head, own in (("Missed", missed), ("What binds", names)) if own
+        ]
+        yield SceneBars(words.one_line(scene.name, 60), bars, " ".join(said))
+
+
+def bar(margin: Margin, kinds: Mapping[str, str]) -> Bar:
+    """One margin as a bar; without a limit other than 0, or met exactly by rule, there is no bar."""
+    name, value, limit, left, at = margin_texts(margin, kinds)
+    room = relative_room(margin)
+    text = "" if room is None else words.share(0.0 if abs(room) < 1e-6 and margin.satisfied else room)
+    if room is not None and room > 99.5:
+        text = f"{format_number(1 + room, 2)} times"
+    return Bar(name, value, limit, left, at, margin_state(margin), room, text)
+
+
+def relative_room(margin: Margin) -> float | None:
+    """What is left as a share of the limit; below 0 where it is missed."""
+    if margin.margin is None or not margin.limit or margin.sense not in ("<=", ">="):
+        return None
+    return margin.margin / abs(margin.limit)
+
+
+def track(room: float) -> float:
+    """Place of a share of room on a bar's track, per cent."""
+    inside = min(max(room, LEFT_END), FULL_BAR)
+    return round(100.0 * (inside - LEFT_END) / (FULL_BAR - LEFT_END), 2)
+
+
+# ---------------------------------------------------------------- bill of materials
+
+
+def bom_row(row: Mapping[str, Any]) -> BomRow:
+    """One part to buy, with its source as a link where it is a page."""
+    line = bom_line(row)
+    name = words.one_line(f"{row.get('manufacturer') or ''} {row.get('model') or ''}".strip() or line.id, 80)
+    mark = "bad" if row.get("unit_price") is None else "warn" if line.estimated else "good"
+    texts = [
+        text.strip() for text in words.one_line(row.get("source") or "", 2000).split(" | ") if text.strip()
+    ]
+    sources = [(link_text(link) if (link := web_link(text)) else text, link) for text in texts]
+    return BomRow(
+        line.number, line.kind, name, "" if line.id == name else line.id, line.each, line.due, line.known, mark,
+        words.one_line(row.get("price_basis") or "", 300), sources,
+    )  # fmt: skip
+
+
+def link_text(link: str) -> str:
+    """The site, and the end of the way there."""
+    parts = urlsplit(link)
+    site, way = (parts.hostname or "").removeprefix("www."), parts.path.strip("/").split("/")
+    end = way[-1] if len(way[-1]) <= 36 else "…" + way[-1][-35:]
+    return site + ("/…" if len(way) > 1 else "") + (f"/{end}" if end else "")
+
+
+def web_link(source: str) -> str:
+    """The address that a source leads to; "" where it is none of the web.
+
+    `www.x.com/page` and `x.com/page` get https; anything but http and https is no link.
+    """
+    text = source.strip()
+    if not text or any(c.isspace() or c in "<>\"'`\\" for c in text):
+        return ""
+    if "://" not in text:
+        host = text.partition("/")[0]
+        named = text.startswith("www.") or ("/" in text and "." in host.strip("."))
+        if not named or ":" in host or "@" in host:
+            return ""
+        text = f"https://{text}"
+    try:
+        parts = urlsplit(text)
+    except ValueError:
+        return ""
+    return text if parts.scheme in ("http", "https") and parts.hostname and not parts.username else ""
+
+
+# ---------------------------------------------------------------- what was not chosen
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """One maker's best system, or several makers that one reason keeps out, and why it was not chosen."""
+
+    makers: str
+    kind: str
+    parts: list[str]
+    values: list[str]
+    outcome: str
+    mark: str
+    text: str
+
+
+OUTCOMES = {"worse": "warn", "dominated": "warn", "infeasible": "bad", "not allowed": ""}
+KEPT_OUT = "not allowed"
+
+
+def alternatives(result: Result | FrontResult) -> tuple[list[str], list[tuple[str, list[Alternative]]]]:
+    """Heads of the objectives; then well-known makers: those with a chance first, those kept out last."""
+    items = result.alternatives
+    names = list(dict.fromkeys(name for item in items for name in item.get("values") or {}))
+    groups: dict[tuple[str, ...], list[Mapping[str, Any]]] = {}
+    for number, item in enumerate(items):
+        alone = str(number) if item.get("hardware") else ""
+        key = (alone, str(item.get("outcome")), str(item.get("kind")), reason_text(item))
+        groups.setdefault(key, []).append(item)
+    many_first = sorted(groups.values(), key=lambda own: -len(own))
+    rows = [alternative(result, own, names) for own in many_first]
+    rows.sort(key=lambda row: (not row.parts, row.kind.removesuffix("s")))
+    tried = [row for row in rows if row.outcome != KEPT_OUT]
+    kept_out = [row for row in rows if row.outcome == KEPT_OUT]
+    parts = (("The best of other makers", tried), ("Makers that were not in the choice", kept_out))
+    return [words.one_line(name.replace("_", " "), 24) for name in names], [p for p in parts if p[1]]
+
+
+def alternative(
+    result: Result | FrontResult, items: Sequence[Mapping[str, Any]], names: Sequence[str]
+) -> Alternative:
+    """One row: a maker with its system, or all makers of one reason."""
+    units = (
+        {o.name: o.unit for o in result.objectives}
+        if isinstance(result, FrontResult)
+        else {str(result.objective.get("name")): str(result.objective.get("unit") or "")}
+    )
+    item = items[0]
+    values, outcome = item.get("values") or {}, words.one_line(item.get("outcome") or "", 30)
+    kind = words.one_line(item.get("kind") or "", 20)
+    return Alternative(
+        ", ".join(words.one_line(item.get("maker") or "", 60) for item in items), kind + "s" * (len(items) > 1),
+        [words.one_line(part, 80) for part in (item.get("hardware") or {}).values()],
+        [words.quantity(values.get(name), units.get(name, ""), 4) for name in names],
+        outcome, OUTCOMES.get(outcome, "warn"), reason_text(item),
+    )  # fmt: skip
+
+
+def reason_text(item: Mapping[str, Any]) -> str:
+    """Why one maker's system was not chosen; where nothing fits, what stands in its way last."""
+    if item.get("text"):
+        return words.one_line(item["text"], 500)
+    rule = item.get("rule")
+    return f"no combination fits; the last obstacle: {words.rule_name(str(rule))}" if rule else ""
+
+
+# ---------------------------------------------------------------- run
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage of the run and its share of the time."""
+
+    name: str
+    seconds: str
+    share_pct: float
+
+
+def stages(timing_s: Mapping[str, float]) -> list[Stage]:
+    """Time by stage, in the order in which they ran."""
+    steps = {k: v for k, v in timing_s.items() if k not in ("total", *words.PARTS_OF_THE_SEARCH)}
+    longest = max(steps.values(), default=0.0) or 1.0
+    return [
+        Stage(
+            words.one_line(name.replace("_", " "), 40),
+            words.quantity(value, "s", 2),
+            round(100 * value / longest, 1),
+        )
+        for name, value in steps.items()
+    ]
+
+
+def flat_facts(values: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
+    """Names and values of a dictionary of figures, inner ones with their path."""
+    facts: list[tuple[str, str]] = []
+    for name, value in values.items():
+        title = f"{prefix}{words.one_line(str(name).replace('_', ' '), 60)}"
+        if isinstance(value, Mapping):
+            facts += flat_facts(value, f"{title}: ")
+        elif isinstance(value, list):
+            shown = [plain_fact(str(name), item) for item in value if not isinstance(item, (list, dict))]
+            facts.append((title, ", ".join(text for text in shown if text)))
+        else:
+            facts.append((title, plain_fact(str(name), value)))
+    return [(name, text) for name, text in facts if text]

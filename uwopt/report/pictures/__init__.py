@@ -1,0 +1,1 @@
+"""Curves, maps, drawings and simulated photographs of a report."""

@@ -1,0 +1,1 @@
+"""Results as text and tables: words, layout, verdict, doubts, terminal."""

@@ -1,0 +1,408 @@
+"""How far a result may be trusted, as text: certificate, robustness, second opinions, assumptions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from uwopt.report.text import words
+from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
+from uwopt.results.front import FrontResult
+from uwopt.results.result import Certificate, Design, Result
+from uwopt.units import split_unit
+
+MOST_ASSUMPTIONS = 12
+LONGEST_REASON = 80
+NO_QUOTE_MATTERS = "no single number, known better, would change the answer"
+HELPFUL = "Each of these changes alone would let a system through:"
+
+
+def certificate_block(result: Result, certificate: Certificate) -> Block:
+    """Bound, best value and gap, and where every combination went."""
+    return block("Certificate", [fact_lines(claim_facts(result, certificate)), *account_lines(certificate)])
+
+
+def claim_facts(result: Result, certificate: Certificate) -> list[tuple[str, str]]:
+    """What is claimed, and how far the claim reaches."""
+    gap = words.quantity(certificate.gap_abs, str(result.objective.get("unit") or ""))
+    if certificate.gap_rel is not None:
+        gap += f" ({words.share(certificate.gap_rel)} of the best value)"
+    maximised = result.objective.get("direction") == "maximise"
+    return [
+        (
+            "no system can be " + ("above" if maximised else "below"),
+            words.objective_text(result, certificate.lower_bound, 6),
+        ),
+        ("best found", words.objective_text(result, certificate.best_value, 6)),
+        ("gap", gap),
+        ("complete", "yes" if certificate.complete else "no, the search was stopped"),
+        ("covers", certificate.scope),
+    ]
+
+
+def account_lines(certificate: Certificate) -> list[Line]:
+    """Where every combination went, and whether that adds up."""
+    account = columns(("", "right"), ("", "left"), header=False)
+    account.add_row(
+        Text(words.count_text(certificate.loaded)), Text("combinations loaded: all parts of the catalogue")
+    )
+    account.add_row(
+        Text(words.count_text(certificate.selected)), Text("of them of parts that the mission allows")
+    )
+    account.add_row(Text(words.count_text(certificate.evaluated)), Text("evaluated"))
+    account.add_row(Text(""), Text("discarded, each by the first rule that applies:"))
+    for item in certificate.discarded:
+        if item["count"]:
+            account.add_row(
+                Text(words.count_text(item["count"])), Text("  " + words.rule_name(str(item["rule"])))
+            )
+    return [account, sentence(words.account_sentence(certificate))]
+
+
+def infeasible_block(result: Result | FrontResult) -> Block:
+    """The least that single requirements would have to give, and what excludes how much."""
+    why = result.infeasible or {}
+    stopped = result.status == "stopped"
+    helpful = relaxations_of(why)
+    lines: list[Line] = []
+    if helpful:
+        lines.append(sentence(HELPFUL))
+        lines.append(relaxation_table(result, helpful))
+    elif not stopped and isinstance(result, Result):  # of fronts, the verdict has said it
+        lines.append(sentence("No single requirement stands in the way; at least two have to give."))
+    table = columns(("combinations", "right"), ("excluded because", "left"))
+    bounded = False
+    for item in why.get("requirements") or []:
+        name = str(item.get("name") or "")
+        if ": " in name:  # a part that the mission does not allow; the certificate counts those
+            continue
+        by_bound = bool(item.get("n_is_bound"))
+        bounded |= by_bound
+        count = words.count_text(item.get("n_excluded") or 0) + ("*" if by_bound else " ")
+        table.add_row(Text(count), Text(f"{words.rule_name(name)} ({words.one_line(name)})"))
+    if table.row_count:
+        lines += [Text(""), table]
+    if bounded:
+        lines.append(sentence("* proven by a bound, before the settings were looked at", "dim"))
+    return block("What stood in the way so far" if stopped else "Why nothing fits", lines)
+
+
+def miss_sentence(result: Result | FrontResult) -> Text | None:
+    """What the nearest miss does not meet."""
+    text = miss_text(result)
+    return sentence(f"It {text}.") if text else None
+
+
+def miss_text(result: Result | FrontResult) -> str:
+    """`meets all that is asked but signal to noise (min_snr): 28 dB instead of 30 dB`; "" if not known."""
+    helpful = relaxations_of(result.infeasible or {})
+    if not helpful:
+        return ""
+    name, asked, possible = relaxation_texts(result, helpful[0])
+    return f"meets all that is asked but {name}: {possible} instead of {asked}"
+
+
+def relaxations_of(why: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Relaxations that help, whether listed apart or with their requirement."""
+    own = [item for item in why.get("requirements") or [] if item.get("needed") is not None]
+    return [*(why.get("relaxations") or []), *own]
+
+
+def relaxation_table(result: Result | FrontResult, items: list[Mapping[str, Any]]) -> Grid:
+    """What is asked and what could be had."""
+    table = columns(("requirement", "left"), ("asked", "right"), ("possible", "right"))
+    for item in items:
+        table.add_row(*map(Text, relaxation_texts(result, item)))
+    return table
+
+
+def relaxation_texts(result: Result | FrontResult, item: Mapping[str, Any]) -> tuple[str, str, str]:
+    """Requirement, what is asked, what could be had."""
+    currency = str((result.mission.get("limits") or {}).get("currency") or "")
+    name = str(item.get("name") or "")
+    needed, limit = item.get("needed"), item.get("limit")
+    if isinstance(needed, Mapping):
+        unit, needed = str(needed.get("unit") or ""), needed.get("value")
+    else:
+        unit = {"cost": currency, "min_snr": "dB"}.get(name, split_unit(name)[1])
+    possible = "left out" if needed is None else words.quantity(float(needed), unit, 4)
+    return (
+        f"{words.requirement_name(name)} ({words.one_line(name)})",
+        words.quantity(limit, unit, 4),
+        possible,
+    )
+
+
+def robustness_block(result: Result) -> Block:
+    """What the estimated numbers could change."""
+    doubt = result.robustness or {}
+    facts = [("regret", regret_text(result))]
+    if doubt.get("complete") is False:
+        facts.append(("", "the search for a rival was cut short, and single quotes were not tried: settings have "
+                          "no closed form here, and each takes long"))  # fmt: skip
+    facts.append(("rival", rival_text(doubt.get("rival"))))
+    facts.append(("at the bad ends", bad_ends_text(doubt)))
+    facts += [("other water", water_text(other, result)) for other in doubt.get("waters") or []]
+    facts += tilt_facts(doubt)
+    quotes = doubt.get("quotes_that_matter") or []
+    facts.append(("quotes that matter", "" if quotes else f"none: {NO_QUOTE_MATTERS}"))
+    lines: list[Line] = [fact_lines(facts)]
+    if quotes:
+        lines.append(
+            sentence(
+                "Ask for these first; one alone, at the end of its range, would change the recommendation:"
+            )
+        )
+        lines += [sentence("- " + quote_text(item, result)) for item in quotes]
+    return block("How firm this is", lines)
+
+
+def regret_text(result: Result) -> str:
+    """How much better a rival could be; "" where that was not worked out."""
+    doubt = result.robustness or {}
+    regret = doubt.get("max_regret")
+    if isinstance(regret, (int, float)):
+        if regret <= 0:
+            return "0: no end of the estimates makes another system better"
+        value = words.objective_text(result, float(regret))
+        return f"{value}: the most by which a rival could be better, the estimates at their ends"
+    if doubt.get("feasible_at_bad_end") is False:
+        return "unbounded: with its estimates at their bad ends this system is not feasible"
+    return ""
+
+
+def bad_ends_text(doubt: Mapping[str, Any]) -> str:
+    """Whether the requirements hold with all estimates at their bad ends; "" where that is not known."""
+    holds = doubt.get("feasible_at_bad_end")
+    if holds is None:
+        return ""
+    return "every requirement still holds" if holds else "a requirement may be missed"
+
+
+def effect_lines(result: Result | FrontResult) -> list[str]:
+    """Each effect with the bound of its influence, and whether the model keeps it here."""
+    shown = []
+    for item in result.physics.get("effects") or []:
+        name, bound = words.one_line(str(item.get("name"))).replace("_", " "), item.get("bound")
+        if bound is None:
+            size = "asked for by a requirement or the objective"
+        elif bound == 0.0:
+            size = "not in this scene"
+        else:
+            size = f"changes a requirement by up to {100 * bound:.2g} %"
+        saved_s = item.get("time_saved_s")
+        saved = f", about {float(saved_s):.2g} s saved" if saved_s else ""
+        shown.append(f"- {name}: {size}; {'kept' if item.get('kept') else 'left out'}{saved}")
+    return ["effects:", *shown] if shown else []
+
+
+def tilt_facts(doubt: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """How far the lamps' tilt may be off, and what places between the grid's points would give."""
+    facts = []
+    tilt = doubt.get("tilt")
+    if tilt:
+        most = tilt["tried_up_to_deg"]
+
+        def ends(name: str) -> str:
+            shown = [tilt.get(f"{name}_{way}_deg") for way in ("outward", "inward")]
+            if None in shown:
+                return "not known"
+            out, inward = (f"{v:.1f}°" + (" or more" if v >= most else "") for v in shown)
+            return f"{out} outward, {inward} inward"
+
+        broken = ", ".join(words.one_line(name) for name in tilt["first_to_break"])
+        facts.append(("tilt may be off", f"{ends('held')} as set" + (f" (then {broken})" if broken else "")))
+        facts.append(("", f"{ends('readjusted')} if light, exposure and gain are set anew"))
+    better = doubt.get("outside_certificate")
+    if better and better["gain_rel"] > 1e-6:
+        facts.append(
+            (
+                "improvement outside the certificate",
+                f"{100 * better['gain_rel']:.2g} % with baseline {better['baseline_m']:.3f} m, "
+                f"tilt {better['tilt_deg']:.2f}°",
+            )
+        )
+    return facts
+
+
+def water_text(other: Mapping[str, Any], result: Result) -> str:
+    """What becomes of the recommendation when another water table, or another K, is believed."""
+    case = other.get("case") or {}
+    leg = words.one_line(case.get("lamp_attenuation", ""))
+    table = f"{words.one_line(case.get('water_table', ''))}, lamp leg with K = {leg}"
+    value = other.get("objective_value")
+    if value is None:
+        held = f"{table}: this system is not feasible in it"
+    else:
+        held = f"{table}: this system then has {words.objective_text(result, float(value))}"
+    if not other.get("changes"):
+        return held + "; of those shown it stays the best"
+    best = other.get("best_of_shown")
+    return held + (f"; {' + '.join(best)} is then better" if best else "; none of those shown is")
+
+
+def rival_text(rival: Any) -> str:
+    """The system that could win, by its parts."""
+    if rival is None:
+        return "none"
+    if not isinstance(rival, Mapping):
+        return words.one_line(rival)
+    hardware = rival.get("hardware", rival)
+    parts = [hardware[kind] for kind in ("camera", "lens", "port", "light") if hardware.get(kind)]
+    named = [words.part_id(part) if isinstance(part, Mapping) else words.one_line(part) for part in parts]
+    count = hardware.get("light_count")
+    return " + ".join(named) + (f", {words.counted(count, 'light')}" if count else "")
+
+
+def quote_text(item: Any, result: Result) -> str:
+    """One number worth asking for: whose, how it stands, and who wins otherwise."""
+    if not isinstance(item, Mapping):
+        return words.one_line(item)
+    number = split_unit(str(item.get("field") or ""))[0].replace("_", " ")
+    unit = str(item.get("unit") or "")
+    span = range_text(item.get("low"), item.get("high"), unit)
+    standing = f" ~{words.quantity(item.get('value'), unit)}" + (f" ({span})" if span else "")
+    rival = str(item.get("then_better") or "")
+    own = part_ids(result.best) if result.best is not None else []
+    different = [name for name in rival.split(" + ") if name not in own]
+    other = f"; then better with {' + '.join(different) or 'another number of lights'}" if rival else ""
+    return words.one_line(
+        f"{number} of {item.get('part') or item.get('id') or item.get('path')}{standing}{other}"
+    )
+
+
+def second_opinion_block(result: Result) -> Block:
+    """What other solvers and the audit say."""
+    lines: list[Line] = []
+    if result.solvers:
+        table = columns(
+            ("solver", "left"),
+            ("hardware", "left"),
+            ("objective", "right"),
+            ("off by", "right"),
+            ("verdict", "left"),
+        )
+        for item in result.solvers:
+            off = item.get("difference_rel")
+            table.add_row(
+                Text(words.one_line(item.get("method") or item.get("solver") or "")),
+                Text(whose(result, [str(name) for name in item.get("hardware") or []])),
+                Text(words.objective_text(result, item.get("objective_value"))),
+                Text(words.quantity(None) if off is None else words.share(off)),
+                Text("agrees" if item.get("agrees") else words.one_line(item.get("status") or "differs"),
+                     "" if item.get("agrees") else "yellow"),
+            )  # fmt: skip
+        lines += [sentence("The settings solved again by other means:"), table]
+        mixed = [item for item in result.solvers if item.get("method") == "bonmin"]
+        lines += [sentence(words.one_line(item.get("message") or "")) for item in mixed]
+    if result.audit:
+        lines.append(audit_sentence(result.audit))
+    return block("Second opinions", lines)
+
+
+def part_ids(design: Design) -> list[str]:
+    """Ids of camera, lens, port and light."""
+    return [str(design.hardware[kind].get("id")) for kind in ("camera", "lens", "port", "light")]
+
+
+def whose(result: Result, hardware: list[str]) -> str:
+    """Which design of the result has this hardware."""
+    if result.best is not None and part_ids(result.best) == hardware:
+        return "the recommendation"
+    for number, design in enumerate(result.runners_up, start=2):
+        if part_ids(design) == hardware:
+            return f"runner-up {number}"
+    return words.one_line(" + ".join(hardware), 120)
+
+
+def audit_sentence(audit: Mapping[str, Any]) -> Text:
+    """Outcome of the attack on what was not recommended."""
+    tried = words.counted(int(audit.get("tried") or 0), "other combination")
+    if audit.get("passed", True):
+        return sentence(f"Audit: {tried} tried again by a generic search; none beats the recommendation.")
+    better = audit.get("better") or [{}]
+    return sentence(
+        f"Audit FAILED: {tried} tried again, {len(better)} better, first {plain_facts(better[0])}.",
+        "bold red",
+    )
+
+
+def plain_facts(facts: Mapping[str, Any]) -> str:
+    """`name value` pairs with units; long lists and inner tables are left to the result file."""
+    return ", ".join(
+        f"{words.one_line(name.replace('_', ' '))} {fact}"
+        for name, value in facts.items()
+        if (fact := plain_fact(name, value))
+    )
+
+
+def plain_fact(name: str, value: Any) -> str:
+    """One value in words; "" for what does not fit on a line."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, (int, float)):
+        return (
+            words.count_text(value)
+            if isinstance(value, int)
+            else words.quantity(value, split_unit(name)[1], 4)
+        )
+    return words.one_line(value, 120) if isinstance(value, str) else ""
+
+
+def assumption_blocks(result: Result | FrontResult) -> Iterator[Block]:
+    """What was assumed, and what the physics leaves out."""
+    if result.assumptions:
+        yield block(f"Assumptions ({len(result.assumptions)})", assumption_lines(result))
+    yield model_block(result)
+
+
+def model_block(result: Result | FrontResult) -> Block:
+    """Which physics, what it leaves out here, and what it never has."""
+    physics = [f"physics {words.one_line(result.physics.get('name') or '')}"]
+    effects = result.physics.get("effects") or []
+    left = [str(effect.get("name")) for effect in effects if not effect.get("kept")]
+    if left:
+        bound = sum(float(effect.get("bound") or 0.0) for effect in effects if not effect.get("kept"))
+        physics.append(
+            f"left out as too small here (together at most {words.share(bound)}): {', '.join(left)}"
+        )
+    lines: list[Line] = [sentence("; ".join(physics))]
+    missing = result.physics.get("not_modelled") or []
+    if missing:
+        lines.append(sentence("not modelled: " + "; ".join(map(str, missing))))
+    lines += [sentence(text) for text in effect_lines(result)]
+    return block("Model", lines)
+
+
+def assumption_lines(result: Result | FrontResult, *, whole: bool = False) -> list[Line]:
+    """What the model takes for granted, then estimated numbers, one a line; the first of them unless `whole`."""
+    most, longest = (len(result.assumptions), 400) if whole else (MOST_ASSUMPTIONS, LONGEST_REASON)
+    ranked = sorted(result.assumptions, key=lambda item: item.get("low") is not None)
+    table = columns(("what", "left"), ("value", "right"), ("range", "right"), ("why", "left"))
+    for item in ranked[:most]:
+        unit = str(item.get("unit") or "")
+        table.add_row(
+            Text(words.one_line(item.get("path") or "", longest // 2)),
+            Text(assumed(item.get("value"), unit)),
+            Text(range_text(item.get("low"), item.get("high"), unit)),
+            Text(words.one_line(item.get("source") or "", longest)),
+        )
+    rest = len(ranked) - most
+    return [
+        table,
+        *([sentence(f"and {rest} more; --json and result.json list all", "dim")] if rest > 0 else []),
+    ]
+
+
+def assumed(value: Any, unit: str) -> str:
+    """An assumed value, estimated numbers with their mark."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return words.one_line(value if value is not None else "", 30)
+    return "~" + words.quantity(float(value), unit)
+
+
+def range_text(low: Any, high: Any, unit: str) -> str:
+    """The range of an estimate."""
+    if not isinstance(low, (int, float)) or not isinstance(high, (int, float)) or low == high:
+        return ""
+    return f"{words.quantity(float(low))} to {words.quantity(float(high), unit)}"

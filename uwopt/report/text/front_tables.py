@@ -1,0 +1,102 @@
+"""A front as aligned text for people: the named picks, a few points between them, how the solvers did."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from uwopt.report.page.front import METHOD_HEADS, method_rows, pick_names
+from uwopt.report.text import words
+from uwopt.report.text.doubts import infeasible_block
+from uwopt.report.text.layout import Block, Text, block, columns, sentence
+from uwopt.report.text.verdict import axis_name, verdict
+from uwopt.results.front import FrontPoint, FrontResult
+
+MOST_ROWS = 12  # of points; the files and the page hold all
+
+
+def front_blocks(front: FrontResult) -> Iterator[Block | Text]:
+    """The front block by block, each ending with an empty line."""
+    first, second = verdict(front)
+    name = words.one_line(front.mission.get("name") or "mission", 80)
+    yield block(f"{name}: {front.status}", [sentence(words.as_sentence(text)) for text in (first, second)])
+    if front.points:
+        yield picks_block(front)
+        yield points_block(front)
+    if front.methods:
+        yield methods_block(front)
+    if front.infeasible:
+        yield infeasible_block(front)
+    if front.warnings:
+        yield block("Notes", [sentence(words.as_sentence(item["message"])) for item in front.warnings])
+    if front.timing_s:
+        yield sentence(f"Took {words.run_time_sentence(front.timing_s)}.", "dim")
+
+
+def picks_block(front: FrontResult) -> Block:
+    """The points that have a name, and what each is made of."""
+    heads = [(axis_name(objective), "right") for objective in front.objectives]
+    table = columns(("pick", "left"), ("point", "left"), *heads, ("system", "left"))
+    for pick in front.picks:
+        point = front.point(pick.point)
+        table.add_row(
+            Text(pick.name),
+            Text(point.id),
+            *(Text(text) for text in value_texts(front, point)),
+            Text(parts_text(point)),
+        )
+    notes = [sentence(f"{pick.name}: {pick.definition}", "dim") for pick in front.picks]
+    return block("Named points", [table, *notes])
+
+
+def points_block(front: FrontResult) -> Block:
+    """Points evenly along the front."""
+    shown = evenly(front.points)
+    heads = [(axis_name(objective), "right") for objective in front.objectives]
+    table = columns(("point", "left"), *heads, ("system", "left"), ("pick", "left"))
+    names = pick_names(front)
+    for point in shown:
+        texts = [Text(text) for text in value_texts(front, point)]
+        table.add_row(Text(point.id), *texts, Text(parts_text(point)), Text(names.get(point.id, "")))
+    left = len(front.points) - len(shown)
+    more = (
+        [sentence(f"{words.counted(left, 'point')} more in the files that --out DIR writes", "dim")]
+        if left
+        else []
+    )
+    return block("The front", [table, *more])
+
+
+def evenly(points: Sequence[FrontPoint]) -> list[FrontPoint]:
+    """The first, the last and some between, of every choice of hardware one if there is room."""
+    if len(points) <= MOST_ROWS:
+        return list(points)
+    firsts = {point.curve: n for n, point in reversed(list(enumerate(points)))}
+    places = sorted(firsts.values()) if len(firsts) <= MOST_ROWS else []
+    even = [round(n * (len(points) - 1) / (MOST_ROWS - 1)) for n in range(MOST_ROWS)]
+    places += [place for place in even if place not in places][: MOST_ROWS - len(places)]
+    return [points[place] for place in sorted(places)]
+
+
+def value_texts(front: FrontResult, point: FrontPoint) -> list[str]:
+    """The objectives with their units."""
+    return [words.quantity(point.values[o.name], o.unit, 4) for o in front.objectives]
+
+
+def parts_text(point: FrontPoint) -> str:
+    """Hardware by ids."""
+    hardware = point.design.hardware
+    ids = [words.part_id(hardware[kind]) for kind in ("camera", "lens", "port", "light")]
+    return " + ".join(ids[:3]) + f" + {hardware['light_count']} x {ids[3]}"
+
+
+def methods_block(front: FrontResult) -> Block:
+    """How each solver did."""
+    heads = [(head, "left" if n < 2 else "right") for n, head in enumerate(METHOD_HEADS)]
+    table = columns(*heads)
+    for row in method_rows(front):
+        table.add_row(*(Text(text) for text in row))
+    note = (
+        "hypervolume: share of the box from the best corner to 1.1 times the front's range, logarithms of power"
+        " and cost"
+    )
+    return block("Solvers", [table, sentence(note, "dim")])

@@ -1,0 +1,129 @@
+"""How a report is laid out: titled blocks of sentences, facts and tables without lines.
+
+Terminal and page are made from the same blocks: Rich prints them, the page turns them into HTML.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, TypeAlias, cast
+
+from uwopt.report.text import words
+
+if TYPE_CHECKING:
+    from rich import table, text
+    from rich.console import RenderableType
+
+INDENT = 2
+UNBROKEN = ("id", "field")  # titles of columns whose text is copied, and must stay on one line
+
+
+@dataclass(frozen=True)
+class Text:
+    """Running text; `style` is one of Rich's, such as `dim` or `bold red`."""
+
+    plain: str
+    style: str = ""
+
+    def __rich__(self) -> text.Text:
+        from rich.text import Text as RichText
+
+        return RichText(self.plain, self.style)
+
+
+@dataclass
+class Grid:
+    """A table without lines; each head is (title, left | right)."""
+
+    heads: tuple[tuple[str, str], ...]
+    header: bool = True
+    rows: list[tuple[Text, ...]] = field(default_factory=list)
+
+    @property
+    def row_count(self) -> int:
+        """How many rows there are."""
+        return len(self.rows)
+
+    def add_row(self, *cells: Text) -> None:
+        """One row more."""
+        self.rows.append(cells)
+
+    def __rich__(self) -> table.Table:
+        from rich.table import Table
+
+        made = Table(
+            box=None, padding=(0, 2, 0, 0), pad_edge=False, show_header=self.header, header_style="dim"
+        )
+        for title, side in self.heads:
+            made.add_column(
+                Text(title).__rich__(), justify=cast(Literal["left", "right"], side), overflow="fold",
+                no_wrap=side == "right" or title in UNBROKEN,
+            )  # fmt: skip
+        for row in self.rows:
+            made.add_row(*row)
+        return made
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Names and values below each other; a value without a name goes on from the one above."""
+
+    pairs: tuple[tuple[str, str], ...]
+
+    def __rich__(self) -> table.Table:
+        grid = columns(("", "left"), ("", "left"), header=False)
+        for name, value in self.pairs:
+            grid.add_row(Text(name), Text(value))
+        return grid.__rich__()
+
+
+@dataclass(frozen=True)
+class Joined:
+    """Pieces of one line, each in its own style."""
+
+    pieces: tuple[Text, ...]
+
+    def __rich__(self) -> text.Text:
+        from rich.text import Text as RichText
+
+        return RichText.assemble(*((piece.plain, piece.style) for piece in self.pieces))
+
+
+Line: TypeAlias = Text | Joined | Grid | Facts
+
+
+@dataclass(frozen=True)
+class Block:
+    """A heading and its lines, set in; an empty line ends it. Without a title the lines stand as they are."""
+
+    title: str
+    lines: tuple[Line, ...]
+
+    def __rich__(self) -> RenderableType:
+        from rich.console import Group
+        from rich.padding import Padding
+
+        lines = [Padding(line, (0, 0, 0, INDENT if self.title else 0)) for line in self.lines]
+        head = [Text(self.title, "bold")] if self.title else []
+        return Group(*head, *lines, Text(""))
+
+
+def block(title: str, lines: Sequence[Line]) -> Block:
+    """A heading, its lines set in, an empty line."""
+    return Block(title, tuple(lines))
+
+
+def sentence(text: str, style: str = "") -> Text:
+    """Running text that wraps at words."""
+    return Text(words.one_line(text, 2000), style)
+
+
+def columns(*heads: tuple[str, str], header: bool = True) -> Grid:
+    """A table without lines; each head is (title, left | right)."""
+    return Grid(heads, header)
+
+
+def fact_lines(facts: Iterable[tuple[str, str]]) -> Facts:
+    """Names and values below each other; what is empty is left out."""
+    return Facts(tuple((name, words.one_line(value, 2000)) for name, value in facts if value))

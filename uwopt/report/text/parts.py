@@ -1,0 +1,88 @@
+"""The catalogue as aligned text: lists of parts, one part with its sources, the check of a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from uwopt.catalog.catalogue import Exclusion
+from uwopt.catalog.checkfile import FileReport
+from uwopt.catalog.listing import FieldLine, PartLine
+from uwopt.catalog.records import KINDS, Quantity
+from uwopt.report.text import words
+from uwopt.report.text.layout import Block, Line, Text, block, columns, sentence
+from uwopt.units import format_number
+
+PLURALS = {"camera": "Cameras", "lens": "Lenses", "port": "Ports", "light": "Lights"}
+LONG_FIELDS = {"source_url": "Where no other source is named", "note": "Note"}
+LEGEND = "~ estimated from parts of its class"
+
+
+def part_list_blocks(lines: Sequence[PartLine]) -> Iterator[Block | Text]:
+    """Parts by kind: id, what it is, price; and why it is left out, if so."""
+    doubtful = False
+    for kind in KINDS:
+        own = [line for line in lines if line.kind == kind]
+        if not own:
+            continue
+        table = columns(("id", "left"), ("what it is", "left"), ("price", "right"))
+        for line in own:
+            doubtful |= price_is_estimated(line.price) or "~" in line.summary
+            what = words.one_line(f"{line.summary}{'; to be made' if line.generic else ''}")
+            table.add_row(
+                Text(words.one_line(line.id, 60)), Text(what), Text(price_text(line.price, line.currency))
+            )
+            for reason in line.reasons:
+                table.add_row(Text(""), Text("left out: " + words.one_line(reason), "dim"), Text(""))
+        yield block(f"{PLURALS[kind]} ({len(own)})", [table])
+    if doubtful:
+        yield sentence(LEGEND, "dim")
+
+
+def price_is_estimated(price: Quantity | None) -> bool:
+    """Whether nobody quotes this price."""
+    return price is not None and price.estimated
+
+
+def price_text(price: Quantity | None, currency: str) -> str:
+    """A price with its mark."""
+    if price is None:
+        return "unknown"
+    return ("~" if price_is_estimated(price) else "") + words.money(price.value, currency)
+
+
+def part_blocks(part_id: str, lines: Sequence[FieldLine], exclusions: Sequence[Exclusion]) -> Iterator[Block]:
+    """One part field by field, with status and source, and why it is not searched."""
+    texts = {line.name: line.value for line in lines if line.name in LONG_FIELDS}
+    table = columns(
+        ("field", "left"), ("value", "left"), ("range", "left"), ("known", "left"), ("source", "left")
+    )
+    for line in lines:
+        if line.name in ("id", *LONG_FIELDS):
+            continue
+        spread = line.low is not None and line.high is not None and line.low != line.high
+        span = f"{format_number(line.low or 0.0)} to {format_number(line.high or 0.0)}" if spread else ""
+        mark = "~" if line.status == "estimated" else ""
+        source = "" if line.source == texts.get("source_url") else words.one_line(line.source)
+        table.add_row(
+            Text(line.name),
+            Text(mark + words.one_line(line.value)),
+            Text(span),
+            Text(line.status),
+            Text(source),
+        )
+    notes: list[Line] = [
+        Text(f"{LONG_FIELDS[name]}: {words.one_line(text, 2000)}") for name, text in texts.items()
+    ]
+    notes += [sentence(f"Not searched, {item.rule}: {item.reason}.", "yellow") for item in exclusions]
+    legend = [sentence(LEGEND, "dim")] if any(line.status == "estimated" for line in lines) else []
+    yield block(words.one_line(part_id), [table, *legend, *notes])
+
+
+def check_blocks(report: FileReport) -> Iterator[Block]:
+    """What a file holds, every fault with its row, what will be estimated."""
+    rows = words.counted(report.n_rows, "row")
+    n_faults = len(report.faults)
+    verdict = "in order" if report.ok else f"{words.counted(n_faults, 'fault')}"
+    lines: list[Line] = [sentence(fault, "red") for fault in report.faults]
+    lines += [sentence(note) for note in report.notes]
+    yield block(f"{words.one_line(report.path)}: {report.content}, {rows}: {verdict}", lines)

@@ -1,0 +1,396 @@
+"""A result as aligned text for people: the recommendation first, then why it may be trusted.
+
+Everything shown comes from the result; no verdict is added here. Texts from files are shown as they
+are, never read as markup.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from uwopt.report.text import words
+from uwopt.report.text.doubts import (
+    assumption_blocks,
+    certificate_block,
+    infeasible_block,
+    miss_sentence,
+    robustness_block,
+    second_opinion_block,
+)
+from uwopt.report.text.exactness import exactness_block, has_errors
+from uwopt.report.text.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
+from uwopt.results.front import FrontResult
+from uwopt.results.result import Design, Margin, Result, SceneResult, design_from_dict, is_settable
+
+ONE_COLUMN_A_SCENE = 3  # more scenes are shown one a row
+
+
+def result_blocks(result: Result) -> Iterator[Block | Text]:
+    """The result block by block, each ending with an empty line."""
+    yield headline(result)
+    best = result.best
+    if best is not None:
+        yield from design_blocks(result, best)
+    if result.infeasible:
+        yield infeasible_block(result)
+        miss = nearest_miss(result)
+        if miss is not None:
+            yield hardware_block(miss, "Nearest miss", note=miss_sentence(result))
+            yield from margin_blocks(miss)
+    yield from runner_up_blocks(result)
+    if result.certificate is not None:
+        yield certificate_block(result, result.certificate)
+    if result.robustness:
+        yield robustness_block(result)
+    if result.solvers or result.audit:
+        yield second_opinion_block(result)
+    if has_errors(result):
+        yield exactness_block(result)
+    yield from assumption_blocks(result)
+    yield from warning_blocks(result)
+    if result.timing_s:
+        yield sentence(f"Took {words.run_time_sentence(result.timing_s)}.", style="dim")
+
+
+def nearest_miss(result: Result | FrontResult) -> Design | None:
+    """The design that came nearest to feasible, whether read from a file or made here."""
+    miss = (result.infeasible or {}).get("nearest_miss")
+    if isinstance(miss, dict):
+        return design_from_dict(miss)
+    return miss if isinstance(miss, Design) else None
+
+
+def headline(result: Result) -> Block:
+    """Name of the mission, verdict and value of the objective."""
+    name = words.one_line(result.mission.get("name") or "mission", 80)
+    style = {"optimal": "bold green", "feasible": "bold green", "stopped": "bold yellow"}.get(
+        result.status, "bold red"
+    )
+    title = Joined((Text(name, "bold"), Text(": "), Text(result.status, style)))
+    lines: list[Line] = [title, Text(words.as_sentence(words.status_sentence(result)))]
+    value = result.best.objective_value if result.best is not None else None
+    if value is not None:
+        goal = words.one_line(result.objective.get("name") or "objective")
+        direction = words.one_line(result.objective.get("direction") or "")
+        lines.append(Text(f"Objective: {goal} {words.objective_text(result, value)} ({direction}d)."))
+    return block("", lines)
+
+
+# ---------------------------------------------------------------- one design
+
+
+def design_blocks(result: Result, design: Design) -> Iterator[Block]:
+    """Hardware, settings, margins, cost and bill of materials of one design."""
+    yield hardware_block(design, "Recommendation" if result.command == "solve" else "System")
+    yield settings_block(result, design)
+    yield from margin_blocks(design)
+    yield totals_block(design)
+    if design.bom:
+        yield bom_block(design)
+
+
+def hardware_block(design: Design, title: str, note: Text | None = None) -> Block:
+    """Which parts, how many, and how they stand."""
+    hardware = design.hardware
+    table = columns(("part", "left"), ("", "right"), ("name", "left"), ("id", "left"), header=False)
+    for kind in ("camera", "lens", "port", "light"):
+        part = hardware[kind]
+        count = hardware.get("light_count" if kind == "light" else "camera_count") or 1
+        table.add_row(Text(kind), Text(f"{count} x"), Text(words.part_name(part)), Text(words.part_id(part)))
+    height = {"landscape": "height", "portrait": "width"}.get(str(hardware.get("orientation")), "height")
+    facts = [
+        ("orientation", f"{hardware.get('orientation')}: the image's {height} along the motion"),
+        ("lights", words.mounts_text(hardware.get("light_mounts") or [])),
+    ]
+    return block(title, [*([note] if note else []), table, fact_lines(facts)])
+
+
+def settings_block(result: Result | FrontResult, design: Design) -> Block:
+    """What to set: rounded values where there are any, the exact ones beside them."""
+    scenes = scenes_to_set(design)
+    rounded = any(scene.settings_to_set for scene in scenes)
+    lines: list[Line] = [settings_table(scenes), *rounding_lines(result, design)]
+    return block("Settings to type in" if rounded else "Settings", lines)
+
+
+def scenes_to_set(design: Design) -> list[SceneResult]:
+    """The scenes without settings to set that miss a requirement, which are nothing to offer."""
+    if is_settable(design):
+        return design.scenes
+    return [replace(scene, settings_to_set=None) for scene in design.scenes]
+
+
+def settings_table(scenes: Sequence[SceneResult]) -> Grid:
+    """The settings of all scenes in the form that fits their number."""
+    return settings_by_column(scenes) if len(scenes) <= ONE_COLUMN_A_SCENE else settings_by_row(scenes)
+
+
+def shown_settings(scenes: Sequence[SceneResult]) -> list[str]:
+    """Names of the settings that any scene has, in the order of setting them."""
+    present = {
+        name for s in scenes for name, value in s.settings.items() if value is not None and name != "gain"
+    }
+    return [name for name in words.SETTINGS if name in present]
+
+
+def settings_by_column(scenes: Sequence[SceneResult]) -> Grid:
+    """One row a setting; one column a scene, and the exact value of a single scene."""
+    exact_too = len(scenes) == 1 and scenes[0].settings_to_set is not None
+    heads = [("setting", "left")] + [
+        (words.one_line(scene.name, 24) if len(scenes) > 1 else "set", "right") for scene in scenes
+    ]
+    table = columns(
+        *heads, *([("exact optimum", "right")] if exact_too else []), header=len(scenes) > 1 or exact_too
+    )
+    for name in shown_settings(scenes):
+        cells = [words.setting_text(name, (s.settings_to_set or s.settings).get(name)) for s in scenes]
+        if exact_too:
+            cells.append(words.setting_text(name, scenes[0].settings.get(name)))
+        table.add_row(Text(words.SETTINGS[name][0]), *map(Text, cells))
+    return table
+
+
+def settings_by_row(scenes: Sequence[SceneResult]) -> Grid:
+    """One row a scene."""
+    names = shown_settings(scenes)
+    table = columns(("scene", "left"), *((words.SETTINGS[name][0].split(",")[0], "right") for name in names))
+    for scene in scenes:
+        chosen = scene.settings_to_set or scene.settings
+        table.add_row(
+            Text(words.one_line(scene.name, 24)), *(Text(words.setting_text(n, chosen.get(n))) for n in names)
+        )
+    return table
+
+
+def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
+    """What rounding to settable values costs, and whether it still fits."""
+    rounded = design.rounded
+    if not rounded:
+        return []
+    if not is_settable(design):
+        missed = ", ".join(words.requirement_name(str(name)) for name in rounded.get("missed") or [])
+        return [
+            sentence(
+                "These are the exact optimum, not settings to type in: no stop of the lens with steps of time, gain "
+                "and light was found that meets every requirement. The nearest misses "
+                f"{missed or 'some requirements'}.",
+                "red",
+            )
+        ]
+    value, exact = rounded.get("objective_value"), design.objective_value
+    if value is None or exact is None or isinstance(result, FrontResult):
+        return [sentence("Rounded as shown and checked again: every requirement still holds.")]
+    unit = str(result.objective.get("unit") or "")
+    moved = words.change(value - exact, unit, exact)
+    return [
+        sentence(
+            f"Rounded as shown and checked again: every requirement still holds; the objective becomes "
+            f"{words.objective_text(result, value)} ({moved})."
+        )
+    ]
+
+
+def margin_blocks(design: Design) -> Iterator[Block]:
+    """Every margin, scene by scene; what is the same in all scenes once, for the system."""
+    if len(design.scenes) == 1:
+        yield block("Margins", [margin_table(design.scenes[0].margins, design)])
+        return
+    common = common_margins(design.scenes)
+    for scene in design.scenes:
+        own = [margin for margin in scene.margins if margin not in common]
+        yield block(f"Margins in scene {words.one_line(scene.name, 60)}", [margin_table(own, design)])
+    if common:
+        yield block("Margins in every scene", [margin_table(common, design)])
+
+
+def common_margins(scenes: Sequence[SceneResult]) -> list[Margin]:
+    """Margins that are the same in all scenes."""
+    first, *rest = scenes
+    return [margin for margin in first.margins if all(margin in other.margins for other in rest)]
+
+
+def margin_table(margins: Sequence[Margin], design: Design) -> Grid:
+    """One row a requirement that applies: value, limit, what is left, where it is worst."""
+    kinds = kinds_by_id(design)
+    table = columns(
+        ("requirement", "left"), ("value", "right"), ("limit", "right"), ("margin", "right"),
+        ("worst at", "right"), ("", "left"),
+    )  # fmt: skip
+    for margin in margins:
+        if has_no_limit(margin):
+            continue
+        mark = MARKS[margin_state(margin)]
+        table.add_row(*map(Text, margin_texts(margin, kinds)), mark)
+    return table
+
+
+#: What stands behind a margin.
+MARKS = {"met": Text(""), "binding": Text("binding", "yellow"), "missed": Text("MISSED", "bold red")}
+
+
+def has_no_limit(margin: Margin) -> bool:
+    """Whether there is infinite room: this lamp or camera has no such limit."""
+    return margin.satisfied and margin.margin is None
+
+
+def margin_state(margin: Margin) -> str:
+    """met | binding | missed."""
+    if not margin.satisfied:
+        return "missed"
+    return "binding" if margin.binding else "met"
+
+
+def margin_texts(margin: Margin, kinds: Mapping[str, str]) -> tuple[str, str, str, str, str]:
+    """Requirement, value, limit, what is left, and the altitude where it is worst."""
+    sign = {"<=": "at most ", ">=": "at least "}.get(margin.sense, "exactly ")
+    limit = "no limit" if margin.limit is None else sign + words.quantity(margin.limit, margin.unit, 4)
+    return (
+        words.requirement_name(margin.requirement, kinds),
+        words.margin_value(margin),
+        limit,
+        words.margin_text(margin),
+        "" if margin.at_altitude_m is None else words.quantity(margin.at_altitude_m, "m"),
+    )
+
+
+def kinds_by_id(design: Design) -> dict[str, str]:
+    """Which kind of part an id names."""
+    return {str(part["id"]): kind for kind, part in design.hardware.items() if isinstance(part, dict)}
+
+
+def totals_block(design: Design) -> Block:
+    """Cost, power and mass in two lines."""
+    totals = design.totals
+    cost = words.cost_sentence(totals.get("cost") or {}, words.n_unpriced(design.bom))
+    return block("Cost, power and mass", [sentence(cost), sentence(words.power_sentence(totals))])
+
+
+def bom_block(design: Design) -> Block:
+    """What to order, with prices and how they are known."""
+    table = columns(
+        ("", "right"),
+        ("part", "left"),
+        ("id", "left"),
+        ("each", "right"),
+        ("to pay", "right"),
+        ("price", "left"),
+    )
+    doubtful = False
+    for row in design.bom:
+        line = bom_line(row)
+        doubtful |= line.estimated
+        table.add_row(
+            Text(line.number),
+            Text(line.kind),
+            Text(line.id),
+            Text(line.each),
+            Text(line.due),
+            Text(line.known),
+        )
+    return block("Bill of materials", [table, *([sentence(ESTIMATED_LEGEND, "dim")] if doubtful else [])])
+
+
+ESTIMATED_LEGEND = "~ estimated from parts of its class, with the range in brackets"
+
+
+@dataclass(frozen=True)
+class BomLine:
+    """One row of a bill of materials in words."""
+
+    number: str
+    kind: str
+    id: str
+    each: str
+    due: str
+    known: str  # status of the price, its date, how many are owned
+    estimated: bool
+
+
+def bom_line(row: Mapping[str, Any]) -> BomLine:
+    """What to order, its price and how that is known."""
+    status = str(row.get("price_status") or "")
+    estimated = status in ("estimated", "to be made")
+    number, owned, currency = row["count"], row.get("owned") or 0, str(row.get("currency") or "")
+    price = row.get("unit_price")
+    each = words.estimated_text(price, row.get("unit_price_low"), row.get("unit_price_high"), currency)
+    due = None if price is None else max(0, number - owned) * price
+    known = [status, str(row.get("price_date") or ""), f"{owned} owned" if owned else ""]
+    return BomLine(
+        str(number),
+        words.one_line(row.get("kind") or "", 12),
+        words.one_line(row.get("id") or "", 60),
+        each if estimated else words.money(price, currency),
+        ("~" if estimated and due else "") + words.money(due, currency),
+        words.one_line(", ".join(word for word in known if word), 60),
+        estimated,
+    )
+
+
+# ---------------------------------------------------------------- other designs
+
+
+def runner_up_blocks(result: Result) -> Iterator[Block]:
+    """Other hardware, what it would cost in the objective, and what parts to be made could gain."""
+    best = result.best
+    if best is None:
+        return
+    if result.runners_up:
+        table = runner_up_table(result, best, result.runners_up)
+        yield block("Runners-up, by what differs from the recommendation", [table])
+    if result.generic_alternative is not None:
+        table = runner_up_table(result, best, [result.generic_alternative])
+        note = sentence(
+            "To be made: a class of parts that no shop sells under a name; figures and prices are of the class.",
+            "dim",
+        )
+        yield block("With parts to be made", [table, note])
+
+
+def runner_up_table(result: Result, best: Design, designs: Sequence[Design]) -> Grid:
+    """One row a design."""
+    objective = words.one_line(result.objective.get("name") or "objective", 24)
+    heads = [("", "right"), ("has instead", "left"), (objective, "right"), ("difference", "right")]
+    shown = [name for name in ("cost", "power") if name != objective]
+    table = columns(*heads, *((name, "right") for name in shown))
+    for number, design in enumerate(designs, start=2):
+        cost = design.totals.get("cost") or {}
+        figures = {
+            "cost": words.money(cost.get("value"), str(cost.get("currency") or "")),
+            "power": words.quantity(design.totals.get("power_w"), "W"),
+        }
+        table.add_row(
+            Text(str(number)),
+            Text(words.differing_parts(design, best)),
+            Text(words.objective_text(result, design.objective_value)),
+            Text(difference_text(result, design, best)),
+            *(Text(figures[name]) for name in shown),
+        )
+    return table
+
+
+def difference_text(result: Result, design: Design, best: Design) -> str:
+    """How much the objective differs from the best design's."""
+    if design.objective_value is None or best.objective_value is None:
+        return words.quantity(None)
+    difference = design.objective_value - best.objective_value
+    text = words.change(difference, str(result.objective.get("unit") or ""), best.objective_value)
+    if best.objective_value and abs(difference) > 1e-9 * abs(best.objective_value):
+        text += f" ({words.signed_share(difference / abs(best.objective_value))})"
+    return text
+
+
+def warning_blocks(result: Result | FrontResult) -> Iterator[Block]:
+    """What the user should know of the input and the hardware."""
+    best = result.best if isinstance(result, Result) else None
+    own = best.warnings if best is not None else []
+    texts = dict.fromkeys(warning_text(item) for item in [*result.warnings, *own])
+    if texts:
+        yield block("Warnings", [sentence("- " + text) for text in texts])
+
+
+def warning_text(warning: dict[str, str]) -> str:
+    """One warning with the key it is about."""
+    path, message = warning.get("path") or "", warning.get("message") or warning.get("code") or ""
+    return message if not path or message.startswith(path) else f"{path}: {message}"

@@ -1,0 +1,391 @@
+"""Numbers, names and short sentences for people; the tables and pages of a report share them."""
+
+from __future__ import annotations
+
+import unicodedata
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from uwopt.results.result import Certificate, Design, Margin, Result, is_settable
+from uwopt.units import format_number, format_quantity, split_unit, symbol
+
+STATUS_SENTENCES: Mapping[str, str] = {
+    "optimal": "proven best: no combination that the certificate covers is better",
+    "feasible": "every requirement is met",
+    "violated": "requirements are missed",
+    "infeasible": "no system of the catalogue meets every requirement",
+    "stopped": "stopped by a limit before the proof was complete; the gap below is valid",
+}
+
+#: Settings in the order in which they are set, with their unit.
+SETTINGS: Mapping[str, tuple[str, str]] = {
+    "f_number": ("f-number", ""),
+    "focus_distance_m": ("focus, in water from the port", "m"),
+    "exposure_ms": ("exposure", "ms"),
+    "pulse_ms": ("light pulse", "ms"),
+    "gain_db": ("gain", "dB"),
+    "frame_rate_hz": ("frame rate", "Hz"),
+    "flux_lm": ("light of all lamps", "lm"),
+    "dim_frac": ("light level", ""),
+    "flash_energy_j": ("energy of a flash", "J"),
+}
+
+REQUIREMENTS: Mapping[str, str] = {
+    "max_blur_px": "motion blur",
+    "max_skew_px": "rolling-shutter skew",
+    "overlap": "overlap along track",
+    "frame_interval_s": "time between images",
+    "frame_rate": "frame rate of the camera",
+    "nearest_focus_m": "nearest focus of the lens",
+    "port_clears_view_mm": "view clear of the port's edge",
+    "dof_near_m": "near end of sharp depth",
+    "dof_far_m": "far end of sharp depth",
+    "min_dof_m": "depth of field",
+    "max_gsd_mm": "pixel on the floor",
+    "min_swath_m": "swath",
+    "min_snr_db": "signal to noise",
+    "min_snr": "signal to noise",
+    "min_contrast": "contrast",
+    "min_uniformity": "evenness of the light",
+    "min_mtf_half_nyquist": "sharpness at half Nyquist",
+    "mean_level": "mean image level",
+    "saturation_fraction": "highlights, share of saturation",
+    "f_number_min": "f-number, widest of the lens",
+    "f_number_max": "f-number, smallest of the lens",
+    "gain_min": "gain as a ratio, lowest",
+    "gain_max": "gain as a ratio, highest",
+    "max_exposure_ms": "exposure, longest",
+    "min_exposure_ms": "exposure, shortest",
+    "light_level_max": "light level, full",
+    "light_level": "light level, a step of the lamp",
+    "max_pulse_ms": "pulse, longest",
+    "min_pulse_ms": "pulse, shortest",
+    "light_duty": "duty of the lamp",
+    "light_rate": "rate of the lamp",
+    "shutter_open_ms": "all rows open for the pulse",
+    "common_f_number": "f-number, one for all scenes",
+    "common_focus_m": "focus, one for all scenes",
+    "cost": "cost",
+    "power_w": "power",
+    "peak_power_w": "peak power of the lamps",
+    "mass_kg": "mass",
+    "data_rate_mb_s": "data rate",
+    "depth_rating_m": "depth rating",
+}
+
+RULES: Mapping[str, str] = {
+    "availability": "no longer sold, or never was",
+    "vital facts": "a fact that the model needs is unknown",
+    "pattern": "not among the parts the mission names",
+    "exclude": "excluded by the mission",
+    "verified": "a field that must be sourced is not",
+    "colour": "sensor of the other colour type",
+    "shutter": "shutter of the other type",
+    "depth rating": "depth rating too shallow or unknown",
+    "generic": "parts to be made, real ones are left",
+    "mount": "lens mount does not fit the camera",
+    "image_circle": "image circle smaller than the sensor",
+    "lens_rating": "lens not sharp enough for the sensor's pixels",
+    "view": "port cuts into the view",
+    "focus": "lens cannot focus on the floor through the port",
+    "max_gsd_mm": "pixel on the floor too large",
+    "min_swath_m": "swath too narrow",
+    "frame_rate": "camera too slow",
+    "data_rate_mb_s": "data rate too high",
+    "min_dof_m": "depth of field too short at every f-number",
+    "max_blur_px": "blurred at the shortest exposure",
+    "min_snr": "too little light for the wanted signal",
+    "light": "no light gives the wanted signal",
+    "cost": "too expensive",
+    "mass_kg": "too heavy",
+    "power_w": "too much power",
+    "bound": "proven not better than the systems shown",
+    "not_reached": "not reached in the time allowed",
+}
+
+PARTS_OF_THE_SEARCH = ("search_imagers", "search_bounds", "search_evaluation")
+
+#: What stands for signs that a terminal without Unicode cannot show.
+PLAIN_SIGNS = str.maketrans(
+    {
+        "–": "-", "—": "-", "−": "-", "µ": "u", "μ": "u", "°": " deg", "²": "2", "³": "3", "⁻": "-", "·": "*",
+        "×": "x", "≤": "<=", "≥": ">=", "≈": "~", "±": "+/-", "…": "...", "‘": "'", "’": "'", "“": '"', "”": '"',
+        "\u00a0": " ", "\u202f": " ",
+    }
+)  # fmt: skip
+#: Information per area of floor, as objectives and figures name it, and the prefixes that it is read with.
+BITS = ("bit/m2", "bit/m²", "bit_per_m2", "_bit_per_m2")
+PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
+
+
+def in_encoding(text: str, encoding: str) -> str:
+    """The text with only signs that an encoding knows: `µm` is `um` in ASCII, a foreign letter its base."""
+    try:
+        text.encode(encoding)
+    except (UnicodeEncodeError, LookupError):
+        plain = unicodedata.normalize("NFKD", text.translate(PLAIN_SIGNS))
+        return (
+            "".join(c for c in plain if not unicodedata.combining(c))
+            .encode("ascii", "replace")
+            .decode("ascii")
+        )
+    return text
+
+
+def printable(text: str) -> str:
+    """Text from files without control signs, which could steer a terminal; line ends stay."""
+    return "".join(c if c in "\n\t" or not unicodedata.category(c).startswith("C") else "?" for c in text)
+
+
+def one_line(text: object, longest: int = 400) -> str:
+    """Text from files on one line, shortened."""
+    line = " ".join(printable(str(text)).split())
+    return line if len(line) <= longest else line[: longest - 3] + "..."
+
+
+# ---------------------------------------------------------------- numbers
+
+
+def quantity(value: float | None, unit: str = "", digits: int = 3) -> str:
+    """A number with its unit, or a dash; bits get the prefix that keeps the number short."""
+    per, unit = prefixed(unit, value or 0.0)
+    return format_quantity(None if value is None else value / per, unit, digits)
+
+
+def prefixed(unit: str, largest: float) -> tuple[float, str]:
+    """What to divide by and the unit then: 2.5e6 bit/m2 are read as 2.5 Mbit/m²; other units stay."""
+    if unit not in BITS:
+        return 1.0, unit
+    per, prefix = next((step for step in PREFIXES if abs(largest) >= step[0]), (1.0, ""))
+    return per, f"{prefix}bit/m²"
+
+
+def change(value: float, unit: str, scale: float, digits: int = 3) -> str:
+    """A difference with its sign; what is only rounding of numbers as large as `scale` is 0."""
+    if abs(value) <= 1e-9 * abs(scale):
+        return format_quantity(0.0, unit)
+    return ("+" if value > 0 else "") + format_quantity(value, unit, digits)
+
+
+def margin_value(margin: Margin) -> str:
+    """What is reached of a requirement: a number with its unit, or the word in its place."""
+    return one_line(margin.word) if margin.value is None and margin.word else quantity(margin.value, margin.unit, 4)
+
+
+def margin_text(margin: Margin) -> str:
+    """What is left of a requirement, in its unit."""
+    if margin.margin is None:
+        return quantity(None)
+    scale = max(abs(margin.limit or 0.0), abs(margin.value or 0.0))
+    small = abs(margin.margin) <= (1e-6 if margin.satisfied else 1e-12) * scale  # 1e-6: what counts as met
+    return format_quantity(0.0 if small else margin.margin, margin.unit)
+
+
+def setting_text(name: str, value: float | None) -> str:
+    """A setting as it is typed in: every digit that was rounded to, no more; a dash where there is none."""
+    unit = SETTINGS[name][1] if name in SETTINGS else split_unit(name)[1]
+    if value is None:
+        return quantity(None)
+    if name == "dim_frac":
+        return f"{digits_of(100.0 * value)} %"
+    if unit == "ms" and 0 < abs(value) < 0.1:
+        return f"{digits_of(value * 1e3)} {symbol('us')}"
+    return f"{digits_of(value)} {symbol(unit)}".strip()
+
+
+def digits_of(value: float) -> str:
+    """A number with up to six significant digits, without zeros at its end."""
+    text = format_number(value, 6)
+    return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
+
+
+def share(value: float) -> str:
+    """A share as per cent; what is all but nothing is told as such."""
+    if 0 < abs(value) < 1e-5:
+        return "below 0.001 %"
+    return f"{format_number(100.0 * value)} %"
+
+
+def signed_share(value: float) -> str:
+    """A relative difference as per cent with its sign."""
+    return ("+" if value >= 1e-5 else "") + share(value)
+
+
+def count_text(number: float | int) -> str:
+    """A whole number with blanks at the thousands; beyond 10^15 rounded."""
+    return f"{int(number):,}".replace(",", " ") if abs(number) < 1e15 else f"{float(number):.3e}"
+
+
+def estimated_text(value: float | None, low: float | None, high: float | None, currency: str) -> str:
+    """A price that is estimated: `~1 200 USD (900-1 600)`."""
+    if value is None:
+        return "unknown"
+    if low is None or high is None or low == high:
+        return f"~{money(value, currency)}"
+    return f"~{money(value, currency)} ({money(low)}-{money(high)})"
+
+
+def money(value: float | None, currency: str = "") -> str:
+    """An amount of money in whole units, below a hundred to three digits."""
+    if value is None:
+        return "unknown"
+    number = format_number(round(value) if abs(value) >= 100 else round(value, 2), 3)
+    return f"{number} {one_line(currency, 8)}".strip()
+
+
+# ---------------------------------------------------------------- names
+
+
+def requirement_name(requirement: str, kinds: Mapping[str, str] | None = None) -> str:
+    """A requirement in words; of `depth_rating_m (lamp-1)` the kind of part is told where `kinds` knows the id."""
+    stem, _, rest = requirement.partition(" (")
+    words = REQUIREMENTS.get(stem, stem.replace("_", " "))
+    kind = (kinds or {}).get(rest.rstrip(")"))
+    if kind:
+        return f"{words} of the {kind}"
+    return one_line(words + (f" ({rest}" if rest else ""))
+
+
+def rule_name(rule: str) -> str:
+    """A rule of the search in words; `light: availability` keeps the kind in front."""
+    kind, _, name = rule.rpartition(": ")
+    return (f"{one_line(kind)}: " if kind else "") + RULES.get(name, one_line(name.replace("_", " ")))
+
+
+def part_name(part: Mapping[str, Any]) -> str:
+    """Maker and model of a part."""
+    return one_line(part.get("name") or part.get("id") or "inline", 80)
+
+
+def part_id(part: Mapping[str, Any]) -> str:
+    """Id of a part, with the mark of those that no shop sells as such."""
+    return one_line(part.get("id") or "inline", 60) + (" (to be made)" if part.get("generic") else "")
+
+
+def differing_parts(design: Design, best: Design) -> str:
+    """What a design has that the best one has not: `lens kowa-lm6hc, 3 lights`."""
+    mine, other = design.hardware, best.hardware
+    words = [
+        f"{kind} {part_id(mine[kind])}"
+        for kind in ("camera", "lens", "port", "light")
+        if mine.get(kind, {}).get("id") != other.get(kind, {}).get("id")
+    ]
+    if mine.get("light_count") != other.get("light_count"):
+        words.append(counted(mine.get("light_count") or 0, "light"))
+    if mine.get("orientation") != other.get("orientation"):
+        words.append(str(mine.get("orientation")))
+    if mine.get("light_mounts") != other.get("light_mounts") and mine.get("light_count") == other.get(
+        "light_count"
+    ):
+        words.append(f"lights {mounts_text(mine.get('light_mounts') or [])}")
+    return ", ".join(words) or "the same hardware, other settings"
+
+
+def mounts_text(mounts: Sequence[Mapping[str, Any]]) -> str:
+    """Where the lights stand and how far they lean outward."""
+    if not mounts:
+        return ""
+    fore = any(m.get("x_m") or m.get("z_m") or m.get("tilt_x_deg") for m in mounts)
+    if fore:
+        return "at " + "; ".join(
+            f"x {m['x_m']:g} m, y {m['y_m']:g} m, z {m['z_m']:g} m, tilt {m['tilt_x_deg']:g}/{m['tilt_y_deg']:g} deg"
+            for m in mounts
+        )
+    number = Counter(f"{m['y_m']:+g} m" for m in mounts)
+    uneven = len(set(number.values())) > 1
+    places = ", ".join(f"{n} at {place}" if uneven else place for place, n in number.items())
+    tilt = mounts[0].get("tilt_y_deg") or 0.0
+    return f"{'' if uneven else 'at '}{places} across track" + (
+        f", tilted {tilt:g} deg outward" if tilt else ", aimed straight down"
+    )
+
+
+def counted(number: int, noun: str) -> str:
+    """`1 light`, `2 lights`."""
+    return f"{count_text(number)} {noun}" + ("" if number == 1 else "s")
+
+
+def listed(names: Sequence[str]) -> str:
+    """`a`, `a and b`, `a, b and c`."""
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+# ---------------------------------------------------------------- sentences
+
+
+def capital(text: str) -> str:
+    """With a capital letter."""
+    return text[:1].upper() + text[1:]
+
+
+def as_sentence(text: str) -> str:
+    """With a capital letter and a full stop."""
+    return capital(text) + ("" if text.endswith(".") else ".")
+
+
+def cost_sentence(cost: Mapping[str, Any], n_unpriced: int = 0) -> str:
+    """`cost 4 210 USD, of which 2 300 estimated (1 700-3 400)`."""
+    text = f"cost {money(cost.get('value'), str(cost.get('currency') or ''))}"
+    if n_unpriced:
+        text += f", without {counted(n_unpriced, 'part')} of unknown price"
+    if not cost.get("estimated"):
+        return f"{text}, nothing of it estimated"
+    low, high = cost.get("estimated_low"), cost.get("estimated_high")
+    span = f" ({money(low)}-{money(high)})" if low is not None and high is not None and low != high else ""
+    return f"{text}, of which {money(cost['estimated'])} estimated{span}"
+
+
+def power_sentence(totals: Mapping[str, Any]) -> str:
+    """`power 3.05 W (lights 1.15 W on average, 638 W at peak), mass 1.08 kg`."""
+    return (
+        f"power {quantity(totals.get('power_w'), 'W')}"
+        f" (lights {quantity(totals.get('light_power_w'), 'W')} on average,"
+        f" {quantity(totals.get('light_peak_power_w'), 'W')} at peak),"
+        f" mass {quantity(totals.get('mass_kg'), 'kg')}"
+    )
+
+
+def n_unpriced(bom: Sequence[Mapping[str, Any]]) -> int:
+    """Pieces that must be bought at a price that nobody knows."""
+    return sum(max(0, row["count"] - (row.get("owned") or 0)) for row in bom if row.get("unit_price") is None)
+
+
+def objective_text(result: Result, value: float | None, digits: int = 4) -> str:
+    """A value of the objective with its unit."""
+    return format_quantity(value, str(result.objective.get("unit") or ""), digits)
+
+
+def status_sentence(result: Result) -> str:
+    """What came out, in one sentence."""
+    if result.best is not None and result.command == "evaluate":
+        missed = [m for scene in result.best.scenes for m in scene.margins if not m.satisfied]
+        if missed:
+            verb = "is" if len(missed) == 1 else "are"
+            return f"{counted(len(missed), 'requirement')} {verb} missed"
+    if result.status == "feasible" and result.best is not None and not is_settable(result.best):
+        return "the exact design meets every requirement, but no settings that can be typed in were found that do"
+    if result.status == "stopped" and result.best is None:
+        interrupted = any(warning.get("code") == "interrupted" for warning in result.warnings)
+        return f"{'interrupted' if interrupted else 'stopped by a limit'} before a system was found"
+    return STATUS_SENTENCES.get(result.status, result.status)
+
+
+def account_sentence(certificate: Certificate) -> str:
+    """Whether every combination is accounted for."""
+    gone = sum(int(item["count"]) for item in certificate.discarded)
+    verdict = "adds up" if certificate.adds_up() else "DOES NOT ADD UP, please report it"
+    return (
+        f"{count_text(certificate.evaluated)} evaluated + {count_text(gone)} discarded"
+        f" {'=' if certificate.adds_up() else 'against'} {count_text(certificate.loaded)} loaded: {verdict}"
+    )
+
+
+def run_time_sentence(timing_s: Mapping[str, float]) -> str:
+    """`0.43 s (search 0.30 s, report 0.13 s)`."""
+    steps = {name: value for name, value in timing_s.items() if name not in ("total", *PARTS_OF_THE_SEARCH)}
+    total = timing_s.get("total", sum(steps.values()))
+    listed = ", ".join(
+        f"{one_line(name.replace('_', ' '))} {quantity(value, 's', 2)}" for name, value in steps.items()
+    )
+    return quantity(total, "s", 3) + (f" ({listed})" if listed and len(steps) > 1 else "")

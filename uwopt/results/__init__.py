@@ -1,0 +1,1 @@
+"""Typed results of solve, evaluate and pareto, to JSON and back."""

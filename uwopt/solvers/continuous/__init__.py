@@ -1,0 +1,1 @@
+"""Settings as a smooth program: CasADi with IPOPT and Bonmin, and NLopt."""

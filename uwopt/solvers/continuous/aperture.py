@@ -1,0 +1,102 @@
+"""The best aperture for information, confirmed by CasADi: between defocus and diffraction, where light allows.
+
+With time, gain and hardware as the search chose them, ln N and ln X are free: light may not exceed what
+the lamps give through the aperture, nor what the pixels hold. Information is summed on fixed nodes, so that
+CasADi differentiates the very formulas of the model.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.model import sensor
+from uwopt.model.lateral import spread_mtf
+from uwopt.model.sharpness import TEXTURE_CONTRAST, Sharpness, round_mtf, sinc_mtf
+from uwopt.solvers.settings.cell_information import Nodes
+from uwopt.solvers.settings.closed_form import Chosen, dark_e, window, with_exposure
+
+ORDERS, ORDERS_IN_COLOUR = (16, 8), (24, 16)  # of the nodes; wide lateral colour needs more
+
+
+@dataclass(frozen=True)
+class ApertureProgram:
+    """max ln information over (ln N, ln X) of one design in one scene, time and gain fixed."""
+
+    rows: SceneRows
+    chosen: Chosen
+
+    def box(self) -> tuple[list[float], list[float]]:
+        """Lowest and highest of both unknowns; X as the requirements on SNR, level and saturation allow."""
+        low, high = window(with_exposure(self.rows, self.chosen))
+        n_low, n_high = float(self.rows.n_low[0]), float(self.rows.n_high[0])
+        most = min(float(high[0]), float(np.exp(self.log_light_at(np.log(n_low)))))
+        return (
+            [float(np.log(n_low)), float(np.log(max(float(low[0]), 1e-12 * most)))],
+            [float(np.log(max(n_high, n_low))), float(np.log(most))],
+        )
+
+    def log_light_at(self, log_n: Any) -> Any:
+        """ln of the most light that passes an aperture in the chosen time; the chosen level where power binds."""
+        rows, chosen = self.rows, self.chosen
+        level = max(float(rows.max_level[0]), float(chosen.level[0]))
+        most = (
+            float(rows.light_lm[0])
+            * min(level, 1.0)
+            * float(chosen.time_s[0])
+            / float(rows.working_factor[0]) ** 2
+        )
+        return float(np.log(most)) - 2.0 * log_n
+
+    def log_information(self, log_n: Any, log_x: Any) -> Any:
+        """ln of the information [bit/m^2]; floats or symbols."""
+        rows, sharp = self.rows, self.rows.sharp
+        assert sharp is not None
+        f_number, light_x = np.exp(log_n), np.exp(log_x)
+        at = with_exposure(rows, self.chosen)
+        signal = float(rows.signal_e[0, rows.nominal]) * light_x
+        veil = float(rows.total_e[0, rows.nominal] - rows.signal_e[0, rows.nominal]) * light_x
+        snr = sensor.snr(
+            signal, veil_e=veil, read_noise_e=float(rows.read_noise_e[0]), dark_e=float(dark_e(at)[0]),
+            gain_dn_per_e=float(rows.gain_dn_per_e[0] * self.chosen.gain[0]), prnu_frac=float(rows.prnu_frac[0]),
+        )  # fmt: skip
+        here = Sharpness(
+            working_f_number=f_number * float(rows.working_factor[0]), wavelength_nm=float(sharp.wavelength_nm[0]),
+            pixel_pitch_m=float(sharp.pixel_pitch_m[0]), defocus_px=float(sharp.rms_disc_px[0, 1]) / f_number,
+            rated_pitch_px=float(sharp.rated_pitch_px[0]),
+        )  # fmt: skip
+        blur = float(sharp.blur_px_per_s[0, 1] * self.chosen.time_s[0])
+        (_, spread), *_ = sharp.groups()
+        nodes = Nodes.of(ORDERS if spread is None else ORDERS_IN_COLOUR, both_signs=spread is not None)
+        fixed = sinc_mtf(nodes.along) * sinc_mtf(nodes.across) * sinc_mtf(nodes.along, width_px=blur)
+        if spread is not None:
+            k = float(sharp.rms_k_along[0]) * nodes.along + float(sharp.rms_k_across[0]) * nodes.across
+            fixed = fixed * spread_mtf(k, table=spread)
+        radius = np.hypot(nodes.along, nodes.across)
+        total = 0.0
+        for nu, share, factor in zip(radius, nodes.weight, fixed, strict=True):
+            total = total + float(share) * np.log(
+                1.0 + (TEXTURE_CONTRAST * snr * float(factor) * round_mtf(float(nu), sharpness=here)) ** 2
+            )
+        return np.log(total / float(sharp.pixel_area_m2[0]))
+
+
+def confirmed(rows: SceneRows, chosen: Chosen) -> dict[str, Any] | None:
+    """CasADi's best aperture beside the search's; None where sun or a missing record leaves nothing to confirm."""
+    if rows.sharp is None or rows.sunlit:
+        return None
+    from uwopt.solvers.continuous import casadi_ipopt
+
+    program = ApertureProgram(rows, chosen)
+    ours = float(program.log_information(float(np.log(chosen.f_number[0])), float(np.log(chosen.light_x[0]))))
+    (log_n, _), best, residual = casadi_ipopt.maximise_in_box(
+        program.log_information, program.log_light_at, *program.box(),
+        start=[float(np.log(chosen.f_number[0])), float(np.log(chosen.light_x[0]))],
+    )  # fmt: skip
+    return {
+        "f_number": float(np.exp(log_n)), "searched_f_number": float(chosen.f_number[0]),
+        "gain_rel": float(np.expm1(best - ours)), "kkt_residual": residual,
+    }  # fmt: skip

@@ -1,0 +1,206 @@
+"""Second opinions: the settings of found hardware solved again by a continuous solver."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.scene import SceneOptics
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.continuous.solve_settings import FEASIBLE, solve_settings
+from uwopt.solvers.exact.imagers import limit
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.recommend import Sought, scene_rows_of
+from uwopt.solvers.settings.best import scenes_need_cells
+from uwopt.solvers.settings.closed_form import Chosen
+
+AGREES_REL = 1e-4
+APERTURE_RESIDUAL = 1e-6
+MOST_CANDIDATES = 12  # open to Bonmin's choice
+BONMIN_S = 10.0  # of processor time
+
+
+def smooth(sought: Sought, objective: Objective) -> bool:
+    """Whether the continuous solvers' program holds what the mission asks."""
+    return not why_not_smooth(sought.problem.scenes, objective)
+
+
+def why_not_smooth(scenes: Sequence[SceneOptics], objective: Objective) -> str:
+    """What of a mission is no part of the continuous solvers' program; empty where nothing is."""
+    if scenes_need_cells(scenes, objective) or objective.weight("contrast"):
+        return "sun, sharpness, contrast and information are no part of its smooth program"
+    if min(objective.weight("power"), objective.weight("snr_db")) < 0.0:
+        return "its program takes no negative weight of power or snr_db"
+    return ""
+
+
+def aperture_opinions(sought: Sought, found: Found, objective: Objective) -> list[dict[str, Any]]:
+    """CasADi's word on the aperture of a winner chosen for its information, one a scene."""
+    if not objective.weight("information"):
+        return []
+    from uwopt.solvers.continuous.aperture import confirmed
+
+    rows = scene_rows_of(sought.search, found)
+    names = Chosen.__dataclass_fields__
+    made = []
+    for row, numbers in zip(rows, found.settings, strict=True):
+        chosen = Chosen(**{n: np.array([numbers[n]]) for n in names if n in numbers})
+        word = confirmed(row, chosen)
+        if word is not None:
+            made.append(
+                {
+                    "method": "casadi",
+                    "hardware": part_ids(sought, found),
+                    "status": "optimal" if word["kkt_residual"] < APERTURE_RESIDUAL else "failed",
+                    "objective_value": objective.reported(found.minimised) * (1.0 + word["gain_rel"])
+                    if objective.single
+                    else None,
+                    "difference_rel": abs(word["gain_rel"]),
+                    "agrees": abs(word["gain_rel"]) <= AGREES_REL,
+                    "max_violation": 0.0,
+                    "kkt_residual": word["kkt_residual"],
+                    "multipliers": {},
+                    "iterations": 0,
+                    "run_time_s": 0.0,
+                    "message": f"f-number {word['f_number']:.4g} for information, time and gain as chosen; the search "
+                    f"has {word['searched_f_number']:.4g}",
+                }
+            )
+    return made
+
+
+def opinion(
+    sought: Sought, found: Found, objective: Objective, method: str, deadline: Deadline = NEVER
+) -> dict[str, Any]:
+    """What a continuous solver finds for one hardware, beside the search's value."""
+    answer = solve_settings(
+        scene_rows_of(sought.search, found),
+        **fixed_of(sought, found),
+        objective=objective,
+        power_limit_w=limit(sought.problem.mission.limits.power_w),
+        method=method,  # type: ignore[arg-type]
+        max_seconds=None if math.isinf(deadline.left_s) else deadline.left_s,
+    )
+    value = answer.objective_value
+    difference = None
+    if value is not None:
+        difference = abs(value - found.minimised) / max(abs(found.minimised), 1e-12)
+    return {
+        "method": answer.method,
+        "hardware": part_ids(sought, found),
+        "status": answer.status,
+        "objective_value": None if value is None else objective.reported(value),
+        "difference_rel": difference,
+        "agrees": difference is not None and difference <= AGREES_REL,
+        "max_violation": answer.max_violation,
+        "kkt_residual": answer.kkt_residual,
+        "multipliers": answer.multipliers,
+        "iterations": answer.iterations,
+        "run_time_s": answer.run_time_s,
+        "message": answer.message,
+    }  # fmt: skip
+
+
+# ---------------------------------------------------------------- hardware and settings together
+
+
+def mixed_opinion(sought: Sought, objective: Objective, *, max_seconds: float = BONMIN_S) -> dict[str, Any]:
+    """What Bonmin chooses of the best systems, their numbers of lamps and steps of light, settings included."""
+    best = sought.outcome.best[0]
+    told: dict[str, Any] = {
+        "method": "bonmin", "hardware": [], "status": "not applicable", "objective_value": None, "difference_rel": None,
+        "agrees": False, "max_violation": None, "kkt_residual": None, "multipliers": {}, "iterations": 0,
+        "run_time_s": 0.0,
+    }  # fmt: skip
+    why_not = why_not_smooth(sought.problem.scenes, objective)
+    if why_not:
+        return {**told, "message": f"Bonmin was not run: {why_not}"}
+    from uwopt.solvers.continuous.casadi_ipopt import solve_mixed
+    from uwopt.solvers.continuous.mixed import MixedProgram
+
+    began = time.perf_counter()
+    open_to_choice = shortlist(sought)
+    power_limit_w = limit(sought.problem.mission.limits.power_w)
+    candidates = [candidate_of(sought, found) for found in open_to_choice]
+    program = MixedProgram(candidates, objective, power_limit_w)
+    answer = solve_mixed(program, max_seconds=max_seconds)
+    picked = program.picked(answer.x)
+    feasible = picked.max_violation <= FEASIBLE
+    off = abs(picked.value - best.minimised) / max(abs(best.minimised), 1e-12)
+    agrees = feasible and off <= AGREES_REL
+    scope = (
+        f"{len(program.open_to_choice)} systems open to choice with {len(program.options)} pieces of settings "
+        f"(the {len(sought.outcome.best)} best of the search, with other numbers of lamps)"
+    )
+    caution = "a check of the choice among these, not of the catalogue; no proof where rules are not convex"
+    return {
+        **told,
+        "hardware": part_ids(sought, open_to_choice[picked.candidate]),
+        "status": "failed" if not feasible else "optimal" if agrees and answer.ended else "feasible",
+        "objective_value": objective.reported(picked.value) if feasible else None,
+        "difference_rel": off if feasible else None,
+        "agrees": agrees,
+        "max_violation": picked.max_violation,
+        "iterations": answer.nodes,
+        "run_time_s": time.perf_counter() - began,
+        "message": f"{answer.message}; {scope}: {caution}",
+    }
+
+
+def part_ids(sought: Sought, found: Found) -> list[str]:
+    """Camera, lens, port and light by id."""
+    parts = sought.problem.parts
+    named = (
+        parts.cameras[found.camera],
+        parts.lenses[found.lens],
+        parts.ports[found.port],
+        parts.lights[found.light],
+    )
+    return [part.id for part in named]
+
+
+def shortlist(sought: Sought) -> list[Found]:
+    """The best of a search, then the same with other numbers of lamps that cost and mass allow."""
+    problem, made = sought.problem, list(sought.outcome.best)
+    low, high = problem.count_range
+    limits, lights, imagers = problem.mission.limits, problem.lights, sought.search.imagers
+    for found in sought.outcome.best:
+        light = np.array([found.light])
+        price = float(lights.price[found.light])
+        limit_price = float(lights.limit_price[found.light])
+        had = float(problem.lamps_to_buy(light, np.array([found.count]))[0])
+        for count in range(low, high + 1):
+            lamps = float(problem.lamps_to_buy(light, np.array([count]))[0])
+            mass = found.mass_kg + (count - found.count) * float(lights.mass_kg[found.light])
+            cost = float(imagers.limit_cost[found.imager]) + lamps * limit_price
+            fits = cost <= limit(limits.cost) * (1 + 1e-9) and mass <= limit(limits.mass_kg) * (1 + 1e-9)
+            if count != found.count and fits:
+                made.append(
+                    replace(found, count=count, cost=found.cost + (lamps - had) * price, mass_kg=mass)
+                )
+    return made[:MOST_CANDIDATES]
+
+
+def candidate_of(sought: Sought, found: Found) -> Any:
+    """One system as a candidate of the mixed-integer program."""
+    from uwopt.solvers.continuous.mixed import Candidate
+
+    return Candidate.of(scene_rows_of(sought.search, found), **fixed_of(sought, found))
+
+
+def fixed_of(sought: Sought, found: Found) -> dict[str, Any]:
+    """What settings do not change of a system, as the solvers of settings take it."""
+    imagers = sought.search.imagers
+    return {
+        "motorised": bool(sought.problem.lenses.motorised[found.lens]),
+        "camera_power_w": float(imagers.camera_power_w[found.imager]),
+        "cost": found.cost,
+        "mass_kg": found.mass_kg,
+        "gsd_mm": float(imagers.gsd_mm[found.imager]),
+    }

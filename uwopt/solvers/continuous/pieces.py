@@ -1,0 +1,307 @@
+"""One design in one scene as the continuous solvers see it, cut into pieces on which it is smooth.
+
+A step of the light is a piece; so is each side of the kink of a pulsed LED's power, min(1, t f). Everything
+here takes floats, complex arrays or CasADi symbols as settings.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.errors import SolverError
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
+from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
+from uwopt.model import light, sensor
+
+Array = NDArray[Any]
+Symbolic = Any  # float, complex array, or CasADi scalar
+
+SLACK = 1e-12  # relative, as in the closed form: a range of one point is not lost to rounding
+DIMMEST = 1e-9  # a lamp that dims to nothing has no logarithm there
+COPIED = (
+    "read_noise_e", "gain_dn_per_e", "full_scale_dn", "black_level_dn", "max_gain", "well_e", "prnu_frac",
+    "dark_current_e_s", "min_exposure_s", "exposure_offset_s", "readout_s", "flash_duration_s", "time_min_s",
+    "time_max_s", "rate_hz", "light_lm", "full_power_w", "pulse_energy_j", "working_factor", "n_low",
+    "n_high",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a person sets in one scene; floats or symbols."""
+
+    f_number: Symbolic
+    time_s: Symbolic
+    level: Symbolic
+    gain: Symbolic
+    exposure_s: Symbolic = 0.0  # what dark current is charged for; follows from the time
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One design in one scene, as plain floats (CasADi takes no NumPy scalars); see `SceneRows`."""
+
+    signal_e: tuple[float, ...]  # image mean, by altitude
+    total_e: tuple[float, ...]  # veils included
+    wanted: tuple[tuple[float, float], ...]  # signal and total of each pixel that min_snr is asked of
+    nominal: int
+    read_noise_e: float
+    gain_dn_per_e: float
+    full_scale_dn: float
+    black_level_dn: float
+    max_gain: float
+    well_e: float
+    prnu_frac: float
+    dark_current_e_s: float
+    min_exposure_s: float
+    exposure_offset_s: float
+    readout_s: float
+    flash_duration_s: float
+    time_min_s: float
+    time_max_s: float
+    rate_hz: float
+    kind: int
+    light_lm: float
+    full_power_w: float
+    pulse_energy_j: float
+    dims_freely: bool
+    levels: tuple[float, ...]  # steps within reach, of a lamp that does not dim freely
+    min_level: float
+    max_level: float
+    working_factor: float
+    n_low: float
+    n_high: float
+    min_snr: float
+    mean_level: float | None
+    highlight_ratio: float
+
+    @staticmethod
+    def of(rows: SceneRows) -> Scene:
+        """The only row of `rows`."""
+        if len(rows.signal_e) != 1 or rows.optimistic:
+            raise SolverError("continuous solvers take one design at a time, not a bound and not a table")
+
+        def one(column: Array) -> float:
+            return float(column[0])
+
+        signal = tuple(float(v) for v in rows.signal_e[0])
+        free = bool(rows.dims_freely[0])
+        top = min(one(rows.max_level), 1.0) if free else one(rows.max_level) * (1.0 + SLACK)
+        steps = tuple(float(v) for v in rows.levels[0] if np.isfinite(v) and 0.0 < v <= top)
+        return Scene(
+            signal_e=signal,
+            total_e=tuple(float(v) for v in rows.total_e[0]),
+            wanted=wanted_pixels(rows),
+            nominal=rows.nominal,
+            kind=int(rows.kind[0]),
+            dims_freely=free,
+            levels=() if free else steps,
+            min_level=max(one(rows.min_level), DIMMEST),
+            max_level=top,
+            min_snr=float(rows.min_snr),
+            mean_level=rows.mean_level,
+            highlight_ratio=float(rows.highlight_ratio),
+            **{name: one(getattr(rows, name)) for name in COPIED},
+        )
+
+    @property
+    def draws(self) -> bool:
+        """Whether the light's power depends on its settings at all."""
+        if self.kind == CONTINUOUS:
+            return self.full_power_w > 0.0
+        return (self.pulse_energy_j if self.kind == FLASH else self.full_power_w) * self.rate_hz > 0.0
+
+    def exposure_s(self, time_s: float) -> float:
+        """Exposure that collects light for a time, as `SceneRows.exposure_s` has it."""
+        whole = self.kind == FLASH and time_s >= self.flash_duration_s * WHOLE_FLASH
+        if self.kind == PULSED or whole:
+            return max(self.min_exposure_s, time_s + self.readout_s)
+        return time_s - self.exposure_offset_s
+
+    def dark_e(self, at: Settings) -> Symbolic:
+        """Dark electrons of a pixel."""
+        return self.dark_current_e_s * at.exposure_s
+
+    def electrons(self, signal_e: float, at: Settings) -> Symbolic:
+        """Electrons of a pixel with this signal per lm s at N_w = 1."""
+        working = at.f_number * self.working_factor
+        return signal_e * self.light_lm * at.level * at.time_s / working**2
+
+    def snr(self, signal_e: float, at: Settings, *, total_e: float | None = None) -> Symbolic:
+        """SNR of such a pixel; `total_e` counts its veils too."""
+        return sensor.snr(
+            self.electrons(signal_e, at),
+            veil_e=0.0 if total_e is None else self.electrons(total_e - signal_e, at),
+            read_noise_e=self.read_noise_e,
+            gain_dn_per_e=self.gain_dn_per_e * at.gain,
+            dark_e=self.dark_e(at),
+            prnu_frac=self.prnu_frac,
+        )
+
+    def nominal_snr(self, at: Settings) -> Symbolic:
+        """SNR of the image mean at the nominal altitude."""
+        return self.snr(self.signal_e[self.nominal], at, total_e=self.total_e[self.nominal])
+
+    def digital_dn(self, signal_e: float, at: Settings, *, offset_dn: float) -> Symbolic:
+        """Mean digital number of such a pixel."""
+        return sensor.digital_mean_dn(
+            self.electrons(signal_e, at),
+            gain_dn_per_e=self.gain_dn_per_e * at.gain,
+            dark_e=self.dark_e(at),
+            offset_dn=offset_dn,
+        )
+
+    def light_power_w(self, at: Settings) -> Symbolic:
+        """Mean electrical power of the lights, kink included: floats only for a pulsed LED."""
+        if self.kind == CONTINUOUS:
+            return light.continuous_power_w(at.level, full_power_w=self.full_power_w, count=1)
+        if self.kind == PULSED:
+            return light.pulsed_led_power_w(
+                at.level,
+                full_power_w=self.full_power_w,
+                count=1,
+                pulse_s=at.time_s,
+                frame_rate_hz=self.rate_hz,
+            )
+        return light.flash_power_w(
+            self.pulse_energy_j * at.level, count=1, frame_rate_hz=self.rate_hz, charging_efficiency=1.0
+        )
+
+
+def wanted_pixels(rows: SceneRows) -> tuple[tuple[float, float], ...]:
+    """Signal and total per lm s of the pixels and altitudes that min_snr is asked of; a worse one covers others."""
+    if rows.worst_e is None:
+        signal, veil = rows.signal_e[0], None if rows.veil_e is None else rows.veil_e[0]
+    else:
+        signal = rows.worst_e[0].ravel()
+        veil = None if rows.worst_veil_e is None else rows.worst_veil_e[0].ravel()
+    pairs = sorted((float(s), float(v)) for s, v in zip(signal, np.zeros_like(signal) if veil is None else veil,
+                                                        strict=True))  # fmt: skip
+    kept: list[tuple[float, float]] = []
+    for one, over in pairs:  # a pixel with more signal and less veil than another is never the worst
+        if not kept or over > kept[-1][1]:
+            kept.append((one, over))
+    return tuple((one, one + over) for one, over in kept)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Settings of a scene on which the program is smooth: one step of the light, one side of a kink."""
+
+    level_low: float
+    level_high: float
+    time_low_s: float
+    time_high_s: float
+    fills_frame: bool  # the pulse lasts at least as long as the frame: its length draws no more power
+    exposure_follows: bool  # the exposure grows with the time; else it is the shortest there is
+    exposure_shift_s: float  # exposure minus time, or the exposure
+
+    def exposure_s(self, time_s: Symbolic) -> Symbolic:
+        """Exposure that collects light for a time, without the scene's kinks."""
+        return (time_s if self.exposure_follows else 0.0) + self.exposure_shift_s
+
+    def light_power_w(self, scene: Scene, at: Settings) -> Symbolic:
+        """The scene's light power without the kink of a pulsed LED.
+
+        Below the kink power grows as level times time: the piece's longest pulse at the level that gives the
+        same product stands for the pulse, so that min(1, t f) sees plain numbers.
+        """
+        if scene.kind != PULSED:
+            return scene.light_power_w(at)
+        share = 1.0 if self.fills_frame else at.time_s / self.time_high_s
+        return scene.light_power_w(Settings(at.f_number, self.time_high_s, at.level * share, at.gain))
+
+    def fixes_power(self, scene: Scene) -> bool:
+        """Whether nothing that is left open changes the power."""
+        open_time = scene.kind == PULSED and not self.fills_frame and self.time_low_s < self.time_high_s
+        return self.level_low == self.level_high and not open_time
+
+
+def pieces_of(scene: Scene) -> list[Piece]:
+    """The smooth pieces of one scene that a quick look cannot rule out.
+
+    Steps of the light are fixed one by one; time is cut where power or exposure bend.
+    """
+    longest = max(scene.time_max_s, scene.time_min_s)
+    usable = scene.time_min_s <= scene.time_max_s * (1.0 + SLACK) and np.isfinite(longest)
+    if not usable or not scene.light_lm > 0.0 or not scene.n_low <= scene.n_high * (1.0 + SLACK):
+        return []
+    levels = [(step, step) for step in scene.levels]
+    if scene.dims_freely and scene.min_level <= scene.max_level:
+        levels = [(scene.min_level, scene.max_level)]
+    cuts = sorted(cut for cut in bends_s(scene) if scene.time_min_s < cut < longest)
+    ends = [scene.time_min_s, *cuts, longest]
+    found = [smooth_piece(scene, level, times) for level in levels for times in itertools.pairwise(ends)]
+    return [piece for piece in found if not ruled_out(scene, piece)]
+
+
+def bends_s(scene: Scene) -> list[float]:
+    """Times at which a scene's formulas have a kink.
+
+    A pulsed LED's power bends where the pulse fills the frame, t f = 1 (upwards, so that it takes two
+    pieces); with dark current also the exposure does, where a pulse outlasts the shortest exposure, and
+    jumps by t_0 where a flash is no longer cut short.
+    """
+    bends = []
+    if scene.kind == PULSED and scene.rate_hz > 0.0:
+        bends.append(1.0 / scene.rate_hz)
+    if scene.dark_current_e_s > 0.0 and scene.kind != CONTINUOUS:
+        bends.append(scene.min_exposure_s - scene.readout_s)
+        if scene.kind == FLASH:
+            bends.append(scene.flash_duration_s * WHOLE_FLASH)
+    return bends
+
+
+def smooth_piece(scene: Scene, level: tuple[float, float], times_s: tuple[float, float]) -> Piece:
+    """The piece between two bends; which side it lies on is seen at its middle."""
+    middle = 0.5 * (times_s[0] + times_s[1])
+    exposure = scene.exposure_s(middle)
+    follows = not (scene.kind != CONTINUOUS and exposure == scene.min_exposure_s)
+    return Piece(
+        *level,
+        *times_s,
+        fills_frame=middle * scene.rate_hz >= 1.0,
+        exposure_follows=follows,
+        exposure_shift_s=exposure - middle if follows else exposure,
+    )
+
+
+def ruled_out(scene: Scene, piece: Piece) -> bool:
+    """Whether even the brightest corner is too dark, or the dimmest too bright: a proof without a solver."""
+    longest, shortest = piece.time_high_s, piece.time_low_s
+    bright = Settings(scene.n_low, longest, piece.level_high, scene.max_gain, piece.exposure_s(longest))
+    widest = max(scene.n_high, scene.n_low)
+    dim = Settings(widest, shortest, piece.level_low, 1.0, piece.exposure_s(shortest))
+    nominal, brightest = scene.total_e[scene.nominal], max(scene.total_e)
+    wanted, headroom = wanted_dn(scene), headroom_dn(scene)
+    if scene.min_snr > 0.0 and any(
+        scene.snr(signal, bright, total_e=total) < scene.min_snr * (1.0 - 1e-9)
+        for signal, total in scene.wanted
+    ):
+        return True
+    if headroom <= 0.0 or scene.digital_dn(brightest, dim, offset_dn=0.0) > headroom * (1.0 + 1e-9):
+        return True
+    filled = scene.highlight_ratio * (scene.electrons(brightest, dim) + scene.dark_e(dim))
+    if filled > scene.well_e * (1.0 + 1e-9):
+        return True
+    if wanted is None:
+        return False
+    return wanted <= 0.0 or not (
+        scene.digital_dn(nominal, dim, offset_dn=0.0) <= wanted * (1.0 + 1e-9)
+        and scene.digital_dn(nominal, bright, offset_dn=0.0) >= wanted * (1.0 - 1e-9)
+    )
+
+
+def wanted_dn(scene: Scene) -> float | None:
+    """Digital numbers above black that the wanted mean level asks for."""
+    return None if scene.mean_level is None else scene.mean_level * scene.full_scale_dn - scene.black_level_dn
+
+
+def headroom_dn(scene: Scene) -> float:
+    """Digital numbers above black that the brightest mean level may reach."""
+    return scene.full_scale_dn / scene.highlight_ratio - scene.black_level_dn

@@ -1,0 +1,298 @@
+"""The settings of given hardware as a smooth program: what the continuous solvers are handed.
+
+Unknowns are natural logarithms of f-number (common, or by scene with a motorised lens), light-collecting
+time, light level and gain of every scene, and of the worst scene's power or SNR (epigraph variables).
+In logarithms light, X = light * level * time / N_w^2, is linear, every noise variance is a sum of
+exponentials, and so each rule below is convex: a geometric program, whose stationary point is the global
+optimum. The exceptions are those of dark current, by as much as dark electrons count against the image's:
+a wanted mean level becomes a curve, and an exposure is shorter than its time by the sensor's offset.
+
+The program is written once, over anything that NumPy's elementary functions take: floats (checks),
+complex arrays (derivatives by complex step), CasADi symbols (derivatives by CasADi).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.model import sensor
+from uwopt.solvers.continuous.pieces import SLACK, Piece, Scene, Settings, Symbolic, headroom_dn, wanted_dn
+
+Array = NDArray[Any]
+Goal = Literal["power", "snr", "sum", "restore"]
+
+MARGIN_WANTED = -1.0  # restoration stops when every rule holds with this margin, in logarithms
+POWER_SLACK = 1e-9  # relative, by which the search lets power exceed its limit
+FIXED = 1e-13  # a range narrower than this, in logarithms, is a constant
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Values of a program's rules at a point: each inequality <= 0, each equality 0, in logarithms."""
+
+    objective: Symbolic
+    inequalities: list[Symbolic]
+    equalities: list[Symbolic]
+
+
+@dataclass(frozen=True)
+class Program:
+    """min objective(x) under inequalities(x) <= 0, equalities(x) = 0, low <= x <= high."""
+
+    scenes: tuple[Scene, ...]
+    pieces: tuple[Piece, ...]
+    motorised: bool
+    goal: Goal
+    power_weight: float
+    snr_weight: float
+    light_limit_w: float
+
+    # ------------------------------------------------------------ unknowns
+
+    @cached_property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Every quantity with its range in natural logarithms, the fixed ones too."""
+        ranges: dict[str, tuple[float, float]] = {}
+        if not self.motorised:
+            low = max(scene.n_low for scene in self.scenes)
+            ranges["f_number"] = (low, self._high(low, min(scene.n_high for scene in self.scenes)))
+        for index, (scene, piece) in enumerate(zip(self.scenes, self.pieces, strict=True)):
+            if self.motorised:
+                ranges[f"f_number[{index}]"] = (scene.n_low, self._high(scene.n_low, scene.n_high))
+            ranges[f"time_s[{index}]"] = (piece.time_low_s, piece.time_high_s)
+            ranges[f"level[{index}]"] = (piece.level_low, piece.level_high)
+            ranges[f"gain[{index}]"] = (1.0, max(scene.max_gain, 1.0))
+        ranges = {name: (float(np.log(low)), float(np.log(high))) for name, (low, high) in ranges.items()}
+        if self.goal in ("power", "sum") and any(scene.draws for scene in self.scenes):
+            ranges["power"] = self._power_range()
+        if self.goal in ("snr", "sum"):
+            ranges["snr"] = self._snr_range(ranges)
+        return ranges
+
+    @staticmethod
+    def _high(low: float, high: float) -> float:
+        return low if low * (1.0 - SLACK) <= high < low else high
+
+    def _power_range(self) -> tuple[float, float]:
+        ends = []
+        for scene, piece in zip(self.scenes, self.pieces, strict=True):
+            if scene.draws:
+                low = Settings(1.0, piece.time_low_s, piece.level_low, 1.0)
+                high = Settings(1.0, piece.time_high_s, piece.level_high, 1.0)
+                ends.append((piece.light_power_w(scene, low), piece.light_power_w(scene, high)))
+        most = min(max(high for _, high in ends), max(self.light_limit_w, 0.0) * (1.0 + POWER_SLACK))
+        least = max(low for low, _ in ends)
+        with np.errstate(divide="ignore"):
+            return float(np.log(least)), float(np.log(self._high(least, most)))
+
+    def _snr_range(self, ranges: dict[str, tuple[float, float]]) -> tuple[float, float]:
+        """Between every quantity at its worst and at its best for light, worst scene."""
+        ends = []
+        for end in (0, 1):
+            chosen = {
+                name: float(np.exp(pair[1 - end if name.startswith("f_number") else end]))
+                for name, pair in ranges.items()
+            }
+            snr = min(scene.nominal_snr(self._pick(chosen, index)) for index, scene in enumerate(self.scenes))
+            with np.errstate(divide="ignore"):
+                ends.append(float(np.log(snr)))
+        return ends[0], ends[1]
+
+    def _pick(self, quantities: dict[str, Symbolic], index: int) -> Settings:
+        """The settings of one scene among all quantities."""
+        time_s = quantities[f"time_s[{index}]"]
+        return Settings(
+            f_number=quantities[f"f_number[{index}]" if self.motorised else "f_number"],
+            time_s=time_s,
+            level=quantities[f"level[{index}]"],
+            gain=quantities[f"gain[{index}]"],
+            exposure_s=self.pieces[index].exposure_s(time_s),
+        )
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The unknowns; what has no range is a constant."""
+        free = tuple(name for name, (low, high) in self.ranges.items() if high - low > FIXED)
+        return (*free, "violation") if self.goal == "restore" else free
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest of each unknown."""
+        ranges = dict(self.ranges)
+        if self.goal == "restore":
+            middle = [0.5 * sum(self.ranges[name]) for name in self.names[:-1]]
+            inequalities, equalities = self._plain_rules([*middle, 0.0])
+            worst = max([0.0, *inequalities, *(abs(value) for value in equalities)])
+            ranges["violation"] = (MARGIN_WANTED, float(worst) + 1.0)
+        pairs = np.array([ranges[name] for name in self.names], float).reshape(-1, 2)
+        return pairs[:, 0], pairs[:, 1]
+
+    @property
+    def empty(self) -> bool:
+        """Whether some range has no point: the common f-number, or power beyond its limit."""
+        if any(scene.draws for scene in self.scenes):
+            least_w = np.exp(self._power_range()[0])
+            if not least_w <= self.light_limit_w * (1.0 + POWER_SLACK):
+                return True
+        return any(not -np.inf < low <= high for low, high in self.ranges.values())
+
+    # ------------------------------------------------------------ points
+
+    def middle(self) -> Array:
+        """Middle of all ranges, the epigraph variables where they are just large or small enough."""
+        low, high = self.bounds
+        return self.complete(0.5 * (low + high))
+
+    def complete(self, x: Array) -> Array:
+        """The point with its epigraph variables moved to where their rules hold, within their bounds."""
+        x, (low, high) = np.clip(x, *self.bounds), self.bounds
+        at = self.settings(list(x))
+        for index, name in enumerate(self.names):
+            if name == "power":
+                x[index] = np.log(max(s.light_power_w(a) for s, a in zip(self.scenes, at, strict=True)))
+            elif name == "snr":
+                x[index] = np.log(min(s.nominal_snr(a) for s, a in zip(self.scenes, at, strict=True)))
+            elif name == "violation":
+                inequalities, equalities = self._plain_rules(list(x))
+                x[index] = max([low[index], *inequalities, *(abs(value) for value in equalities)])
+        return np.clip(x, low, high)
+
+    def point(self, start: Sequence[Settings]) -> Array:
+        """The program's unknowns at given settings, clipped to the ranges."""
+        given: dict[str, float] = {}
+        for index, at in enumerate(start):
+            for name in ("time_s", "level", "gain"):
+                given[f"{name}[{index}]"] = float(np.log(getattr(at, name)))
+            given[f"f_number[{index}]" if self.motorised else "f_number"] = float(np.log(at.f_number))
+        low, high = self.bounds
+        middle = 0.5 * (low + high)
+        return self.complete(np.array([given.get(n, m) for n, m in zip(self.names, middle, strict=True)]))
+
+    def settings(self, x: Sequence[Symbolic]) -> list[Settings]:
+        """The settings of every scene at a point."""
+        logs: dict[str, Symbolic] = {name: low for name, (low, _) in self.ranges.items()}
+        logs.update(zip(self.names, x, strict=True))
+        values = {name: np.exp(v) for name, v in logs.items() if name not in ("power", "snr", "violation")}
+        return [self._pick(values, index) for index in range(len(self.scenes))]
+
+    def set_points(self, x: Array) -> list[Settings]:
+        """The settings at a point, rounding of the logarithms taken back at the ends of each range."""
+        result = []
+        for at, scene, piece in zip(self.settings(list(x)), self.scenes, self.pieces, strict=True):
+            time_s = float(np.clip(at.time_s, piece.time_low_s, piece.time_high_s))
+            result.append(
+                Settings(
+                    f_number=float(np.clip(at.f_number, scene.n_low, max(scene.n_high, scene.n_low))),
+                    time_s=time_s,
+                    level=float(np.clip(at.level, piece.level_low, piece.level_high)),
+                    gain=float(np.clip(at.gain, 1.0, max(scene.max_gain, 1.0))),
+                    exposure_s=scene.exposure_s(time_s),
+                )
+            )
+        return result
+
+    # ------------------------------------------------------------ rules
+
+    def rules(self, x: Sequence[Symbolic]) -> Rules:
+        """Objective and rules at a point."""
+        inequalities, equalities = self._plain_rules(x)
+        if self.goal == "restore":
+            worst = x[-1]
+            both = [side for value in equalities for side in (value - worst, -value - worst)]
+            return Rules(worst, [value - worst for value in inequalities] + both, [])
+        return Rules(self._objective(self._epigraph(x)), inequalities, equalities)
+
+    def rule_names(self) -> tuple[list[str], list[str]]:
+        """Names of inequalities and equalities, in the order of `rules`."""
+        inequalities, equalities = self._plain_names
+        if self.goal == "restore":
+            both = [f"{name} {side}" for name in equalities for side in ("above", "below")]
+            return inequalities + both, []
+        return inequalities, equalities
+
+    def _epigraph(self, x: Sequence[Symbolic]) -> dict[str, Symbolic]:
+        values: dict[str, Symbolic] = {
+            name: self.ranges[name][0] for name in ("power", "snr") if name in self.ranges
+        }
+        values.update({name: x[i] for i, name in enumerate(self.names) if name in values})
+        return values
+
+    def _objective(self, epigraph: dict[str, Symbolic]) -> Symbolic:
+        """The logarithm of power or of 1/SNR; of a sum, the sum in units of its SNR term."""
+        if self.goal == "power":
+            return epigraph.get("power", 0.0)
+        if self.goal == "snr":
+            return -epigraph["snr"]
+        power_w = np.exp(epigraph["power"]) if "power" in epigraph else 0.0
+        return self.power_weight * power_w / self.sum_unit - epigraph["snr"]
+
+    @property
+    def sum_unit(self) -> float:
+        """What one unit of ln SNR is worth in the minimised sum: dB per e-fold times the weight of a dB."""
+        return self.snr_weight * float(sensor.to_db(np.e))
+
+    @cached_property
+    def _plain_names(self) -> tuple[list[str], list[str]]:
+        names, equal = [], []
+        for index, (scene, piece) in enumerate(zip(self.scenes, self.pieces, strict=True)):
+            if scene.min_snr > 0.0:
+                several = len(scene.wanted) > 1
+                names += [
+                    f"min_snr[{index}]" + (f" at {n}" if several else "") for n in range(len(scene.wanted))
+                ]
+            if max(scene.signal_e) > 0.0:
+                names.append(f"saturation[{index}]")
+            if np.isfinite(scene.well_e) and max(scene.signal_e) > 0.0:
+                names.append(f"full_well[{index}]")
+            if scene.mean_level is not None:
+                equal.append(f"mean_level[{index}]")
+            if self._power_rule(scene, piece):
+                names.append(f"power[{index}]" if "power" in self.ranges else f"power_limit[{index}]")
+            if self.goal in ("snr", "sum"):
+                names.append(f"snr[{index}]")
+        return names, equal
+
+    def _power_rule(self, scene: Scene, piece: Piece) -> bool:
+        """Whether a scene's power is a rule: it can vary, and something asks for it."""
+        asked = self.goal in ("power", "sum") or bool(np.isfinite(self.light_limit_w))
+        return asked and scene.draws and not piece.fixes_power(scene)
+
+    def _plain_rules(self, x: Sequence[Symbolic]) -> tuple[list[Symbolic], list[Symbolic]]:
+        values = self.settings(list(x))
+        epigraph = self._epigraph(x)
+        inequalities: list[Symbolic] = []
+        equalities: list[Symbolic] = []
+        for scene, piece, at in zip(self.scenes, self.pieces, values, strict=True):
+            inequalities += scene_rules(scene, at)
+            wanted = wanted_dn(scene)
+            if wanted is not None:
+                nominal_dn = scene.digital_dn(scene.total_e[scene.nominal], at, offset_dn=0.0)
+                equalities.append(np.log(nominal_dn / wanted))
+            if self._power_rule(scene, piece):
+                limit = epigraph["power"] if "power" in epigraph else float(np.log(self.light_limit_w))
+                inequalities.append(np.log(piece.light_power_w(scene, at)) - limit)
+            if self.goal in ("snr", "sum"):
+                inequalities.append(epigraph["snr"] - np.log(scene.nominal_snr(at)))
+        return inequalities, equalities
+
+
+def scene_rules(scene: Scene, at: Settings) -> list[Symbolic]:
+    """Enough SNR where it is darkest, no saturation where it is brightest: both grow with signal."""
+    rules: list[Symbolic] = []
+    brightest = max(scene.total_e)
+    if scene.min_snr > 0.0:
+        rules += [
+            -np.log(scene.snr(signal, at, total_e=total) / scene.min_snr) for signal, total in scene.wanted
+        ]
+    if brightest > 0.0:
+        rules.append(np.log(scene.digital_dn(brightest, at, offset_dn=0.0) / headroom_dn(scene)))
+    if np.isfinite(scene.well_e) and brightest > 0.0:
+        allowed = scene.well_e / scene.highlight_ratio
+        rules.append(np.log((scene.electrons(brightest, at) + scene.dark_e(at)) / allowed))
+    return rules

@@ -1,0 +1,409 @@
+"""Settings of given hardware from a continuous solver: a check of the closed form by other means.
+
+A design's settings are cut into smooth pieces (`uwopt.solvers.continuous.pieces`), each choice of one piece a scene is
+a convex program (`uwopt.solvers.continuous.program`), and each program goes to CasADi/IPOPT or NLopt. Scenes meet
+only in the f-number and in the worst scene's figure, so the best of one scene alone bounds every choice
+that holds it: choices are tried best bound first, until no bound beats the best found.
+
+What a solver says is not taken over: rules are evaluated again in their own terms, and an optimum is
+called one when, and only when, the conditions of an optimum hold at the point. Neither casadi nor nlopt
+is imported before a method asks for it.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from uwopt.errors import SolverError
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.model import sensor
+from uwopt.objectives.objective import Objective, Terms
+from uwopt.solvers.continuous.optimality import Attempt, derivatives, optimality_gap, rule_names, violations
+from uwopt.solvers.continuous.pieces import Piece, Scene, Settings, pieces_of
+from uwopt.solvers.continuous.program import Goal, Program
+
+Method = Literal[
+    "casadi", "slsqp", "cobyla", "global", "mma", "ccsaq", "lbfgs", "isres", "ags", "direct_l", "mlsl"
+]
+Status = Literal["optimal", "feasible", "infeasible", "failed"]
+METHODS: tuple[Method, ...] = ("casadi", "slsqp", "cobyla", "global")  # those that settle what they are given
+#: Algorithms of NLopt one by one. Of these some only come near.
+ALGORITHMS: tuple[Method, ...] = (
+    "slsqp", "mma", "ccsaq", "lbfgs", "cobyla", "isres", "ags", "direct_l", "mlsl"
+)  # fmt: skip
+
+FEASIBLE = 1e-6  # relative, of any rule
+GAP = 1e-6  # of what is called optimal, in the program's objective: a logarithm of power or of SNR
+TIE = 1e-9  # relative: a bound this close to the best found does not promise a better one
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What a method must show before its point is called an optimum."""
+
+    violation: float
+    kkt_residual: float
+
+
+PROOF = {
+    "casadi": Proof(1e-7, 1e-6),
+    "slsqp": Proof(1e-6, 1e-5),
+    "cobyla": Proof(1e-6, 1e-4),
+    "global": Proof(1e-6, 1e-5),
+    **dict.fromkeys(("mma", "ccsaq", "lbfgs", "isres", "ags", "direct_l", "mlsl"), Proof(1e-6, 1e-5)),
+}
+
+
+@dataclass(frozen=True)
+class ContinuousResult:
+    """Settings found, by scene, and how far they can be trusted.
+
+    `multipliers`: by how much the minimised value grows when a rule is tightened, per relative amount
+    (0.5 of min_snr[0]: asking for 1 % more SNR costs 0.005); only rules that bind.
+    """
+
+    method: str
+    status: Status
+    objective_value: float | None  # minimised; None without settings
+    f_number: tuple[float, ...] = ()
+    time_s: tuple[float, ...] = ()
+    level: tuple[float, ...] = ()
+    gain: tuple[float, ...] = ()
+    light_power_w: tuple[float, ...] = ()
+    max_violation: float | None = None
+    kkt_residual: float | None = None
+    multipliers: dict[str, float] = field(default_factory=dict)
+    iterations: int = 0
+    run_time_s: float = 0.0
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What all programs of one design share."""
+
+    scenes: tuple[Scene, ...]
+    motorised: bool
+    objective: Objective
+    camera_power_w: float
+    cost: float
+    mass_kg: float
+    gsd_mm: float
+    power_limit_w: float
+    method: Method
+    start: tuple[Settings, ...] | None
+    deadline: float | None
+
+    @property
+    def goal(self) -> Goal:
+        """What remains of the objective: hardware fixes the rest, and least power breaks its ties."""
+        if not self.objective.weight("snr_db"):
+            return "power"
+        return "sum" if self.objective.weight("power") else "snr"
+
+    def program(self, pieces: Sequence[Piece], only: int | None = None) -> Program:
+        """The smooth program of one choice of pieces; of one scene alone when asked."""
+        return Program(
+            scenes=self.scenes if only is None else (self.scenes[only],),
+            pieces=tuple(pieces),
+            motorised=self.motorised,
+            goal=self.goal,
+            power_weight=self.objective.weight("power"),
+            snr_weight=self.objective.weight("snr_db"),
+            light_limit_w=self.power_limit_w - self.camera_power_w,
+        )
+
+    def value(self, scenes: Sequence[Scene], settings: Sequence[Settings]) -> float:
+        """The minimised objective of settings, comparable with that of the exact search."""
+        return minimised_value(
+            self.objective, scenes, settings, camera_power_w=self.camera_power_w, cost=self.cost, mass_kg=self.mass_kg,
+            gsd_mm=self.gsd_mm,
+        )  # fmt: skip
+
+    def value_per_unit(self, program: Program, x: Any) -> float:
+        """Change of the minimised value per unit of the program's objective; watts when power is a tie."""
+        if program.goal == "sum":
+            return program.sum_unit
+        if program.goal == "snr":
+            return self.objective.weight("snr_db") * float(sensor.to_db(np.e))
+        light_w = worst_light_w(program.scenes, program.set_points(x))
+        return (self.objective.weight("power") or 1.0) * light_w
+
+    def seconds_left(self) -> float | None:
+        """Until the deadline, if there is one."""
+        return None if self.deadline is None else max(self.deadline - time.perf_counter(), 0.0)
+
+
+def minimised_value(
+    objective: Objective, scenes: Sequence[Scene], settings: Sequence[Settings], *, camera_power_w: float, cost: float,
+    mass_kg: float, gsd_mm: float,
+) -> float:  # fmt: skip
+    """The minimised objective of one design's settings by scene: the worst scene's power and SNR count."""
+    snr = min(float(s.nominal_snr(at)) for s, at in zip(scenes, settings, strict=True))
+    terms = Terms(
+        power=np.array(camera_power_w + worst_light_w(scenes, settings)),
+        cost=np.array(cost),
+        mass=np.array(mass_kg),
+        snr_db=np.array(sensor.to_db(snr)),
+        gsd_mm=np.array(gsd_mm),
+    )
+    return float(objective.cost_to_minimise(terms))
+
+
+def worst_light_w(scenes: Sequence[Scene], settings: Sequence[Settings]) -> float:
+    """Mean power of the lights in the scene that needs most."""
+    return max(float(scene.light_power_w(at)) for scene, at in zip(scenes, settings, strict=True))
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One program's answer after it was checked."""
+
+    status: Status
+    message: str
+    value: float = np.inf
+    merit: float = np.inf  # the program's own objective, which also tells ties in power apart
+    light_power_w: float = np.inf  # of the worst scene
+    settings: tuple[Settings, ...] = ()
+    max_violation: float | None = None
+    kkt_residual: float | None = None
+    multipliers: dict[str, float] = field(default_factory=dict)
+    iterations: int = 0
+
+
+def solve_settings(
+    rows: list[SceneRows],
+    *,
+    motorised: bool,
+    objective: Objective,
+    camera_power_w: float,
+    cost: float,
+    mass_kg: float,
+    gsd_mm: float,
+    power_limit_w: float,
+    method: Method,
+    start: Sequence[Settings] | None = None,
+    max_seconds: float | None = None,
+) -> ContinuousResult:
+    """Best settings of one design in all its scenes by one method.
+
+    Parameters
+    ----------
+    rows : one record a scene, each of one design (n = 1)
+    motorised : whether the f-number may differ from scene to scene
+    objective : power, snr_db or a weighted sum; other terms are the constants that follow
+    camera_power_w, cost, mass_kg, gsd_mm : of the design without its lights' power
+    power_limit_w : of camera and lights together; inf when there is none
+    method : casadi, global, or an algorithm of NLopt
+    start : settings by scene to start from; else the middle of all ranges
+    max_seconds : after which the best so far counts
+
+    Returns
+    -------
+    Settings with status: optimal (rules met and conditions of an optimum shown), feasible (rules met),
+    infeasible (shown that none are), failed (neither). Other settings may reach the same value: with SNR as
+    the objective, time and level need not be those of least power.
+    """
+    if method not in PROOF:
+        raise SolverError(f"method: {method!r} is not one of {', '.join(PROOF)}")
+    if min(objective.weight("power"), objective.weight("snr_db")) < 0.0:
+        raise SolverError("continuous solvers take no negative weight of power or snr_db")
+    began = time.perf_counter()
+    task = Task(
+        scenes=tuple(Scene.of(row) for row in rows),
+        motorised=motorised,
+        objective=objective,
+        camera_power_w=camera_power_w,
+        cost=cost,
+        mass_kg=mass_kg,
+        gsd_mm=gsd_mm,
+        power_limit_w=power_limit_w,
+        method=method,
+        start=None if start is None else tuple(start),
+        deadline=None if max_seconds is None else began + max_seconds,
+    )
+    verdict = best_choice(task)
+    return result_of(task, verdict, time.perf_counter() - began)
+
+
+def result_of(task: Task, verdict: Verdict, run_time_s: float) -> ContinuousResult:
+    """The answer in the form that callers read."""
+    found = verdict.settings
+    return ContinuousResult(
+        method=task.method,
+        status=verdict.status,
+        objective_value=verdict.value if found and np.isfinite(verdict.value) else None,
+        f_number=tuple(at.f_number for at in found),
+        time_s=tuple(at.time_s for at in found),
+        level=tuple(at.level for at in found),
+        gain=tuple(at.gain for at in found),
+        light_power_w=tuple(float(s.light_power_w(at)) for s, at in zip(task.scenes, found, strict=False)),
+        max_violation=verdict.max_violation,
+        kkt_residual=verdict.kkt_residual,
+        multipliers=verdict.multipliers,
+        iterations=verdict.iterations,
+        run_time_s=run_time_s,
+        message=verdict.message,
+    )
+
+
+# ---------------------------------------------------------------- choices of pieces
+
+
+def best_choice(task: Task) -> Verdict:
+    """The best of all choices of one piece a scene, best bound first."""
+    options = [pieces_of(scene) for scene in task.scenes]
+    for index, found in enumerate(options):
+        if not found:
+            return Verdict("infeasible", f"scene {index}: all settings are too dark or too bright")
+    alone, spent = bounds_of_scenes(task, options)
+    choices = []
+    for choice in itertools.product(*(range(len(found)) for found in options)):
+        of_scenes = [alone[index][k] for index, k in enumerate(choice)] if alone else []
+        if all(verdict.status != "infeasible" for verdict in of_scenes):
+            bounds = [v.merit if v.status == "optimal" else -np.inf for v in of_scenes]
+            choices.append((max(bounds, default=-np.inf), choice))
+    tried: list[Verdict] = []
+    skipped = -np.inf if not choices else np.inf
+    for bound, choice in sorted(choices):
+        best = min((v.merit for v in tried if usable(v)), default=np.inf)
+        if bound >= best - TIE * max(1.0, abs(best)):
+            break
+        if tried and task.seconds_left() == 0.0:
+            skipped = bound
+            break
+        verdict = solve_program(task, task.program([options[i][k] for i, k in enumerate(choice)]))
+        spent += verdict.iterations
+        tried.append(verdict)
+    return replace(chosen_of(tried, skipped), iterations=spent)
+
+
+def usable(verdict: Verdict) -> bool:
+    """Whether a verdict comes with settings that meet all rules."""
+    return verdict.status in ("optimal", "feasible")
+
+
+def nearness(verdict: Verdict) -> tuple[bool, float]:
+    """Order of verdicts: feasible ones by what they reach, the others by how much they miss."""
+    if usable(verdict):
+        return False, verdict.merit
+    return True, np.inf if verdict.max_violation is None else verdict.max_violation
+
+
+def bounds_of_scenes(task: Task, options: list[list[Piece]]) -> tuple[list[list[Verdict]], int]:
+    """Each piece of each scene solved as if there were no other scene, and the iterations it took.
+
+    Nothing when there is one choice only, or one scene: then the pieces are the choices.
+    """
+    if len(options) == 1 or all(len(found) == 1 for found in options):
+        return [], 0
+    alone = [
+        [solve_program(task, task.program([piece], only=index)) for piece in found]
+        for index, found in enumerate(options)
+    ]
+    return alone, sum(verdict.iterations for found in alone for verdict in found)
+
+
+def chosen_of(tried: list[Verdict], skipped: float) -> Verdict:
+    """The best verdict, downgraded to what all of them together prove."""
+    if not tried:
+        return Verdict("infeasible", "no scene's settings are feasible on their own")
+    good = [verdict for verdict in tried if usable(verdict) and np.isfinite(verdict.merit)]
+    if good:
+        lowest = min(verdict.merit for verdict in good)
+        tied = [verdict for verdict in good if verdict.merit <= lowest + TIE * max(1.0, abs(lowest))]
+        best = min(tied, key=lambda verdict: verdict.light_power_w)
+        unproven = [v for v in tried if v.status == "failed" or (v.status == "feasible" and v is not best)]
+        if best.status == "optimal" and (unproven or skipped < best.merit):
+            return replace(best, status="feasible", message=f"{best.message}; another piece stays open")
+        return best
+    failed = [verdict for verdict in tried if verdict.status == "failed"]
+    if failed or np.isfinite(skipped):
+        return min(failed, key=nearness) if failed else Verdict("failed", "time used up")
+    return tried[0]
+
+
+# ---------------------------------------------------------------- one program
+
+
+def attempt(task: Task, program: Program, start: Any) -> Attempt:
+    """One run of the task's method; its library is loaded here, when it is first needed."""
+    if task.method == "casadi":
+        from uwopt.solvers.continuous import casadi_ipopt
+
+        return casadi_ipopt.solve(program, start, max_seconds=task.seconds_left())
+    from uwopt.solvers.continuous import nlopt_algorithms as nlopt_solvers
+
+    return nlopt_solvers.solve(program, start, algorithm=task.method, max_seconds=task.seconds_left())
+
+
+def solve_program(task: Task, program: Program) -> Verdict:
+    """From the middle of the ranges or the start given; if that fails, from a point that meets the rules."""
+    if program.empty:
+        return Verdict("infeasible", "the scenes' f-numbers do not meet, or the power limit is too low")
+    given = task.start if task.start is not None and len(task.start) == len(program.scenes) else None
+    start = program.middle() if given is None else program.point(given)
+    first = judged(task, program, attempt(task, program, start))
+    if first.status == "optimal" or task.seconds_left() == 0.0:
+        return first
+    search = replace(program, goal="restore")
+    found = attempt(task, search, search.middle())
+    spent = first.iterations + found.iterations
+    least_violation = float(search.rules(list(found.x)).objective)
+    proven = found.kkt_residual <= PROOF[task.method].kkt_residual
+    if least_violation > FEASIBLE:
+        if proven and not usable(first):
+            message = f"some rule is missed by {least_violation:.3g} at least (relative, in logarithms)"
+            return Verdict("infeasible", message, iterations=spent)
+        return replace(first, iterations=spent)
+    again = program.point(search.set_points(found.x))
+    second = judged(task, program, attempt(task, program, again))
+    better = min(first, second, key=nearness)
+    return replace(better, iterations=spent + second.iterations)
+
+
+def judged(task: Task, program: Program, found: Attempt) -> Verdict:
+    """What an attempt is worth: rules in their own terms first, then the conditions of an optimum."""
+    settings = program.set_points(found.x)
+    missed = violations(
+        program.scenes, settings, motorised=program.motorised, light_limit_w=program.light_limit_w
+    )
+    worst = max(missed, key=lambda name: missed[name])
+    max_violation = max(missed[worst], 0.0)
+    proof = PROOF[task.method]
+    feasible = max_violation <= FEASIBLE
+    optimal = max_violation <= proof.violation and found.kkt_residual <= proof.kkt_residual
+    if optimal and len(found.x):
+        at, bounds = derivatives(program, found.x), program.bounds
+        optimal = optimality_gap(at, found.multipliers, found.x, *bounds) <= GAP
+    status: Status = "optimal" if optimal else "feasible" if feasible else "failed"
+    unit = task.value_per_unit(program, found.x)
+    named = zip(rule_names(program), found.multipliers, strict=True)
+    return Verdict(
+        status=status,
+        message=found.message if feasible else f"{found.message}; {worst} missed by {max_violation:.3g}",
+        value=task.value(program.scenes, settings),
+        merit=merit_of(program, settings),
+        light_power_w=worst_light_w(program.scenes, settings),
+        settings=tuple(settings),
+        max_violation=float(max_violation),
+        kkt_residual=found.kkt_residual,
+        multipliers={name: float(unit * value) for name, value in named if abs(value) > 1e-7},
+        iterations=found.iterations,
+    )
+
+
+def merit_of(program: Program, settings: Sequence[Settings]) -> float:
+    """The program's objective at settings, its epigraph variables as small as they may be."""
+    light_w = worst_light_w(program.scenes, settings)
+    if program.goal == "power":
+        return float(np.log(light_w)) if light_w > 0.0 else -np.inf
+    pairs = zip(program.scenes, settings, strict=True)
+    log_snr = float(np.log(min(scene.nominal_snr(at) for scene, at in pairs)))
+    return program.power_weight * light_w / program.sum_unit - log_snr if program.goal == "sum" else -log_snr

@@ -1,0 +1,1 @@
+"""The certified search over hardware: bounds, best-first order, account, certificate, audit."""

@@ -1,0 +1,453 @@
+"""Lower bounds on the objective of every (imager, lighting), before any field is integrated.
+
+A bound takes the most signal that the lighting can give, the cheapest, lightest and most economical of
+the lights that are able enough, and no quantisation: each term at its least, so the sum is a bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
+from uwopt.forward.problem import Problem
+from uwopt.model import sensor, sharpness
+from uwopt.objectives.objective import Objective, Terms
+from uwopt.solvers.exact.imagers import Imagers, limit
+from uwopt.solvers.exact.light_tables import FieldTables, Lighting
+
+Array = NDArray[Any]
+ROUND = 1.0 + 1e-9
+MOST_PLACES = 1024  # rows and columns of a table of lights
+UNIT_RULES = ("light", "cost", "mass_kg", "power_w", "bound")
+
+
+@dataclass(frozen=True)
+class LightTable:
+    """All (light, count) of one lighting, as columns."""
+
+    light: Array
+    count: Array
+    cost: Array
+    limit_cost: Array
+    mass_kg: Array
+    effective: Array  # count * full light * output factor: lm, or lm s a pulse
+    power_per_light: Array  # electrical per unit of effective light
+    kind: Array
+
+
+@dataclass(frozen=True)
+class Corner:
+    """Least value of the lights that have a capacity and stay within a budget, at once."""
+
+    budget: Array  # what lights take of it at least, by column, increasing
+    least: Array  # by place in the order of capacity and by budget: of the lights from a place on, up to a budget
+    size: int  # number of lights
+    step: int  # lights that share a row, and that share a column
+
+    @staticmethod
+    def of(value: Array, budget: Array) -> Corner:
+        """From the columns of lights in the order of their capacity; very many of them share rows and columns."""
+        n = len(value)
+        step = -(-n // MOST_PLACES)
+        order, places = np.argsort(budget, kind="stable"), np.arange(n) // step
+        column = np.empty(n, int)
+        column[order] = places
+        least = np.full((places[-1] + 1, places[-1] + 1), np.inf)
+        np.fmin.at(least, (places, column), value)
+        least = np.minimum.accumulate(least[::-1], axis=0)[::-1]
+        return Corner(budget[order][::step], np.minimum.accumulate(least, axis=1), n, step)
+
+    def within(self, capacity_at: Array, budget: Array) -> Array:
+        """Least value from a place in the order of capacity on; inf when no light is within the budget."""
+        place = np.searchsorted(self.budget, budget, side="right") - 1
+        known = (place >= 0) & (capacity_at < self.size)
+        row = np.minimum(capacity_at, self.size - 1) // self.step
+        return np.where(known, self.least[row, np.maximum(place, 0)], np.inf)
+
+
+@dataclass(frozen=True)
+class Needs:
+    """What imagers need in one scene before any light is chosen."""
+
+    by_snr_e: Array  # electrons, at every altitude
+    by_gain_e: Array  # electrons, at the nominal altitude
+    square: Array  # of the smallest working f-number
+    longest_s: Array
+    rate_hz: Array
+
+
+@dataclass
+class UnitBounds:
+    """Bounds of every imager under one lighting; `rule` names why a unit cannot be feasible, -1: it may be."""
+
+    value: Array
+    power: Array
+    cost: Array
+    mass: Array
+    snr_db: Array
+    rule: Array
+    information: Array | float = np.inf  # bit/m2, worst scene
+
+    @staticmethod
+    def none(n: int) -> UnitBounds:
+        """No bound at all: everything may be best."""
+        low = np.full(n, -1e300)
+        return UnitBounds(low, low, low, low, np.full(n, np.inf), np.full(n, -1))
+
+    @staticmethod
+    def empty(n: int) -> UnitBounds:
+        """No light yet: nothing can be reached."""
+        inf = np.full(n, np.inf)
+        lowest = np.full(n, -np.inf)
+        return UnitBounds(inf, inf.copy(), inf.copy(), inf.copy(), lowest, np.zeros(n, int), lowest.copy())
+
+    def better_of(self, other: UnitBounds) -> UnitBounds:
+        """The lower bound of two groups of lights; a unit fails only if both fail, by the later rule."""
+        both = (self.rule >= 0) & (other.rule >= 0)
+        rule = np.where(both, np.maximum(self.rule, other.rule), -1)
+        return UnitBounds(
+            np.minimum(self.value, other.value),
+            np.minimum(self.power, other.power),
+            np.minimum(self.cost, other.cost),
+            np.minimum(self.mass, other.mass),
+            np.maximum(self.snr_db, other.snr_db),
+            rule,
+            np.maximum(self.information, other.information),
+        )
+
+
+def suffix_min(values: Array) -> Array:
+    """Least of each value and all after it."""
+    return np.fmin.accumulate(values[::-1])[::-1]
+
+
+@cache
+def information_table() -> tuple[Array, Array, Array]:
+    """Bit per px by SNR [dB] and rated pitch [px], blurred by pixel and lens rating alone."""
+    snr_db, rated = np.linspace(-60.0, 120.0, 361), np.linspace(0.0, 4.0, 41)
+    at = sharpness.Sharpness(
+        working_f_number=0.0, wavelength_nm=500.0, pixel_pitch_m=1e-6, rated_pitch_px=rated[None, :]
+    )
+    return snr_db, rated, sharpness.information_bit_per_px(sensor.from_db(snr_db)[:, None], sharpness=at)
+
+
+def bit_per_px_bound(snr_db: Array, rated_pitch_px: Array) -> Array:
+    """Upper bound from the table: the next SNR up, the next rating down; its quadrature errs by 1e-4 at most."""
+    levels, ratings, table = information_table()
+    above = np.searchsorted(levels, snr_db)
+    row = np.minimum(above, len(levels) - 1)
+    column = np.clip(np.searchsorted(ratings, rated_pitch_px, side="right") - 1, 0, len(ratings) - 1)
+    return np.where(above < len(levels), table[row, column] * (1 + 1e-4), np.inf)
+
+
+class Bounds:
+    """Bounds of one search's imagers under its lightings."""
+
+    def __init__(
+        self, problem: Problem, objective: Objective, imagers: Imagers, tables: FieldTables,
+        *, lights: Array | None = None, coupled: bool = False, like: Bounds | None = None,
+    ):  # fmt: skip
+        """`coupled`: lights must meet what is left of the budgets together; `like` lends its tables of lights."""
+        self.coupled = coupled
+        self.searched = np.ones(len(problem.parts.lights), bool) if lights is None else lights
+        self.problem, self.objective, self.imagers, self.tables = problem, objective, imagers, tables
+        self.limits = problem.mission.limits
+        self.light_tables: list[LightTable] = (
+            [self.light_table(lighting) for lighting in tables.lightings]
+            if like is None
+            else like.light_tables
+        )
+        self._corners: dict[tuple[int, int, str], Corner] = {} if like is None else like._corners
+        self._needs_of: tuple[Array, dict[int, Needs]] | None = None
+
+    def light_table(self, lighting: Lighting) -> LightTable:
+        """The lights of one lighting in every number."""
+        problem = self.problem
+        mine = np.nonzero((problem.lights.optics_index == lighting.optics) & self.searched)[0]
+        low, high = problem.count_range
+        light = np.repeat(mine, high - low + 1)
+        count = np.tile(np.arange(low, high + 1), len(mine))
+        rows = problem.lights.take(light)
+        to_buy = problem.lamps_to_buy(light, count)
+        effective = count * rows.full_light * rows.output_factor
+        with np.errstate(divide="ignore", invalid="ignore"):
+            drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j, rows.full_power_w)
+            per_light = drawn / (rows.full_light * rows.output_factor)
+        return LightTable(
+            light,
+            count,
+            to_buy * rows.price,
+            to_buy * rows.limit_price,
+            rows.mass_kg * count,
+            effective,
+            per_light,
+            rows.kind,
+        )
+
+    def of_units(self, k: int, rows: Array) -> UnitBounds:
+        """Bounds of these imagers under one lighting, worst scene."""
+        table = self.light_tables[k]
+        n = len(rows)
+        bounds = UnitBounds.empty(n)
+        if n == 0 or len(table.light) == 0:
+            bounds.rule[:] = UNIT_RULES.index("light")
+            return bounds
+        for kind in np.unique(table.kind):
+            own = table.kind == kind
+            bounds = bounds.better_of(self._kind_bounds(k, own, int(kind), rows))
+        return bounds
+
+    def _corner(self, k: int, kind: int, name: str, value: Array, budget: Array) -> Corner:
+        """A table of the lights of one lighting and kind, made once."""
+        if (k, kind, name) not in self._corners:
+            self._corners[k, kind, name] = Corner.of(value, budget)
+        return self._corners[k, kind, name]
+
+    def _kind_bounds(self, k: int, own: Array, kind: int, rows: Array) -> UnitBounds:
+        """Bounds from the lights of one kind: what capable lights cost, weigh and draw at least."""
+        lighting, table, limits = self.tables.lightings[k], self.light_tables[k], self.limits
+        imagers = self.imagers
+        n = len(rows)
+        power, capacity_needed = np.zeros(n), np.zeros(n)
+        snr_db, information = np.full(n, np.inf), np.full(n, np.inf)
+        order = np.argsort(table.effective[own])
+        capacity = table.effective[own][order]
+        least_drawn = suffix_min(table.power_per_light[own][order])
+        power_left, most_drawn = (
+            limit(limits.power_w) * ROUND - imagers.camera_power_w[rows],
+            np.full(n, np.inf),
+        )
+        affordable = None
+        if self.coupled and limits.cost is not None:
+            affordable = self._corner(
+                k, kind, "drawn", table.power_per_light[own][order], table.limit_cost[own][order]
+            )
+        for index in range(len(imagers.scenes)):
+            need = self._needs(index, rows)
+            light_time, wanted, most = self._light_needed(index, lighting, need, kind, rows)
+            if self.coupled:
+                light_time, wanted = self._within_pulse(k, kind, own, need, light_time, wanted)
+            capacity_needed = np.maximum(capacity_needed, wanted)
+            at = np.searchsorted(capacity, wanted * (1 - 1e-12))
+            drawn = np.where(at < len(capacity), least_drawn[np.minimum(at, len(capacity) - 1)], np.inf)
+            if affordable is not None:
+                drawn = affordable.within(at, limit(limits.cost) * ROUND - imagers.limit_cost[rows])
+            with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+                used = wanted if kind == CONTINUOUS else light_time * need.rate_hz
+                scene_power = np.where(used > 0, used * drawn, 0.0)
+                if self.coupled and kind != PULSED:
+                    dimmest = self._dimmest(k, own) * (need.rate_hz if kind == FLASH else 1.0)
+                    scene_power = np.maximum(scene_power, np.where(used > 0, dimmest, 0.0))
+                most_drawn = np.minimum(most_drawn, np.where(used > 0, power_left / used * ROUND, np.inf))
+            power = np.maximum(power, np.where(np.isfinite(wanted), scene_power, np.inf))
+            if self.objective.weight("snr_db") or self.objective.weight("information"):
+                electrons = np.full(n, np.inf) if self._sunlit(index) else capacity[-1] * most
+                reached = self._snr_bound(index, electrons, rows)
+                snr_db = np.minimum(snr_db, reached)
+                if self.objective.weight("information"):
+                    information = np.minimum(information, self._information_bound(index, reached, rows))
+        at = np.searchsorted(capacity, capacity_needed * (1 - 1e-12))
+        reachable = at < len(capacity)
+        pick = np.minimum(at, len(capacity) - 1)
+
+        def least(values: Array) -> Array:
+            return np.where(reachable, suffix_min(values[own][order])[pick], np.inf)
+
+        lights_cost = least(table.cost)
+        if self.coupled and limits.power_w is not None:
+            corner = self._corner(k, kind, "cost", table.cost[own][order], table.power_per_light[own][order])
+            lights_cost = corner.within(at, most_drawn)
+        bounds = UnitBounds(
+            np.zeros(n), imagers.camera_power_w[rows] + power, imagers.cost[rows] + lights_cost,
+            imagers.mass_kg[rows] + least(table.mass_kg), snr_db, np.zeros(n, int), information,
+        )  # fmt: skip
+        contrast, clear = self._contrast_bound(lighting, rows)
+        reachable = reachable & clear
+        return self._judged(
+            bounds, reachable, imagers.limit_cost[rows] + least(table.limit_cost), rows, contrast
+        )
+
+    def _contrast_bound(self, lighting: Lighting, rows: Array) -> tuple[Array | float, Array]:
+        """Most contrast that the forward veil alone leaves, worst scene, and whether it is enough in all.
+
+        1 where the sun shines too: its light may have less veil.
+        """
+        wanted = [scene.view.requirements.min_contrast or 0.0 for scene in self.problem.scenes]
+        enough = np.ones(len(rows), bool)
+        if not self.problem.effects.forward_veil or not (self.objective.weight("contrast") or any(wanted)):
+            return 1.0, enough
+        curves, back = np.unique(
+            self.problem.cameras.qe_index[self.imagers.camera[rows]], return_inverse=True
+        )
+        best = np.ones(len(rows))
+        for index, contraction in enumerate(self.problem.contractions):
+            if self._sunlit(index):
+                continue
+            spectrum = int(contraction.spectrum_of[lighting.optics])
+            nominal, far = (
+                np.array([contraction.most_contrast(spectrum, int(curve), altitude) for curve in curves])[
+                    back
+                ]
+                for altitude in (self.problem.scenes[index].nominal, -1)
+            )
+            best = np.minimum(best, nominal)
+            enough &= far >= wanted[index]
+        return best, enough
+
+    def _light_needed(
+        self, scene_index: int, lighting: Lighting, need: Needs, kind: int, rows: Array
+    ) -> tuple[Array, Array, Array]:
+        """Least light * time that the requirements need, the lamp capacity it takes, and the most
+        electrons a unit of capacity can give at the nominal altitude."""
+        signal = self._signal_bound(scene_index, lighting, rows)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            light_x = np.where(need.by_snr_e > 0, need.by_snr_e / signal.min(axis=1), 0.0)
+            light_x = np.maximum(light_x, np.where(need.by_gain_e > 0, need.by_gain_e / signal[:, -1], 0.0))
+            light_time = np.where(light_x > 0, light_x * need.square, 0.0)
+            wanted = light_time if kind == FLASH else light_time / need.longest_s
+        wanted = np.where(need.longest_s > 0, wanted, np.inf)
+        return light_time, wanted, signal[:, -1] * (1.0 if kind == FLASH else need.longest_s) / need.square
+
+    def _within_pulse(
+        self, k: int, kind: int, own: Array, need: Needs, light_time: Array, wanted: Array
+    ) -> tuple[Array, Array]:
+        """Light * time and capacity that are needed when a pulse is no longer than the longest of these lights',
+        and the shutter lets in no more of a flash than of the shortest."""
+        lamp = self.problem.lights.take(self.light_tables[k].light[own])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if kind == FLASH:
+                share = np.minimum(1.0, need.longest_s / lamp.flash_duration_s.min())
+                light_time = np.where(light_time > 0, light_time / share, light_time)
+                return light_time, np.where(need.longest_s > 0, light_time, np.inf)
+            if kind == PULSED:
+                longest = np.minimum(lamp.max_pulse_s.max(), lamp.max_duty.max() / need.rate_hz)
+                longest = np.minimum(need.longest_s, longest)
+                return light_time, np.where(longest > 0, light_time / longest, np.inf)
+        return light_time, wanted
+
+    def _dimmest(self, k: int, own: Array) -> float:
+        """The least that any of these lights draws at its lowest level: W, or J a flash."""
+        table = self.light_tables[k]
+        lamp = self.problem.lights.take(table.light[own])
+        steps = np.fmin.reduce(lamp.levels, axis=1)
+        level = np.where(lamp.dims_freely, lamp.min_level, np.where(np.isnan(steps), 1.0, steps))
+        drawn = level * table.effective[own] * table.power_per_light[own]
+        return float(np.fmin.reduce(drawn, initial=np.inf))  # a lamp without light has no number
+
+    def _needs(self, scene_index: int, rows: Array) -> Needs:
+        """What these imagers need in one scene, the same under every lighting."""
+        if self._needs_of is None or self._needs_of[0] is not rows:
+            self._needs_of = (rows, {})
+        known = self._needs_of[1]
+        if scene_index not in known:
+            focused = self.imagers.scenes[scene_index].focused.take(rows)
+            by_snr, by_gain = self._electrons_needed(scene_index, rows)
+            known[scene_index] = Needs(
+                by_snr, by_gain, np.square(focused.n_low * focused.working_factor),
+                self._longest_time_s(focused, rows), focused.rate_hz,
+            )  # fmt: skip
+        return known[scene_index]
+
+    def _judged(
+        self, bounds: UnitBounds, reachable: Array, limit_cost: Array, rows: Array, contrast: Array | float
+    ) -> UnitBounds:
+        """Objective of the bounds, infinite where a limit cannot be met, with the rule that says so."""
+        limits, rule = self.limits, np.full(len(reachable), -1)
+        checks = (
+            ("light", reachable),
+            ("cost", limit_cost <= limit(limits.cost) * ROUND),
+            ("mass_kg", bounds.mass <= limit(limits.mass_kg) * ROUND),
+            ("power_w", bounds.power <= limit(limits.power_w) * ROUND),
+        )
+        for name, passes in checks:
+            rule = np.where((rule < 0) & ~passes, UNIT_RULES.index(name), rule)
+        terms = Terms(
+            bounds.power, bounds.cost, bounds.mass, bounds.snr_db, self.imagers.gsd_mm[rows], contrast,
+            bounds.information,
+        )  # fmt: skip
+        with np.errstate(invalid="ignore"):
+            value = self.objective.cost_to_minimise(terms)
+        if self.coupled:  # no light keeps within both budgets
+            rule = np.where((rule < 0) & ~np.isfinite(value), UNIT_RULES.index("power_w"), rule)
+        value = np.where(rule >= 0, np.inf, value)
+        return replace(bounds, value=value, rule=rule)
+
+    def _signal_bound(self, scene_index: int, lighting: Lighting, rows: Array) -> Array:
+        """Upper bounds of electrons per lm s at the farthest and the nominal altitude, (n, 2)."""
+        scene = self.problem.scenes[scene_index]
+        far = self.tables.bound(scene_index, lighting, len(scene.range_m) - 1, rows)
+        if scene.nominal == len(scene.range_m) - 1:
+            return np.stack([far, far], axis=1)
+        return np.stack([far, self.tables.bound(scene_index, lighting, scene.nominal, rows)], axis=1)
+
+    def _electrons_needed(self, scene_index: int, rows: Array) -> tuple[Array, Array]:
+        """Fewest electrons for the SNR, wanted at every altitude, and for the mean level at the highest
+        gain, wanted at the nominal one; quantisation and dark current are left out."""
+        cameras = self.problem.cameras.take(self.imagers.camera[rows])
+        needs = self.problem.scenes[scene_index].view.requirements
+        need = np.zeros(len(rows))
+        if self._sunlit(scene_index):  # the sun may bring all of it
+            return need, need
+        if needs.min_snr:
+            need = sensor.electrons_for_snr(
+                needs.min_snr, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
+            )
+        if needs.mean_level is None or self.problem.effects.veils:  # veils help to fill the range
+            return np.asarray(need), np.zeros(len(rows))
+        wanted_dn = needs.mean_level * (2.0**cameras.bits - 1.0) - cameras.black_level_dn
+        by_gain = wanted_dn / (cameras.gain_dn_per_e * cameras.max_gain)
+        longest = np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
+        return np.asarray(need), np.asarray(by_gain - cameras.dark_current_e_s * longest)
+
+    def _sunlit(self, scene_index: int) -> bool:
+        """Whether light counts that no lamp gives."""
+        return bool(self.problem.scenes[scene_index].sunlit and self.problem.effects.sunlight)
+
+    def information_ceiling(self, rows: Array) -> Array:
+        """Information [bit/m2] that no light lets these imagers exceed: at the most electrons the sensor takes."""
+        best = np.full(len(rows), np.inf)
+        if self.objective.weight("information"):
+            for index in range(len(self.imagers.scenes)):
+                reached = self._snr_bound(index, np.full(len(rows), np.inf), rows)
+                best = np.minimum(best, self._information_bound(index, reached, rows))
+        return best
+
+    def _information_bound(self, scene_index: int, snr_db: Array, rows: Array) -> Array:
+        """Information [bit/m2] of a sharp pixel behind the rated lens at an SNR: nothing else blurs."""
+        cameras = self.problem.cameras.take(self.imagers.camera[rows])
+        rated = self.problem.lenses.rated_pitch_m[self.imagers.lens[rows]] / cameras.pixel_pitch_m
+        view = self.imagers.scenes[scene_index].view
+        area = view.footprint_along_m[rows, 1] * view.footprint_across_m[rows, 1]
+        return bit_per_px_bound(snr_db, rated) * (cameras.resolution_x_px * cameras.resolution_y_px) / area
+
+    def _longest_time_s(self, focused: Any, rows: Array) -> Array:
+        """An upper bound of the light-collecting time of any light."""
+        cameras = self.problem.cameras.take(self.imagers.camera[rows])
+        with np.errstate(divide="ignore"):
+            exposure = np.minimum(
+                np.minimum(cameras.max_exposure_s, self.limits.max_exposure_ms * 1e-3), 1.0 / focused.rate_hz
+            )
+        return np.asarray(np.minimum(exposure + cameras.exposure_offset_s, focused.blur_time_s))
+
+    def _snr_bound(self, scene_index: int, electrons_e: Array, rows: Array) -> Array:
+        """Upper bound of the SNR in dB from the electrons that light and sensor allow at most."""
+        cameras = self.problem.cameras.take(self.imagers.camera[rows])
+        needs = self.problem.scenes[scene_index].view.requirements
+        full_scale = 2.0**cameras.bits - 1.0
+        top = cameras.saturation_e / needs.highlight_ratio
+        level = (
+            full_scale / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full_scale
+        )
+        most = np.minimum(
+            electrons_e, np.minimum(top, (level - cameras.black_level_dn) / cameras.gain_dn_per_e)
+        )
+        with np.errstate(invalid="ignore"):
+            snr = sensor.snr(
+                most, read_noise_e=cameras.read_noise_e, gain_dn_per_e=np.inf, prnu_frac=cameras.prnu_frac
+            )
+        return np.asarray(sensor.to_db(np.fmax(snr, 1e-300)))  # a mean level below black has no number

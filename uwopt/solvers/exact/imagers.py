@@ -1,0 +1,376 @@
+"""All imagers that a mission allows: camera x lens x port x orientation, and the account of the rest.
+
+What is geometric belongs to the imager alone: view, ground sample, frame rate, longest exposure, the
+f-numbers that keep the wanted depth sharp. One vectorised pass per port and orientation; each rule
+counts what it discards first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.compatibility import (
+    IMAGE_CIRCLE_TOLERANCE_FRAC,
+    image_circle_ok,
+    mount_compatible,
+    rated_pitch_um,
+)
+from uwopt.forward.optics import (
+    Views,
+    blur_time_s,
+    focus_map,
+    place_focus,
+    required_rate_hz,
+    shutter_skew_px,
+    views,
+    working_factor,
+)
+from uwopt.forward.problem import Focused, Problem
+
+Array = NDArray[Any]
+SAMPLES = 24  # discarded imagers remembered per rule, port and orientation, for an audit
+PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule
+ROUND = 1.0 + 1e-9  # a limit met to rounding is met
+
+IMAGER_RULES = (
+    "mount", "image_circle", "lens_rating", "view", "focus", "max_gsd_mm", "min_swath_m", "frame_rate",
+    "data_rate_mb_s", "min_dof_m", "max_blur_px", "cost", "mass_kg", "power_w",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SceneImagers:
+    """Columns of all imagers in one scene."""
+
+    view: Views
+    focused: Focused
+
+
+@dataclass(frozen=True)
+class Imagers:
+    """All imagers that pass the rules without light, as rows of indices with their columns by scene."""
+
+    camera: Array
+    lens: Array
+    port: Array
+    landscape: Array
+    cost: Array
+    limit_cost: Array  # what counts against the budget
+    mass_kg: Array
+    camera_power_w: Array
+    gsd_mm: Array  # nominal, worst scene
+    scenes: list[SceneImagers]
+    discarded: dict[str, int]  # rule -> imagers it discards first
+    samples: dict[
+        str, list[tuple[int, int, int, bool]]
+    ]  # rule -> some of them: camera, lens, port, landscape
+
+    def __len__(self) -> int:
+        return len(self.camera)
+
+    def sample(self, row: int, lighting: int | None) -> tuple[int, int, int, bool, int | None]:
+        """One imager under one lighting, or any, for an audit."""
+        return (
+            int(self.camera[row]),
+            int(self.lens[row]),
+            int(self.port[row]),
+            bool(self.landscape[row]),
+            lighting,
+        )
+
+
+def enumerate_imagers(problem: Problem, *, cameras: Array | None = None) -> Imagers:
+    """Every imager of the problem's parts; see the module's docstring.
+
+    `cameras` marks those worth a look; the others are counted under the rule `bound`.
+    """
+    pairs = fitting_pairs(problem, cameras=cameras)
+    samples = pairs.samples
+    blocks = [
+        block
+        for port in range(len(problem.parts.ports))
+        for landscape in landscapes(problem)
+        for block in imagers_behind(
+            problem, pairs.camera, pairs.lens, port, landscape, pairs.discarded, samples
+        )
+    ]
+    return joined(problem, blocks, pairs.discarded, samples)
+
+
+def landscapes(problem: Problem) -> list[bool]:
+    """The orientations that the mission allows."""
+    return [o == "landscape" for o in problem.mission.vehicle.orientations]
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Cameras with lenses that fit on them, and the imagers that each rule discards with the others."""
+
+    camera: Array
+    lens: Array
+    discarded: dict[str, int]
+    samples: dict[str, list[tuple[int, int, int, bool]]] = field(default_factory=dict)
+
+
+def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> Pairs:
+    """All pairs that fit by mount, image circle and, where it counts, the lens's rating."""
+    parts = problem.parts
+    n_camera, n_lens, n_port = len(parts.cameras), len(parts.lenses), len(parts.ports)
+    discarded = dict.fromkeys(IMAGER_RULES, 0)
+    if 0 in (n_camera, n_lens, n_port):
+        return Pairs(np.empty(0, int), np.empty(0, int), discarded)
+    fits = mount_compatible([c.mounts for c in parts.cameras], [part.mounts for part in parts.lenses])
+    fits = fits.reshape(n_camera, n_lens)
+    asked = [("mount", fits), ("image_circle", circles_ok(problem))]
+    if problem.mission.catalog.lens_rating == "limit":
+        asked.append(("lens_rating", ratings_ok(problem)))
+    if cameras is not None:
+        asked.append(("bound", np.broadcast_to(cameras[:, None], fits.shape)))
+    samples: dict[str, list[tuple[int, int, int, bool]]] = {}
+    alive = np.ones(fits.shape, bool)
+    for rule, passes in asked:
+        lost = np.flatnonzero(alive & ~passes)
+        discarded[rule] = len(lost) * n_port * len(landscapes(problem))
+        samples[rule] = sampled_pairs(problem, lost)
+        alive &= passes
+    camera, lens = np.nonzero(alive)
+    return Pairs(camera, lens, discarded, samples)
+
+
+def sampled_pairs(problem: Problem, lost: Array) -> list[tuple[int, int, int, bool]]:
+    """Some of these pairs, counted lens by lens, evenly spread, behind the ports and orientations by turns."""
+    n_port, n_lens = len(problem.parts.ports), len(problem.parts.lenses)
+    orientations = landscapes(problem)
+    some = lost[:: max(1, len(lost) // PAIR_SAMPLES)]
+    return [
+        (int(camera), int(lens), i % n_port, orientations[i % len(orientations)])
+        for i, (camera, lens) in enumerate(zip(*np.divmod(some, n_lens), strict=True))
+    ]
+
+
+def circles_ok(problem: Problem) -> Array:
+    """Whether each lens's image circle covers each sensor; inline parts are not checked for what they leave out."""
+    cameras, lenses = problem.cameras, problem.parts.lenses
+    diagonal_mm = np.hypot(cameras.resolution_x_px, cameras.resolution_y_px) * cameras.pixel_pitch_m * 1e3
+    circle_mm = np.array([part.image_circle_mm or (np.inf if part.inline else 0.0) for part in lenses], float)
+    return np.asarray(image_circle_ok(diagonal_mm[:, None], circle_mm[None, :]))
+
+
+def ratings_ok(problem: Problem) -> Array:
+    """Whether each lens is rated for pixels as small as each sensor's; an unknown rating does not count against it."""
+    rated = np.array([rated_pitch_um(part) or 0.0 for part in problem.parts.lenses], float)
+    pitch = problem.cameras.pixel_pitch_m * 1e6
+    return np.asarray(rated[None, :] <= pitch[:, None] * (1.0 + IMAGE_CIRCLE_TOLERANCE_FRAC))
+
+
+@dataclass(frozen=True)
+class Block:
+    """Imagers behind one port in one orientation."""
+
+    camera: Array
+    lens: Array
+    port: int
+    landscape: bool
+    scenes: list[SceneImagers]
+
+
+def imagers_behind(
+    problem: Problem, camera: Array, lens: Array, port: int, landscape: bool, discarded: dict[str, int],
+    samples: dict[str, list[tuple[int, int, int, bool]]],
+) -> Iterator[Block]:  # fmt: skip
+    """The imagers that pass every rule, and the count of those each rule discards."""
+    if len(camera) == 0:
+        return
+    cameras, lenses = problem.cameras.take(camera), problem.lenses.take(lens)
+    seen = []
+    for index, scene in enumerate(problem.scenes):
+        seen.append(views(scene, cameras, lenses, problem.shape(port, index), landscape=landscape))
+    maps = [focus_map(scene, problem.shape(port, i)) for i, scene in enumerate(problem.scenes)]
+    focus = place_focus(problem.scenes, maps, seen)
+    focused = []
+    for index, (scene, view) in enumerate(zip(problem.scenes, seen, strict=True)):
+        requirements, speed = scene.view.requirements, scene.view.vehicle.speed_m_s
+        dioptre = focus.dioptre_per_m[index]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factor = working_factor(scene, view.focal_length_m, dioptre)
+        focused.append(
+            Focused(
+                dioptre_per_m=dioptre,
+                working_factor=factor,
+                n_low=np.maximum(lenses.f_number_min, focus.n_depth[index]),
+                n_high=lenses.f_number_max,
+                rate_hz=required_rate_hz(requirements, speed, view.footprint_along_m).max(axis=1),
+                blur_time_s=blur_time_s(scene, problem.shape(port, index), view),
+                skew_px=shutter_skew_px(scene, problem.shape(port, index), view, cameras.readout_s),
+            )
+        )
+    alive = np.ones(len(camera), bool)
+    for rule, passes in rules(problem, cameras, lenses, port, seen, focused):
+        failed = alive & ~passes
+        discarded[rule] += int(failed.sum())
+        lost = np.nonzero(failed)[0]
+        some = lost[:: max(1, len(lost) // SAMPLES)]
+        samples.setdefault(rule, []).extend((int(camera[i]), int(lens[i]), port, landscape) for i in some)
+        alive &= passes
+    if alive.any():
+        keep = np.nonzero(alive)[0]
+        scenes = [
+            SceneImagers(view.take(keep), extra.take(keep)) for view, extra in zip(seen, focused, strict=True)
+        ]
+        yield Block(camera[keep], lens[keep], port, landscape, scenes)
+
+
+def rules(
+    problem: Problem,
+    cameras: Any,
+    lenses: Any,
+    port: int,
+    seen: list[Views],
+    focused: list[Focused],
+) -> Iterator[tuple[str, Array]]:
+    """Each rule in turn with the imagers that pass it."""
+    limits, count = problem.mission.limits, problem.mission.vehicle.camera_count
+    every = list(zip(problem.scenes, seen, focused, strict=True))
+    yield "view", all_of(view_clears(problem, port, view) for view in seen)
+    yield (
+        "focus",
+        all_of(focus_reached(lenses, extra) for extra in focused),
+    )
+    yield (
+        "max_gsd_mm",
+        all_of(
+            view.gsd_m.max(axis=1) * 1e3 <= limit(scene.view.requirements.max_gsd_mm) * ROUND
+            for scene, view, _ in every
+        ),
+    )
+    yield (
+        "min_swath_m",
+        all_of(
+            view.footprint_across_m.min(axis=1) * ROUND >= (scene.view.requirements.min_swath_m or 0.0)
+            for scene, view, _ in every
+        ),
+    )
+    yield "frame_rate", all_of(extra.rate_hz <= cameras.max_rate_hz * ROUND for extra in focused)
+    rate_limit = limit(limits.data_rate_mb_s)
+    yield (
+        "data_rate_mb_s",
+        all_of(extra.rate_hz * cameras.frame_mb * count <= rate_limit * ROUND for extra in focused),
+    )
+    yield "min_dof_m", common_f_number(lenses, focused)
+    yield (
+        "max_blur_px",
+        all_of(
+            (extra.blur_time_s > 0) & (cameras.min_exposure_s <= limits.max_exposure_ms * 1e-3)
+            for extra in focused
+        ),
+    )
+    _, cost, mass, power = totals(problem, cameras, lenses, port)
+    yield "cost", cost <= limit(limits.cost) * ROUND
+    yield "mass_kg", mass <= limit(limits.mass_kg) * ROUND
+    yield "power_w", power <= limit(limits.power_w) * ROUND
+
+
+def limit(value: float | None) -> float:
+    """A limit that may be absent."""
+    return np.inf if value is None else value
+
+
+def all_of(masks: Iterator[Array]) -> Array:
+    """Where every mask holds."""
+    result = next(masks)
+    for mask in masks:
+        result = result & mask
+    return np.asarray(result)
+
+
+def view_clears(problem: Problem, port: int, view: Views) -> Array:
+    """Whether the corner ray passes the port: its clear aperture where gap and diameter are known."""
+    if problem.paper:
+        return np.ones(len(view.tan_along), bool)
+    corner = np.hypot(view.tan_along, view.tan_across)
+    ports = problem.ports
+    if ports.is_dome[port]:
+        return np.asarray(np.isfinite(corner))
+    return np.asarray(corner * ports.gap_m[port] <= ports.clear_radius_m[port])
+
+
+def focus_reached(lenses: Any, focused: Focused) -> Array:
+    """Whether the lens focuses on what it must: the virtual image lies beyond its nearest distance."""
+    with np.errstate(divide="ignore"):
+        distance = 1.0 / focused.dioptre_per_m
+    beyond_focal = distance > lenses.focal_length_m
+    return np.asarray(beyond_focal & (distance * ROUND >= lenses.min_object_distance_m))
+
+
+def common_f_number(lenses: Any, focused: list[Focused]) -> Array:
+    """Whether an f-number of the lens keeps sharp what must be, the same in all scenes unless motorised."""
+    low = np.max([extra.n_low for extra in focused], axis=0)
+    return np.asarray(np.isfinite(low) & (low <= lenses.f_number_max * ROUND))
+
+
+def totals(
+    problem: Problem, cameras: Any, lenses: Any, port: int | Array
+) -> tuple[Array, Array, Array, Array]:
+    """Cost, cost that counts against the budget, mass and power of everything but the lights."""
+    count = problem.mission.vehicle.camera_count
+    extra_cost, extra_mass, extra_power = problem.extras
+    ports = problem.ports
+    cost = count * (cameras.price + lenses.price + ports.price[port]) + extra_cost
+    limit_cost = count * (cameras.limit_price + lenses.limit_price + ports.limit_price[port]) + extra_cost
+    mass = count * (cameras.mass_kg + lenses.mass_kg + ports.mass_kg[port]) + extra_mass
+    return cost, limit_cost, mass, count * cameras.power_w + extra_power
+
+
+def joined(
+    problem: Problem,
+    blocks: list[Block],
+    discarded: dict[str, int],
+    samples: dict[str, list[tuple[int, int, int, bool]]],
+) -> Imagers:
+    """All blocks as one table."""
+
+    def stack(arrays: list[Array]) -> Array:
+        return np.concatenate(arrays) if arrays else np.empty(0)
+
+    camera = stack([b.camera for b in blocks]).astype(int)
+    lens = stack([b.lens for b in blocks]).astype(int)
+    port = stack([np.full(len(b.camera), b.port) for b in blocks]).astype(int)
+    landscape = stack([np.full(len(b.camera), b.landscape) for b in blocks]).astype(bool)
+    cost, limit_cost, mass, power = totals(
+        problem, problem.cameras.take(camera), problem.lenses.take(lens), port
+    )
+    scenes = []
+    for index in range(len(problem.scenes)):
+        own = [b.scenes[index] for b in blocks]
+        if own:
+            scenes.append(joined_scene(own))
+    gsd = np.max([s.view.gsd_m[:, 1] for s in scenes], axis=0) * 1e3 if scenes else np.empty(0)
+    return Imagers(
+        camera, lens, port, landscape, cost, limit_cost, mass, power, gsd, scenes, discarded, samples
+    )
+
+
+def joined_scene(own: list[SceneImagers]) -> SceneImagers:
+    """One scene's columns of all blocks."""
+    view = Views(
+        *(np.concatenate([getattr(s.view, name) for s in own]) for name in Views.__dataclass_fields__)
+    )
+    focused = Focused(
+        *(np.concatenate([getattr(s.focused, name) for s in own]) for name in Focused.__dataclass_fields__)
+    )
+    return SceneImagers(view, focused)
+
+
+def focus_distance_m(dioptre_per_m: Array, at: Any) -> Array:
+    """Focus distance in water from the port."""
+    from uwopt.model.port import water_distance_m
+
+    return np.asarray(water_distance_m(dioptre_per_m, focus_map=at))
+
+
+__all__ = ["IMAGER_RULES", "Imagers", "Pairs", "SceneImagers", "enumerate_imagers", "fitting_pairs", "totals"]

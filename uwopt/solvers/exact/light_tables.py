@@ -1,0 +1,314 @@
+"""Signal of imagers under light optics: a cheap upper bound for all, the exact field mean for survivors.
+
+A *lighting* is a pair (light optics, mount): lights that share beam and spectrum share every signal
+per lumen. The bound needs no integral per imager: the mean over an image of a non-negative light is
+at most the light that falls on the image's floor rectangle over its area, and that grows with the
+rectangle, so a table of rectangles, rounded up, bounds every image.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.lamp_light import ImageLight, Veils
+from uwopt.forward.optics import on_axis_gain, one_side
+from uwopt.forward.problem import Mount, Problem
+from uwopt.model import beam as beams
+from uwopt.model.imaging import Lamps, flat_slope_m
+from uwopt.model.port import flat_floor_derivative
+from uwopt.solvers.exact.imagers import Imagers
+
+Array = NDArray[Any]
+EDGES = 129  # rectangle edges a side in the bound's table
+EDGE_RATIO = 1.04
+
+
+@dataclass(frozen=True)
+class Lighting:
+    """One light optics at one mount."""
+
+    optics: int
+    mount_index: int
+    mount: Mount
+
+
+def lightings(problem: Problem) -> list[Lighting]:
+    """All pairs of light optics and mount."""
+    return [
+        Lighting(optics, index, mount)
+        for optics in range(len(problem.optics))
+        for index, mount in enumerate(problem.mounts)
+    ]
+
+
+class FieldTables:
+    """Bounds and exact values of the electrons per lm s of every imager under every lighting."""
+
+    def __init__(self, problem: Problem, imagers: Imagers, *, like: FieldTables | None = None):
+        """Tables that reach as far as these imagers look, or as those of others that look farther."""
+        self.problem, self.imagers = problem, imagers
+        self.lightings: list[Lighting] = lightings(problem) if like is None else like.lightings
+        for index, scene in enumerate(imagers.scenes if like is None else []):
+            widest = 0.5 * np.hypot(scene.view.footprint_along_m[:, 2], scene.view.footprint_across_m[:, 2])
+            problem.set_reach(index, 1.5 * float(widest.max(initial=0.0)))
+        self._light_tables: dict[tuple[int, Lighting, int], LightTable] = (
+            {} if like is None else like._light_tables
+        )
+        self._widest: dict[tuple[int, int], Rectangles] = {} if like is None else like._widest
+        self._losses: dict[tuple[int, int, int, int, int], float] = {} if like is None else like._losses
+        self._chunk: tuple[Array, dict[tuple[int, int], Rectangles], Array, Array] | None = None
+
+    def bound(self, scene_index: int, lighting: Lighting, altitude: int, rows: Array) -> Array:
+        """Upper bound on the electrons per lm s of these imagers at one altitude, (n,)."""
+        problem, imagers = self.problem, self.imagers
+        rectangles, curves, back = self._of_chunk(rows)
+        contraction = problem.contractions[scene_index]
+        spectrum = int(contraction.spectrum_of[lighting.optics])
+        collecting = imagers.scenes[scene_index].view.collecting_m2[rows]
+        if problem.paper:  # knows no field, so the bound is exact
+            beam, ranges = problem.beam(scene_index, lighting.optics), problem.scenes[scene_index].range_m
+            axis = on_axis_gain(beam, ranges)[altitude]
+            loss = [contraction.straight_loss(spectrum, int(q))[altitude] for q in curves]
+        else:
+            loss = [self._least_loss(scene_index, lighting, altitude, int(q)) for q in curves]
+        response = np.array([contraction.response(spectrum, int(q)) for q in curves]) * np.array(loss)
+        if problem.paper:
+            return np.asarray(collecting * response[back] * axis)
+        key = (scene_index, altitude)
+        if key not in rectangles:
+            rectangles[key] = self.rectangles(scene_index, altitude, rows)
+        rectangle = rectangles[key]
+        light = self._light_table(scene_index, lighting, altitude).most_light(rectangle)
+        return np.asarray(collecting * response[back] * light * rectangle.samples_per_m2)
+
+    def set_widest(self, scene_index: int, altitude: int, widest: Rectangles) -> None:
+        """Say what rectangle the lights' tables must hold at one altitude."""
+        self._widest[scene_index, altitude] = widest
+
+    def rectangles(self, scene_index: int, altitude: int, rows: Array) -> Rectangles:
+        """The floor rectangles of these imagers at one altitude."""
+        return Rectangles.of(self.problem, self.imagers, scene_index, altitude, rows)
+
+    def _of_chunk(self, rows: Array) -> tuple[dict[tuple[int, int], Rectangles], Array, Array]:
+        """What all lightings share for the same imagers: their rectangles and efficiency curves."""
+        if self._chunk is None or self._chunk[0] is not rows:
+            efficiency = self.problem.cameras.qe_index[self.imagers.camera[rows]]
+            curves, back = np.unique(efficiency, return_inverse=True)
+            self._chunk = (rows, {}, curves, back)
+        return self._chunk[1:]
+
+    def _least_loss(self, scene_index: int, lighting: Lighting, altitude: int, efficiency: int) -> float:
+        """Water's loss over the shortest possible paths."""
+        key = (scene_index, lighting.optics, lighting.mount_index, altitude, efficiency)
+        if key not in self._losses:
+            scene, contraction = self.problem.scenes[scene_index], self.problem.contractions[scene_index]
+            range_m = float(scene.range_m[altitude])
+            height = min(range_m - z for z in lighting.mount.lamps(2).z_m)
+            spectrum = int(contraction.spectrum_of[lighting.optics])
+            self._losses[key] = contraction.mean_loss(spectrum, efficiency, lamp_m=height, camera_m=range_m)
+        return self._losses[key]
+
+    def _light_table(self, scene_index: int, lighting: Lighting, altitude: int) -> LightTable:
+        """Upper bounds of the light on rectangles, built once for the widest image of all."""
+        key = (scene_index, lighting, altitude)
+        if key not in self._light_tables:
+            place = (scene_index, altitude)
+            if place not in self._widest:
+                self._widest[place] = self.rectangles(scene_index, altitude, np.arange(len(self.imagers)))
+            self._light_tables[key] = LightTable.build(
+                self.problem, scene_index, lighting, altitude, self._widest[place]
+            )
+        return self._light_tables[key]
+
+    # ------------------------------------------------------------ exact
+
+    def exact(
+        self, scene_index: int, lighting: Lighting, rows: Array, *, count: int = 2, pixels: bool = False,
+        veils: Veils = "all", means: bool = True, known: ImageLight | None = None,
+    ) -> ImageLight:  # fmt: skip
+        """Electrons per lm s of these imagers at every altitude; see `Problem.image_light`."""
+        problem, imagers = self.problem, self.imagers
+        view = imagers.scenes[scene_index].view
+        port = np.zeros(len(rows), int) if problem.paper else imagers.port[rows]
+        parts = []
+        for value in np.unique(port):
+            mine = np.nonzero(port == value)[0]
+            light = problem.image_light(
+                scene_index, view.take(rows[mine]), imagers.camera[rows[mine]], port_index=int(value),
+                optics=lighting.optics, mount=lighting.mount, count=count, pixels=pixels, veils=veils,
+                means=means, known=None if known is None else known.take(mine),
+            )  # fmt: skip
+            parts.append((mine, light))
+        return ImageLight.joined(parts, len(rows))
+
+
+@dataclass(frozen=True)
+class LightTable:
+    """Upper bound of the light per lumen that falls on rectangles about the axis, by half widths."""
+
+    along_m: Array
+    across_m: Array
+    light: Array  # (n_along, n_across), grows with both
+    peak_per_m2: float
+
+    @staticmethod
+    def build(
+        problem: Problem, scene_index: int, lighting: Lighting, altitude: int, widest: Rectangles
+    ) -> LightTable:
+        """Sum cells outward from the axis, all four quadrants folded into one."""
+        scene = problem.scenes[scene_index]
+        beam, range_m = problem.beam(scene_index, lighting.optics), float(scene.range_m[altitude])
+        lamps = one_side(lighting.mount.lamps(2))
+        peak = beams.peak_intensity_per_sr(beam) / min(range_m - z for z in lamps.z_m) ** 2
+        along = edges_to(float(widest.half_along_m.max(initial=1e-6)))
+        across = edges_to(float(widest.half_across_m.max(initial=1e-6)))
+        cells = most_in_cells(beam, lamps, along, across, range_m,
+                              float(scene.lamp_attenuation_per_m.min()))  # fmt: skip
+        radius = np.square(along[:-1, None]) + np.square(across[None, :-1])  # of the corner next to the axis
+        depth = range_m + widest.deepest_m
+        least_c = float(scene.attenuation_per_m.min())
+        cells *= np.exp(-least_c * (np.sqrt(depth**2 + radius) - depth) * widest.path_share)
+        cells /= np.square(1.0 + radius / depth**2)
+        cells *= np.diff(along)[:, None] * np.diff(across)[None, :]
+        total = np.zeros((len(along), len(across)))
+        total[1:, 1:] = cells.cumsum(axis=0).cumsum(axis=1)
+        return LightTable(along, across, np.minimum(total, 1.0), peak)  # no more than all the light
+
+    def most_light(self, rectangle: Rectangles) -> Array:
+        """Upper bound for each rectangle: the next larger one of the table, or the peak over its area."""
+        i, j = rectangle.cell(self.along_m, self.across_m)
+        return np.asarray(np.minimum(self.light[i, j], 4.0 * self.peak_per_m2 * rectangle.area_m2))
+
+
+def most_in_cells(
+    beam: beams.Beam, lamps: Lamps, along: Array, across: Array, range_m: float, least_k_per_m: float
+) -> Array:
+    """Upper bound of the light per lumen and area in each cell and its three mirror images, added up.
+
+    Seen from a lamp at height h, a cell of half diagonal q lies within the angle q / h of its middle, and
+    no nearer than its middle less q. Intensity is taken from the beam's falling envelope.
+    """
+    angle, envelope = beams.falling_envelope(beam)
+    x = 0.5 * (along[1:] + along[:-1])[:, None]
+    y = 0.5 * (across[1:] + across[:-1])[None, :]
+    reach = 0.5 * np.hypot(np.diff(along)[:, None], np.diff(across)[None, :])
+    cells = np.zeros((len(along) - 1, len(across) - 1))
+    for sign_x, sign_y in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+        for index, share in enumerate(lamps.share):
+            height = range_m - lamps.z_m[index]
+            cos_middle = cos_beam_of(sign_x * x, sign_y * y, lamps, index, height)
+            nearest_angle = np.maximum(np.arccos(np.clip(cos_middle, -1.0, 1.0)) - reach / height, 0.0)
+            at = np.minimum((nearest_angle / angle[1]).astype(int), len(angle) - 1)
+            intensity = np.where(nearest_angle <= np.pi / 2, envelope[at], 0.0)
+            aside = np.hypot(sign_x * x - lamps.x_m[index], sign_y * y - lamps.y_m[index])
+            distance = np.sqrt(height**2 + np.square(np.maximum(aside - reach, 0.0)))
+            cells += share * intensity * height / distance**3 * np.exp(-least_k_per_m * (distance - height))
+    return cells
+
+
+def cos_beam_of(x_m: Array, y_m: Array, lamps: Lamps, index: int, height_m: float) -> Array:
+    """Cosine of the angle from a lamp's axis at floor points."""
+    aim_x, aim_y, aim_z = lamps.aim[index]
+    _, cosine, _ = beams.lamp_rays(
+        x_m, y_m, lamp_x_m=lamps.x_m[index], lamp_y_m=lamps.y_m[index], lamp_height_m=height_m,
+        aim_x=aim_x, aim_y=aim_y, aim_z=aim_z,
+    )  # fmt: skip
+    return np.asarray(cosine)
+
+
+@dataclass(frozen=True)
+class Rectangles:
+    """The floor rectangle that holds each image, and how densely the image samples it.
+
+    `crowding` bounds the image's density of samples over the uniform one (1 behind a dome, more behind
+    a flat port).
+    """
+
+    half_along_m: Array
+    half_across_m: Array
+    area_m2: Array  # product of the half widths
+    crowding: Array
+    deepest_m: float  # how far behind the port's face rays may start; sets the mildest cos^4
+    path_share: float  # the least share of the extra path that any ray really has
+    _cells: dict[tuple[float, float], tuple[Array, Array]] = field(default_factory=dict)
+
+    @property
+    def samples_per_m2(self) -> Array:
+        """Largest density of image samples on the floor, for an image of one sample."""
+        return self.crowding / (4.0 * self.area_m2)
+
+    def cell(self, along_m: Array, across_m: Array) -> tuple[Array, Array]:
+        """Indices of the next larger rectangle in a table; the same for all tables of one place."""
+        key = (float(along_m[-1]), float(across_m[-1]))
+        if key not in self._cells:
+            i = np.minimum(np.searchsorted(along_m, self.half_along_m), len(along_m) - 1)
+            j = np.minimum(np.searchsorted(across_m, self.half_across_m), len(across_m) - 1)
+            self._cells[key] = (i, j)
+        return self._cells[key]
+
+    @staticmethod
+    def of(problem: Problem, imagers: Imagers, scene_index: int, altitude: int, rows: Array) -> Rectangles:
+        """Rectangles of these imagers at one altitude."""
+        scene, view = problem.scenes[scene_index], imagers.scenes[scene_index].view
+        near, far, range_m = (float(scene.range_m[i]) for i in (0, -1, altitude))
+        weight = 0.0 if far == near else (range_m - near) / (far - near)
+        along, across = (
+            0.5 * ((1 - weight) * width[rows, 0] + weight * width[rows, 2])
+            for width in (view.footprint_along_m, view.footprint_across_m)
+        )
+        crowding = crowding_of(problem, imagers, scene_index, range_m, along, across, rows)
+        deepest, share = Rectangles.paths(problem, scene_index, range_m)
+        return Rectangles(along, across, along * across, crowding, deepest, share)
+
+    @staticmethod
+    def paths(problem: Problem, scene_index: int, range_m: float) -> tuple[float, float]:
+        """`deepest_m` and `path_share` of a problem's ports."""
+        ports = problem.ports
+        deepest = float((ports.outer_radius_m + ports.gap_m + ports.thickness_m).max(initial=0.0))
+        # A flat port with a gap, or glass thinner than water, may bend rays so far that no share is sure.
+        thin = ports.refractive_index < problem.scenes[scene_index].n_water
+        odd = ~ports.is_dome & ((ports.gap_m > 0) | thin)
+        return deepest, 0.0 if odd.any() else range_m / (range_m + deepest)
+
+
+def crowding_of(
+    problem: Problem,
+    imagers: Imagers,
+    scene_index: int,
+    range_m: float,
+    along: Array,
+    across: Array,
+    rows: Array,
+) -> Array:
+    """Upper bound of (samples per floor area) over (uniform): the corner's, where a flat port crowds most."""
+    view = imagers.scenes[scene_index].view
+    out = np.ones(len(rows))
+    for port in np.unique(imagers.port[rows]):
+        if problem.ports.is_dome[port]:
+            continue
+        mine = np.nonzero(imagers.port[rows] == port)[0]
+        tan_along, tan_across = view.tan_along[rows[mine]], view.tan_across[rows[mine]]
+        shape = problem.shape(int(port), scene_index)
+        corner = np.hypot(tan_along, tan_across)
+        slope = flat_slope_m(corner, shape=shape, range_m=range_m)
+        steep = flat_floor_derivative(
+            corner,
+            gap_m=shape.gap_m,
+            thickness_m=shape.thickness_m,
+            n_glass=shape.n_glass,
+            n_water=shape.n_water,
+            range_m=range_m,
+        )
+        out[mine] = along[mine] * across[mine] / (tan_along * tan_across * slope * steep)
+    return out
+
+
+def edges_to(largest_m: float) -> Array:
+    """Rectangle edges from 0 to the largest, 4 % apart beyond the first."""
+    return np.concatenate(
+        [[0.0], largest_m * (1 + 1e-12) * np.geomspace(EDGE_RATIO ** -(EDGES - 2), 1.0, EDGES - 1)]
+    )

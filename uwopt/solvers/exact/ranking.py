@@ -1,0 +1,146 @@
+"""The best designs found so far, one of each hardware, ties broken as the certificate says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.problem import Problem
+from uwopt.objectives.objective import Terms
+from uwopt.solvers.exact.imagers import Imagers
+from uwopt.solvers.exact.light_tables import Lighting
+
+Array = NDArray[Any]
+TIE = 1e-9
+
+
+def told_apart(value: Array | float) -> Array:
+    """Numbers to nine digits: what differs by rounding alone must not decide between one lamp more or less."""
+    size = np.floor(np.log10(np.maximum(np.abs(value), 1e-300)))
+    step = 10.0 ** (size - 8.0)
+    return np.asarray(np.round(value / step) * step)
+
+
+@dataclass(frozen=True)
+class Found:
+    """One feasible design with its settings of least power, by indices into the problem's tables."""
+
+    imager: int
+    camera: int
+    lens: int
+    port: int
+    landscape: bool
+    light: int
+    count: int
+    lighting: Lighting
+    minimised: float
+    power_w: float
+    cost: float
+    mass_kg: float
+    snr_db: float
+    settings: list[dict[str, float]]  # by scene
+    pulse_s: float
+
+    def tie_key(self, ids: tuple[str, ...]) -> tuple[Any, ...]:
+        """What breaks ties: power, cost, mass, lamps, pulse, ids."""
+        power, cost, mass = (float(told_apart(value)) for value in (self.power_w, self.cost, self.mass_kg))
+        return (power, cost, mass, self.count, self.pulse_s, ids)
+
+
+class Ranking:
+    """The best designs with distinct hardware, and what a further design must beat to enter."""
+
+    def __init__(self, problem: Problem, imagers: Imagers, *, top: int, ceiling: float):
+        self.problem, self.imagers, self.top, self.ceiling = problem, imagers, top, ceiling
+        self.best: list[Found] = []
+
+    def threshold(self) -> float:
+        """The objective that a design must not exceed to matter: that of the last place, ties included."""
+        if len(self.best) < self.top:
+            return self.ceiling
+        worst = self.best[-1].minimised
+        return min(worst + TIE * abs(worst), self.ceiling)
+
+    def power_threshold(self) -> float:
+        """Among ties, the power that a design must not exceed to matter."""
+        if len(self.best) < self.top:
+            return np.inf
+        worst = self.best[-1].minimised
+        tied = [f.power_w for f in self.best if abs(f.minimised - worst) <= 2 * TIE * abs(worst)]
+        return max(tied) * (1.0 + TIE)
+
+    def add(
+        self, imager: Array, light: Array, count: Array, lighting: Lighting, value: Array, terms: Terms,
+        chosen: list[Any], exposure: list[Array],
+    ) -> None:  # fmt: skip
+        """Merge designs into the list of the best with other hardware."""
+        hopeful = np.nonzero(np.isfinite(value) & (value <= self.threshold()))[0]
+        if len(hopeful) == 0:
+            return
+        pulse = np.max([c.time_s[hopeful] for c in chosen], axis=0)
+        tie_class = np.round(value[hopeful] / (TIE * max(float(np.abs(value[hopeful]).min()), 1e-12)))
+        keys = (
+            pulse,
+            count[hopeful],
+            *(told_apart(figure[hopeful]) for figure in (terms.mass, terms.cost, terms.power)),
+            tie_class,
+        )
+        order = hopeful[np.lexsort(keys)]
+        im = self.imagers
+        rows = imager[order]
+        hardware = np.stack([im.camera[rows], im.lens[rows], im.port[rows], light[order]])
+        _, first = np.unique(hardware, axis=1, return_index=True)  # each hardware's best comes first
+        for i in order[np.sort(first)]:
+            if value[i] > self.threshold():
+                break
+            self._insert(self._found(int(i), imager, light, count, lighting, value, terms, chosen, exposure))
+
+    def _found(
+        self, i: int, imager: Array, light: Array, count: Array, lighting: Lighting, value: Array, terms: Terms,
+        chosen: list[Any], exposure: list[Array],
+    ) -> Found:  # fmt: skip
+        im, index = self.imagers, int(imager[i])
+        scenes = []
+        for scene_index, settings in enumerate(chosen):
+            columns = {name: getattr(settings, name) for name in settings.__dataclass_fields__}
+            numbers = {name: float(column[i]) for name, column in columns.items() if column is not None}
+            focused = im.scenes[scene_index].focused
+            numbers["exposure_s"] = float(exposure[scene_index][i])
+            numbers["dioptre_per_m"] = float(focused.dioptre_per_m[index])
+            numbers["rate_hz"] = float(focused.rate_hz[index])
+            scenes.append(numbers)
+        return Found(
+            imager=index, camera=int(im.camera[index]), lens=int(im.lens[index]), port=int(im.port[index]),
+            landscape=bool(im.landscape[index]), light=int(light[i]), count=int(count[i]), lighting=lighting,
+            minimised=float(value[i]), power_w=float(terms.power[i]), cost=float(terms.cost[i]),
+            mass_kg=float(terms.mass[i]), snr_db=float(terms.snr_db[i]), settings=scenes,
+            pulse_s=max(s["time_s"] for s in scenes),
+        )  # fmt: skip
+
+    def _insert(self, design: Found) -> None:
+        """Put a design in its place; of equal hardware only the better stays."""
+        parts = self.problem.parts
+
+        def ids(f: Found) -> tuple[str, ...]:
+            return (
+                parts.cameras[f.camera].id,
+                parts.lenses[f.lens].id,
+                parts.ports[f.port].id,
+                parts.lights[f.light].id,
+            )
+
+        def better(a: Found, b: Found) -> bool:
+            if abs(a.minimised - b.minimised) > TIE * max(abs(a.minimised), abs(b.minimised)):
+                return a.minimised < b.minimised
+            return a.tie_key(ids(a)) < b.tie_key(ids(b))
+
+        same = [f for f in self.best if ids(f) == ids(design)]
+        if same and not better(design, same[0]):
+            return
+        rest = [f for f in self.best if ids(f) != ids(design)]
+        place = next((n for n, f in enumerate(rest) if better(design, f)), len(rest))
+        rest.insert(place, design)
+        self.best = rest[: self.top]

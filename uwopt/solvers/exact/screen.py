@@ -1,0 +1,81 @@
+"""Every light of a unit on its own: a bound for each (imager, light, count) once the signal is known.
+
+The bound of a unit takes the best of its lights in each respect. Here each light must be bright enough within
+its own pulse, keep up with the frame rate, and fit all budgets at once.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lights
+from uwopt.objectives.objective import Terms
+from uwopt.solvers.exact.bounds import ROUND, UNIT_RULES, Bounds, UnitBounds
+from uwopt.solvers.exact.imagers import limit
+
+Array = NDArray[Any]
+MEETS = 1.0 + 1e-9  # a rate or a capacity met to rounding
+
+
+def pair_rules(
+    bounds: Bounds, k: int, rows: Array, unit: UnitBounds, threshold: float
+) -> tuple[Array, Array]:
+    """For every imager (n) and light of one lighting (m) the rule that discards it, an index into `UNIT_RULES`; -1
+    where none does; and the least objective of the lights that none discards, inf without any (n). `unit` holds the
+    bounds of these imagers under the lighting."""
+    table, imagers, limits = bounds.light_tables[k], bounds.imagers, bounds.limits
+    lamp = bounds.problem.lights.take(table.light)
+    shape = (len(rows), len(table.light))
+    able, power = np.ones(shape, bool), np.zeros(shape)
+    pulsed, flash = table.kind == PULSED, table.kind == FLASH
+    for scene_index in range(len(imagers.scenes)):
+        need = bounds._needs(scene_index, rows)
+        light_time, _, _ = bounds._light_needed(scene_index, bounds.tables.lightings[k], need, FLASH, rows)
+        rate, longest = need.rate_hz[:, None], need.longest_s[:, None]
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            pulse = np.minimum(longest, np.minimum(lamp.max_pulse_s, lamp.max_duty / rate))
+            share = np.minimum(1.0, longest / lamp.flash_duration_s)  # of a flash that the shutter lets in
+            time = np.where(pulsed, pulse, np.where(flash, share, longest))
+            wanted = np.where(light_time[:, None] > 0, light_time[:, None] / time, 0.0)
+            given = np.where(pulsed, wanted, table.effective * level_set(wanted / table.effective, lamp))
+            drawn = given * np.where(flash, rate, np.where(pulsed, pulse * rate, 1.0))
+            drawn = np.where(wanted > 0, drawn * table.power_per_light, 0.0)
+        able &= (wanted <= table.effective * MEETS) & (longest > 0)
+        able &= (rate <= lamp.max_rate_hz * MEETS) | (table.kind == CONTINUOUS)
+        power = np.maximum(power, np.where(able, drawn, np.inf))
+    power = power + imagers.camera_power_w[rows, None]
+    mass = imagers.mass_kg[rows, None] + table.mass_kg
+    limit_cost = imagers.limit_cost[rows, None] + table.limit_cost
+    terms = Terms(
+        power, imagers.cost[rows, None] + table.cost, mass, unit.snr_db[:, None], imagers.gsd_mm[rows, None], 1.0,
+        np.broadcast_to(unit.information, len(rows))[:, None],
+    )  # fmt: skip
+    with np.errstate(invalid="ignore"):
+        value = bounds.objective.cost_to_minimise(terms)
+    rule = np.full(shape, -1, np.int8)
+    for name, passes in (
+        ("light", able),
+        ("cost", limit_cost <= limit(limits.cost) * ROUND),
+        ("mass_kg", mass <= limit(limits.mass_kg) * ROUND),
+        ("power_w", power <= limit(limits.power_w) * ROUND),
+        ("bound", value <= threshold),
+    ):
+        rule = np.where((rule < 0) & ~passes, np.int8(UNIT_RULES.index(name)), rule)
+    least = np.where(rule < 0, value, np.inf).min(axis=1, initial=np.inf)
+    return rule, np.maximum(least, np.where(unit.rule < 0, unit.value, np.inf))
+
+
+def level_set(wanted: Array, lamp: Lights) -> Array:
+    """The least level (n, m) of each lamp that is not below the one wanted, a share of full; full when there is none.
+
+    Pulsed lamps may shorten the pulse instead, so that this is a bound for the others alone.
+    """
+    least = np.clip(wanted * (2.0 - MEETS), 0.0, 1.0)  # steps may lie below what a dial would end at
+    stepped = np.ones(np.broadcast_shapes(wanted.shape, lamp.dims_freely.shape))
+    for step in sorted(range(lamp.levels.shape[1]), reverse=True):
+        level = lamp.levels[:, step]
+        stepped = np.where(level >= least, np.minimum(stepped, level), stepped)
+    return np.where(lamp.dims_freely, np.maximum(least, lamp.min_level), stepped)

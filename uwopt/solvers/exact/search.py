@@ -1,0 +1,582 @@
+"""The exact search: best design of a catalogue with a proof that nothing better is in it.
+
+Designs are imagers under a lighting (light optics at a mount) with a number of lamps of one light.
+Every (imager, lighting) is a unit with a lower bound on the objective; units are taken best first,
+their signal is computed exactly, their lights and counts are solved in closed form, and the search
+stops when no bound beats the best. Each combination is counted once, by the first rule that discards
+it, so that the account adds up.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.forward.lamp_light import ImageLight, SunLight, Veils
+from uwopt.forward.problem import Problem
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.sharpness import SharpRows
+from uwopt.objectives.objective import Objective, Terms
+from uwopt.solvers.exact.bounds import ROUND, UNIT_RULES, Bounds, LightTable, UnitBounds
+from uwopt.solvers.exact.imagers import (
+    IMAGER_RULES,
+    Imagers,
+    enumerate_imagers,
+    fitting_pairs,
+    landscapes,
+    limit,
+)
+from uwopt.solvers.exact.light_tables import FieldTables, Lighting
+from uwopt.solvers.exact.ranking import TIE, Found, Ranking
+from uwopt.solvers.settings.best import GAP, best_settings
+from uwopt.solvers.settings.closed_form import Chosen
+
+Array = NDArray[Any]
+FIRST_BATCH, LARGEST_BATCH = 32, 2048
+FIRST_CHUNK, LARGEST_CHUNK = 4096, 65536  # imagers that are bounded together
+MOST_IMAGERS = 600_000  # beyond which pairs of camera and lens are bounded before their ports
+MOST_UNITS = 6_000_000  # imagers times lightings: what memory allows
+SAMPLES_A_TIME, MOST_SAMPLES = 64, 1024
+MOST_ROWS_AT_ONCE = 60_000
+FIRST_VEILS, LARGEST_VEILS = 8, 256  # imagers whose veils are worked out together
+ROUGH_GAP = 1e-2  # of bounds over settings that are searched cell by cell
+TOO_FEW_TO_BOUND = 8  # units: evaluating them is cheaper
+RULES = (*IMAGER_RULES, *(rule for rule in UNIT_RULES if rule not in IMAGER_RULES))
+
+
+Sample = tuple[int, int, int, bool, int | None]  # camera, lens, port, landscape, lighting or None for any
+Sift = Callable[
+    [Array, Array], None
+]  # evaluates units, given by lighting and imager, as far as they are worth it
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Designs as (unit, light, count): `unit` points into `imager`."""
+
+    imager: Array
+    unit: Array
+    light: Array
+    count: Array
+    cost: Array
+    mass_kg: Array
+
+    def take(self, index: Array) -> Pairs:
+        """These designs only; the list of imagers stays."""
+        return Pairs(
+            self.imager,
+            self.unit[index],
+            self.light[index],
+            self.count[index],
+            self.cost[index],
+            self.mass_kg[index],
+        )
+
+
+@dataclass
+class Account:
+    """Where every combination went: evaluated, or discarded by the first rule that does."""
+
+    total: int = 0
+    evaluated: int = 0
+    discarded: dict[str, int] = field(default_factory=lambda: dict.fromkeys(RULES, 0))
+
+    def adds_up(self) -> bool:
+        """Whether every combination is accounted for once."""
+        return self.total == self.evaluated + sum(self.discarded.values())
+
+
+@dataclass
+class Outcome:
+    """What a search found and how far its proof reaches."""
+
+    best: list[Found]
+    account: Account
+    lower_bound: float
+    complete: bool
+    imagers: Imagers
+    tables: FieldTables
+    timing_s: dict[str, float]
+    interrupted: bool = False
+
+
+class Search:
+    """State of one search."""
+
+    def __init__(
+        self, problem: Problem, objective: Objective, *, top: int, deadline: Deadline = NEVER,
+        progress: Callable[[float, str], None] | None = None, ceiling: float = np.inf,
+        only: Mapping[str, Array] | None = None,
+    ):  # fmt: skip
+        self.only = only or {}  # camera, light: masks of the parts to search; the others count as bounded
+        self.ceiling = ceiling  # designs that are no better than this are not wanted
+        self.problem, self.objective, self.top = problem, objective, max(1, top)
+        self.deadline = deadline
+        self.progress = progress or (lambda share, what: None)
+        self.account = Account()
+        self.limits = problem.mission.limits
+        self.bounds_s = 0.0
+        self.interrupted = False
+        self.sift: Sift | None = None
+        self.open_gap_bound = np.inf  # below which no settings get, where they are not optimal to rounding
+        self._samples: dict[str, list[Sample]] = {}
+
+    # ------------------------------------------------------------ run
+
+    def run(self) -> Outcome:
+        """Enumerate, bound, evaluate best first."""
+        start = time.perf_counter()
+        self.progress(0.0, "imagers")
+        pairs = fitting_pairs(self.problem, cameras=self._hopeful_cameras())
+        if len(pairs.camera) * len(self.problem.parts.ports) * len(landscapes(self.problem)) > MOST_IMAGERS:
+            from uwopt.solvers.exact.large import (
+                LargeSearch,  # a search of its own, of no use to small catalogues
+            )
+
+            return LargeSearch(self, pairs).run()
+        imagers = self.prepare()
+        self._start_account(imagers)
+        after_imagers = time.perf_counter()
+        lower, complete = self._by_floor()
+        self.progress(1.0, "done")
+        timing = {
+            "imagers": after_imagers - start,
+            "bounds": self.bounds_s,
+            "evaluation": time.perf_counter() - after_imagers - self.bounds_s,
+        }
+        return Outcome(
+            self.ranking.best, self.account, lower, complete, imagers, self.tables, timing, self.interrupted
+        )
+
+    def prepare(self) -> Imagers:
+        """Enumerate imagers and tabulate lights: all that evaluation needs."""
+        imagers = self.imagers = enumerate_imagers(self.problem, cameras=self._hopeful_cameras())
+        self.tables = FieldTables(self.problem, imagers)
+        self.bounds = Bounds(
+            self.problem, self.objective, imagers, self.tables, lights=self.only.get("light")
+        )
+        self.ranking = Ranking(self.problem, imagers, top=self.top, ceiling=self.ceiling)
+        self.motorised = self.problem.lenses.motorised[imagers.lens] if len(imagers) else np.empty(0, bool)
+        return imagers
+
+    def _hopeful_cameras(self) -> Array:
+        """Cameras that are not beyond the ceiling by themselves."""
+        rows, count = self.problem.cameras, self.problem.mission.vehicle.camera_count
+        extra_cost, extra_mass, extra_power = self.problem.extras
+        floor = self.objective.cost_to_minimise(
+            Terms(
+                count * rows.power_w + extra_power, count * rows.price + extra_cost, count * rows.mass_kg + extra_mass,
+                np.full(len(rows.price), snr_ceiling(self.objective)), np.zeros(len(rows.price)), 1.0, np.inf,
+            )
+        )  # fmt: skip
+        return np.asarray(floor <= self.ceiling) & self.only.get("camera", True)
+
+    def _start_account(self, imagers: Imagers) -> None:
+        """Every combination of the parts in the search, and what the imagers' rules discard."""
+        problem = self.problem
+        low, high = problem.count_range
+        illuminators = len(problem.parts.lights) * (high - low + 1) * len(problem.mounts)
+        for rule, count in imagers.discarded.items():
+            self.account.discarded[rule] += count * illuminators
+        self.account.total = (len(imagers) + sum(imagers.discarded.values())) * illuminators
+
+    # ------------------------------------------------------------ best first
+
+    def _by_floor(self) -> tuple[float, bool]:
+        """Take imagers in order of what they cost without any light, until none can beat the best."""
+        imagers = self.imagers
+        ceiling = np.full(len(imagers), snr_ceiling(self.objective))
+        floor = self.objective.cost_to_minimise(
+            Terms(
+                imagers.camera_power_w, imagers.cost, imagers.mass_kg, ceiling, imagers.gsd_mm, 1.0,
+                self.bounds.information_ceiling(np.arange(len(imagers))),
+            )
+        )  # fmt: skip
+        order = np.argsort(floor, kind="stable")
+        every = int(sum(len(t.light) for t in self.bounds.light_tables))
+        lightings = max(1, len(self.tables.lightings))
+        most = max(64, MOST_UNITS // lightings)
+        position, chunk = 0, min(FIRST_CHUNK, most)
+        while position < len(order):
+            rows = order[position : position + chunk]
+            useful = rows[floor[rows] <= self.ranking.threshold()]
+            self.account.discarded["bound"] += every * (len(rows) - len(useful))
+            self._sample("bound", np.nonzero(floor[rows] > self.ranking.threshold())[0], rows, any_light=True)
+            if len(useful):
+                before = (self.account.evaluated, dict(self.account.discarded))
+                try:
+                    finished = self._best_first(useful)
+                except KeyboardInterrupt:  # keep what was found; these imagers count as not reached
+                    self.interrupted = True
+                    self.account.evaluated, self.account.discarded = before
+                    self.account.discarded["not_reached"] = every * len(useful)
+                    finished = float(floor[useful].min())
+                if finished is not None:
+                    return self._cut_short(finished, every, floor, order[position + len(rows) :])
+            position += len(rows)
+            chunk = min(2 * chunk, LARGEST_CHUNK, most)
+            self.progress(0.1 + 0.9 * position / len(order), "search")
+        return min(
+            self.ranking.best[0].minimised if self.ranking.best else self.ceiling, self.open_gap_bound
+        ), True
+
+    def _cut_short(self, lowest: float, every: int, floor: Array, rest: Array) -> tuple[float, bool]:
+        """Account for what was not reached when time ran out, and the bound that is left."""
+        reached = self.account.discarded.get("not_reached", 0)
+        self.account.discarded["not_reached"] = reached + every * len(rest)
+        lowest = min(lowest, float(floor[rest].min(initial=np.inf)))
+        best = self.ranking.best[0].minimised if self.ranking.best else np.inf
+        return min(lowest, best, self.open_gap_bound), False
+
+    def _best_first(self, rows: Array) -> float | None:
+        """Take the units of these imagers in order of their bound until none can beat the best.
+
+        Returns the lowest bound not looked at when time ran out, else None.
+        """
+        start = time.perf_counter()
+        few = len(rows) * len(self.tables.lightings) <= TOO_FEW_TO_BOUND
+        bounds = [
+            UnitBounds.none(len(rows)) if few else self.bounds.of_units(k, rows)
+            for k in range(len(self.tables.lightings))
+        ]
+        self.bounds_s += time.perf_counter() - start
+        if not bounds:
+            return None
+        n = len(rows)
+        value = np.concatenate([b.value for b in bounds])
+        power = np.concatenate([b.power for b in bounds])
+        rule = np.concatenate([b.rule for b in bounds])
+        size = np.repeat([len(t.light) for t in self.bounds.light_tables], n)
+        for index, name in enumerate(UNIT_RULES):
+            failed = rule == index
+            self.account.discarded[name] += int(size[failed].sum())
+            self._sample(name, np.nonzero(failed)[0], rows)
+        alive = np.nonzero(np.isfinite(value) & (rule < 0))[0]
+        order = alive[np.lexsort((power[alive], value[alive]))]
+        position, batch = 0, FIRST_BATCH
+        while position < len(order):
+            threshold = self.ranking.threshold()
+            ahead = order[position : position + batch]
+            ahead = ahead[value[ahead] <= threshold]
+            if len(ahead) == 0:
+                break
+            tied = np.isfinite(threshold) & (value[ahead] >= threshold - 2 * TIE * abs(threshold))
+            useful = ahead[~(tied & (power[ahead] > self.ranking.power_threshold()))]
+            before = (self.account.evaluated, dict(self.account.discarded))
+            self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
+            try:
+                self.deadline.check()
+                (self.sift or self.evaluate_units)(useful // n, rows[useful % n])
+            except OutOfTimeError:  # what was found of this batch stays; the batch counts as not reached
+                self.account.evaluated, self.account.discarded = before
+                rest = order[position:]
+                self.account.discarded["not_reached"] = int(size[rest].sum())
+                return float(value[rest].min())
+            position += len(ahead)
+            batch = min(2 * batch, LARGEST_BATCH)
+        self.account.discarded["bound"] += int(size[order[position:]].sum())
+        self._sample("bound", order[position:], rows)
+        return None
+
+    def _sample(self, rule: str, units: Array, rows: Array, *, any_light: bool = False) -> None:
+        """Remember some of the units that a rule discards, evenly spread, for an audit."""
+        kept = self._samples.setdefault(rule, [])
+        if len(units) and len(kept) < MOST_SAMPLES:
+            step = max(1, len(units) // SAMPLES_A_TIME)
+            n = len(rows)
+            some = units[::step][: 2 * SAMPLES_A_TIME]
+            kept += [self.imagers.sample(int(rows[u % n]), None if any_light else int(u // n)) for u in some]
+
+    def discarded_samples(
+        self, count: int, rng: np.random.Generator
+    ) -> dict[str, list[tuple[int, int, int, bool, int | None]]]:
+        """Combinations that each rule discarded, as (camera, lens, port, landscape, light or None for any)."""
+        imagers = self.imagers
+        pools: dict[str, list[tuple[int, int, int, bool, int | None]]] = {
+            rule: [(c, le, p, o, None) for c, le, p, o in samples]
+            for rule, samples in imagers.samples.items()
+        }
+        for rule, units in self._samples.items():
+            pool = pools.setdefault(rule, [])
+            for place in rng.permutation(len(units))[: max(count, 1)]:
+                camera, lens, port, landscape, k = units[int(place)]
+                lights = None if k is None else self.bounds.light_tables[k].light
+                if lights is None or len(lights):  # a table of no lights holds no combination
+                    light = None if lights is None else int(rng.choice(lights))
+                    pool.append((camera, lens, port, landscape, light))
+        return pools
+
+    # ------------------------------------------------------------ evaluation
+
+    def evaluate_units(self, lighting_index: Array, imager: Array) -> None:
+        """Exact signal of these units, then all their lights and counts."""
+        for k in np.unique(lighting_index):
+            rows = imager[lighting_index == k]
+            lighting, table = self.tables.lightings[k], self.bounds.light_tables[k]
+            lights = [
+                self.tables.exact(s, lighting, rows, veils="none") for s in range(len(self.problem.scenes))
+            ]
+            step = max(1, MOST_ROWS_AT_ONCE // len(table.light))
+            for start in range(0, len(rows), step):
+                part = np.arange(start, min(start + step, len(rows)))
+                self._evaluate_pairs(rows[part], [light.take(part) for light in lights], lighting, table)
+
+    def _evaluate_pairs(
+        self, imager: Array, lights: list[ImageLight], lighting: Lighting, table: LightTable
+    ) -> None:
+        """Every (imager, light, count): drop what misses a limit or cannot win, solve the rest."""
+        n_light = len(table.light)
+        unit = np.repeat(np.arange(len(imager)), n_light)
+        item = np.tile(np.arange(n_light), len(imager))
+        imagers, limits = self.imagers, self.limits
+        cost = imagers.cost[imager[unit]] + table.cost[item]
+        mass = imagers.mass_kg[imager[unit]] + table.mass_kg[item]
+        rule = np.full(len(unit), -1)
+        limit_cost = imagers.limit_cost[imager[unit]] + table.limit_cost[item]
+        rule = np.where(limit_cost > limit(limits.cost) * ROUND, UNIT_RULES.index("cost"), rule)
+        rule = np.where(
+            (rule < 0) & (mass > limit(limits.mass_kg) * ROUND), UNIT_RULES.index("mass_kg"), rule
+        )
+        floor = self.objective.cost_to_minimise(
+            Terms(
+                imagers.camera_power_w[imager[unit]], cost, mass, np.full(len(unit), snr_ceiling(self.objective)),
+                imagers.gsd_mm[imager[unit]], 1.0, self.bounds.information_ceiling(imager)[unit],
+            )
+        )  # fmt: skip
+        rule = np.where((rule < 0) & (floor > self.ranking.threshold()), UNIT_RULES.index("bound"), rule)
+        for index, name in enumerate(UNIT_RULES):
+            self.account.discarded[name] += int((rule == index).sum())
+        keep = np.nonzero(rule < 0)[0]
+        self.account.evaluated += len(keep)
+        if len(keep):
+            pairs = Pairs(
+                imager, unit[keep], table.light[item[keep]], table.count[item[keep]], cost[keep], mass[keep]
+            )
+            self._solve_pairs(pairs, lights, lighting)
+
+    def _solve_pairs(self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting) -> None:
+        """Settings of these designs, and their place among the best.
+
+        Where there are veils, designs are bounded first as if there were none; the veils' integrals are
+        worked out for those that may still win, best bound first.
+        """
+        if not self.problem.effects.veils:
+            self._rank(pairs, [light.take(pairs.unit) for light in lights], lighting)
+            return
+        found = 0
+        stages: tuple[Veils, ...] = ("none", "forward", "coarse")  # each costs more than the one before
+        for stage in stages:
+            if stage != "none":
+                lights = self._with_veils(pairs.imager, lights, lighting, stage)
+            bound = self._bound(pairs, lights, lighting)
+            found = found or int(np.isfinite(bound).sum())
+            kept = np.nonzero(np.isfinite(bound) & (bound <= self.ranking.threshold()))[0]
+            if len(kept) == 0:
+                break
+            used, back = np.unique(pairs.unit[kept], return_inverse=True)
+            lights = [light.take(used) for light in lights]
+            pairs = replace(pairs.take(kept), imager=pairs.imager[used], unit=back.reshape(-1))
+            bound = bound[kept]
+        solved = 0 if len(kept) == 0 else self._solve_hopeful(pairs, bound, lights, lighting)
+        self.account.evaluated -= found - solved
+        self.account.discarded["bound"] += found - solved
+
+    def _bound(self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting) -> Array:
+        """Lower bounds on the objective from the light known so far; inf: infeasible with any veil."""
+        return self.solve(pairs, [light.take(pairs.unit) for light in lights], lighting, optimistic=True)[0]
+
+    def _with_veils(
+        self, imager: Array, lights: list[ImageLight], lighting: Lighting, veils: Veils
+    ) -> list[ImageLight]:
+        """Further veils beside the light that is known, by scene; raises OutOfTimeError past the deadline."""
+        self.deadline.check()
+        return [
+            self.tables.exact(s, lighting, imager, known=light, veils=veils) for s, light in enumerate(lights)
+        ]
+
+    def _solve_hopeful(self, pairs: Pairs, bound: Array, lights: list[ImageLight], lighting: Lighting) -> int:
+        """Designs that may win, best bound first, with all their veils; how many were solved."""
+        least = np.full(len(pairs.imager), np.inf)
+        np.minimum.at(least, pairs.unit, bound)
+        order = np.argsort(least, kind="stable")
+        position, batch, solved = 0, FIRST_VEILS, 0
+        while position < len(order):
+            units = order[position : position + batch]
+            units = units[least[units] <= self.ranking.threshold()]
+            if len(units) == 0:
+                break
+            full = self._with_veils(
+                pairs.imager[units], [light.take(units) for light in lights], lighting, "all"
+            )
+            place = np.full(len(pairs.imager), -1)
+            place[units] = np.arange(len(units))
+            some = pairs.take((place[pairs.unit] >= 0) & (bound <= self.ranking.threshold()))
+            self._rank(some, [light.take(place[some.unit]) for light in full], lighting)
+            solved += len(some.unit)
+            position += len(units)
+            batch = min(2 * batch, LARGEST_VEILS)
+        return solved
+
+    def _rank(self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting) -> None:
+        """Solve these designs and put them in their place among the best."""
+        solved = self.solve(pairs, lights, lighting)
+        self.ranking.add(pairs.imager[pairs.unit], pairs.light, pairs.count, lighting, *solved)
+
+    def solve(
+        self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting, *, optimistic: bool = False
+    ) -> tuple[Array, Terms, list[Chosen], list[Array]]:
+        """Objective (inf where infeasible), its terms, settings and exposures of these designs.
+
+        `optimistic`: lower bounds for any veil that the lights may have. Raises OutOfTimeError past the deadline.
+        """
+        self.deadline.check()
+        imager, cost, mass = pairs.imager[pairs.unit], pairs.cost, pairs.mass_kg
+        rows = self.rows(imager, lights, pairs.light, pairs.count, lighting, optimistic=optimistic)
+        motorised = self.motorised[imager]
+        camera_power = self.imagers.camera_power_w[imager]
+        fixed = Terms(camera_power, cost, mass, np.zeros(len(imager)), self.imagers.gsd_mm[imager])
+        hardware = np.unique(np.stack([imager, pairs.light]), axis=1, return_inverse=True)[1].reshape(-1)
+        best = best_settings(
+            rows, motorised, self.objective, camera_power, limit(self.limits.power_w),
+            gap_rel=ROUGH_GAP if optimistic else GAP, constant=self.objective.cost_to_minimise(fixed),
+            cutoff=self.ranking.threshold(), hardware=hardware, top=None if optimistic else self.top,
+        )  # fmt: skip
+        chosen = best.chosen
+        power = camera_power + np.max([c.light_power_w for c in chosen], axis=0)
+        feasible = best.feasible & (power <= limit(self.limits.power_w) * ROUND)
+        terms = Terms(
+            power, cost, mass, best.snr_db, self.imagers.gsd_mm[imager], best.contrast, best.information
+        )
+        with np.errstate(invalid="ignore"):
+            value = self.objective.cost_to_minimise(terms)
+        value = np.where(feasible & np.isfinite(value), value, np.inf)
+        exposure = [
+            r.exposure_s(c.time_s) if c.exposure_s is None else c.exposure_s
+            for r, c in zip(rows, chosen, strict=True)
+        ]
+        if best.lower_bound is not None:
+            if optimistic:
+                return best.lower_bound, terms, chosen, exposure
+            self.open_gap_bound = min(self.open_gap_bound, float(best.lower_bound.min(initial=np.inf)))
+        return value, terms, chosen, exposure
+
+    def rows(
+        self, imager: Array, lights: list[ImageLight], light: Array, count: Array, lighting: Lighting, *,
+        optimistic: bool = False,
+    ) -> list[SceneRows]:  # fmt: skip
+        """The settings' view of these designs, by scene."""
+        result = []
+        for index, seen in enumerate(lights):
+            needs = self.problem.scenes[index].view.requirements
+            at_worst = self.problem.scenes[index].at_worst
+            if at_worst:
+                veils: Veils = "none" if optimistic else "all"
+                seen = self._with_pixels(index, imager, count, lighting, seen, veils)
+            rows = self.problem.scene_rows(
+                index, camera=self.imagers.camera[imager], light=light, count=count,
+                focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
+                sun=self._sun(index, imager, count, lighting, pixels=at_worst),
+                sharp=self._sharp(index, imager, lighting),
+            )  # fmt: skip
+            if needs.min_uniformity is not None and not optimistic:
+                even = self._even_enough(index, imager, light, count, lighting, needs.min_uniformity)
+                rows = replace(rows, time_max_s=np.where(even, rows.time_max_s, -1.0))
+            result.append(replace(rows, optimistic=optimistic))
+        return result
+
+    def _sharp(self, scene_index: int, imager: Array, lighting: Lighting) -> SharpRows | None:
+        """What MTF and information depend on, where either is asked for."""
+        needs = self.problem.scenes[scene_index].view.requirements
+        if needs.min_mtf_half_nyquist is None and not self.objective.weight("information"):
+            return None
+        unique, back = np.unique(imager, return_inverse=True)
+        imagers, seen = self.imagers, self.imagers.scenes[scene_index]
+        return self.problem.sharp_rows(
+            scene_index, seen.view.take(unique), camera=imagers.camera[unique], lens=imagers.lens[unique],
+            port=imagers.port[unique], optics=lighting.optics,
+            dioptre_per_m=seen.focused.dioptre_per_m[unique],
+        ).take(back)  # fmt: skip
+
+    def _sun(
+        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, *, pixels: bool
+    ) -> SunLight | None:
+        """The sun's light in these images; the pixels looked at depend on the number of lamps."""
+        parts, places = [], []
+        for number in np.unique(count) if pixels else [int(count.max(initial=1))]:
+            mine = np.nonzero(count == number)[0] if pixels else np.arange(len(count))
+            unique, back = np.unique(imager[mine], return_inverse=True)
+            sun = self.problem.sun_light(
+                scene_index, self.imagers.scenes[scene_index].view.take(unique), self.imagers.camera[unique],
+                port_index=self.imagers.port[unique], mount=lighting.mount, count=int(number), pixels=pixels,
+            )  # fmt: skip
+            if sun is None:
+                return None
+            parts.append(sun.take(back))
+            places.append(mine)
+        order = np.argsort(np.concatenate(places), kind="stable")
+        joined: dict[str, Any] = {}
+        for name in SunLight.__dataclass_fields__:
+            columns = [getattr(part, name) for part in parts]
+            if columns[0] is None:
+                joined[name] = None
+                continue
+            deepest = max(column.shape[-1] for column in columns)
+            padded = [
+                np.pad(c, [(0, 0)] * (c.ndim - 1) + [(0, deepest - c.shape[-1])], mode="edge")
+                for c in columns
+            ]
+            joined[name] = np.concatenate(padded)[order]
+        return SunLight(**joined)
+
+    def _even_enough(
+        self, scene_index: int, imager: Array, light: Array, count: Array, lighting: Lighting, wanted: float
+    ) -> Array:
+        """Whether the floor is lit evenly enough over each footprint; one integral an imager and number."""
+        unique, back = np.unique(np.stack([imager, count]), axis=1, return_inverse=True)
+        view = self.imagers.scenes[scene_index].view
+        least = [
+            self.problem.uniformity(
+                scene_index, view.take(np.array([row])), port_index=int(self.imagers.port[row]),
+                optics=lighting.optics, mount=lighting.mount, count=int(number),
+            ).min()
+            for row, number in unique.T
+        ]  # fmt: skip
+        return np.asarray((np.array(least) >= wanted * (1 - 1e-9))[back.reshape(-1)])
+
+    def _with_pixels(
+        self,
+        scene_index: int,
+        imager: Array,
+        count: Array,
+        lighting: Lighting,
+        seen: ImageLight,
+        veils: Veils,
+    ) -> ImageLight:
+        """With the light at the worst pixels; the share of lamps on each side depends on their number."""
+        unique, back = np.unique(np.stack([imager, count]), axis=1, return_inverse=True)
+        parts = []
+        for number in np.unique(unique[1]):
+            mine = np.nonzero(unique[1] == number)[0]
+            at = self.tables.exact(
+                scene_index,
+                lighting,
+                unique[0, mine],
+                count=int(number),
+                pixels=True,
+                means=False,
+                veils=veils,
+            )
+            parts.append((mine, at))
+        pixels = ImageLight.joined(parts, unique.shape[1]).take(back.reshape(-1))
+        return replace(seen, worst_e=pixels.worst_e, worst_veil_e=pixels.worst_veil_e)
+
+
+def snr_ceiling(objective: Objective) -> float:
+    """An SNR in dB that no design exceeds, where SNR counts at all: that of 10^20 electrons a pixel."""
+    return 200.0 if objective.weight("snr_db") else 0.0

@@ -1,0 +1,181 @@
+"""Why not another maker: the best system with a camera or light of every maker that is not recommended.
+
+Each maker gets its own exact search over the same tables, its parts alone in the place of all of that kind. What
+it finds is worse than the recommendation, or dominated by a point of the front; or nothing it sells fits.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from uwopt.catalog.choose import Selection
+from uwopt.catalog.records import Part
+from uwopt.deadline import NEVER, Deadline
+from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.design_model import design_model
+from uwopt.forward.problem import Problem
+from uwopt.objectives.axes import Axes
+from uwopt.objectives.objective import Objective
+from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
+from uwopt.results.result import Design
+from uwopt.solvers import recommend
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.search import RULES, Search
+from uwopt.solvers.front.designs import values_of
+from uwopt.solvers.settable.rounding import exact_settings
+
+KINDS = ("camera", "light")
+MOST_MAKERS = 12  # of a kind
+LONGEST_S = 5.0  # for all of them: what is not reached by then is left out
+TIE_REL = 1e-9
+
+
+def beside_best(
+    selection: Selection, problem: Problem, goal: Objective, best: Design, deadline: Deadline = NEVER
+) -> list[dict[str, Any]]:
+    """Other makers' best systems beside a recommendation."""
+
+    def judged(item: dict[str, Any], design: Design) -> dict[str, Any]:
+        value = design.objective_value
+        least = best.objective_value or 0.0
+        values = {} if value is None else {goal.name: value}
+        if value is None:
+            text = ""
+        elif abs(value - least) <= TIE_REL * abs(least):
+            text = "as good; ties are broken by power, cost, mass and number of lamps"
+        else:
+            share = 100.0 * (value / least - 1.0) if least else 0.0
+            text = f"its best system has {abs(share):.3g} % {'more' if share > 0 else 'less'} {spoken(goal.name)}"
+        return {**item, "values": values, "outcome": "worse", "text": text}
+
+    shown = {kind: {best.hardware[kind]["id"]} for kind in KINDS}
+    return told(selection, problem, goal, shown, judged, deadline)
+
+
+def beside_front(
+    selection: Selection, search: Search, axes: Axes, front: FrontResult, deadline: Deadline = NEVER
+) -> list[dict[str, Any]]:
+    """Other makers' systems of best first objective beside a front, and which of its points dominates each."""
+
+    def judged(item: dict[str, Any], design: Design) -> dict[str, Any]:
+        values = values_of(design, front.objectives)
+        by = dominating(values, front.points, front.objectives)
+        if by is None:
+            return {
+                **item,
+                "values": values,
+                "outcome": "worse",
+                "text": "close to the front, between its points",
+            }
+        gains = better_by(values, by, front.objectives)
+        return {
+            **item, "values": values, "outcome": "dominated", "by": by.id,
+            "text": f"{by.id} is at least as good in everything" + (f": {gains}" if gains else ""),
+        }  # fmt: skip
+
+    shown = {kind: {p.design.hardware[kind]["id"] for p in front.points} for kind in KINDS}
+    goal = Objective({axes.names[0]: 1.0})
+    return told(selection, search.problem, goal, shown, judged, deadline)
+
+
+def told(
+    selection: Selection, problem: Problem, goal: Objective, shown: dict[str, set[str]],
+    judged: Callable[[dict[str, Any], Design], dict[str, Any]], deadline: Deadline,
+) -> list[dict[str, Any]]:  # fmt: skip
+    """One entry a maker whose parts are not shown."""
+    patience, out = deadline.at_most(LONGEST_S), []
+    for kind, maker, mask in other_makers(selection, problem, shown):
+        item: dict[str, Any] = {
+            "kind": kind, "maker": maker, "hardware": None, "values": {}, "outcome": "infeasible", "by": None,
+            "rule": None, "text": "",
+        }  # fmt: skip
+        if mask is None:
+            out.append({**item, "outcome": "not allowed", "text": why_left_out(selection, kind, maker)})
+            continue
+        if patience.passed():
+            break
+        search = Search(problem, goal, top=1, deadline=patience, only={kind: mask})
+        outcome = search.run()
+        if not outcome.best:
+            if outcome.complete:
+                out.append({**item, "rule": furthest_rule(outcome.account.discarded)})
+            continue
+        found = outcome.best[0]
+        design = evaluated(problem, found, goal)
+        ids = {k: design.hardware[k]["id"] for k in ("camera", "lens", "port", "light")}
+        out.append(judged({**item, "hardware": ids}, design))
+    return out
+
+
+def other_makers(
+    selection: Selection, problem: Problem, shown: dict[str, set[str]]
+) -> Iterator[tuple[str, str, np.ndarray[Any, Any] | None]]:
+    """Makers of cameras and lights none of whose parts is shown, with a mask of those that may be searched."""
+    for kind in KINDS:
+        searched: Sequence[Part] = getattr(problem.parts, f"{kind}s")
+        known: Sequence[Part] = selection.catalog.parts(kind)  # type: ignore[arg-type]
+        taken = {part.manufacturer for part in known if part.id in shown[kind]}
+        makers = [part.manufacturer for part in known if part.manufacturer and not part.generic]
+        others = [maker for maker, _ in Counter(makers).most_common() if maker not in taken]
+        may = [maker for maker in others if any(part.manufacturer == maker for part in searched)]
+        for maker in (may + [maker for maker in others if maker not in may])[:MOST_MAKERS]:
+            mask = np.array([part.manufacturer == maker for part in searched])
+            yield kind, maker, mask if mask.any() else None
+
+
+def why_left_out(selection: Selection, kind: str, maker: str) -> str:
+    """The reason that most of a maker's parts are left out before the search."""
+    own = {part.id for part in selection.catalog.parts(kind) if part.manufacturer == maker}  # type: ignore[arg-type]
+    reasons = Counter(item.reason for item in selection.excluded if item.part_id in own)
+    return reasons.most_common(1)[0][0] if reasons else ""
+
+
+def furthest_rule(discarded: dict[str, int]) -> str | None:
+    """Of the rules that discarded something the one that a design meets last."""
+    met = [rule for rule in RULES if discarded.get(rule) and rule != "bound"]
+    return met[-1] if met else None
+
+
+def evaluated(problem: Problem, found: Found, goal: Objective) -> Design:
+    """One design's figures."""
+    hardware = recommend.hardware_of(found)
+    model = design_model(problem, hardware)
+    given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
+    return evaluate_design(problem, hardware, given, goal)
+
+
+def dominating(
+    values: dict[str, float], points: Sequence[FrontPoint], objectives: Sequence[FrontObjective]
+) -> FrontPoint | None:
+    """The point that is at least as good in everything and gains most; None where there is none."""
+    best, most = None, -1.0
+    for point in points:
+        gains = [gain(values[o.name], point.values[o.name], o) for o in objectives]
+        if min(gains) >= -1e-6 and sum(gains) > most:
+            best, most = point, sum(gains)
+    return best
+
+
+def gain(value: float, other: float, objective: FrontObjective) -> float:
+    """How much better another value is, relative."""
+    step = (other - value) / max(abs(value), 1e-300)
+    return step if objective.direction == "maximise" else -step
+
+
+def better_by(values: dict[str, float], point: FrontPoint, objectives: Sequence[FrontObjective]) -> str:
+    """What a point has more and less of, in words."""
+    said = []
+    for o in objectives:
+        step = 100.0 * (point.values[o.name] / values[o.name] - 1.0) if values[o.name] else 0.0
+        if abs(step) >= 0.05:
+            said.append(f"{abs(step):.3g} % {'more' if step > 0 else 'less'} {spoken(o.name)}")
+    return ", ".join(said)
+
+
+def spoken(name: str) -> str:
+    """An objective's name in a sentence."""
+    return {"snr_db": "SNR in dB", "gsd_mm": "pixel on the floor"}.get(name, name)

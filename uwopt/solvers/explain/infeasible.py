@@ -1,0 +1,245 @@
+"""Why nothing fits: the cascade of rules, what each single requirement costs, and the nearest miss.
+
+Each requirement is dropped in turn and the search run again: where that helps, its figure is made as
+good as the others allow, or its limit drawn in as far as something still fits (`least_change`): the smallest
+relaxation that makes the mission feasible.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from uwopt.catalog.catalogue import Catalog
+from uwopt.deadline import NEVER, Deadline
+from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.design_model import DesignModel, Hardware
+from uwopt.forward.problem import Parts, Problem
+from uwopt.mission.mission import Mission
+from uwopt.objectives.objective import Objective
+from uwopt.results.result import Certificate, Design
+from uwopt.solvers.explain.least_change import least_change, rounded_away
+from uwopt.solvers.explain.robustness import parts_of
+from uwopt.solvers.recommend import Generic, Progress, Sought, seek
+from uwopt.solvers.settable.rounding import exact_settings
+
+# Requirement -> (section, key, objective that makes its figure best, or None when none does)
+RELAXABLE: dict[str, tuple[str, str, str | None]] = {
+    "min_snr": ("requirements", "min_snr_db", "snr_db"),
+    "max_gsd_mm": ("requirements", "max_gsd_mm", "gsd_mm"),
+    "min_swath_m": ("requirements", "min_swath_m", None),
+    "min_dof_m": ("requirements", "min_dof_m", None),
+    "max_blur_px": ("requirements", "max_blur_px", None),
+    "max_skew_px": ("requirements", "max_skew_px", None),
+    "overlap": ("requirements", "overlap", None),
+    "mean_level": ("requirements", "mean_level", None),
+    "min_contrast": ("requirements", "min_contrast", "contrast"),
+    "min_uniformity": ("requirements", "min_uniformity", None),
+    "min_mtf_half_nyquist": ("requirements", "min_mtf_half_nyquist", None),
+    "cost": ("limits", "cost", "cost"),
+    "power_w": ("limits", "power_w", "power"),
+    "peak_power_w": ("limits", "peak_power_w", None),
+    "mass_kg": ("limits", "mass_kg", "mass"),
+    "data_rate_mb_s": ("limits", "data_rate_mb_s", None),
+    "depth_rating_m": ("limits", "depth_rating_m", None),
+}
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """A requirement whose loss alone makes the mission feasible."""
+
+    name: str
+    limit: float | None
+    needed: float | None
+    miss_rel: float
+    design: Design
+
+
+def explain(
+    mission: Mission, catalog: Catalog, objective: Objective, certificate: Certificate, *, generic: Generic,
+    deadline: Deadline = NEVER, progress: Progress | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """The `infeasible` part of a result."""
+    relaxations = sorted(
+        single_relaxations(
+            mission, catalog, objective, generic=generic, deadline=deadline, progress=progress
+        ),
+        key=lambda r: r.miss_rel,
+    )
+    requirements = [
+        {"name": item["rule"], "n_excluded": item["count"], "n_is_bound": item["rule"] in BOUNDED}
+        for item in certificate.discarded
+        if item["count"]
+    ]
+    return {
+        "requirements": requirements,
+        "relaxations": [
+            {"name": r.name, "limit": r.limit, "needed": r.needed, "miss_rel": r.miss_rel}
+            for r in relaxations
+        ],
+        "nearest_miss": relaxations[0].design if relaxations else None,
+    }
+
+
+BOUNDED = ("light", "bound", "power_w", "cost", "mass_kg")
+
+
+def single_relaxations(
+    mission: Mission,
+    catalog: Catalog,
+    objective: Objective,
+    *,
+    generic: Generic,
+    deadline: Deadline,
+    progress: Progress | None,
+) -> Iterator[Relaxation]:
+    """Drop each requirement that is asked for, and see whether something fits then."""
+    for number, (name, (section, key, best)) in enumerate(RELAXABLE.items()):
+        limit = asked_value(mission, section, key)
+        if limit is None:
+            continue
+        by_depth = key == "depth_rating_m"
+        relaxed = mission if by_depth else without(mission, section, key)
+        if relaxed is None:
+            continue
+        if deadline.passed():
+            deadline.left_out.append(f"whether the mission could be met without {name}")
+            continue
+        if progress is not None:
+            progress(number / len(RELAXABLE), f"why nothing fits: without {name}")
+        goal = Objective.of(best or "power")
+        depth_m = 0.0 if by_depth else None
+        found = seek(relaxed, catalog, goal, generic=generic, top=1, depth_m=depth_m, deadline=deadline)
+        if not found.outcome.complete:
+            deadline.left_out.append(f"the least change of {name}")
+        if not found.outcome.best:
+            continue
+        if by_depth:
+            found = deepest(found, relaxed, catalog, goal, generic=generic, deadline=deadline)
+        design = judged_by(mission, found, objective)
+        needed = rated_depth(found) if by_depth else reached_value(design, key)
+        if best is None and not by_depth and needed is not None:
+
+            def search(wanted: Mission, goal: Objective = goal) -> Sought:
+                return seek(wanted, catalog, goal, generic=generic, top=1, deadline=deadline)
+
+            change = least_change(
+                limit, rounded_away(needed, limit), found, search=search, deadline=deadline, name=name,
+                relaxed=partial(with_limit, mission, section, key, limit),
+            )  # fmt: skip
+            needed, design = change.limit, judged_by(mission, change.found, objective)
+        yield Relaxation(name, limit, needed, miss(limit, needed), design)
+
+
+def deepest(
+    found: Sought,
+    mission: Mission,
+    catalog: Catalog,
+    goal: Objective,
+    *,
+    generic: Generic,
+    deadline: Deadline,
+) -> Sought:
+    """Of designs whose parts are not rated deep enough, one whose are rated deepest."""
+    while (rated := rated_depth(found)) is not None and not deadline.passed():
+        deeper = seek(
+            mission, catalog, goal, generic=generic, top=1, depth_m=rated * (1 + 1e-6), deadline=deadline
+        )
+        if not deeper.outcome.best or (rated_depth(deeper) or 0.0) <= rated:
+            break
+        found = deeper
+    return found
+
+
+def judged_by(mission: Mission, found: Sought, objective: Objective) -> Design:
+    """The best design of a relaxed search, judged by the mission as it stands: what it misses shows."""
+    best, relaxed = found.outcome.best[0], found.problem
+    parts = Parts(*((part,) for _, part in parts_of(relaxed, best)))  # type: ignore[arg-type]
+    mount = best.lighting.mount
+    problem = Problem(
+        mission, parts, paper=relaxed.paper, owned_lights=relaxed.owned_lights, counts=(best.count, best.count),
+        mounts=[mount],
+    )  # fmt: skip
+    hardware = Hardware(0, 0, 0, best.landscape, 0, best.count, mount)
+    model = DesignModel(problem, hardware)
+    given = [exact_settings(model, i, numbers) for i, numbers in enumerate(best.settings)]
+    return evaluate_design(problem, hardware, given, objective)
+
+
+def asked_value(mission: Mission, section: str, key: str) -> float | None:
+    """What the mission asks for, in any scene the first that does; None when none does."""
+    if key == "depth_rating_m":
+        return mission.required_depth_m or None
+    if section == "limits":
+        value = getattr(mission.limits, key)
+        return None if value is None else float(value)
+    for view in mission.views:
+        if key == "min_snr_db":
+            ratio = view.requirements.min_snr
+            value = None if ratio is None else 20.0 * math.log10(ratio)
+        else:
+            value = getattr(view.requirements, key)
+        if value is not None:
+            return float(value)
+    return None
+
+
+def without(mission: Mission, section: str, key: str) -> Mission | None:
+    """The mission without one requirement, in all scenes; None when it cannot be dropped."""
+    data = mission.to_dict()
+    names = ["min_snr_db", "min_snr"] if key == "min_snr_db" else [key]
+    for name in names:
+        data[section].pop(name, None)
+        for scene in data["scenes"]:
+            (scene.get(section) or {}).pop(name, None)
+    if key == "overlap" and mission.requirements.frame_interval_s is None and mission.vehicle.speed_m_s == 0:
+        return None
+    return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
+
+
+def with_limit(mission: Mission, section: str, key: str, asked: float, value: float) -> Mission:
+    """The mission with another limit in all scenes; one that already asks for less stays as it is."""
+    data = mission.to_dict()
+
+    def weaker(old: float) -> float:
+        if key == "mean_level":
+            return value if old == asked else old
+        return max(old, value) if value > asked else min(old, value)
+
+    for place in (data, *data["scenes"]):
+        own = place.get(section) or {}
+        if own.get(key) is not None:
+            own[key] = weaker(float(own[key]))
+    return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
+
+
+def rated_depth(found: Sought) -> float | None:
+    """Depth that the relaxed design's parts are rated for; None where it is unknown."""
+    best, parts = found.outcome.best[0], found.problem.parts
+    ratings = (parts.ports[best.port].depth_rating_m, parts.lights[best.light].depth_rating_m)
+    known = [rating for rating in ratings if rating is not None]
+    return min(known) if len(known) == len(ratings) else None
+
+
+def reached_value(design: Design, key: str) -> float | None:
+    """What the design reaches of a requirement, at its worst over altitudes and scenes."""
+    values = [
+        margin.value
+        for scene in design.scenes
+        for margin in scene.margins
+        if margin.requirement == key and margin.value is not None
+    ]
+    if not values:
+        return None
+    return min(values) if key.startswith("min") or key == "overlap" else max(values)
+
+
+def miss(limit: float | None, needed: float | None) -> float:
+    """How far a limit is missed, relative; large when it cannot be said."""
+    if limit is None or needed is None:
+        return 1e9
+    return abs(needed - limit) / max(abs(limit), 1e-12)

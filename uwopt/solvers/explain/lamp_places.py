@@ -1,0 +1,188 @@
+"""Where the lamps stand: how far a tilt may be off, and what places between the grid's points would give.
+
+Both solve the winner's settings again for lamps that stand or lean a little differently. Neither belongs to
+the certificate, which covers the declared grid of mounts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from uwopt.deadline import NEVER, Deadline
+from uwopt.evaluation.design_model import DesignModel, SceneSettings
+from uwopt.forward.problem import Mount, Parts, Problem
+from uwopt.objectives.objective import Objective
+from uwopt.results.result import Design
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain.robustness import parts_of, values_at
+from uwopt.solvers.recommend import Sought, hardware_of
+from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL
+from uwopt.solvers.settings.best import scenes_need_cells
+
+TRIED_DEG = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+BISECTIONS = 3
+POLISH_ROUNDS = 12
+FIRST_STEP = (0.025, 1.25)  # half a grid step of baseline [m] and tilt [deg]
+STEEPEST_DEG = 80.0
+
+
+def leaning(mount: Mount, by_deg: float) -> Mount:
+    """The mount with every lamp leaning further outward across the track by an angle."""
+    if mount.explicit:
+        return Mount(
+            explicit=tuple(
+                m.model_copy(
+                    update={"tilt_y_deg": max(-STEEPEST_DEG, min(STEEPEST_DEG, m.tilt_y_deg + by_deg))}
+                )
+                for m in mount.explicit
+            )
+        )
+    return replace(mount, tilt_deg=max(-STEEPEST_DEG, min(STEEPEST_DEG, mount.tilt_deg + by_deg)))
+
+
+def tilt_tolerance(
+    sought: Sought, design: Design, objective: Objective, deadline: Deadline = NEVER
+) -> dict[str, Any] | None:
+    """How far the lamps' tilt may be off, outward and inward, before a requirement breaks [deg].
+
+    Once with the settings held as they are to be set, once with light, exposure and gain set anew.
+    """
+    if sought.problem.paper:
+        return None
+    found = sought.outcome.best[0]
+
+    def held(by_deg: float) -> bool:
+        deadline.check()
+        return not missed_when_leaning(sought.problem, found, design, by_deg)
+
+    def readjusted(by_deg: float) -> bool:
+        leant = leaning(found.lighting.mount, by_deg)
+        return math.isfinite(value_at_mount(sought, found, objective, leant, deadline))
+
+    slow = scenes_need_cells(sought.problem.scenes, objective)
+    start = missed_when_leaning(sought.problem, found, design, 0.0)
+    ends = {
+        f"{name}_{way}_deg": reach(holds, sign)
+        for name, holds in (("held", held), ("readjusted", readjusted))
+        for way, sign in (("outward", 1.0), ("inward", -1.0))
+        if (not slow if name == "readjusted" else not start)
+    }
+    breaks: set[str] = set()
+    for way, sign in (("outward", 1.0), ("inward", -1.0)):
+        end = ends.get(f"held_{way}_deg")
+        if end is not None and end < TRIED_DEG[-1]:
+            breaks.update(missed_when_leaning(sought.problem, found, design, sign * (end + 0.5)))
+    return {**ends, "first_to_break": sorted(breaks), "tried_up_to_deg": TRIED_DEG[-1]}
+
+
+def reach(holds: Callable[[float], bool], sign: float) -> float:
+    """The largest angle tried at which something holds, from doubling steps and a few bisections [deg]."""
+    good, bad = 0.0, math.inf
+    for angle in TRIED_DEG:
+        if not holds(sign * angle):
+            bad = angle
+            break
+        good = angle
+    for _ in range(BISECTIONS if math.isfinite(bad) else 0):
+        middle = 0.5 * (good + bad)
+        good, bad = (middle, bad) if holds(sign * middle) else (good, middle)
+    return good
+
+
+def missed_when_leaning(problem: Problem, found: Found, design: Design, by_deg: float) -> list[str]:
+    """Requirements that break when the lamps lean and the settings stay as they are to be set."""
+    small = one_design(problem, found, leaning(found.lighting.mount, by_deg))
+    hardware = replace(hardware_of(found), camera=0, lens=0, port=0, light=0, mount=small.mounts[0])
+    model = DesignModel(small, hardware)
+    missed = []
+    for index, scene in enumerate(design.scenes):
+        shown = scene.settings_to_set or scene.settings
+        settings = model.settings(index, settings_of(shown))
+        margins = model.margins(
+            index, settings, model.figures(index, settings), level_tolerance_rel=LEVEL_TOLERANCE_REL
+        )
+        missed += [m.requirement for m in margins if not bool(m.satisfied[0])]
+    return missed
+
+
+def settings_of(shown: dict[str, float | None]) -> SceneSettings:
+    """Settings of a result as the model takes them."""
+
+    def seconds(name: str) -> float | None:
+        value = shown.get(name)
+        return None if value is None else value * 1e-3
+
+    return SceneSettings(
+        f_number=shown["f_number"], exposure_s=seconds("exposure_ms"), pulse_s=seconds("pulse_ms"),
+        gain=shown["gain"], level=shown["dim_frac"], rate_hz=shown["frame_rate_hz"],
+        focus_distance_m=shown["focus_distance_m"],
+    )  # fmt: skip
+
+
+def one_design(problem: Problem, found: Found, mount: Mount) -> Problem:
+    """A problem over one design's parts with its lamps at another mount."""
+    parts = Parts(*((part,) for _, part in parts_of(problem, found)))  # type: ignore[arg-type]
+    return Problem(
+        problem.mission, parts, paper=problem.paper, owned_lights=problem.owned_lights,
+        counts=(found.count, found.count), mounts=[mount], scenes=problem.scenes, effects=problem.effects,
+    )  # fmt: skip
+
+
+def value_at_mount(
+    sought: Sought, found: Found, objective: Objective, mount: Mount, deadline: Deadline
+) -> float:
+    """Best objective of one design with its lamps at another mount; inf where it is not feasible."""
+    return best_value(one_design(sought.problem, found, mount), objective, found.count, deadline)
+
+
+def best_value(problem: Problem, objective: Objective, count: int, deadline: Deadline = NEVER) -> float:
+    """Best objective of a problem over one part of each kind; inf where it is not feasible."""
+    search = Search(problem, objective, top=1, deadline=deadline)
+    place = dict.fromkeys(("camera", "lens", "port", "light"), 0)
+    return values_at(search, search.prepare(), [place], count)[0]
+
+
+def polished_mount(
+    sought: Sought, objective: Objective, deadline: Deadline = NEVER
+) -> dict[str, Any] | None:
+    """Baseline and tilt between the grid's points that do better for the winner's parts, if any.
+
+    A pattern search from the winner's mount within the mission's ranges; None where nothing may vary.
+    """
+    vehicle = sought.problem.mission.vehicle
+    found = sought.outcome.best[0]
+    ranges = (vehicle.light_baseline_range_m, vehicle.light_tilt_range_deg)
+    still = found.lighting.mount.explicit or all(low == high for low, high in ranges)
+    if still or scenes_need_cells(sought.problem.scenes, objective):
+        return None
+    at = np.array([found.lighting.mount.baseline_m, found.lighting.mount.tilt_deg])
+    low, high = (np.array([r[end] for r in ranges]) for end in (0, 1))
+    best, step = found.minimised, np.array(FIRST_STEP)
+    for _ in range(POLISH_ROUNDS):
+        moved = False
+        for axis in (0, 1):
+            for sign in (1.0, -1.0):
+                tried = at.copy()
+                tried[axis] = np.clip(at[axis] + sign * step[axis], low[axis], high[axis])
+                if tried[axis] == at[axis]:
+                    continue
+                mount = Mount(float(tried[0]), float(tried[1]))
+                value = value_at_mount(sought, found, objective, mount, deadline)
+                if value < best - 1e-9 * abs(best):
+                    best, at, moved = value, tried, True
+                    break
+        if not moved:
+            step = step / 2.0
+            if step[0] < FIRST_STEP[0] / 8:
+                break
+    gain = found.minimised - best
+    return {
+        "baseline_m": float(at[0]), "tilt_deg": float(at[1]), "objective_value": objective.reported(best),
+        "gain_rel": gain / max(abs(found.minimised), 1e-300),
+    }  # fmt: skip

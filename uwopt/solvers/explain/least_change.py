@@ -1,0 +1,97 @@
+"""The least change of one requirement that makes a mission feasible, proven by searches.
+
+A requirement that is dropped leaves a design that misses it by some amount, not by the least. The limit is drawn
+towards what was asked: first with that design's hardware, which takes little time, then all hardware is searched
+at a limit a little closer still. Where nothing fits there, the change is the least; else the next hardware is
+taken in turn.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from uwopt.deadline import Deadline
+from uwopt.forward.problem import Parts, Problem
+from uwopt.mission.mission import Mission
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain.robustness import parts_of
+from uwopt.solvers.recommend import Sought
+
+CLOSER = 0.02  # of a change: what is proven not to be enough is a change smaller by this share
+DIGITS = 3  # of a limit, rounded away from what was asked: it can be typed as it stands
+HALVINGS = 30
+ROUNDS = 8  # of other hardware; each takes a search over all
+
+
+@dataclass(frozen=True)
+class Change:
+    """A limit with which the mission can be met, and the design that does."""
+
+    limit: float
+    found: Sought
+
+
+def least_change(
+    asked: float, reached: float, found: Sought, *, relaxed: Callable[[float], Mission],
+    search: Callable[[Mission], Sought], deadline: Deadline, name: str,
+) -> Change:  # fmt: skip
+    """The limit nearest to what is asked with which something fits.
+
+    Parameters
+    ----------
+    asked, reached : of the mission, and of a design found without the requirement
+    relaxed : the mission with another limit
+    search : over all hardware
+    """
+    change = Change(reached, found)
+    for _ in range(ROUNDS):
+        change = with_its_hardware(asked, change, relaxed)
+        if deadline.passed():
+            break
+        closer = search(relaxed(change.limit + CLOSER * (asked - change.limit)))
+        if not closer.outcome.best:
+            if closer.outcome.complete:
+                return change
+            break
+        change = Change(change.limit + CLOSER * (asked - change.limit), closer)
+    deadline.left_out.append(f"whether less than that change of {name} would do")
+    return change
+
+
+def with_its_hardware(asked: float, change: Change, relaxed: Callable[[float], Mission]) -> Change:
+    """The nearest limit that the hardware of a change can meet, to `DIGITS`."""
+    far, near, found = change.limit, asked, change.found
+    for _ in range(HALVINGS):
+        step = rounded_away(0.5 * (far + near), asked)
+        if not min(far, near) < step < max(far, near):
+            break
+        tried = same_hardware(found, relaxed(step))
+        if tried.outcome.best:
+            far, found = step, tried
+        else:
+            near = step
+    return Change(far, found)
+
+
+def rounded_away(value: float, asked: float) -> float:
+    """A limit with few digits, no nearer to what is asked."""
+    if value == 0.0 or not math.isfinite(value):
+        return value
+    unit = 10.0 ** (math.floor(math.log10(abs(value))) - DIGITS + 1)
+    steps = math.ceil(value / unit - 1e-9) if value > asked else math.floor(value / unit + 1e-9)
+    return float(f"{steps * unit:.{DIGITS}g}")
+
+
+def same_hardware(found: Sought, mission: Mission) -> Sought:
+    """The best settings of a design's hardware for a mission."""
+    best, before = found.outcome.best[0], found.problem
+    parts = Parts(*((part,) for _, part in parts_of(before, best)))  # type: ignore[arg-type]
+    problem = Problem(
+        mission, parts, paper=before.paper, owned_lights=before.owned_lights, counts=(best.count, best.count),
+        mounts=[best.lighting.mount],
+    )  # fmt: skip
+    search = Search(problem, Objective.of("power"), top=1)
+    return Sought(found.selection, problem, search, search.run())

@@ -1,0 +1,342 @@
+"""Whether the recommendation would change if what is estimated were known.
+
+Assumptions are the numbers of the winner's parts that no source states. The regret puts the winner's
+parts at the bad end of their ranges and all rivals' at the good end, and searches once more. A quote
+matters when that one number, at its bad end, would let another design win.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from uwopt.catalog.records import Part, Quantity, exact
+from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.part_columns import FAVOURED
+from uwopt.forward.problem import Parts, Problem
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.bounds import ROUND
+from uwopt.solvers.exact.imagers import limit
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.search import Pairs, Search
+from uwopt.solvers.recommend import Sought
+from uwopt.solvers.settings.best import scenes_need_cells
+
+DOUBTFUL = ("estimated", "generic", "derived")
+UNITS_BY_SUFFIX = {
+    "_e": "e-", "_e_s": "e-/s", "_db": "dB", "_us": "µs", "_hz": "Hz", "_w": "W", "_g": "g", "_lm": "lm",
+    "_j": "J", "_s": "s", "_deg": "deg", "_mm": "mm", "_m": "m", "_frac": "", "_mb_s": "MB/s", "_lm_s_per_j": "lm s/J",
+}  # fmt: skip
+SLOW_S = 5.0  # for a rival, where settings have no closed form
+KINDS = ("camera", "lens", "port", "light")
+
+
+def unit_of(name: str, part: Part) -> str:
+    """Unit of a part's field, from its name."""
+    if name == "price":
+        return part.currency
+    suffixes = sorted(UNITS_BY_SUFFIX, key=len, reverse=True)
+    return next((UNITS_BY_SUFFIX[s] for s in suffixes if name.endswith(s)), "")
+
+
+def parts_of(problem: Problem, found: Found) -> list[tuple[str, Part]]:
+    """The four parts of a design by kind."""
+    parts = problem.parts
+    return [
+        ("camera", parts.cameras[found.camera]),
+        ("lens", parts.lenses[found.lens]),
+        ("port", parts.ports[found.port]),
+        ("light", parts.lights[found.light]),
+    ]
+
+
+def doubtful(part: Part) -> list[tuple[str, Quantity]]:
+    """Fields whose value is not stated by a source for this very part and has a range."""
+    found = []
+    for f in fields(part):
+        value = getattr(part, f.name)
+        if isinstance(value, Quantity) and value.status in DOUBTFUL and value.high > value.low:
+            found.append((f.name, value))
+    return found
+
+
+def assumptions(problem: Problem, found: Found) -> list[dict[str, Any]]:
+    """Every number of the design that is estimated, and what the model assumes."""
+    items = [
+        {
+            "path": f"{kind}.{name}", "part": part.id, "value": value.value, "low": value.low, "high": value.high,
+            "unit": unit_of(name, part), "status": value.status, "source": value.source,
+        }
+        for kind, part in parts_of(problem, found)
+        for name, value in doubtful(part)
+    ]  # fmt: skip
+    return items + model_assumptions(problem, found)
+
+
+def model_assumptions(problem: Problem, found: Found) -> list[dict[str, Any]]:
+    """What the physics takes for granted here."""
+
+    def item(path: str, value: Any, source: str) -> dict[str, Any]:
+        return {
+            "path": path,
+            "part": "",
+            "value": value,
+            "low": None,
+            "high": None,
+            "unit": "",
+            "status": "assumed",
+            "source": source,
+        }
+
+    items = [item(f"{s.name}: water_table", s.water_table, "; ".join(s.notes)) for s in problem.scenes]
+    light = problem.parts.lights[found.light]
+    if light.beam_medium == "not stated" and not problem.paper:
+        items.append(
+            item(
+                "light.beam_medium",
+                "air",
+                "the source does not say whether the beam angle holds in air or water",
+            )
+        )
+    if light.dim_status == "estimated":
+        items.append(
+            item("light.dim_levels", list(light.dim_levels or ()), "how the lamp dims is not published")
+        )
+    if problem.cameras.prnu_frac[found.camera] == 0 and not problem.paper:
+        items.append(item("camera.prnu_frac", 0.0, "not published; taken as none"))
+    return items
+
+
+# ---------------------------------------------------------------- regret
+
+
+def at_end(part: Any, end: str, only: str | None = None) -> Any:
+    """A part with its doubtful numbers (or one of them) put at one end of their ranges."""
+    changes = {}
+    for name, value in doubtful(part):
+        if only is not None and name != only:
+            continue
+        sign = FAVOURED.get(name, 0)
+        if sign:
+            best = value.high if sign > 0 else value.low
+            worst = value.low if sign > 0 else value.high
+            changes[name] = exact(best if end == "good" else worst, value.status, value.source)
+    return replace(part, **changes) if changes else part
+
+
+Variant = tuple[str, str, str]  # kind, field ("" for all), end
+
+
+def values_with(
+    sought: Sought, found: Found, objective: Objective, variants: Sequence[Variant | None],
+    deadline: Deadline = NEVER,
+) -> list[float]:  # fmt: skip
+    """Best objective of one hardware with one number, or all, of one part changed; inf where infeasible.
+
+    None stands for the hardware as it is. All variants are parts of one small catalogue, so that one
+    pass evaluates them.
+    """
+    base = sought.problem
+    lists: dict[str, list[Any]] = {kind: [part] for kind, part in parts_of(base, found)}
+    places = []
+    for variant in variants:
+        place = dict.fromkeys(KINDS, 0)
+        if variant is not None:
+            kind, name, end = variant
+            place[kind] = len(lists[kind])
+            lists[kind].append(at_end(lists[kind][0], end, only=name or None))
+        places.append(place)
+    problem = small_problem(base, found, lists)
+    search = Search(problem, objective, top=1, deadline=deadline)
+    imagers = search.prepare()
+    return values_at(search, imagers, places, found.count)
+
+
+def small_problem(base: Problem, found: Found, lists: dict[str, list[Any]]) -> Problem:
+    """A problem over a few variants of one design's parts."""
+    parts = Parts(*(tuple(lists[kind]) for kind in KINDS))
+    return Problem(
+        base.mission, parts, paper=base.paper, owned_lights=base.owned_lights, counts=(found.count, found.count),
+        mounts=[found.lighting.mount], scenes=base.scenes,
+    )  # fmt: skip
+
+
+def values_at(search: Search, imagers: Any, places: Sequence[dict[str, int]], count: int) -> list[float]:
+    """Best objective of each variant over both orientations; those under one light are solved together."""
+    rows_of = [
+        np.nonzero(
+            (imagers.camera == place["camera"])
+            & (imagers.lens == place["lens"])
+            & (imagers.port == place["port"])
+        )[0]
+        for place in places
+    ]
+    best = np.full(len(places), np.inf)
+    for light in {place["light"] for place in places}:
+        mine = [n for n, place in enumerate(places) if place["light"] == light and len(rows_of[n])]
+        if mine:
+            rows = np.concatenate([rows_of[n] for n in mine])
+            owner = np.repeat(mine, [len(rows_of[n]) for n in mine])
+            np.minimum.at(best, owner, values_under(search, imagers, rows, light, count))
+    return [float(value) for value in best]
+
+
+def values_under(search: Search, imagers: Any, rows: Any, light_index: int, count: int) -> Any:
+    """Objective of these imagers under one light; inf where a limit is missed."""
+    problem, limits = search.problem, search.limits
+    optics = int(problem.lights.optics_index[light_index])
+    lighting = next(item for item in search.tables.lightings if item.optics == optics)
+    light, number = np.full(len(rows), light_index), np.full(len(rows), count)
+    to_buy = problem.lamps_to_buy(light, number)
+    cost = imagers.cost[rows] + to_buy * problem.lights.price[light]
+    limit_cost = imagers.limit_cost[rows] + to_buy * problem.lights.limit_price[light]
+    mass = imagers.mass_kg[rows] + number * problem.lights.mass_kg[light]
+    unique, back = np.unique(rows, return_inverse=True)
+    lights = [search.tables.exact(i, lighting, unique) for i in range(len(problem.scenes))]
+    pairs = Pairs(unique, back, light, number, cost, mass)
+    value = search.solve(pairs, [seen.take(back) for seen in lights], lighting)[0]
+    within = (limit_cost <= limit(limits.cost) * ROUND) & (mass <= limit(limits.mass_kg) * ROUND)
+    return np.where(within, value, np.inf)
+
+
+def robustness(
+    sought: Sought, objective: Objective, *, top: int = 3, deadline: Deadline = NEVER
+) -> dict[str, Any] | None:
+    """Regret, rival, and the quotes that could change the answer.
+
+    Where settings have no closed form the search for a rival ends after a while (`complete` says so), and
+    single quotes are not tried.
+    """
+    if not sought.outcome.best:
+        return None
+    winner = sought.outcome.best[0]
+    problem = sought.problem
+    bad = {kind: at_end(part, "bad") for kind, part in parts_of(problem, winner)}
+    lists: dict[str, list[Any]] = {kind: [part] for kind, part in bad.items()}
+    at_bad = Search(small_problem(problem, winner, lists), objective, top=1, deadline=deadline)
+    bad_value = values_at(at_bad, at_bad.prepare(), [dict.fromkeys(KINDS, 0)], winner.count)[0]
+    mixed = mixed_problem(problem, winner, bad)
+    slow = scenes_need_cells(problem.scenes, objective)
+    patience = deadline.at_most(SLOW_S) if slow else deadline
+    outcome = Search(mixed, objective, top=2, deadline=patience).run()
+    deadline.check()  # a rival of half a search is none
+    if outcome.interrupted:  # a search keeps what it has; these doubts are all or nothing
+        raise KeyboardInterrupt
+    rival = next((f for f in outcome.best if not same_parts(mixed, f, problem, winner)), None)
+    best = min([f.minimised for f in outcome.best] + [bad_value])
+    regret = max(0.0, bad_value - best) if math.isfinite(bad_value) else None
+    return {
+        "max_regret": regret,
+        "regret_rel": None if regret is None else regret / max(abs(winner.minimised), 1e-300),
+        "value_at_bad_end": objective.reported(bad_value) if math.isfinite(bad_value) else None,
+        "feasible_at_bad_end": math.isfinite(bad_value),
+        "complete": outcome.complete and not slow,
+        "rival": None
+        if rival is None or rival.minimised >= bad_value
+        else rival_dict(mixed, rival, objective),
+        "quotes_that_matter": []
+        if slow
+        else quotes_that_matter(
+            sought, objective, outcome_rivals(sought, outcome.best, mixed), top=top, deadline=deadline
+        ),
+    }
+
+
+def mixed_problem(problem: Problem, winner: Found, bad: dict[str, Part]) -> Problem:
+    """The winner's parts at their bad end among all others at their good end."""
+
+    def mixed(kind: str, parts: Sequence[Any]) -> tuple[Any, ...]:
+        return tuple(bad[kind] if part.id == bad[kind].id else at_end(part, "good") for part in parts)
+
+    parts = problem.parts
+    return Problem(
+        problem.mission,
+        Parts(
+            mixed("camera", parts.cameras), mixed("lens", parts.lenses), mixed("port", parts.ports),
+            mixed("light", parts.lights),
+        ),
+        paper=problem.paper, owned_lights=problem.owned_lights, counts=problem.count_range, mounts=problem.mounts,
+        scenes=problem.scenes,
+    )  # fmt: skip
+
+
+def same_parts(one: Problem, a: Found, other: Problem, b: Found) -> bool:
+    """Whether two designs are made of the same four parts."""
+    return [p.id for _, p in parts_of(one, a)] == [p.id for _, p in parts_of(other, b)]
+
+
+def rival_dict(problem: Problem, rival: Found, objective: Objective) -> dict[str, Any]:
+    """A rival by its ids, with what it would reach."""
+    return {
+        **{kind: part.id for kind, part in parts_of(problem, rival)},
+        "light_count": rival.count,
+        "objective_value": objective.reported(rival.minimised),
+    }
+
+
+def outcome_rivals(sought: Sought, good: Sequence[Found], mixed: Problem) -> list[Found]:
+    """Designs that could take the winner's place: its runner-up, and the rival of the regret search."""
+    winner = sought.outcome.best[0]
+    rivals = list(sought.outcome.best[1:2])
+    for found in good:
+        if not same_parts(mixed, found, sought.problem, winner) and not any(
+            same_parts(mixed, found, sought.problem, r) for r in rivals
+        ):
+            rivals.append(found)
+    return rivals[:2]
+
+
+def matters(name: str, problem: Problem, objective: Objective) -> bool:
+    """Whether a field can enter the objective or a limit at all."""
+    limits = problem.mission.limits
+    if name == "price":
+        return bool(objective.weight("cost")) or limits.cost is not None
+    if name == "mass_g":
+        return bool(objective.weight("mass")) or limits.mass_kg is not None
+    return bool(FAVOURED.get(name))
+
+
+def quotes_that_matter(
+    sought: Sought, objective: Objective, rivals: Sequence[Found], *, top: int, deadline: Deadline = NEVER
+) -> list[dict[str, Any]]:
+    """Single numbers whose bad end for the winner, or good end for a rival, would change the answer."""
+    problem = sought.problem
+    winner = sought.outcome.best[0]
+    matter: list[dict[str, Any]] = []
+    for rival in rivals:
+        asked = [
+            (kind, part, name, doubt, end)
+            for design, end in ((winner, "bad"), (rival, "good"))
+            for kind, part in parts_of(problem, design)
+            for name, doubt in doubtful(part)
+            if matters(name, problem, objective)
+        ]
+        ours = with_changes(sought, winner, objective, asked, deadline)
+        theirs = with_changes(sought, rival, objective, asked, deadline)
+        for (kind, part, name, doubt, _), mine, other in zip(asked, ours, theirs, strict=True):
+            known = any(q["part"] == part.id and q["field"] == name for q in matter)
+            if not known and other < mine and other < mine - 1e-9 * abs(other):
+                matter.append(
+                    {
+                        "part": part.id, "kind": kind, "field": name, "value": doubt.value, "low": doubt.low,
+                        "high": doubt.high, "unit": unit_of(name, part),
+                        "then_better": " + ".join(p.id for _, p in parts_of(problem, rival)),
+                    }
+                )  # fmt: skip
+    return matter[: 4 * top]
+
+
+def with_changes(
+    sought: Sought, design: Found, objective: Objective, asked: Sequence[tuple[str, Part, str, Quantity, str]],
+    deadline: Deadline = NEVER,
+) -> list[float]:  # fmt: skip
+    """A design's objective under each change in turn; changes of parts it does not have leave it as it is."""
+    own = {kind: part.id for kind, part in parts_of(sought.problem, design)}
+    variants: list[Variant | None] = [
+        (kind, name, end) if own[kind] == part.id else None for kind, part, name, _, end in asked
+    ]
+    return values_with(sought, design, objective, variants, deadline)

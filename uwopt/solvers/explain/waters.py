@@ -1,0 +1,114 @@
+"""Whether the recommendation rests on the choice of water table, or of K on the way from lamp to floor.
+
+Two published tables of the Jerlov types disagree by up to three times. The systems shown are solved
+again in the other table's water; a full search in it is a change of `scene.water_table` away.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from uwopt.catalog.curves.spectra import water_types
+from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.scene import LampLeg, SceneOptics, scene_optics
+from uwopt.mission.mission import Mission
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain.robustness import parts_of, values_at
+from uwopt.solvers.recommend import Sought
+from uwopt.solvers.settings.best import scenes_need_cells
+
+MOST_SHOWN = 3  # systems that are solved again in each water
+LAMP_LEGS: dict[LampLeg, str] = {
+    "diffuse": "K_d, within a + b_b and c", "least": "a + b_b, the least", "most": "c, the most",
+}  # fmt: skip
+OTHER: dict[str, Literal["measured", "solonenko-mobley"]] = {
+    "measured": "solonenko-mobley",
+    "solonenko-mobley": "measured",
+}
+
+
+def in_other_waters(
+    sought: Sought, objective: Objective, deadline: Deadline = NEVER
+) -> list[dict[str, Any]]:
+    """The systems shown, solved again with the other water table and with both bounds of K on the lamp leg."""
+    problem = sought.problem
+    if problem.paper or not sought.outcome.best:
+        return []
+    return [
+        {"case": name, **verdict(sought, objective, scenes, deadline)}
+        for name, scenes in variants(problem.mission, problem.scenes)
+    ]
+
+
+def variants(
+    mission: Mission, scenes: Sequence[SceneOptics]
+) -> Iterator[tuple[dict[str, str], list[SceneOptics]]]:
+    """Other waters that the same mission could mean, each unlike the one in use."""
+    for table in (None, "other"):
+        for leg in LAMP_LEGS:
+            if table is None and leg == "diffuse":
+                continue
+            made = [changed_scene(mission, i, scene, table, leg) for i, scene in enumerate(scenes)]
+            if any(one is not None for one in made):
+                full = [one or scene for one, scene in zip(made, scenes, strict=True)]
+                names = sorted({scene.water_table for scene in full})
+                yield {"water_table": " and ".join(names), "lamp_attenuation": LAMP_LEGS[leg]}, full
+
+
+def changed_scene(
+    mission: Mission, index: int, scene: SceneOptics, table: str | None, leg: LampLeg
+) -> SceneOptics | None:
+    """One scene in another water; None where there is no other."""
+    name = scene.water_table
+    if table is not None:
+        other = OTHER.get(name)
+        if other is None or scene.view.scene.water not in water_types(other):
+            return None
+        name = other
+    elif not scene.scattering:
+        return None  # K is c already
+    return scene_optics(
+        mission.scene_view(index), paper=False, base_dir=mission.base_dir,
+        water_table=name if name in OTHER else None, lamp_leg=leg, fineness=scene.fineness,
+    )  # fmt: skip
+
+
+def verdict(
+    sought: Sought, objective: Objective, scenes: list[SceneOptics], deadline: Deadline
+) -> dict[str, Any]:
+    """How the systems shown do in other waters, and whether another of them would be chosen."""
+    problem = sought.problem
+    slow = scenes_need_cells(problem.scenes, objective)
+    shown = sought.outcome.best[: 1 if slow else MOST_SHOWN]
+    values = [value_in(problem, scenes, found, objective, deadline) for found in shown]
+    best = int(np.argmin(values))
+    return {
+        "feasible": math.isfinite(values[0]),
+        "objective_value": objective.reported(values[0]) if math.isfinite(values[0]) else None,
+        "best_of_shown": [part.id for _, part in parts_of(problem, shown[best])]
+        if math.isfinite(values[best])
+        else None,
+        "changes": not math.isfinite(values[0]) or values[best] < values[0] - 1e-9 * abs(values[0]),
+    }
+
+
+def value_in(
+    problem: Problem, scenes: list[SceneOptics], found: Found, objective: Objective, deadline: Deadline
+) -> float:
+    """Best objective of one hardware in other scenes; inf where it is not feasible."""
+    parts = Parts(*((part,) for _, part in parts_of(problem, found)))  # type: ignore[arg-type]
+    small = Problem(
+        problem.mission, parts, paper=False, owned_lights=problem.owned_lights, counts=(found.count, found.count),
+        mounts=[found.lighting.mount], scenes=scenes,
+    )  # fmt: skip
+    search = Search(small, objective, top=1, deadline=deadline)
+    return values_at(
+        search, search.prepare(), [dict.fromkeys(("camera", "lens", "port", "light"), 0)], found.count
+    )[0]

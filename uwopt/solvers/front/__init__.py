@@ -1,0 +1,1 @@
+"""The exact front of power, cost and quality, with a bound on what it may miss."""

@@ -1,0 +1,125 @@
+"""From a front's points to designs: few enough to show, evaluated again through the forward model, named."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.objectives.axes import Axes, Frame
+from uwopt.objectives.dominance import NEAR
+from uwopt.results.front import FrontObjective, FrontPoint, Pick
+from uwopt.results.result import Design
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.front.search import Front
+
+Array = NDArray[Any]
+MOST_POINTS = 160  # of a front that are shown
+KNEE = "the point nearest to the best corner, axes scaled to the front's range (logarithms of power, cost and mass)"
+IN_WORDS = {
+    "information": "highest information", "snr_db": "highest SNR", "contrast": "highest contrast",
+    "gsd_mm": "finest pixel on the floor",
+}  # fmt: skip
+BEST_IMAGE = ("information", "snr_db", "contrast", "gsd_mm")
+
+
+def found_of(search: Search, front: Front, place: int) -> Found:
+    """One point of a front as the search's record of a design."""
+    some, answers, at = front.designs[place]
+    d, imagers = int(answers.design[at]), search.imagers
+    imager, k = int(some.imager[d]), int(some.lighting[d])
+    table = search.bounds.light_tables[k]
+    row = int(np.nonzero((table.light == some.light[d]) & (table.count == some.count[d]))[0][0])
+    scenes = []
+    for index, chosen in enumerate(answers.chosen):
+        focused = imagers.scenes[index].focused
+        numbers = {name: float(getattr(chosen, name)[at]) for name in chosen.__dataclass_fields__}
+        numbers["dioptre_per_m"] = float(focused.dioptre_per_m[imager])
+        numbers["rate_hz"] = float(focused.rate_hz[imager])
+        scenes.append(numbers)
+    return Found(
+        imager=imager, camera=int(imagers.camera[imager]), lens=int(imagers.lens[imager]),
+        port=int(imagers.port[imager]), landscape=bool(imagers.landscape[imager]), light=int(some.light[d]),
+        count=int(some.count[d]), lighting=search.tables.lightings[k], minimised=0.0,
+        power_w=float(answers.power_w[at]), cost=float(imagers.cost[imager] + table.cost[row]),
+        mass_kg=float(imagers.mass_kg[imager] + table.mass_kg[row]), snr_db=math.nan, settings=scenes,
+        pulse_s=max(s["time_s"] for s in scenes),
+    )  # fmt: skip
+
+
+def few(values: Array, frame: Frame, most: int = MOST_POINTS) -> Array:
+    """Places of points that stand for all: the best of every axis and the knee, then those that lie farthest apart.
+
+    No two of them are within 0.1 % of each other in every objective.
+    """
+    from uwopt.solvers.population.archive import distinct
+
+    order = distinct(values, frame.log)
+    unit = frame.unit(values[order])
+    chosen = list(dict.fromkeys([*(int(i) for i in unit.argmin(axis=0)), knee(unit)]))
+    gap = np.min([np.abs(unit - unit[place]).max(axis=1) for place in chosen], axis=0)
+    while len(chosen) < min(most, len(order)):
+        chosen.append(int(gap.argmax()))
+        gap = np.minimum(gap, np.abs(unit - unit[chosen[-1]]).max(axis=1))
+    return order[np.array(sorted(set(chosen)))]
+
+
+def knee(unit: Array) -> int:
+    """The point nearest to the best corner."""
+    return int(np.square(unit).sum(axis=1).argmin())
+
+
+def values_of(design: Design, objectives: Sequence[FrontObjective]) -> dict[str, float]:
+    """What a design's evaluation says of the built-in objectives, the worst scene's."""
+    figures = [scene.figures for scene in design.scenes]
+    known: dict[str, Callable[[], Any]] = {
+        "power": lambda: design.totals["power_w"],
+        "cost": lambda: design.totals["cost"]["value"],
+        "mass": lambda: design.totals["mass_kg"],
+        "snr_db": lambda: min(f["snr_db"] for f in figures),
+        "gsd_mm": lambda: max(f["gsd_mm"] for f in figures),
+        "contrast": lambda: min(1.0 if f["contrast"] is None else f["contrast"] for f in figures),
+        "information": lambda: min(f["information_bit_per_m2"] for f in figures),
+    }
+    return {o.name: float(known[o.name]()) for o in objectives if o.name in known}
+
+
+def picks_of(points: Sequence[FrontPoint], objectives: Sequence[FrontObjective], frame: Frame) -> list[Pick]:
+    """The points that people ask for by name; within 0.1 % the better in the other objectives is taken."""
+    if not points:
+        return []
+    signs = np.array([-1.0 if o.direction == "maximise" else 1.0 for o in objectives])
+    names = [o.name for o in objectives]
+    values = np.array([[p.values[name] for name in names] for p in points]) * signs
+    unit = frame.unit(values)
+    found = []
+    quality = next((name for name in BEST_IMAGE if name in names), None)
+    for title, name, text in (
+        ("cheapest", "cost", "the point of least cost"),
+        ("least power", "power", "the point of least power"),
+        ("best image", quality, f"the point of {IN_WORDS.get(str(quality), str(quality))}"),
+    ):
+        if name is None or name not in names:
+            continue
+        column = values[:, names.index(name)]
+        tied = np.nonzero(column <= column.min() + NEAR * abs(column.min()))[0]
+        best = tied[unit[tied].sum(axis=1).argmin()]
+        among = ", and of those within 0.1 % of it the best in the other objectives" if len(tied) > 1 else ""
+        found.append(Pick(title, points[int(best)].id, text + among))
+    return [*found, Pick("knee", points[knee(unit)].id, KNEE)]
+
+
+def objectives_of(axes: Axes, currency: str) -> list[FrontObjective]:
+    """The axes as a result names them."""
+    from uwopt.objectives.objective import MAXIMISED, UNITS
+
+    return [
+        FrontObjective(
+            name, "maximise" if name in MAXIMISED else "minimise", currency if name == "cost" else UNITS[name]
+        )
+        for name in axes.names
+    ]

@@ -1,0 +1,534 @@
+"""The exact front: every design of a catalogue that no other beats in all of two or three objectives.
+
+Each (imager, lighting) has an ideal: the least power, cost, ... and the best quality that any of its lights
+and settings could have. Units are taken in layers of ideals that no other ideal dominates; their lights and
+numbers are bounded again, one by one, with better and better bounds, and what some found point beats in every
+objective is discarded. What is left gets its curve of quality against power. When every unit is evaluated or
+beaten, no design of the catalogue can improve on the front by more than the volume that its open segments span.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.errors import MissionError
+from uwopt.forward.lamp_light import ImageLight, Veils
+from uwopt.forward.problem import Problem
+from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
+from uwopt.objectives.dominance import Archive, clearly, hypervolume, nondominated
+from uwopt.objectives.objective import Terms
+from uwopt.solvers.exact.bounds import ROUND, UNIT_RULES
+from uwopt.solvers.exact.imagers import limit
+from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.exact.search import RULES, Search
+from uwopt.solvers.front.trade_curves import Answers, Curves, Hopeful, Trade
+from uwopt.solvers.settings import closed_form
+
+Array = NDArray[Any]
+Progress = Callable[[float, str], None]
+FIRST_UNITS, LARGEST_UNITS, GROWTH = 128, 16384, 6  # units taken together
+FIRST_SUNLIT, DESIGNS_SUNLIT = 4, 8  # units and designs together where settings have no closed form at all
+ROUGH_SEGMENT, FINEST_SEGMENT = 3e-3, 1e-6  # share of the box that a segment may span: at first, and ever
+FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
+WAVE_ROUNDS, REFINEMENTS = 1, 8  # of asking the segments of one wave, and of all that stayed
+MOST_PIECES = 8  # of a segment at a time
+FEWEST_ASKED, MOST_ASKED = 256, 8192  # segments at a time, before the points found are looked at
+RESOLVED_REL = {"information": 2e-4}  # of a quality that is found to a gap
+SAME_REL = 1e-6  # of the others: to this a requirement counts as met
+RARELY = 0.1  # share of the segments asked that hold something new
+STALLED = 0.8  # of the gap before: bounds on settings that do not close are not asked for ever
+FRONT_RULES = (*(rule for rule in RULES if rule != "bound"), "dominated")
+
+
+@dataclass
+class Front:
+    """What a search found: points with their settings, and how far the proof reaches."""
+
+    axes: Axes
+    values: Array  # (n, n_axes) minimised, none dominated
+    designs: list[tuple[Hopeful, Answers, int]]  # by point: designs, and the answer about one of them
+    frame: Frame | None
+    hypervolume: float
+    hypervolume_bound: float
+    complete: bool
+    interrupted: bool
+    account: dict[str, int]  # by rule; `evaluated` counts designs whose settings were solved
+    seconds: float
+    history: list[tuple[float, Array]] = field(default_factory=list)  # (s, points so far)
+
+
+class FrontSearch:
+    """State of one search for a front."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        axes: Axes,
+        *,
+        deadline: Deadline = NEVER,
+        progress: Progress | None = None,
+    ):
+        self.problem, self.axes = problem, axes
+        self.quality = quality_of(problem, axes)
+        self.trade = Trade(self.quality)
+        self.resolved_rel = np.array([RESOLVED_REL.get(name, SAME_REL) for name in axes.names])
+        self.start = time.perf_counter()
+        self.deadline = deadline
+        self.progress = progress or (lambda share, what: None)
+        self.search = Search(problem, axes.objective, top=1)
+        self.archive = Archive(len(axes))
+        self.curves: list[Curves] = []
+        self.account: dict[str, int] = dict.fromkeys(FRONT_RULES, 0) | {"evaluated": 0}
+        self.history: list[tuple[float, Array]] = []
+
+    # ------------------------------------------------------------ run
+
+    def run(self) -> Front:
+        """Bound all units, take them layer by layer, refine the curves."""
+        search = self.search
+        imagers = search.prepare()
+        self._count_imagers()
+        complete, interrupted = True, False
+        open_ideals = np.empty((0, len(self.axes)))
+        if len(imagers):
+            ideal, lighting, imager = self._units()
+            left = np.ones(len(ideal), bool)
+            try:
+                complete = self._layers(ideal, lighting, imager, left)
+                if complete:
+                    complete = self._refine()
+            except KeyboardInterrupt:
+                complete, interrupted = False, True
+            self._count_left(lighting[left])
+            open_ideals = ideal[left]
+        return self._front(complete, interrupted, open_ideals)
+
+    def _count_imagers(self) -> None:
+        """What the imagers' rules discard, in combinations."""
+        low, high = self.problem.count_range
+        illuminators = len(self.problem.parts.lights) * (high - low + 1) * len(self.problem.mounts)
+        for rule, count in self.search.imagers.discarded.items():
+            self.account["dominated" if rule == "bound" else rule] += count * illuminators
+
+    def _count_left(self, lighting: Array) -> None:
+        """Units that were not reached."""
+        if len(lighting):
+            self.account["not_reached"] = int(self._sizes()[lighting].sum())
+
+    def _sizes(self) -> Array:
+        return np.array([len(t.light) for t in self.search.bounds.light_tables])
+
+    def _units(self) -> tuple[Array, Array, Array]:
+        """Ideals of all units that may be feasible, with their lighting and imager."""
+        bounds, imagers = self.search.bounds, self.search.imagers
+        every = np.arange(len(imagers))
+        ideals, lightings, rows = [], [], []
+        for k, lighting in enumerate(self.search.tables.lightings):
+            seen = bounds.of_units(k, every)
+            size = len(bounds.light_tables[k].light)
+            for index, name in enumerate(UNIT_RULES):
+                self.account["dominated" if name == "bound" else name] += (
+                    int((seen.rule == index).sum()) * size
+                )
+            alive = np.nonzero((seen.rule < 0) & np.isfinite(seen.value))[0]
+            contrast: Array | float = 1.0
+            if "contrast" in self.axes.names:
+                contrast = np.broadcast_to(bounds._contrast_bound(lighting, every)[0], len(every))[alive]
+            information = np.broadcast_to(seen.information, len(every))[alive]
+            terms = Terms(
+                seen.power[alive], seen.cost[alive], seen.mass[alive], seen.snr_db[alive], imagers.gsd_mm[alive],
+                contrast, information,
+            )  # fmt: skip
+            ideals.append(self.axes.minimised(terms))
+            lightings.append(np.full(len(alive), k))
+            rows.append(alive)
+        return np.concatenate(ideals), np.concatenate(lightings), np.concatenate(rows)
+
+    def _layers(self, ideal: Array, lighting: Array, imager: Array, left: Array) -> bool:
+        """Evaluate units until each is evaluated or beaten by a point; whether that was reached."""
+        sizes, total = self._sizes(), max(len(ideal), 1)
+        sunlit = any(scene.sunlit for scene in self.problem.scenes)
+        batch = FIRST_SUNLIT if sunlit else FIRST_UNITS
+        while left.any():
+            rows = np.nonzero(left)[0]
+            beaten = self.archive.beats(ideal[rows])
+            self.account["dominated"] += int(sizes[lighting[rows[beaten]]].sum())
+            left[rows[beaten]] = False
+            rows = rows[~beaten]
+            if len(rows) == 0:
+                break
+            if self._late():
+                return False
+            wave = rows[self._next(ideal[rows], batch)]
+            if not self._take(lighting[wave], imager[wave], DESIGNS_SUNLIT if sunlit else None):
+                return False
+            left[wave] = False
+            batch = min(GROWTH * batch, FIRST_SUNLIT if sunlit else LARGEST_UNITS)
+            self.history.append((time.perf_counter() - self.start, self.archive.values))
+            self.progress(0.9 * (1.0 - left.sum() / total), f"front: {len(self.archive.values)} points")
+        return True
+
+    def _take(self, lighting: Array, imager: Array, designs: int | None) -> bool:
+        """Evaluate these units, so many designs at a time; cut short, they count as not reached, and points stay."""
+        before = dict(self.account)
+        done = False
+        try:
+            parts = [self._bounded_again(int(k), imager[lighting == k]) for k in np.unique(lighting)]
+            some = [part for part in parts if part is not None and len(part)]
+            joined = Hopeful.joined(some) if some else None
+            every = np.arange(0 if joined is None else len(joined))
+            for start in range(0, len(every), designs or max(len(every), 1)):
+                if joined is None or self._late():
+                    return False
+                part = joined if designs is None else joined.take(every[start : start + designs])
+                if not self._solve(part):
+                    return False
+            done = True
+        except OutOfTimeError:
+            return False
+        finally:
+            if not done:
+                self.account = before
+        return True
+
+    def _next(self, ideal: Array, batch: int) -> Array:
+        """Places of the units to take: ideals that no other dominates, then those next to them."""
+        first = nondominated(ideal)
+        if first.sum() >= batch:
+            return np.nonzero(first)[0][:batch]
+        order = np.argsort(ideal, axis=0, kind="stable")
+        rank = np.empty_like(order)
+        for column in range(ideal.shape[1]):
+            rank[order[:, column], column] = np.arange(len(ideal))
+        merit = np.where(first, -1.0, rank.max(axis=1))
+        return np.argsort(merit, kind="stable")[:batch]
+
+    def _late(self) -> bool:
+        return self.deadline.passed()
+
+    # ------------------------------------------------------------ one wave
+
+    def _bounded_again(self, k: int, imager: Array) -> Hopeful | None:
+        """Lights and numbers of these imagers under one lighting that no point beats, however they are set.
+
+        Each stage works out more of the light, and discards what the points beat at all limits of power.
+        """
+        search, table = self.search, self.search.bounds.light_tables[k]
+        lighting, imagers, limits = search.tables.lightings[k], search.imagers, search.limits
+        n_light = len(table.light)
+        unit = np.repeat(np.arange(len(imager)), n_light)
+        item = np.tile(np.arange(n_light), len(imager))
+        dear = imagers.limit_cost[imager[unit]] + table.limit_cost[item] > limit(limits.cost) * ROUND
+        heavy = ~dear & (imagers.mass_kg[imager[unit]] + table.mass_kg[item] > limit(limits.mass_kg) * ROUND)
+        self.account["cost"] += int(dear.sum())
+        self.account["mass_kg"] += int(heavy.sum())
+        keep = ~dear & ~heavy
+        unit, item = unit[keep], item[keep]
+        lights: list[ImageLight] | None = None
+        stages: tuple[Veils, ...] = ("none", "forward", "coarse") if self.problem.effects.veils else ()
+        for stage in stages:
+            lights = self._lights(lighting, imager, lights, stage)
+            kept = self._unbeaten(self._hopeful(k, imager[unit], unit, item, lights, optimistic=True))
+            if len(kept) == 0:
+                return None
+            used, back = np.unique(unit[kept], return_inverse=True)
+            imager, lights = imager[used], [light.take(used) for light in lights]
+            unit, item = back.reshape(-1), item[kept]
+        lights = self._lights(lighting, imager, lights, "all")
+        return self._hopeful(k, imager[unit], unit, item, lights, optimistic=False)
+
+    def _lights(
+        self, lighting: Lighting, imager: Array, known: list[ImageLight] | None, veils: Veils
+    ) -> list[ImageLight]:
+        """Light of these imagers in every scene, beside what is known; raises OutOfTimeError past the deadline."""
+        tables, n = self.search.tables, len(self.problem.scenes)
+        given = [None] * n if known is None else known
+        lights = []
+        for s in range(n):
+            self.deadline.check()  # veils of many images take long
+            lights.append(tables.exact(s, lighting, imager, veils=veils, known=given[s]))
+        return lights
+
+    def _hopeful(
+        self, k: int, imager: Array, unit: Array, item: Array, lights: list[ImageLight], *, optimistic: bool
+    ) -> Hopeful:
+        """Designs as rows of settings."""
+        search, imagers, table = self.search, self.search.imagers, self.search.bounds.light_tables[k]
+        light, count = table.light[item], table.count[item]
+        rows = search.rows(
+            imager, [one.take(unit) for one in lights], light, count, search.tables.lightings[k],
+            optimistic=optimistic,
+        )  # fmt: skip
+        contrast: Array | float = 0.0
+        if "contrast" in self.axes.names and self.quality != "contrast":
+            contrast = np.min([closed_form.nominal_contrast(r) for r in rows], axis=0)
+        nothing = np.zeros(len(imager))
+        fixed = self.axes.minimised(
+            Terms(
+                nothing, imagers.cost[imager] + table.cost[item], imagers.mass_kg[imager] + table.mass_kg[item],
+                nothing, imagers.gsd_mm[imager], contrast, nothing,
+            )
+        )  # fmt: skip
+        return Hopeful(
+            np.full(len(imager), k), imager, light, count, rows, search.motorised[imager],
+            imagers.camera_power_w[imager], fixed, limit(search.limits.power_w),
+        )  # fmt: skip
+
+    def _unbeaten(self, some: Hopeful) -> Array:
+        """Places of the designs that may hold something new; the others are counted."""
+        bounds = self.trade.first_bounds(some)
+        possible, open_ = np.zeros(len(some), bool), np.zeros(len(some), bool)
+        if bounds is not None:
+            possible[bounds.design] = True
+            curves = Curves(self.trade, some, bounds)
+            if self.quality is None or not self._trades_power():
+                corner = self._values(some, bounds.limit_w, bounds.bound, bounds.design)
+                lower = np.arange(len(bounds.design))
+            else:
+                lower, _ = curves.segments()
+                corner = self._corner_values(curves)
+            matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
+            open_[bounds.design[lower[matters]]] = True
+        self.account["light"] += int((~possible).sum())
+        self.account["dominated"] += int((possible & ~open_).sum())
+        return np.nonzero(open_)[0]
+
+    def _values(self, some: Hopeful, power: Array, quality: Array, design: Array) -> Array:
+        """Values (n, n_axes), minimised, at powers and qualities of designs."""
+        values = some.fixed[design]
+        for name, numbers in (("power", power), (self.quality, quality)):
+            column = self.axes.index(str(name))
+            if column is not None:
+                values[:, column] = numbers * self.axes.signs[column]
+        return values
+
+    # ------------------------------------------------------------ curves
+
+    def _solve(self, some: Hopeful) -> bool:
+        """Ends of the curves, then segments that may still matter, coarsely; False: out of time."""
+        self.account["evaluated"] += len(some)
+        curves = Curves.of(self.trade, some)
+        if curves is None:
+            return True
+        in_time = True
+        if self.quality is not None and not self._trades_power():  # one point a design: its best quality
+            every = np.arange(len(curves.some))
+            answers = self.trade.best_quality(curves.some, every, curves.some.full_power_w)
+            curves = replace(curves, answers=answers)
+        self.curves.append(curves)
+        self._add(curves, curves.answers)
+        if self._trades_power():
+            curves.tried = self.trade.tried(curves.some)
+            for answers in curves.tried:
+                self._add(curves, answers)
+        if self.quality is not None and self._trades_power():
+            upper = curves.segments()[1][self._open_segments(curves, ROUGH_SEGMENT)[0]]
+            curves.answers = self.trade.drawn_in(curves.some, curves.answers, upper)
+            in_time = self._ask(curves, ROUGH_SEGMENT, WAVE_ROUNDS)
+            self._forget()
+        return in_time
+
+    def _trades_power(self) -> bool:
+        """Whether settings of least power are on the front: power counts, or nothing that settings change does."""
+        return self.quality is None or "power" in self.axes.names
+
+    def _add(self, curves: Curves, answers: Answers) -> None:
+        """Answers as points found."""
+        self.archive.add(self._answer_values(curves, answers, np.nonzero(answers.found)[0]))
+
+    def _answer_values(self, curves: Curves, answers: Answers, which: Array) -> Array:
+        return self._values(
+            curves.some, answers.power_w[which], answers.quality[which], answers.design[which]
+        )
+
+    def _corner_values(self, curves: Curves) -> Array:
+        """The best that each segment could hold, (n, n_axes)."""
+        lower, _ = curves.segments()
+        power, quality = curves.corners()
+        return self._values(curves.some, power, quality, curves.answers.design[lower])
+
+    def _ask(self, curves: Curves, largest: float, rounds: int) -> bool:
+        """Ask segments that may matter and span more than a share of the frame's box; False: out of time."""
+        most = FEWEST_ASKED
+        while rounds > 0:
+            which, spans = self._open_segments(curves, largest)
+            if len(which) == 0:
+                break
+            _, upper = curves.segments()
+            known = curves.answers.asked[upper[which]]
+            if known.all():
+                rounds -= 1
+            elif (~known).sum() > FEWEST_ASKED // 2:
+                # The highest limit of each design first: it bounds the others.
+                design = curves.answers.design[upper[which]]
+                top = np.append(design[1:] != design[:-1], True) & ~known
+                first = top if top.any() else ~known
+                which, spans = which[first], spans[first]
+            order = np.argsort(-spans, kind="stable")[:most]
+            which, spans = which[order], spans[order]
+            if self._late():
+                return False
+            pieces = np.clip(np.ceil(np.sqrt(spans / largest)), 2, MOST_PIECES).astype(int)
+            answers = curves.ask(which, self._wanted(curves, which), pieces)
+            self._add(curves, answers)
+            if answers.found.mean() < RARELY:  # points found decide little: more at a time
+                most = min(2 * most, MOST_ASKED)
+        return True
+
+    def _wanted(self, curves: Curves, which: Array) -> Array:
+        """The quality that each of these segments must exceed to hold something new."""
+        axis = self.axes.names.index(str(self.quality))
+        best = self.archive.best(self._corner_values(curves)[which], axis) * self.axes.signs[axis]
+        return np.where(np.isfinite(best), best, -np.inf)
+
+    def _open_segments(self, curves: Curves, largest: float) -> tuple[Array, Array]:
+        """Segments whose corner no point beats and that span more than `largest` of the box around all, and spans."""
+        lower, upper = curves.segments()
+        if len(lower) == 0:
+            return np.empty(0, int), np.empty(0)
+        corner = self._corner_values(curves)
+        matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
+        which = np.nonzero(matters)[0]
+        if len(which) == 0:
+            return which, np.empty(0)
+        a = curves.answers
+        frame = Frame.of(self.axes, np.concatenate([self.archive.values, corner[which]]))
+        # From the corner to what is known: the power at the upper end once it is asked, the best quality so far.
+        known = np.full(len(lower), -1e300)
+        known[which] = np.fmax(self._wanted(curves, which), known[which])
+        known = np.fmax(known, a.quality[lower])
+        far = np.fmax(np.fmin(a.power_w[upper], a.limit_w[upper]), a.limit_w[lower])
+        worst = self._values(
+            curves.some, np.where(a.asked[upper], far, 1e300)[which],
+            np.fmin(known, a.bound[upper])[which], a.design[lower][which],
+        )  # fmt: skip
+        # What is known to be there counts once it is asked: cuts do not close a bound that stays above it.
+        top = np.where(a.asked[upper] & a.found[upper], a.quality[upper], a.bound[upper])
+        reached = self._values(curves.some, a.limit_w[lower][which], top[which], a.design[lower][which])
+        best_unit = np.clip(frame.unit(reached), 0.0, None)
+        worst_unit = np.minimum(frame.unit(worst), frame.reference)
+        room = np.clip(frame.reference - best_unit, 1e-300, None)
+        p, q = self.axes.names.index("power"), self.axes.names.index(str(self.quality))
+        share = np.clip((worst_unit - best_unit)[:, [p, q]] / room[:, [p, q]], 0.0, 1.0).prod(axis=1)
+        spans = share * np.prod(room, axis=1) / np.prod(frame.reference)
+        stepped = curves.some.stepped[a.design[lower]][which]
+        narrow = a.asked[upper][which] & (stepped | ((worst_unit - best_unit)[:, p] < 1e-9))
+        wide = (spans > largest) & ~narrow
+        return which[wide], spans[wide]
+
+    def _forget(self) -> None:
+        """Drop designs of the last curves of which nothing can be on the front any more."""
+        curves = self.curves[-1]
+        lower, _ = curves.segments()
+        corner = self._corner_values(curves)
+        matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
+        useful = np.zeros(len(curves.some), bool)
+        useful[curves.answers.design[lower[matters]]] = True
+        for answers in (curves.answers, *curves.tried):
+            which = self._on_front(curves, answers)
+            useful[answers.design[which]] = True
+        left = curves.without(~useful)
+        self.curves[-1:] = [] if left is None else [left]
+
+    def _on_front(self, curves: Curves, answers: Answers) -> Array:
+        """Places of the answers that no point dominates."""
+        found = np.nonzero(answers.found)[0]
+        values = self._answer_values(curves, answers, found)
+        return np.asarray(found[~self.archive.dominates(values)])
+
+    def _refine(self) -> bool:
+        """Ask until the front misses no more of the hypervolume than it may."""
+        if self.quality is None or not self._trades_power() or not self.curves:
+            return True
+        joined = Hopeful.joined([c.some for c in self.curves])
+        starts = np.cumsum([0, *(len(c.some) for c in self.curves)])
+        parts = [replace(c.answers, design=c.answers.design + starts[n]) for n, c in enumerate(self.curves)]
+        tried = [
+            replace(t, design=t.design + starts[n]).take(self._on_front(c, t))
+            for n, c in enumerate(self.curves)
+            for t in c.tried
+        ]
+        self.curves = [Curves(self.trade, joined, Answers.joined(parts), tried)]
+        gap_before = np.inf
+        for _ in range(REFINEMENTS):
+            self._forget()
+            if not self.curves:
+                break
+            lower, upper = self._volumes()
+            self.progress(0.95, f"front: {len(self.archive.values)} points")
+            if upper - lower <= FRONT_GAP * upper or upper - lower > STALLED * gap_before:
+                break
+            gap_before = upper - lower
+            curves = self.curves[-1]
+            count = len(self._open_segments(curves, 0.0)[0])
+            if not self._ask(curves, max(FRONT_GAP * upper / max(count, 1), FINEST_SEGMENT), 2):
+                return False
+            self.history.append((time.perf_counter() - self.start, self.archive.values))
+        return True
+
+    def _open_corners(self) -> Array:
+        """The best that may still be found, by segment, or by design where it is one point."""
+        parts = [np.empty((0, len(self.axes)))]
+        for curves in self.curves:
+            a = curves.answers
+            if self._trades_power() and self.quality is not None:
+                corner = self._corner_values(curves)
+            else:
+                corner = self._values(curves.some, a.limit_w, a.bound, a.design)
+            corner = corner[np.isfinite(corner).all(axis=1)]
+            parts.append(corner[~self.archive.beats(corner)])
+        return np.concatenate(parts)
+
+    def _volumes(self) -> tuple[float, float]:
+        """Hypervolume of the points, and what no front can exceed."""
+        if len(self.archive.values) == 0:
+            return 0.0, 0.0
+        frame = Frame.of(self.axes, self.archive.values[clearly(self.archive.values, self.resolved_rel)])
+        lower = hypervolume(self.archive.values, frame)
+        return lower, max(
+            lower, hypervolume(np.concatenate([self.archive.values, self._open_corners()]), frame)
+        )
+
+    # ------------------------------------------------------------ result
+
+    def _front(self, complete: bool, interrupted: bool, open_ideals: Array) -> Front:
+        """The points that stayed, each with its design."""
+        values, designs = [], []
+        for curves in self.curves:
+            for answers in (curves.answers, *curves.tried):
+                found = self._on_front(curves, answers)
+                values.append(self._answer_values(curves, answers, found))
+                designs += [(curves.some, answers, int(place)) for place in found]
+        every = np.concatenate(values) if values else np.empty((0, len(self.axes)))
+        kept = np.nonzero(clearly(every, self.resolved_rel))[0]
+        frame, lower, upper = None, 0.0, 0.0
+        if len(kept):
+            frame = Frame.of(self.axes, every[kept])
+            lower, upper = self._volumes()
+            if len(open_ideals):
+                # both at once: what open segments and units that were not reached may add need not overlap
+                still = np.concatenate([every[kept], self._open_corners(), open_ideals])
+                upper = max(upper, hypervolume(still, frame))
+        return Front(
+            self.axes, every[kept], [designs[i] for i in kept], frame, lower, upper, complete, interrupted,
+            self.account, time.perf_counter() - self.start, self.history,
+        )  # fmt: skip
+
+
+def quality_of(problem: Problem, axes: Axes) -> str | None:
+    """The one axis beside power that settings change; more than one has no exact front here."""
+    names = [*OF_SETTINGS, *(["contrast"] if any(s.sunlit for s in problem.scenes) else [])]
+    found = [name for name in axes.names if name in names]
+    if len(found) > 1:
+        raise MissionError(
+            f"objectives: {' and '.join(found)} both depend on the settings; the exact front knows one such quality "
+            "beside power, cost, mass and gsd_mm. Leave one out, or use a population solver such as nsga2."
+        )
+    return found[0] if found else None

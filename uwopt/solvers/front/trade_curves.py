@@ -1,0 +1,533 @@
+"""Curves of quality against power: what the settings of given hardware can trade, for many designs at once.
+
+A curve is known at power limits: what no settings within the limit can beat, and, once it is asked, the best
+quality within the limit with the least power that gives it. Between two limits no point is better than the
+corner (lower limit, bound at the upper limit). Segments whose corner may still matter are asked at their
+upper end, then in their middle, until they are small.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.part_columns import FLASH, PULSED
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.model import sensor
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.bounds import bit_per_px_bound
+from uwopt.solvers.settings import closed_form, dark
+from uwopt.solvers.settings.best import Best, best_settings, settings_at_dark
+from uwopt.solvers.settings.closed_form import Chosen
+
+Array = NDArray[Any]
+ABOVE = 1.0 + 1e-9  # a limit that equals the least power must admit it
+CURVE_GAP = 5e-4  # relative, of qualities without a closed form
+DIMMEST = 1e-4  # of the power at the far end: where a curve that begins without light is first asked
+PIECES = 6  # of the range of f-numbers, in bounds of information
+RULE_SLACK = 1e-4  # of the quadrature over frequencies
+LIMITS = 7  # power limits that a curve is first known at
+TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES = (0.0, 0.35, 0.7), (0.0, 0.4, 0.7, 1.0), (1.0, 0.4)
+
+
+@dataclass(frozen=True)
+class Hopeful:
+    """n designs whose light is known: rows of settings by scene, and what no setting changes."""
+
+    lighting: Array
+    imager: Array
+    light: Array
+    count: Array
+    rows: list[SceneRows]
+    motorised: Array
+    camera_power_w: Array
+    fixed: Array  # (n, n_axes) values of the axes, those of the settings left at 0
+    power_limit_w: float
+
+    def take(self, index: Array) -> Hopeful:
+        """These designs only."""
+        columns = {name: getattr(self, name)[index] for name in COLUMNS}
+        return replace(self, rows=[r.take(index) for r in self.rows], **columns)
+
+    def __len__(self) -> int:
+        return len(self.imager)
+
+    @staticmethod
+    def joined(parts: list[Hopeful]) -> Hopeful:
+        """All designs of some lists."""
+        columns: dict[str, Any] = {
+            name: np.concatenate([getattr(p, name) for p in parts]) for name in COLUMNS
+        }
+        rows = [SceneRows.joined([p.rows[s] for p in parts]) for s in range(len(parts[0].rows))]
+        return replace(parts[0], rows=rows, **columns)
+
+    @property
+    def full_power_w(self) -> Array:
+        """Power with the lights at full level for the longest time, cameras included; the worst scene's."""
+        drawn = []
+        for r in self.rows:
+            share = np.where(r.kind == PULSED, np.minimum(1.0, r.time_max_s * r.rate_hz), 1.0)
+            drawn.append(full_draw_w(r) * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0))
+        return np.minimum(self.camera_power_w + np.max(drawn, axis=0), self.power_limit_w)
+
+    @property
+    def stepped(self) -> Array:
+        """Whether only the steps of the lights change the power, in every scene."""
+        return np.asarray(np.logical_and.reduce([~r.dims_freely & (r.kind != PULSED) for r in self.rows]))
+
+
+COLUMNS = ("lighting", "imager", "light", "count", "motorised", "camera_power_w", "fixed")
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What n designs do within n power limits."""
+
+    design: Array
+    limit_w: Array  # of lights and cameras together
+    power_w: Array  # nan: not asked, or no settings
+    quality: Array
+    bound: Array  # no settings within the limit have a higher quality; -inf: there are none
+    asked: Array
+    chosen: list[Chosen]
+
+    @property
+    def found(self) -> Array:
+        """Which limits have settings."""
+        return np.asarray(np.isfinite(self.power_w))
+
+    def take(self, index: Array) -> Answers:
+        """These answers only."""
+        chosen = [Chosen(**{f.name: getattr(one, f.name)[index] for f in fields(one)}) for one in self.chosen]
+        return Answers(**{f.name: getattr(self, f.name)[index] for f in NUMBERS}, chosen=chosen)
+
+    @staticmethod
+    def joined(parts: list[Answers]) -> Answers:
+        """All answers of some lists, by design and limit."""
+        chosen = [
+            Chosen(**{f.name: np.concatenate([getattr(one, f.name) for one in ones]) for f in fields(Chosen)})
+            for ones in zip(*(p.chosen for p in parts), strict=True)
+        ]
+        every = Answers(
+            **{f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in NUMBERS}, chosen=chosen
+        )
+        return every.take(np.lexsort((every.limit_w, every.design)))
+
+    def drawn_in(self) -> Answers:
+        """With bounds no higher than those of higher limits of the same design."""
+        bound, same = self.bound.copy(), self.design[1:] == self.design[:-1]
+        while True:
+            lower = np.where(same, np.minimum(bound[:-1], bound[1:]), bound[:-1])
+            if np.array_equal(lower, bound[:-1]):
+                return replace(self, bound=bound)
+            bound[:-1] = lower
+
+    @staticmethod
+    def unasked(design: Array, limit_w: Array, bound: Array, n_scenes: int) -> Answers:
+        """Limits of which only a bound is known."""
+        nothing = np.full(len(design), np.nan)
+        chosen = [Chosen(**dict.fromkeys((f.name for f in fields(Chosen)), nothing)) for _ in range(n_scenes)]
+        return Answers(design, limit_w, nothing, nothing, bound, np.zeros(len(design), bool), chosen)
+
+
+NUMBERS = [f for f in fields(Answers) if f.name != "chosen"]
+
+
+def with_exposures(rows: list[SceneRows], chosen: list[Chosen]) -> list[Chosen]:
+    """Settings with the exposure filled in where it follows from the time."""
+    return [
+        c if c.exposure_s is not None else replace(c, exposure_s=r.exposure_s(c.time_s))
+        for r, c in zip(rows, chosen, strict=True)
+    ]
+
+
+def unhindered(rows: list[SceneRows]) -> list[SceneRows]:
+    """Rows with least dark current and no wanted sharpness, which have a closed form: no settings do better."""
+    return [replace(dark.relaxed(r), min_mtf=0.0) for r in rows]
+
+
+class Trade:
+    """Least power and best quality of designs, quality being one term of an objective, or None."""
+
+    def __init__(self, quality: str | None, *, gap_rel: float = CURVE_GAP):
+        self.quality, self.gap_rel = quality, gap_rel
+
+    # ------------------------------------------------------------ settings
+
+    def least_power(self, some: Hopeful) -> Answers:
+        """Settings of least power within the limit, and the quality that they have."""
+        best = self._best(some, Objective({"power": 1.0}), some.power_limit_w)
+        chosen = with_exposures(some.rows, best.chosen)
+        quality = np.zeros(len(some)) if self.quality is None else self._quality_of(some, best, chosen)
+        return self._answers(some, np.arange(len(some)), best, chosen, quality, None, None)
+
+    def best_quality(
+        self, some: Hopeful, design: Array, limit_w: Array, *, wanted: Array | float = -np.inf
+    ) -> Answers:
+        """Settings of best quality of these designs within these limits of power, and its bound.
+
+        Those that cannot have a `wanted` quality may be given up, with a bound below it.
+        """
+        assert self.quality is not None
+        mine = some.take(design)
+        limit = np.minimum(limit_w * ABOVE, some.power_limit_w)
+        best = self._best(mine, Objective({self.quality: 1.0}), limit, cutoff=-np.asarray(wanted, float))
+        bound = self._quality_bound(mine, best, limit)
+        quality = np.asarray(getattr(best, self.quality))
+        return self._answers(
+            mine, design, best, with_exposures(mine.rows, best.chosen), quality, limit_w, bound
+        )
+
+    def _best(
+        self, some: Hopeful, goal: Objective, limit_w: Array | float, cutoff: Array | float = np.inf
+    ) -> Best:
+        """Best settings for one goal."""
+        constant = some.camera_power_w if goal.weight("power") else 0.0
+        return best_settings(
+            some.rows, some.motorised, goal, some.camera_power_w, limit_w, gap_rel=self.gap_rel, constant=constant,
+            cutoff=cutoff,
+        )  # fmt: skip
+
+    def _quality_bound(self, some: Hopeful, best: Best, limit_w: Array) -> Array:
+        """What no settings can beat: the value in closed form, or a bound beside it."""
+        if best.lower_bound is not None:
+            return np.where(np.isfinite(best.lower_bound), -best.lower_bound, -np.inf)
+        return np.where(best.feasible, best.snr_db, -np.inf)
+
+    def _quality_of(self, some: Hopeful, best: Best, chosen: list[Chosen]) -> Array:
+        """Quality of settings that were chosen for their power."""
+        if self.quality != "information":
+            return np.asarray(getattr(best, str(self.quality)))
+        return information_of(some.rows, chosen, best.feasible)
+
+    def _answers(
+        self, some: Hopeful, design: Array, best: Best, chosen: list[Chosen], quality: Array, limit_w: Array | None,
+        bound: Array | None,
+    ) -> Answers:  # fmt: skip
+        """Settings as answers; what has none is nan."""
+        power = some.camera_power_w + np.max([c.light_power_w for c in chosen], axis=0)
+        possible = best.feasible & (power <= some.power_limit_w * ABOVE)
+        ok = possible & np.isfinite(quality)
+        power = np.where(ok, power, np.nan)
+        if bound is None:  # settings without an image are no point, yet a curve begins there
+            bound = np.where(possible & ~ok, -np.inf, quality)
+            bound = np.where(possible, bound, np.nan)
+        else:
+            bound = np.fmax(bound, np.where(ok, quality, -np.inf))
+        quality = np.where(ok, quality, np.nan)
+        return Answers(
+            design,
+            power if limit_w is None else limit_w,
+            power,
+            quality,
+            bound,
+            np.ones(len(design), bool),
+            chosen,
+        )
+
+    def tried(self, some: Hopeful) -> list[Answers]:
+        """A few settings of each design that any solver might try: points to beat, before bounds are drawn in."""
+        if self.quality != "information" or any(r.sunlit or r.min_mtf > 0 for r in some.rows):
+            return []
+        low = np.max([r.n_low for r in some.rows], axis=0)
+        high = np.min([r.n_high for r in some.rows], axis=0)
+        return [
+            self._one_try(some, low * (np.maximum(high, low) / low) ** aperture, light, time)
+            for aperture, light, time in product(TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES)
+        ]
+
+    def _one_try(self, some: Hopeful, f_number: Array, light_share: float, time_share: float) -> Answers:
+        """The same place in every design's range of light, at one f-number."""
+        chosen, ok = [], np.ones(len(some), bool)
+        for r in some.rows:
+            rows = replace(r, time_max_s=np.maximum(r.time_max_s * time_share, r.time_min_s))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                low, high = closed_form.window(rows)
+                _, greatest = closed_form.reach(rows)
+                most = np.nanmax(np.where(np.isnan(greatest), -1.0, greatest), axis=1)
+                top = np.minimum(high, most / np.square(f_number * rows.working_factor))
+                wanted = np.maximum(low, 1e-6 * top)
+                wanted = wanted * np.maximum(top / wanted, 1.0) ** light_share
+                one = closed_form.settle(rows, f_number, np.where(top > 0, wanted, np.nan), high)
+                ok &= np.isfinite(one.level) & (one.light_x <= high * ABOVE) & (one.light_x >= low / ABOVE)
+                ok &= (one.time_s <= r.time_max_s * ABOVE) & (f_number <= r.n_high * ABOVE)
+            chosen.append(one)
+        chosen = with_exposures(some.rows, chosen)
+        ok &= np.isfinite(np.max([c.light_power_w for c in chosen], axis=0))
+        power = some.camera_power_w + np.where(ok, np.max([c.light_power_w for c in chosen], axis=0), np.nan)
+        ok &= power <= some.power_limit_w * ABOVE
+        quality = information_of(some.rows, chosen, ok)
+        power = np.where(ok, power, np.nan)
+        every = np.arange(len(some))
+        return Answers(every, power, power, quality, quality, np.ones(len(some), bool), chosen)
+
+    # ------------------------------------------------------------ bounds
+
+    def first_bounds(self, some: Hopeful) -> Answers | None:
+        """What no settings can beat at some limits of power, from closed forms; None: nothing is impossible.
+
+        (n * LIMITS) answers, the least power of each design among the limits; under the sun all steps,
+        or the whole range of light that has none.
+        """
+        n, n_scenes = len(some), len(some.rows)
+        every = np.arange(n)
+        if any(r.sunlit for r in some.rows):
+            start = Answers.unasked(every, some.camera_power_w, np.full(n, -np.inf), n_scenes)
+            limits = first_limits_w(some, np.zeros(n)) + some.camera_power_w[:, None]
+            limits[~some.stepped] = np.nan
+            limits[~some.stepped, 0] = some.full_power_w[~some.stepped]
+            known = np.isfinite(limits)
+            at, _ = np.nonzero(known)
+            rest = Answers.unasked(at, limits[known], self.ceiling(some)[at], n_scenes)
+            return Answers.joined([start, rest])
+        free = replace(some, rows=unhindered(some.rows))
+        chosen, feasible = closed_form.least_power(free.rows, free.motorised)
+        least = np.max([c.light_power_w for c in chosen], axis=0)
+        feasible &= some.camera_power_w + np.where(feasible, least, 0.0) <= some.power_limit_w * ABOVE
+        alive = np.nonzero(feasible)[0]
+        if len(alive) == 0:
+            return None
+        free, least = free.take(alive), least[alive]
+        start = Answers.unasked(alive, free.camera_power_w + least, np.full(len(alive), -np.inf), n_scenes)
+        if self.quality is None:
+            return replace(start, bound=np.zeros(len(alive)))
+        parts = [start]
+        for light in first_limits_w(free, least).T:
+            new = np.nonzero(np.isfinite(light))[0]
+            if len(new):
+                limit = (free.camera_power_w + light)[new]
+                bound = self.bound_within(free.take(new), limit * ABOVE)
+                parts.append(Answers.unasked(alive[new], limit, bound, n_scenes))
+        return Answers.joined(parts)
+
+    def ceiling(self, some: Hopeful) -> Array:
+        """A finite quality that no settings exceed under any light: SNR is at most the root of the electrons."""
+        if self.quality is None:
+            return np.zeros(len(some))
+        if self.quality == "contrast":
+            return np.ones(len(some))
+        return self._from_snr(some, 10.0 * np.log10(np.min([r.well_e for r in some.rows], axis=0)))
+
+    def bound_within(self, free: Hopeful, limit_w: Array) -> Array:
+        """What no settings within a power can beat, in closed form, of designs without hindrances."""
+        return self._from_snr(free, most_snr_db(free, limit_w))
+
+    def _from_snr(self, some: Hopeful, most: Array) -> Array:
+        """The quality that an SNR in dB allows at most."""
+        if self.quality == "snr_db":
+            return most
+        best = np.full(len(some), np.inf)
+        for scene in some.rows:
+            assert scene.sharp is not None
+            bits = bit_per_px_bound(np.maximum(most, -1e3), scene.sharp.rated_pitch_px)
+            best = np.minimum(best, bits / scene.sharp.pixel_area_m2)
+        return np.where(np.isfinite(most), best, -np.inf)
+
+    def drawn_in(self, some: Hopeful, bounds: Answers, which: Array) -> Answers:
+        """Some bounds of information drawn in: the light of wide apertures does not come with the depth of small ones.
+
+        The range of f-numbers is cut into pieces. In each the SNR is that of its widest aperture, the light's
+        wave that of its widest and the defocus that of its smallest, the motion that of the shortest time.
+        """
+        if self.quality != "information" or any(r.sunlit for r in some.rows):
+            return bounds
+        asked = which[np.isfinite(bounds.bound[which]) & (bounds.bound[which] > 0)]
+        designs = some.take(bounds.design[asked])
+        free = replace(designs, rows=unhindered(designs.rows))
+        low, high = (
+            np.max([r.n_low for r in free.rows], axis=0),
+            np.min([r.n_high for r in free.rows], axis=0),
+        )
+        best = np.full(len(asked), -np.inf)
+        for piece in range(PIECES):
+            ends = [low * (np.maximum(high, low) / low) ** (end / PIECES) for end in (piece, piece + 1)]
+            best = np.maximum(best, self._piece_bound(free, bounds.limit_w[asked] * ABOVE, ends))
+        bound = bounds.bound.copy()
+        bound[asked] = np.minimum(bound[asked], best * (1.0 + RULE_SLACK))
+        return replace(bounds, bound=bound).drawn_in()
+
+    @staticmethod
+    def _piece_bound(free: Hopeful, limit_w: Array, ends: list[Array]) -> Array:
+        """Information [bit/m2] that no settings between two f-numbers exceed, -inf: there are none."""
+        first, last = ends
+        cut = replace(
+            free,
+            rows=[
+                replace(r, n_low=np.maximum(r.n_low, first), n_high=np.minimum(r.n_high, last))
+                for r in free.rows
+            ],
+        )
+        snr_db = most_snr_db(cut, limit_w)
+        reached = np.nonzero(np.isfinite(snr_db))[0]
+        out = np.full(len(free), -np.inf)
+        if len(reached):
+            bits = []
+            for r in free.rows:
+                some = r.take(reached)
+                assert some.sharp is not None
+                bits.append(some.sharp.information_bit_per_m2(
+                    sensor.from_db(snr_db[reached]), f_number=last[reached],
+                    working_f_number=first[reached] * some.working_factor, blur_s=some.time_min_s,
+                ))  # fmt: skip
+            out[reached] = np.min(bits, axis=0)
+        return out
+
+
+def first_limits_w(some: Hopeful, least_w: Array) -> Array:
+    """Powers of the lights at which curves are first known, (n, n_limits) rising, nan beyond the last.
+
+    Evenly in the logarithm from the least to full power; of lamps whose power has steps, every step.
+    """
+    far = np.maximum(some.full_power_w - some.camera_power_w, least_w)
+    near = np.maximum(least_w, DIMMEST * far)
+    share = np.arange(1, LIMITS + 1) / LIMITS
+    with np.errstate(invalid="ignore", divide="ignore"):
+        even = np.where(near[:, None] > 0, near[:, None] * (far / near)[:, None] ** share, far[:, None])
+    even[:, -1] = far
+    inside = (even > least_w[:, None] * ABOVE) & (even * ABOVE < far[:, None])
+    even = np.where(inside, even, np.nan)
+    even[:, -1] = far
+    stepped = some.stepped
+    if not stepped.any():
+        return even
+    steps = np.concatenate([r.levels * full_draw_w(r)[:, None] for r in some.rows], axis=1)
+    steps = np.where((steps >= least_w[:, None] / ABOVE) & (steps <= far[:, None] * ABOVE), steps, np.nan)
+    steps = np.sort(np.where(np.isnan(steps), np.inf, steps), axis=1)
+    width = max(LIMITS, steps.shape[1])
+    limits = np.full((len(some), width), np.nan)
+    limits[:, :LIMITS] = even
+    limits[stepped] = np.nan
+    limits[stepped, : steps.shape[1]] = np.where(np.isfinite(steps), steps, np.nan)[stepped]
+    return limits
+
+
+def full_draw_w(rows: SceneRows) -> Array:
+    """Power of all lights at full level: while they burn, or of flashes at the frame rate."""
+    return np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
+
+
+def most_snr_db(some: Hopeful, limit_w: Array) -> Array:
+    """SNR that no settings within a power exceed: with least dark current, without wanted sharpness; -inf: none."""
+    rows, goal = unhindered(some.rows), Objective({"snr_db": 1.0})
+    _, feasible, snr_db = settings_at_dark(rows, some.motorised, goal, some.camera_power_w, limit_w)
+    return np.where(feasible, snr_db, -np.inf)
+
+
+def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) -> Array:
+    """Information [bit/m2] of settings, worst scene; nan where there are none."""
+    out = np.full(len(which), np.nan)
+    index = np.nonzero(which)[0]
+    if len(index) == 0:
+        return out
+    values = []
+    for r, c in zip(rows, chosen, strict=True):
+        some = closed_form.with_exposure(r, c).take(index)
+        f_number, blur = c.f_number[index], c.time_s[index]
+        working = f_number * some.working_factor
+        if some.sunlit and c.exposure_s is not None:  # the sun shines as long as the shutter is open
+            from uwopt.solvers.settings.cell_bounds import figures_at  # brings scipy.special
+
+            some = replace(some, dark_time_s=c.exposure_s[index])
+            blur = some.open_s(c.exposure_s[index])
+            sun = closed_form.Sun.at(some, blur / np.square(working))
+            snr, _, _ = figures_at(some, c.light_x[index], c.gain[index], sun)
+        else:
+            snr = closed_form.nominal_snr(some, c.light_x[index])
+        assert some.sharp is not None
+        values.append(
+            some.sharp.information_bit_per_m2(snr, f_number=f_number, working_f_number=working, blur_s=blur)
+        )
+    out[index] = np.min(values, axis=0)
+    return out
+
+
+@dataclass
+class Curves:
+    """The curves of some designs, as far as they are known; `answers` by design, then limit."""
+
+    trade: Trade
+    some: Hopeful
+    answers: Answers
+    tried: list[Answers] = field(default_factory=list)  # settings beside those, which bound nothing
+
+    def segments(self) -> tuple[Array, Array]:
+        """Pairs of consecutive limits of one design, as places in `answers`: lower and upper."""
+        a = self.answers
+        lower = np.nonzero(a.design[1:] == a.design[:-1])[0]
+        return lower, lower + 1
+
+    def corners(self) -> tuple[Array, Array]:
+        """The best that each segment could hold: (power [W], quality); inf where it can hold nothing new.
+
+        Within a limit no quality is above its bound, and what is above the bound of the lower limit needs more
+        power than that limit; where power has steps, the power of the next.
+        """
+        a = self.answers
+        lower, upper = self.segments()
+        known = np.where(np.isfinite(a.quality[lower]), a.quality[lower], -np.inf)
+        stepped = self.some.stepped[a.design[lower]]
+        power = np.where(stepped, np.maximum(a.limit_w[lower], a.limit_w[upper] / ABOVE), a.limit_w[lower])
+        return np.where(a.bound[upper] > known, power, np.inf), a.bound[upper]
+
+    def ask(self, which: Array, wanted: Array, pieces: Array) -> Answers:
+        """Ask these segments at their upper end, or where that is known at places between; the new answers.
+
+        wanted : (n,) by segment, the quality below which an answer matters to nobody
+        pieces : (n,) into how many pieces each is cut, evenly in the logarithm of the lights' power
+        """
+        a = self.answers
+        lower, upper = (side[which] for side in self.segments())
+        known = a.asked[upper]
+        ends, first = np.unique(upper[~known], return_index=True)
+        segment = np.repeat(np.nonzero(known)[0], pieces[known] - 1)
+        step = np.concatenate([np.arange(1, n) / n for n in pieces[known]]) if known.any() else np.empty(0)
+        low_at, high_at = lower[segment], upper[segment]
+        camera = self.some.camera_power_w[a.design[low_at]]
+        low = a.limit_w[low_at] - camera
+        high = np.fmin(a.limit_w[high_at], np.fmax(a.power_w[high_at], a.limit_w[low_at])) - camera
+        low = np.maximum(low, DIMMEST * high)
+        between = camera + low * (high / np.where(low > 0, low, 1.0)) ** step
+        design = np.concatenate([a.design[ends], a.design[low_at]])
+        limit = np.concatenate([a.limit_w[ends], between])
+        least = np.concatenate([wanted[~known][first], wanted[segment]])
+        new = self.trade.best_quality(self.some, design, limit, wanted=least)
+        kept = np.ones(len(a.design), bool)
+        kept[ends] = False
+        self.answers = Answers.joined([a.take(np.nonzero(kept)[0]), new]).drawn_in()
+        return new
+
+    @staticmethod
+    def of(trade: Trade, some: Hopeful) -> Curves | None:
+        """Curves known at their least power, and bounded beyond; None where no design has settings."""
+        bounds = trade.first_bounds(some)
+        if bounds is None:
+            return None
+        first = np.nonzero(np.append(True, bounds.design[1:] != bounds.design[:-1]))[0]
+        alive = bounds.design[first]
+        some = some.take(alive)
+        least = trade.least_power(some)
+        least = replace(least, limit_w=np.fmin(least.power_w, bounds.limit_w[first]))
+        place = np.searchsorted(alive, bounds.design)
+        later = np.ones(len(bounds.design), bool)
+        later[first] = False
+        rest = replace(bounds, design=place).take(np.nonzero(later)[0])
+        curves = Curves(trade, some, Answers.joined([least, rest]))
+        return curves.without(np.isnan(least.bound))
+
+    def without(self, gone: Array) -> Curves | None:
+        """Without these designs; None when none is left."""
+        left = np.nonzero(~gone)[0]
+        if len(left) == 0:
+            return None
+        place = np.full(len(gone), -1)
+        place[left] = np.arange(len(left))
+
+        def kept(answers: Answers) -> Answers:
+            some = answers.take(np.nonzero(~gone[answers.design])[0])
+            return replace(some, design=place[some.design])
+
+        return Curves(self.trade, self.some.take(left), kept(self.answers), [kept(one) for one in self.tried])

@@ -1,0 +1,1 @@
+"""Vectors of hardware and settings for the evolutionary algorithms of pymoo."""

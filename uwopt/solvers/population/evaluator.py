@@ -1,0 +1,310 @@
+"""Populations evaluated in batches through the forward model: objectives, constraint violations, designs.
+
+What counts as feasible is what the margins of an evaluation say; a design's figures are those that
+`evaluate` reports of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
+from uwopt.forward.optics import focus_map
+from uwopt.forward.part_columns import FLASH
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.model import sensor
+from uwopt.model.port import FocusMap
+from uwopt.objectives.objective import MAXIMISED, Terms
+from uwopt.objectives.own import OwnObjective
+from uwopt.objectives.requirements import MarginRows, scene_margins, system_margins
+from uwopt.solvers.exact.imagers import limit
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.population.coding import Built, Coding, cost_of, mass_kg_of
+from uwopt.solvers.population.decoding import Decoded, shortfall
+from uwopt.solvers.population.light_store import LightStore, Seen
+
+Array = NDArray[Any]
+LEAST_MISS, MOST_MISS = 1e-4, 10.0  # what one requirement that is missed adds to a violation
+TERM_FIGURES = {
+    "power": "power_w", "cost": "cost", "mass": "mass_kg", "snr_db": "snr_db", "gsd_mm": "gsd_mm",
+    "contrast": "contrast", "information": "information_bit_per_m2",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Solved:
+    """The designs of vectors that have settings: places of the vectors, settings, and the feasible among them."""
+
+    place: Array  # of designs with rows among all vectors
+    built: Built
+    decoded: Decoded
+    good: Array  # among `place`: feasible
+    figures: Mapping[str, Array]  # of the good ones
+    violation: Array  # of all vectors; 0: feasible
+
+
+class Evaluator:
+    """Objectives and violations of vectors."""
+
+    def __init__(self, search: Search, axes: Sequence[str | OwnObjective], coding: Coding):
+        self.search, self.problem, self.axes, self.coding = search, search.problem, list(axes), coding
+        self.own = any(not isinstance(axis, str) for axis in axes)
+        mtf = any(s.view.requirements.min_mtf_half_nyquist is not None for s in self.problem.scenes)
+        wanted = "information" in axes or self.own or bool(search.objective.weight("information"))
+        self.information = wanted and not self.problem.paper
+        self.store = LightStore(search, sharp=self.information or (mtf and not self.problem.paper))
+        sunlit = any(s.sunlit for s in self.problem.scenes)  # light that no veil is charged to
+        self.staged = self.problem.effects.veils and not sunlit
+        self.count = 0
+
+    def evaluate(self, vectors: Array) -> tuple[Array, Array]:
+        """Values (n, n_axes), less is better, inf where infeasible; and violations (n,), 0 where feasible."""
+        solved = self.solved(vectors)
+        self.count += len(vectors)
+        values = np.full((len(vectors), len(self.axes)), np.inf)
+        if len(solved.good):
+            values[solved.place[solved.good]] = self._values(solved.figures)
+        return values, solved.violation
+
+    def found(self, vectors: Array) -> tuple[Array, list[Found]]:
+        """The designs of vectors with all their settings, and which vectors they are of: those that are feasible.
+
+        What was feasible among others may miss a requirement by rounding now; it is no design then.
+        """
+        solved = self.solved(vectors)
+        imagers, figures, good = self.search.imagers, solved.figures, solved.good
+        if len(good) == 0:
+            return good, []
+        built = solved.built.take(good)
+        nan = np.full(len(good), np.nan)
+        terms = Terms(**{name: figures.get(key, nan) for name, key in TERM_FIGURES.items()})
+        value = self.search.objective.cost_to_minimise(terms)
+        columns = [
+            {
+                **{k: v[good] for k in c.__dataclass_fields__ if (v := getattr(c, k)) is not None},
+                "exposure_s": exposure[good],
+                "dioptre_per_m": scene.focused.dioptre_per_m[built.imager],
+                "rate_hz": scene.focused.rate_hz[built.imager],
+            }
+            for c, exposure, scene in zip(
+                solved.decoded.chosen, solved.decoded.exposure_s, imagers.scenes, strict=True
+            )
+        ]
+        result = []
+        for i, imager in enumerate(built.imager):
+            settings = [{name: float(column[i]) for name, column in scene.items()} for scene in columns]
+            result.append(Found(
+                imager=int(imager), camera=int(imagers.camera[imager]), lens=int(imagers.lens[imager]),
+                port=int(imagers.port[imager]), landscape=bool(imagers.landscape[imager]),
+                light=int(built.light[i]), count=int(built.count[i]),
+                lighting=self.search.tables.lightings[int(built.lighting[i])], minimised=float(value[i]),
+                power_w=float(figures["power_w"][i]), cost=float(figures["cost"][i]),
+                mass_kg=float(figures["mass_kg"][i]), snr_db=float(figures["snr_db"][i]), settings=settings,
+                pulse_s=max(s["time_s"] for s in settings),
+            ))  # fmt: skip
+        return solved.place[good], result
+
+    # ------------------------------------------------------------ steps
+
+    def solved(self, vectors: Array) -> Solved:
+        """Hardware, settings and figures of vectors."""
+        built = self.coding.built(vectors)
+        violation = self.coding.beyond(built)
+        place = np.nonzero(violation <= 0.0)[0]
+        built = built.take(place)
+        if self.staged and len(place):
+            lacking = lacking_without_veils(self.search, self.store, built)
+            violation[place] = lacking
+            hopeful = np.nonzero(lacking <= 0.0)[0]
+            place, built = place[hopeful], built.take(hopeful)
+        none = np.empty(0, int)
+        if len(place) == 0:
+            return Solved(place, built, Decoded([], [], violation[place]), none, {}, violation)
+        scenes = range(len(self.problem.scenes))
+        seen = [self.store.seen(s, built.imager, built.lighting, built.count) for s in scenes]
+        rows = [self._scene_rows(s, built, seen[s]) for s in scenes]
+        light_limit_w = limit(self.problem.mission.limits.power_w) - self._camera_power_w(built)
+        motorised = self.search.motorised[built.imager]
+        decoded = self.coding.decoded(vectors[place], rows, motorised, light_limit_w)
+        violation[place] = decoded.missing
+        fits = np.nonzero(decoded.missing <= 0.0)[0]
+        if len(fits) == 0:
+            return Solved(place, built, decoded, none, {}, violation)
+        some = built.take(fits)
+        made = [self._figures(s, some, seen[s].take(fits), decoded, fits) for s in scenes]
+        missed = np.sum([self._missed(s, some, *made[s]) for s in scenes], axis=0)
+        violation[place[fits]] = missed
+        holds = np.nonzero(missed <= 0.0)[0]
+        figures = {name: c[holds] for name, c in self._named(made, some).items()}
+        return Solved(place, built, decoded, fits[holds], figures, violation)
+
+    def _camera_power_w(self, built: Built) -> Array:
+        return np.asarray(self.search.imagers.camera_power_w[built.imager])
+
+    def _scene_rows(self, s: int, built: Built, seen: Seen) -> SceneRows:
+        return scene_rows(self.search, s, built, seen)
+
+    # ------------------------------------------------------------ figures
+
+    def _design_rows(self, s: int, built: Built, seen: Seen) -> DesignRows:
+        """The forward model's view of designs in one scene."""
+        problem, imagers, scene = self.problem, self.search.imagers, self.problem.scenes[s]
+        port, lights = imagers.port[built.imager], problem.lights.take(built.light)
+        ports, back = np.unique(port, return_inverse=True)
+        maps = [focus_map(scene, problem.shape(int(p), s)) for p in ports]
+        columns = [np.array([getattr(m, f.name) for m in maps])[back] for f in fields(FocusMap)]
+        return DesignRows(
+            cameras=problem.cameras.take(imagers.camera[built.imager]),
+            lenses=problem.lenses.take(imagers.lens[built.imager]), lights=lights, count=built.count.astype(float),
+            view=imagers.scenes[s].view.take(built.imager), focus_map=FocusMap(*columns),
+            lever_m=levers_m(scene, problem.ports.outer_radius_m[port]),
+            light=seen.light.scaled(lights.output_factor), sun=seen.sun, sharp=seen.sharp,
+        )  # fmt: skip
+
+    def _figures(
+        self, s: int, built: Built, seen: Seen, decoded: Decoded, index: Array
+    ) -> tuple[DesignRows, SettingRows, Figures]:
+        """What the forward model says of designs at their decoded settings in one scene."""
+        rows, chosen = self._design_rows(s, built, seen), decoded.chosen[s]
+        kind, focused = rows.lights.kind, self.search.imagers.scenes[s].focused
+        pulse = chosen.time_s[
+            index
+        ]  # of lamps that burn nobody looks at it; inf would be no number among pulses
+        settings = SettingRows(
+            f_number=chosen.f_number[index], exposure_s=decoded.exposure_s[s][index],
+            pulse_s=np.where(kind == FLASH, rows.lights.flash_duration_s, pulse), gain=chosen.gain[index],
+            level=chosen.level[index], rate_hz=focused.rate_hz[built.imager],
+            dioptre_per_m=focused.dioptre_per_m[built.imager],
+        )  # fmt: skip
+        scene = self.problem.scenes[s]
+        return rows, settings, figures_of(scene, rows, settings, information=self.information)
+
+    def _missed(
+        self, s: int, built: Built, rows: DesignRows, settings: SettingRows, figures: Figures
+    ) -> Array:
+        """By how much margins are missed in one scene; 0 where every requirement holds."""
+        total = np.zeros(len(built.imager))
+        for margin in self._margins(s, built, rows, settings, figures):
+            lost = ~margin.satisfied
+            if lost.any():
+                size = np.maximum(np.abs(np.where(np.isfinite(margin.limit), margin.limit, 1.0)), 1e-12)
+                by = np.nan_to_num(-margin.margin / size, nan=1.0, posinf=MOST_MISS)
+                total += np.where(lost, np.clip(by, LEAST_MISS, MOST_MISS), 0.0)
+        return total
+
+    def _margins(
+        self, s: int, built: Built, rows: DesignRows, settings: SettingRows, figures: Figures
+    ) -> list[MarginRows]:
+        """Every requirement that settings touch; cost, mass, depth and view were checked with the hardware."""
+        problem, limits = self.problem, self.problem.mission.limits
+        camera_power, nothing = self._camera_power_w(built), np.zeros(len(built.imager))
+        return [
+            *scene_margins(problem.scenes[s], rows, settings, figures, limits),
+            *system_margins(
+                limits, cost_limit_value=nothing, power_w=camera_power + figures.light_power_w,
+                peak_power_w=camera_power + figures.light_peak_power_w, mass_kg=nothing,
+                data_rate_mb_s=figures.data_rate_mb_s * problem.mission.vehicle.camera_count, depth_m=0.0,
+                ratings_m={}, accepted=frozenset(),
+            ),
+        ]  # fmt: skip
+
+    def _values(self, figures: Mapping[str, Array]) -> Array:
+        """Objectives of feasible designs, less is better."""
+        columns = []
+        for axis in self.axes:
+            if isinstance(axis, str):
+                column = figures[TERM_FIGURES[axis]]
+                columns.append(-column if axis in MAXIMISED else column)
+            else:
+                columns.append(axis.minimised(figures))
+        return np.stack(columns, axis=1)
+
+    def _named(self, made: list[tuple[DesignRows, SettingRows, Figures]], built: Built) -> dict[str, Array]:
+        """Figures by name, each of the scene where it is worst; parts too, where own objectives may ask."""
+        problem, imagers = self.problem, self.search.imagers
+
+        def worst(of: Callable[..., Any], *, most: bool) -> Array:
+            columns: list[Array] = [of(problem.scenes[s].nominal, *scene) for s, scene in enumerate(made)]
+            return np.asarray((np.max if most else np.min)(columns, axis=0))
+
+        light_w = worst(lambda k, r, t, f: f.light_power_w, most=True)
+        found: dict[str, Array] = {
+            "power_w": self._camera_power_w(built) + light_w,
+            "light_power_w": light_w,
+            "cost": cost_of(self.search, built),
+            "mass_kg": mass_kg_of(self.search, built),
+            "gsd_mm": imagers.gsd_mm[built.imager],
+            "snr_db": worst(lambda k, r, t, f: decibels(f.snr[:, k]), most=False),
+            "contrast": worst(lambda k, r, t, f: f.contrast[:, k], most=False),
+        }
+        if self.information:
+            found["information_bit_per_m2"] = worst(lambda k, r, t, f: f.information_bit_per_m2, most=False)
+        if self.own:
+            found |= self._more(worst, built)
+        return found
+
+    def _more(self, worst: Callable[..., Array], built: Built) -> dict[str, Array]:
+        """What only own objectives ask for."""
+        problem, imagers, parts = self.problem, self.search.imagers, self.problem.parts
+        level = worst(lambda k, r, t, f: t.level, most=True)
+        found = {
+            "f_number": worst(lambda k, r, t, f: t.f_number, most=True),
+            "exposure_ms": worst(lambda k, r, t, f: t.exposure_s * 1e3, most=True),
+            "gain": worst(lambda k, r, t, f: t.gain, most=True),
+            "level": level,
+            "flux_lm": level * built.count * problem.lights.full_light[built.light],
+            "light_count": built.count.astype(float),
+            "frame_rate_hz": worst(lambda k, r, t, f: t.rate_hz, most=True),
+            "swath_m": worst(lambda k, r, t, f: r.view.footprint_across_m[:, 1], most=False),
+            "blur_px": worst(lambda k, r, t, f: f.blur_px.max(axis=1), most=True),
+            "dof_near_m": worst(lambda k, r, t, f: f.dof_near_m, most=True),
+            "dof_far_m": worst(lambda k, r, t, f: f.dof_far_m, most=False),
+            "mean_level": worst(lambda k, r, t, f: f.mean_level[:, k], most=True),
+            "saturation_fraction": worst(lambda k, r, t, f: f.saturation_fraction, most=True),
+            "data_rate_mb_s": worst(lambda k, r, t, f: f.data_rate_mb_s, most=True)
+            * problem.mission.vehicle.camera_count,
+        }
+        index = {
+            "camera": (imagers.camera[built.imager], parts.cameras),
+            "lens": (imagers.lens[built.imager], parts.lenses),
+            "port": (imagers.port[built.imager], parts.ports),
+            "light": (built.light, parts.lights),
+        }
+        for kind, (column, every) in index.items():
+            found[kind] = column
+            found[f"{kind}_id"] = np.array([part.id for part in every])[column]
+        return found
+
+
+def lacking_without_veils(search: Search, store: LightStore, built: Built) -> Array:
+    """By how much designs miss what they need even with no veil and the least dark current."""
+    rows = []
+    for s in range(len(search.problem.scenes)):
+        light = store.signal(s, built.imager, built.lighting)
+        one = replace(scene_rows(search, s, built, Seen(light, None, None, None)), optimistic=True)
+        rows.append(replace(one, dark_time_s=np.maximum(one.exposure_s(one.time_min_s), 0.0)))
+    return shortfall(rows, search.motorised[built.imager])
+
+
+def scene_rows(search: Search, s: int, built: Built, seen: Seen) -> SceneRows:
+    """The settings' view of designs in one scene."""
+    imagers = search.imagers
+    rows = search.problem.scene_rows(
+        s, camera=imagers.camera[built.imager], light=built.light, count=built.count,
+        focused=imagers.scenes[s].focused.take(built.imager), image_light=seen.light, sun=seen.sun,
+        sharp=seen.sharp,
+    )  # fmt: skip
+    if seen.even is not None:
+        rows = replace(rows, time_max_s=np.where(seen.even, rows.time_max_s, -1.0))
+    return rows
+
+
+def decibels(snr: Array) -> Array:
+    """A ratio in dB; no light at all is very little."""
+    return np.asarray(sensor.to_db(np.maximum(snr, 1e-300)))

@@ -1,0 +1,286 @@
+"""Light, sun and sharpness of the imagers that a population meets, each worked out once.
+
+Imagers whose views are alike see the same light per collecting area: one integral serves all lenses of a
+focal length on all cameras with the same sensor behind a port. What is known is kept as arrays with an index.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.lamp_light import ImageLight, SunLight
+from uwopt.forward.sharpness import SharpRows
+from uwopt.solvers.exact.search import Search
+
+Array = NDArray[Any]
+Columns = TypeVar("Columns", ImageLight, SunLight, SharpRows)
+
+
+def appended(old: Columns | None, new: Columns) -> Columns:
+    """Rows under rows; a group with fewer pixels repeats its last, equal tables are shared."""
+    if old is None:
+        return new
+    columns: dict[str, Any] = {}
+    for f in fields(old):
+        one, two = getattr(old, f.name), getattr(new, f.name)
+        if not isinstance(one, np.ndarray):
+            columns[f.name] = one
+            continue
+        if one.ndim == 3 and one.shape[2] != two.shape[2]:
+            widest = max(one.shape[2], two.shape[2])
+            one, two = (
+                np.pad(c, ((0, 0), (0, 0), (0, widest - c.shape[2])), mode="edge") for c in (one, two)
+            )
+        columns[f.name] = np.concatenate([one, two])
+    if isinstance(old, SharpRows) and isinstance(new, SharpRows):
+        known = list(old.spreads)  # without tables no row's index means anything
+        place = []
+        for table in new.spreads:
+            if not any(table is other for other in known):
+                known.append(table)
+            place.append(next(i for i, other in enumerate(known) if table is other))
+        index = np.array(place, int)[new.spread_index] if place else 0 * new.spread_index
+        columns |= {"spreads": tuple(known), "spread_index": np.concatenate([old.spread_index, index])}
+    return replace(old, **columns)
+
+
+class Store(Generic[Columns]):
+    """Rows by an integer key, made when first asked for."""
+
+    def __init__(self, make: Callable[[Array], Columns | None]):
+        self.make: Callable[[Array], Columns | None] = make
+        self.keys, self.place = np.empty(0, int), np.empty(0, int)
+        self.columns: Columns | None = None
+        self.nothing = False  # there is no such light
+
+    def rows(self, keys: Array) -> Columns | None:
+        """The rows of these keys, (n,); None where there is no such light at all."""
+        if self.nothing:
+            return None
+        wanted = np.unique(keys)
+        new = wanted[~np.isin(wanted, self.keys)]
+        if len(new):
+            made = self.make(new)
+            if made is None:
+                self.nothing = True
+                return None
+            places = np.arange(len(self.keys), len(self.keys) + len(new))
+            self.columns = appended(self.columns, made)
+            keys_, places = np.concatenate([self.keys, new]), np.concatenate([self.place, places])
+            order = np.argsort(keys_)
+            self.keys, self.place = keys_[order], places[order]
+        assert self.columns is not None
+        return self.columns.take(self.place[np.searchsorted(self.keys, keys)])
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What designs see in one scene, before their lamp's output factor."""
+
+    light: ImageLight
+    sun: SunLight | None
+    sharp: SharpRows | None
+    even: Array | None  # whether the floor is lit evenly enough; None: nobody asks
+
+    def take(self, index: Array) -> Seen:
+        """These designs only."""
+        return Seen(*(None if c is None else c[index] if isinstance(c, np.ndarray) else c.take(index)
+                      for c in (self.light, self.sun, self.sharp, self.even)))  # type: ignore[arg-type]  # fmt: skip
+
+
+class LightStore:
+    """Constants of imagers under lightings, by scene."""
+
+    def __init__(self, search: Search, *, sharp: bool):
+        self.search, self.problem, self.imagers = search, search.problem, search.imagers
+        self.sharp = sharp
+        self.n_counts = self.problem.count_range[1] + 1
+        self.images, self.image_of = alike(search)
+        scenes = range(len(self.problem.scenes))
+        self.signals = [Store[ImageLight](partial(self._signals, s)) for s in scenes]
+        self.lights = [Store[ImageLight](partial(self._lights, s)) for s in scenes]
+        self.pixels = [Store[ImageLight](partial(self._pixels, s)) for s in scenes]
+        self.suns = [Store[SunLight](partial(self._suns, s)) for s in scenes]
+        self.sharps = [Store[SharpRows](partial(self._sharps, s)) for s in scenes]
+        self.evens: list[dict[int, bool]] = [{} for _ in scenes]
+
+    @property
+    def n_integrals(self) -> int:
+        """How many images' light was worked out."""
+        return sum(len(store.keys) for store in self.lights)
+
+    def seen(self, scene_index: int, imager: Array, lighting: Array, count: Array) -> Seen:
+        """What these designs see; `lighting` is an index into the tables' list."""
+        problem = self.problem
+        scene = problem.scenes[scene_index]
+        image = self.image_of[imager]
+        key = lighting * len(self.images) + image
+        by_count = key * self.n_counts + count
+        light = self.lights[scene_index].rows(key)
+        assert light is not None
+        sun = None
+        if scene.sunlit and problem.effects.sunlight:
+            sun = self.suns[scene_index].rows(by_count if scene.at_worst else image)
+        if scene.at_worst:
+            there = self.pixels[scene_index].rows(by_count)
+            assert there is not None
+            light = replace(light, worst_e=there.worst_e, worst_veil_e=there.worst_veil_e)
+        view = self.imagers.scenes[scene_index].view
+        area = view.collecting_m2[imager] / view.collecting_m2[self.images[image]]
+        optics = np.array([item.optics for item in self.search.tables.lightings])[lighting]
+        return Seen(
+            light.scaled(area), None if sun is None else scaled_sun(sun, area),
+            self.sharps[scene_index].rows(optics * len(self.imagers) + imager) if self.sharp else None,
+            self._even(scene_index, by_count),
+        )  # fmt: skip
+
+    def signal(self, scene_index: int, imager: Array, lighting: Array) -> ImageLight:
+        """Image-forming light alone, which costs a fraction: no veil makes a design better."""
+        image = self.image_of[imager]
+        light = self.signals[scene_index].rows(lighting * len(self.images) + image)
+        assert light is not None
+        view = self.imagers.scenes[scene_index].view
+        return light.scaled(view.collecting_m2[imager] / view.collecting_m2[self.images[image]])
+
+    # ------------------------------------------------------------ making
+
+    def _split(self, keys: Array) -> list[tuple[int, Array, Array]]:
+        """Keys of (lighting, image) as groups of one lighting: its index, the keys' places, imagers."""
+        lighting, image = np.divmod(keys, len(self.images))
+        return [
+            (int(k), np.nonzero(lighting == k)[0], self.images[image[lighting == k]])
+            for k in np.unique(lighting)
+        ]
+
+    def _signals(self, scene_index: int, keys: Array) -> ImageLight:
+        """Image means under each lighting without veils."""
+        tables = self.search.tables
+        parts = [
+            (mine, tables.exact(scene_index, tables.lightings[k], imager, veils="none"))
+            for k, mine, imager in self._split(keys)
+        ]
+        return ImageLight.joined(parts, len(keys))
+
+    def _lights(self, scene_index: int, keys: Array) -> ImageLight:
+        """Image means under each lighting, veils included."""
+        signal = self.signals[scene_index].rows(keys)
+        if not self.problem.effects.veils:
+            assert signal is not None
+            return signal
+        tables = self.search.tables
+        parts = []
+        for k, mine, imager in self._split(keys):
+            known = None if signal is None or self.problem.paper else signal.take(mine)
+            parts.append(
+                (mine, tables.exact(scene_index, tables.lightings[k], imager, known=known, veils="all"))
+            )
+        return ImageLight.joined(parts, len(keys))
+
+    def _pixels(self, scene_index: int, keys: Array) -> ImageLight:
+        """Light at the pixels that may be the worst, by number of lamps."""
+        tables, (pairs, count) = self.search.tables, np.divmod(keys, self.n_counts)
+        parts = []
+        for k, mine, imager in self._split(pairs):
+            for number in np.unique(count[mine]):
+                own = count[mine] == number
+                light = tables.exact(
+                    scene_index, tables.lightings[k], imager[own], count=int(number), pixels=True, means=False,
+                )  # fmt: skip
+                parts.append((mine[own], light))
+        return ImageLight.joined(parts, len(keys))
+
+    def _suns(self, scene_index: int, keys: Array) -> SunLight | None:
+        """The sun's light; by lighting and number of lamps where the worst pixels count."""
+        scene, lightings = self.problem.scenes[scene_index], self.search.tables.lightings
+        if not scene.at_worst:
+            return self._sun(scene_index, self.images[keys], pixels=False)
+        pairs, count = np.divmod(keys, self.n_counts)
+        parts: SunLight | None = None
+        order = []
+        for k, mine, imager in self._split(pairs):
+            for number in np.unique(count[mine]):
+                own = count[mine] == number
+                sun = self._sun(
+                    scene_index, imager[own], pixels=True, mount=lightings[k].mount, count=int(number)
+                )
+                if sun is None:
+                    return None
+                parts = appended(parts, sun)
+                order.append(mine[own])
+        assert parts is not None
+        return parts.take(np.argsort(np.concatenate(order)))
+
+    def _sun(self, scene_index: int, imager: Array, **where: Any) -> SunLight | None:
+        """The sun's light in these images."""
+        imagers = self.imagers
+        return self.problem.sun_light(
+            scene_index, imagers.scenes[scene_index].view.take(imager), imagers.camera[imager],
+            port_index=imagers.port[imager], **where,
+        )  # fmt: skip
+
+    def _sharps(self, scene_index: int, keys: Array) -> SharpRows:
+        """What MTF and information depend on, by light optics."""
+        imagers, seen = self.imagers, self.imagers.scenes[scene_index]
+        optics, imager = np.divmod(keys, len(imagers))
+        made: SharpRows | None = None
+        for one in np.unique(optics):
+            some = imager[optics == one]  # keys are sorted, so groups follow each other
+            part = self.problem.sharp_rows(
+                scene_index, seen.view.take(some), camera=imagers.camera[some], lens=imagers.lens[some],
+                port=imagers.port[some], optics=int(one), dioptre_per_m=seen.focused.dioptre_per_m[some],
+            )  # fmt: skip
+            made = appended(made, part if part.spreads else replace(part, spread_index=0 * part.spread_index))
+        assert made is not None
+        return made
+
+    def _even(self, scene_index: int, keys: Array) -> Array | None:
+        """Whether floors are lit evenly enough; one integral an image and number of lamps."""
+        wanted = self.problem.scenes[scene_index].view.requirements.min_uniformity
+        if wanted is None:
+            return None
+        known = self.evens[scene_index]
+        view = self.imagers.scenes[scene_index].view
+        unique, back = np.unique(keys, return_inverse=True)
+        for key in unique:
+            if int(key) in known:
+                continue
+            pair, number = divmod(int(key), self.n_counts)
+            k, image = divmod(pair, len(self.images))
+            imager, lighting = self.images[image], self.search.tables.lightings[k]
+            least = self.problem.uniformity(
+                scene_index, view.take(np.array([imager])), port_index=int(self.imagers.port[imager]),
+                optics=lighting.optics, mount=lighting.mount, count=number,
+            ).min()  # fmt: skip
+            known[int(key)] = bool(least >= wanted * (1 - 1e-9))
+        return np.array([known[int(key)] for key in unique])[back.reshape(-1)]
+
+
+def scaled_sun(sun: SunLight, factor: Array) -> SunLight:
+    """Every row times its own factor."""
+    columns: dict[str, Any] = {f.name: getattr(sun, f.name) for f in fields(sun)}
+    made: dict[str, Any] = {
+        name: None if c is None else c * factor.reshape(-1, *([1] * (c.ndim - 1)))
+        for name, c in columns.items()
+    }
+    return SunLight(**made)
+
+
+def alike(search: Search) -> tuple[Array, Array]:
+    """One imager of each image that differs by more than its collecting area, and each imager's image."""
+    imagers = search.imagers
+    keys = [imagers.port.astype(float), search.problem.cameras.qe_index[imagers.camera].astype(float)]
+    for scene in imagers.scenes:
+        keys += [scene.view.tan_along, scene.view.tan_across]
+    order = np.lexsort(keys)
+    columns = np.stack(keys)[:, order]
+    fresh = np.ones(len(order), bool)
+    fresh[1:] = (columns[:, 1:] != columns[:, :-1]).any(axis=0)
+    image_of = np.empty(len(order), int)
+    image_of[order] = np.cumsum(fresh) - 1
+    return order[fresh], image_of

@@ -1,0 +1,177 @@
+"""Settings as a person can set them: stops, tenths of a decibel, microseconds, per cents of light.
+
+Whatever is offered to be set has been evaluated with all light counted and meets every requirement. Among
+thirds of a stop (then between them) the best by the objective is taken; where no mark holds, nothing is offered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings, design_model
+from uwopt.forward.batch import influences_of
+from uwopt.forward.effects import effects_kept
+from uwopt.forward.figures import SettingRows
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
+from uwopt.forward.problem import Problem
+from uwopt.model.port import lens_dioptre_per_m, water_distance_m
+from uwopt.objectives.objective import Objective
+from uwopt.results.result import Design
+from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL, SettableScene, Tried, terms_of
+from uwopt.solvers.settable.steps import DIGITS, focus_distances_m, rates_hz, stops
+
+FAR_M = 10_000.0  # what a focus at infinity, or beyond, is set to
+HOPELESS = 0.05  # share by which a requirement is missed that no finer rate or focus can mend
+MOST_LEAN = 2  # models with effects left out that the search heeds, one after the other
+BY_POWER = Objective({"power": 1.0})  # of a design that only has to stay near the optimum
+
+
+@dataclass(frozen=True)
+class Rounded:
+    """The settable settings that come nearest to the requirements, and the design that they make."""
+
+    given: list[SceneSettings]
+    design: Design
+
+
+def rounded_design(
+    problem: Problem, hardware: Hardware, exact: Sequence[dict[str, Any]], objective: Objective | None
+) -> Rounded:
+    """The best design that can be set; feasible, or the nearest miss where none is.
+
+    `exact` : the optimum's settings by scene. Without an objective the design stays as near to it as it can.
+    Physics `auto` leaves effects out when the settings are evaluated; the requirements then hold with and without.
+    """
+    goal, model = objective or BY_POWER, design_model(problem, hardware)
+    optimum = [model.settings(i, exact_settings(model, i, numbers)) for i, numbers in enumerate(exact)]
+    leaner: list[DesignModel] = []
+    while True:
+        given = settable(model, optimum, objective, leaner)
+        made = Rounded(given, evaluated(problem, hardware, given, goal))
+        if not made.design.feasible or problem.mission.physics != "auto":
+            return made
+        lean = problem.with_effects(effects_kept(influences_of(problem, hardware, given, goal)))
+        if lean.effects == problem.effects or holds(design_model(lean, hardware), given):
+            return made
+        if len(leaner) == MOST_LEAN:
+            return Rounded(given, evaluated(lean, hardware, given, goal))
+        leaner.append(design_model(lean, hardware))
+
+
+def settable(
+    model: DesignModel, optimum: Sequence[SettingRows], objective: Objective | None, leaner: Sequence[DesignModel]
+) -> list[SceneSettings]:
+    """The best settings that can be set, or those of the nearest miss; `leaner` models must agree that all holds."""
+    nearest: tuple[float, list[SceneSettings]] = (np.inf, [])
+    for rates, dioptres in variants(model, optimum):
+        scenes = [
+            SettableScene(model, i, one, objective, rate_hz=rates[i], dioptre_per_m=dioptres[i], leaner=leaner)
+            for i, one in enumerate(optimum)
+        ]
+        for between in (False, True):
+            tried = best_common(model, scenes, objective, between=between)
+            nearest = min(nearest, tried, key=lambda found: found[0])
+            if nearest[0] == 0.0:
+                return nearest[1]
+        if nearest[0] > HOPELESS:
+            break
+    return nearest[1]
+
+
+def evaluated(problem: Problem, hardware: Hardware, given: list[SceneSettings], goal: Objective) -> Design:
+    """A design with these settings, evaluated."""
+    return evaluate_design(problem, hardware, given, goal, level_tolerance_rel=LEVEL_TOLERANCE_REL)
+
+
+def holds(model: DesignModel, given: Sequence[SceneSettings]) -> bool:
+    """Whether these settings meet every requirement in a model."""
+    for index, one in enumerate(given):
+        settings = model.settings(index, one)
+        figures = model.figures(index, settings)
+        margins = model.margins(index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL)
+        if not all(bool(m.satisfied[0]) for m in margins):
+            return False
+    return True
+
+
+def variants(
+    model: DesignModel, optimum: Sequence[SettingRows]
+) -> Iterator[tuple[list[float], list[float]]]:
+    """Frame rates and focus to try, by scene: in few figures first; the focus ring stands alike in all scenes."""
+    rates = [rates_hz(float(one.rate_hz[0])) for one in optimum]
+    distance_m = float(water_distance_m(optimum[0].dioptre_per_m[0], focus_map=model.maps[0]))
+    marks_m = focus_distances_m(distance_m) if 0 < distance_m < FAR_M else [FAR_M]
+    for number, mark_m in enumerate(marks_m):
+        ring = float(lens_dioptre_per_m(mark_m, focus_map=model.maps[0]))
+        dioptres = [typed_dioptre_per_m(model, i, ring) for i in range(len(optimum))]
+        for finer in (False, True):
+            if number == 0 or finer:
+                yield [rate[finer] for rate in rates], dioptres
+
+
+def typed_dioptre_per_m(model: DesignModel, index: int, ring: float) -> float:
+    """The lens's focus in one scene when its distance in that scene's water is typed in as it is printed."""
+    return float(lens_dioptre_per_m(typed_focus_m(model, index, ring), focus_map=model.maps[index]))
+
+
+def typed_focus_m(model: DesignModel, index: int, dioptre_per_m: float) -> float:
+    """The distance in water at which a lens is focused, in the digits that are printed."""
+    distance_m = float(water_distance_m(dioptre_per_m, focus_map=model.maps[index]))
+    return float(f"{distance_m:.{DIGITS}g}") if 0 < distance_m < FAR_M else FAR_M
+
+
+def best_common(
+    model: DesignModel, scenes: Sequence[SettableScene], objective: Objective | None, *, between: bool
+) -> tuple[float, list[SceneSettings]]:
+    """The best settings with an f-number common to all scenes unless the iris has a motor, and what they miss."""
+    marks = stops(model.lenses, between=between)
+    sharp = np.logical_and.reduce([scene.keep_depth(marks) for scene in scenes], axis=0)
+    tried = [scene.best_by_stop(marks[sharp] if sharp.any() else marks[-1:]) for scene in scenes]
+    if model.lenses.motorised[0]:
+        every = np.zeros(len(tried[0].shortfall), np.intp)
+        tried = [one.take(one.best_of_each(every)) for one in tried]
+    missed = np.max([one.shortfall for one in tried], axis=0)
+    value = np.max([one.value for one in tried], axis=0)
+    if objective is not None:
+        value = np.where(missed == 0.0, objective.cost_to_minimise(terms_of(tried)), np.inf)
+    common = replace(tried[0], shortfall=missed, value=value, power_w=terms_of(tried).power)
+    best = common.best_of_each(np.zeros(len(missed), np.intp))
+    return float(missed[best[0]]), [
+        scene_settings(scene, one.take(best)) for scene, one in zip(scenes, tried, strict=True)
+    ]
+
+
+def scene_settings(scene: SettableScene, tried: Tried) -> SceneSettings:
+    """One scene's settings as the evaluation takes them."""
+    one = tried.settings
+    pulse_s = float(one.pulse_s[0])
+    return SceneSettings(
+        f_number=float(one.f_number[0]), exposure_s=float(one.exposure_s[0]),
+        pulse_s=pulse_s if np.isfinite(pulse_s) else None, gain=float(one.gain[0]), level=float(one.level[0]),
+        rate_hz=float(one.rate_hz[0]), focus_distance_m=typed_focus_m(scene.model, scene.index, scene.dioptre_per_m),
+    )  # fmt: skip
+
+
+def exact_settings(model: DesignModel, index: int, numbers: dict[str, Any]) -> SceneSettings:
+    """The search's own settings of one scene, unrounded, as the evaluation takes them."""
+    kind = int(model.lights.kind[0])
+    pulse = {
+        CONTINUOUS: None,
+        PULSED: float(numbers["time_s"]),
+        FLASH: float(model.lights.flash_duration_s[0]),
+    }[kind]
+    wanted = model.problem.scenes[index].view.requirements.mean_level
+    return SceneSettings(
+        f_number=float(numbers["f_number"]),
+        exposure_s=float(numbers["exposure_s"]),
+        pulse_s=pulse,
+        gain=None if wanted is not None else float(numbers["gain"]),
+        level=float(numbers["level"]),
+        rate_hz=float(numbers["rate_hz"]),
+        dioptre_per_m=float(numbers["dioptre_per_m"]),
+    )

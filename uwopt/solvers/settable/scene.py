@@ -1,0 +1,357 @@
+"""One scene of one hardware: the best settings among those that can be set, by f-number.
+
+Every setting is tried with the figures and margins of the evaluation itself, all light counted. How far the
+worst requirement is missed has no local minima along the time that collects light, so the time is found by
+looking at a few, then at a few between the neighbours of the best, down to the microsecond; the light's level
+among its marks likewise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of
+from uwopt.forward.lamp_light import worst_candidates
+from uwopt.forward.part_columns import FLASH, PULSED
+from uwopt.model import sensor
+from uwopt.objectives.objective import Objective, Terms
+from uwopt.objectives.requirements import depth_of_field_margins
+from uwopt.solvers.exact.ranking import told_apart
+from uwopt.solvers.settable.steps import EDGE, GAIN_STEP_DB, TIME_STEP_S, light_levels, time_steps
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+LEVEL_TOLERANCE_REL = 0.012  # one step of gain: how well a mean level can be met with 0.1 dB
+TIMES = 12  # looked at a row, before the search goes on between two of them
+LEVELS = 9
+ROUNDS = 12  # 11 ** 12 is more than there are microseconds in any exposure
+SHARP_LAST = 1e-6  # weight of a sharpness that is missed: first all else must hold
+WORST = 1e290  # stands for an objective that is infinite
+MOST_PIXELS = 4_000_000  # figures at pixels that are held at a time
+BALANCES = 13  # of lamps against sun, at which the worst pixels are looked for
+OPEN_LONGER = (0.0, 0.5, 1.0)  # of the optimum's open shutter beyond the pulse, under the sun
+
+
+@dataclass(frozen=True)
+class Tried:
+    """Settings and what the evaluation says of them; columns."""
+
+    settings: SettingRows
+    shortfall: Array  # of the requirement that is missed most, as a share of its size; 0: all hold
+    value: Array  # less is better; inf where a requirement is missed
+    away: Array  # of time and f-number from the optimum's, in e-folds of light
+    power_w: Array
+    snr_db: Array
+    contrast: Array
+    information: Array
+
+    def take(self, index: Index) -> Tried:
+        """These rows only."""
+        rest = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name != "settings"}
+        return Tried(self.settings.take(index), **rest)
+
+    @staticmethod
+    def joined(parts: list[Tried]) -> Tried:
+        """All rows of some lists."""
+        names = [f.name for f in fields(SettingRows)]
+        settings = {name: np.concatenate([getattr(p.settings, name) for p in parts]) for name in names}
+        rest = [f.name for f in fields(Tried) if f.name != "settings"]
+        columns = {name: np.concatenate([getattr(p, name) for p in parts]) for name in rest}
+        return Tried(SettingRows(**settings), **columns)
+
+    def best_of_each(self, group: Index) -> Index:
+        """The best row of each group, in the groups' order: least missed, best, least power, nearest the optimum."""
+        value = told_apart(np.minimum(self.value, WORST))
+        order = np.lexsort((self.away, told_apart(self.power_w), value, self.shortfall, group))
+        return np.asarray(order[np.unique(group[order], return_index=True)[1]])
+
+
+class SettableScene:
+    """What can be set in one scene, tried by the thousand."""
+
+    def __init__(
+        self, model: DesignModel, index: int, exact: SettingRows, objective: Objective | None, *,
+        rate_hz: float, dioptre_per_m: float, leaner: Sequence[DesignModel] = (),
+    ):  # fmt: skip
+        self.model, self.index, self.exact, self.objective = few_pixels(model, index), index, exact, objective
+        self.rate_hz, self.dioptre_per_m = rate_hz, dioptre_per_m
+        self.kind = int(model.lights.kind[0])
+        self.levels = light_levels(model.lights)
+        self.needs = model.problem.scenes[index].view.requirements
+        n_gains = int(_db(model.cameras.max_gain[0]) / GAIN_STEP_DB + EDGE) + 1
+        self.gains_db = np.arange(n_gains) * GAIN_STEP_DB
+        self.at_exact = self._figures(exact)
+        self.models = [self.model, *(few_pixels(lean, index) for lean in leaner)]
+        self.rows = self.model.rows[index]
+        self.means = [means_alone(one.rows[index]) for one in self.models]
+
+    # ------------------------------------------------------------ what there is to try
+
+    def keep_depth(self, stops: Array) -> NDArray[np.bool_]:
+        """Which f-numbers keep the wanted depth sharp; no light changes that."""
+        tried = self._settings(stops, np.ones(len(stops)), np.ones(len(stops)), np.zeros(len(stops)))
+        scene = self.model.problem.scenes[self.index]
+        margins = depth_of_field_margins(scene, figures_of(scene, self.means[0], tried))
+        return np.logical_and.reduce([m.satisfied for m in margins], axis=0) | np.zeros(len(stops), bool)
+
+    def best_by_stop(self, stops: Array) -> Tried:
+        """The best settings at each of these f-numbers."""
+        each = np.arange(len(stops))
+        tried = [self._first_levels(float(stop)) for stop in stops]
+        best = self._over_levels(stops, tried)
+        while True:
+            at = [int(np.abs(self.levels - level).argmin()) for level in best.settings.level]
+            more = [self._between(seen, middle) for seen, middle in zip(tried, at, strict=True)]
+            if not any(len(m) for m in more):
+                return best
+            found = self._over_levels(stops, more)
+            place = np.concatenate([each, np.nonzero([len(m) > 0 for m in more])[0]])
+            both = Tried.joined([best, found])
+            best = both.take(both.best_of_each(place))
+            tried = [np.union1d(seen, new) for seen, new in zip(tried, more, strict=True)]
+
+    def _first_levels(self, f_number: float) -> Index:
+        """Marks around the level that gives the optimum's light at this f-number, and some over the whole range."""
+        top = len(self.levels) - 1
+        alike = float(self.exact.level[0]) * (f_number / float(self.exact.f_number[0])) ** 2
+        near = int(np.searchsorted(self.levels, alike * (1 - EDGE)))
+        spread = np.unique(np.round(np.geomspace(1, top + 1, min(LEVELS, top + 1))).astype(int) - 1)
+        return np.union1d(np.clip(np.arange(near - 1, near + 2), 0, top), spread)
+
+    def _between(self, tried: Index, middle: int) -> Index:
+        """Marks not tried yet between the neighbours of one that was."""
+        place = int(np.searchsorted(tried, middle))
+        low, high = tried[max(place - 1, 0)], tried[min(place + 1, len(tried) - 1)]
+        open_marks = np.setdiff1d(np.arange(low, high + 1), tried)
+        few = np.linspace(0, len(open_marks) - 1, min(LEVELS, len(open_marks))).astype(int)
+        return np.asarray(open_marks[np.unique(few)])
+
+    def _over_levels(self, stops: Array, marks: list[Index]) -> Tried:
+        """The best at each stop that has marks to try, in the order of the stops."""
+        longer = self._open_longer_s()
+        stop = np.repeat(np.arange(len(stops)), [len(m) * len(longer) for m in marks])
+        levels = np.concatenate([np.repeat(self.levels[m], len(longer)) for m in marks])
+        extra = np.tile(longer, sum(len(m) for m in marks))
+        tried = self._best_times(stops[stop], levels, extra)
+        return tried.take(tried.best_of_each(stop))
+
+    def _open_longer_s(self) -> Array:
+        """Times that the shutter may stay open beyond a pulse: more than none only where the sun adds light."""
+        if self.kind != PULSED or self.rows.sun is None:
+            return np.zeros(1)
+        shut = float(self.exact.pulse_s[0] + self.model.cameras.readout_s[0])
+        return np.unique(max(float(self.exact.exposure_s[0]) - shut, 0.0) * np.array(OPEN_LONGER))
+
+    def _step_range(self) -> tuple[float, float]:
+        """Fewest and most microseconds of the time that is varied: the pulse of an LED, else the exposure."""
+        cam, lights = self.model.cameras, self.model.lights
+        limit = self.model.problem.mission.limits.max_exposure_ms * 1e-3
+        longest = min(float(cam.max_exposure_s[0]), limit, 1.0 / self.rate_hz if self.rate_hz > 0 else np.inf)
+        shortest, readout = float(cam.min_exposure_s[0]), float(cam.readout_s[0])
+        if self.kind == PULSED:
+            duty = float(lights.max_duty[0]) / self.rate_hz if self.rate_hz > 0 else np.inf
+            shortest, longest = (
+                float(lights.min_pulse_s[0]),
+                min(float(lights.max_pulse_s[0]), duty, longest - readout),
+            )
+        elif self.kind == FLASH and readout > 0:
+            shortest = max(shortest, float(lights.flash_duration_s[0]) + readout)
+        low = max(np.ceil(shortest / TIME_STEP_S * (1 - EDGE)), 1.0)
+        return float(low), float(max(np.floor(longest / TIME_STEP_S * (1 + EDGE)), low))
+
+    # ------------------------------------------------------------ trying it
+
+    def _best_times(self, f_number: Array, level: Array, extra_s: Array) -> Tried:
+        """The best time of each row, with its gain."""
+        count = len(f_number)
+        low, high = (np.full(count, end) for end in self._step_range())
+        best: Tried | None = None
+        for _ in range(ROUNDS):
+            steps = spread_steps(low, high)
+            row = np.repeat(np.arange(count), TIMES)
+            best = self._with_gains(f_number[row], steps.ravel(), level[row], extra_s[row], row, best)
+            at = np.abs(steps - self._steps_of(best)[:, None]).argmin(axis=1)
+            every = np.arange(count)
+            if (high - low < TIMES).all():
+                break
+            low, high = steps[every, np.maximum(at - 1, 0)], steps[every, np.minimum(at + 1, TIMES - 1)]
+        assert best is not None
+        return best
+
+    def _steps_of(self, tried: Tried) -> Array:
+        """Microseconds of the time that is varied."""
+        time = tried.settings.pulse_s if self.kind == PULSED else tried.settings.exposure_s
+        return np.asarray(np.round(time / TIME_STEP_S))
+
+    def _with_gains(
+        self, f_number: Array, steps: Array, level: Array, extra_s: Array, row: Index, known: Tried | None
+    ) -> Tried:
+        """The best of these rows for each group, at the gains that suit them, and of what was known of it."""
+        settings = self._settings(f_number, steps, level, extra_s)
+        parts = [self._judged(replace(settings, gain=gain)) for gain in self._gains(settings)]
+        group = np.concatenate([row] * len(parts))
+        if known is not None:
+            parts, group = [known, *parts], np.concatenate([np.unique(row), group])
+        tried = Tried.joined(parts)
+        return tried.take(tried.best_of_each(group))
+
+    def _settings(self, f_number: Array, steps: Array, level: Array, extra_s: Array) -> SettingRows:
+        """Settings at unit gain."""
+        cam, one = self.model.cameras, np.ones(len(steps))
+        time = steps * TIME_STEP_S
+        exposure, pulse = time, np.inf * one
+        if self.kind == FLASH:
+            pulse = float(self.model.lights.flash_duration_s[0]) * one
+        if self.kind == PULSED:
+            open_s = np.maximum(time + float(cam.readout_s[0]) + extra_s, float(cam.min_exposure_s[0]))
+            exposure = time_steps(np.ceil(open_s / TIME_STEP_S - 1e-6), up=True) * TIME_STEP_S
+            pulse = time
+        rate, dioptre = self.rate_hz * one, self.dioptre_per_m * one
+        return SettingRows(f_number, exposure, pulse, one, level, rate, dioptre)
+
+    def _gains(self, settings: SettingRows) -> list[Array]:
+        """The highest gain that does not saturate; of a wanted mean level the steps on either side, nearest first."""
+        cam, scene = self.model.cameras, self.model.problem.scenes[self.index]
+        full, black = float(2.0 ** cam.bits[0] - 1.0), float(cam.black_level_dn[0])
+        wanted = self.needs.mean_level
+        seen = [figures_of(scene, rows, settings).mean_level * full - black for rows in self.means]
+        reached = np.max(seen, axis=(0, 2)) if wanted is None else seen[0][:, scene.nominal]
+        target = (full / self.needs.highlight_ratio if wanted is None else wanted * full) - black
+        with np.errstate(divide="ignore", invalid="ignore"):
+            steps = np.nan_to_num(_db(target / reached) / GAIN_STEP_DB, nan=0.0)
+        top = len(self.gains_db) - 1
+        lower = np.clip(np.floor(steps + EDGE), 0, top)
+        nearest = np.clip(np.round(steps), 0, top)
+        other = np.where(nearest > lower, lower, np.minimum(lower + 1, top))
+        picks = [lower] if wanted is None else [nearest, other]
+        return [10.0 ** (self.gains_db[pick.astype(int)] / 20.0) for pick in picks]
+
+    def _judged(self, settings: SettingRows) -> Tried:
+        """Figures and margins, some thousand rows at a time where the worst pixel counts."""
+        worst = self.rows.light.worst_e
+        each = MOST_PIXELS if worst is None else max(MOST_PIXELS // worst.size, 1)
+        places = np.arange(len(settings.f_number))
+        return Tried.joined([self._some(settings.take(at)) for at in np.split(places, places[each::each])])
+
+    def _some(self, settings: SettingRows) -> Tried:
+        """Figures and margins of some settings; sharpness, which is dear, of those where all else holds."""
+        scene, asked = self.model.problem.scenes[self.index], self.needs.min_mtf_half_nyquist is not None
+        figures = [figures_of(scene, model.rows[self.index], settings) for model in self.models]
+        shortfall = self._shortfall(settings, figures)
+        if asked and not scene.paper and (rest := np.nonzero(shortfall == 0.0)[0]).size:
+            few = settings.take(rest)
+            sharp = [model.figures(self.index, few) for model in self.models]
+            shortfall[rest] = SHARP_LAST * self._shortfall(few, sharp)
+        made = self._terms(settings, figures[0], shortfall == 0.0)
+        return replace(made, shortfall=shortfall, value=np.where(shortfall == 0.0, self._value(made), np.inf))
+
+    def _shortfall(self, settings: SettingRows, by_model: Sequence[Figures]) -> Array:
+        """How far the requirement that is missed most is missed, in any of the models."""
+        worst = np.zeros(len(settings.f_number))
+        for model, figures in zip(self.models, by_model, strict=True):
+            for margin in model.margins(
+                self.index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL
+            ):
+                worst = np.maximum(worst, margin.shortfall)
+        return worst
+
+    def _figures(self, settings: SettingRows) -> Tried:
+        """The figures that objectives are made of."""
+        every = np.ones(len(settings.f_number), bool)
+        return self._terms(settings, self.model.figures(self.index, settings), every)
+
+    def _terms(self, settings: SettingRows, figures: Figures, hopeful: NDArray[np.bool_]) -> Tried:
+        """Figures of the objective; information, which is dear, only where it matters."""
+        count, nominal = len(settings.f_number), self.model.problem.scenes[self.index].nominal
+        information = np.zeros(count)
+        if self.objective is not None and self.objective.weight("information") and hopeful.any():
+            some = self.model.figures(self.index, settings.take(np.nonzero(hopeful)[0]), information=True)
+            assert some.information_bit_per_m2 is not None
+            information[hopeful] = some.information_bit_per_m2
+        power = np.broadcast_to(self.model.totals(self.index, figures)["power_w"], (count,))
+        snr_db = np.asarray(sensor.to_db(np.maximum(figures.snr[:, nominal], 1e-300)))
+        none = np.zeros(count)
+        contrast = figures.contrast[:, nominal]
+        return Tried(settings, none, none, self._away(settings), power, snr_db, contrast, information)
+
+    def _away(self, settings: SettingRows) -> Array:
+        """How far time and f-number are from the optimum's: among equals the nearest is no surprise."""
+        time = np.abs(np.log(settings.exposure_s / self.exact.exposure_s))
+        return np.asarray(time + 2.0 * np.abs(np.log(settings.f_number / self.exact.f_number)))
+
+    def _value(self, tried: Tried) -> Array:
+        """The objective; without one how far power and signal to noise are from the optimum's, as e-folds."""
+        if self.objective is not None:
+            return self.objective.cost_to_minimise(terms_of([tried]))
+        away_db = np.abs(tried.snr_db - self.at_exact.snr_db)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            folds = np.abs(np.log(tried.power_w / self.at_exact.power_w))
+        return np.asarray(away_db / _db(np.e) + np.nan_to_num(folds, nan=0.0))
+
+
+def few_pixels(model: DesignModel, index: int) -> DesignModel:
+    """The model with the pixels alone that some balance of lamps and sun makes the worst.
+
+    What is found with them is evaluated with all.
+    """
+    rows = model.rows[index]
+    lamp, sun = rows.light, rows.sun
+    if lamp.worst_e is None or sun is None or sun.worst_e_s is None or not sun.worst_e_s.mean() > 0:
+        return model
+    with np.errstate(divide="ignore"):
+        share = np.nan_to_num(sun.worst_e_s.mean() / lamp.worst_e.mean(), posinf=1.0)
+    keep = np.unique(np.concatenate([
+        worst_candidates(
+            lamp.worst_e * share * balance + sun.worst_e_s,
+            None if sun.worst_veil_e_s is None else
+            (0.0 if lamp.worst_veil_e is None else lamp.worst_veil_e * share * balance) + sun.worst_veil_e_s,
+        )
+        for balance in (0.0, *np.geomspace(1e-3, 1e3, BALANCES))
+    ]))  # fmt: skip
+    few = copy(model)
+    few.rows = list(model.rows)
+    few.rows[index] = replace(rows, light=only_pixels(lamp, keep), sun=only_pixels(sun, keep))
+    return few
+
+
+def means_alone(rows: DesignRows) -> DesignRows:
+    """The rows without pixels."""
+    return replace(rows, light=replace(rows.light, worst_e=None, worst_veil_e=None))
+
+
+def only_pixels(light: Any, keep: Index) -> Any:
+    """Light of lamps or sun with some of its pixels."""
+    columns = {f.name: getattr(light, f.name) for f in fields(light)}
+    return replace(light, **{k: c[:, :, keep] for k, c in columns.items() if c is not None and c.ndim == 3})
+
+
+def terms_of(scenes: list[Tried]) -> Terms:
+    """Terms of the objective over scenes, the worst of each; what hardware alone decides is left at 0."""
+    none = np.zeros(len(scenes[0].power_w))
+    return Terms(
+        power=np.max([s.power_w for s in scenes], axis=0), cost=none, mass=none,
+        snr_db=np.min([s.snr_db for s in scenes], axis=0), gsd_mm=none,
+        contrast=np.min([s.contrast for s in scenes], axis=0),
+        information=np.min([s.information for s in scenes], axis=0),
+    )  # fmt: skip
+
+
+def spread_steps(low: Array, high: Array) -> Array:
+    """Whole numbers from low to high, (n, TIMES): all of them where there are few, else at equal ratios."""
+    share = np.linspace(0.0, 1.0, TIMES)
+    ratio = np.exp(np.log(low)[:, None] * (1 - share) + np.log(high)[:, None] * share)
+    all_of_them = np.minimum(low[:, None] + np.arange(TIMES), high[:, None])
+    steps = np.where((high - low < TIMES)[:, None], all_of_them, np.clip(np.round(ratio), low[:, None], high[:, None]))
+    return time_steps(steps)
+
+
+def _db(ratio: Array | float) -> Array:
+    return np.asarray(20.0 * np.log10(ratio))

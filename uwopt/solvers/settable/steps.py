@@ -1,0 +1,77 @@
+"""The marks on the parts: f-numbers, times, gains, levels, rates and focus distances that a person can set."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.part_columns import Lenses, Lights
+
+Array = NDArray[np.float64]
+
+# As lenses are engraved, a third of a stop apart; powers of the sixth root of 2 round to other numbers.
+THIRD_STOPS = (
+    1.0, 1.1, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.5, 2.8, 3.2, 3.5, 4.0, 4.5, 5.0, 5.6, 6.3, 7.1, 8.0, 9.0, 10.0, 11.0,
+    13.0, 14.0, 16.0, 18.0, 20.0, 22.0, 25.0, 29.0, 32.0, 36.0, 40.0, 45.0, 51.0, 57.0, 64.0,
+)  # fmt: skip
+GAIN_STEP_DB = 0.1
+TIME_STEP_S = 1e-6
+LEVEL_STEP = 0.01
+FOCUS_STEP_M = 0.01
+RATE_DIGITS = 3
+DIGITS = 6  # that a setting is printed with: what is typed is what was checked
+EDGE = 1e-9  # relative: a mark that is hit is not passed
+
+
+def stops(lenses: Lenses, *, between: bool) -> Array:
+    """f-numbers of one lens's ring: its ends, the thirds of a stop within; `between` also halfway to the next."""
+    lowest, highest = float(lenses.f_number_min[0]), float(lenses.f_number_max[0])
+    marks = np.array(THIRD_STOPS)
+    if between:
+        halfway = [figures_up(n, 3) for n in np.sqrt(marks[1:] * marks[:-1]).tolist()]
+        marks = np.concatenate([marks, halfway])
+    inside = marks[(marks > lowest * (1 + EDGE)) & (marks < highest * (1 - EDGE))]
+    return np.unique(np.array([lowest, *inside, highest]))
+
+
+def light_levels(lights: Lights) -> Array:
+    """Levels of one light: its steps; of one that dims freely every per cent, and its least."""
+    if not lights.dims_freely[0]:
+        return np.unique(lights.levels[0][np.isfinite(lights.levels[0])])
+    least = float(lights.min_level[0])
+    per_cents = np.arange(1, round(1.0 / LEVEL_STEP) + 1) * LEVEL_STEP
+    return np.unique(np.round([least, *per_cents[per_cents > least]], DIGITS))
+
+
+def figures_up(value: float, digits: int) -> float:
+    """The number that has so many significant digits and is no less, but for rounding."""
+    if not 0.0 < value < math.inf:
+        return value
+    step = 10.0 ** (math.floor(math.log10(value)) + 1 - digits)
+    return float(f"{math.ceil(value / step - 1e-6) * step:.{digits}g}")
+
+
+def rates_hz(rate_hz: float) -> tuple[float, float]:
+    """Frame rates to set, no lower than this one: in few figures; in as many as are printed."""
+    return figures_up(rate_hz, RATE_DIGITS), figures_up(rate_hz, DIGITS)
+
+
+def focus_distances_m(distance_m: float) -> list[float]:
+    """Focus distances to set, the nearest first: in centimetres, within a metre in three figures."""
+    step = FOCUS_STEP_M * min(1.0, 10.0 ** math.floor(math.log10(distance_m)))
+    below = math.floor(distance_m / step)
+    near = sorted((max(below + n, 1) for n in range(2)), key=lambda n: abs(n * step - distance_m))
+    return [float(f"{n * step:.{DIGITS}g}") for n in dict.fromkeys(near)]
+
+
+def time_steps(steps: Array, *, up: bool = False) -> Array:
+    """Numbers of microseconds that can be printed in full, no greater than these, or `up`: no less."""
+    size = 10.0 ** np.maximum(np.floor(np.log10(np.maximum(steps, 1.0))) + 1 - DIGITS, 0.0)
+    return np.asarray((np.ceil if up else np.floor)(steps / size) * size)
+
+
+def printed(settings: dict[str, float | None]) -> dict[str, float | None]:
+    """Settings without the last bits that conversions of units leave: 0.172 ms, not 0.17200000000000001."""
+    return {name: None if value is None else float(f"{value:.9g}") for name, value in settings.items()}

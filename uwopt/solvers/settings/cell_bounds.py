@@ -1,0 +1,460 @@
+"""One scene's designs over boxes of settings: what the best point of a box can reach at most, and points.
+
+A box has ranges of f-number, light-collecting time, open shutter and level. Each quantity is bounded at its own
+best corner: light at (least N, longest time), diffraction at the least N, defocus at the greatest, motion at the
+shortest time, the sun's signal at its most and its veil and level at their least. A box of one point gives the
+truth, apart from the gain's effect on noise, which a point's own figures hold.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
+from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
+from uwopt.model import sensor
+from uwopt.model.lateral import spread_mtf
+from uwopt.model.sharpness import (
+    HALF_NYQUIST_CYC_PER_PX,
+    defocus_mtf,
+    diffraction_mtf,
+    lens_rating_mtf,
+    sinc_mtf,
+)
+from uwopt.solvers.settings import closed_form
+from uwopt.solvers.settings.closed_form import SLACK, Sun
+
+Array = NDArray[Any]
+MEETS = 1e-9  # relative, by which a point may miss a requirement
+_RATIO = (
+    np.sin(np.linspace(0.0, np.pi / 2.0, 20_001)) ** 2
+)  # of a frequency over the first null, dense at both ends
+_BOX = sinc_mtf(_RATIO)
+_TABLE_ERROR = 1e-7
+
+
+@dataclass(frozen=True)
+class Box:
+    """Ranges of settings of m cells in one scene; open times count where the sun shines."""
+
+    n_lo: Array
+    n_hi: Array
+    t_lo: Array
+    t_hi: Array
+    open_lo: Array
+    open_hi: Array
+    u_lo: Array
+    u_hi: Array
+
+    def take(self, index: Array) -> Box:
+        """These cells only."""
+        return Box(**{name: getattr(self, name)[index] for name in self.__dataclass_fields__})
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What boxes can reach at most in one scene; `alive` is False where they hold no feasible point."""
+
+    alive: Array
+    power_w: Array
+    snr: Array
+    contrast: Array
+    x_lo: Array
+    x_hi: Array
+    x_cap: Array  # by level and saturation alone
+    u_lo: Array  # levels in use
+    u_hi: Array
+
+
+@dataclass(frozen=True)
+class Points:
+    """Settings in one scene with their figures; `fits` where all requirements hold."""
+
+    chosen: closed_form.Chosen
+    fits: Array
+    snr: Array
+    contrast: Array
+    blur_s: Array
+
+
+class SceneCells:
+    """One scene's designs."""
+
+    def __init__(self, rows: SceneRows, light_limit_w: Array):
+        self.sharp = rows.sharp
+        self.rows = replace(rows, sharp=None)
+        self.sunlit = rows.sunlit
+        with np.errstate(divide="ignore", invalid="ignore"):
+            drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
+            share = light_limit_w / drawn
+        self.share = np.where(np.isnan(share), np.inf, share)  # level allowed by mean power
+        burning = rows.kind != PULSED
+        top = np.minimum(rows.max_level, 1.0)
+        self.u_max = np.where(burning, np.minimum(top, self.share * (1 + 1e-9)), top)
+        self.u_min = np.where(rows.dims_freely, rows.min_level, 0.0)
+        self.constant_window = None
+        if not self.sunlit and not np.any(rows.dark_current_e_s > 0):
+            self.constant_window = window_over(self.rows, 0.0, 0.0, 0.0, 0.0)
+        if rows.min_mtf > 0 and self.sharp is not None:
+            self._still_mtf(self.sharp)
+
+    def _still_mtf(self, sharp: Any) -> None:
+        """Factors of the MTF at half Nyquist that no setting changes."""
+        nu = HALF_NYQUIST_CYC_PER_PX
+        still = sinc_mtf(nu) * lens_rating_mtf(nu, rated_pitch_px=sharp.rated_pitch_px)
+        self.along, self.across = np.array(still), np.array(still)
+        for mine, spread in sharp.groups():
+            if spread is not None:
+                self.along[mine] *= spread_mtf(sharp.place_k_along[mine] * nu, table=spread)
+                self.across[mine] *= spread_mtf(sharp.place_k_across[mine] * nu, table=spread)
+
+    # ------------------------------------------------------------ time and shutter
+
+    def open_range_s(self, d: Array, t_lo: Array, t_hi: Array) -> tuple[Array, Array]:
+        """Open shutter that goes with light-collecting times: shortest and longest."""
+        rows = self.rows
+        offset = rows.exposure_offset_s[d]
+        freely = self.freely_open(d, t_lo)
+        around = np.maximum(rows.min_exposure_s[d], t_lo + rows.readout_s[d]) + offset
+        most = np.maximum(rows.min_exposure_s[d], t_hi + rows.readout_s[d]) + offset
+        if rows.open_max_s is not None:
+            most = rows.open_max_s[d]
+        return np.where(freely, around, t_lo), np.where(freely, most, t_hi)
+
+    def freely_open(self, d: Array, time_s: Array) -> Array:
+        """Whether the shutter may be open longer than the light that is collected."""
+        rows = self.rows
+        whole = (rows.kind[d] == FLASH) & (time_s >= rows.flash_duration_s[d] * WHOLE_FLASH)
+        return (rows.kind[d] == PULSED) | whole
+
+    def exposure_s(self, d: Array, time_s: Array, open_s: Array) -> Array:
+        """Exposure of the longest of these: with the sun what is open, else what the lamps need."""
+        rows = self.rows
+        if self.sunlit:
+            return np.asarray(np.maximum(open_s - rows.exposure_offset_s[d], 0.0))
+        around = np.maximum(rows.min_exposure_s[d], time_s + rows.readout_s[d])
+        cut = time_s - rows.exposure_offset_s[d]
+        return np.maximum(np.where(self.freely_open(d, time_s), around, cut), 0.0)
+
+    # ------------------------------------------------------------ MTF
+
+    def mtf_parts(self, d: Array, n_low: Array, n_high: Array) -> tuple[Array, Array]:
+        """MTF along (without motion) and across at half Nyquist, (m, 3): best over a range of f-numbers."""
+        assert self.sharp is not None
+        sharp, nu = self.sharp, HALF_NYQUIST_CYC_PER_PX
+        cycle = n_low * self.rows.working_factor[d] * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
+        round_ = diffraction_mtf(nu, cycle_px=cycle)[:, None] * defocus_mtf(
+            nu, disc_px=sharp.place_disc_px[d] / n_high[:, None]
+        )
+        return self.along[d][:, None] * round_, self.across[d][:, None] * round_
+
+    def sharp_time_s(self, d: Array, n_low: Array, n_high: Array, *, safe: bool) -> Array:
+        """Longest blur time at which the MTF may hold, -1 if none; `safe`: surely holds at that time."""
+        wanted = self.rows.min_mtf
+        if wanted <= 0.0 or self.sharp is None:
+            return np.full(len(d), np.inf)
+        along, across = self.mtf_parts(d, n_low, n_high)
+        fits = (across >= wanted * (1 - 1e-12)).all(axis=1) & (along >= wanted * (1 - 1e-12)).all(axis=1)
+        need = np.clip(wanted / np.maximum(along, 1e-300), 0.0, 1.0)
+        sign = -1.0 if safe else 1.0
+        ratio = np.interp(-need, -_BOX, _RATIO) * (1.0 + sign * _TABLE_ERROR) + max(sign, 0.0) * 1e-9
+        with np.errstate(divide="ignore"):
+            time = (ratio / HALF_NYQUIST_CYC_PER_PX / self.sharp.blur_px_per_s[d]).min(axis=1)
+        return np.where(fits, time, -1.0)
+
+    # ------------------------------------------------------------ boxes
+
+    def tightened(self, d: Array, box: Box) -> tuple[Box, Array]:
+        """The box without times that cannot be, and whether anything is left."""
+        t_lo, t_hi, open_lo, open_hi = box.t_lo, box.t_hi, box.open_lo, box.open_hi
+        sharp = self.sharp_time_s(d, box.n_lo, box.n_hi, safe=False)
+        if self.sunlit:
+            free = self.freely_open(d, t_lo)
+            least, _ = self.open_range_s(d, t_lo, t_hi)
+            open_lo, open_hi = np.maximum(open_lo, least), np.minimum(open_hi, sharp)
+            around = open_hi - self.rows.exposure_offset_s[d] - self.rows.readout_s[d]
+            t_hi = np.minimum(t_hi, np.where(free, around, open_hi))
+            open_lo = np.where(free, open_lo, np.maximum(open_lo, t_lo))
+            t_lo = np.where(free, t_lo, np.maximum(t_lo, open_lo))
+            open_hi = np.where(free, open_hi, np.minimum(open_hi, t_hi))
+        else:
+            t_hi = np.minimum(t_hi, sharp)
+        near = 1 + 1e-11
+        alive = (t_lo <= t_hi * near) & (open_lo <= open_hi * near)
+        t_hi, open_hi = np.maximum(t_hi, t_lo), np.maximum(open_hi, open_lo)
+        return replace(box, t_lo=t_lo, t_hi=t_hi, open_lo=open_lo, open_hi=open_hi), alive
+
+    def reach(self, d: Array, box: Box) -> Reach:
+        """What tightened boxes can reach."""
+        rows = self.rows.take(d)
+        factor2 = np.square(rows.working_factor)
+        n2_lo, n2_hi = np.square(box.n_lo) * factor2, np.square(box.n_hi) * factor2
+        y_lo, y_hi = box.open_lo / n2_hi, box.open_hi / n2_lo
+        if self.constant_window is not None:
+            low, high = (w[d] for w in self.constant_window)
+        else:
+            shortest = self.exposure_s(d, box.t_lo, box.open_lo)
+            longest = self.exposure_s(d, box.t_hi, box.open_hi)
+            low, high = window_over(rows, y_lo, y_hi, shortest, longest)
+        per_level_lo = rows.light_lm * box.t_lo / n2_hi
+        per_level_hi = rows.light_lm * box.t_hi / n2_lo
+        pulsed = rows.kind == PULSED
+        duty = np.where(pulsed, np.minimum(1.0, box.t_lo * rows.rate_hz), 1.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            top = np.minimum(box.u_hi, np.where(pulsed, self.share[d] * (1 + 1e-9) / duty, np.inf))
+            top = np.minimum(top, np.where(per_level_lo > 0, high / per_level_lo * (1 + SLACK), np.inf))
+            bottom = np.maximum(box.u_lo, low / per_level_hi * (1 - SLACK))
+        bottom, top = self.steps(d, bottom, top)
+        alive = (
+            (bottom <= top * (1 + 4 * SLACK)) & (low <= high * (1 + SLACK)) & np.isfinite(bottom) & (top >= 0)
+        )
+        x_cap = np.minimum(high, top * per_level_hi)
+        x_lo = np.maximum(low, bottom * per_level_lo)
+        alive &= x_lo <= x_cap * (1 + 4 * SLACK)
+        x_cap, x_lo = (np.where(alive, np.maximum(x, 0.0), 0.0) for x in (x_cap, x_lo))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            least_energy = np.maximum(bottom * duty, low * n2_lo / rows.light_lm * np.minimum(
+                1.0 / box.t_hi, rows.rate_hz))  # fmt: skip
+        drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
+        power = drawn * np.where(pulsed, least_energy, bottom)
+        alive &= np.isfinite(power)
+        snr, contrast = self._snr_and_contrast(rows, box, bottom, top, x_lo, x_cap, y_lo, y_hi)
+        alive &= snr >= rows.min_snr * (1 - 1e-9)
+        return Reach(alive, power, snr, contrast, x_lo, x_cap, high, bottom, top)
+
+    def steps(self, d: Array, bottom: Array, top: Array) -> tuple[Array, Array]:
+        """Least and greatest level in use within a range; inf and -inf where there is none."""
+        free = self.rows.dims_freely[d]
+        levels = self.rows.levels[d]
+        inside = (levels >= bottom[:, None] * (1 - 4 * SLACK)) & (levels <= top[:, None] * (1 + 4 * SLACK))
+        least = np.where(inside, levels, np.inf).min(axis=1)
+        most = np.where(inside, levels, -np.inf).max(axis=1)
+        return np.where(free, bottom, least), np.where(free, top, most)
+
+    def _snr_and_contrast(
+        self, rows: SceneRows, box: Box, u_lo: Array, u_hi: Array, x_lo: Array, x_hi: Array, y_lo: Array, y_hi: Array
+    ) -> tuple[Array, Array]:  # fmt: skip
+        """Highest SNR (a ratio) and contrast at the nominal altitude."""
+        at = rows.nominal
+        lamp, lamp_all = rows.signal_e[:, at], rows.total_e[:, at]
+        if not self.sunlit:
+            open_s = box.open_lo
+            dark_rows = replace(rows, dark_time_s=self._shortest(rows, box, open_s))
+            snr = closed_form.nominal_snr(dark_rows, x_hi)
+            share = np.where(lamp_all > 0, lamp / np.where(lamp_all > 0, lamp_all, 1.0), 0.0)
+            return snr, share
+        assert rows.sun_signal_e_s is not None and rows.sun_veil_e_s is not None
+        sun, over = rows.sun_signal_e_s[:, at], rows.sun_veil_e_s[:, at]
+        signal = lamp * x_hi + sun * y_hi
+        veil = (lamp_all - lamp) * x_lo + over * y_lo
+        dark_rows = replace(rows, dark_time_s=self._shortest(rows, box, box.open_lo))
+        gain = rows.gain_dn_per_e * closed_form.best_gain(dark_rows, x_lo, Sun.at(rows, y_lo))
+        snr = sensor.snr(
+            signal, veil_e=veil, read_noise_e=rows.read_noise_e, gain_dn_per_e=gain,
+            dark_e=closed_form.dark_e(dark_rows), prnu_frac=rows.prnu_frac,
+        )  # fmt: skip
+        with np.errstate(divide="ignore", invalid="ignore"):
+            most, least = self.lit_share(rows, box)
+            r_hi = np.minimum(x_hi / y_lo, rows.light_lm * u_hi * most)
+            r_lo = np.maximum(x_lo / y_hi, rows.light_lm * u_lo * least)
+            ends = [(lamp * r + sun) / (lamp_all * r + sun + over) for r in (np.minimum(r_lo, r_hi), r_hi)]
+        best = np.nanmax(np.stack([*ends, np.zeros_like(r_hi)]), axis=0)
+        return np.asarray(snr), np.minimum(best, 1.0)
+
+    def lit_share(self, rows: SceneRows, box: Box) -> tuple[Array, Array]:
+        """Light-collecting over open time, most and least."""
+        free = (rows.kind != CONTINUOUS) & (box.open_hi > box.t_lo)
+        return (
+            np.where(free, np.minimum(box.t_hi / box.open_lo, 1.0), 1.0),
+            np.where(free, box.t_lo / box.open_hi, 1.0),
+        )
+
+    def _shortest(self, rows: SceneRows, box: Box, open_s: Array) -> Array:
+        """Exposure of the shortest time of boxes."""
+        if self.sunlit:
+            return np.maximum(open_s - rows.exposure_offset_s, 0.0)
+        return np.maximum(rows.exposure_s(box.t_lo), 0.0)
+
+    # ------------------------------------------------------------ points
+
+    def points(
+        self, d: Array, f_number: Array, time_s: Array, open_s: Array, u_lo: Array, u_hi: Array, share: float
+    ) -> Points:
+        """Settings at these f-numbers and times; of the levels that fit the one at `share` of the range."""
+        rows = self.rows.take(d)
+        square = np.square(f_number * rows.working_factor)
+        level, fits, step, exact_s = self._level(d, rows, square, time_s, open_s, u_lo, u_hi, share)
+        late = ~fits & ~rows.dims_freely
+        if not self.sunlit and late.any():
+            # A step too bright for the time gives the least light in a shorter one; dark current follows it.
+            for _ in range(3):
+                time_s = np.where(late, exact_s, time_s)
+                open_s = time_s
+                again, now, _, exact_s = self._level(
+                    d, rows, square, time_s, open_s, u_lo, u_hi, share, step=step
+                )
+            level, fits = np.where(late, again, level), np.where(late, now, fits)
+        exposure = self.exposure_s(d, time_s, open_s)
+        dark_rows = replace(rows, dark_time_s=exposure)
+        y, per_level = open_s / square, rows.light_lm * time_s / square
+        level = np.where(fits, level, np.nan)
+        light_x = level * per_level
+        sun = Sun.at(rows, y) if self.sunlit else None
+        gain = closed_form.best_gain(dark_rows, light_x, sun)
+        power = closed_form.drawn_power_w(rows, level, time_s)
+        peak = np.where(
+            rows.kind == FLASH, rows.pulse_energy_j * level * rows.rate_hz, rows.full_power_w * level
+        )
+        snr, contrast, holds = figures_at(dark_rows, light_x, gain, sun)
+        blur_s = open_s if self.sunlit else time_s
+        full_w = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
+        drawn_most = np.where(full_w > 0, self.share[d], 0.0) * full_w  # a flash that never fires draws nothing
+        fits &= holds & (power <= drawn_most * (1 + 2e-9))
+        if rows.min_mtf > 0:
+            along, across = self.mtf_parts(d, f_number, f_number)
+            assert self.sharp is not None
+            along = along * sinc_mtf(
+                HALF_NYQUIST_CYC_PER_PX, width_px=self.sharp.blur_px_per_s[d] * blur_s[:, None]
+            )
+            fits &= np.minimum(along, across).min(axis=1) >= rows.min_mtf * (1 - MEETS)
+        chosen = closed_form.Chosen(f_number, level, time_s, gain, light_x, power, peak, exposure)
+        return Points(chosen, fits, snr, contrast, blur_s)
+
+    def _level(
+        self, d: Array, rows: SceneRows, square: Array, time_s: Array, open_s: Array, u_lo: Array, u_hi: Array,
+        share: float, step: Array | None = None,
+    ) -> tuple[Array, Array, Array, Array]:  # fmt: skip
+        """Level at these times, whether one fits; the step that is bright enough, and its time for least light."""
+        exposure, y = self.exposure_s(d, time_s, open_s), open_s / square
+        if self.constant_window is not None:
+            low, high = (w[d] for w in self.constant_window)
+        else:
+            low, high = window_over(rows, y, y, exposure, exposure)
+        per_level = rows.light_lm * time_s / square
+        duty = np.where(rows.kind == PULSED, np.minimum(1.0, time_s * rows.rate_hz), 1.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            least = np.maximum(u_lo, low / per_level)
+            top = np.minimum(np.minimum(u_hi, high / per_level), self.share[d] * (1 + 1e-9) / duty)
+            if step is None:
+                step, _ = self.steps(d, least, u_hi)
+            exact = np.where(np.isfinite(step), low * square / (rows.light_lm * step), time_s)
+        bottom, top = self.steps(d, least, top)
+        fits = (bottom <= top * (1 + 4 * SLACK)) & np.isfinite(bottom)
+        first, last = np.where(fits, bottom, 0.0), np.where(fits, top, 0.0)
+        place = share if share in (0.0, 1.0) else np.where(rows.dims_freely, share, 0.0)
+        level = first + place * (last - first)
+        return level, fits, step, np.clip(
+            exact, np.minimum(rows.time_min_s, time_s), np.minimum(1.001 * time_s, np.maximum(rows.time_max_s, time_s))
+        )  # fmt: skip
+
+
+def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) -> tuple[Array, Array, Array]:
+    """SNR and contrast at the nominal altitude and whether SNR, level, saturation and contrast hold everywhere."""
+    x = light_x[:, None]
+    signal, total = rows.signal_e * x, rows.total_e * x
+    if sun is not None:
+        signal, total = signal + sun.signal_e, total + sun.total_e
+    dark = closed_form.dark_e(rows)[:, None]
+    noise: dict[str, Any] = dict(
+        read_noise_e=rows.read_noise_e[:, None], gain_dn_per_e=(rows.gain_dn_per_e * gain)[:, None], dark_e=dark,
+        prnu_frac=rows.prnu_frac[:, None],
+    )  # fmt: skip
+    with np.errstate(invalid="ignore", divide="ignore"):
+        snr = sensor.snr(signal, veil_e=total - signal, **noise)
+        share = np.where(total > 0, signal / total, 0.0)
+        lowest = snr.min(axis=1)
+        if rows.worst_e is not None:
+            one = rows.worst_e * x[:, :, None]
+            veil: Any = 0.0 if rows.worst_veil_e is None else rows.worst_veil_e * x[:, :, None]
+            if sun is not None and sun.worst_signal_e is not None and sun.worst_total_e is not None:
+                one, veil = one + sun.worst_signal_e, veil + (sun.worst_total_e - sun.worst_signal_e)
+            elif sun is not None:
+                one, veil = one + sun.signal_e[:, :, None], veil + (sun.total_e - sun.signal_e)[:, :, None]
+            at_pixels = {name: column[:, :, None] for name, column in noise.items()}
+            lowest = sensor.snr(one, veil_e=veil, **at_pixels).min(axis=(1, 2))
+        ratio = rows.highlight_ratio
+        brightest = (total + dark).max(axis=1)
+        holds = lowest >= rows.min_snr * (1 - MEETS)
+        holds &= ratio * brightest <= rows.well_e * (1 + MEETS)
+        level_dn = rows.gain_dn_per_e * gain * brightest + rows.black_level_dn
+        if not (rows.optimistic and rows.mean_level is not None):
+            holds &= ratio * level_dn <= rows.full_scale_dn * (1 + MEETS)
+        if rows.mean_level is not None:
+            nominal_dn = rows.gain_dn_per_e * gain * (total + dark)[:, rows.nominal] + rows.black_level_dn
+            wanted = rows.mean_level * rows.full_scale_dn
+            holds &= nominal_dn <= wanted * (1 + MEETS)
+            if not rows.optimistic:
+                holds &= nominal_dn >= wanted * (1 - MEETS)
+        if rows.min_contrast > 0 and not rows.optimistic:
+            holds &= share.min(axis=1) >= rows.min_contrast * (1 - MEETS)
+    return snr[:, rows.nominal], share[:, rows.nominal], np.asarray(holds)
+
+
+def window_over(
+    rows: SceneRows, y_lo: Any, y_hi: Any, shortest_s: Any, longest_s: Any
+) -> tuple[Array, Array]:
+    """`settings.window` over ranges of open shutter over N_w^2 and of exposures: an X outside fits nowhere."""
+    total, nominal = rows.total_e, rows.total_e[:, rows.nominal]
+    dark_lo, dark_hi = (np.asarray(rows.dark_current_e_s * s) for s in (shortest_s, longest_s))
+    quiet = replace(rows, dark_time_s=np.broadcast_to(np.asarray(shortest_s, float), nominal.shape))
+    least = np.zeros_like(total)
+    most, helping = least, None
+    if rows.sun_signal_e_s is not None:
+        at_least, at_most = Sun.at(rows, y_lo), Sun.at(rows, y_hi)
+        assert at_least is not None and at_most is not None
+        least, most = at_least.total_e, at_most.total_e
+        helping = Sun(
+            at_most.signal_e, np.minimum(at_least.total_e, at_most.total_e), at_most.worst_signal_e,
+            at_least.worst_total_e,
+        )  # fmt: skip
+    headroom_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
+    least_nominal, most_nominal = least[:, rows.nominal] + dark_lo, most[:, rows.nominal] + dark_hi
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        high = (((rows.well_e / rows.highlight_ratio - dark_lo)[:, None] - least) / total).min(axis=1)
+        low = np.zeros(len(nominal))
+        if rows.mean_level is None:
+            full = (headroom_dn / rows.gain_dn_per_e - dark_lo)[:, None]
+            high = np.minimum(high, ((full - least) / total).min(axis=1))
+        else:
+            wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
+            high = np.minimum(high, (wanted_dn / rows.gain_dn_per_e - least_nominal) / nominal)
+            if not rows.optimistic:
+                low = (wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - most_nominal) / nominal
+                excess = wanted_dn[:, None] * total - (headroom_dn * nominal)[:, None]
+                spare = (headroom_dn * most_nominal)[:, None] - wanted_dn[:, None] * (
+                    least + dark_lo[:, None]
+                )
+                steep = np.abs(excess) > SLACK * wanted_dn[:, None] * total
+                high = np.minimum(high, np.where(steep & (excess > 0), spare / excess, np.inf).min(axis=1))
+                low = np.maximum(low, np.where(steep & (excess < 0), spare / excess, 0.0).max(axis=1))
+        for altitude in range(total.shape[1]):
+            wanted = closed_form.light_for_snr(
+                quiet, altitude, rows.min_snr, worst=rows.worst_e is not None, sun=helping
+            )
+            if (
+                helping is not None
+            ):  # with sun and lamps of another contrast no X is ruled out by this formula
+                wanted = np.where(np.isfinite(wanted), wanted, 0.0)
+            low = np.maximum(low, wanted)
+        if rows.min_contrast > 0.0 and not rows.optimistic:
+            low, high = contrast_window(rows, y_lo, y_hi, low, high)
+    low = np.maximum(np.where(np.isnan(low), np.inf, low), 0.0)
+    return low, np.where(np.isnan(high), -np.inf, high)
+
+
+def contrast_window(rows: SceneRows, y_lo: Any, y_hi: Any, low: Array, high: Array) -> tuple[Array, Array]:
+    """The window where the contrast holds at every altitude: (C X + s Y) >= k (A X + a Y)."""
+    wanted = rows.min_contrast * (1 - 1e-10)
+    gains = rows.signal_e - wanted * rows.total_e
+    if rows.sun_signal_e_s is None or rows.sun_veil_e_s is None:
+        return low, np.where((gains < 0).any(axis=1), -np.inf, high)
+    misses = wanted * (rows.sun_signal_e_s + rows.sun_veil_e_s) - rows.sun_signal_e_s
+    y_lo, y_hi = (np.reshape(y, (-1, 1)) for y in (y_lo, y_hi))
+    need = np.where(misses > 0, np.where(gains > 0, misses * y_lo / gains, np.inf), 0.0)
+    need = np.where((misses > 0) & (gains <= 0) & (y_lo <= 0), 0.0, need)
+    cap = np.where(gains < 0, np.where(misses < 0, misses * y_hi / gains, 0.0), np.inf)
+    return np.maximum(low, need.max(axis=1)), np.minimum(high, cap.min(axis=1))

@@ -1,0 +1,182 @@
+"""Upper bounds of quality over cells without sun, by tangents of concave logarithms at the cell's centre.
+
+In the logarithms of f-number n, time t and level u the light is x = min(cap, u + t - 2 n + constant): concave, and
+so are ln SNR in x and ln MTF in (n, t). With tangents in their place an objective that weighs power (convex in
+the logarithms) against SNR and information is least at a vertex: a corner of the cell, or where one of its
+edges meets the light's cap.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.part_columns import FLASH, PULSED
+from uwopt.model.sharpness import TEXTURE_CONTRAST
+from uwopt.solvers.settings import closed_form
+from uwopt.solvers.settings.cell_bounds import Box, Reach, SceneCells
+from uwopt.solvers.settings.cell_information import Information
+
+Array = NDArray[Any]
+DIMMEST = 1e-6  # of full level: below it a level has no logarithm, and counts as none in power
+STEP = 1e-4  # of ln light, in the difference that stands for the slope of ln SNR
+DB = 20.0 / np.log(10.0)
+
+
+def surrogate_bit_per_px(scene: SceneCells, d: Array, box: Box, reach: Reach) -> Array:
+    """A stand-in for information: no bound, but it moves like one."""
+    blur_s = box.open_lo if scene.sunlit else box.t_lo
+    return typical_bit_per_px(scene, d, reach.snr, box.n_lo, box.n_hi, blur_s)
+
+
+def typical_bit_per_px(
+    scene: SceneCells, d: Array, snr: Array, n_low: Array, n_high: Array, blur_s: Array
+) -> Array:
+    """Information as if one frequency stood for all and no factor had a null, where nothing would tell any more."""
+    sharp = scene.sharp
+    assert sharp is not None
+    cycle = n_low * scene.rows.working_factor[d] * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
+    disc, blur = sharp.rms_disc_px[d, 1] / n_high, sharp.blur_px_per_s[d, 1] * blur_s
+    transfer2 = 1.0 / (1.0 + cycle**2 + disc**2 + blur**2)
+    return np.asarray(0.5 * np.log2(1.0 + np.square(TEXTURE_CONTRAST * snr) * transfer2))
+
+
+def quality_bound(
+    scene: SceneCells, information: Information | None, d: Array, box: Box, reach: Reach, weight: dict[str, float],
+    *, mixed: bool,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Information [bit/m2] at most, and the least of power, SNR and information weighed together.
+
+    Returns (m,), (m,); the second is -inf where only the sum of the separate bounds is known (sunlight).
+    """
+    area = scene.sharp.pixel_area_m2[d] if scene.sharp is not None else np.ones(len(d))
+    if scene.sunlit:
+        assert information is not None
+        ends = [np.log(e) for e in (box.n_lo, box.n_hi, box.open_lo, box.open_hi)]
+        corners = np.array(list(product((0.0, 1.0), repeat=2)))
+        shift_n = (ends[1] - ends[0])[:, None] * (corners[:, 0] - 0.5)
+        shift_t = (ends[3] - ends[2])[:, None] * (corners[:, 1] - 0.5)
+        log_snr = np.broadcast_to(np.log(np.maximum(reach.snr, 1e-300))[:, None], shift_n.shape)
+        most = _information(scene, information, d, box, log_snr, shift_n, shift_t).max(axis=1) / area
+        return most, np.full(len(d), -np.inf)
+    shift, x, inside, x_centre, centre = vertices(scene, d, box, reach, mixed=mixed)
+    rows = scene.rows.take(d)
+    dark_rows = replace(rows, dark_time_s=np.maximum(rows.exposure_s(box.t_lo), 0.0))
+    log_snr, slope = log_snr_and_slope(dark_rows, x_centre)
+    at = log_snr[:, None] + slope[:, None] * (x - x_centre[:, None])
+    at = np.minimum(at, 700.0)
+    bits = np.zeros_like(at)
+    if information is not None:
+        bits = _information(scene, information, d, box, at, shift[:, :, 0], shift[:, :, 1], inside)
+        bits = bits / area[:, None]
+    joint = -weight["snr_db"] * DB * at - weight["information"] * bits
+    if mixed and weight["power"]:
+        joint = joint + weight["power"] * power_tangent(scene, d, box, shift, np.exp(centre))
+    bits, joint = np.where(inside, bits, -np.inf), np.where(inside, joint, np.inf)
+    return bits.max(axis=1), joint.min(axis=1)
+
+
+def _information(
+    scene: SceneCells,
+    information: Information,
+    d: Array,
+    box: Box,
+    log_snr: Array,
+    shift_n: Array,
+    shift_t: Array,
+    wanted: Array | None = None,
+) -> Array:
+    """Bit per px at vertices."""
+    least, most = (box.open_lo, box.open_hi) if scene.sunlit else (box.t_lo, box.t_hi)
+    return information.bound(
+        d, log_snr, shift_n, shift_t, f_number=(box.n_lo, np.sqrt(box.n_lo * box.n_hi), box.n_hi),
+        factor=scene.rows.working_factor[d], blur_s=(least, np.sqrt(least * most)),
+        wanted=wanted,
+    )  # fmt: skip
+
+
+def log_snr_and_slope(rows: Any, x: Array) -> tuple[Array, Array]:
+    """Ln SNR at the nominal altitude and its slope in ln light."""
+    here, below, above = (
+        np.log(np.maximum(closed_form.nominal_snr(rows, np.exp(x + step)), 1e-300))
+        for step in (0.0, -STEP, STEP)
+    )
+    return here, (above - below) / (2.0 * STEP)
+
+
+def level_range(scene: SceneCells, d: Array, box: Box, reach: Reach, *, mixed: bool) -> tuple[Array, Array]:
+    """Ln of the least and greatest level that count; without power in the objective the greatest alone."""
+    high = np.log(np.maximum(reach.u_hi, 1e-300))
+    if not mixed:
+        return high, high
+    low = np.log(np.maximum(np.maximum(box.u_lo, DIMMEST * scene.u_max[d]), 1e-300))
+    return np.minimum(low, high), high
+
+
+def vertices(
+    scene: SceneCells, d: Array, box: Box, reach: Reach, *, mixed: bool
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Shifts from the centre (m, n_vertices, 3) in (n, t, u), light x there, and which are vertices of the part
+    of the cell whose light is allowed; light at the centre, the centre."""
+    rows = scene.rows
+    u_lo, u_hi = level_range(scene, d, box, reach, mixed=mixed)
+    low = np.stack([np.log(box.n_lo), np.log(box.t_lo), u_lo], axis=1)
+    high = np.stack([np.log(box.n_hi), np.log(box.t_hi), u_hi], axis=1)
+    constant = np.log(rows.light_lm[d]) - 2.0 * np.log(rows.working_factor[d])
+    # A pulsed LED whose mean power is capped gives the same energy whatever the time.
+    rate = rows.rate_hz[d]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        capped = (rows.kind[d] == PULSED) & (not mixed) & (box.t_hi * rate <= 1 + 1e-9)
+        capped &= box.u_hi * box.t_lo * rate >= scene.share[d] * (1 - 1e-9)
+        energy = np.log(scene.share[d] * (1 + 2e-9) / rate) - high[:, 2]
+    constant = np.where(capped, constant + energy, constant)
+    by = np.stack([np.full(len(d), -2.0), np.where(capped, 0.0, 1.0), np.ones(len(d))], axis=1)
+    cap = np.log(np.maximum(reach.x_cap, 1e-300))
+    cap = np.where(np.isposinf(reach.x_cap), 1e9, cap)
+    free_dims = 3 if mixed else 2
+    corners = np.array([(*c, *(0.0,) * (3 - free_dims)) for c in product((0.0, 1.0), repeat=free_dims)])
+    edges = [
+        (i, j)
+        for i, j in product(range(len(corners)), repeat=2)
+        if i < j and np.abs(corners[i] - corners[j]).sum() == 1
+    ]
+    width = (high - low)[:, None, :]
+    at = low[:, None, :] + width * corners
+    x = constant[:, None] + (at * by[:, None, :]).sum(axis=2)
+    first, second = [i for i, _ in edges], [j for _, j in edges]
+    over = x[:, second] - x[:, first]
+    least = np.log(np.maximum(reach.x_lo, 1e-300)) - 1e-10
+    crossings, inner = [], [np.ones(at.shape[:2], bool)]
+    for level in (cap, least):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.clip(np.where(over != 0, (level[:, None] - x[:, first]) / over, 0.0), 0.0, 1.0)
+        inner.append((share > 0.0) & (share < 1.0))  # the others are corners
+        crossings.append(at[:, first] + share[:, :, None] * (at[:, second] - at[:, first]))
+    every = np.concatenate([at, *crossings], axis=1)
+    light = constant[:, None] + (every * by[:, None, :]).sum(axis=2)
+    inside = np.concatenate(inner, axis=1) & (light >= least[:, None] - 1e-9)
+    if mixed:
+        inside &= light <= cap[:, None] + 1e-9
+    light = np.minimum(light, cap[:, None])
+    centre = 0.5 * (low + high)
+    x_centre = np.minimum(constant + (centre * by).sum(axis=1), cap)
+    return every - centre[:, None, :], light, inside, x_centre, centre
+
+
+def power_tangent(scene: SceneCells, d: Array, box: Box, shift: Array, centre: Array) -> Array:
+    """Light power at vertices, from below: convex in the logarithms, so its tangent at the centre (n, t, u)."""
+    rows = scene.rows
+    kind, rate = rows.kind[d], rows.rate_hz[d]
+    drawn = np.where(kind == FLASH, rows.pulse_energy_j[d] * rate, rows.full_power_w[d])
+    short = (kind == PULSED) & (box.t_hi * rate <= 1 + 1e-9)
+    long = (kind == PULSED) & ~short
+    duty = np.where(long, np.minimum(1.0, box.t_lo * rate), 1.0)
+    at_centre = drawn * centre[:, 2] * np.where(short, centre[:, 1] * rate, duty)
+    slope = shift[:, :, 2] + np.where(short, 1.0, 0.0)[:, None] * shift[:, :, 1]
+    floor = DIMMEST * scene.u_max[d]  # levels below it have no vertex
+    unseen = drawn * np.where(box.u_lo < floor, floor, 0.0)
+    return np.asarray(at_centre[:, None] * (1.0 + slope) - unseen[:, None])
