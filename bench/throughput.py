@@ -17,8 +17,8 @@ import numpy as np
 
 from uwopt.api.solving import load_catalog
 from uwopt.forward.figures import DesignRows, SettingRows, figures_of, levers_m
-from uwopt.forward.optics import focus_map
 from uwopt.forward.scene import SceneOptics
+from uwopt.forward.views import focus_map
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.search import Search

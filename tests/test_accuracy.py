@@ -31,7 +31,7 @@ from uwopt.evaluation.accuracy import (
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import design_model
 from uwopt.evaluation.recompute import replay
-from uwopt.forward.optics import LAMP_FRONT_M
+from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.mission.system import load_system
 from uwopt.model.fineness import DEFAULT, Fineness, scaled
 from uwopt.objectives.objective import Objective

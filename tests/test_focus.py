@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.forward.optics import middle_focus
+from uwopt.forward.focus import middle_focus
 
 PARTS = Path(__file__).parent / "rule_parts"
 KINDS = {"cameras": "zz-global", "lenses": "zz-12mm", "ports": "zz-window", "lights": "zz-led"}

@@ -32,7 +32,8 @@ from uwopt.catalog.records import Camera, Lens, Light, Part, Port
 from uwopt.forward.problem import Parts, Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact import search as exact_search
-from uwopt.solvers.exact.search import Outcome, Search
+from uwopt.solvers.exact.account import Outcome
+from uwopt.solvers.exact.search import Search
 
 KINDS = ("cameras", "lenses", "ports", "lights")
 SMALL, MEDIUM = 1e3, 1e6

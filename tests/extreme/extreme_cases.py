@@ -15,7 +15,8 @@ from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import Result
-from uwopt.solvers.exact.search import Outcome, Search
+from uwopt.solvers.exact.account import Outcome
+from uwopt.solvers.exact.search import Search
 
 MAY_BE_NEGATIVE = ("snr_db", "snr_db_min", "snr_db_centre", "snr_red_below_green_db", "overlap", "gain_db",
                    "virtual_image_distance_m")  # fmt: skip

@@ -67,7 +67,7 @@ def test_small_shares_are_not_printed_as_powers_of_ten() -> None:
 
 def test_rules_of_the_search_and_of_the_choice_have_words() -> None:
     from uwopt.catalog.choose import RULES as CHOICE_RULES
-    from uwopt.solvers.exact.search import RULES as SEARCH_RULES
+    from uwopt.solvers.exact.account import RULES as SEARCH_RULES
 
     assert not {*CHOICE_RULES, *SEARCH_RULES} - set(words.RULES)
 

@@ -18,7 +18,7 @@ from scene_search import SceneSearch
 
 from uwopt.catalog.compatibility import image_circle_ok, mount_compatible, sensor_diagonal_mm
 from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings
-from uwopt.forward.optics import place_focus
+from uwopt.forward.focus import place_focus
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
 

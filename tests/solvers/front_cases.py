@@ -22,7 +22,8 @@ from scene_search import SceneSearch
 from uwopt.catalog.records import exact
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.figures import SettingRows
-from uwopt.forward.optics import place_focus, required_rate_hz
+from uwopt.forward.focus import place_focus
+from uwopt.forward.motion import required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import MAXIMISED, Objective

@@ -14,7 +14,7 @@ from scene_search import SceneSearch
 
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import design_model
-from uwopt.forward.optics import place_focus
+from uwopt.forward.focus import place_focus
 from uwopt.objectives.dominance import nondominated
 from uwopt.objectives.objective import MAXIMISED, Objective
 from uwopt.solvers.exact.search import Search

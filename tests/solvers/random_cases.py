@@ -16,7 +16,8 @@ from uwopt.catalog.records import Light, exact
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.search import Outcome, Search
+from uwopt.solvers.exact.account import Outcome
+from uwopt.solvers.exact.search import Search
 
 TOP = 4
 #: Of the first hundred random cases some that are enumerated quickly and, together, meet every kind of part, wish and

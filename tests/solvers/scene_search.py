@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.figures import SettingRows, depth_of_field_m, skew_px
-from uwopt.forward.optics import blur_time_s, required_rate_hz
+from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.model import sensor
 

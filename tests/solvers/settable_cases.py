@@ -19,7 +19,7 @@ import uwopt.api.solving
 from uwopt.catalog.catalogue import Catalog
 from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings, design_model
 from uwopt.forward.figures import SettingRows
-from uwopt.forward.optics import place_focus
+from uwopt.forward.focus import place_focus
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission

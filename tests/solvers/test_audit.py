@@ -16,11 +16,12 @@ from uwopt.forward.problem import Parts
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact import imagers
 from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.attack import attack
 from uwopt.solvers.exact.audit import BESIDE, audit
 from uwopt.solvers.exact.bounds import Bounds, UnitBounds
 from uwopt.solvers.exact.imagers import Pairs
-from uwopt.solvers.exact.search import Outcome, Search
+from uwopt.solvers.exact.search import Search
 
 SUM = {"power": 0.2, "snr_db": 1.0}
 OBJECTIVES: tuple[Any, ...] = (

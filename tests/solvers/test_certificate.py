@@ -16,9 +16,10 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.result import Certificate
 from uwopt.solvers.exact import large
 from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.account import Account, Outcome
 from uwopt.solvers.exact.certificate import accounted, certificate
 from uwopt.solvers.exact.ranking import Found, Ranking
-from uwopt.solvers.exact.search import Account, Outcome, Search
+from uwopt.solvers.exact.search import Search
 
 FAST = {"max_blur_px": 1.0, "min_snr_db": 26.0}
 

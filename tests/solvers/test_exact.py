@@ -23,12 +23,12 @@ from thorough import drawn
 from uwopt.catalog.records import exact
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import DesignModel, SceneSettings
-from uwopt.forward.optics import place_focus
+from uwopt.forward.focus import place_focus
 from uwopt.forward.part_columns import CONTINUOUS
 from uwopt.forward.problem import Parts, Problem
 from uwopt.solvers.exact import large, outline
 from uwopt.solvers.exact import search as exact_search
-from uwopt.solvers.exact.search import Outcome
+from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import exact_settings
 

@@ -18,11 +18,12 @@ from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.audit import audit
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.exact.imagers import enumerate_imagers
 from uwopt.solvers.exact.light_tables import FieldTables
-from uwopt.solvers.exact.search import Outcome, Search
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.recommend import seek
 
 # ---------------------------------------------------------------- bounds and the audit

@@ -13,11 +13,12 @@ from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline
 from uwopt.solvers.exact import bounds, large, outline
 from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.audit import audit
 from uwopt.solvers.exact.bounds import Corner
 from uwopt.solvers.exact.imagers import enumerate_imagers
 from uwopt.solvers.exact.outline import Level, Rows, port_tree
-from uwopt.solvers.exact.search import Outcome, Search
+from uwopt.solvers.exact.search import Search
 
 
 @pytest.fixture(autouse=True)

@@ -13,10 +13,9 @@ from thorough import drawn
 from uwopt.catalog.records import exact
 from uwopt.errors import MissionError
 from uwopt.objectives.axes import Axes, Frame
-from uwopt.objectives.dominance import hypervolume, nondominated
+from uwopt.objectives.dominance import distinct, hypervolume, near, nondominated
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnObjective
-from uwopt.solvers.population.archive import distinct, near
 from uwopt.solvers.population.pymoo_front import ALGORITHMS, Run, population_front
 
 PAIR, TRIPLE = ("power", "cost"), ("power", "cost", "snr_db")

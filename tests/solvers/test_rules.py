@@ -20,11 +20,12 @@ from random_cases import Case
 from uwopt.catalog.records import exact
 from uwopt.solvers.exact import large
 from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.account import RULES
 from uwopt.solvers.exact.bounds import UNIT_RULES, Bounds
 from uwopt.solvers.exact.imagers import IMAGER_RULES, enumerate_imagers, fitting_pairs
 from uwopt.solvers.exact.outline import Level, Rows, port_tree
 from uwopt.solvers.exact.screen import pair_rules
-from uwopt.solvers.exact.search import RULES, Search
+from uwopt.solvers.exact.search import Search
 
 NEAR = 1e-6
 RADIUS_M, GLASS_M, N_GLASS = 0.08, 0.01, 1.5

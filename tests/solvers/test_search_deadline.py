@@ -11,7 +11,7 @@ from random_cases import THOROUGH, case
 from uwopt.deadline import Deadline
 from uwopt.objectives.axes import Axes
 from uwopt.solvers.exact import search as exact_search
-from uwopt.solvers.exact.search import Outcome
+from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.front.search import FrontSearch
 
 SEEDS = range(40) if THOROUGH else (1, 3)  # the fast ones

@@ -21,8 +21,9 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import MAXIMISED, Objective, Terms
+from uwopt.solvers.exact.account import Outcome, snr_ceiling
 from uwopt.solvers.exact.imagers import limit
-from uwopt.solvers.exact.search import Outcome, Search, snr_ceiling
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.coding import Built, Coding, cost_of, mass_kg_of
 from uwopt.solvers.population.decoding import shortfall
 from uwopt.solvers.population.evaluator import Evaluator, lacking_without_veils, scene_rows

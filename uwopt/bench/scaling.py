@@ -23,7 +23,8 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.search import Outcome, Search
+from uwopt.solvers.exact.account import Outcome
+from uwopt.solvers.exact.search import Search
 
 NAME = "scaling"
 QUICK_SIZES = (1e3, 1e4, 1e5, 1e6, 1e7)

@@ -276,7 +276,8 @@ def by_rule(case: Case, name: str, n: int) -> Callable[[Array, Array], Array]:
 def as_used(case: Case) -> tuple[Callable[[Array, Array], Array], int]:
     """Electrons of designs as a search computes them, and the nodes of the grid: `Contraction` and its table."""
     from uwopt.catalog.records import Curve
-    from uwopt.forward.optics import Contraction, LightOptics
+    from uwopt.forward.lamps import LightOptics
+    from uwopt.forward.spectra import Contraction
     from uwopt.model.beam import disc_beam
     from uwopt.model.path_table import log_mean_transmission
 

@@ -18,18 +18,13 @@ from uwopt.forward.figures import (
     figures_of,
     levers_m,
 )
+from uwopt.forward.focus import Focus, place_focus
 from uwopt.forward.lamp_light import ImageLight, LampField, SunLight
-from uwopt.forward.optics import (
-    Focus,
-    blur_time_s,
-    focus_map,
-    place_focus,
-    required_rate_hz,
-    views,
-)
+from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Lights
 from uwopt.forward.problem import Mount, Problem
 from uwopt.forward.sharpness import SharpRows
+from uwopt.forward.views import focus_map, views
 from uwopt.model import imaging, veil
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.objectives.requirements import MarginRows, scene_margins, system_margins

@@ -19,15 +19,11 @@ from uwopt.forward.figures import (
     full_light_lm,
     open_s,
 )
-from uwopt.forward.optics import (
-    LAMP_FRONT_M,
-    blur_time_s,
-    field_dioptres_per_m,
-    relative_spectrum,
-    required_rate_hz,
-)
+from uwopt.forward.lamps import LAMP_FRONT_M, relative_spectrum
+from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.sharpness import arriving, mean_wavelength_nm
+from uwopt.forward.views import field_dioptres_per_m
 from uwopt.model import lateral, sensor, sharpness
 from uwopt.model import lens as lens_model
 from uwopt.model.defocus import defocus_px, dome_decentring

@@ -17,10 +17,10 @@ from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings
 from uwopt.forward import effects as influence
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
 from uwopt.forward.lamp_light import ImageLight, Veils
-from uwopt.forward.optics import Views, focus_map, views
 from uwopt.forward.problem import Mount, Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.sharpness import SharpRows
+from uwopt.forward.views import Views, focus_map, views
 from uwopt.model.effects import Effects
 from uwopt.model.port import FocusMap
 from uwopt.objectives.objective import Objective

@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.focus import held_at_corner
 from uwopt.forward.lamp_light import ImageLight, SunLight, added
-from uwopt.forward.optics import Views, altitudes_m, held_at_corner, motion_across, motion_along
+from uwopt.forward.motion import motion_across, motion_along
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Cameras, Lenses, Lights
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.sharpness import SharpRows
+from uwopt.forward.views import Views, altitudes_m
 from uwopt.model import lens as lens_model
 from uwopt.model import light as light_model
 from uwopt.model import operation, sensor

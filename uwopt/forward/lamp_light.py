@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.optics import Views, on_axis_gain, one_side
+from uwopt.forward.lamps import on_axis_gain, one_side
+from uwopt.forward.views import Views
 from uwopt.model import beam as beams
 from uwopt.model import imaging, veil
 

@@ -19,16 +19,13 @@ from numpy.typing import NDArray
 from uwopt.catalog import money
 from uwopt.catalog.records import Camera, Lens, Light, Port
 from uwopt.forward.lamp_light import ImageLight, LampField, SunLight, Veils
-from uwopt.forward.optics import (
-    Contraction,
+from uwopt.forward.lamps import (
     LightOptics,
-    Views,
     lamp_set,
     light_optics,
     luminous_weight,
     mounted_lamps,
     on_axis_gain,
-    port_shape,
 )
 from uwopt.forward.part_columns import (
     CONTINUOUS,
@@ -47,6 +44,8 @@ from uwopt.forward.part_columns import (
 from uwopt.forward.scene import SceneOptics, glass_index, scene_optics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows, sharp_rows
+from uwopt.forward.spectra import Contraction
+from uwopt.forward.views import Views, port_shape
 from uwopt.mission.mission import Mission
 from uwopt.model import fineness as fine
 from uwopt.model import imaging

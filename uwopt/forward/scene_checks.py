@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from uwopt.errors import MissionError
-from uwopt.forward.optics import LAMP_FRONT_M
+from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.mission.mission import Mission, SceneView
 from uwopt.model.scattering import FOURNIER_FORAND_RATIOS
 

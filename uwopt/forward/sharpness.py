@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.optics import RMS_FIELD, TINY, Views, altitudes_m, field_dioptres_per_m, motion_along
+from uwopt.forward.motion import motion_along
 from uwopt.forward.part_columns import Cameras, Lenses, Ports
 from uwopt.forward.scene import SceneOptics
+from uwopt.forward.spectra import TINY
+from uwopt.forward.views import RMS_FIELD, Views, altitudes_m, field_dioptres_per_m
 from uwopt.model import lateral, operation, sharpness
 from uwopt.model.defocus import defocus_px
 from uwopt.model.lateral import SpreadTable
@@ -23,7 +25,7 @@ from uwopt.model.sharpness import Sharpness
 from uwopt.model.spectrum import trapezoid_weights_nm
 
 if TYPE_CHECKING:
-    from uwopt.forward.optics import Contraction
+    from uwopt.forward.spectra import Contraction
 
 Array = NDArray[Any]
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.curves import spectra
 from uwopt.forward.lamp_light import SunLight
-from uwopt.forward.optics import TINY, Views, efficiency_curve
+from uwopt.forward.spectra import TINY, efficiency_curve
+from uwopt.forward.views import Views
 from uwopt.model import imaging, port, seafloor, sunlight
 from uwopt.model.fineness import scaled
 from uwopt.model.spectrum import resample

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.objectives.axes import Frame
+from uwopt.objectives.axes import Frame, scale
 
 Array = NDArray[Any]
 ROUND = 1e-9  # relative: a tie is no improvement
@@ -166,3 +166,37 @@ class Table:
 def three(values: Array) -> Array:
     """Values in three columns."""
     return values if values.shape[1] == 3 else np.column_stack([values, np.zeros(len(values))])
+
+
+MARGIN = 1.1  # of a front's range, where the box ends that volumes are measured in
+
+
+def distinct(values: Array, log: Array, alike_rel: float = NEAR) -> Array:
+    """Indices of rows of which no two are alike in every column, in the order of the columns.
+
+    Those that dominate most by themselves stay first: the ends of curves, without which a whole slab is lost
+    (0.2 % of the hypervolume goes where the first in a sorted list would lose 2 %).
+    """
+    if len(values) == 0:
+        return np.empty(0, int)
+    from moocore import hv_contributions
+
+    unit = in_box(values, values, log)
+    alone = np.asarray(hv_contributions(unit, ref=np.full(values.shape[1], MARGIN)))
+    kept: list[int] = []
+    for row in np.lexsort((*values.T[::-1], -alone)):
+        if not near(values[kept], values[row], alike_rel).all(axis=1).any():
+            kept.append(int(row))
+    index = np.array(kept)
+    return index[np.lexsort(values[index].T[::-1])]
+
+
+def in_box(values: Array, front: Array, log: Array) -> Array:
+    """Values with the front's best corner at 0 and its worst at 1, logarithms where axes are compared by ratio."""
+    low, high = (scale(end[None, :], log)[0] for end in (front.min(axis=0), front.max(axis=0)))
+    return np.asarray((scale(values, log) - low) / np.where(high > low, high - low, 1.0))
+
+
+def near(one: Any, other: Any, alike_rel: float) -> Any:
+    """Whether values are alike to a relative difference."""
+    return np.abs(one - other) <= alike_rel * np.maximum(np.abs(one), np.abs(other))

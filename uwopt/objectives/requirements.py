@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.figures import DesignRows, Figures, SettingRows
-from uwopt.forward.optics import altitudes_m, least_overlap
+from uwopt.forward.motion import least_overlap
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lenses
 from uwopt.forward.scene import SceneOptics
+from uwopt.forward.views import altitudes_m
 from uwopt.mission.mission import Limits
 from uwopt.model import sensor
 

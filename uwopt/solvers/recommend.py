@@ -27,9 +27,10 @@ from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import NOT_SETTABLE, Design
+from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.certificate import select_problem_mission
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.exact.search import Outcome, Search
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.settable.rounding import exact_settings, rounded_design
 from uwopt.solvers.settable.steps import printed
 

@@ -3,6 +3,7 @@
 All texts are made here, by the same words as everywhere; the script only places them.
 """
 
+
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -12,11 +13,12 @@ from typing import Any
 from uwopt.report.page.sections import Card, bar, cards, scene_value
 from uwopt.report.page.style import SCALE_DARK, SCALE_LIGHT
 from uwopt.report.text import words
+from uwopt.report.text.front_tables import pick_names
 from uwopt.report.text.tables import has_no_limit, kinds_by_id, scenes_to_set, shown_settings
 from uwopt.report.text.verdict import axis_name
-from uwopt.results.front import FrontMethod, FrontPoint, FrontResult
+from uwopt.results.front import FrontPoint, FrontResult
 from uwopt.results.result import Design, SceneResult
-from uwopt.units import format_number, symbol
+from uwopt.units import symbol
 
 KINDS = ("camera", "lens", "port", "light")
 #: Figures beside the objectives, by the objective that shows the same: name, title, unit.
@@ -29,8 +31,6 @@ BESIDE = (
     ("", "frame_rate_hz", "frame rate", "Hz"),
     ("", "f_number", "f-number", ""),
 )
-
-
 SHORT_ID = 14  # signs of an id that are always shown in the table
 
 
@@ -95,14 +95,6 @@ def front_data(front: FrontResult) -> dict[str, Any]:
         ],
         "texts": texts.all,
     }  # fmt: skip
-
-
-def pick_names(front: FrontResult) -> dict[str, str]:
-    """The names of a point's picks, by the point's id."""
-    names: dict[str, list[str]] = {}
-    for pick in front.picks:
-        names.setdefault(pick.point, []).append(words.one_line(pick.name, 40))
-    return {point: ", ".join(own) for point, own in names.items()}
 
 
 def is_logarithmic(front: FrontResult, name: str) -> bool:
@@ -254,14 +246,6 @@ def front_cards(front: FrontResult) -> list[Card]:
     return made
 
 
-# ---------------------------------------------------------------- methods
-
-
-def method_rows(front: FrontResult) -> list[list[str]]:
-    """How each method did, in words."""
-    return [method_texts(method) for method in front.methods]
-
-
 def history_figure(front: FrontResult) -> dict[str, Any] | None:
     """Hypervolume over time of the methods that kept it, and the exact front's; None where none did."""
     kept = [method for method in front.methods if len(method.history) > 1]
@@ -281,21 +265,3 @@ def history_figure(front: FrontResult) -> dict[str, Any] | None:
     ]  # fmt: skip
     axes = {"xaxis": {"title": {"text": "time [s]"}}, "yaxis": {"title": {"text": "hypervolume"}}}
     return {"data": lines, "layout": {**axes, "height": 300, "legend": {"orientation": "h", "y": 1.15}}}
-
-
-METHOD_HEADS = (
-    "method", "status", "time", "points", "evaluations", "hypervolume", "of the exact one", "IGD+",
-)  # fmt: skip
-
-
-def method_texts(method: FrontMethod) -> list[str]:
-    """One method in words; dashes where a figure has no meaning."""
-    bound = method.hypervolume_bound
-    most = "" if bound is None else f" (at most {format_number(bound, 5)})"
-    ratio = method.hypervolume_ratio
-    return [
-        words.one_line(method.name, 30), words.one_line(method.status, 30), words.quantity(method.seconds, "s", 2),
-        words.count_text(method.n_points), words.count_text(method.evaluations),
-        format_number(method.hypervolume, 5) + most,
-        words.quantity(None) if ratio is None else words.share(ratio), words.quantity(method.igd_plus, "", 2),
-    ]  # fmt: skip

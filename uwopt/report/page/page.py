@@ -11,12 +11,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from uwopt.errors import UwoptError
-from uwopt.report.page import front as page_front
 from uwopt.report.page import sections as page_parts
+from uwopt.report.page.front import KINDS, front_cards, front_data, history_figure
 from uwopt.report.page.html_file import compact_json, packed, rendered, safe_id, slim
 from uwopt.report.page.sections import DesignPart
 from uwopt.report.page.svg import clean_svg
 from uwopt.report.text import doubts, exactness, tables, words
+from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
 from uwopt.report.text.layout import Block, Line, fact_lines
 from uwopt.report.text.verdict import verdict
 from uwopt.results.front import FrontResult
@@ -67,7 +68,7 @@ def report_html(result: Result | FrontResult) -> str:
     front = result if isinstance(result, FrontResult) else None
     pictures = Pictures()
     parts = list(design_parts(result, pictures))
-    table = page_front.front_data(front) if front and front.points else None
+    table = front_data(front) if front and front.points else None
     facts = front_facts(front, pictures) if table and front else None
     data = {"figures": pictures.drawn, "front": table}
     first, second = verdict(result)
@@ -91,7 +92,7 @@ def report_html(result: Result | FrontResult) -> str:
 def design_parts(result: Result | FrontResult, pictures: Pictures) -> Iterator[DesignPart]:
     """The designs that the page shows in full: the best, or the nearest miss, or a front's picks."""
     if isinstance(result, FrontResult) and result.points:
-        names = page_front.pick_names(result) or {result.points[0].id: "First point"}
+        names = pick_names(result) or {result.points[0].id: "First point"}
         width_mm = common_width_mm([result.point(point_id).design for point_id in names])
         for number, (point_id, name) in enumerate(names.items()):
             definition = " ".join(
@@ -195,15 +196,15 @@ def front_certificate(certificate: Mapping[str, Any]) -> list[Line]:
 
 def front_facts(front: FrontResult, pictures: Pictures) -> dict[str, Any]:
     """What a front has beside its points."""
-    history = page_front.history_figure(front)
+    history = history_figure(front)
     if history is not None:
         pictures.drawn[HISTORY["id"]] = slim(history)
     return {
         "history": HISTORY if history is not None else None,
-        "cards": page_front.front_cards(front),
-        "heads": page_front.METHOD_HEADS, "methods": page_front.method_rows(front),
+        "cards": front_cards(front),
+        "heads": METHOD_HEADS, "methods": method_rows(front),
         "paper_step": -(-len(front.points) // MOST_ON_PAPER),
-        "kinds": page_front.KINDS, "peers": bool(front.peers), "three": len(front.objectives) == 3,
+        "kinds": KINDS, "peers": bool(front.peers), "three": len(front.objectives) == 3,
     }  # fmt: skip
 
 

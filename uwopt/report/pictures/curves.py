@@ -15,18 +15,11 @@ from numpy.typing import NDArray
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.figures import depth_of_field_m, full_light_lm
 from uwopt.forward.lamp_light import LampField
-from uwopt.forward.optics import (
-    edge_m,
-    efficiency_curve,
-    motion_across,
-    motion_along,
-    on_axis_gain,
-    port_transmission,
-    relative_spectrum,
-    required_rate_hz,
-    smallest_pixels_m,
-)
+from uwopt.forward.lamps import on_axis_gain, relative_spectrum
+from uwopt.forward.motion import motion_across, motion_along, required_rate_hz
 from uwopt.forward.scene import SceneOptics
+from uwopt.forward.spectra import efficiency_curve
+from uwopt.forward.views import edge_m, port_transmission, smallest_pixels_m
 from uwopt.model import beam as beams
 from uwopt.model import imaging, lens, light, operation, seafloor, sensor
 from uwopt.model.port import lens_dioptre_per_m

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.figures import full_light_lm, open_s
-from uwopt.forward.optics import luminous_weight
+from uwopt.forward.lamps import luminous_weight
 from uwopt.forward.sun_light import SunField
 from uwopt.model import imaging, sensor
 from uwopt.report.pictures.curves import CHANNELS, at_nominal, is_colour, lamp_field

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from uwopt.report.page.front import METHOD_HEADS, method_rows, pick_names
 from uwopt.report.text import words
 from uwopt.report.text.doubts import infeasible_block
 from uwopt.report.text.layout import Block, Text, block, columns, sentence
 from uwopt.report.text.verdict import axis_name, verdict
-from uwopt.results.front import FrontPoint, FrontResult
+from uwopt.results.front import FrontMethod, FrontPoint, FrontResult
+from uwopt.units import format_number
 
 MOST_ROWS = 12  # of points; the files and the page hold all
 
@@ -100,3 +100,34 @@ def methods_block(front: FrontResult) -> Block:
         " and cost"
     )
     return block("Solvers", [table, sentence(note, "dim")])
+
+
+def pick_names(front: FrontResult) -> dict[str, str]:
+    """The names of a point's picks, by the point's id."""
+    names: dict[str, list[str]] = {}
+    for pick in front.picks:
+        names.setdefault(pick.point, []).append(words.one_line(pick.name, 40))
+    return {point: ", ".join(own) for point, own in names.items()}
+
+
+def method_rows(front: FrontResult) -> list[list[str]]:
+    """How each method did, in words."""
+    return [method_texts(method) for method in front.methods]
+
+
+METHOD_HEADS = (
+    "method", "status", "time", "points", "evaluations", "hypervolume", "of the exact one", "IGD+",
+)  # fmt: skip
+
+
+def method_texts(method: FrontMethod) -> list[str]:
+    """One method in words; dashes where a figure has no meaning."""
+    bound = method.hypervolume_bound
+    most = "" if bound is None else f" (at most {format_number(bound, 5)})"
+    ratio = method.hypervolume_ratio
+    return [
+        words.one_line(method.name, 30), words.one_line(method.status, 30), words.quantity(method.seconds, "s", 2),
+        words.count_text(method.n_points), words.count_text(method.evaluations),
+        format_number(method.hypervolume, 5) + most,
+        words.quantity(None) if ratio is None else words.share(ratio), words.quantity(method.igd_plus, "", 2),
+    ]  # fmt: skip

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.evaluation.design_model import DesignModel, Hardware
 from uwopt.forward.figures import SettingRows, figures_of
-from uwopt.forward.optics import place_focus, required_rate_hz
+from uwopt.forward.focus import place_focus
+from uwopt.forward.motion import required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms

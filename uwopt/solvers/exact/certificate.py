@@ -13,7 +13,7 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import Certificate
-from uwopt.solvers.exact.search import RULES, Outcome
+from uwopt.solvers.exact.account import RULES, Outcome
 
 KINDS = ("camera", "lens", "port", "light")
 

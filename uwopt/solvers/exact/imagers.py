@@ -20,17 +20,10 @@ from uwopt.catalog.compatibility import (
     mount_compatible,
     rated_pitch_um,
 )
-from uwopt.forward.optics import (
-    Views,
-    blur_time_s,
-    focus_map,
-    place_focus,
-    required_rate_hz,
-    shutter_skew_px,
-    views,
-    working_factor,
-)
+from uwopt.forward.focus import place_focus, working_factor
+from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
 from uwopt.forward.problem import Focused, Problem
+from uwopt.forward.views import Views, focus_map, views
 
 Array = NDArray[Any]
 SAMPLES = 24  # discarded imagers remembered per rule, port and orientation, for an audit

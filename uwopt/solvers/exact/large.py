@@ -33,7 +33,8 @@ from uwopt.solvers.exact.screen import pair_rules
 from uwopt.solvers.exact.signals import SignalTables
 
 if TYPE_CHECKING:
-    from uwopt.solvers.exact.search import Outcome, Search
+    from uwopt.solvers.exact.account import Outcome
+    from uwopt.solvers.exact.search import Search
 
 Array = NDArray[Any]
 FIRST_PAIRS, LARGEST_PAIRS = 512, 32768  # that are bounded together
@@ -50,7 +51,7 @@ class LargeSearch:
     """State of one search of a large catalogue, on top of the search that evaluates."""
 
     def __init__(self, search: Search, pairs: Pairs):
-        from uwopt.solvers.exact.search import snr_ceiling
+        from uwopt.solvers.exact.account import snr_ceiling
 
         self.search, self.problem, self.pairs = search, search.problem, pairs
         self.snr_ceiling = snr_ceiling(search.objective)
@@ -66,7 +67,7 @@ class LargeSearch:
 
     def run(self) -> Outcome:
         """Bound, split, search; see the module's docstring."""
-        from uwopt.solvers.exact.search import Outcome
+        from uwopt.solvers.exact.account import Outcome
 
         search, start = self.search, time.perf_counter()
         search.sift = self._sift

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.lamp_light import ImageLight, Veils
-from uwopt.forward.optics import on_axis_gain, one_side
+from uwopt.forward.lamps import on_axis_gain, one_side
 from uwopt.forward.problem import Mount, Problem
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, flat_slope_m

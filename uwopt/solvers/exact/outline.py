@@ -16,17 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.optics import (
-    Views,
-    focus_map,
-    held_at_corner,
-    place_focus,
-    port_transmission,
-    required_rate_hz,
-    sharp_ends_m,
-)
+from uwopt.forward.focus import held_at_corner, place_focus, sharp_ends_m
+from uwopt.forward.motion import required_rate_hz
 from uwopt.forward.problem import Focused, Problem
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
+from uwopt.forward.views import Views, focus_map, port_transmission
 from uwopt.model import lens, port
 from uwopt.solvers.exact.imagers import Imagers, SceneImagers, limit
 from uwopt.solvers.exact.light_tables import FieldTables, Rectangles
@@ -370,7 +364,7 @@ class Level:
 
     def coc_m(self, scene: SceneOptics, rows: Rows) -> Array:
         """Circle of confusion of the cameras."""
-        from uwopt.forward.optics import PAPER_COC_PER_DIAGONAL
+        from uwopt.forward.views import PAPER_COC_PER_DIAGONAL
 
         cameras, wanted_px = self.problem.cameras, scene.view.requirements.circle_of_confusion_px
         pitch = cameras.pixel_pitch_m[rows.camera]

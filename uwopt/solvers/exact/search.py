@@ -7,11 +7,12 @@ stops when no bound beats the best. Each combination is counted once, by the fir
 it, so that the account adds up.
 """
 
+
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,9 +24,9 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
 from uwopt.objectives.objective import Objective, Terms
+from uwopt.solvers.exact.account import Account, Outcome, Sample, snr_ceiling
 from uwopt.solvers.exact.bounds import ROUND, UNIT_RULES, Bounds, LightTable, UnitBounds
 from uwopt.solvers.exact.imagers import (
-    IMAGER_RULES,
     Imagers,
     enumerate_imagers,
     fitting_pairs,
@@ -33,11 +34,12 @@ from uwopt.solvers.exact.imagers import (
     limit,
 )
 from uwopt.solvers.exact.light_tables import FieldTables, Lighting
-from uwopt.solvers.exact.ranking import TIE, Found, Ranking
+from uwopt.solvers.exact.ranking import TIE, Ranking
 from uwopt.solvers.settings.best import GAP, best_settings
 from uwopt.solvers.settings.closed_form import Chosen
 
 Array = NDArray[Any]
+
 FIRST_BATCH, LARGEST_BATCH = 32, 2048
 FIRST_CHUNK, LARGEST_CHUNK = 4096, 65536  # imagers that are bounded together
 MOST_IMAGERS = 600_000  # beyond which pairs of camera and lens are bounded before their ports
@@ -47,10 +49,6 @@ MOST_ROWS_AT_ONCE = 60_000
 FIRST_VEILS, LARGEST_VEILS = 8, 256  # imagers whose veils are worked out together
 ROUGH_GAP = 1e-2  # of bounds over settings that are searched cell by cell
 TOO_FEW_TO_BOUND = 8  # units: evaluating them is cheaper
-RULES = (*IMAGER_RULES, *(rule for rule in UNIT_RULES if rule not in IMAGER_RULES))
-
-
-Sample = tuple[int, int, int, bool, int | None]  # camera, lens, port, landscape, lighting or None for any
 Sift = Callable[
     [Array, Array], None
 ]  # evaluates units, given by lighting and imager, as far as they are worth it
@@ -77,33 +75,6 @@ class Pairs:
             self.cost[index],
             self.mass_kg[index],
         )
-
-
-@dataclass
-class Account:
-    """Where every combination went: evaluated, or discarded by the first rule that does."""
-
-    total: int = 0
-    evaluated: int = 0
-    discarded: dict[str, int] = field(default_factory=lambda: dict.fromkeys(RULES, 0))
-
-    def adds_up(self) -> bool:
-        """Whether every combination is accounted for once."""
-        return self.total == self.evaluated + sum(self.discarded.values())
-
-
-@dataclass
-class Outcome:
-    """What a search found and how far its proof reaches."""
-
-    best: list[Found]
-    account: Account
-    lower_bound: float
-    complete: bool
-    imagers: Imagers
-    tables: FieldTables
-    timing_s: dict[str, float]
-    interrupted: bool = False
 
 
 class Search:
@@ -575,8 +546,3 @@ class Search:
             parts.append((mine, at))
         pixels = ImageLight.joined(parts, unique.shape[1]).take(back.reshape(-1))
         return replace(seen, worst_e=pixels.worst_e, worst_veil_e=pixels.worst_veil_e)
-
-
-def snr_ceiling(objective: Objective) -> float:
-    """An SNR in dB that no design exceeds, where SNR counts at all: that of 10^20 electrons a pixel."""
-    return 200.0 if objective.weight("snr_db") else 0.0

@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.optics import one_side
+from uwopt.forward.lamps import one_side
 from uwopt.model import beam as beams
 from uwopt.model import imaging
 from uwopt.model.imaging import PortShape

@@ -23,8 +23,9 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
 from uwopt.results.result import Design
 from uwopt.solvers import recommend
+from uwopt.solvers.exact.account import RULES
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.exact.search import RULES, Search
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.designs import values_of
 from uwopt.solvers.settable.rounding import exact_settings
 

@@ -56,7 +56,7 @@ def few(values: Array, frame: Frame, most: int = MOST_POINTS) -> Array:
 
     No two of them are within 0.1 % of each other in every objective.
     """
-    from uwopt.solvers.population.archive import distinct
+    from uwopt.objectives.dominance import distinct
 
     order = distinct(values, frame.log)
     unit = frame.unit(values[order])

@@ -24,10 +24,11 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
 from uwopt.objectives.dominance import Archive, clearly, hypervolume, nondominated
 from uwopt.objectives.objective import Terms
+from uwopt.solvers.exact.account import RULES
 from uwopt.solvers.exact.bounds import ROUND, UNIT_RULES
 from uwopt.solvers.exact.imagers import limit
 from uwopt.solvers.exact.light_tables import Lighting
-from uwopt.solvers.exact.search import RULES, Search
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.trade_curves import Answers, Curves, Hopeful, Trade
 from uwopt.solvers.settings import closed_form
 

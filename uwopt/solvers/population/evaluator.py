@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
-from uwopt.forward.optics import focus_map
 from uwopt.forward.part_columns import FLASH
 from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.views import focus_map
 from uwopt.model import sensor
 from uwopt.model.port import FocusMap
 from uwopt.objectives.objective import MAXIMISED, Terms

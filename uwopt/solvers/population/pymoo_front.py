@@ -19,10 +19,11 @@ from pymoo.config import Config
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError
 from uwopt.objectives.axes import LOGARITHMIC, scale
+from uwopt.objectives.dominance import MARGIN, in_box
 from uwopt.objectives.own import OwnFunction, OwnObjective
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.population.archive import MARGIN, Archive, in_box
+from uwopt.solvers.population.archive import Archive
 from uwopt.solvers.population.coding import Axis, Coding, layers, resolved_axes
 from uwopt.solvers.population.evaluator import Evaluator
 

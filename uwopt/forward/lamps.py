@@ -1,0 +1,138 @@
+"""Lamps: their beams in water, spectra, places and aims."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.curves import spectra
+from uwopt.catalog.records import Curve, Light
+from uwopt.forward.part_columns import FAVOURED, number
+from uwopt.forward.scene import SceneOptics
+from uwopt.model import beam as beams
+from uwopt.model.imaging import Lamps
+from uwopt.model.spectrum import resample_power, trapezoid_weights_nm
+
+Array = NDArray[Any]
+
+LAMP_FRONT_M = 0.02  # radius of a lamp's front, unless known: nearer than that its light is not a point's
+WIDEST_DISC_RAD = float(np.deg2rad(85.0))
+
+
+@dataclass(frozen=True)
+class LightOptics:
+    """What one lamp's light is like: beam in each scene's water and relative spectrum. Lights that share it share
+    signals."""
+
+    beams: tuple[beams.Beam, ...]
+    spectrum_id: str
+    spectrum: Curve | None
+
+
+def light_optics(
+    light: Light, *, n_water: Sequence[float], end: str = "central", paper: bool = False
+) -> LightOptics:
+    """Beam and spectrum of a light; angles stated in air, or in no medium, are refracted into each scene's water.
+
+    Physics `paper` knows one beam, the even disc: it takes the place of any other of the same angle.
+    """
+    made = {index: light_beam(light, n_water=index, end=end) for index in n_water}
+    if paper:
+        made = {
+            index: beam
+            if beam.kind == "disc"
+            else beams.disc_beam(min(beams.half_power_angle_rad(beam), WIDEST_DISC_RAD))
+            for index, beam in made.items()
+        }
+    return LightOptics(tuple(made[index] for index in n_water), light.spectrum_id, light.spectrum)
+
+
+def light_beam(light: Light, *, n_water: float, end: str = "central") -> beams.Beam:
+    """The beam of a light in water, from its data sheet's angle or its measured profile."""
+    in_water = light.beam_medium == "water"
+    if light.beam == "tabulated" and light.beam_profile is not None:
+        angles = np.deg2rad(light.beam_profile.x)
+        values = np.asarray(light.beam_profile.y, float)
+        return beams.tabulated_beam(
+            angles, values, medium="water" if in_water else "air", n_w=n_water, total_flux_lm=None
+        )  # the shape; what a profile in candela holds of the flux is in the output factor
+    half = np.deg2rad(number(light.beam_angle_deg, 90.0, end, FAVOURED["beam_angle_deg"])) / 2.0  # type: ignore[arg-type]
+    if not in_water:
+        half = float(beams.half_angle_in_water_rad(half, n_w=n_water))
+    if light.beam == "disc":
+        return beams.disc_beam(half)
+    if light.beam == "cone":
+        return beams.cone_beam(half)
+    return beams.cosine_power_beam(2.0 * half)
+
+
+def lamp_set(count: int, *, baseline_m: float, tilt_rad: float) -> Lamps:
+    """n lamps across track, alternately at plus and minus the baseline, leaning outward (PHYSICS section 1)."""
+    right = (count + 1) // 2
+    sides = [(1.0, right / count)] + ([(-1.0, (count - right) / count)] if count > 1 else [])
+    places = [(side * baseline_m, share) for side, share in sides]
+    aims = [
+        beams.lamp_aim(0.0, tilt_rad, lamp_x_m=0.0, lamp_y_m=side * max(baseline_m, 1e-12))
+        for side, _ in sides
+    ]
+    return Lamps(
+        x_m=tuple(0.0 for _ in places),
+        y_m=tuple(y for y, _ in places),
+        z_m=tuple(0.0 for _ in places),
+        aim=tuple((float(a[0]), float(a[1]), float(a[2])) for a in aims),
+        share=tuple(share for _, share in places),
+    )
+
+
+def mounted_lamps(mounts: Sequence[Any]) -> Lamps:
+    """Lamps where the mission or system puts them."""
+    aims = [
+        beams.lamp_aim(np.deg2rad(m.tilt_x_deg), np.deg2rad(m.tilt_y_deg), lamp_x_m=m.x_m, lamp_y_m=m.y_m)
+        for m in mounts
+    ]
+    return Lamps(
+        x_m=tuple(float(m.x_m) for m in mounts),
+        y_m=tuple(float(m.y_m) for m in mounts),
+        z_m=tuple(float(m.z_m) for m in mounts),
+        aim=tuple((float(a[0]), float(a[1]), float(a[2])) for a in aims),
+        share=tuple(1.0 / len(mounts) for _ in mounts),
+    )
+
+
+def one_side(lamps: Lamps) -> Lamps:
+    """The lamps that stand for all in the mean over a symmetric image: mirror images add nothing new."""
+    if len(lamps.x_m) == 2 and mirrored(lamps):
+        return Lamps(lamps.x_m[:1], lamps.y_m[:1], lamps.z_m[:1], lamps.aim[:1], (1.0,))
+    return lamps
+
+
+def mirrored(lamps: Lamps) -> bool:
+    """Whether two lamps are each other's mirror image across the track, in place and in aim."""
+    (one_x, other_x), (one_y, other_y), (one_z, other_z) = lamps.x_m, lamps.y_m, lamps.z_m
+    one, other = lamps.aim
+    places = one_x == other_x == 0.0 and one_y == -other_y and one_z == other_z
+    return places and bool(np.allclose(one, (other[0], -other[1], other[2]), rtol=0, atol=1e-12))
+
+
+def relative_spectrum(key: tuple[str, Curve | None], wavelength_nm: Array) -> Array:
+    """A light's relative spectrum on the grid: the user's own curve, or a named one."""
+    name, curve = key
+    if curve is not None:
+        return resample_power(wavelength_nm, table_nm=np.array(curve.x), table_values=np.array(curve.y))
+    known = spectra.light_spectrum(name)
+    return resample_power(wavelength_nm, table_nm=known.wavelength_nm, table_values=known.value)
+
+
+def luminous_weight(scene: SceneOptics, item: LightOptics) -> Array:
+    """A light's luminous flux by wavelength, any scale: V S times the steps of the grid."""
+    spectrum = relative_spectrum((item.spectrum_id, item.spectrum), scene.wavelength_nm)
+    return np.asarray(scene.photopic * spectrum * trapezoid_weights_nm(scene.wavelength_nm))
+
+
+def on_axis_gain(beam: beams.Beam, ranges: Array) -> Array:
+    """Illuminance per lumen on the axis of a lamp that stands at the camera (physics `paper`) [1/m^2]."""
+    return np.asarray(beams.intensity_per_sr(np.ones_like(ranges), beam) / np.square(ranges))

@@ -1,0 +1,239 @@
+"""Spectra contracted once: light x water x sensor as look-up tables of path length."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.records import Curve
+from uwopt.forward.lamps import LAMP_FRONT_M, LightOptics, relative_spectrum
+from uwopt.forward.scene import SceneOptics
+from uwopt.model import imaging, sensor, veil
+from uwopt.model.fineness import scaled
+from uwopt.model.spectrum import resample, resample_power
+from uwopt.model.water import PathTable, build_path_table
+
+Array = NDArray[Any]
+
+REACH_STEP = 1.3
+MOST_ORDER, TABLE_ERROR_LOG = 16, 1e-6  # of tables of water's loss
+TINY = 1e-300  # in place of a sum of weights that is zero: a black floor, a blind sensor
+LARGEST_EXPONENT = 600.0  # of a veil over what it veils: exp(709) is the last that a float holds
+CONTRAST_MARGIN = 0.98  # of the forward veil, for what lies between the paths tried
+
+
+def efficiency_curve(curves: dict[str, Curve], wavelength_nm: Array, *, channel: str | None = None) -> Array:
+    """Quantum efficiency on the grid; a colour sensor counts as (R + 2G + B)/4 unless a channel is named."""
+    on_grid = {name: efficiency_on_grid(curve, wavelength_nm) for name, curve in curves.items()}
+    if channel is not None:
+        return np.asarray(on_grid.get(channel, on_grid.get("mono")))
+    if "mono" in on_grid:
+        return np.asarray(on_grid["mono"])
+    return np.asarray(
+        sensor.colour_mean_efficiency(on_grid["red"], green=on_grid["green"], blue=on_grid["blue"])
+    )
+
+
+def efficiency_on_grid(curve: Curve, wavelength_nm: Array) -> Array:
+    """One channel on the grid, held beyond its ends; steps between two points count by where they lie.
+
+    A filter's edge is often steeper than the grid: read at the points alone it would be half a step off.
+    """
+    at_nm, values = np.array(curve.x), np.array(curve.y)
+    if np.diff(at_nm).min(initial=np.inf) >= np.diff(wavelength_nm).max():
+        return resample(wavelength_nm, table_nm=at_nm, table_values=values, outside="hold")
+    ends_nm = wavelength_nm[[0, -1]]
+    inside = (at_nm > ends_nm[0]) & (at_nm < ends_nm[1])
+    at_ends = resample(ends_nm, table_nm=at_nm, table_values=values, outside="hold")
+    return resample_power(
+        wavelength_nm,
+        table_nm=np.r_[ends_nm[0], at_nm[inside], ends_nm[1]],
+        table_values=np.r_[at_ends[0], values[inside], at_ends[1]],
+    )
+
+
+class Contraction:
+    """The spectrum of one scene, contracted once for every pair of light spectrum and efficiency curve.
+
+    `response(s, q)`: electrons per m^2 of pixel and lm s per m^2 on the floor, water apart.
+    `table(s, q)`: water's loss relative to it over both legs. Tables are built when first needed.
+    """
+
+    def __init__(
+        self, scene: SceneOptics, optics: Sequence[LightOptics], efficiencies: Sequence[dict[str, Curve]]
+    ):
+        self.scene = scene
+        self.spectrum_names: list[tuple[str, Curve | None]] = []
+        self.spectrum_of = np.empty(len(optics), int)
+        for index, item in enumerate(optics):
+            key = (item.spectrum_id, item.spectrum)
+            if key not in self.spectrum_names:
+                self.spectrum_names.append(key)
+            self.spectrum_of[index] = self.spectrum_names.index(key)
+        self.efficiencies = list(efficiencies)
+        self._curve_keys = [tuple(sorted(curves.items())) for curves in efficiencies]
+        self._reach_m = (0.0, 0.0)
+
+    def key(self, spectrum: int, efficiency: int, channel: str | None) -> tuple[Any, ...]:
+        """What a weight depends on, in the scene's cache."""
+        return (self.spectrum_names[spectrum], self._curve_keys[efficiency], channel)
+
+    def weight(self, spectrum: int, efficiency: int, channel: str | None = None) -> Array:
+        """Signal weight by wavelength; see `imaging.signal_weight`."""
+        key = ("weight", *self.key(spectrum, efficiency, channel))
+        scene = self.scene
+        if key not in scene.cache:
+            scene.cache[key] = imaging.signal_weight(
+                relative_spectrum(self.spectrum_names[spectrum], scene.wavelength_nm),
+                wavelength_nm=scene.wavelength_nm,
+                photopic=scene.photopic,
+                reflectance=scene.reflectance,
+                quantum_efficiency=efficiency_curve(
+                    self.efficiencies[efficiency], scene.wavelength_nm, channel=channel
+                ),
+                n_water=scene.radiance_index,
+            )
+        return np.asarray(scene.cache[key])
+
+    def response(self, spectrum: int, efficiency: int, channel: str | None = None) -> float:
+        """Sum of the weight over wavelengths."""
+        return float(self.weight(spectrum, efficiency, channel).sum())
+
+    def straight_loss(self, spectrum: int, efficiency: int, channel: str | None = None) -> Array:
+        """Water's loss straight down and up, by altitude: the paper's equation (1) on the axis."""
+        scene = self.scene
+        weight = self.weight(spectrum, efficiency, channel)
+        optical = (scene.attenuation_per_m + scene.lamp_attenuation_per_m) * scene.range_m[:, None]
+        least = optical.min(axis=1, keepdims=True)
+        loss = (weight * np.exp(-(optical - least))).sum(axis=1) / max(float(weight.sum()), TINY)
+        return np.asarray(loss * np.exp(-least[:, 0]))
+
+    def mean_loss(self, spectrum: int, efficiency: int, *, lamp_m: float, camera_m: float) -> float:
+        """Water's loss over one pair of paths, integrated directly."""
+        scene = self.scene
+        weight = self.weight(spectrum, efficiency)
+        optical = scene.lamp_attenuation_per_m * lamp_m + scene.attenuation_per_m * camera_m
+        least = float(optical.min())
+        return float((weight * np.exp(-(optical - least))).sum() / max(weight.sum(), TINY) * np.exp(-least))
+
+    def most_contrast(self, spectrum: int, efficiency: int, altitude: int) -> float:
+        """Upper bound of the image-forming share at one altitude: the forward veil on the shortest rays.
+
+        The veil grows with both paths but for the spectrum's shift along them, so several are tried.
+        """
+        scene = self.scene
+        key = ("most contrast", *self.key(spectrum, efficiency, None), altitude, self._reach_m)
+        if key not in scene.cache:
+            scene.cache[key] = self._most_contrast(spectrum, efficiency, float(scene.range_m[altitude]))
+        return float(scene.cache[key])
+
+    def _most_contrast(self, spectrum: int, efficiency: int, near: float) -> float:
+        scene = self.scene
+        weight = self.weight(spectrum, efficiency)
+        excess = scene.attenuation_per_m - scene.lamp_attenuation_per_m
+        lit = weight > 0
+        if not lit.any():  # a black floor or a blind sensor
+            return 1.0
+        least = np.inf
+        for camera_m in np.linspace(near, max(self._reach_m[1], near), 4):
+            for lamp_m in np.linspace(0.5 * near, max(self._reach_m[0], near), 4):
+                optical = scene.lamp_attenuation_per_m[lit] * lamp_m + scene.attenuation_per_m[lit] * camera_m
+                seen = weight[lit] * np.exp(-(optical - optical.min()))
+                veil = np.expm1(np.minimum(excess[lit] * camera_m, LARGEST_EXPONENT))
+                least = min(least, float((seen * veil).sum() / seen.sum()))
+        return 1.0 / (1.0 + CONTRAST_MARGIN * least)
+
+    def set_reach(self, lamp_reach_m: float, camera_reach_m: float) -> None:
+        """Longest paths that tables must cover, rounded up so that like problems share their tables."""
+        near = float(self.scene.range_m[0])
+        self._reach_m = (rounded_up(max(lamp_reach_m, near)), rounded_up(max(camera_reach_m, near)))
+
+    def table(
+        self, spectrum: int, efficiency: int, channel: str | None = None, *, lowest_m: float = 0.0,
+        forward: bool = False,
+    ) -> PathTable:  # fmt: skip
+        """Loss over lamp leg and camera leg, as a table over both lengths.
+
+        `forward`: of the forward veil, exp(-K r) - exp(-c r) on the camera leg: what reaches the camera, but
+        forms no image.
+        """
+        scene = self.scene
+        near = float(scene.range_m[0])
+        lowest = min(lowest_m, near) * 0.999
+        key = ("table", *self.key(spectrum, efficiency, channel), self._reach_m, lowest, forward)
+        if key not in scene.cache:
+            scene.cache[key] = build_path_table(
+                self.weight(spectrum, efficiency, channel),
+                wavelength_nm=None,  # the weight holds the trapezoid's steps
+                k_lamp_per_m=scene.lamp_attenuation_per_m,
+                c_camera_per_m=scene.attenuation_per_m,
+                k_camera_per_m=scene.lamp_attenuation_per_m if forward else None,
+                lamp_range_m=(lowest, self._reach_m[0]),
+                camera_range_m=(near * 0.999, self._reach_m[1]),
+                **self.table_settings(),
+            )
+        table: PathTable = scene.cache[key]
+        return table
+
+    def table_settings(self) -> dict[str, Any]:
+        """Order and tolerance of the loss tables."""
+        fineness = self.scene.fineness.spectrum
+        return dict(
+            max_order=scaled(MOST_ORDER, max(fineness, 1.0) ** 0.5),
+            tolerance_log=TABLE_ERROR_LOG / fineness**2,
+        )
+
+    def scatterers(
+        self, spectrum: int, efficiency: int, channel: str | None = None
+    ) -> tuple[veil.Scatterer, ...]:
+        """What scatters on the way to the camera, particles and molecules, each with its loss table."""
+        scene = self.scene
+        key = ("scatter", *self.key(spectrum, efficiency, channel), self._reach_m)
+        if key not in scene.cache:
+            lamp_end, camera_end = (
+                min(reach, LAMP_FRONT_M + veil.OPTICAL_REACH / max(float(least.min()), TINY))
+                for reach, least in zip(
+                    self._reach_m, (scene.lamp_attenuation_per_m, scene.attenuation_per_m), strict=True
+                )
+            )
+            scene.cache[key] = tuple(
+                veil.Scatterer(
+                    phase=part.phase,
+                    table=build_path_table(
+                        self.scatter_weight(part.scattering_per_m, spectrum, efficiency, channel),
+                        wavelength_nm=None,
+                        k_lamp_per_m=scene.lamp_attenuation_per_m,
+                        c_camera_per_m=scene.attenuation_per_m,
+                        lamp_range_m=(LAMP_FRONT_M, max(lamp_end, 2 * LAMP_FRONT_M)),
+                        camera_range_m=(0.0, camera_end),
+                        **self.table_settings(),
+                    ),
+                )
+                for part in scene.scattering
+            )
+        found: tuple[veil.Scatterer, ...] = scene.cache[key]
+        return found
+
+    def scatter_weight(
+        self, scattering_per_m: Array, spectrum: int, efficiency: int, channel: str | None = None
+    ) -> Array:
+        """Weight by wavelength of light that the water scatters; see `imaging.scatter_weight`."""
+        scene = self.scene
+        return imaging.scatter_weight(
+            relative_spectrum(self.spectrum_names[spectrum], scene.wavelength_nm),
+            wavelength_nm=scene.wavelength_nm,
+            photopic=scene.photopic,
+            scattering_per_m=scattering_per_m,
+            quantum_efficiency=efficiency_curve(
+                self.efficiencies[efficiency], scene.wavelength_nm, channel=channel
+            ),
+            n_water=scene.radiance_index,
+        )
+
+
+def rounded_up(length_m: float) -> float:
+    """The next length of a series in steps of 30 %."""
+    return float(REACH_STEP ** np.ceil(np.log(length_m * 1.001) / np.log(REACH_STEP)))

@@ -1,0 +1,49 @@
+"""Where every combination went, and what a search found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.bounds import UNIT_RULES
+from uwopt.solvers.exact.imagers import (
+    IMAGER_RULES,
+    Imagers,
+)
+from uwopt.solvers.exact.light_tables import FieldTables
+from uwopt.solvers.exact.ranking import Found
+
+RULES = (*IMAGER_RULES, *(rule for rule in UNIT_RULES if rule not in IMAGER_RULES))
+Sample = tuple[int, int, int, bool, int | None]  # camera, lens, port, landscape, lighting or None for any
+
+
+@dataclass
+class Account:
+    """Where every combination went: evaluated, or discarded by the first rule that does."""
+
+    total: int = 0
+    evaluated: int = 0
+    discarded: dict[str, int] = field(default_factory=lambda: dict.fromkeys(RULES, 0))
+
+    def adds_up(self) -> bool:
+        """Whether every combination is accounted for once."""
+        return self.total == self.evaluated + sum(self.discarded.values())
+
+
+@dataclass
+class Outcome:
+    """What a search found and how far its proof reaches."""
+
+    best: list[Found]
+    account: Account
+    lower_bound: float
+    complete: bool
+    imagers: Imagers
+    tables: FieldTables
+    timing_s: dict[str, float]
+    interrupted: bool = False
+
+
+def snr_ceiling(objective: Objective) -> float:
+    """An SNR in dB that no design exceeds, where SNR counts at all: that of 10^20 electrons a pixel."""
+    return 200.0 if objective.weight("snr_db") else 0.0
