@@ -8,6 +8,7 @@ import numpy as np
 
 from uwopt.api import solving as api
 from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.lamp_light import image_light
 from uwopt.mission.system import load_system
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
@@ -22,10 +23,17 @@ def tank() -> DesignModel:
 def test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once() -> None:
     model = tank()
     hardware, optics = model.hardware, int(model.lights.optics_index[0])
-    at_once = model.problem.image_light(
-        0, model.views[0], np.array([hardware.camera]), port_index=hardware.port, optics=optics, mount=hardware.mount,
-        count=hardware.count, pixels=True,
-    ).scaled(model.lights.output_factor)  # fmt: skip
+    at_once = image_light(
+        model.problem,
+        0,
+        model.views[0],
+        np.array([hardware.camera]),
+        port_index=hardware.port,
+        optics=optics,
+        mount=hardware.mount,
+        count=hardware.count,
+        pixels=True,
+    ).scaled(model.lights.output_factor)
     in_parts = model.image_light(0, pixels=True)
     for name in ("signal_e", "forward_e", "backscatter_e", "worst_e", "worst_veil_e"):
         assert np.array_equal(getattr(in_parts, name), getattr(at_once, name)), name

@@ -35,8 +35,9 @@ from uwopt.evaluation.design_model import Hardware, SceneSettings, design_model
 from uwopt.evaluation.outside import Departure, departures
 from uwopt.forward.batch import influences_of
 from uwopt.forward.effects import Influence, effects_kept
+from uwopt.forward.lamps import Mount
 from uwopt.forward.part_columns import FLASH
-from uwopt.forward.problem import Mount, Parts, Problem
+from uwopt.forward.problem import Parts, Problem
 from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.system import System, load_system

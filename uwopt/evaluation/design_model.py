@@ -18,12 +18,15 @@ from uwopt.forward.figures import (
     figures_of,
     levers_m,
 )
+from uwopt.forward.floor_light import footprint_light, uniformity
 from uwopt.forward.focus import Focus, place_focus
-from uwopt.forward.lamp_light import ImageLight, LampField, SunLight
+from uwopt.forward.lamp_light import ImageLight, LampField, SunLight, image_light
+from uwopt.forward.lamps import Mount
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Lights
-from uwopt.forward.problem import Mount, Problem
-from uwopt.forward.sharpness import SharpRows
+from uwopt.forward.problem import Problem
+from uwopt.forward.sharpness import SharpRows, sharpness_of
+from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import focus_map, views
 from uwopt.model import imaging, veil
 from uwopt.model.port import lens_dioptre_per_m
@@ -136,10 +139,19 @@ class DesignModel:
     def floor_light(self, index: int) -> tuple[float, float]:
         """Mean and least floor illuminance per lumen over the footprint at the nominal altitude [1/m^2]."""
         hw = self.hardware
-        both: tuple[float, float] = self._once(("floor", index), lambda: self.problem.footprint_light(
-            index, self.views[index], port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
-            count=hw.count, altitude=self.problem.scenes[index].nominal,
-        ))  # fmt: skip
+        both: tuple[float, float] = self._once(
+            ("floor", index),
+            lambda: footprint_light(
+                self.problem,
+                index,
+                self.views[index],
+                port_index=hw.port,
+                optics=int(self.lights.optics_index[0]),
+                mount=hw.mount,
+                count=hw.count,
+                altitude=self.problem.scenes[index].nominal,
+            ),
+        )
         return both
 
     def dark_share(self, index: int) -> float:
@@ -170,10 +182,19 @@ class DesignModel:
     def sharp_rows(self, index: int, dioptre_per_m: float) -> SharpRows:
         """What sharpness depends on at this focus."""
         hw = self.hardware
-        sharp: SharpRows = self._once(("sharp", index, dioptre_per_m), lambda: self.problem.sharp_rows(
-            index, self.views[index], camera=np.array([hw.camera]), lens=np.array([hw.lens]), port=np.array([hw.port]),
-            optics=int(self.lights.optics_index[0]), dioptre_per_m=np.array([dioptre_per_m]),
-        ))  # fmt: skip
+        sharp: SharpRows = self._once(
+            ("sharp", index, dioptre_per_m),
+            lambda: sharpness_of(
+                self.problem,
+                index,
+                self.views[index],
+                camera=np.array([hw.camera]),
+                lens=np.array([hw.lens]),
+                port=np.array([hw.port]),
+                optics=int(self.lights.optics_index[0]),
+                dioptre_per_m=np.array([dioptre_per_m]),
+            ),
+        )
         return sharp
 
     def sun_light(self, index: int, *, pixels: bool = False, channel: str | None = None) -> SunLight | None:
@@ -184,10 +205,17 @@ class DesignModel:
 
     def _sun_light(self, index: int, pixels: bool, channel: str | None) -> SunLight | None:
         hw = self.hardware
-        return self.problem.sun_light(
-            index, self.views[index], np.array([hw.camera]), port_index=np.array([hw.port]), mount=hw.mount,
-            count=hw.count, channel=channel, pixels=pixels,
-        )  # fmt: skip
+        return sun_light(
+            self.problem,
+            index,
+            self.views[index],
+            np.array([hw.camera]),
+            port_index=np.array([hw.port]),
+            mount=hw.mount,
+            count=hw.count,
+            channel=channel,
+            pixels=pixels,
+        )
 
     def image_light(self, index: int, *, pixels: bool = False, channel: str | None = None) -> ImageLight:
         """Electrons per lm s of nameplate light."""
@@ -197,8 +225,8 @@ class DesignModel:
 
     def _image_light(self, index: int, pixels: bool, channel: str | None) -> ImageLight:
         hw, split = self.hardware, pixels and not self.problem.paper
-        light = self.problem.image_light(
-            index, self.views[index], np.array([hw.camera]), port_index=hw.port,
+        light = image_light(
+            self.problem, index, self.views[index], np.array([hw.camera]), port_index=hw.port,
             optics=int(self.lights.optics_index[0]), mount=hw.mount, count=hw.count, pixels=pixels, channel=channel,
             means=not split,
         ).scaled(self.lights.output_factor)  # fmt: skip
@@ -319,10 +347,18 @@ class DesignModel:
         wanted = scene.view.requirements.min_uniformity
         if wanted is None:
             return []
-        reached = self._once(("uniformity", index), lambda: self.problem.uniformity(
-            index, self.views[index], port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
-            count=hw.count,
-        ))  # fmt: skip
+        reached = self._once(
+            ("uniformity", index),
+            lambda: uniformity(
+                self.problem,
+                index,
+                self.views[index],
+                port_index=hw.port,
+                optics=int(self.lights.optics_index[0]),
+                mount=hw.mount,
+                count=hw.count,
+            ),
+        )
         worst = int(reached.argmin())
         value, where = np.array([reached[worst]]), np.array([scene.range_m[worst]])
         return [MarginRows("min_uniformity", value, np.array([wanted]), ">=", "", where)]

@@ -16,8 +16,9 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Choice, select
 from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings, design_model
 from uwopt.forward.figures import SettingRows
+from uwopt.forward.lamps import mission_mounts
 from uwopt.forward.part_columns import PULSED
-from uwopt.forward.problem import Problem, mission_mounts
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import PART_KINDS, System
 from uwopt.model.imaging import Lamps

@@ -20,7 +20,8 @@ from uwopt.errors import UwoptError
 from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings
 from uwopt.evaluation.figures_by_name import illuminance, plain_figures
 from uwopt.forward.figures import Figures, SettingRows
-from uwopt.forward.problem import Mount, Parts, Problem, mission_mounts
+from uwopt.forward.lamps import Mount, mission_mounts
+from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.sections import LightMount
 from uwopt.mission.system import load_system

@@ -16,10 +16,12 @@ from numpy.typing import NDArray
 from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings
 from uwopt.forward import effects as influence
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
-from uwopt.forward.lamp_light import ImageLight, Veils
-from uwopt.forward.problem import Mount, Problem
+from uwopt.forward.lamp_light import ImageLight, Veils, image_light
+from uwopt.forward.lamps import Mount
+from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
-from uwopt.forward.sharpness import SharpRows
+from uwopt.forward.sharpness import SharpRows, sharpness_of
+from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import Views, focus_map, views
 from uwopt.model.effects import Effects
 from uwopt.model.port import FocusMap
@@ -72,8 +74,8 @@ class Batch:
         for rows, port, optics in self.groups(by_curve=False):
             for count in np.unique(d.count[rows]) if pixels else [2]:
                 mine = rows[d.count[rows] == count] if pixels else rows
-                light = self.problem.image_light(
-                    index, view.take(mine), d.camera[mine], port_index=port, optics=optics, mount=d.mount,
+                light = image_light(
+                    self.problem, index, view.take(mine), d.camera[mine], port_index=port, optics=optics, mount=d.mount,
                     count=int(count), pixels=pixels, veils=veils, known=None if known is None else known.take(mine),
                 )  # fmt: skip
                 parts.append((mine, light))
@@ -156,7 +158,7 @@ class Batch:
             focus_map=self._focus_map(scene, index),
             lever_m=levers_m(scene, problem.ports.outer_radius_m[d.port]),
             light=light.scaled(lights.output_factor),
-            sun=problem.sun_light(index, view, d.camera, port_index=d.port, mount=d.mount, pixels=worst),
+            sun=sun_light(problem, index, view, d.camera, port_index=d.port, mount=d.mount, pixels=worst),
         )
 
     def _focus_map(self, scene: SceneOptics, index: int) -> FocusMap:
@@ -171,13 +173,19 @@ class Batch:
         parts = [
             (
                 rows,
-                self.problem.sharp_rows(
-                    index, self.views[index].take(rows), camera=d.camera[rows], lens=d.lens[rows], port=d.port[rows],
-                    optics=optics, dioptre_per_m=dioptre_per_m[rows],
+                sharpness_of(
+                    self.problem,
+                    index,
+                    self.views[index].take(rows),
+                    camera=d.camera[rows],
+                    lens=d.lens[rows],
+                    port=d.port[rows],
+                    optics=optics,
+                    dioptre_per_m=dioptre_per_m[rows],
                 ),
             )
             for rows, _, optics in self.groups(by_curve=False)
-        ]  # fmt: skip
+        ]
         return SharpRows.joined(parts, len(d))
 
     def figures(

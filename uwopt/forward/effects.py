@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from uwopt.forward.figures import SettingRows, full_light_lm
 from uwopt.forward.lamp_light import COARSE_ORDER, SMOOTH_MARGIN, LampField
-from uwopt.forward.lamps import one_side
+from uwopt.forward.lamps import Mount, one_side
 from uwopt.forward.part_columns import CONTINUOUS
-from uwopt.forward.problem import Mount, Problem
+from uwopt.forward.problem import Problem
 from uwopt.forward.spectra import LARGEST_EXPONENT, TINY
 from uwopt.forward.sun_light import SunField
 from uwopt.forward.views import Views

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -135,3 +135,20 @@ def working_factor(scene: SceneOptics, focal_length_m: Array, dioptre_per_m: Arr
     return np.asarray(
         lens.working_f_number(1.0, focal_length_m=focal_length_m, object_distance_m=1.0 / dioptre_per_m)
     )
+
+
+@dataclass(frozen=True)
+class Focused:
+    """What an imager brings to one scene beside its view: focus, f-numbers, rate and longest times."""
+
+    dioptre_per_m: Array
+    working_factor: Array
+    n_low: Array
+    n_high: Array
+    rate_hz: Array
+    blur_time_s: Array
+    skew_px: Array  # of a rolling shutter under lamps that burn; 0 for a global one
+
+    def take(self, index: Array) -> Focused:
+        """These rows only."""
+        return Focused(**{f.name: getattr(self, f.name)[index] for f in fields(self)})

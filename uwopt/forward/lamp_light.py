@@ -13,13 +13,19 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.lamps import on_axis_gain, one_side
+from uwopt.forward.lamps import (
+    Mount,
+    on_axis_gain,
+    one_side,
+)
+from uwopt.forward.problem import Problem
 from uwopt.forward.views import Views
 from uwopt.model import beam as beams
 from uwopt.model import imaging, veil
 
 if TYPE_CHECKING:
-    from uwopt.forward.problem import Mount, Problem
+    from uwopt.forward.lamps import Mount
+    from uwopt.forward.problem import Problem
 
 Array = NDArray[Any]
 Veils = Literal["none", "forward", "coarse", "all"]  # what is worked out, each with those before it
@@ -304,3 +310,28 @@ def worst_candidates(signal: Array, veil_there: Array | None) -> Array:
     keep = np.zeros_like(leads)
     np.put_along_axis(keep, order, leads, axis=1)
     return np.nonzero(keep.any(axis=0))[0]
+
+
+def image_light(
+    problem: Problem, scene_index: int, view: Views, camera: Array, *, port_index: int, optics: int, mount: Mount,
+    count: int = 2, channel: str | None = None, pixels: bool = False, veils: Veils = "all", means: bool = True,
+    known: ImageLight | None = None,
+) -> ImageLight:  # fmt: skip
+    """Electrons per lm s of light behind the lamps' windows, by altitude: the constants of the imaging chain.
+
+    All rows of `view` share the port; `camera` says whose sensor each is. `channel` picks one colour.
+    `pixels`: also at the pixels that may be the worst; without `means` there alone. `veils` says which
+    are worked out, beside what is `known`.
+    """
+    efficiency = problem.cameras.qe_index[camera]
+    parts = []
+    for curve in np.unique(efficiency):
+        mine = np.nonzero(efficiency == curve)[0]
+        field = LampField(
+            problem, scene_index, port_index=port_index, optics=optics, mount=mount, count=count,
+            efficiency=int(curve), channel=channel,
+        )  # fmt: skip
+        given = None if known is None else known.take(mine)
+        light = field.light(view.take(mine), pixels=pixels, veils=veils, means=means, known=given)
+        parts.append((mine, light))
+    return ImageLight.joined(parts, len(camera))

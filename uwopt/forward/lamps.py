@@ -11,8 +11,13 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.curves import spectra
 from uwopt.catalog.records import Curve, Light
-from uwopt.forward.part_columns import FAVOURED, number
+from uwopt.forward.part_columns import (
+    FAVOURED,
+    End,
+    number,
+)
 from uwopt.forward.scene import SceneOptics
+from uwopt.mission.mission import Mission
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps
 from uwopt.model.spectrum import resample_power, trapezoid_weights_nm
@@ -136,3 +141,52 @@ def luminous_weight(scene: SceneOptics, item: LightOptics) -> Array:
 def on_axis_gain(beam: beams.Beam, ranges: Array) -> Array:
     """Illuminance per lumen on the axis of a lamp that stands at the camera (physics `paper`) [1/m^2]."""
     return np.asarray(beams.intensity_per_sr(np.ones_like(ranges), beam) / np.square(ranges))
+
+
+@dataclass(frozen=True)
+class Mount:
+    """A place for the lights: explicit lamps, or a baseline and tilt for any number of them."""
+
+    baseline_m: float = 0.0
+    tilt_deg: float = 0.0
+    explicit: tuple[Any, ...] = ()
+
+    def lamps(self, count: int) -> Lamps:
+        """Where `count` lamps stand."""
+        if self.explicit:
+            return mounted_lamps(self.explicit)
+        return lamp_set(count, baseline_m=self.baseline_m, tilt_rad=float(np.deg2rad(self.tilt_deg)))
+
+
+def light_counts(mission: Mission) -> tuple[int, int]:
+    """Fewest and most lamps; explicit mounts say how many there are."""
+    if mission.vehicle.light_mounts:
+        count = mission.vehicle.light_counts[-1]
+        return count, count
+    low, high = mission.vehicle.light_counts.start, mission.vehicle.light_counts.stop - 1
+    return low, high
+
+
+def mission_mounts(mission: Mission) -> list[Mount]:
+    """The declared grid of mounts: explicit lamps, or baseline x tilt."""
+    vehicle = mission.vehicle
+    if vehicle.light_mounts:
+        return [Mount(explicit=tuple(vehicle.light_mounts[: vehicle.light_counts[-1]]))]
+    return [Mount(b, t) for b in vehicle.light_baseline_grid_m for t in vehicle.light_tilt_grid_deg]
+
+
+def distinct_optics(
+    lights: Sequence[Light], n_water: Sequence[float], end: End, *, paper: bool
+) -> tuple[list[LightOptics], list[int]]:
+    """Distinct beams with spectra, and each light's index into them."""
+    found: dict[tuple[Any, ...], int] = {}
+    optics: list[LightOptics] = []
+    index = []
+    for part in lights:
+        item = light_optics(part, n_water=n_water, end=end, paper=paper)
+        key = (item.beams, item.spectrum_id, item.spectrum)
+        if key not in found:
+            found[key] = len(optics)
+            optics.append(item)
+        index.append(found[key])
+    return optics, index

@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.part_columns import CONTINUOUS, PULSED
+from uwopt.forward.focus import Focused
+from uwopt.forward.lamp_light import ImageLight, SunLight
+from uwopt.forward.part_columns import (
+    CONTINUOUS,
+    FLASH,
+    PULSED,
+    Cameras,
+    Lights,
+)
+from uwopt.forward.problem import Problem
+from uwopt.forward.sharpness import SharpRows
 
 if TYPE_CHECKING:
     from uwopt.forward.sharpness import SharpRows
@@ -137,3 +147,115 @@ class SceneRows:
         whole = (self.kind != CONTINUOUS) & (time_s >= self.flash_duration_s * WHOLE_FLASH)
         cut = time_s - self.exposure_offset_s
         return np.where((self.kind == PULSED) | whole, around_pulse, cut)
+
+
+SHORTEST_TIME_S = 1e-9
+
+
+def light_times_s(
+    camera: Cameras, light: Lights, focused: Focused, exposure_limit_s: float
+) -> tuple[Array, Array, Array]:
+    """Shortest and longest light-collecting time, and the longest exposure that dark current sees.
+
+    Continuous: exposure + t_0. Pulsed LED: the pulse, all rows open. Flash: its whole duration, or less
+    when a global shutter cuts it (exposure + t_0).
+    """
+    with np.errstate(divide="ignore"):
+        exposure = np.minimum(np.minimum(camera.max_exposure_s, exposure_limit_s), 1.0 / focused.rate_hz)
+        duty_time = light.max_duty / focused.rate_hz
+    offset = camera.exposure_offset_s
+    shortest = np.maximum(camera.min_exposure_s + offset, SHORTEST_TIME_S)
+    longest = np.minimum(exposure + offset, focused.blur_time_s)
+    open_time = exposure - camera.readout_s
+    pulse_max = np.minimum(
+        np.minimum(light.max_pulse_s, duty_time), np.minimum(open_time, focused.blur_time_s)
+    )
+    pulse_min = np.maximum(light.min_pulse_s, SHORTEST_TIME_S)
+    cuts = camera.readout_s == 0.0
+    flash_min = np.where(cuts, np.minimum(shortest, light.flash_duration_s), light.flash_duration_s)
+    whole = np.where(open_time >= light.flash_duration_s, light.flash_duration_s, -1.0)
+    flash_max = np.where(cuts, np.minimum(longest, light.flash_duration_s), np.where(
+        whole <= focused.blur_time_s, whole, -1.0))  # fmt: skip
+    pulsed, flash = light.kind == PULSED, light.kind == FLASH
+    time_min = np.where(pulsed, pulse_min, np.where(flash, flash_min, shortest))
+    time_max = np.where(pulsed, pulse_max, np.where(flash, flash_max, longest))
+    time_max = np.where(camera.min_exposure_s > exposure * (1 + 1e-12), -1.0, time_max)
+    dark_time = np.where(pulsed | flash, time_max + camera.readout_s, time_max - offset)
+    return time_min, time_max, np.maximum(dark_time, 0.0)
+
+
+def setting_rows(
+    problem: Problem, scene_index: int, *, camera: Array, light: Array, count: Array, focused: Focused,
+    image_light: ImageLight, sun: SunLight | None = None, sharp: SharpRows | None = None,
+) -> SceneRows:  # fmt: skip
+    """What the settings of n designs depend on in one scene."""
+    scene = problem.scenes[scene_index]
+    needs, limits = scene.view.requirements, problem.mission.limits
+    cam, lamp = problem.cameras.take(camera), problem.lights.take(light)
+    flash = lamp.kind == FLASH
+    time_min, time_max, dark_time = light_times_s(cam, lamp, focused, limits.max_exposure_ms * 1e-3)
+    light_lm = np.where(flash, lamp.full_light / lamp.flash_duration_s, lamp.full_light) * count
+    full_power = lamp.full_power_w * count
+    pulse_energy = lamp.pulse_energy_j * count
+    sunlit_cap = None
+    if sun is not None:  # the sun smears over the whole open shutter
+        with np.errstate(divide="ignore"):
+            longest = np.minimum(
+                np.minimum(cam.max_exposure_s, limits.max_exposure_ms * 1e-3), 1.0 / focused.rate_hz
+            )
+        sunlit_cap = np.minimum(longest + cam.exposure_offset_s, focused.blur_time_s)
+    peak_at_full = np.where(flash, pulse_energy * focused.rate_hz, full_power)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        peak_for_lights = (limits.peak_power_w or np.inf) - problem.camera_power_w(cam)
+        max_level = np.minimum(1.0, peak_for_lights / peak_at_full)
+    max_level = np.where(np.isnan(max_level), 1.0, max_level)
+    allowed = (focused.rate_hz <= lamp.max_rate_hz * (1 + 1e-12)) | (lamp.kind == CONTINUOUS)
+    if needs.max_skew_px is not None:
+        allowed &= (focused.skew_px <= needs.max_skew_px) | (lamp.kind != CONTINUOUS)
+    shining = image_light.scaled(lamp.output_factor)
+    return SceneRows(
+        signal_e=shining.signal_e,
+        worst_e=shining.worst_e,
+        veil_e=shining.veil_e,
+        worst_veil_e=shining.worst_veil_e,
+        most_veil_e=shining.most_veil_e,
+        open_max_s=sunlit_cap,
+        sun_signal_e_s=None if sun is None else sun.signal_e_s,
+        sun_veil_e_s=None if sun is None else sun.veil_e_s,
+        worst_sun_signal_e_s=None if sun is None else sun.worst_e_s,
+        worst_sun_veil_e_s=None if sun is None else sun.worst_veil_e_s,
+        min_contrast=needs.min_contrast or 0.0,
+        min_mtf=needs.min_mtf_half_nyquist or 0.0,
+        sharp=sharp,
+        nominal=scene.nominal,
+        read_noise_e=cam.read_noise_e,
+        gain_dn_per_e=cam.gain_dn_per_e,
+        full_scale_dn=2.0**cam.bits - 1.0,
+        black_level_dn=cam.black_level_dn,
+        max_gain=cam.max_gain,
+        well_e=cam.saturation_e,
+        prnu_frac=cam.prnu_frac,
+        dark_current_e_s=cam.dark_current_e_s,
+        dark_time_s=dark_time,
+        min_exposure_s=cam.min_exposure_s,
+        exposure_offset_s=cam.exposure_offset_s,
+        readout_s=cam.readout_s,
+        flash_duration_s=lamp.flash_duration_s,
+        time_min_s=time_min,
+        time_max_s=np.where(allowed, time_max, -1.0),
+        rate_hz=focused.rate_hz,
+        kind=lamp.kind,
+        light_lm=light_lm,
+        full_power_w=full_power,
+        pulse_energy_j=pulse_energy,
+        levels=lamp.levels,
+        dims_freely=lamp.dims_freely,
+        min_level=lamp.min_level,
+        max_level=max_level,
+        working_factor=focused.working_factor,
+        n_low=focused.n_low,
+        n_high=focused.n_high,
+        min_snr=needs.min_snr or 0.0,
+        mean_level=needs.mean_level,
+        highlight_ratio=needs.highlight_ratio,
+    )

@@ -14,9 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.motion import motion_along
-from uwopt.forward.part_columns import Cameras, Lenses, Ports
+from uwopt.forward.part_columns import (
+    Cameras,
+    Lenses,
+    Ports,
+)
+from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
-from uwopt.forward.spectra import TINY
+from uwopt.forward.spectra import TINY, Contraction
 from uwopt.forward.views import RMS_FIELD, Views, altitudes_m, field_dioptres_per_m
 from uwopt.model import lateral, operation, sharpness
 from uwopt.model.defocus import defocus_px
@@ -238,3 +243,17 @@ def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, effic
         )
     table: SpreadTable = scene.cache[key]
     return table
+
+
+def sharpness_of(
+    problem: Problem, scene_index: int, view: Views, *, camera: Array, lens: Array, port: Array, optics: int,
+    dioptre_per_m: Array,
+) -> SharpRows:  # fmt: skip
+    """What the sharpness of designs under one light depends on beside their settings."""
+    contraction = problem.contractions[scene_index]
+    return sharp_rows(
+        problem.scenes[scene_index], contraction, view, cameras=problem.cameras.take(camera),
+        lenses=problem.lenses.take(lens), ports=problem.ports.take(port), spectrum=int(contraction.spectrum_of[optics]),
+        dioptre_per_m=dioptre_per_m, lateral_colour=problem.effects.lateral_colour,
+        image_curvature=problem.effects.image_curvature,
+    )  # fmt: skip

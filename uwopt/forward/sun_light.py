@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.curves import spectra
 from uwopt.forward.lamp_light import SunLight
+from uwopt.forward.lamps import Mount
+from uwopt.forward.problem import Problem
 from uwopt.forward.spectra import TINY, efficiency_curve
 from uwopt.forward.views import Views
 from uwopt.model import imaging, port, seafloor, sunlight
@@ -150,3 +152,35 @@ def log_sum(weight: Array, optical: Array) -> Array:
     least = optical.min(axis=-1, keepdims=True)
     total = (weight * np.exp(-(optical - least))).sum(axis=-1)
     return np.asarray(np.log(np.maximum(total, TINY)) - least[..., 0])
+
+
+def sun_light(
+    problem: Problem, scene_index: int, view: Views, camera: Array, *, port_index: Array, mount: Mount | None = None,
+    count: int = 2, channel: str | None = None, pixels: bool = False,
+) -> SunLight | None:  # fmt: skip
+    """Electrons per second of open shutter from the sun; None without sun.
+
+    With `pixels` at the grid that the lamps at `mount` are seen on.
+    """
+    if not problem.scenes[scene_index].sunlit or not problem.effects.sunlight:
+        return None
+
+    half = pixels and mount is not None and imaging.along_symmetric(mount.lamps(count))
+    efficiency = problem.cameras.qe_index[camera]
+    columns: dict[str, Any] = {}
+    for window in np.unique(port_index):
+        for curve in np.unique(efficiency):
+            mine = np.nonzero((port_index == window) & (efficiency == curve))[0]
+            if len(mine) == 0:
+                continue
+            field = SunField(
+                problem, scene_index, port_index=int(window), efficiency=int(curve), channel=channel
+            )
+            light = field.light(view.take(mine), pixels=pixels, half_grid=half)
+            for name in light.__dataclass_fields__:
+                part = getattr(light, name)
+                if part is None:
+                    continue
+                column = columns.setdefault(name, np.empty((len(camera), *part.shape[1:])))
+                column[mine] = part
+    return SunLight(**columns)

@@ -20,9 +20,9 @@ from uwopt.catalog.compatibility import (
     mount_compatible,
     rated_pitch_um,
 )
-from uwopt.forward.focus import place_focus, working_factor
+from uwopt.forward.focus import Focused, place_focus, working_factor
 from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
-from uwopt.forward.problem import Focused, Problem
+from uwopt.forward.problem import Problem
 from uwopt.forward.views import Views, focus_map, views
 
 Array = NDArray[Any]

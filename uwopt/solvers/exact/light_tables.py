@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.lamp_light import ImageLight, Veils
-from uwopt.forward.lamps import on_axis_gain, one_side
-from uwopt.forward.problem import Mount, Problem
+from uwopt.forward.lamp_light import ImageLight, Veils, image_light
+from uwopt.forward.lamps import Mount, on_axis_gain, one_side
+from uwopt.forward.problem import Problem
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, flat_slope_m
 from uwopt.model.port import flat_floor_derivative
@@ -137,8 +137,8 @@ class FieldTables:
         parts = []
         for value in np.unique(port):
             mine = np.nonzero(port == value)[0]
-            light = problem.image_light(
-                scene_index, view.take(rows[mine]), imagers.camera[rows[mine]], port_index=int(value),
+            light = image_light(
+                problem, scene_index, view.take(rows[mine]), imagers.camera[rows[mine]], port_index=int(value),
                 optics=lighting.optics, mount=lighting.mount, count=count, pixels=pixels, veils=veils,
                 means=means, known=None if known is None else known.take(mine),
             )  # fmt: skip

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.focus import held_at_corner, place_focus, sharp_ends_m
+from uwopt.forward.focus import Focused, held_at_corner, place_focus, sharp_ends_m
 from uwopt.forward.motion import required_rate_hz
-from uwopt.forward.problem import Focused, Problem
+from uwopt.forward.problem import Problem
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.forward.views import Views, focus_map, port_transmission
 from uwopt.model import lens, port

@@ -7,7 +7,6 @@ stops when no bound beats the best. Each combination is counted once, by the fir
 it, so that the account adds up.
 """
 
-
 from __future__ import annotations
 
 import time
@@ -19,10 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.forward.floor_light import uniformity
 from uwopt.forward.lamp_light import ImageLight, SunLight, Veils
 from uwopt.forward.problem import Problem
-from uwopt.forward.setting_rows import SceneRows
-from uwopt.forward.sharpness import SharpRows
+from uwopt.forward.setting_rows import SceneRows, setting_rows
+from uwopt.forward.sharpness import SharpRows, sharpness_of
+from uwopt.forward.sun_light import sun_light
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import Account, Outcome, Sample, snr_ceiling
 from uwopt.solvers.exact.bounds import ROUND, UNIT_RULES, Bounds, LightTable, UnitBounds
@@ -449,8 +450,8 @@ class Search:
             if at_worst:
                 veils: Veils = "none" if optimistic else "all"
                 seen = self._with_pixels(index, imager, count, lighting, seen, veils)
-            rows = self.problem.scene_rows(
-                index, camera=self.imagers.camera[imager], light=light, count=count,
+            rows = setting_rows(
+                self.problem, index, camera=self.imagers.camera[imager], light=light, count=count,
                 focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
                 sun=self._sun(index, imager, count, lighting, pixels=at_worst),
                 sharp=self._sharp(index, imager, lighting),
@@ -468,8 +469,8 @@ class Search:
             return None
         unique, back = np.unique(imager, return_inverse=True)
         imagers, seen = self.imagers, self.imagers.scenes[scene_index]
-        return self.problem.sharp_rows(
-            scene_index, seen.view.take(unique), camera=imagers.camera[unique], lens=imagers.lens[unique],
+        return sharpness_of(
+            self.problem, scene_index, seen.view.take(unique), camera=imagers.camera[unique], lens=imagers.lens[unique],
             port=imagers.port[unique], optics=lighting.optics,
             dioptre_per_m=seen.focused.dioptre_per_m[unique],
         ).take(back)  # fmt: skip
@@ -482,10 +483,16 @@ class Search:
         for number in np.unique(count) if pixels else [int(count.max(initial=1))]:
             mine = np.nonzero(count == number)[0] if pixels else np.arange(len(count))
             unique, back = np.unique(imager[mine], return_inverse=True)
-            sun = self.problem.sun_light(
-                scene_index, self.imagers.scenes[scene_index].view.take(unique), self.imagers.camera[unique],
-                port_index=self.imagers.port[unique], mount=lighting.mount, count=int(number), pixels=pixels,
-            )  # fmt: skip
+            sun = sun_light(
+                self.problem,
+                scene_index,
+                self.imagers.scenes[scene_index].view.take(unique),
+                self.imagers.camera[unique],
+                port_index=self.imagers.port[unique],
+                mount=lighting.mount,
+                count=int(number),
+                pixels=pixels,
+            )
             if sun is None:
                 return None
             parts.append(sun.take(back))
@@ -512,8 +519,8 @@ class Search:
         unique, back = np.unique(np.stack([imager, count]), axis=1, return_inverse=True)
         view = self.imagers.scenes[scene_index].view
         least = [
-            self.problem.uniformity(
-                scene_index, view.take(np.array([row])), port_index=int(self.imagers.port[row]),
+            uniformity(
+                self.problem, scene_index, view.take(np.array([row])), port_index=int(self.imagers.port[row]),
                 optics=lighting.optics, mount=lighting.mount, count=int(number),
             ).min()
             for row, number in unique.T

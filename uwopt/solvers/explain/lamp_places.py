@@ -15,7 +15,8 @@ import numpy as np
 
 from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design_model import DesignModel, SceneSettings
-from uwopt.forward.problem import Mount, Parts, Problem
+from uwopt.forward.lamps import Mount
+from uwopt.forward.problem import Parts, Problem
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import Design
 from uwopt.solvers.exact.ranking import Found

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
 from uwopt.forward.part_columns import FLASH
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.setting_rows import SceneRows, setting_rows
 from uwopt.forward.views import focus_map
 from uwopt.model import sensor
 from uwopt.model.port import FocusMap
@@ -295,8 +295,8 @@ def lacking_without_veils(search: Search, store: LightStore, built: Built) -> Ar
 def scene_rows(search: Search, s: int, built: Built, seen: Seen) -> SceneRows:
     """The settings' view of designs in one scene."""
     imagers = search.imagers
-    rows = search.problem.scene_rows(
-        s, camera=imagers.camera[built.imager], light=built.light, count=built.count,
+    rows = setting_rows(
+        search.problem, s, camera=imagers.camera[built.imager], light=built.light, count=built.count,
         focused=imagers.scenes[s].focused.take(built.imager), image_light=seen.light, sun=seen.sun,
         sharp=seen.sharp,
     )  # fmt: skip

@@ -14,8 +14,10 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.floor_light import uniformity
 from uwopt.forward.lamp_light import ImageLight, SunLight
-from uwopt.forward.sharpness import SharpRows
+from uwopt.forward.sharpness import SharpRows, sharpness_of
+from uwopt.forward.sun_light import sun_light
 from uwopt.solvers.exact.search import Search
 
 Array = NDArray[Any]
@@ -219,8 +221,8 @@ class LightStore:
     def _sun(self, scene_index: int, imager: Array, **where: Any) -> SunLight | None:
         """The sun's light in these images."""
         imagers = self.imagers
-        return self.problem.sun_light(
-            scene_index, imagers.scenes[scene_index].view.take(imager), imagers.camera[imager],
+        return sun_light(
+            self.problem, scene_index, imagers.scenes[scene_index].view.take(imager), imagers.camera[imager],
             port_index=imagers.port[imager], **where,
         )  # fmt: skip
 
@@ -231,8 +233,8 @@ class LightStore:
         made: SharpRows | None = None
         for one in np.unique(optics):
             some = imager[optics == one]  # keys are sorted, so groups follow each other
-            part = self.problem.sharp_rows(
-                scene_index, seen.view.take(some), camera=imagers.camera[some], lens=imagers.lens[some],
+            part = sharpness_of(
+                self.problem, scene_index, seen.view.take(some), camera=imagers.camera[some], lens=imagers.lens[some],
                 port=imagers.port[some], optics=int(one), dioptre_per_m=seen.focused.dioptre_per_m[some],
             )  # fmt: skip
             made = appended(made, part if part.spreads else replace(part, spread_index=0 * part.spread_index))
@@ -253,8 +255,8 @@ class LightStore:
             pair, number = divmod(int(key), self.n_counts)
             k, image = divmod(pair, len(self.images))
             imager, lighting = self.images[image], self.search.tables.lightings[k]
-            least = self.problem.uniformity(
-                scene_index, view.take(np.array([imager])), port_index=int(self.imagers.port[imager]),
+            least = uniformity(
+                self.problem, scene_index, view.take(np.array([imager])), port_index=int(self.imagers.port[imager]),
                 optics=lighting.optics, mount=lighting.mount, count=number,
             ).min()  # fmt: skip
             known[int(key)] = bool(least >= wanted * (1 - 1e-9))
