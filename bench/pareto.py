@@ -35,11 +35,11 @@ LAST_S = 0.4  # of a process: reading its archive back as designs, and writing i
 def cold(mission: Path, names: Sequence[str], algorithm: str, seed: int, seconds: float, out: Path) -> None:
     """One run in this process; what it found goes to a file, with times since the process began."""
     began = started_s()
-    from uwopt.api.solving import load_catalog, prepared
+    from uwopt.api.common import prepared
+    from uwopt.forward.assembly import build_problem, load_catalog, selected
     from uwopt.objectives.objective import Objective
     from uwopt.solvers.exact.search import Search
     from uwopt.solvers.population.pymoo_front import population_front
-    from uwopt.solvers.recommend import build_problem, selected
 
     wanted = prepared(mission, None, None)
     selection = selected(wanted, load_catalog(wanted), generic="never")

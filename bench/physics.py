@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.api.solving import load_catalog
-from uwopt.forward.batch import Batch, Designs
+from uwopt.forward.assembly import build_problem, load_catalog, selected
+from uwopt.forward.batch import Batch
+from uwopt.forward.designs import Designs
 from uwopt.forward.effects import effects_kept
 from uwopt.forward.figures import SettingRows
 from uwopt.mission.mission import load_mission
-from uwopt.solvers.recommend import build_problem, selected
 
 N_DESIGNS = 500
 SETTINGS_A_DESIGN = 32

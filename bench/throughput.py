@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.api.solving import load_catalog
+from uwopt.forward.assembly import load_catalog
 from uwopt.forward.figures import DesignRows, SettingRows, figures_of, levers_m
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.views import focus_map

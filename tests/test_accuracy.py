@@ -14,8 +14,10 @@ import pytest
 from thorough import drawn
 
 import uwopt
-from uwopt.api import solving as api
 from uwopt.api.accuracy import estimator_of
+from uwopt.api.common import prepared
+from uwopt.api.evaluating import scene_settings
+from uwopt.api.solving import load_mission
 from uwopt.errors import MissionError, UwoptError
 from uwopt.evaluation import accuracy
 from uwopt.evaluation.accuracy import (
@@ -31,6 +33,7 @@ from uwopt.evaluation.accuracy import (
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import design_model
 from uwopt.evaluation.recompute import replay
+from uwopt.forward.assembly import system_problem
 from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.mission.system import load_system
 from uwopt.model.fineness import DEFAULT, Fineness, scaled
@@ -157,9 +160,9 @@ def random_estimator(chunk: int, number: int) -> Estimator | None:
         system["light"] = str(rng.choice([part.id for part in catalog.lights]))
         del system["settings"]["pulse_ms"]
     try:
-        wanted, built = api.prepared(mission, None, None), load_system(system)
-        problem, hardware = api.system_problem(wanted, built)
-        given = [api.scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
+        wanted, built = prepared(mission, None, None), load_system(system)
+        problem, hardware = system_problem(wanted, built)
+        given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
     except UwoptError:
         return None
     if design_model(problem, hardware).lamp_clearance_m(0) < 2 * LAMP_FRONT_M:
@@ -219,9 +222,9 @@ def test_evaluation_tells_errors_only_when_asked():
 def test_evaluation_within_a_tolerance_is_that_near_to_the_finest(tolerance: float):
     found = uwopt.evaluate(*ABE, physics="full", tolerance=tolerance)
     assert found.accuracy["meets_tolerance"] and found.accuracy["largest"]["error_rel"] <= tolerance
-    mission, built = api.prepared(ABE[0], "full", None), load_system(ABE[1])
-    problem, hardware = api.system_problem(mission, built)
-    given = [api.scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
+    mission, built = prepared(ABE[0], "full", None), load_system(ABE[1])
+    problem, hardware = system_problem(mission, built)
+    given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
     finest = evaluate_design(
         problem.with_fineness(REFERENCE), hardware, given, Objective.of(mission.objective)
     )
@@ -241,7 +244,7 @@ def test_evaluation_within_a_tolerance_is_that_near_to_the_finest(tolerance: flo
 
 
 def test_a_search_tells_gap_and_residual_and_within_a_tolerance_errors():
-    mission = api.load_mission(REEF).with_changes(physics="full")
+    mission = load_mission(REEF).with_changes(physics="full")
     plain = uwopt.solve(mission)
     assert plain.accuracy.keys() == {"gap_abs", "gap_rel", "kkt_residual"}
     assert plain.accuracy["gap_rel"] == 0.0 and 0.0 <= plain.accuracy["kkt_residual"] < 1e-8
@@ -268,8 +271,8 @@ def test_a_tolerance_is_a_share(wrong: float):
 
 
 def test_scenes_of_other_fineness_have_other_grids():
-    mission, built = api.prepared(ABE[0], "full", None), load_system(ABE[1])
-    problem, _ = api.system_problem(mission, built)
+    mission, built = prepared(ABE[0], "full", None), load_system(ABE[1])
+    problem, _ = system_problem(mission, built)
     finer = problem.with_fineness(replace(DEFAULT, spectrum=2.0))
     assert finer.fineness.spectrum == 2.0
     assert len(finer.scenes[0].wavelength_nm) > 1.9 * len(problem.scenes[0].wavelength_nm)

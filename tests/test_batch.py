@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from uwopt.api.solving import load_catalog
-from uwopt.evaluation.design_model import DesignModel, Hardware
-from uwopt.forward.batch import Batch, Designs
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.assembly import build_problem, load_catalog, selected
+from uwopt.forward.batch import Batch
+from uwopt.forward.designs import Designs, Hardware
 from uwopt.forward.effects import effects_kept
 from uwopt.forward.figures import SettingRows
 from uwopt.mission.mission import load_mission
 from uwopt.model.effects import Effects
-from uwopt.solvers.recommend import build_problem, selected
 
 MISSION: dict[str, Any] = {
     "physics": "full",

@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 
 import uwopt
 from uwopt.api import solving as api
+from uwopt.api.evaluating import evaluate
 from uwopt.cli.app import app
 from uwopt.errors import SolverError
 from uwopt.results.result import Certificate, Result
@@ -59,7 +60,7 @@ def assert_refused(done: Any, *words: str) -> None:
 @pytest.fixture(scope="module")
 def evaluated() -> Result:
     """A real result of `evaluate`."""
-    return api.evaluate(MISSION, SYSTEM)
+    return evaluate(MISSION, SYSTEM)
 
 
 @pytest.fixture

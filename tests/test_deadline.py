@@ -11,6 +11,7 @@ import pytest
 
 from uwopt.api import solving as api
 from uwopt.api import trading as api_pareto
+from uwopt.api.common import prepared
 from uwopt.cli.status import result_status
 from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.solvers.exact.search import Search
@@ -59,7 +60,7 @@ def ends_with_search(monkeypatch: pytest.MonkeyPatch, limited: Callable[[float],
 
 
 def mission(**changes: Any) -> Any:
-    return api.prepared(TANK, "paper", None).with_changes(**changes)
+    return prepared(TANK, "paper", None).with_changes(**changes)
 
 
 def time_warning(result: Any) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from thorough import drawn
 
-from uwopt.api.solving import evaluate
+from uwopt.api.evaluating import evaluate
 from uwopt.forward.effects import choose
 from uwopt.model.effects import Effects
 from uwopt.results.result import Result

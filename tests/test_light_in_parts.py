@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from uwopt.api import solving as api
+from uwopt.api.common import prepared
 from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.assembly import system_problem
 from uwopt.forward.lamp_light import image_light
 from uwopt.mission.system import load_system
 
@@ -16,8 +17,8 @@ PROBLEMS = Path(__file__).parents[1] / "problems"
 
 def tank() -> DesignModel:
     """The system of the tank in its mission."""
-    mission = api.prepared(PROBLEMS / "paper-tank.yaml", "full", None)
-    return DesignModel(*api.system_problem(mission, load_system(PROBLEMS / "paper-tank.system.yaml")))
+    mission = prepared(PROBLEMS / "paper-tank.yaml", "full", None)
+    return DesignModel(*system_problem(mission, load_system(PROBLEMS / "paper-tank.system.yaml")))
 
 
 def test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once() -> None:

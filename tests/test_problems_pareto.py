@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.api.solving import load_catalog, prepared
+from uwopt.api.common import prepared
+from uwopt.forward.assembly import load_catalog
 from uwopt.objectives.objective import Objective
 from uwopt.results.front import FrontPoint, FrontResult
 from uwopt.solvers.recommend import seek

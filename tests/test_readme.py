@@ -20,7 +20,7 @@ import yaml
 from thorough import THOROUGH
 from typer.testing import CliRunner
 
-from uwopt.api.solving import NOT_MODELLED
+from uwopt.api.common import NOT_MODELLED
 from uwopt.bench import run as bench_run
 from uwopt.cli import status as cli_status
 from uwopt.cli.app import app

@@ -11,10 +11,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from uwopt.api.solving import evaluate as evaluate
-    from uwopt.api.solving import load_catalog as load_catalog
+    from uwopt.api.evaluating import evaluate as evaluate
     from uwopt.api.solving import solve as solve
     from uwopt.api.trading import pareto as pareto
+    from uwopt.forward.assembly import load_catalog as load_catalog
     from uwopt.mission.mission import Mission as Mission
     from uwopt.mission.mission import load_mission as load_mission
     from uwopt.mission.system import System as System
@@ -27,8 +27,8 @@ __version__ = "0.1.0"
 
 _WHERE = {
     "solve": "uwopt.api.solving",
-    "evaluate": "uwopt.api.solving",
-    "load_catalog": "uwopt.api.solving",
+    "evaluate": "uwopt.api.evaluating",
+    "load_catalog": "uwopt.forward.assembly",
     "Mission": "uwopt.mission.mission",
     "load_mission": "uwopt.mission.mission",
     "System": "uwopt.mission.system",

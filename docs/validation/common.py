@@ -140,15 +140,17 @@ def levels(
     """
     from dataclasses import replace
 
-    from uwopt.api import solving as api
+    from uwopt.api.common import prepared
+    from uwopt.api.evaluating import scene_settings
     from uwopt.evaluation.design_model import DesignModel
+    from uwopt.forward.assembly import system_problem
     from uwopt.mission.system import load_system
 
-    wanted, built = api.prepared(mission, None, None), load_system(system)
-    problem, hardware = api.system_problem(wanted, built)
+    wanted, built = prepared(mission, None, None), load_system(system)
+    problem, hardware = system_problem(wanted, built)
     model = DesignModel(problem.with_effects(problem.effects.without(without)), hardware)
     scene = problem.scenes[0]
-    given = api.scene_settings(problem, hardware, built, scene.name)
+    given = scene_settings(problem, hardware, built, scene.name)
     found = []
     for exposure_s in exposures_s:
         settings = model.settings(0, replace(given, exposure_s=exposure_s))

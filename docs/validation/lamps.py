@@ -82,16 +82,18 @@ def profile_in_water(kind: str) -> tuple[Any, float]:
 
 def by_uwopt(mission: dict[str, Any], system: dict[str, Any]) -> dict[str, float]:
     """The figures of illuminance that `evaluate` reports, without waiting for its veils."""
-    from uwopt.api import solving as api
+    from uwopt.api.common import prepared
+    from uwopt.api.evaluating import scene_settings
     from uwopt.evaluation.design_model import DesignModel
     from uwopt.evaluation.figures_by_name import illuminance
+    from uwopt.forward.assembly import system_problem
     from uwopt.mission.system import load_system
     from uwopt.model.effects import Effects
 
-    wanted, built = api.prepared(mission, None, None), load_system(system)
-    problem, hardware = api.system_problem(wanted, built)
+    wanted, built = prepared(mission, None, None), load_system(system)
+    problem, hardware = system_problem(wanted, built)
     model = DesignModel(problem.with_effects(Effects.none()), hardware)
-    given = api.scene_settings(problem, hardware, built, problem.scenes[0].name)
+    given = scene_settings(problem, hardware, built, problem.scenes[0].name)
     return illuminance(model, 0, model.settings(0, given))
 
 

@@ -23,10 +23,10 @@ def library(file: str) -> list[dict[str, str]]:
 
 def scene(water: str, table: str) -> Any:
     """uwopt's scene: spectra on its grid."""
-    from uwopt.api import solving as api
+    from uwopt.api.common import prepared
     from uwopt.forward.scene import scene_optics
 
-    mission = api.prepared(
+    mission = prepared(
         {
             "name": "water", "physics": "full",
             "scene": {"water": water, "water_table": table, "seafloor": 0.2, "depth_m": 50},

@@ -18,8 +18,11 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.api.solving import prepared, scene_settings, system_problem
-from uwopt.evaluation.design_model import SceneSettings, design_model
+from uwopt.api.common import prepared
+from uwopt.api.evaluating import scene_settings
+from uwopt.evaluation.design_model import design_model
+from uwopt.forward.assembly import system_problem
+from uwopt.forward.designs import SceneSettings
 from uwopt.mission.mission import load_mission
 from uwopt.mission.system import load_system
 from uwopt.objectives.requirements import MarginRows

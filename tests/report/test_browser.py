@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from uwopt.api import solving as api
+from uwopt.api.evaluating import evaluate
 from uwopt.report.page.page import report_html
 
 ROOT = Path(__file__).parents[2]
@@ -86,7 +86,7 @@ def show(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Any]]:
 @pytest.fixture(scope="module")
 def tank() -> Any:
     """A real result, so that the model can draw its pictures."""
-    return api.evaluate(ROOT / "problems" / "paper-tank.yaml", ROOT / "problems" / "paper-tank.system.yaml")
+    return evaluate(ROOT / "problems" / "paper-tank.yaml", ROOT / "problems" / "paper-tank.system.yaml")
 
 
 def wait_drawn(page: Any, place: str, number: int) -> None:

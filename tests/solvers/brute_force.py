@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from scene_search import SceneSearch
 
 from uwopt.catalog.compatibility import image_circle_ok, mount_compatible, sensor_diagonal_mm
-from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.focus import place_focus
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms

@@ -17,7 +17,8 @@ import small_catalogues as small
 import uwopt
 import uwopt.api.solving
 from uwopt.catalog.catalogue import Catalog
-from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings, design_model
+from uwopt.evaluation.design_model import DesignModel, design_model
+from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.focus import place_focus
 from uwopt.forward.part_columns import FLASH, PULSED

@@ -22,7 +22,8 @@ from thorough import drawn
 
 from uwopt.catalog.records import exact
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import DesignModel, SceneSettings
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.designs import SceneSettings
 from uwopt.forward.focus import place_focus
 from uwopt.forward.part_columns import CONTINUOUS
 from uwopt.forward.problem import Parts, Problem

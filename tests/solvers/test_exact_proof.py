@@ -12,9 +12,9 @@ import small_catalogues as small
 from random_cases import FEW, Case, case, lamp, planted, solved
 from thorough import drawn
 
-from uwopt.api.solving import load_catalog
 from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline
+from uwopt.forward.assembly import load_catalog
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact import search as exact_search

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from uwopt.api.solving import load_catalog
 from uwopt.catalog.catalogue import Catalog
+from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.certificate import certificate

@@ -197,7 +197,7 @@ def unsettable() -> uwopt.Result:
     """The result of a mission whose optimum cannot be set."""
     case = between_two_microseconds()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("uwopt.api.solving.load_catalog", lambda mission=None: Catalog(*sc.parts_of(case.parts)))
+        patch.setattr("uwopt.forward.assembly.load_catalog", lambda mission=None: Catalog(*sc.parts_of(case.parts)))
         return uwopt.solve(case.mission)
 
 

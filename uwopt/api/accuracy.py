@@ -12,7 +12,8 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import MissionError
 from uwopt.evaluation.accuracy import Accuracy, Estimator, coarsest, parts_that_count
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import Hardware, design_model
+from uwopt.evaluation.design_model import design_model
+from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective

@@ -12,14 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.api import solving as api
+from uwopt.api.common import Source, base_result, prepared, selection_warnings
 from uwopt.api.floats import own_float_rules
+from uwopt.api.solving import proven_in_full, time_warnings
+from uwopt.api.timing import timed
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError, SolverError
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import design_model
-from uwopt.forward.batch import influences_of
+from uwopt.evaluation.influences import influences_of
+from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.axes import DEFAULT, FEWEST, MOST, Axes, Frame, plain_names
@@ -28,13 +32,13 @@ from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnFunction, OwnObjective
 from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint, FrontResult
 from uwopt.results.result import Design, Result
-from uwopt.solvers import recommend
 from uwopt.solvers.exact.certificate import accounted, scope
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.robustness import assumptions
 from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of, values_of
 from uwopt.solvers.front.search import Front, FrontSearch, quality_of
+from uwopt.solvers.recommend import hardware_of, part_warnings, with_rounded
 from uwopt.solvers.settable.rounding import exact_settings
 
 Array = NDArray[Any]
@@ -48,7 +52,7 @@ VEILED = ("contrast", "information", "snr_db")
 
 
 @dataclass
-class Sought:
+class FrontSearched:
     """One problem with the fronts found in it."""
 
     selection: Any
@@ -61,7 +65,7 @@ class Sought:
 
 @own_float_rules
 def pareto(
-    mission: api.Source | Mission,
+    mission: Source | Mission,
     *,
     objectives: Sequence[str | OwnObjective | OwnFunction] = DEFAULT,
     solver: str | Sequence[str] = (EXACT, PEER),
@@ -85,18 +89,18 @@ def pareto(
     alternatives : also say why systems of other makers are not on the front
     """
     start, deadline = time.perf_counter(), Deadline.after(seconds)
-    wanted = api.prepared(mission, physics, None)
+    wanted = prepared(mission, physics, None)
     names, own = split(objectives)
     solvers = checked_solvers(solver, own)
     axes = Axes.of(names) if not own else None
     check_numbers(seconds, seed)
     for name in names:  # requirements that one objective alone needs, such as information a footprint
         if name in ("information", "contrast"):
-            api.prepared(wanted, None, name)
+            prepared(wanted, None, name)
     timing: dict[str, float] = {}
-    with recommend.timed(timing, "catalogue"):
-        catalog = api.load_catalog(wanted)
-    policy: recommend.Generic = "allow" if wanted.catalog.generic == "allow" else "never"
+    with timed(timing, "catalogue"):
+        catalog = load_catalog(wanted)
+    policy: Generic = "allow" if wanted.catalog.generic == "allow" else "never"
     run = Run(
         wanted, catalog, objectives, axes, solvers, deadline, wanted.seed if seed is None else seed, progress
     )
@@ -107,11 +111,11 @@ def pareto(
     if alternatives and result.points and axes is not None and not sought.cut:
         from uwopt.solvers.explain.alternatives import beside_front
 
-        with recommend.timed(timing, "alternatives"):
+        with timed(timing, "alternatives"):
             told = beside_front(sought.selection, sought.search, axes, result, deadline)
         result = replace(result, alternatives=told)
     timing["total"] = time.perf_counter() - start
-    return replace(result, timing_s=timing, warnings=[*result.warnings, *api.time_warnings(deadline)])
+    return replace(result, timing_s=timing, warnings=[*result.warnings, *time_warnings(deadline)])
 
 
 def split(
@@ -187,11 +191,11 @@ class Run:
         names = [item for item in self.objectives if isinstance(item, str)]
         return Objective(dict.fromkeys(names or ["power"], 1.0))
 
-    def sought(self, generic: recommend.Generic, timing: dict[str, float]) -> Sought:
+    def sought(self, generic: Generic, timing: dict[str, float]) -> FrontSearched:
         """Select, tabulate, search with every solver."""
-        with recommend.timed(timing, "tables"):
-            selection = recommend.selected(self.mission, self.catalog, generic=generic)
-            problem = recommend.build_problem(self.mission, selection)
+        with timed(timing, "tables"):
+            selection = selected(self.mission, self.catalog, generic=generic)
+            problem = build_problem(self.mission, selection)
         front, search = None, None
         self.left_out = why_no_exact(problem, self.axes)
         solvers = list(self.solvers)
@@ -200,7 +204,7 @@ class Run:
         else:
             self.left_out = ""
         if EXACT in solvers and self.axes is not None:
-            with recommend.timed(timing, EXACT):
+            with timed(timing, EXACT):
                 made = FrontSearch(
                     problem, self.axes, deadline=self.turn(len(solvers), EXACT_S),
                     progress=lambda share, what: self.progress(0.5 * share, what),
@@ -210,14 +214,14 @@ class Run:
         peers: list[Any] = []
         if search is None:
             search = Search(problem, self.builtin, top=1)
-            with recommend.timed(timing, "tables"):
+            with timed(timing, "tables"):
                 search.prepare()
         halted = front is not None and (front.interrupted or not len(front.values))
         waiting = [] if halted else [name for name in solvers if name != EXACT]
         cut = ""
         for place, name in enumerate(waiting):
             turn = self.turn(len(waiting) - place, PEER_ALONE_S if front is None else PEER_S)
-            with recommend.timed(timing, name):
+            with timed(timing, name):
                 try:
                     peers += self.deadline.within(name, lambda: [self.peer(search, name, turn)], [])  # noqa: B023
                 except KeyboardInterrupt:  # what others found is kept
@@ -227,7 +231,7 @@ class Run:
             if cut or (peers and peers[-1].status == "interrupted"):
                 cut = name  # who interrupts does not want the next solver
                 break
-        return Sought(selection, problem, search, front, peers, cut)
+        return FrontSearched(selection, problem, search, front, peers, cut)
 
     def turn(self, n_waiting: int, usual_s: float) -> Deadline:
         """One solver's time: an even share of what is left for those that wait, or the usual time."""
@@ -249,7 +253,7 @@ class Run:
         )  # fmt: skip
 
     @staticmethod
-    def is_empty(sought: Sought) -> bool:
+    def is_empty(sought: FrontSearched) -> bool:
         """Whether nothing was found, and time was left to look."""
         if sought.front is not None:
             return sought.front.complete and len(sought.front.values) == 0
@@ -257,15 +261,15 @@ class Run:
 
     # ------------------------------------------------------------ result
 
-    def result(self, sought: Sought, timing: dict[str, float]) -> FrontResult:
+    def result(self, sought: FrontSearched, timing: dict[str, float]) -> FrontResult:
         """Everything found, as a result."""
-        base = api.base_result("pareto", self.mission, self.builtin, sought.problem)
+        base = base_result("pareto", self.mission, self.builtin, sought.problem)
         front = sought.front
         status = status_of(sought, limited=self.limited)
         made = FrontResult(
             status=status, mission=base.mission, physics=base.physics, objectives=self.axes_of_result(),
             uwopt_version=base.uwopt_version, seed=self.seed, versions=base.versions, mission_file=base.mission_file,
-            warnings=api.selection_warnings(sought.selection),
+            warnings=selection_warnings(sought.selection),
         )  # fmt: skip
         if front is not None:
             made = replace(made, certificate=self.certificate(sought, front))
@@ -273,12 +277,12 @@ class Run:
         if len(values) == 0:
             return self.without_points(made, sought)
         frame = self.frame(sought)
-        with recommend.timed(timing, "evaluation"):
+        with timed(timing, "evaluation"):
             points = self.points(sought, values, founds, method)
         picks = picks_of(points, made.objectives, frame)
         places = {point.id: founds[n] for n, point in enumerate(points)}
         named = {pick.point: places[pick.point] for pick in picks}
-        with recommend.timed(timing, "evaluation"):
+        with timed(timing, "evaluation"):
             points = [self.rounded(sought, p, named[p.id]) if p.id in named else p for p in points]
         first = places[picks[-1].point]
         return replace(
@@ -299,7 +303,7 @@ class Run:
                 out.append(FrontObjective(item.name, item.direction, item.unit, own=True))
         return out
 
-    def frame(self, sought: Sought) -> Frame:
+    def frame(self, sought: FrontSearched) -> Frame:
         """The box that fronts are compared in: the exact front's where there is one."""
         if sought.front is not None and sought.front.frame is not None:
             return sought.front.frame
@@ -308,7 +312,7 @@ class Run:
         known = self.axes or Axes(tuple(item if isinstance(item, str) else "own" for item in self.objectives))
         return Frame.of(known, front)
 
-    def shown(self, sought: Sought) -> tuple[Array, list[Found], list[str]]:
+    def shown(self, sought: FrontSearched) -> tuple[Array, list[Found], list[str]]:
         """Values, designs and solver of the points to show, along the first objective."""
         front = sought.front
         if front is not None and front.frame is not None:
@@ -328,7 +332,7 @@ class Run:
         return values[places], [peer.found[n] for peer, n in picked], [peer.algorithm for peer, _ in picked]
 
     def points(
-        self, sought: Sought, values: Array, founds: list[Found], methods: list[str]
+        self, sought: FrontSearched, values: Array, founds: list[Found], methods: list[str]
     ) -> list[FrontPoint]:
         """Designs evaluated again through the forward model; what it does not bear out is a defect."""
         objectives = self.axes_of_result()
@@ -337,7 +341,7 @@ class Run:
         points = []
         for n, found in enumerate(founds):
             self.progress(0.9 + 0.1 * n / len(founds), "figures of the front")
-            hardware = recommend.hardware_of(found)
+            hardware = hardware_of(found)
             design = self.evaluated(sought.problem, found)
             claimed = {o.name: float(v) for o, v in zip(objectives, values[n] * signs, strict=True)}
             reported = {**claimed, **values_of(design, objectives)}
@@ -349,18 +353,18 @@ class Run:
     @staticmethod
     def evaluated(problem: Problem, found: Found) -> Design:
         """One design's figures and margins."""
-        hardware = recommend.hardware_of(found)
+        hardware = hardware_of(found)
         model = design_model(problem, hardware)
         given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
         design = evaluate_design(problem, hardware, given, Objective({"power": 1.0}))
-        notes = [*recommend.part_warnings(problem, hardware), *design.warnings]
+        notes = [*part_warnings(problem, hardware), *design.warnings]
         return replace(design, objective_value=None, warnings=notes)
 
-    def rounded(self, sought: Sought, point: FrontPoint, found: Found) -> FrontPoint:
+    def rounded(self, sought: FrontSearched, point: FrontPoint, found: Found) -> FrontPoint:
         """A point with the settings that a person can set, near its own: that is the trade-off it stands for."""
-        return replace(point, design=recommend.with_rounded(sought.problem, found, point.design, None))
+        return replace(point, design=with_rounded(sought.problem, found, point.design, None))
 
-    def certificate(self, sought: Sought, front: Front) -> dict[str, Any]:
+    def certificate(self, sought: FrontSearched, front: Front) -> dict[str, Any]:
         """What the exact front proves, and where every combination went."""
         by_rule = {rule: count for rule, count in front.account.items() if rule != "evaluated"}
         gap = front.hypervolume_bound - front.hypervolume
@@ -375,7 +379,7 @@ class Run:
             **accounted(sought.selection, sought.problem, front.account["evaluated"], by_rule),
         }
 
-    def methods(self, sought: Sought, frame: Frame) -> list[FrontMethod]:
+    def methods(self, sought: FrontSearched, frame: Frame) -> list[FrontMethod]:
         """How each solver did, in one frame."""
         front, out = sought.front, []
         whole = None
@@ -399,7 +403,7 @@ class Run:
             )  # fmt: skip
         return out
 
-    def peers_of_result(self, sought: Sought) -> list[dict[str, Any]]:
+    def peers_of_result(self, sought: FrontSearched) -> list[dict[str, Any]]:
         """Points of the population solvers beside an exact front."""
         if sought.front is None:
             return []
@@ -422,7 +426,7 @@ class Run:
                 })  # fmt: skip
         return out
 
-    def assumed(self, sought: Sought, founds: list[Found]) -> list[dict[str, Any]]:
+    def assumed(self, sought: FrontSearched, founds: list[Found]) -> list[dict[str, Any]]:
         """Estimates that the named points rest on, each once."""
         items: dict[tuple[Any, ...], dict[str, Any]] = {}
         for found in founds:
@@ -430,15 +434,15 @@ class Run:
                 items.setdefault((item["path"], item.get("part"), str(item["value"])), item)
         return list(items.values())
 
-    def effects(self, sought: Sought, found: Found) -> list[dict[str, Any]]:
+    def effects(self, sought: FrontSearched, found: Found) -> list[dict[str, Any]]:
         """How much each effect matters to one design."""
-        hardware = recommend.hardware_of(found)
+        hardware = hardware_of(found)
         model = design_model(sought.problem, hardware)
         given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
         influences = influences_of(sought.problem, hardware, given, self.builtin)
-        return [item.as_dict() for item in api.proven_in_full(influences)]
+        return [item.as_dict() for item in proven_in_full(influences)]
 
-    def warned(self, sought: Sought) -> list[dict[str, str]]:
+    def warned(self, sought: FrontSearched) -> list[dict[str, str]]:
         """What should be known of how the front came about."""
         out = (
             [("no_exact", f"searched by population solvers alone: {self.left_out}")] if self.left_out else []
@@ -463,7 +467,7 @@ class Run:
                 )
         return [{"code": code, "path": "objectives", "message": text} for code, text in out]
 
-    def without_points(self, made: FrontResult, sought: Sought) -> FrontResult:
+    def without_points(self, made: FrontResult, sought: FrontSearched) -> FrontResult:
         """A result without a point: why nothing fits, as `solve` tells it."""
         if made.status != "infeasible":
             return made
@@ -496,7 +500,7 @@ def why_no_exact(problem: Problem, axes: Axes | None) -> str:
     return ""
 
 
-def status_of(sought: Sought, *, limited: bool) -> str:
+def status_of(sought: FrontSearched, *, limited: bool) -> str:
     """In one word, how the search ended; `limited`: the call set a time."""
     if sought.front is not None:
         empty = len(sought.front.values) == 0

@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.api.solving import load_catalog, prepared
+from uwopt.api.common import prepared
 from uwopt.bench.suite import Budget
 from uwopt.catalog.choose import Selection
 from uwopt.deadline import Deadline
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import Hardware, design_model
+from uwopt.evaluation.design_model import design_model
+from uwopt.forward.assembly import build_problem, load_catalog, selected
+from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.mission.mission import Mission
@@ -28,7 +30,7 @@ from uwopt.solvers.population.coding import Built, Coding, cost_of, mass_kg_of
 from uwopt.solvers.population.decoding import shortfall
 from uwopt.solvers.population.evaluator import Evaluator, lacking_without_veils, scene_rows
 from uwopt.solvers.population.light_store import LightStore
-from uwopt.solvers.recommend import build_problem, hardware_of, selected
+from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import exact_settings
 
 Array = NDArray[Any]

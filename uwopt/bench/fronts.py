@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.api.solving import load_catalog, prepared
+from uwopt.api.common import prepared
 from uwopt.bench.contest import at_most, mission_of, sources_of
 from uwopt.bench.suite import Budget, Row, Suite, Table
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
+from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.axes import Axes
@@ -23,7 +24,6 @@ from uwopt.objectives.dominance import hypervolume
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.search import Front, FrontSearch
-from uwopt.solvers.recommend import Generic, build_problem, selected
 
 Array = NDArray[Any]
 AXES = ("power", "cost", "snr_db")

@@ -11,7 +11,8 @@ from typing import Any
 from uwopt.bench.suite import Budget, Row, Suite, Table, error_text, timed
 from uwopt.evaluation.accuracy import FINEST, is_number, relative_change
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import Hardware, SceneSettings, design_model
+from uwopt.evaluation.design_model import design_model
+from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.effects import effects_kept
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission
@@ -55,7 +56,8 @@ class Subject:
 
 def subjects(missions: Sequence[str]) -> Iterator[Subject]:
     """The best system of each mission, found by the exact search in physics `full`."""
-    from uwopt.api.solving import load_catalog, prepared
+    from uwopt.api.common import prepared
+    from uwopt.forward.assembly import load_catalog
     from uwopt.mission.templates import mission_template
     from uwopt.solvers.recommend import hardware_of, seek
     from uwopt.solvers.settable.rounding import exact_settings
@@ -115,7 +117,7 @@ def worker(subject: Subject, method: str) -> Any:
         return lambda: subject.evaluated(subject.problem(physics, fineness))
 
     def by_auto() -> Design:
-        from uwopt.forward.batch import influences_of
+        from uwopt.evaluation.influences import influences_of
 
         problem = subject.problem("full")
         goal = Objective.of(subject.mission.objective)

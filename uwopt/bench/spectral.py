@@ -98,10 +98,10 @@ FULL_CASES = tuple(
 @lru_cache(maxsize=64)
 def scene_of(setting: Setting, altitude_m: float = 1.0) -> Any:
     """The product's scene on its own grid, physics full."""
-    from uwopt.api import solving as api
+    from uwopt.api.common import prepared
     from uwopt.forward.scene import scene_optics
 
-    mission = api.prepared(
+    mission = prepared(
         {
             "name": NAME, "physics": "full",
             "scene": {

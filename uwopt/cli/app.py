@@ -138,9 +138,9 @@ def evaluate_command(
 
     if out is not None:
         check_folder(out)
-    from uwopt.api import solving as api
+    from uwopt.api.evaluating import evaluate
 
-    result = api.evaluate(
+    result = evaluate(
         mission, system, physics=None if physics is None else physics.value, accuracy=accuracy,
         tolerance=tolerance,
     )  # fmt: skip

@@ -7,7 +7,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from uwopt.catalog.records import Part, Quantity
-from uwopt.evaluation.design_model import Hardware
+from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 
 Array = NDArray[Any]

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.evaluation.bill import bill_of_materials, cost_range, hardware_dict
-from uwopt.evaluation.design_model import Hardware, SceneSettings, design_model
+from uwopt.evaluation.design_model import design_model
 from uwopt.evaluation.figures_by_name import light_notes, plain_figures, plain_settings, uneven_notes
+from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms

@@ -1,16 +1,18 @@
 """One hardware choice of a problem, ready to be asked for figures, margins and totals in every scene."""
 
+
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.catalogue import plain_name
+from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import (
     DesignRows,
     Figures,
@@ -21,7 +23,6 @@ from uwopt.forward.figures import (
 from uwopt.forward.floor_light import footprint_light, uniformity
 from uwopt.forward.focus import Focus, place_focus
 from uwopt.forward.lamp_light import ImageLight, LampField, SunLight, image_light
-from uwopt.forward.lamps import Mount
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Lights
 from uwopt.forward.problem import Problem
@@ -35,33 +36,6 @@ from uwopt.objectives.requirements import MarginRows, scene_margins, system_marg
 Array = NDArray[Any]
 
 DARK_CELLS = 80  # a side of the image, where its unlit share is counted
-
-
-@dataclass(frozen=True)
-class Hardware:
-    """A design's hardware as indices into a problem's tables."""
-
-    camera: int
-    lens: int
-    port: int
-    landscape: bool
-    light: int
-    count: int
-    mount: Mount
-
-
-@dataclass(frozen=True)
-class SceneSettings:
-    """Settings of one design in one scene; SI. None takes the documented default."""
-
-    f_number: float | None = None
-    exposure_s: float | None = None
-    pulse_s: float | None = None
-    gain: float | None = None
-    level: float | None = None
-    rate_hz: float | None = None
-    dioptre_per_m: float | None = None
-    focus_distance_m: float | None = None
 
 
 class DesignModel:

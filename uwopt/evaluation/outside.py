@@ -14,7 +14,8 @@ import numpy as np
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Choice, select
-from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings, design_model
+from uwopt.evaluation.design_model import DesignModel, design_model
+from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.lamps import mission_mounts
 from uwopt.forward.part_columns import PULSED

@@ -17,8 +17,9 @@ import numpy as np
 from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.records import Kind, Part
 from uwopt.errors import UwoptError
-from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings
+from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.figures_by_name import illuminance, plain_figures
+from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import Figures, SettingRows
 from uwopt.forward.lamps import Mount, mission_mounts
 from uwopt.forward.problem import Parts, Problem
@@ -111,8 +112,7 @@ def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardwar
 
     A part that the mission does not allow (a nearest miss may have one) is looked for in the whole catalogue.
     """
-    from uwopt.api.solving import load_catalog
-    from uwopt.solvers.recommend import build_problem, owned_ids, selected
+    from uwopt.forward.assembly import build_problem, load_catalog, owned_ids, selected
 
     chosen = design.hardware
     to_be_made = any(chosen[kind]["generic"] for kind in KINDS)
@@ -161,7 +161,7 @@ def evaluated_problem(
     mission: Mission, system: Mapping[str, Any], physics: Mapping[str, Any]
 ) -> tuple[Problem, Hardware]:
     """Tables of the system that was evaluated, without the effects that physics `auto` left out."""
-    from uwopt.api.solving import system_problem
+    from uwopt.forward.assembly import system_problem
 
     problem, hardware = system_problem(mission, load_system(system))
     if mission.physics == "auto":

@@ -4,20 +4,20 @@ The forward model for searches that evaluate populations. What depends on hardwa
 once a batch, in groups that share port, light and efficiency curve; no loop runs over designs.
 """
 
+
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings
 from uwopt.forward import effects as influence
+from uwopt.forward.designs import Designs
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
 from uwopt.forward.lamp_light import ImageLight, Veils, image_light
-from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.sharpness import SharpRows, sharpness_of
@@ -25,27 +25,11 @@ from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import Views, focus_map, views
 from uwopt.model.effects import Effects
 from uwopt.model.port import FocusMap
-from uwopt.objectives.objective import Objective
 
 Array = NDArray[Any]
+
 FEW = 4  # designs that are judged first: what they need, the batch needs
 VEILS = {"forward_veil", "backscatter"}
-
-
-@dataclass(frozen=True)
-class Designs:
-    """Hardware of n designs as indices into a problem's tables; the mount is common."""
-
-    camera: Array
-    lens: Array
-    port: Array
-    landscape: Array
-    light: Array
-    count: Array
-    mount: Mount
-
-    def __len__(self) -> int:
-        return len(self.camera)
 
 
 class Batch:
@@ -202,21 +186,3 @@ class Batch:
         lean = Batch(self.problem.with_effects(effects), self.designs)
         lean._signals = self._signals  # with the window's loss by angle, which is then no less true
         return lean
-
-
-def influences_of(
-    problem: Problem, hardware: Hardware, given: list[SceneSettings], goal: Objective
-) -> list[influence.Influence]:
-    """How much each effect matters to one design, and what physics `auto` would leave out."""
-    if problem.paper:
-        return []
-    plain = DesignModel(problem.with_effects(Effects.none()), hardware)
-    settings = [plain.settings(index, one) for index, one in enumerate(given)]
-    one = np.array([0])
-    designs = Designs(
-        one + hardware.camera, one + hardware.lens, one + hardware.port, np.array([hardware.landscape]),
-        one + hardware.light, one + hardware.count, hardware.mount,
-    )  # fmt: skip
-    batch = Batch(problem, designs)
-    information = bool(goal.weight("information"))
-    return batch.influences(problem.mission.tolerance, settings, information=information)

@@ -4,38 +4,37 @@ The search works on tables; here its designs become results. Every design is eva
 the forward model, and a claim that does not hold there is a defect, not a result.
 """
 
+
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Literal
 
 import numpy as np
 
 from uwopt.catalog.catalogue import Catalog
-from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, matches, select
+from uwopt.catalog.choose import Selection
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.deadline import NEVER, Deadline
-from uwopt.errors import MissionError, SolverError
+from uwopt.errors import SolverError
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import Hardware, design_model
-from uwopt.forward.problem import Parts, Problem
+from uwopt.evaluation.design_model import design_model
+from uwopt.forward.assembly import Generic, build_problem, selected
+from uwopt.forward.designs import Hardware
+from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import NOT_SETTABLE, Design
 from uwopt.solvers.exact.account import Outcome
-from uwopt.solvers.exact.certificate import select_problem_mission
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.settable.rounding import exact_settings, rounded_design
 from uwopt.solvers.settable.steps import printed
 
 Progress = Callable[[float, str], None]
-Generic = Literal["fallback", "allow", "never"]
 AGREES_REL = 1e-6
 GENERIC_GAIN = 0.10
 
@@ -48,48 +47,6 @@ class Sought:
     problem: Problem
     search: Search
     outcome: Outcome
-
-
-def selected(
-    mission: Mission, catalog: Catalog, *, generic: Generic, depth_m: float | None = None
-) -> Selection:
-    """The parts that the mission allows; `depth_m` replaces the depth they must be rated for."""
-    names = Choice.__dataclass_fields__
-    wanted = {name: getattr(mission.catalog, name) for name in names if name != "generic"}
-    choice = Choice(**wanted, generic=generic)
-    made = select(
-        catalog,
-        choice,
-        required_depth_m=mission.required_depth_m if depth_m is None else depth_m,
-        camera_count=mission.vehicle.camera_count,
-        **select_problem_mission(mission),
-    )
-    idle = [text for text in made.warnings if names_nothing(mission, catalog, text)]
-    if idle:
-        raise MissionError([f"{mission.source_name}: {text}" for text in idle])
-    return made
-
-
-def names_nothing(mission: Mission, catalog: Catalog, warning: str) -> bool:
-    """Whether a warning is of a kind of part of which no pattern matches anything: nothing could be found."""
-    for kind, key in PATTERN_KEYS.items():
-        patterns = getattr(mission.catalog, key)
-        if warning.startswith(f"catalog.{key}:") and patterns:
-            return not any(matches(p, part) for p in patterns for part in catalog.parts(kind))
-    return False
-
-
-def build_problem(mission: Mission, selection: Selection, **changes: Any) -> Problem:
-    """Tables over the selected parts."""
-    parts = Parts(selection.cameras, selection.lenses, selection.ports, selection.lights)
-    return Problem(
-        mission, parts, paper=mission.physics == "paper", owned_lights=owned_ids(selection), **changes
-    )
-
-
-def owned_ids(selection: Selection) -> dict[str, int]:
-    """How many of each part are owned, by the catalogue's spelling of its id."""
-    return {selection.catalog.part(name).id: count for name, count in selection.owned.items()}
 
 
 def seek(
@@ -187,16 +144,3 @@ def part_warnings(problem: Problem, hardware: Hardware) -> list[dict[str, str]]:
         for f in findings
         if f.severity == "warning"
     ]
-
-
-def timed(timing: dict[str, float], name: str) -> Any:
-    """A context that adds its duration to a table of times."""
-
-    class Clock:
-        def __enter__(self) -> None:
-            self.start = time.perf_counter()
-
-        def __exit__(self, *details: object) -> None:
-            timing[name] = timing.get(name, 0.0) + time.perf_counter() - self.start
-
-    return Clock()

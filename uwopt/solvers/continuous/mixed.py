@@ -28,9 +28,16 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous.optimality import violations
-from uwopt.solvers.continuous.pieces import Piece, Scene, Settings, Symbolic, pieces_of, wanted_dn
+from uwopt.solvers.continuous.pieces import (
+    Piece,
+    Scene,
+    Settings,
+    Symbolic,
+    minimised_value,
+    pieces_of,
+    wanted_dn,
+)
 from uwopt.solvers.continuous.program import scene_rules
-from uwopt.solvers.continuous.solve_settings import minimised_value
 
 Array = NDArray[Any]
 LEAST_W = 1e-9  # stands for no power, which has no logarithm

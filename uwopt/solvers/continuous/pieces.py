@@ -7,6 +7,7 @@ here takes floats, complex arrays or CasADi symbols as settings.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +18,7 @@ from uwopt.errors import SolverError
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
 from uwopt.model import light, sensor
+from uwopt.objectives.objective import Objective, Terms
 
 Array = NDArray[Any]
 Symbolic = Any  # float, complex array, or CasADi scalar
@@ -305,3 +307,24 @@ def wanted_dn(scene: Scene) -> float | None:
 def headroom_dn(scene: Scene) -> float:
     """Digital numbers above black that the brightest mean level may reach."""
     return scene.full_scale_dn / scene.highlight_ratio - scene.black_level_dn
+
+
+def minimised_value(
+    objective: Objective, scenes: Sequence[Scene], settings: Sequence[Settings], *, camera_power_w: float, cost: float,
+    mass_kg: float, gsd_mm: float,
+) -> float:  # fmt: skip
+    """The minimised objective of one design's settings by scene: the worst scene's power and SNR count."""
+    snr = min(float(s.nominal_snr(at)) for s, at in zip(scenes, settings, strict=True))
+    terms = Terms(
+        power=np.array(camera_power_w + worst_light_w(scenes, settings)),
+        cost=np.array(cost),
+        mass=np.array(mass_kg),
+        snr_db=np.array(sensor.to_db(snr)),
+        gsd_mm=np.array(gsd_mm),
+    )
+    return float(objective.cost_to_minimise(terms))
+
+
+def worst_light_w(scenes: Sequence[Scene], settings: Sequence[Settings]) -> float:
+    """Mean power of the lights in the scene that needs most."""
+    return max(float(scene.light_power_w(at)) for scene, at in zip(scenes, settings, strict=True))

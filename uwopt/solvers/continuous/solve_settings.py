@@ -10,6 +10,7 @@ called one when, and only when, the conditions of an optimum hold at the point. 
 is imported before a method asks for it.
 """
 
+
 from __future__ import annotations
 
 import itertools
@@ -23,9 +24,9 @@ import numpy as np
 from uwopt.errors import SolverError
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
-from uwopt.objectives.objective import Objective, Terms
+from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import Attempt, derivatives, optimality_gap, rule_names, violations
-from uwopt.solvers.continuous.pieces import Piece, Scene, Settings, pieces_of
+from uwopt.solvers.continuous.pieces import Piece, Scene, Settings, minimised_value, pieces_of, worst_light_w
 from uwopt.solvers.continuous.program import Goal, Program
 
 Method = Literal[
@@ -37,7 +38,6 @@ METHODS: tuple[Method, ...] = ("casadi", "slsqp", "cobyla", "global")  # those t
 ALGORITHMS: tuple[Method, ...] = (
     "slsqp", "mma", "ccsaq", "lbfgs", "cobyla", "isres", "ags", "direct_l", "mlsl"
 )  # fmt: skip
-
 FEASIBLE = 1e-6  # relative, of any rule
 GAP = 1e-6  # of what is called optimal, in the program's objective: a logarithm of power or of SNR
 TIE = 1e-9  # relative: a bound this close to the best found does not promise a better one
@@ -140,27 +140,6 @@ class Task:
         return None if self.deadline is None else max(self.deadline - time.perf_counter(), 0.0)
 
 
-def minimised_value(
-    objective: Objective, scenes: Sequence[Scene], settings: Sequence[Settings], *, camera_power_w: float, cost: float,
-    mass_kg: float, gsd_mm: float,
-) -> float:  # fmt: skip
-    """The minimised objective of one design's settings by scene: the worst scene's power and SNR count."""
-    snr = min(float(s.nominal_snr(at)) for s, at in zip(scenes, settings, strict=True))
-    terms = Terms(
-        power=np.array(camera_power_w + worst_light_w(scenes, settings)),
-        cost=np.array(cost),
-        mass=np.array(mass_kg),
-        snr_db=np.array(sensor.to_db(snr)),
-        gsd_mm=np.array(gsd_mm),
-    )
-    return float(objective.cost_to_minimise(terms))
-
-
-def worst_light_w(scenes: Sequence[Scene], settings: Sequence[Settings]) -> float:
-    """Mean power of the lights in the scene that needs most."""
-    return max(float(scene.light_power_w(at)) for scene, at in zip(scenes, settings, strict=True))
-
-
 @dataclass(frozen=True)
 class Verdict:
     """One program's answer after it was checked."""
@@ -253,9 +232,6 @@ def result_of(task: Task, verdict: Verdict, run_time_s: float) -> ContinuousResu
     )
 
 
-# ---------------------------------------------------------------- choices of pieces
-
-
 def best_choice(task: Task) -> Verdict:
     """The best of all choices of one piece a scene, best bound first."""
     options = [pieces_of(scene) for scene in task.scenes]
@@ -327,9 +303,6 @@ def chosen_of(tried: list[Verdict], skipped: float) -> Verdict:
     if failed or np.isfinite(skipped):
         return min(failed, key=nearness) if failed else Verdict("failed", "time used up")
     return tried[0]
-
-
-# ---------------------------------------------------------------- one program
 
 
 def attempt(task: Task, program: Program, start: Any) -> Attempt:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.compatibility import explain_pair
-from uwopt.evaluation.design_model import DesignModel, Hardware
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.designs import Hardware
 from uwopt.forward.figures import SettingRows, figures_of
 from uwopt.forward.focus import place_focus
 from uwopt.forward.motion import required_rate_hz

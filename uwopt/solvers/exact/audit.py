@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline
-from uwopt.evaluation.design_model import Hardware
+from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.attack import attack, fits

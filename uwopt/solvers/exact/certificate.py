@@ -1,5 +1,6 @@
 """The certificate: what was proven, over which parts, and where every combination went."""
 
+
 from __future__ import annotations
 
 import math
@@ -8,9 +9,7 @@ from typing import Any
 
 from uwopt.catalog.choose import Selection
 from uwopt.catalog.records import Part
-from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
-from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import Certificate
 from uwopt.solvers.exact.account import RULES, Outcome
@@ -93,17 +92,3 @@ def scope(selection: Selection, problem: Problem) -> str:
 def all_parts(parts: Any) -> list[Part]:
     """All parts of a problem in one list."""
     return [*parts.cameras, *parts.lenses, *parts.ports, *parts.lights]
-
-
-def select_problem_mission(mission: Mission) -> dict[str, str]:
-    """What single parts must be, from the requirements of all scenes: colour and shutter."""
-    wanted = {}
-    for key in ("colour", "shutter"):
-        asked = sorted({getattr(view.requirements, key) for view in mission.views} - {"any"})
-        if len(asked) > 1:
-            raise MissionError(
-                f"requirements.{key}: scenes ask for {' and '.join(asked)}, but one camera serves them all; "
-                "ask for one of them, or for any"
-            )
-        wanted[key] = asked[0] if asked else "any"
-    return wanted

@@ -22,11 +22,11 @@ from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import Objective
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
 from uwopt.results.result import Design
-from uwopt.solvers import recommend
 from uwopt.solvers.exact.account import RULES
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.designs import values_of
+from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import exact_settings
 
 KINDS = ("camera", "light")
@@ -143,7 +143,7 @@ def furthest_rule(discarded: dict[str, int]) -> str | None:
 
 def evaluated(problem: Problem, found: Found, goal: Objective) -> Design:
     """One design's figures."""
-    hardware = recommend.hardware_of(found)
+    hardware = hardware_of(found)
     model = design_model(problem, hardware)
     given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
     return evaluate_design(problem, hardware, given, goal)

@@ -16,14 +16,16 @@ from typing import Any
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import DesignModel, Hardware
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.assembly import Generic
+from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import Certificate, Design
 from uwopt.solvers.explain.least_change import least_change, rounded_away
 from uwopt.solvers.explain.robustness import parts_of
-from uwopt.solvers.recommend import Generic, Progress, Sought, seek
+from uwopt.solvers.recommend import Progress, Sought, seek
 from uwopt.solvers.settable.rounding import exact_settings
 
 # Requirement -> (section, key, objective that makes its figure best, or None when none does)

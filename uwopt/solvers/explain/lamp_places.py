@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from uwopt.deadline import NEVER, Deadline
-from uwopt.evaluation.design_model import DesignModel, SceneSettings
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.designs import SceneSettings
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Parts, Problem
 from uwopt.objectives.objective import Objective

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import DesignModel, Hardware, SceneSettings, design_model
-from uwopt.forward.batch import influences_of
+from uwopt.evaluation.design_model import DesignModel, design_model
+from uwopt.evaluation.influences import influences_of
+from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.effects import effects_kept
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED

@@ -1,0 +1,95 @@
+"""What solve, evaluate and pareto share: the mission prepared, what every result carries, warnings."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from uwopt.catalog.choose import Selection
+from uwopt.forward.effects import Influence
+from uwopt.forward.problem import Problem
+from uwopt.forward.scene_checks import check_physical
+from uwopt.mission.mission import Mission, load_mission
+from uwopt.objectives.objective import Objective
+from uwopt.results.result import Result
+
+Source = str | Path | Mapping[str, Any]
+Progress = Callable[[float, str], None]
+NOT_MODELLED = (
+    "light scattered more than once towards the camera", "shadows and relief of the floor", "ripples of sunlight",
+    "reflections between port and lens", "lens distortion and vignetting beyond cos^4",
+)  # fmt: skip
+
+
+def prepared(mission: Source | Mission, physics: str | None, objective: Any) -> Mission:
+    """A mission with the physics and objective of the call."""
+    loaded = load_mission(mission)
+    changes: dict[str, Any] = {}
+    if physics is not None:
+        changes["physics"] = physics
+    if objective is not None:
+        changes["objective"] = objective
+    made = loaded.with_changes(**changes) if changes else loaded
+    check_physical(made)
+    return made
+
+
+def selection_warnings(selection: Selection) -> list[dict[str, str]]:
+    """Patterns that match nothing."""
+    return [{"code": "pattern", "path": "catalog", "message": text} for text in selection.warnings]
+
+
+def base_result(
+    command: str, mission: Mission, goal: Objective, problem: Problem, influences: Sequence[Influence] = ()
+) -> Result:
+    """What every result carries; physics `full` keeps every effect, however small."""
+    import uwopt
+
+    tables = {scene.name: scene.water_table for scene in problem.scenes}
+    physics = {
+        "name": mission.physics,
+        "asked": mission.physics,
+        "tolerance": mission.tolerance,
+        "fineness": problem.fineness.by_part(),
+        "water_table": tables[problem.scenes[0].name] if len(set(tables.values())) == 1 else tables,
+        "effects": [
+            (item if mission.physics == "auto" else replace(item, kept=True, time_saved_s=0.0)).as_dict()
+            for item in influences
+        ],
+        "not_modelled": list(NOT_MODELLED),
+    }
+    return Result(
+        command=command,
+        status="feasible",
+        mission=mission.to_dict(),
+        physics=physics,
+        objective={
+            "name": goal.name, "direction": goal.direction, "value": None, "unit": goal.unit(mission.limits.currency)
+        },
+        uwopt_version=uwopt.__version__,
+        seed=mission.seed,
+        versions=versions(),
+        mission_file=mission.source_file,
+    )  # fmt: skip
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the libraries that numbers depend on."""
+    return dict(installed_versions())
+
+
+@cache
+def installed_versions() -> dict[str, str]:
+    """The same, looked up once: reading packages' metadata costs as much as a small evaluation."""
+    out = {"python": sys.version.split()[0]}
+    for name in ("numpy", "scipy", "casadi", "nlopt", "pymoo", "jerlov"):
+        try:
+            out[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    return out

@@ -1,0 +1,192 @@
+"""`uwopt.evaluate`: what a given system would do in a mission."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from uwopt.api.accuracy import (
+    accuracy_warnings,
+    checked_tolerance,
+    estimator_of,
+    of_integrals,
+    plain_accuracy,
+)
+from uwopt.api.common import Source, base_result, prepared
+from uwopt.api.floats import own_float_rules
+from uwopt.api.timing import timed
+from uwopt.catalog.compatibility import explain_pair
+from uwopt.errors import MissionError
+from uwopt.evaluation.accuracy import coarsest
+from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.influences import influences_of
+from uwopt.evaluation.outside import Departure, departures
+from uwopt.forward.assembly import load_catalog, system_problem
+from uwopt.forward.designs import Hardware, SceneSettings
+from uwopt.forward.effects import effects_kept
+from uwopt.forward.part_columns import FLASH
+from uwopt.forward.problem import Problem
+from uwopt.mission.mission import Mission
+from uwopt.mission.system import System, load_system
+from uwopt.objectives.objective import Objective
+from uwopt.objectives.requirements import SATISFIED_REL
+from uwopt.results.result import Design, Margin, Result
+from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL
+
+
+@own_float_rules
+def evaluate(
+    mission: Source | Mission, system: Source | System, *, physics: str | None = None, accuracy: bool = False,
+    tolerance: float | None = None,
+) -> Result:  # fmt: skip
+    """What a given system would do in a mission: figures and margins of every scene.
+
+    `accuracy`: with estimated numerical errors of every figure. `tolerance`: largest error of a figure, a
+    share; integrals are then taken as coarsely as it allows.
+    """
+    start = time.perf_counter()
+    timing: dict[str, float] = {}
+    wanted = prepared(mission, physics, None)
+    auto = wanted.physics == "auto"
+    allowed = math.inf  # error of integrals
+    if checked_tolerance(tolerance) is not None:
+        allowed = of_integrals(tolerance or 0.0, may_leave_out=auto)
+        wanted = wanted.with_changes(tolerance=(tolerance or 0.0) - allowed) if auto else wanted
+    built = load_system(system)
+    built.check_scenes(wanted)
+    asked = wanted
+    if built.camera_count != wanted.vehicle.camera_count:
+        vehicle = {**wanted.to_dict()["vehicle"], "camera_count": built.camera_count}
+        wanted = wanted.with_changes(vehicle=vehicle)
+    goal = Objective.of(wanted.objective)
+    with timed(timing, "catalogue"):
+        problem, hardware = system_problem(wanted, built)
+    given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
+    with timed(timing, "effects"):
+        influences = influences_of(problem, hardware, given, goal)
+    if auto:
+        problem = problem.with_effects(effects_kept(influences))
+
+    def evaluated(at: Problem) -> Design:
+        return evaluate_design(at, hardware, given, goal, level_tolerance_rel=LEVEL_TOLERANCE_REL)
+
+    measured = None
+    if accuracy or tolerance is not None:
+        with timed(timing, "accuracy"):
+            estimator = estimator_of(problem, evaluated)
+            if tolerance is None:
+                measured = estimator.errors(problem.fineness)
+            else:
+                measured = estimator.cheapest(allowed, coarsest(estimator.parts))
+                problem = problem.with_fineness(measured.fineness)
+    with timed(timing, "evaluation"):
+        elsewhere = departures(asked, load_catalog(asked), built, problem, hardware, given, goal)
+        design = with_compatibility(evaluated(problem), problem, wanted, elsewhere)
+    result = base_result("evaluate", wanted, goal, problem, influences)
+    return replace(
+        result,
+        status="feasible" if design.feasible else "violated",
+        design=design,
+        system=built.to_dict(absolute_paths=True),
+        objective={**result.objective, "value": design.objective_value},
+        warnings=[*result.warnings, *design.warnings, *accuracy_warnings(measured, allowed)],
+        accuracy=plain_accuracy(measured, allowed, None, []),
+        timing_s={**timing, "total": time.perf_counter() - start},
+    )
+
+
+def scene_settings(problem: Problem, hardware: Hardware, system: System, name: str) -> SceneSettings:
+    """One scene's settings of a system file in SI; a level from lumens or joules."""
+    given = system.settings_for(name)
+    level = given.dim_frac
+    lights = problem.lights
+    is_flash = int(lights.kind[0]) == FLASH
+    key = "flux_lm" if is_flash else "flash_energy_j"
+    if getattr(given, key) is not None:
+        kind, other = ("a flash", "flash_energy_j") if is_flash else ("no flash", "flux_lm")
+        raise MissionError(
+            f"{system.source_name}: settings.{key} = {getattr(given, key):g} does not suit the light, which is {kind}; "
+            f"give {other} or dim_frac"
+        )
+    if given.flux_lm is not None:
+        level = given.flux_lm / (float(lights.full_light[0]) * hardware.count)
+    if given.flash_energy_j is not None and lights.stored_energy_j[0] > 0:
+        level = given.flash_energy_j / float(lights.stored_energy_j[0])
+
+    def seconds(value_ms: float | None) -> float | None:
+        return None if value_ms is None else value_ms * 1e-3
+
+    return SceneSettings(
+        f_number=given.f_number,
+        exposure_s=seconds(given.exposure_ms),
+        pulse_s=seconds(given.pulse_ms),
+        gain=given.gain,
+        level=level,
+        rate_hz=given.frame_rate_hz,
+        focus_distance_m=given.focus_distance_m,
+    )
+
+
+def with_compatibility(
+    design: Design, problem: Problem, mission: Mission, elsewhere: Sequence[Departure] = ()
+) -> Design:
+    """A design with what does not fit together among its parts, or not on the vehicle, as margins that are missed."""
+    parts = problem.parts
+    findings = explain_pair(
+        parts.cameras[0], parts.lenses[0], parts.ports[0], parts.lights[0],
+        frame_rate_hz=max(float(s.settings["frame_rate_hz"] or 0.0) for s in design.scenes) or None,
+    )  # fmt: skip
+    strict = "lens rating" if mission.catalog.lens_rating == "limit" else ""
+    faults = [f.rule for f in findings if f.severity == "fault" or f.rule == strict]
+    faults += unwanted_kind(problem, mission)
+    faults += [departure.rule for departure in elsewhere if departure.binds]
+    notes = [{"code": f.rule, "path": "hardware", "message": f.message} for f in findings]
+    notes += [*(departure.note for departure in elsewhere), *breathing_notes(design), *design.warnings]
+    notes += inexact_level_notes(design)
+    if not faults:
+        return replace(design, warnings=notes)
+    missed = [Margin(f"fits: {rule}", 0.0, 1.0, ">=", -1.0, "", None, False, False) for rule in faults]
+    scenes = [replace(scene, margins=[*scene.margins, *missed]) for scene in design.scenes]
+    return replace(design, scenes=scenes, feasible=False, warnings=notes)
+
+
+def unwanted_kind(problem: Problem, mission: Mission) -> list[str]:
+    """Where the camera's shutter or colour is not what a scene asks for."""
+    camera = problem.parts.cameras[0]
+    return sorted(
+        {
+            key
+            for view in mission.views
+            for key in ("shutter", "colour")
+            if getattr(view.requirements, key) not in ("any", getattr(camera, key))
+        }
+    )
+
+
+def inexact_level_notes(design: Design) -> list[dict[str, str]]:
+    """That a mean level is met as well as a gain in steps can, where `solve` meets it exactly."""
+    text = f"the mean level is met to {100 * LEVEL_TOLERANCE_REL:g} %, a step of the gain; solve meets it exactly"
+    return [
+        {"code": "outside_search", "path": "settings.gain", "message": f"{scene.name}: {text}"}
+        for scene in design.scenes
+        for level in scene.margins
+        if level.requirement == "mean_level" and level.satisfied
+        if (level.margin or 0.0) < -SATISFIED_REL * (level.limit or 0.0)
+    ]
+
+
+def breathing_notes(design: Design) -> list[dict[str, str]]:
+    """A warning where focusing so near changes the field of view, or leaves no image."""
+    notes = []
+    for scene in design.scenes:
+        n, working = scene.figures["f_number"], scene.figures["working_f_number"]
+        if n and working is None:
+            text = f"{scene.name}: the focus lies within the focal length of the lens; there is no image"
+            notes.append({"code": "no_image", "path": "lens", "message": text})
+        if n and working and working / n > 1.02:
+            share = 100 * (working / n - 1)
+            text = f"{scene.name}: focused so near, the lens extends by {share:.1f} % and sees that much less"
+            notes.append({"code": "breathing", "path": "lens", "message": text})
+    return notes

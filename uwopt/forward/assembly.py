@@ -1,0 +1,136 @@
+"""From a mission to its tables: the catalogue loaded, parts selected, a problem built; also for one given system."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from uwopt.catalog.catalogue import Catalog
+from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, matches, select
+from uwopt.catalog.load import load_catalog as _load_catalog
+from uwopt.errors import CatalogError, MissionError
+from uwopt.forward.designs import Hardware
+from uwopt.forward.lamps import Mount
+from uwopt.forward.problem import Parts, Problem
+from uwopt.mission.mission import Mission
+from uwopt.mission.system import System
+
+
+def select_problem_mission(mission: Mission) -> dict[str, str]:
+    """What single parts must be, from the requirements of all scenes: colour and shutter."""
+    wanted = {}
+    for key in ("colour", "shutter"):
+        asked = sorted({getattr(view.requirements, key) for view in mission.views} - {"any"})
+        if len(asked) > 1:
+            raise MissionError(
+                f"requirements.{key}: scenes ask for {' and '.join(asked)}, but one camera serves them all; "
+                "ask for one of them, or for any"
+            )
+        wanted[key] = asked[0] if asked else "any"
+    return wanted
+
+
+Generic = Literal["fallback", "allow", "never"]
+
+
+def selected(
+    mission: Mission, catalog: Catalog, *, generic: Generic, depth_m: float | None = None
+) -> Selection:
+    """The parts that the mission allows; `depth_m` replaces the depth they must be rated for."""
+    names = Choice.__dataclass_fields__
+    wanted = {name: getattr(mission.catalog, name) for name in names if name != "generic"}
+    choice = Choice(**wanted, generic=generic)
+    made = select(
+        catalog,
+        choice,
+        required_depth_m=mission.required_depth_m if depth_m is None else depth_m,
+        camera_count=mission.vehicle.camera_count,
+        **select_problem_mission(mission),
+    )
+    idle = [text for text in made.warnings if names_nothing(mission, catalog, text)]
+    if idle:
+        raise MissionError([f"{mission.source_name}: {text}" for text in idle])
+    return made
+
+
+def names_nothing(mission: Mission, catalog: Catalog, warning: str) -> bool:
+    """Whether a warning is of a kind of part of which no pattern matches anything: nothing could be found."""
+    for kind, key in PATTERN_KEYS.items():
+        patterns = getattr(mission.catalog, key)
+        if warning.startswith(f"catalog.{key}:") and patterns:
+            return not any(matches(p, part) for p in patterns for part in catalog.parts(kind))
+    return False
+
+
+def build_problem(mission: Mission, selection: Selection, **changes: Any) -> Problem:
+    """Tables over the selected parts."""
+    parts = Parts(selection.cameras, selection.lenses, selection.ports, selection.lights)
+    return Problem(
+        mission, parts, paper=mission.physics == "paper", owned_lights=owned_ids(selection), **changes
+    )
+
+
+def owned_ids(selection: Selection) -> dict[str, int]:
+    """How many of each part are owned, by the catalogue's spelling of its id."""
+    return {selection.catalog.part(name).id: count for name, count in selection.owned.items()}
+
+
+def load_catalog(mission: Mission | None = None) -> Catalog:
+    """The built-in catalogue, with the own parts and quotes that a mission names."""
+    if mission is None:
+        return _load_catalog()
+    files = [str(mission.resolve_path(name)) for name in mission.catalog.files]
+    prices = None if mission.catalog.prices is None else str(mission.resolve_path(mission.catalog.prices))
+    return _load_catalog(files, prices, mission.base_dir)
+
+
+def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]:
+    """Tables of one system: its parts from the catalogue or inline."""
+    from uwopt.catalog.inline import part_from_inline
+
+    selection = select(
+        load_catalog(mission), Choice(owned=mission.catalog.owned), camera_count=mission.vehicle.camera_count
+    )
+
+    def part(kind: str) -> Any:
+        named = getattr(system, kind)
+        if isinstance(named, str):
+            return selection.catalog.part(named, kind)  # type: ignore[arg-type]
+        try:
+            return part_from_inline(kind, named, system.base_dir)  # type: ignore[arg-type]
+        except CatalogError as error:
+            raise CatalogError([f"{system.source_name}: {kind}: {text}" for text in error.faults]) from None
+
+    parts = Parts((part("camera"),), (part("lens"),), (part("port"),), (part("light"),))
+    if system.light_mounts:
+        mount = Mount(explicit=tuple(system.light_mounts))
+    else:
+        vehicle = mission.vehicle
+        baseline = (
+            system.light_baseline_m
+            if system.light_baseline_m is not None
+            else vehicle.light_baseline_grid_m[0]
+        )
+        tilt = system.light_tilt_deg if system.light_tilt_deg is not None else vehicle.light_tilt_grid_deg[0]
+        explicit = tuple(vehicle.light_mounts or ()) if system.light_baseline_m is None else ()
+        mount = Mount(explicit=explicit) if len(explicit) == system.light_count else Mount(baseline, tilt)
+    problem = Problem(
+        mission, parts, paper=mission.physics == "paper", owned_lights=owned_ids(selection),
+        counts=(system.light_count, system.light_count), mounts=[mount],
+    )  # fmt: skip
+    refuse_unknown(system, problem)
+    return problem, Hardware(0, 0, 0, system.orientation == "landscape", 0, system.light_count, mount)
+
+
+def refuse_unknown(system: System, problem: Problem) -> None:
+    """Raise where a part of the catalogue lacks a number that nothing can stand in for."""
+    vital = {
+        "camera": ("pixel pitch", problem.cameras.pixel_pitch_m[0]),
+        "port": ("radius", problem.ports.outer_radius_m[0] if problem.ports.is_dome[0] else 1.0),
+        "light": ("light output", problem.lights.full_light[0]),
+    }
+    for kind, (what, value) in vital.items():
+        if not value > 0.0:
+            raise MissionError(
+                f"{system.source_name}: {kind} = {getattr(system, kind)}: its {what} is not known, so nothing can be "
+                f"computed with it; write the {kind} as a section with its numbers, or name another"
+            )

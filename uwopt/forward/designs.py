@@ -1,0 +1,55 @@
+"""Designs as indices into a problem's tables, one or many, and the settings of one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from numpy.typing import NDArray
+
+from uwopt.forward.lamps import Mount
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Hardware:
+    """A design's hardware as indices into a problem's tables."""
+
+    camera: int
+    lens: int
+    port: int
+    landscape: bool
+    light: int
+    count: int
+    mount: Mount
+
+
+@dataclass(frozen=True)
+class SceneSettings:
+    """Settings of one design in one scene; SI. None takes the documented default."""
+
+    f_number: float | None = None
+    exposure_s: float | None = None
+    pulse_s: float | None = None
+    gain: float | None = None
+    level: float | None = None
+    rate_hz: float | None = None
+    dioptre_per_m: float | None = None
+    focus_distance_m: float | None = None
+
+
+@dataclass(frozen=True)
+class Designs:
+    """Hardware of n designs as indices into a problem's tables; the mount is common."""
+
+    camera: Array
+    lens: Array
+    port: Array
+    landscape: Array
+    light: Array
+    count: Array
+    mount: Mount
+
+    def __len__(self) -> int:
+        return len(self.camera)
