@@ -17,7 +17,7 @@ sys.path.insert(0, str(ROOT))
 
 from uwopt.bench.page import machine_facts, suite_tables, write_bench  # noqa: E402
 from uwopt.bench.run import Bench, mission_files, run  # noqa: E402
-from uwopt.bench.suite import Table  # noqa: E402
+from uwopt.bench.suite import BenchTable  # noqa: E402
 
 
 def markdown(bench: Bench, note: str) -> str:
@@ -44,7 +44,7 @@ def markdown(bench: Bench, note: str) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def cells(table: Table) -> list[str]:
+def cells(table: BenchTable) -> list[str]:
     """A table in Markdown."""
 
     def row(texts: Any) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.api.trading import Run, check_claim, history, reference
+from uwopt.api.trading import ParetoCall, check_claim, history, reference
 from uwopt.errors import MissionError, SolverError
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.own import OwnObjective
@@ -328,7 +328,7 @@ def test_reference_and_history_by_hand():
 
 
 def test_run_reads_names_as_axes_do():
-    run = Run(
+    run = ParetoCall(
         uwopt.load_mission(MISSION),
         None,
         [" Power", "SNR-dB"],

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.objectives.requirements import SATISFIED_REL
 from uwopt.results.result import Result
+from uwopt.tolerances import SATISFIED_REL
 
 PARTS = Path(__file__).parent / "rule_parts"
 KINDS = {

@@ -160,12 +160,12 @@ def test_wherever_time_ends_the_result_is_sound(readings: int, limited: Callable
 
 
 def test_solvers_of_a_front_share_the_time(limited: Callable[[float], Clock]) -> None:
-    run = api_pareto.Run(mission(), None, (), None, [], Deadline.after(60.0, Clock()), 0, None)  # type: ignore[arg-type]
+    run = api_pareto.ParetoCall(mission(), None, (), None, [], Deadline.after(60.0, Clock()), 0, None)  # type: ignore[arg-type]
     assert run.turn(3, usual_s=10.0).left_s == 20.0
 
 
 def test_solvers_of_a_front_have_the_usual_time_without_a_limit() -> None:
-    run = api_pareto.Run(mission(), None, (), None, [], Deadline.after(None, Clock()), 0, None)  # type: ignore[arg-type]
+    run = api_pareto.ParetoCall(mission(), None, (), None, [], Deadline.after(None, Clock()), 0, None)  # type: ignore[arg-type]
     assert run.turn(3, usual_s=10.0).left_s == 10.0
 
 

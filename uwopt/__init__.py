@@ -10,6 +10,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from uwopt.version import __version__
+
 if TYPE_CHECKING:
     from uwopt.api.evaluating import evaluate as evaluate
     from uwopt.api.solving import solve as solve
@@ -22,8 +24,6 @@ if TYPE_CHECKING:
     from uwopt.objectives.own import OwnObjective as OwnObjective
     from uwopt.results.front import FrontResult as FrontResult
     from uwopt.results.result import Result as Result
-
-__version__ = "0.1.0"
 
 _WHERE = {
     "solve": "uwopt.api.solving",

@@ -11,29 +11,29 @@ import numpy as np
 import pytest
 
 from uwopt.bench import fronts
-from uwopt.bench.suite import Budget, Row
+from uwopt.bench.suite import BenchRow, Budget
 from uwopt.solvers.front.search import FRONT_GAP
 
 
 @pytest.fixture(scope="module")
-def rows() -> Sequence[Row]:
+def rows() -> Sequence[BenchRow]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(fronts, "LONGEST_RUN_S", 1.0)
         return list(fronts.measure(Budget(quick=True, seconds=math.inf), algorithms=["nsga2", "ctaea"]))
 
 
-def test_exact_front_comes_first_and_is_proven(rows: Sequence[Row]) -> None:
+def test_exact_front_comes_first_and_is_proven(rows: Sequence[BenchRow]) -> None:
     (end,) = [row for row in rows if row.method == fronts.EXACT and row.status == "optimal"]
     assert rows[0].method == fronts.EXACT and end.error is not None
     assert 0.0 <= end.error <= 10 * FRONT_GAP
 
 
-def test_no_front_exceeds_the_bound(rows: Sequence[Row]) -> None:
+def test_no_front_exceeds_the_bound(rows: Sequence[BenchRow]) -> None:
     assert all(row.error is None or row.error >= -1e-9 for row in rows)
 
 
 @pytest.mark.parametrize("method", ["nsga2", "ctaea"])
-def test_archive_only_grows(rows: Sequence[Row], method: str) -> None:
+def test_archive_only_grows(rows: Sequence[BenchRow], method: str) -> None:
     (run,) = fronts.runs_of(rows, "uwopt init", method)
     gaps = [row.error for row in run if row.error is not None]
     assert gaps and np.all(np.diff(gaps) <= 1e-12)
@@ -41,7 +41,7 @@ def test_archive_only_grows(rows: Sequence[Row], method: str) -> None:
     assert times == sorted(times) and run[-1].status in ("complete", "stopped")
 
 
-def test_table_tells_every_method(rows: Sequence[Row]) -> None:
+def test_table_tells_every_method(rows: Sequence[BenchRow]) -> None:
     (table,) = fronts.SUITE.tables(rows)
     assert [line[1] for line in table.rows] == ["exact", "nsga2", "ctaea"]
     late = [replace(row, error=0.5) if row.method == "nsga2" and row.error else row for row in rows]

@@ -15,7 +15,7 @@ import pytest
 
 from uwopt.bench import contest, peers
 from uwopt.bench.contest import Contest, Referee
-from uwopt.bench.suite import Budget, Row
+from uwopt.bench.suite import BenchRow, Budget
 from uwopt.forward.problem import Problem
 from uwopt.solvers.recommend import hardware_of
 
@@ -57,7 +57,7 @@ def small(seed: int) -> SmallContest:
 
 
 @cache
-def run(method: str, seed: int) -> tuple[Row, ...]:
+def run(method: str, seed: int) -> tuple[BenchRow, ...]:
     peers.load_libraries()
     return tuple(peers.run_peer(small(seed), method, 0, FEW_S))
 
@@ -122,9 +122,9 @@ def test_sunlit_mission_is_not_for_smooth_solvers() -> None:
 # ---------------------------------------------------------------- rows and tables
 
 
-def rows_by_hand() -> Sequence[Row]:
-    def ends(method: str, *times: tuple[float, float | None], status: str, case: str = "reef") -> list[Row]:
-        made = [Row("solvers", case, method, 1.0, 0, t, e, status="running") for t, e in times]
+def rows_by_hand() -> Sequence[BenchRow]:
+    def ends(method: str, *times: tuple[float, float | None], status: str, case: str = "reef") -> list[BenchRow]:
+        made = [BenchRow("solvers", case, method, 1.0, 0, t, e, status="running") for t, e in times]
         return [*made[:-1], replace(made[-1], status=status)]
 
     return [

@@ -13,7 +13,7 @@ from uwopt.bench import quadrature
 from uwopt.bench import quadrature_exact as exact
 from uwopt.bench.quadrature import AS_USED, DOME, FLAT, IMAGE_VEIL, PIXEL_VEIL, SIGNAL, TARGETS, Light
 from uwopt.bench.quadrature_exact import Water
-from uwopt.bench.suite import Budget, Row
+from uwopt.bench.suite import BenchRow, Budget
 from uwopt.model import imaging
 from uwopt.model.imaging import PortShape
 
@@ -21,7 +21,7 @@ WIDE = (0.3, 0.4)
 
 
 @pytest.fixture(scope="module")
-def rows() -> Sequence[Row]:
+def rows() -> Sequence[BenchRow]:
     return list(quadrature.measure(Budget(quick=True, seconds=math.inf)))
 
 
@@ -123,7 +123,7 @@ def test_the_default_is_within_a_ten_thousandth(target: str) -> None:
         np.testing.assert_allclose(value, truth, rtol=1e-4, err_msg=light.name)
 
 
-def test_rows_of_a_quick_run_are_well_formed(rows: Sequence[Row]) -> None:
+def test_rows_of_a_quick_run_are_well_formed(rows: Sequence[BenchRow]) -> None:
     assert {row.case for row in rows} == {light.name for light in quadrature.cases(True)}
     for row in rows:
         assert row.suite == "quadrature"
@@ -139,7 +139,7 @@ def test_rows_of_a_quick_run_are_well_formed(rows: Sequence[Row]) -> None:
     assert all(row.error is not None and row.error < 1e-4 for row in used)
 
 
-def test_the_tables_have_a_line_for_each_case(rows: Sequence[Row]) -> None:
+def test_the_tables_have_a_line_for_each_case(rows: Sequence[BenchRow]) -> None:
     made = quadrature.SUITE.tables(rows)
     assert len(made) == len(TARGETS)
     for table in made:

@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 from uwopt.bench import run as runner
 from uwopt.bench.charts import charts
 from uwopt.bench.page import bench_html, suite_csv, write_bench
-from uwopt.bench.suite import COLUMNS, Budget, Row, Suite, Table, least_size, timed
+from uwopt.bench.suite import COLUMNS, BenchRow, BenchTable, Budget, Suite, least_size, timed
 from uwopt.cli.app import app
 from uwopt.errors import MissionError, SolverError
 
@@ -26,18 +26,18 @@ def suite(
 ) -> Suite:
     """A suite of six rows that may break after some of them."""
 
-    def measure(budget: Budget) -> Iterator[Row]:
+    def measure(budget: Budget) -> Iterator[BenchRow]:
         for index in range(6):
             if index == after and fault is not None:
                 raise fault
             error = None if index == 5 else 10.0**-index
-            yield Row(
+            yield BenchRow(
                 name, "case <b>" if index % 2 else "=1+1", f"rule {index % 3}", size=2.0**index, seed=budget.seed,
                 time_s=1e-3 * 2**index, error=error, memory_mib=10.0 + index,
             )  # fmt: skip
 
-    def tables(rows: Any) -> list[Table]:
-        return [Table("All <of> them", ("rule", "rows"), [["any", str(len(rows))]])]
+    def tables(rows: Any) -> list[BenchTable]:
+        return [BenchTable("All <of> them", ("rule", "rows"), [["any", str(len(rows))]])]
 
     return Suite(name, f"Suite {name}", "What it <i>measures</i>.", chart, measure, 1.0, 1.0, tables=tables)
 
@@ -89,9 +89,9 @@ def test_a_suite_that_fails_is_told_and_the_next_goes_on(with_suites: Any):
 def test_a_quick_run_gives_late_suites_less(with_suites: Any, monkeypatch: pytest.MonkeyPatch):
     given: list[float] = []
 
-    def measure(budget: Budget) -> Iterator[Row]:
+    def measure(budget: Budget) -> Iterator[BenchRow]:
         given.append(budget.seconds)
-        yield Row("slow", "a", "b")
+        yield BenchRow("slow", "a", "b")
 
     slow = Suite("slow", "S", "T.", "precision", measure, 30.0, 30.0)
     with_suites(slow, slow, slow)
@@ -155,8 +155,8 @@ def test_missions_may_be_files_or_a_folder_and_must_load(tmp_path: Path):
 
 
 def test_the_least_size_is_that_from_which_on_all_is_well():
-    def row(size: float, error: float | None) -> Row:
-        return Row("s", "c", "m", size=size, error=error)
+    def row(size: float, error: float | None) -> BenchRow:
+        return BenchRow("s", "c", "m", size=size, error=error)
 
     lucky = [row(6, 1e-3), row(4, 1e-6), row(12, 1e-6), row(8, 1e-5)]  # 4 is well by chance
     assert least_size(lucky, 1e-4) == "8"

@@ -27,7 +27,7 @@ from uwopt.bench.scaling_parts import (
     made_parts,
     merit,
 )
-from uwopt.bench.suite import Budget, Row
+from uwopt.bench.suite import BenchRow, Budget
 from uwopt.catalog.records import Camera, Lens, Light, Part, Port
 from uwopt.forward.problem import Parts, Problem
 from uwopt.objectives.objective import Objective
@@ -252,7 +252,7 @@ def test_rows_and_table(monkeypatch: pytest.MonkeyPatch) -> None:
     point = Point(1440.0, 0.5, 0.6, 70.0, "optimal", 12, 3.0, "camera, lens, port, 2 x light")
     monkeypatch.setattr(scaling, "apart", lambda *given, **more: point)
     rows = list(scaling.rows_of(Budget(quick=True, seconds=ENOUGH_S), (SMALL,), "full"))
-    assert {row.case for row in rows} == set(MISSIONS) and all(isinstance(row, Row) for row in rows)
+    assert {row.case for row in rows} == set(MISSIONS) and all(isinstance(row, BenchRow) for row in rows)
     assert rows[0].size == 1440.0 and rows[0].memory_mib == 70.0 and "12 evaluated" in rows[0].note
     seconds, memory = scaling.tables(rows)
     assert seconds.rows == [("1.44e+03", *["0.50"] * len(MISSIONS))]

@@ -12,7 +12,7 @@ import pytest
 
 from uwopt.bench import spectral, spectral_exact
 from uwopt.bench.spectral import AS_USED, GAUSS, RULES, SIMPSON, TRAPEZOID, Case
-from uwopt.bench.suite import Budget, Row
+from uwopt.bench.suite import BenchRow, Budget
 from uwopt.model import imaging
 
 ONE_NM = 401  # nodes of the whole spectrum in steps of 1 nm
@@ -20,7 +20,7 @@ PLANCK_J_S, LIGHT_M_S = 6.62607015e-34, 299792458.0
 
 
 @pytest.fixture(scope="module")
-def rows() -> Sequence[Row]:
+def rows() -> Sequence[BenchRow]:
     return list(spectral.measure(Budget(quick=True, seconds=math.inf)))
 
 
@@ -126,7 +126,7 @@ def test_the_default_is_within_a_ten_thousandth(setting: spectral.Setting) -> No
     assert abs(ours / spectral.reference_electrons(case, spectral_exact.QUICK_DEGREE) - 1) < 1e-4
 
 
-def test_rows_of_a_quick_run_are_well_formed(rows: Sequence[Row]) -> None:
+def test_rows_of_a_quick_run_are_well_formed(rows: Sequence[BenchRow]) -> None:
     assert {row.case for row in rows} == {case.name for case in spectral.QUICK_CASES}
     assert {row.method for row in rows} == {AS_USED, *RULES}
     for row in rows:
@@ -138,11 +138,11 @@ def test_rows_of_a_quick_run_are_well_formed(rows: Sequence[Row]) -> None:
     assert len({(row.case, row.method, row.size) for row in rows}) == len(rows)
 
 
-def test_the_default_of_a_quick_run_is_within_a_ten_thousandth(rows: Sequence[Row]) -> None:
+def test_the_default_of_a_quick_run_is_within_a_ten_thousandth(rows: Sequence[BenchRow]) -> None:
     assert all(row.error < 1e-4 for row in rows if row.method == AS_USED)  # type: ignore[operator]
 
 
-def test_the_table_has_a_line_for_each_case(rows: Sequence[Row]) -> None:
+def test_the_table_has_a_line_for_each_case(rows: Sequence[BenchRow]) -> None:
     (table,) = spectral.SUITE.tables(rows)
     assert len(table.rows) == len(spectral.QUICK_CASES)
     assert all(len(line) == len(table.head) for line in table.rows)

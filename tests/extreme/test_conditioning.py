@@ -20,7 +20,7 @@ from thorough import THOROUGH
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import derivatives
-from uwopt.solvers.continuous.pieces import Scene, pieces_of
+from uwopt.solvers.continuous.pieces import SmoothScene, pieces_of
 from uwopt.solvers.continuous.program import Program
 from uwopt.solvers.continuous.solve_settings import PROOF, ContinuousResult, solve_settings
 from uwopt.solvers.settings.best import best_settings
@@ -207,7 +207,7 @@ def programs(seed: int) -> list[Program]:
     plain = rows_of(truth)
     made = []
     for rows in (plain, extended(plain, truth)):
-        view = Scene.of(rows)
+        view = SmoothScene.of(rows)
         pieces = pieces_of(view)
         goals: Any = ("power", "snr", "sum", "restore") if pieces else ()
         made += [

@@ -20,7 +20,7 @@ from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.attack import attack
 from uwopt.solvers.exact.audit import BESIDE, audit
 from uwopt.solvers.exact.bounds import Bounds, UnitBounds
-from uwopt.solvers.exact.imagers import Pairs
+from uwopt.solvers.exact.imagers import FittingPairs
 from uwopt.solvers.exact.search import Search
 
 SUM = {"power": 0.2, "snr_db": 1.0}
@@ -89,11 +89,11 @@ def lensless(monkeypatch: pytest.MonkeyPatch, lens: int) -> None:
     """A search in which one lens fits no camera."""
     sound = imagers.fitting_pairs
 
-    def without(problem: Any, **options: Any) -> Pairs:
+    def without(problem: Any, **options: Any) -> FittingPairs:
         pairs = sound(problem, **options)
         kept, n = pairs.lens != lens, len(problem.parts.ports) * len(imagers.landscapes(problem))
         counts = pairs.discarded | {"image_circle": pairs.discarded["image_circle"] + int((~kept).sum()) * n}
-        return Pairs(pairs.camera[kept], pairs.lens[kept], counts, {})
+        return FittingPairs(pairs.camera[kept], pairs.lens[kept], counts, {})
 
     for module in (imagers, exact_search):
         monkeypatch.setattr(module, "fitting_pairs", without)

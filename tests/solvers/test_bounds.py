@@ -26,7 +26,7 @@ from uwopt.solvers.exact.bounds import Bounds, bit_per_px_bound, suffix_min
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.large import LargeSearch
 from uwopt.solvers.exact.light_tables import FieldTables
-from uwopt.solvers.exact.outline import Level, OutlineTables, Rows, port_tree
+from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables, port_tree
 from uwopt.solvers.exact.screen import level_set, pair_rules
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.exact.signals import SignalTables
@@ -214,7 +214,7 @@ def test_a_group_of_ports_is_bounded_by_its_best(name: str) -> None:
     for groups in port_tree(problem):
         level = Level(problem, groups)
         for group in range(len(groups.start)):
-            rows = Rows(camera, lens, np.ones(4, bool), np.full(4, group))
+            rows = OutlineRows(camera, lens, np.ones(4, bool), np.full(4, group))
             ports = groups.order[groups.start[group] : groups.stop[group]]
             seen = level.imagers(rows)
             passes = np.logical_and.reduce([ok for _, ok in level.rules(rows, seen)])

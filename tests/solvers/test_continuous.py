@@ -25,7 +25,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous import solve_settings as continuous
 from uwopt.solvers.continuous.optimality import derivatives
-from uwopt.solvers.continuous.pieces import Scene, Settings, pieces_of
+from uwopt.solvers.continuous.pieces import SmoothScene, SmoothSettings, pieces_of
 from uwopt.solvers.continuous.program import Program
 from uwopt.solvers.continuous.solve_settings import METHODS, ContinuousResult, solve_settings
 from uwopt.solvers.settings.best import best_settings
@@ -245,7 +245,7 @@ def test_multiplier_says_what_more_snr_costs() -> None:
 
 
 def test_start_given_leads_to_the_same_answer() -> None:
-    start = [Settings(f_number=8.0, time_s=1e-4, level=0.9, gain=2.0)]
+    start = [SmoothSettings(f_number=8.0, time_s=1e-4, level=0.9, gain=2.0)]
     assert solved([scene()], start=start).objective_value == pytest.approx(
         closed_form([scene()], POWER), rel=AGREE
     )
@@ -291,7 +291,7 @@ def test_bounds_and_tables_are_refused() -> None:
 
 def one_program(rows: SceneRows, objective: Objective) -> Program:
     """The program of a design of one scene and one piece."""
-    view = Scene.of(rows)
+    view = SmoothScene.of(rows)
     goal: Any = "sum" if objective is SUM else "snr"
     return Program((view,), (pieces_of(view)[0],), False, goal, 1.0, 2.0, np.inf)
 

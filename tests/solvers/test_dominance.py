@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from uwopt.objectives.axes import Axes, Frame
-from uwopt.objectives.dominance import Archive, Table, clearly, hypervolume, igd_plus, nondominated
+from uwopt.objectives.dominance import BestPoints, Staircase, clearly, hypervolume, igd_plus, nondominated
 
 SMALL = st.sampled_from([-3.0, -1.0, 0.0, 0.5, 1.0, 2.0])  # few values: ties and duplicates
 ANY = st.floats(-1e3, 1e3, width=32)
@@ -47,7 +47,7 @@ def test_nondominated_equals_all_pairs(values):
 @given(both=TWO_SETS)
 def test_beats_equals_all_pairs(both):
     found, bounds = both
-    archive = Archive(bounds.shape[1])
+    archive = BestPoints(bounds.shape[1])
     archive.add(found)
     expected = [any((one <= bound + 1e-9 * np.abs(bound)).all() for one in found) for bound in bounds]
     assert archive.beats(bounds).tolist() == expected
@@ -56,7 +56,7 @@ def test_beats_equals_all_pairs(both):
 @given(both=TWO_SETS)
 def test_dominates_is_better_in_every_objective_by_more_than_a_tie(both):
     found, values = both
-    archive = Archive(values.shape[1])
+    archive = BestPoints(values.shape[1])
     archive.add(found)
     expected = [any((one <= value - 1e-9 * np.abs(value)).all() for one in found) for value in values]
     assert archive.dominates(values).tolist() == expected
@@ -65,7 +65,7 @@ def test_dominates_is_better_in_every_objective_by_more_than_a_tie(both):
 @given(both=TWO_SETS, axis=st.integers(0, 1))
 def test_best_is_the_least_over_points_no_worse_elsewhere(both, axis):
     found, bounds = both
-    archive = Archive(bounds.shape[1])
+    archive = BestPoints(bounds.shape[1])
     archive.add(found)
     others = [k for k in range(bounds.shape[1]) if k != axis]
     expected = [
@@ -78,7 +78,7 @@ def test_best_is_the_least_over_points_no_worse_elsewhere(both, axis):
 @given(both=TWO_SETS)
 def test_archive_in_parts_is_the_archive_of_all(both):
     one, other = both
-    archive = Archive(one.shape[1])
+    archive = BestPoints(one.shape[1])
     archive.add(one)
     archive.beats(other)  # the table that this makes must not outlive the next points
     archive.add(other)
@@ -91,11 +91,11 @@ def test_archive_in_parts_is_the_archive_of_all(both):
 def test_every_order_of_columns_gives_the_same_table(values, bounds):
     expected = [any((v <= b).all() for v in values) for b in bounds]
     for last in (None, 0, 1, 2):
-        assert Table.of(values, last).reached(bounds).tolist() == expected
+        assert Staircase.of(values, last).reached(bounds).tolist() == expected
 
 
 def test_nothing_beats_and_nothing_is_beaten_when_empty():
-    archive = Archive(3)
+    archive = BestPoints(3)
     archive.add(np.empty((0, 3)))
     assert archive.beats(np.zeros((2, 3))).tolist() == [False, False]
     assert archive.dominates(np.zeros((2, 3))).tolist() == [False, False]

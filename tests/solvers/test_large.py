@@ -17,7 +17,7 @@ from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.audit import audit
 from uwopt.solvers.exact.bounds import Corner
 from uwopt.solvers.exact.imagers import enumerate_imagers
-from uwopt.solvers.exact.outline import Level, Rows, port_tree
+from uwopt.solvers.exact.outline import Level, OutlineRows, port_tree
 from uwopt.solvers.exact.search import Search
 
 
@@ -41,7 +41,7 @@ def test_outlines_bound_their_imagers(seed: int) -> None:
     for groups in port_tree(problem):
         place = np.argsort(groups.order)[imagers.port]
         group = np.searchsorted(groups.start, place, side="right") - 1
-        rows = Rows(imagers.camera, imagers.lens, imagers.landscape, group)
+        rows = OutlineRows(imagers.camera, imagers.lens, imagers.landscape, group)
         level = Level(problem, groups)
         seen = level.imagers(rows)
         for name in ("cost", "limit_cost", "mass_kg", "camera_power_w", "gsd_mm"):
@@ -153,7 +153,7 @@ def test_interrupted_once_no_pair_is_left(monkeypatch: pytest.MonkeyPatch) -> No
     full, search = case_.solve(top=1)[1], case_.searcher(top=1)
     honest, searched = large.LargeSearch._search_imagers, []
 
-    def stopping(self: large.LargeSearch, rows: Rows) -> bool:
+    def stopping(self: large.LargeSearch, rows: OutlineRows) -> bool:
         searched.append(1)
         if len(searched) == 2:
             raise KeyboardInterrupt

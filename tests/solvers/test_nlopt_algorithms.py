@@ -11,7 +11,7 @@ from hand_made_rows import FLASHES, STEPS, scene
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.solvers.continuous.pieces import Scene, pieces_of
+from uwopt.solvers.continuous.pieces import SmoothScene, pieces_of
 from uwopt.solvers.continuous.program import Program
 from uwopt.solvers.continuous.reduced import Reduced
 from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, ContinuousResult, solve_settings
@@ -116,7 +116,7 @@ def test_global_algorithms_find_settings_that_hold(method: str) -> None:
 
 
 def program_of(rows: list[SceneRows]) -> Program:
-    scenes = tuple(Scene.of(row) for row in rows)
+    scenes = tuple(SmoothScene.of(row) for row in rows)
     return Program(scenes, tuple(pieces_of(s)[0] for s in scenes), False, "power", 1.0, 0.0, np.inf)
 
 

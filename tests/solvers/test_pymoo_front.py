@@ -16,7 +16,7 @@ from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import distinct, hypervolume, near, nondominated
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnObjective
-from uwopt.solvers.population.pymoo_front import ALGORITHMS, Run, population_front
+from uwopt.solvers.population.pymoo_front import ALGORITHMS, PymooRun, population_front
 
 PAIR, TRIPLE = ("power", "cost"), ("power", "cost", "snr_db")
 SEEDS = drawn((9, 10, 17, 22, 24), cases.FEASIBLE)  # one scene and two, physics full and paper
@@ -147,7 +147,7 @@ def test_every_algorithm_gives_a_feasible_front(algorithm):
 
 def test_interruption_keeps_what_was_found(monkeypatch):
     search, calls = cases.search_of(rc.case(9), TRIPLE), []
-    evaluate = Run.evaluate
+    evaluate = PymooRun.evaluate
 
     def interrupted(run, vectors):
         calls.append(len(vectors))
@@ -155,7 +155,7 @@ def test_interruption_keeps_what_was_found(monkeypatch):
             raise KeyboardInterrupt
         return evaluate(run, vectors)
 
-    monkeypatch.setattr(Run, "evaluate", interrupted)
+    monkeypatch.setattr(PymooRun, "evaluate", interrupted)
     front = population_front(search, TRIPLE, **cases.SMALL)
     assert front.status == "interrupted"
     assert_front(search, front, TRIPLE)

@@ -23,7 +23,7 @@ from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import RULES
 from uwopt.solvers.exact.bounds import UNIT_RULES, Bounds
 from uwopt.solvers.exact.imagers import IMAGER_RULES, enumerate_imagers, fitting_pairs
-from uwopt.solvers.exact.outline import Level, Rows, port_tree
+from uwopt.solvers.exact.outline import Level, OutlineRows, port_tree
 from uwopt.solvers.exact.screen import pair_rules
 from uwopt.solvers.exact.search import Search
 
@@ -164,7 +164,7 @@ def outline(case_: Case) -> dict[str, bool]:
     """What each rule of an outline says of the one design."""
     problem = case_.problem()
     level, pairs, none = Level(problem, port_tree(problem)[-1]), fitting_pairs(problem), np.zeros(1, int)
-    rows = Rows(pairs.camera, pairs.lens, np.ones(1, bool), none)
+    rows = OutlineRows(pairs.camera, pairs.lens, np.ones(1, bool), none)
     return {name: bool(passes[0]) for name, passes in level.rules(rows, level.imagers(rows))}
 
 

@@ -17,6 +17,7 @@ from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import Result
+from uwopt.version import __version__
 
 Source = str | Path | Mapping[str, Any]
 Progress = Callable[[float, str], None]
@@ -48,8 +49,6 @@ def base_result(
     command: str, mission: Mission, goal: Objective, problem: Problem, influences: Sequence[Influence] = ()
 ) -> Result:
     """What every result carries; physics `full` keeps every effect, however small."""
-    import uwopt
-
     tables = {scene.name: scene.water_table for scene in problem.scenes}
     physics = {
         "name": mission.physics,
@@ -71,7 +70,7 @@ def base_result(
         objective={
             "name": goal.name, "direction": goal.direction, "value": None, "unit": goal.unit(mission.limits.currency)
         },
-        uwopt_version=uwopt.__version__,
+        uwopt_version=__version__,
         seed=mission.seed,
         versions=versions(),
         mission_file=mission.source_file,

@@ -31,9 +31,9 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System, load_system
 from uwopt.objectives.objective import Objective
-from uwopt.objectives.requirements import SATISFIED_REL
 from uwopt.results.result import Design, Margin, Result
 from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL
+from uwopt.tolerances import SATISFIED_REL
 
 
 @own_float_rules

@@ -36,8 +36,8 @@ from uwopt.solvers.explain.robustness import SLOW_S
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, design_of, hardware_of, seek
 from uwopt.solvers.settable.rounding import exact_settings
 from uwopt.solvers.settings.best import scenes_need_cells
+from uwopt.tolerances import PROVEN_GAP_REL
 
-PROVEN_GAP_REL = 2e-4  # a wider gap is told, and not called an optimum
 SOLVERS = ("exact", "casadi", "nlopt", "bonmin")
 
 

@@ -40,13 +40,13 @@ from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of, 
 from uwopt.solvers.front.search import Front, FrontSearch, quality_of
 from uwopt.solvers.recommend import hardware_of, part_warnings, with_rounded
 from uwopt.solvers.settable.rounding import exact_settings
+from uwopt.tolerances import AGREES_REL
 
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
 EXACT, PEER = "exact", "nsga2"
 EXACT_S = 120.0  # for the exact front, unless the call says otherwise
 PEER_S, PEER_ALONE_S = 10.0, 30.0  # for a population solver, beside the exact front and without it
-AGREES_REL = 1e-6
 VEILED_REL = 1e-4  # veils are integrated for many images at once and for one, on grids that differ
 VEILED = ("contrast", "information", "snr_db")
 
@@ -101,7 +101,7 @@ def pareto(
     with timed(timing, "catalogue"):
         catalog = load_catalog(wanted)
     policy: Generic = "allow" if wanted.catalog.generic == "allow" else "never"
-    run = Run(
+    run = ParetoCall(
         wanted, catalog, objectives, axes, solvers, deadline, wanted.seed if seed is None else seed, progress
     )
     sought = run.sought(policy, timing)
@@ -166,7 +166,7 @@ def checked_solvers(solver: str | Sequence[str], own: Sequence[OwnObjective]) ->
     return found
 
 
-class Run:
+class ParetoCall:
     """One call of `pareto`."""
 
     def __init__(

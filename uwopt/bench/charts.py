@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from uwopt.bench.suite import Row, Suite
+from uwopt.bench.suite import BenchRow, Suite
 from uwopt.report.pictures.plots import BLUE, DASHES, GREEN, GREY, PURPLE, VERMILLION, axis, layout, numbers
 
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, "#e69f00", "#56b4e9", GREY)
@@ -15,7 +15,7 @@ LEAST_GAP = 1e-9  # the same of a gap: the certificates are no finer
 MOST_CHARTS = 16  # of one suite; the tables hold all cases
 
 
-def charts(suite: Suite, rows: Sequence[Row]) -> list[dict[str, Any]]:
+def charts(suite: Suite, rows: Sequence[BenchRow]) -> list[dict[str, Any]]:
     """Figures of a suite: {id, title, caption, alt, figure}."""
     shown = [row for row in rows if suite.charted(row)]
     if suite.chart == "scaling":
@@ -48,7 +48,7 @@ def style(number: int) -> tuple[dict[str, Any], dict[str, Any]]:
     }  # fmt: skip
 
 
-def precision_figure(suite: Suite, rows: Sequence[Row]) -> dict[str, Any]:
+def precision_figure(suite: Suite, rows: Sequence[BenchRow]) -> dict[str, Any]:
     """Error over time, one line a method, through its sizes; a size beside each point."""
     traces = []
     for number, method in enumerate(dict.fromkeys(row.method for row in rows)):
@@ -66,7 +66,7 @@ def precision_figure(suite: Suite, rows: Sequence[Row]) -> dict[str, Any]:
     return log_figure(traces, suite.time_name, suite.error_name)
 
 
-def progress_figure(suite: Suite, rows: Sequence[Row]) -> dict[str, Any]:
+def progress_figure(suite: Suite, rows: Sequence[BenchRow]) -> dict[str, Any]:
     """Gap over elapsed time as steps, one line a method and seed; seeds share a colour."""
     traces = []
     for number, method in enumerate(dict.fromkeys(row.method for row in rows)):
@@ -85,7 +85,7 @@ def progress_figure(suite: Suite, rows: Sequence[Row]) -> dict[str, Any]:
     return log_figure(traces, suite.time_name, suite.error_name)
 
 
-def scaling_charts(suite: Suite, rows: Sequence[Row]) -> list[dict[str, Any]]:
+def scaling_charts(suite: Suite, rows: Sequence[BenchRow]) -> list[dict[str, Any]]:
     """Time and memory over size, one line a case."""
     made = []
     for name, title, value in (

@@ -26,19 +26,19 @@ from uwopt.objectives.objective import MAXIMISED, Objective, Terms
 from uwopt.solvers.exact.account import Outcome, snr_ceiling
 from uwopt.solvers.exact.imagers import limit
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.population.coding import Built, Coding, cost_of, mass_kg_of
+from uwopt.solvers.population.coding import CodedHardware, Coding, cost_of, mass_kg_of
 from uwopt.solvers.population.decoding import shortfall
 from uwopt.solvers.population.evaluator import Evaluator, lacking_without_veils, scene_rows
 from uwopt.solvers.population.light_store import LightStore
 from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import exact_settings
+from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 REACHED = 1e-6  # a gap at which nothing is left to see: the run is ended
 SAME = 1e-9  # relative
 BATCH = 256  # hardware whose light is worked out together
 ORDERED = 200_000  # hardware drawn and put in order at a time
-ROUND = 1.0 + 1e-9  # a limit met to rounding is met
 LONGEST_S = 120.0  # for a certificate
 LEAST_S = 2.0  # the same, when a benchmark has hardly any time left
 
@@ -112,7 +112,7 @@ def certified(problem: Problem, objective: Objective, longest_s: float) -> Outco
 
 
 @dataclass(frozen=True)
-class Seen:
+class Snapshot:
     """Where a run stood at one time."""
 
     time_s: float
@@ -134,7 +134,7 @@ class Referee:
     evaluations: int = 0
     best: float = np.inf  # minimised, confirmed
     refused: int = 0  # claims that the forward model does not confirm
-    seen: list[Seen] = field(default_factory=list)
+    seen: list[Snapshot] = field(default_factory=list)
     _judge: Problem = field(init=False)
     _start: float = field(init=False)
     _waited_s: float = 0.0
@@ -174,7 +174,7 @@ class Referee:
             self.refused += 1
         elif value < self.best:
             self.best = value
-            self.seen.append(Seen(at_s, self.evaluations, self.contest.gap(value)))
+            self.seen.append(Snapshot(at_s, self.evaluations, self.contest.gap(value)))
 
     def _confirmed(self, hardware: Hardware, settings: list[dict[str, float]]) -> float | None:
         """The design's value by the forward model, None where a requirement is missed."""
@@ -230,7 +230,7 @@ class LoopGround(Ground):
         super().__init__(referee)
         self.store = LightStore(self.search, sharp=False)
 
-    def batches(self, rng: np.random.Generator) -> Iterator[tuple[Built, list[SceneRows]]]:
+    def batches(self, rng: np.random.Generator) -> Iterator[tuple[CodedHardware, list[SceneRows]]]:
         """Hardware with the settings' view of it, by scene, until it is over.
 
         Drawn at random from all imagers, lamps, numbers and mounts, as many as are ordered at a time; those
@@ -259,7 +259,7 @@ class LoopGround(Ground):
                 if len(fits):
                     yield part.take(fits), [r.take(fits) for r in rows]
 
-    def _drawn(self, rng: np.random.Generator) -> Built:
+    def _drawn(self, rng: np.random.Generator) -> CodedHardware:
         problem, n = self.problem, len(self.imagers)
         low, high = problem.count_range
         sizes = (n, len(problem.parts.lights), high - low + 1, len(problem.mounts))
@@ -267,9 +267,9 @@ class LoopGround(Ground):
         drawn = rng.permutation(every) if every <= ORDERED else rng.integers(0, every, ORDERED)
         imager, light, count, mount = np.unravel_index(drawn, sizes)
         optics = problem.lights.optics_index[light]
-        return Built(imager, light, low + count, optics * len(problem.mounts) + mount)
+        return CodedHardware(imager, light, low + count, optics * len(problem.mounts) + mount)
 
-    def _allowed(self, built: Built) -> Array:
+    def _allowed(self, built: CodedHardware) -> Array:
         """What the budgets of cost and mass allow."""
         problem, limits, lights = self.problem, self.problem.mission.limits, self.problem.lights
         lamps = problem.lamps_to_buy(built.light, built.count) * lights.limit_price[built.light]
@@ -279,7 +279,7 @@ class LoopGround(Ground):
             & (mass_kg_of(self.search, built) <= limit(limits.mass_kg) * ROUND)
         )
 
-    def floor(self, built: Built) -> Array:
+    def floor(self, built: CodedHardware) -> Array:
         """The objective of hardware that needs no light at all."""
         imagers = self.imagers
         terms = Terms(
@@ -288,13 +288,13 @@ class LoopGround(Ground):
         )  # fmt: skip
         return np.asarray(self.objective.cost_to_minimise(terms))
 
-    def _rows(self, built: Built) -> list[SceneRows]:
+    def _rows(self, built: CodedHardware) -> list[SceneRows]:
         return [
             scene_rows(self.search, s, built, self.store.seen(s, built.imager, built.lighting, built.count))
             for s in range(len(self.problem.scenes))
         ]
 
-    def fixed(self, built: Built, i: int) -> dict[str, Any]:
+    def fixed(self, built: CodedHardware, i: int) -> dict[str, Any]:
         """What settings do not change of one design, as the continuous solvers take it."""
         imager, one = int(built.imager[i]), built.take(np.array([i]))
         return {
@@ -310,7 +310,7 @@ class LoopGround(Ground):
         """Of camera and lights together."""
         return limit(self.problem.mission.limits.power_w)
 
-    def claim(self, value: float, built: Built, i: int, settings: list[dict[str, float]]) -> None:
+    def claim(self, value: float, built: CodedHardware, i: int, settings: list[dict[str, float]]) -> None:
         """A solver's claim for one design; settings by scene: f_number, time_s, level, gain, exposure_s."""
         imager = int(built.imager[i])
         full = []

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from uwopt.api.common import prepared
 from uwopt.bench.contest import at_most, mission_of, sources_of
-from uwopt.bench.suite import Budget, Row, Suite, Table
+from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
@@ -68,15 +68,15 @@ def gap_of(values: Array, front: Front) -> float | None:
 
 
 def rows_of(
-    case: str, method: str, seed: int | None, history: Sequence[tuple[float, Array]], front: Front, last: Row
-) -> Iterator[Row]:  # fmt: skip
+    case: str, method: str, seed: int | None, history: Sequence[tuple[float, Array]], front: Front, last: BenchRow
+) -> Iterator[BenchRow]:  # fmt: skip
     """Some of the archives of a run, evenly spread in the logarithm of time, then its end."""
     if history:
         times = np.array([at for at, _ in history])
         wanted = np.geomspace(max(times[0], 1e-3), max(times[-1], 2e-3), MOST_SEEN)
         for k in sorted({min(int(np.searchsorted(times, at)), len(times) - 1) for at in wanted}):
             at_s, values = history[k]
-            yield Row(
+            yield BenchRow(
                 "pareto",
                 case,
                 method,
@@ -91,7 +91,7 @@ def rows_of(
 
 def run_exact(
     case: str, mission: Mission, generic: Generic, longest_s: float = LONGEST_S
-) -> tuple[Front, list[Row]]:
+) -> tuple[Front, list[BenchRow]]:
     """The exact front, and how it came about."""
     problem = problem_of(mission, generic)
     front = FrontSearch(problem, Axes.of(AXES), deadline=Deadline.after(longest_s)).run()
@@ -100,15 +100,15 @@ def run_exact(
     status = "optimal" if front.complete else "stopped"
     if front.frame is None or not front.hypervolume_bound:
         why = "infeasible" if front.complete and not len(front.values) else status
-        return front, [Row("pareto", case, EXACT, 0.0, None, front.seconds, status=why)]
+        return front, [BenchRow("pareto", case, EXACT, 0.0, None, front.seconds, status=why)]
     gap = 1.0 - front.hypervolume / front.hypervolume_bound
-    last = Row("pareto", case, EXACT, float(len(front.values)), None, front.seconds, gap, status=status)
+    last = BenchRow("pareto", case, EXACT, float(len(front.values)), None, front.seconds, gap, status=status)
     return front, list(rows_of(case, EXACT, None, front.history, front, last))
 
 
 def run_population(
     case: str, mission: Mission, generic: Generic, front: Front, algorithm: str, seed: int, seconds: float
-) -> list[Row]:
+) -> list[BenchRow]:
     """One algorithm with one seed, from tables built to the end of its time."""
     from uwopt.solvers.population.pymoo_front import population_front
 
@@ -124,12 +124,12 @@ def run_population(
     took_s = time.perf_counter() - start
     history = [(before_s + at, values) for at, values in found.history]
     gap = gap_of(history[-1][1], front) if history else None
-    last = Row("pareto", case, algorithm, float(len(history[-1][1])) if history else 0.0, seed, took_s, gap,
+    last = BenchRow("pareto", case, algorithm, float(len(history[-1][1])) if history else 0.0, seed, took_s, gap,
                status=found.status, note=f"{found.evaluations} evaluations within {seconds:.3g} s")  # fmt: skip
     return list(rows_of(case, algorithm, seed, history, front, last))
 
 
-def measure(budget: Budget, algorithms: Sequence[str] | None = None) -> Iterator[Row]:
+def measure(budget: Budget, algorithms: Sequence[str] | None = None) -> Iterator[BenchRow]:
     """Every mission: the exact front, then every algorithm with every seed, as long as there is time."""
     from uwopt.solvers.population.pymoo_front import ALGORITHMS, create
 
@@ -151,7 +151,7 @@ def measure(budget: Budget, algorithms: Sequence[str] | None = None) -> Iterator
                 if len(front.values) or not front.complete:
                     break
         except MissionError as fault:
-            yield Row("pareto", case, EXACT, status="not applicable", note=str(fault).splitlines()[0])
+            yield BenchRow("pareto", case, EXACT, status="not applicable", note=str(fault).splitlines()[0])
             left -= len(seeds) * len(names)
             continue
         yield from rows
@@ -172,9 +172,9 @@ def measure(budget: Budget, algorithms: Sequence[str] | None = None) -> Iterator
 # ---------------------------------------------------------------- tables
 
 
-def runs_of(rows: Sequence[Row], case: str, method: str) -> list[list[Row]]:
+def runs_of(rows: Sequence[BenchRow], case: str, method: str) -> list[list[BenchRow]]:
     """Rows of one method in one mission, run by run."""
-    runs: list[list[Row]] = [[]]
+    runs: list[list[BenchRow]] = [[]]
     for row in rows:
         if row.case == case and row.method == method:
             runs[-1].append(row)
@@ -183,7 +183,7 @@ def runs_of(rows: Sequence[Row], case: str, method: str) -> list[list[Row]]:
     return [run for run in runs if run]
 
 
-def table_of(rows: Sequence[Row]) -> Table:
+def table_of(rows: Sequence[BenchRow]) -> BenchTable:
     """Seconds to the target and the gap at the end, by mission and method."""
     body = []
     for case in dict.fromkeys(row.case for row in rows):
@@ -204,7 +204,7 @@ def table_of(rows: Sequence[Row]) -> Table:
                 f"{median(ends):.1e}" if np.isfinite(median(ends)) else "-",
                 f"{max(ends):.1e}" if np.isfinite(max(ends)) else "-", f"{took:.2f}",
             ])  # fmt: skip
-    return Table(
+    return BenchTable(
         f"Seconds to a hypervolume gap of {TARGET:g}, and the gap at the end",
         ["mission", "method", "runs", "s to the target", "gap at the end, median", "worst seed", "s in all"],
         body,

@@ -9,20 +9,20 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from uwopt.version import __version__
+
 LIBRARIES = ("numpy", "scipy", "casadi", "nlopt", "pymoo", "moocore", "mpmath", "jerlov")
 
 
 def machine() -> dict[str, Any]:
     """Time, system, processor, cores, load and versions."""
-    import uwopt
-
     return {
         "measured": f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
         "system": f"{platform.system()} {platform.machine()}",
         "processor": processor(),
         "cores": os.cpu_count() or 0,
         "load_before": [round(value, 2) for value in os.getloadavg()] if hasattr(os, "getloadavg") else None,
-        "versions": {"uwopt": uwopt.__version__, "python": platform.python_version(), **versions()},
+        "versions": {"uwopt": __version__, "python": platform.python_version(), **versions()},
     }
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from uwopt.bench.charts import charts
 from uwopt.bench.run import MODULES, Bench
-from uwopt.bench.suite import COLUMNS, Suite, Table
+from uwopt.bench.suite import COLUMNS, BenchTable, Suite
 from uwopt.report.page.html_file import compact_json, packed, rendered
 from uwopt.report.text import words
 from uwopt.report.text.layout import Block, Grid, Text, block, columns, sentence
@@ -44,13 +44,13 @@ def suite_csv(bench: Bench, suite: Suite) -> str:
     return text.getvalue()
 
 
-def suite_tables(bench: Bench, suite: Suite) -> list[Table]:
+def suite_tables(bench: Bench, suite: Suite) -> list[BenchTable]:
     """The summaries of one suite, of what has been measured of it."""
     rows = bench.of(suite)
     return list(suite.tables(rows)) if rows else []
 
 
-def table_grid(table: Table) -> Grid:
+def table_grid(table: BenchTable) -> Grid:
     """A table as the reports lay them out; columns that hold numbers stand right."""
     sides = [
         "left" if n == 0 or not is_numeric([row[n] for row in table.rows]) else "right"
@@ -62,7 +62,7 @@ def table_grid(table: Table) -> Grid:
     return grid
 
 
-def terse(table: Table) -> Table:
+def terse(table: BenchTable) -> BenchTable:
     """The same with shorter cells, for a terminal's width."""
 
     def short(cell: str) -> str:

@@ -15,13 +15,13 @@ from uwopt.bench.contest import (
     Contest,
     LoopGround,
     Referee,
-    Seen,
+    Snapshot,
     VectorGround,
     at_most,
     mission_of,
     sources_of,
 )
-from uwopt.bench.suite import Budget, Row, Suite, Table
+from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite
 from uwopt.errors import UwoptError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
@@ -236,51 +236,70 @@ def load_libraries() -> None:
 # ---------------------------------------------------------------- runs as rows
 
 
-def run_exact(contest: Contest) -> list[Row]:
+def run_exact(contest: Contest) -> list[BenchRow]:
     """The exact search as rows: its best designs as they came, and the end of its proof."""
     referee = Referee(contest, np.inf, contest.problem())
     status = exact(referee)
     took_s = referee.time_s
-    return rows_of(contest, EXACT, None, referee.seen, Seen(took_s, referee.evaluations, referee.gap), status)
+    return rows_of(
+        contest, EXACT, None, referee.seen, Snapshot(took_s, referee.evaluations, referee.gap), status
+    )
 
 
-def run_peer(contest: Contest, method: str, seed: int, seconds: float) -> list[Row]:
+def run_peer(contest: Contest, method: str, seed: int, seconds: float) -> list[BenchRow]:
     """One peer as rows."""
     referee = Referee(contest, seconds, contest.problem())
     try:
         PEERS[method](referee, seed)
     except NotApplicableError as why:
-        nothing = Seen(0.0, 0, None)
+        nothing = Snapshot(0.0, 0, None)
         return rows_of(contest, method, seed, [], nothing, "not applicable", str(why))
     except UwoptError as fault:
-        end = Seen(referee.time_s, referee.evaluations, referee.gap)
+        end = Snapshot(referee.time_s, referee.evaluations, referee.gap)
         return rows_of(contest, method, seed, referee.seen, end, "failed", str(fault).splitlines()[0])
     took_s, gap = referee.time_s, referee.gap
     status = "reached" if gap is not None and gap <= TARGET else "stopped"
     note = f"within {seconds:.3g} s"
     if referee.refused:
         note += f"; {referee.refused} claims that the forward model does not confirm"
-    return rows_of(contest, method, seed, referee.seen, Seen(took_s, referee.evaluations, gap), status, note)
+    return rows_of(
+        contest, method, seed, referee.seen, Snapshot(took_s, referee.evaluations, gap), status, note
+    )
 
 
 def rows_of(
-    contest: Contest, method: str, seed: int | None, seen: Sequence[Seen], last: Seen, status: str, note: str = ""
-) -> list[Row]:  # fmt: skip
+    contest: Contest,
+    method: str,
+    seed: int | None,
+    seen: Sequence[Snapshot],
+    last: Snapshot,
+    status: str,
+    note: str = "",
+) -> list[BenchRow]:
     """What was seen of a run, and its end."""
     made = [
-        Row(
+        BenchRow(
             "solvers", contest.name, method, float(s.evaluations), seed, s.time_s, s.gap_rel, status="running"
         )
         for s in seen
     ]
     made.append(
-        Row("solvers", contest.name, method, float(last.evaluations), seed, last.time_s, last.gap_rel, status=status,
-            note=note)
-    )  # fmt: skip
+        BenchRow(
+            "solvers",
+            contest.name,
+            method,
+            float(last.evaluations),
+            seed,
+            last.time_s,
+            last.gap_rel,
+            status=status,
+            note=note,
+        )
+    )
     return made
 
 
-def measure(budget: Budget, methods: Sequence[str] | None = None) -> Iterator[Row]:
+def measure(budget: Budget, methods: Sequence[str] | None = None) -> Iterator[BenchRow]:
     """Every mission: certificate, exact search, then every peer with every seed, as long as there is time."""
     load_libraries()
     names = list(PEERS) if methods is None else list(methods)
@@ -290,7 +309,7 @@ def measure(budget: Budget, methods: Sequence[str] | None = None) -> Iterator[Ro
     for case, source in sources:
         contest = Contest.of(case, mission_of(source), longest_s=at_most(LONGEST_S, budget))
         if contest.best is None or not contest.complete:
-            yield Row("solvers", case, EXACT, status="infeasible" if contest.complete else "stopped")
+            yield BenchRow("solvers", case, EXACT, status="infeasible" if contest.complete else "stopped")
             left -= len(seeds) * len(names)
             continue
         fair_s = 0.0  # a peer has at least the time that the exact search took for its proof
@@ -312,9 +331,9 @@ def measure(budget: Budget, methods: Sequence[str] | None = None) -> Iterator[Ro
 # ---------------------------------------------------------------- tables
 
 
-def arrivals(rows: Sequence[Row], case: str, method: str) -> tuple[list[float], float, str]:
+def arrivals(rows: Sequence[BenchRow], case: str, method: str) -> tuple[list[float], float, str]:
     """Seconds to the target by seed (inf: not within its time), the longest time any had, and why not at all."""
-    runs: list[list[Row]] = [[]]
+    runs: list[list[BenchRow]] = [[]]
     for row in rows:
         if row.case == case and row.method == method:
             runs[-1].append(row)
@@ -331,7 +350,7 @@ def arrivals(rows: Sequence[Row], case: str, method: str) -> tuple[list[float], 
     return times, longest, status
 
 
-def proof_s(rows: Sequence[Row], case: str) -> float:
+def proof_s(rows: Sequence[BenchRow], case: str) -> float:
     """Median seconds until the exact search has its proof."""
     ends = [
         r.time_s
@@ -351,7 +370,7 @@ def cell(times: Sequence[float], longest: float, status: str) -> str:
     return f"{middle:.2f}" if np.isfinite(middle) else f"not in {longest:.1f}"
 
 
-def time_tables(rows: Sequence[Row]) -> list[Table]:
+def time_tables(rows: Sequence[BenchRow]) -> list[BenchTable]:
     """Seconds to the target by method and mission, a few missions a table."""
     cases = list(dict.fromkeys(row.case for row in rows))
     methods = [name for name in PEERS if any(row.method == name for row in rows)]
@@ -365,12 +384,12 @@ def time_tables(rows: Sequence[Row]) -> list[Table]:
         ]
         last = start + CASES_A_TABLE >= len(cases)
         made.append(
-            Table(f"Seconds to a gap of {TARGET:g}", ["method", *some], body, TIMES_TEXT if last else "")
+            BenchTable(f"Seconds to a gap of {TARGET:g}", ["method", *some], body, TIMES_TEXT if last else "")
         )
     return made
 
 
-def ahead_table(rows: Sequence[Row]) -> Table:
+def ahead_table(rows: Sequence[BenchRow]) -> BenchTable:
     """Whether the exact search has its proof before the fastest peer has arrived."""
     body = []
     for case in dict.fromkeys(row.case for row in rows):
@@ -392,7 +411,7 @@ def ahead_table(rows: Sequence[Row]) -> Table:
             else:
                 verdict = f"{first}, which does not know it"
         body.append([case, f"{best_s:.2f}", f"{proven:.2f}", told, verdict])
-    return Table(
+    return BenchTable(
         f"Who is first at a gap of {TARGET:g}",
         ["mission", "exact, found, s", "exact, proven, s", "fastest peer, s", "ahead"],
         body,

@@ -8,7 +8,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from uwopt.bench.suite import Budget, Row, Suite, Table, error_text, timed
+from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite, error_text, timed
 from uwopt.evaluation.accuracy import FINEST, is_number, relative_change
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import design_model
@@ -90,7 +90,7 @@ def subjects(missions: Sequence[str]) -> Iterator[Subject]:
         )
 
 
-def measure(budget: Budget) -> Iterator[Row]:
+def measure(budget: Budget) -> Iterator[BenchRow]:
     """Each system in every physics; a row for every figure, and one for the largest that decides."""
     missions = budget.missions[:1] if budget.quick else budget.missions
     for number, subject in enumerate(subjects(missions)):
@@ -102,9 +102,9 @@ def measure(budget: Budget) -> Iterator[Row]:
             design, seconds = timed(worker(subject, method), repeats=1 if budget.quick else 3)
             differences = differences_of(design, reference)
             largest = max((differences[name] for name in DECIDING if name in differences), default=0.0)
-            yield Row(NAME, subject.name, method, time_s=seconds, error=largest, seed=budget.seed)
+            yield BenchRow(NAME, subject.name, method, time_s=seconds, error=largest, seed=budget.seed)
             for figure, error in differences.items():
-                yield Row(
+                yield BenchRow(
                     NAME, subject.name, method, time_s=seconds, error=error, status=OF_FIGURE, note=figure
                 )
 
@@ -137,7 +137,7 @@ def differences_of(design: Design, reference: Design) -> dict[str, float]:
     return found
 
 
-def tables(rows: Sequence[Row]) -> list[Table]:
+def tables(rows: Sequence[BenchRow]) -> list[BenchTable]:
     """Largest difference of each figure by method, and times."""
     head = ("figure", *METHODS)
     of_figures = [row for row in rows if row.status == OF_FIGURE]
@@ -160,12 +160,12 @@ def tables(rows: Sequence[Row]) -> list[Table]:
         for method in METHODS
     ]
     return [
-        Table(
+        BenchTable(
             "Time, and largest difference of a figure that decides", head,
             [["time of one system", *seconds], ["largest difference", *largest]],
             f"Deciding: {', '.join(DECIDING)}. Decibels count as the ratio they stand for.",
         ),
-        Table("Largest difference by figure, over all systems", head, cells, "Empty: left out by the method."),
+        BenchTable("Largest difference by figure, over all systems", head, cells, "Empty: left out by the method."),
     ]  # fmt: skip
 
 

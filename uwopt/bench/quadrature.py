@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.bench import quadrature_exact as exact
-from uwopt.bench.quadrature_exact import Light, Water
-from uwopt.bench.suite import Budget, Row, Suite, Table, least_size, timed
+from uwopt.bench.quadrature_exact import ImageCase, Water
+from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite, least_size, timed
 from uwopt.model import beam as beams
 from uwopt.model import imaging, veil
 from uwopt.model.imaging import Lamps, PortShape
@@ -92,27 +92,27 @@ WIDE = (0.35, 0.45)  # half the field of view, as tangents in air along and acro
 
 
 @cache
-def cases(quick: bool) -> tuple[Light, ...]:
+def cases(quick: bool) -> tuple[ImageCase, ...]:
     """What is integrated: few for a quick run."""
     first = (
-        Light("wide lobe, dome, 2 m", WIDE, DOME, 2.0, lamp(), lobe(75), water(1.0)),
-        Light("narrow lobe inwards, dome, 2 m", WIDE, DOME, 2.0, lamp(outward_deg=-8), lobe(10), water(1.0)),
-        Light("disc's edge in the image, dome, 2 m", WIDE, DOME, 2.0, lamp(y=0.6), disc(25), water(1.0)),
+        ImageCase("wide lobe, dome, 2 m", WIDE, DOME, 2.0, lamp(), lobe(75), water(1.0)),
+        ImageCase("narrow lobe inwards, dome, 2 m", WIDE, DOME, 2.0, lamp(outward_deg=-8), lobe(10), water(1.0)),
+        ImageCase("disc's edge in the image, dome, 2 m", WIDE, DOME, 2.0, lamp(y=0.6), disc(25), water(1.0)),
     )
     if quick:
         return first
     around = both(lamp(x=0.2, y=0.4, share=0.5, outward_deg=10), lamp(x=-0.3, y=0.2, share=0.5))
     return (
         *first,
-        Light("wide lobe, flat port, 0.4 m", WIDE, FLAT, 0.4, lamp(y=0.2), lobe(120), water(1.0)),
-        Light("wide lobe, dome, 20 m", WIDE, DOME, 20.0, lamp(y=1.5), lobe(75), water(0.15)),
-        Light("spot of 6 deg, flat port, 10 m", WIDE, FLAT, 10.0, lamp(y=1.0), lobe(6), water(0.2)),
-        Light("wide lobe, thick water, dome, 2 m", WIDE, DOME, 2.0, lamp(), lobe(75), water(20.0)),
-        Light("cone, flat port, 1 m", WIDE, FLAT, 1.0, lamp(y=0.5, outward_deg=-20), cone(20), water(1.0)),
-        Light("cone's edge across, dome, 2 m", WIDE, DOME, 2.0, lamp(y=1.0, z=0.3), cone(40), water(1.0)),
-        Light("two lamps tilted, flat port, 2 m", WIDE, FLAT, 2.0, around, lobe(120), water(2.0)),
-        Light("narrow cone, dome, 5 m", WIDE, DOME, 5.0, lamp(y=0.4), cone(5), water(0.4)),
-        Light("measured flood, dome, 2 m", WIDE, DOME, 2.0, lamp(), flood(), water(1.0)),
+        ImageCase("wide lobe, flat port, 0.4 m", WIDE, FLAT, 0.4, lamp(y=0.2), lobe(120), water(1.0)),
+        ImageCase("wide lobe, dome, 20 m", WIDE, DOME, 20.0, lamp(y=1.5), lobe(75), water(0.15)),
+        ImageCase("spot of 6 deg, flat port, 10 m", WIDE, FLAT, 10.0, lamp(y=1.0), lobe(6), water(0.2)),
+        ImageCase("wide lobe, thick water, dome, 2 m", WIDE, DOME, 2.0, lamp(), lobe(75), water(20.0)),
+        ImageCase("cone, flat port, 1 m", WIDE, FLAT, 1.0, lamp(y=0.5, outward_deg=-20), cone(20), water(1.0)),
+        ImageCase("cone's edge across, dome, 2 m", WIDE, DOME, 2.0, lamp(y=1.0, z=0.3), cone(40), water(1.0)),
+        ImageCase("two lamps tilted, flat port, 2 m", WIDE, FLAT, 2.0, around, lobe(120), water(2.0)),
+        ImageCase("narrow cone, dome, 5 m", WIDE, DOME, 5.0, lamp(y=0.4), cone(5), water(0.4)),
+        ImageCase("measured flood, dome, 2 m", WIDE, DOME, 2.0, lamp(), flood(), water(1.0)),
     )
 
 
@@ -129,7 +129,7 @@ def cone(half_deg: float) -> beams.Beam:
 # ---------------------------------------------------------------- what the model does
 
 
-def signal_table(light: Light) -> PathTable:
+def signal_table(light: ImageCase) -> PathTable:
     """Water's loss for the image's paths, as a search tabulates it."""
     u, v = (np.linspace(-half, half, 33) for half in light.half)
     x_m, y_m, path_m = imaging.floor_point(u[:, None], v, shape=light.shape, range_m=light.range_m)
@@ -148,7 +148,7 @@ def signal_table(light: Light) -> PathTable:
     )
 
 
-def scatterers(light: Light) -> tuple[veil.Scatterer, ...]:
+def scatterers(light: ImageCase) -> tuple[veil.Scatterer, ...]:
     """Particles and molecules with their tables of loss."""
     along, across = (np.array([half]) for half in light.half)
     lamp_range_m, camera_range_m = veil.path_ranges_m(
@@ -174,7 +174,7 @@ def scatterers(light: Light) -> tuple[veil.Scatterer, ...]:
 Rule = Callable[[Array, Array, int | None], Array]
 
 
-def model_of(light: Light, target: str) -> Rule:
+def model_of(light: ImageCase, target: str) -> Rule:
     """The model's function of images (half tangents) or pixels, and order; None is its own choice."""
     common: dict[str, Any] = dict(
         shape=light.shape, range_m=light.range_m, lamps=light.lamps, beam=light.beam
@@ -188,14 +188,14 @@ def model_of(light: Light, target: str) -> Rule:
     return lambda u, v, order: veil.backscatter_gain(u, v, order=order, **common)
 
 
-def places_of(light: Light, target: str) -> tuple[Array, Array]:
+def places_of(light: ImageCase, target: str) -> tuple[Array, Array]:
     """The image, or the pixels at which a veil is compared."""
     points = PIXELS if target == PIXEL_VEIL else ((1.0, 1.0),)
     u, v = np.array(points).T
     return u * light.half[0], v * light.half[1]
 
 
-def reference(light: Light, target: str) -> Array:
+def reference(light: ImageCase, target: str) -> Array:
     """The same by adaptive quadrature."""
     if target == SIGNAL:
         return np.array([exact.mean_signal(light)])
@@ -207,7 +207,7 @@ def reference(light: Light, target: str) -> Array:
 # ---------------------------------------------------------------- the suite
 
 
-def orders_of(light: Light, target: str, quick: bool) -> tuple[str, Sequence[int]]:
+def orders_of(light: ImageCase, target: str, quick: bool) -> tuple[str, Sequence[int]]:
     """The rule that the model uses there, and the orders to try."""
     if target == PIXEL_VEIL:
         return GAUSS, RAY_ORDERS
@@ -217,7 +217,7 @@ def orders_of(light: Light, target: str, quick: bool) -> tuple[str, Sequence[int
     return GAUSS, [n for n in SMOOTH_ORDERS if n <= most]
 
 
-def chosen_order(light: Light, target: str) -> float | None:
+def chosen_order(light: ImageCase, target: str) -> float | None:
     """The order that the default takes, where it is one for the image."""
     if target != SIGNAL:
         return None
@@ -226,7 +226,7 @@ def chosen_order(light: Light, target: str) -> float | None:
     return float(needed(along, across, light.shape, light.range_m, light.lamps, light.beam)[0])
 
 
-def measured_row(light: Light, target: str, how: str, order: int | None, truth: Array, *, quick: bool) -> Row:
+def measured_row(light: ImageCase, target: str, how: str, order: int | None, truth: Array, *, quick: bool) -> BenchRow:
     """Greatest relative error, and time of one image or pixel among several."""
     model, (u, v) = model_of(light, target), places_of(light, target)
     nodes = (order or 20) ** (1 if target == PIXEL_VEIL else 2)
@@ -243,12 +243,12 @@ def measured_row(light: Light, target: str, how: str, order: int | None, truth: 
     error = float(np.max(np.abs(value[lit] / truth[lit] - 1.0), initial=0.0))
     size = chosen_order(light, target) if order is None else float(order)
     dark = "" if np.all(value[~lit] == 0.0) else "light where there is none"
-    return Row(
+    return BenchRow(
         NAME, light.name, f"{target}, {how}", size, time_s=took_s / len(many_u), error=error, note=dark
     )
 
 
-def measure(budget: Budget) -> Iterator[Row]:
+def measure(budget: Budget) -> Iterator[BenchRow]:
     """All targets of all cases, as far as the time goes."""
     todo = [(light, target) for light in cases(budget.quick) for target in TARGETS]
     for i, (light, target) in enumerate(todo):
@@ -265,12 +265,12 @@ def measure(budget: Budget) -> Iterator[Row]:
     budget.tell(1.0, "done")
 
 
-def tables(rows: Sequence[Row]) -> Sequence[Table]:
+def tables(rows: Sequence[BenchRow]) -> Sequence[BenchTable]:
     """By case: the default's error and time, and the least order that reaches 1e-4."""
     return [table_of(target, [row for row in rows if row.method.startswith(target)]) for target in TARGETS]
 
 
-def table_of(target: str, rows: Sequence[Row]) -> Table:
+def table_of(target: str, rows: Sequence[BenchRow]) -> BenchTable:
     """One target."""
     lines = []
     for case in dict.fromkeys(row.case for row in rows):
@@ -280,7 +280,7 @@ def table_of(target: str, rows: Sequence[Row]) -> Table:
         cells = [f"{used[0].error:.1e}", f"{used[0].time_s:.1e}", order_text(used[0])] if used else [""] * 3
         rule = tried[0].method.removeprefix(f"{target}, ") if tried else ""
         lines.append([case, *cells, rule, least_size(tried, TARGET)])
-    return Table(
+    return BenchTable(
         f"{target.capitalize()}: the default, and the least order for 1e-4",
         ["case", "error as used", "time as used, s", "order as used", "rule", "least order"],
         lines,
@@ -288,7 +288,7 @@ def table_of(target: str, rows: Sequence[Row]) -> Table:
     )
 
 
-def order_text(row: Row) -> str:
+def order_text(row: BenchRow) -> str:
     """An order for a cell; empty where the default raises it until the value stands still."""
     return "" if row.size is None else f"{row.size:g}"
 

@@ -52,7 +52,7 @@ class Water:
 
 
 @dataclass(frozen=True, eq=False)
-class Light:
+class ImageCase:
     """One image: half its field as tangents in air, port, altitude, lamps, beam and water."""
 
     name: str
@@ -134,7 +134,7 @@ def intensity(cos: Any, beam: Beam) -> Any:
 # ---------------------------------------------------------------- the two integrands over the image
 
 
-def floor_signal(u: float, v: float, light: Light) -> float:
+def floor_signal(u: float, v: float, light: ImageCase) -> float:
     """cos^4 times illuminance per lumen times the loss in water on both legs [1/m^2]; 1 for the whole weight."""
     ray = traced(u, v, light.shape, light.range_m)
     floor: Place = tuple(s + ray.length_m * a for s, a in zip(ray.start, ray.along, strict=True))  # type: ignore[assignment]
@@ -151,7 +151,7 @@ def floor_signal(u: float, v: float, light: Light) -> float:
     return total / (1.0 + u * u + v * v) ** 2
 
 
-def ray_veil(u: float, v: float, light: Light) -> float:
+def ray_veil(u: float, v: float, light: ImageCase) -> float:
     """cos^4 times the integral of the light scattered towards a pixel, per lumen [weight / (m sr)]."""
     ray = traced(u, v, light.shape, light.range_m)
     water, total = light.water, 0.0
@@ -237,7 +237,7 @@ def double_exponential(pieces: list[tuple[float, float]], short: bool) -> tuple[
 # ---------------------------------------------------------------- the mean over the image
 
 
-def signal_levels(light: Light) -> list[Level]:
+def signal_levels(light: ImageCase) -> list[Level]:
     """What changes sign on the image where a lamp's edge lies on the floor."""
     edge = cos_edge(light.beam)
 
@@ -248,7 +248,7 @@ def signal_levels(light: Light) -> list[Level]:
     return [partial(level, place=place, aim=aim) for place, aim, _ in each_lamp(light.lamps)]
 
 
-def veil_levels(light: Light) -> list[Level]:
+def veil_levels(light: ImageCase) -> list[Level]:
     """The same for the veil: also where rays begin to touch the beam, or begin within it."""
     edge = cos_edge(light.beam)
 
@@ -321,8 +321,8 @@ def outer_splits(low: float, high: float, half_across: float, levels: list[Level
 
 
 def image_mean(
-    light: Light,
-    function: Callable[[float, float, Light], float],
+    light: ImageCase,
+    function: Callable[[float, float, ImageCase], float],
     levels: list[Level],
     tolerances: Tolerances = TOLERANCES,
 ) -> float:
@@ -353,14 +353,14 @@ def image_mean(
     return pieced(line, [low, half_along, *splits], tolerances[1]) / ((half_along - low) * 2.0 * half_across)
 
 
-def mean_signal(light: Light) -> float:
+def mean_signal(light: ImageCase) -> float:
     """Mean of `floor_signal` over the image [1/m^2]."""
     if light.beam.kind == "tabulated":
         return polar_mean_signal(light)
     return image_mean(light, floor_signal, signal_levels(light))
 
 
-def polar_mean_signal(light: Light) -> float:
+def polar_mean_signal(light: ImageCase) -> float:
     """The same in polar coordinates about the foot of one lamp, ring by ring between a profile's entries.
 
     For lamps that look straight down, and domes, whose image of a level floor is to scale.
@@ -370,7 +370,7 @@ def polar_mean_signal(light: Light) -> float:
     return math.fsum(rings(light, place, share) for place, _, share in each_lamp(light.lamps))
 
 
-def rings(light: Light, place: Place, share: float) -> float:
+def rings(light: ImageCase, place: Place, share: float) -> float:
     """One lamp's part of the mean."""
     from scipy.integrate import quad
 
@@ -419,7 +419,7 @@ def rings(light: Light, place: Place, share: float) -> float:
     return total / (4.0 * half_x * half_y)
 
 
-def mean_veil(light: Light) -> float:
+def mean_veil(light: ImageCase) -> float:
     """Mean of `ray_veil` over the image [weight / (m sr)]."""
     tolerances = PROFILE_TOLERANCES if light.beam.kind == "tabulated" else TOLERANCES
     return image_mean(light, ray_veil, veil_levels(light), tolerances)

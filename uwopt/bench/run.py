@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from uwopt.bench.machine import machine
-from uwopt.bench.suite import Budget, Row, Suite
+from uwopt.bench.suite import BenchRow, Budget, Suite
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError, UwoptError
 
@@ -33,12 +33,12 @@ class Bench:
     missions: tuple[str, ...]
     machine: dict[str, Any]
     suites: list[Suite] = field(default_factory=list)
-    rows: list[Row] = field(default_factory=list)
+    rows: list[BenchRow] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)  # by suite
     faults: dict[str, str] = field(default_factory=dict)  # suites that failed, and how
     interrupted: bool = False
 
-    def of(self, suite: Suite) -> list[Row]:
+    def of(self, suite: Suite) -> list[BenchRow]:
         """Rows of one suite."""
         return [row for row in self.rows if row.suite == suite.name]
 

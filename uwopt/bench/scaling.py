@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from uwopt.bench.scaling_parts import DEPTH_M, made_parts
-from uwopt.bench.suite import Budget, Row, Suite, Table
+from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission, load_mission
@@ -144,13 +144,13 @@ def apart(name: str, size: float, *, physics: str = PHYSICS, seconds: float) -> 
     return Point(**json.loads(ran.stdout))
 
 
-def measure(budget: Budget) -> Iterator[Row]:
+def measure(budget: Budget) -> Iterator[BenchRow]:
     """All missions by rising size, while time is left: a mission that was stopped is not asked for more."""
     sizes = QUICK_SIZES if budget.quick else FULL_SIZES
     yield from rows_of(budget, sizes, PHYSICS)
 
 
-def rows_of(budget: Budget, sizes: Sequence[float], physics: str) -> Iterator[Row]:
+def rows_of(budget: Budget, sizes: Sequence[float], physics: str) -> Iterator[BenchRow]:
     """Rows of these sizes, smallest first."""
     steps, stopped = [(size, name) for size in sizes for name in MISSIONS], set()
     for step, (size, name) in enumerate(steps):
@@ -164,20 +164,20 @@ def rows_of(budget: Budget, sizes: Sequence[float], physics: str) -> Iterator[Ro
     budget.tell(1.0, "done")
 
 
-def row_of(point: Point | None, name: str, size: float, physics: str) -> Row:
+def row_of(point: Point | None, name: str, size: float, physics: str) -> BenchRow:
     """One point as a row."""
     method = f"exact, physics {physics}"
     if point is None:
-        return Row(NAME, name, method, size=size, status="stopped", note="no time left")
+        return BenchRow(NAME, name, method, size=size, status="stopped", note="no time left")
     value = "nothing feasible" if point.value is None else f"best {point.value:.6g}: {point.design}"
     note = f"{point.evaluated} evaluated; {point.elapsed_s:.3g} s elapsed; {value}"
-    return Row(
+    return BenchRow(
         NAME, name, method, size=point.size, time_s=point.time_s, memory_mib=point.memory_mib, status=point.status,
         error=0.0 if point.status in ("optimal", "infeasible") else None, note=note,
     )  # fmt: skip
 
 
-def tables(rows: Sequence[Row]) -> Sequence[Table]:
+def tables(rows: Sequence[BenchRow]) -> Sequence[BenchTable]:
     """Seconds and memory of each mission by size."""
     head = ("combinations", *MISSIONS)
     found = {(row.size, row.case): row for row in rows if row.size is not None and row.time_s is not None}
@@ -185,17 +185,17 @@ def tables(rows: Sequence[Row]) -> Sequence[Table]:
     seconds = [(f"{size:.3g}", *(time_cell(found.get((size, name))) for name in MISSIONS)) for size in sizes]
     memory = [(f"{size:.3g}", *(memory_cell(found.get((size, name))) for name in MISSIONS)) for size in sizes]
     return [
-        Table(
+        BenchTable(
             "Seconds of the processor", head, seconds,
             "From the parts as records to the proof. Every number without a remark is of a finished proof.",
         ),
-        Table(
+        BenchTable(
             "Most memory of the process, MiB", head, memory, "Python and its libraries take some 70 MiB of it.",
         ),
     ]  # fmt: skip
 
 
-def time_cell(row: Row | None) -> str:
+def time_cell(row: BenchRow | None) -> str:
     """Seconds, with the status where it is no proof."""
     if row is None:
         return ""
@@ -203,7 +203,7 @@ def time_cell(row: Row | None) -> str:
     return f"{row.time_s:.2f}{remark}"
 
 
-def memory_cell(row: Row | None) -> str:
+def memory_cell(row: BenchRow | None) -> str:
     """Memory in MiB."""
     return "" if row is None or row.memory_mib is None else f"{row.memory_mib:.0f}"
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from uwopt.bench import spectral_exact
 from uwopt.bench.spectral_exact import FIRST_NM, LAST_NM, QUICK_DEGREE, Entries, Tables
-from uwopt.bench.suite import Budget, Row, Suite, Table, error_text, least_size, timed
+from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite, error_text, least_size, timed
 from uwopt.forward.scene import GRID_STEP_NM
 
 Array = NDArray[Any]
@@ -313,7 +313,7 @@ def reference_electrons(case: Case, degree: int = spectral_exact.DEGREE) -> Any:
 
 def measured_row(
     case: Case, method: str, electrons: Callable[[Array, Array], Array], n: int, exact: Any, *, quick: bool
-) -> Row:
+) -> BenchRow:
     """Error at the case's paths, and time of one of many designs about them."""
     n_designs = N_DESIGNS if method == AS_USED else min(N_DESIGNS, MOST_EXPONENTIALS // n)
     spread = np.linspace(0.92, 1.25, n_designs)
@@ -324,13 +324,13 @@ def measured_row(
     )
     value = electrons(np.array([case.lamp_m]), np.array([case.camera_m]))[0]
     known = bool(np.isfinite(value))
-    return Row(
+    return BenchRow(
         NAME, case.name, method, float(n), time_s=took_s / n_designs,
         error=float(abs(value / exact - 1)) if known else None, status="" if known else "no node sees the lamp",
     )  # fmt: skip
 
 
-def measure(budget: Budget) -> Iterator[Row]:
+def measure(budget: Budget) -> Iterator[BenchRow]:
     """All rules on all cases, as far as the time goes."""
     cases = QUICK_CASES if budget.quick else FULL_CASES
     for i, case in enumerate(cases):
@@ -346,7 +346,7 @@ def measure(budget: Budget) -> Iterator[Row]:
     budget.tell(1.0, "done")
 
 
-def tables(rows: Sequence[Row]) -> Sequence[Table]:
+def tables(rows: Sequence[BenchRow]) -> Sequence[BenchTable]:
     """By case: the default's error and time, and the least nodes of each rule that reach 1e-4."""
     made = []
     for case in dict.fromkeys(row.case for row in rows):
@@ -357,7 +357,7 @@ def tables(rows: Sequence[Row]) -> Sequence[Table]:
             [*cells, *(least_size([r for r in of_case if r.method == name], TARGET) for name in RULES)]
         )
     return [
-        Table(
+        BenchTable(
             "The default, and the least nodes for 1e-4",
             ["case", "error as used", "time as used, s", *RULES],
             made,

@@ -14,7 +14,7 @@ Chart = Literal["precision", "progress", "scaling"]
 
 
 @dataclass(frozen=True)
-class Row:
+class BenchRow:
     """One measurement. What does not apply is None."""
 
     suite: str
@@ -33,11 +33,11 @@ class Row:
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
 
-COLUMNS = tuple(f.name for f in fields(Row))
+COLUMNS = tuple(f.name for f in fields(BenchRow))
 
 
 @dataclass(frozen=True)
-class Table:
+class BenchTable:
     """A summary of rows, as text cells."""
 
     title: str
@@ -76,14 +76,14 @@ class Suite:
     title: str
     text: str  # what is measured against what, and how: plain sentences for the report
     chart: Chart  # precision: error over time; progress: error over elapsed time; scaling: time over size
-    measure: Callable[[Budget], Iterator[Row]]
+    measure: Callable[[Budget], Iterator[BenchRow]]
     quick_s: float  # share of a quick run
     full_s: float  # of a full one
     size_name: str = "size"
     time_name: str = "time, s"
     error_name: str = "relative error"
-    tables: Callable[[Sequence[Row]], Sequence[Table]] = lambda rows: ()
-    charted: Callable[[Row], bool] = lambda row: True  # which rows the charts show
+    tables: Callable[[Sequence[BenchRow]], Sequence[BenchTable]] = lambda rows: ()
+    charted: Callable[[BenchRow], bool] = lambda row: True  # which rows the charts show
 
 
 def error_text(error: float | None) -> str:
@@ -91,7 +91,7 @@ def error_text(error: float | None) -> str:
     return "" if error is None else "0" if error == 0 else f"{error:.1e}"
 
 
-def least_size(rows: Sequence[Row], target: float) -> str:
+def least_size(rows: Sequence[BenchRow], target: float) -> str:
     """The least size of one method from which on all errors are within the target, as a cell."""
     found = None
     tried = sorted(rows, key=lambda row: row.size or 0.0)

@@ -13,7 +13,6 @@ from typing import Annotated
 
 import typer
 
-from uwopt import __version__
 from uwopt.cli.bench import bench_command
 from uwopt.cli.catalog import catalog_app
 from uwopt.cli.options import (
@@ -30,6 +29,7 @@ from uwopt.cli.pareto import pareto_command
 from uwopt.cli.report import report_command
 from uwopt.cli.status import BAD_INPUT, DONE, EXIT_STATUS, command, result_status, told
 from uwopt.errors import MissionError
+from uwopt.version import __version__
 
 app = typer.Typer(
     name="uwopt",
@@ -52,7 +52,7 @@ class Solver(StrEnum):
     bonmin = "bonmin"
 
 
-class Document(StrEnum):
+class DocumentKind(StrEnum):
     """Files that a person writes."""
 
     mission = "mission"
@@ -212,13 +212,13 @@ def init_command(
 @app.command("schema", short_help="Print a JSON schema for editors.")
 @command
 def schema_command(
-    document: Annotated[Document, typer.Argument(help="Which file the schema is for.")] = Document.mission,
+    document: Annotated[DocumentKind, typer.Argument(help="Which file the schema is for.")] = DocumentKind.mission,
 ) -> None:
     """Print the JSON schema of a mission or system file, for editors."""
     from uwopt.mission.templates import mission_json_schema, system_json_schema
     from uwopt.report.text.console import print_json
 
-    print_json(mission_json_schema() if document is Document.mission else system_json_schema())
+    print_json(mission_json_schema() if document is DocumentKind.mission else system_json_schema())
 
 
 # ---------------------------------------------------------------- the program

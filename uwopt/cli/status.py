@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from uwopt import __version__
 from uwopt.errors import SolverError, UwoptError
+from uwopt.version import __version__
 
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult

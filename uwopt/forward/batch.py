@@ -107,11 +107,11 @@ class Batch:
             found = influence.judge(self.problem, self._judged(every, settings), information=information)
         return influence.choose(found, tolerance)
 
-    def _judged(self, some: Array, settings: list[SettingRows] | None) -> list[influence.Group]:
+    def _judged(self, some: Array, settings: list[SettingRows] | None) -> list[influence.ImagerGroup]:
         """Some of the designs in every scene, in groups that share their integrals."""
         d = self.designs
         return [
-            influence.Group(
+            influence.ImagerGroup(
                 scene_index=index, view=view.take(rows), camera=d.camera[rows], port=port,
                 light=d.light[rows], optics=optics, mount=d.mount, count=d.count[rows],
                 settings=None if settings is None else settings[index].take(rows),

@@ -54,7 +54,7 @@ class Influence:
 
 
 @dataclass(frozen=True)
-class Group:
+class ImagerGroup:
     """Imagers in one scene that share port, lighting and efficiency curve, with what is set on them."""
 
     scene_index: int
@@ -86,7 +86,7 @@ def effects_kept(influences: Sequence[Influence]) -> Effects:
 
 
 def judge(
-    problem: Problem, groups: Sequence[Group], *, information: bool = False
+    problem: Problem, groups: Sequence[ImagerGroup], *, information: bool = False
 ) -> dict[str, tuple[float, float]]:
     """Largest bound of each effect over groups of imagers, and the time that leaving it out would save [s].
 
@@ -101,7 +101,7 @@ def judge(
     return {name: (worst[name], saved[name]) for name in worst}
 
 
-def bounds_of(problem: Problem, group: Group, *, information: bool) -> dict[str, tuple[float, float]]:
+def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dict[str, tuple[float, float]]:
     """Bound and time saved of each effect for one group."""
     scene = problem.scenes[group.scene_index]
     needs = scene.view.requirements
@@ -194,7 +194,7 @@ def worst_pixel_shares(field: LampField, view: Views) -> tuple[float, float]:
     return float(forward.max()) * FORWARD_MARGIN, float(back.max()) * margin(field)
 
 
-def sun_bound(problem: Problem, group: Group, signal: Array, *, information: bool) -> float:
+def sun_bound(problem: Problem, group: ImagerGroup, signal: Array, *, information: bool) -> float:
     """Most that sunlight can be of the lamps' image-forming light; inf where it would smear the image."""
     settings, scene = group.settings, problem.scenes[group.scene_index]
     if settings is None or scene.at_worst:  # the worst pixel may have no other light

@@ -25,7 +25,7 @@ from uwopt.units import convert
 Array = NDArray[Any]
 End = Literal["central", "good", "bad"]
 Money = Callable[[float, str], float]  # amount, currency -> amount in the mission's currency
-T = TypeVar("T", bound="Rows")
+T = TypeVar("T", bound="Columns")
 
 CONTINUOUS, PULSED, FLASH = 0, 1, 2
 KIND_CODES = {"continuous": CONTINUOUS, "pulsed_led": PULSED, "flash": FLASH}
@@ -35,7 +35,7 @@ SI_UNITS = {"um": "m", "mm": "m", "us": "s", "g": "kg"}
 
 
 @dataclass(frozen=True)
-class Rows:
+class Columns:
     """Columns of equal length; `take` gathers rows."""
 
     def take(self: T, index: Array | slice) -> T:
@@ -48,7 +48,7 @@ class Rows:
 
 
 @dataclass(frozen=True)
-class Cameras(Rows):
+class Cameras(Columns):
     """Camera columns; `qe_index` points into the list of distinct efficiency curves."""
 
     resolution_x_px: Array
@@ -77,7 +77,7 @@ class Cameras(Rows):
 
 
 @dataclass(frozen=True)
-class Lenses(Rows):
+class Lenses(Columns):
     """Lens columns."""
 
     focal_length_m: Array
@@ -93,7 +93,7 @@ class Lenses(Rows):
 
 
 @dataclass(frozen=True)
-class Ports(Rows):
+class Ports(Columns):
     """Port columns; `outer_radius_m` is 0 for a flat port."""
 
     is_dome: Array
@@ -108,7 +108,7 @@ class Ports(Rows):
 
 
 @dataclass(frozen=True)
-class Lights(Rows):
+class Lights(Columns):
     """Light columns, one lamp each. Light of a flash is in lm s, of the others in lm."""
 
     kind: Array
@@ -169,7 +169,7 @@ def columns_of(record: type[Part], parts: Sequence[Part], end: End) -> dict[str,
     }
 
 
-def of_table(table: type[Rows], known: Mapping[str, Array]) -> dict[str, Array]:
+def of_table(table: type[Columns], known: Mapping[str, Array]) -> dict[str, Array]:
     """Those columns that stand in a table as they are."""
     return {f.name: known[f.name] for f in fields(table) if f.name in known}
 

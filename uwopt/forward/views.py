@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.part_columns import Cameras, Lenses, Ports, Rows
+from uwopt.forward.part_columns import Cameras, Columns, Lenses, Ports
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.model import defocus, operation, port
 from uwopt.model.imaging import PortShape
@@ -23,7 +23,7 @@ RMS_FIELD = 1.0 / np.sqrt(3.0)  # of the corner's tangent: the 2-point Gauss rul
 
 
 @dataclass(frozen=True)
-class Views(Rows):
+class Views(Columns):
     """Geometry of n imagers in one scene. [near, nominal, far] altitudes are the second axis (n, 3)."""
 
     tan_along: Array  # tangent in air of the half angle of view along the motion

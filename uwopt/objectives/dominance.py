@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.objectives.axes import Frame, scale
+from uwopt.tolerances import TIE
 
 Array = NDArray[Any]
-ROUND = 1e-9  # relative: a tie is no improvement
 CHUNK = 256  # rows compared with all others at a time
 NEAR = 1e-3  # relative in every objective: one of two such points is enough
 
@@ -84,12 +84,12 @@ def igd_plus(values: Array, front: Array, frame: Frame) -> float | None:
     return float(moocore.igd_plus(frame.unit(values), ref=frame.unit(front)))
 
 
-class Archive:
+class BestPoints:
     """Points found so far, and whether any of them is at least as good as a bound in every objective."""
 
     def __init__(self, n_axes: int):
         self.values: Array = np.empty((0, n_axes))
-        self._table: Table | None = None
+        self._table: Staircase | None = None
 
     def add(self, values: Array) -> None:
         """Merge points; those dominated go."""
@@ -100,9 +100,9 @@ class Archive:
         self._table = None
 
     @staticmethod
-    def of(values: Array) -> Archive:
+    def of(values: Array) -> BestPoints:
         """An archive of these points, none of which dominates another."""
-        made = Archive(values.shape[1])
+        made = BestPoints(values.shape[1])
         made.values = values
         return made
 
@@ -110,25 +110,25 @@ class Archive:
         """Whether some point is better than each of these, by more than a tie, (n,)."""
         if len(self.values) == 0 or len(values) == 0:
             return np.zeros(len(values), bool)
-        return Table.of(self.values).reached(values - ROUND * np.abs(values))
+        return Staircase.of(self.values).reached(values - TIE * np.abs(values))
 
     def best(self, bounds: Array, axis: int) -> Array:
         """The least of one objective over the points no worse than each bound in the others; inf: none is."""
         if len(self.values) == 0:
             return np.full(len(bounds), np.inf)
-        return Table.of(self.values, axis).least(bounds + ROUND * np.abs(bounds))
+        return Staircase.of(self.values, axis).least(bounds + TIE * np.abs(bounds))
 
     def beats(self, bounds: Array) -> Array:
         """Whether some point is as good as each bound, ties included, (n,)."""
         if len(self.values) == 0 or len(bounds) == 0:
             return np.zeros(len(bounds), bool)
         if self._table is None:
-            self._table = Table.of(self.values)
-        return self._table.reached(bounds + ROUND * np.abs(bounds))
+            self._table = Staircase.of(self.values)
+        return self._table.reached(bounds + TIE * np.abs(bounds))
 
 
 @dataclass(frozen=True)
-class Table:
+class Staircase:
     """The least last objective of the points up to each first and second one."""
 
     order: Array  # of the columns: first, second, last
@@ -137,7 +137,7 @@ class Table:
     best: Array
 
     @staticmethod
-    def of(values: Array, last: int | None = None) -> Table:
+    def of(values: Array, last: int | None = None) -> Staircase:
         """The table of some points (n, 2 or 3); `last` is the column with most values unless it is named."""
         columns = [np.unique(column, return_inverse=True) for column in three(values).T]
         sizes = np.array([len(edges) for edges, _ in columns], float)
@@ -148,7 +148,7 @@ class Table:
         best = np.full((len(first), len(second)), np.inf)
         np.minimum.at(best, (i.reshape(-1), j.reshape(-1)), three(values)[:, order[2]])
         best = np.minimum.accumulate(np.minimum.accumulate(best, axis=0), axis=1)
-        return Table(order, first, second, best)
+        return Staircase(order, first, second, best)
 
     def least(self, bounds: Array) -> Array:
         """The least last objective of the points that are no more than each bound in the others; inf: none is."""

@@ -20,11 +20,10 @@ from uwopt.forward.scene import SceneOptics
 from uwopt.forward.views import altitudes_m
 from uwopt.mission.mission import Limits
 from uwopt.model import sensor
+from uwopt.tolerances import BINDING_REL, SATISFIED_REL
 
 Array = NDArray[Any]
 Sense = Literal["<=", ">=", "="]
-SATISFIED_REL = 1e-6
-BINDING_REL = 1e-4
 TINY = 1e-12
 OVERLAP_ROUNDING = 1e-12
 FOCUS_TOLERANCE_REL = 0.01  # no closer does a person set one focus by distances in two waters

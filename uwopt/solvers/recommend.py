@@ -33,9 +33,9 @@ from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.settable.rounding import exact_settings, rounded_design
 from uwopt.solvers.settable.steps import printed
+from uwopt.tolerances import AGREES_REL
 
 Progress = Callable[[float, str], None]
-AGREES_REL = 1e-6
 GENERIC_GAIN = 0.10
 
 

@@ -35,7 +35,7 @@ SHORT_ID = 14  # signs of an id that are always shown in the table
 
 
 @dataclass(frozen=True)
-class Column:
+class PointColumn:
     """Numbers of all points, already in the unit that is shown."""
 
     key: str
@@ -106,7 +106,7 @@ def is_logarithmic(front: FrontResult, name: str) -> bool:
     return bool(asked) and all(value > 0 for value in every)
 
 
-def front_columns(front: FrontResult) -> list[Column]:
+def front_columns(front: FrontResult) -> list[PointColumn]:
     """Numbers of every point: the objectives, then figures that are known and not the same for all."""
     columns = [
         column(o.name, axis_name(o), o.unit, [point.values[o.name] for point in front.points])
@@ -121,13 +121,13 @@ def front_columns(front: FrontResult) -> list[Column]:
     return columns
 
 
-def column(key: str, title: str, unit: str, values: Sequence[float | None]) -> Column:
+def column(key: str, title: str, unit: str, values: Sequence[float | None]) -> PointColumn:
     """Numbers in the unit that their largest is read in."""
     per, unit = words.prefixed(unit, max((abs(v) for v in values if v is not None), default=0.0))
-    return Column(key, title, unit, per, [None if value is None else value / per for value in values])
+    return PointColumn(key, title, unit, per, [None if value is None else value / per for value in values])
 
 
-def peer_values(front: FrontResult, columns: Sequence[Column]) -> list[list[float | None]]:
+def peer_values(front: FrontResult, columns: Sequence[PointColumn]) -> list[list[float | None]]:
     """The objectives of other methods' points, in the units of the columns."""
     known = [[peer["values"].get(o.name) for o in front.objectives] for peer in front.peers]
     return [

@@ -33,7 +33,7 @@ STYLE = (
 
 
 @dataclass(frozen=True)
-class Frame:
+class PageFrame:
     """Places a piece of the world (metres, right and down) on the page."""
 
     left_m: float
@@ -51,11 +51,11 @@ class Frame:
         return self.offset_y_px + (down_m - self.top_m) * self.scale_px_per_m
 
 
-def fitted(left_m: float, right_m: float, top_m: float, bottom_m: float) -> Frame:
+def fitted(left_m: float, right_m: float, top_m: float, bottom_m: float) -> PageFrame:
     """The largest even scale that shows a rectangle, in the middle of the page."""
     room_x, room_y = WIDTH_PX - 2 * SIDE_PX, HEIGHT_PX - TOP_PX - BOTTOM_PX
     scale = min(room_x / (right_m - left_m), room_y / (bottom_m - top_m))
-    return Frame(
+    return PageFrame(
         left_m,
         top_m,
         scale,
@@ -169,7 +169,7 @@ def view_from_above(rig: RigMeasures, *, title: str, description: str) -> str:
 # ---------------------------------------------------------------- light
 
 
-def beam_across(frame: Frame, rig: RigMeasures, lamp: Lamp) -> str:
+def beam_across(frame: PageFrame, rig: RigMeasures, lamp: Lamp) -> str:
     """One lamp's beam in the plane across the track, from the lamp to the floor."""
     leaning = atan2(lamp.aim[1], lamp.aim[2])
     height_m = rig.altitude_m - lamp.z_m
@@ -208,7 +208,7 @@ def beam_ring(rig: RigMeasures, lamp: Lamp) -> list[tuple[float, float]]:
 # ---------------------------------------------------------------- symbols
 
 
-def lamp_across(frame: Frame, lamp: Lamp, mast_m: float) -> str:
+def lamp_across(frame: PageFrame, lamp: Lamp, mast_m: float) -> str:
     """A lamp as a small box that leans as it aims, with its stay."""
     x, y = frame.x(lamp.y_m), frame.y(lamp.z_m)
     turn = -atan2(lamp.aim[1], lamp.aim[2]) * 180.0 / pi
@@ -217,7 +217,7 @@ def lamp_across(frame: Frame, lamp: Lamp, mast_m: float) -> str:
     return f'{stay}<rect class="solid" x="{x - 6:.1f}" y="{y - 12:.1f}" width="12" height="12" {turned}/>'
 
 
-def camera_across(frame: Frame, rig: RigMeasures, mast_m: float) -> str:
+def camera_across(frame: PageFrame, rig: RigMeasures, mast_m: float) -> str:
     """Housing and port; a dome is drawn to scale where it is large enough to be seen."""
     x, y = frame.x(0.0), frame.y(0.0)
     radius = max(rig.outer_radius_m * frame.scale_px_per_m, LEAST_SYMBOL_PX)
@@ -235,7 +235,7 @@ def camera_across(frame: Frame, rig: RigMeasures, mast_m: float) -> str:
     return f'{body}<path class="solid" d="{arc}"/>'
 
 
-def motion_arrow(frame: Frame, rig: RigMeasures) -> str:
+def motion_arrow(frame: PageFrame, rig: RigMeasures) -> str:
     """An arrow forward with the speed; nothing for a rig that stands still."""
     if rig.speed_m_s <= 0.0:
         return text(12, 24, "no motion")
@@ -244,7 +244,7 @@ def motion_arrow(frame: Frame, rig: RigMeasures) -> str:
     return line(x, bottom, x, top, "ink") + head + text(12, 24, f"motion {rig.speed_m_s:g} m/s")
 
 
-def scale_bar(frame: Frame) -> str:
+def scale_bar(frame: PageFrame) -> str:
     """A bar of a round length, about an eighth of the page."""
     wanted_m = WIDTH_PX / 8.0 / frame.scale_px_per_m
     length_m = max(
@@ -285,7 +285,7 @@ def polygon(points: list[tuple[float, float]], style: str, clipped_by: str = "")
     return f'<polygon class="{style}" points="{places}"{clipping}/>'
 
 
-def box(frame: Frame, left_m: float, front_m: float, right_m: float, back_m: float, style: str) -> str:
+def box(frame: PageFrame, left_m: float, front_m: float, right_m: float, back_m: float, style: str) -> str:
     """A rectangle on the floor, forward up."""
     corners = [(left_m, front_m), (right_m, front_m), (right_m, back_m), (left_m, back_m)]
     return polygon([(frame.x(y), frame.y(-x)) for y, x in corners], style)

@@ -30,8 +30,8 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous.optimality import violations
 from uwopt.solvers.continuous.pieces import (
     Piece,
-    Scene,
-    Settings,
+    SmoothScene,
+    SmoothSettings,
     Symbolic,
     minimised_value,
     pieces_of,
@@ -49,7 +49,7 @@ ROOM = 1e-6  # added to what a rule can be missed by
 class Candidate:
     """One hardware that is open to choice, with what its settings do not change."""
 
-    scenes: tuple[Scene, ...]
+    scenes: tuple[SmoothScene, ...]
     motorised: bool
     camera_power_w: float
     cost: float
@@ -62,14 +62,14 @@ class Candidate:
         gsd_mm: float,
     ) -> Candidate:  # fmt: skip
         """From one row a scene; a common aperture is drawn together to what all scenes allow."""
-        scenes = [Scene.of(row) for row in rows]
+        scenes = [SmoothScene.of(row) for row in rows]
         if not motorised:
             low = max(scene.n_low for scene in scenes)
             high = min(scene.n_high for scene in scenes)
             scenes = [replace(scene, n_low=low, n_high=high) for scene in scenes]
         return Candidate(tuple(scenes), motorised, camera_power_w, cost, mass_kg, gsd_mm)
 
-    def value(self, objective: Objective, settings: Sequence[Settings]) -> float:
+    def value(self, objective: Objective, settings: Sequence[SmoothSettings]) -> float:
         """The minimised objective of settings by scene."""
         return minimised_value(
             objective, self.scenes, settings, camera_power_w=self.camera_power_w, cost=self.cost, mass_kg=self.mass_kg,
@@ -101,7 +101,7 @@ class Picked:
     """A point read back: which hardware, its settings, its value, and by how much rules are missed."""
 
     candidate: int
-    settings: tuple[Settings, ...]
+    settings: tuple[SmoothSettings, ...]
     value: float
     max_violation: float
 
@@ -155,7 +155,7 @@ class MixedProgram:
         }
         return {name: (float(np.log(low)), float(np.log(high))) for name, (low, high) in plain.items()}
 
-    def _corners(self, option: Option) -> tuple[Settings, Settings]:
+    def _corners(self, option: Option) -> tuple[SmoothSettings, SmoothSettings]:
         """Dimmest and brightest settings of a piece."""
         ends = self._own_ranges(option)
         made = []
@@ -164,7 +164,7 @@ class MixedProgram:
                 name: float(np.exp(pair[1 - end if name == "f_number" else end]))
                 for name, pair in ends.items()
             }
-            made.append(Settings(**value, exposure_s=option.piece.exposure_s(value["time_s"])))
+            made.append(SmoothSettings(**value, exposure_s=option.piece.exposure_s(value["time_s"])))
         return made[0], made[1]
 
     def _power_ends_w(self, option: Option) -> list[float]:
@@ -204,12 +204,12 @@ class MixedProgram:
     def _key(self, name: str, scene: int) -> str:
         return name if name == "f_number" and not self.f_number_apart else f"{name}[{scene}]"
 
-    def _settings(self, option: Option, logs: dict[str, Symbolic]) -> Settings:
+    def _settings(self, option: Option, logs: dict[str, Symbolic]) -> SmoothSettings:
         value = {
             name: np.exp(logs[self._key(name, option.scene)])
             for name in ("f_number", "time_s", "level", "gain")
         }
-        return Settings(**value, exposure_s=option.piece.exposure_s(value["time_s"]))
+        return SmoothSettings(**value, exposure_s=option.piece.exposure_s(value["time_s"]))
 
     def rules_of(self, option: Option, logs: dict[str, Symbolic]) -> list[Symbolic]:
         """What must be 0 or below where this option is taken, at logarithms of the continuous unknowns."""
@@ -324,7 +324,7 @@ class MixedProgram:
         value = candidate.value(self.objective, settings)
         return Picked(best, tuple(settings), value, max(0.0, *missed.values()))
 
-    def _read(self, option: Option, scene: Scene, logs: dict[str, Symbolic]) -> Settings:
+    def _read(self, option: Option, scene: SmoothScene, logs: dict[str, Symbolic]) -> SmoothSettings:
         """Settings of one scene, rounding of the logarithms taken back at the ends of each range."""
         value = {}
         for name, (low, high) in self._own_ranges(option).items():
@@ -332,4 +332,4 @@ class MixedProgram:
         if not scene.dims_freely:
             value["level"] = option.piece.level_low
         value["time_s"] = float(np.clip(value["time_s"], option.piece.time_low_s, option.piece.time_high_s))
-        return Settings(**value, exposure_s=scene.exposure_s(value["time_s"]))
+        return SmoothSettings(**value, exposure_s=scene.exposure_s(value["time_s"]))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.solvers.continuous.pieces import Scene, Settings
+from uwopt.solvers.continuous.pieces import SmoothScene, SmoothSettings
 from uwopt.solvers.continuous.program import Program
 from uwopt.solvers.continuous.reduced import Reduced
 
@@ -35,7 +35,7 @@ class Attempt:
 
 
 def violations(
-    scenes: Sequence[Scene], settings: Sequence[Settings], *, motorised: bool, light_limit_w: float
+    scenes: Sequence[SmoothScene], settings: Sequence[SmoothSettings], *, motorised: bool, light_limit_w: float
 ) -> dict[str, float]:
     """By how much, relatively, each rule is missed; negative where there is room."""
     found: dict[str, float] = {}
@@ -50,7 +50,7 @@ def violations(
     return {name: float(value) if np.isfinite(value) else np.inf for name, value in found.items()}
 
 
-def _of_scene(scene: Scene, at: Settings) -> dict[str, float]:
+def _of_scene(scene: SmoothScene, at: SmoothSettings) -> dict[str, float]:
     found = {
         "f_number_low": _over(scene.n_low, at.f_number),
         "f_number_high": _over(at.f_number, scene.n_high),

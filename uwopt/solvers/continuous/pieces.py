@@ -19,11 +19,11 @@ from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
 from uwopt.model import light, sensor
 from uwopt.objectives.objective import Objective, Terms
+from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
 Symbolic = Any  # float, complex array, or CasADi scalar
 
-SLACK = 1e-12  # relative, as in the closed form: a range of one point is not lost to rounding
 DIMMEST = 1e-9  # a lamp that dims to nothing has no logarithm there
 COPIED = (
     "read_noise_e", "gain_dn_per_e", "full_scale_dn", "black_level_dn", "max_gain", "well_e", "prnu_frac",
@@ -34,7 +34,7 @@ COPIED = (
 
 
 @dataclass(frozen=True)
-class Settings:
+class SmoothSettings:
     """What a person sets in one scene; floats or symbols."""
 
     f_number: Symbolic
@@ -45,7 +45,7 @@ class Settings:
 
 
 @dataclass(frozen=True)
-class Scene:
+class SmoothScene:
     """One design in one scene, as plain floats (CasADi takes no NumPy scalars); see `SceneRows`."""
 
     signal_e: tuple[float, ...]  # image mean, by altitude
@@ -83,7 +83,7 @@ class Scene:
     highlight_ratio: float
 
     @staticmethod
-    def of(rows: SceneRows) -> Scene:
+    def of(rows: SceneRows) -> SmoothScene:
         """The only row of `rows`."""
         if len(rows.signal_e) != 1 or rows.optimistic:
             raise SolverError("continuous solvers take one design at a time, not a bound and not a table")
@@ -95,7 +95,7 @@ class Scene:
         free = bool(rows.dims_freely[0])
         top = min(one(rows.max_level), 1.0) if free else one(rows.max_level) * (1.0 + SLACK)
         steps = tuple(float(v) for v in rows.levels[0] if np.isfinite(v) and 0.0 < v <= top)
-        return Scene(
+        return SmoothScene(
             signal_e=signal,
             total_e=tuple(float(v) for v in rows.total_e[0]),
             wanted=wanted_pixels(rows),
@@ -125,16 +125,16 @@ class Scene:
             return max(self.min_exposure_s, time_s + self.readout_s)
         return time_s - self.exposure_offset_s
 
-    def dark_e(self, at: Settings) -> Symbolic:
+    def dark_e(self, at: SmoothSettings) -> Symbolic:
         """Dark electrons of a pixel."""
         return self.dark_current_e_s * at.exposure_s
 
-    def electrons(self, signal_e: float, at: Settings) -> Symbolic:
+    def electrons(self, signal_e: float, at: SmoothSettings) -> Symbolic:
         """Electrons of a pixel with this signal per lm s at N_w = 1."""
         working = at.f_number * self.working_factor
         return signal_e * self.light_lm * at.level * at.time_s / working**2
 
-    def snr(self, signal_e: float, at: Settings, *, total_e: float | None = None) -> Symbolic:
+    def snr(self, signal_e: float, at: SmoothSettings, *, total_e: float | None = None) -> Symbolic:
         """SNR of such a pixel; `total_e` counts its veils too."""
         return sensor.snr(
             self.electrons(signal_e, at),
@@ -145,11 +145,11 @@ class Scene:
             prnu_frac=self.prnu_frac,
         )
 
-    def nominal_snr(self, at: Settings) -> Symbolic:
+    def nominal_snr(self, at: SmoothSettings) -> Symbolic:
         """SNR of the image mean at the nominal altitude."""
         return self.snr(self.signal_e[self.nominal], at, total_e=self.total_e[self.nominal])
 
-    def digital_dn(self, signal_e: float, at: Settings, *, offset_dn: float) -> Symbolic:
+    def digital_dn(self, signal_e: float, at: SmoothSettings, *, offset_dn: float) -> Symbolic:
         """Mean digital number of such a pixel."""
         return sensor.digital_mean_dn(
             self.electrons(signal_e, at),
@@ -158,7 +158,7 @@ class Scene:
             offset_dn=offset_dn,
         )
 
-    def light_power_w(self, at: Settings) -> Symbolic:
+    def light_power_w(self, at: SmoothSettings) -> Symbolic:
         """Mean electrical power of the lights, kink included: floats only for a pulsed LED."""
         if self.kind == CONTINUOUS:
             return light.continuous_power_w(at.level, full_power_w=self.full_power_w, count=1)
@@ -207,7 +207,7 @@ class Piece:
         """Exposure that collects light for a time, without the scene's kinks."""
         return (time_s if self.exposure_follows else 0.0) + self.exposure_shift_s
 
-    def light_power_w(self, scene: Scene, at: Settings) -> Symbolic:
+    def light_power_w(self, scene: SmoothScene, at: SmoothSettings) -> Symbolic:
         """The scene's light power without the kink of a pulsed LED.
 
         Below the kink power grows as level times time: the piece's longest pulse at the level that gives the
@@ -216,15 +216,15 @@ class Piece:
         if scene.kind != PULSED:
             return scene.light_power_w(at)
         share = 1.0 if self.fills_frame else at.time_s / self.time_high_s
-        return scene.light_power_w(Settings(at.f_number, self.time_high_s, at.level * share, at.gain))
+        return scene.light_power_w(SmoothSettings(at.f_number, self.time_high_s, at.level * share, at.gain))
 
-    def fixes_power(self, scene: Scene) -> bool:
+    def fixes_power(self, scene: SmoothScene) -> bool:
         """Whether nothing that is left open changes the power."""
         open_time = scene.kind == PULSED and not self.fills_frame and self.time_low_s < self.time_high_s
         return self.level_low == self.level_high and not open_time
 
 
-def pieces_of(scene: Scene) -> list[Piece]:
+def pieces_of(scene: SmoothScene) -> list[Piece]:
     """The smooth pieces of one scene that a quick look cannot rule out.
 
     Steps of the light are fixed one by one; time is cut where power or exposure bend.
@@ -242,7 +242,7 @@ def pieces_of(scene: Scene) -> list[Piece]:
     return [piece for piece in found if not ruled_out(scene, piece)]
 
 
-def bends_s(scene: Scene) -> list[float]:
+def bends_s(scene: SmoothScene) -> list[float]:
     """Times at which a scene's formulas have a kink.
 
     A pulsed LED's power bends where the pulse fills the frame, t f = 1 (upwards, so that it takes two
@@ -259,7 +259,7 @@ def bends_s(scene: Scene) -> list[float]:
     return bends
 
 
-def smooth_piece(scene: Scene, level: tuple[float, float], times_s: tuple[float, float]) -> Piece:
+def smooth_piece(scene: SmoothScene, level: tuple[float, float], times_s: tuple[float, float]) -> Piece:
     """The piece between two bends; which side it lies on is seen at its middle."""
     middle = 0.5 * (times_s[0] + times_s[1])
     exposure = scene.exposure_s(middle)
@@ -273,12 +273,12 @@ def smooth_piece(scene: Scene, level: tuple[float, float], times_s: tuple[float,
     )
 
 
-def ruled_out(scene: Scene, piece: Piece) -> bool:
+def ruled_out(scene: SmoothScene, piece: Piece) -> bool:
     """Whether even the brightest corner is too dark, or the dimmest too bright: a proof without a solver."""
     longest, shortest = piece.time_high_s, piece.time_low_s
-    bright = Settings(scene.n_low, longest, piece.level_high, scene.max_gain, piece.exposure_s(longest))
+    bright = SmoothSettings(scene.n_low, longest, piece.level_high, scene.max_gain, piece.exposure_s(longest))
     widest = max(scene.n_high, scene.n_low)
-    dim = Settings(widest, shortest, piece.level_low, 1.0, piece.exposure_s(shortest))
+    dim = SmoothSettings(widest, shortest, piece.level_low, 1.0, piece.exposure_s(shortest))
     nominal, brightest = scene.total_e[scene.nominal], max(scene.total_e)
     wanted, headroom = wanted_dn(scene), headroom_dn(scene)
     if scene.min_snr > 0.0 and any(
@@ -299,20 +299,26 @@ def ruled_out(scene: Scene, piece: Piece) -> bool:
     )
 
 
-def wanted_dn(scene: Scene) -> float | None:
+def wanted_dn(scene: SmoothScene) -> float | None:
     """Digital numbers above black that the wanted mean level asks for."""
     return None if scene.mean_level is None else scene.mean_level * scene.full_scale_dn - scene.black_level_dn
 
 
-def headroom_dn(scene: Scene) -> float:
+def headroom_dn(scene: SmoothScene) -> float:
     """Digital numbers above black that the brightest mean level may reach."""
     return scene.full_scale_dn / scene.highlight_ratio - scene.black_level_dn
 
 
 def minimised_value(
-    objective: Objective, scenes: Sequence[Scene], settings: Sequence[Settings], *, camera_power_w: float, cost: float,
-    mass_kg: float, gsd_mm: float,
-) -> float:  # fmt: skip
+    objective: Objective,
+    scenes: Sequence[SmoothScene],
+    settings: Sequence[SmoothSettings],
+    *,
+    camera_power_w: float,
+    cost: float,
+    mass_kg: float,
+    gsd_mm: float,
+) -> float:
     """The minimised objective of one design's settings by scene: the worst scene's power and SNR count."""
     snr = min(float(s.nominal_snr(at)) for s, at in zip(scenes, settings, strict=True))
     terms = Terms(
@@ -325,6 +331,6 @@ def minimised_value(
     return float(objective.cost_to_minimise(terms))
 
 
-def worst_light_w(scenes: Sequence[Scene], settings: Sequence[Settings]) -> float:
+def worst_light_w(scenes: Sequence[SmoothScene], settings: Sequence[SmoothSettings]) -> float:
     """Mean power of the lights in the scene that needs most."""
     return max(float(scene.light_power_w(at)) for scene, at in zip(scenes, settings, strict=True))

@@ -22,7 +22,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.model import sensor
-from uwopt.solvers.continuous.pieces import SLACK, Piece, Scene, Settings, Symbolic, headroom_dn, wanted_dn
+from uwopt.solvers.continuous.pieces import (
+    Piece,
+    SmoothScene,
+    SmoothSettings,
+    Symbolic,
+    headroom_dn,
+    wanted_dn,
+)
+from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
 Goal = Literal["power", "snr", "sum", "restore"]
@@ -45,7 +53,7 @@ class Rules:
 class Program:
     """min objective(x) under inequalities(x) <= 0, equalities(x) = 0, low <= x <= high."""
 
-    scenes: tuple[Scene, ...]
+    scenes: tuple[SmoothScene, ...]
     pieces: tuple[Piece, ...]
     motorised: bool
     goal: Goal
@@ -83,8 +91,8 @@ class Program:
         ends = []
         for scene, piece in zip(self.scenes, self.pieces, strict=True):
             if scene.draws:
-                low = Settings(1.0, piece.time_low_s, piece.level_low, 1.0)
-                high = Settings(1.0, piece.time_high_s, piece.level_high, 1.0)
+                low = SmoothSettings(1.0, piece.time_low_s, piece.level_low, 1.0)
+                high = SmoothSettings(1.0, piece.time_high_s, piece.level_high, 1.0)
                 ends.append((piece.light_power_w(scene, low), piece.light_power_w(scene, high)))
         most = min(max(high for _, high in ends), max(self.light_limit_w, 0.0) * (1.0 + POWER_SLACK))
         least = max(low for low, _ in ends)
@@ -104,10 +112,10 @@ class Program:
                 ends.append(float(np.log(snr)))
         return ends[0], ends[1]
 
-    def _pick(self, quantities: dict[str, Symbolic], index: int) -> Settings:
+    def _pick(self, quantities: dict[str, Symbolic], index: int) -> SmoothSettings:
         """The settings of one scene among all quantities."""
         time_s = quantities[f"time_s[{index}]"]
-        return Settings(
+        return SmoothSettings(
             f_number=quantities[f"f_number[{index}]" if self.motorised else "f_number"],
             time_s=time_s,
             level=quantities[f"level[{index}]"],
@@ -163,7 +171,7 @@ class Program:
                 x[index] = max([low[index], *inequalities, *(abs(value) for value in equalities)])
         return np.clip(x, low, high)
 
-    def point(self, start: Sequence[Settings]) -> Array:
+    def point(self, start: Sequence[SmoothSettings]) -> Array:
         """The program's unknowns at given settings, clipped to the ranges."""
         given: dict[str, float] = {}
         for index, at in enumerate(start):
@@ -174,20 +182,20 @@ class Program:
         middle = 0.5 * (low + high)
         return self.complete(np.array([given.get(n, m) for n, m in zip(self.names, middle, strict=True)]))
 
-    def settings(self, x: Sequence[Symbolic]) -> list[Settings]:
+    def settings(self, x: Sequence[Symbolic]) -> list[SmoothSettings]:
         """The settings of every scene at a point."""
         logs: dict[str, Symbolic] = {name: low for name, (low, _) in self.ranges.items()}
         logs.update(zip(self.names, x, strict=True))
         values = {name: np.exp(v) for name, v in logs.items() if name not in ("power", "snr", "violation")}
         return [self._pick(values, index) for index in range(len(self.scenes))]
 
-    def set_points(self, x: Array) -> list[Settings]:
+    def set_points(self, x: Array) -> list[SmoothSettings]:
         """The settings at a point, rounding of the logarithms taken back at the ends of each range."""
         result = []
         for at, scene, piece in zip(self.settings(list(x)), self.scenes, self.pieces, strict=True):
             time_s = float(np.clip(at.time_s, piece.time_low_s, piece.time_high_s))
             result.append(
-                Settings(
+                SmoothSettings(
                     f_number=float(np.clip(at.f_number, scene.n_low, max(scene.n_high, scene.n_low))),
                     time_s=time_s,
                     level=float(np.clip(at.level, piece.level_low, piece.level_high)),
@@ -258,7 +266,7 @@ class Program:
                 names.append(f"snr[{index}]")
         return names, equal
 
-    def _power_rule(self, scene: Scene, piece: Piece) -> bool:
+    def _power_rule(self, scene: SmoothScene, piece: Piece) -> bool:
         """Whether a scene's power is a rule: it can vary, and something asks for it."""
         asked = self.goal in ("power", "sum") or bool(np.isfinite(self.light_limit_w))
         return asked and scene.draws and not piece.fixes_power(scene)
@@ -282,7 +290,7 @@ class Program:
         return inequalities, equalities
 
 
-def scene_rules(scene: Scene, at: Settings) -> list[Symbolic]:
+def scene_rules(scene: SmoothScene, at: SmoothSettings) -> list[Symbolic]:
     """Enough SNR where it is darkest, no saturation where it is brightest: both grow with signal."""
     rules: list[Symbolic] = []
     brightest = max(scene.total_e)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.solvers.continuous.pieces import Settings, Symbolic, wanted_dn
+from uwopt.solvers.continuous.pieces import SmoothSettings, Symbolic, wanted_dn
 from uwopt.solvers.continuous.program import Program, Rules
 
 Array = NDArray[Any]
@@ -76,14 +76,14 @@ class Reduced:
             point[program.names.index(name)] = self._determined(scene, name, program.settings(point)[scene])
         return point
 
-    def _determined(self, index: int, name: str, at: Settings) -> Symbolic:
+    def _determined(self, index: int, name: str, at: SmoothSettings) -> Symbolic:
         """The logarithm of gain or level that gives the wanted mean level, the other settings as they are."""
         scene = self.program.scenes[index]
         wanted, total_e = wanted_dn(scene) or np.nan, scene.total_e[scene.nominal]
         if name.startswith("gain"):
-            unit = Settings(at.f_number, at.time_s, at.level, 1.0, at.exposure_s)
+            unit = SmoothSettings(at.f_number, at.time_s, at.level, 1.0, at.exposure_s)
             return np.log(wanted / scene.digital_dn(total_e, unit, offset_dn=0.0))
-        full = Settings(at.f_number, at.time_s, 1.0, at.gain, at.exposure_s)
+        full = SmoothSettings(at.f_number, at.time_s, 1.0, at.gain, at.exposure_s)
         needed_e = wanted / (scene.gain_dn_per_e * at.gain) - scene.dark_e(at)
         return np.log(needed_e / scene.electrons(total_e, full))
 

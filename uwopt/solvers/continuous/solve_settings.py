@@ -26,8 +26,16 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import Attempt, derivatives, optimality_gap, rule_names, violations
-from uwopt.solvers.continuous.pieces import Piece, Scene, Settings, minimised_value, pieces_of, worst_light_w
+from uwopt.solvers.continuous.pieces import (
+    Piece,
+    SmoothScene,
+    SmoothSettings,
+    minimised_value,
+    pieces_of,
+    worst_light_w,
+)
 from uwopt.solvers.continuous.program import Goal, Program
+from uwopt.tolerances import TIE
 
 Method = Literal[
     "casadi", "slsqp", "cobyla", "global", "mma", "ccsaq", "lbfgs", "isres", "ags", "direct_l", "mlsl"
@@ -40,7 +48,6 @@ ALGORITHMS: tuple[Method, ...] = (
 )  # fmt: skip
 FEASIBLE = 1e-6  # relative, of any rule
 GAP = 1e-6  # of what is called optimal, in the program's objective: a logarithm of power or of SNR
-TIE = 1e-9  # relative: a bound this close to the best found does not promise a better one
 
 
 @dataclass(frozen=True)
@@ -88,7 +95,7 @@ class ContinuousResult:
 class Task:
     """What all programs of one design share."""
 
-    scenes: tuple[Scene, ...]
+    scenes: tuple[SmoothScene, ...]
     motorised: bool
     objective: Objective
     camera_power_w: float
@@ -97,7 +104,7 @@ class Task:
     gsd_mm: float
     power_limit_w: float
     method: Method
-    start: tuple[Settings, ...] | None
+    start: tuple[SmoothSettings, ...] | None
     deadline: float | None
 
     @property
@@ -119,7 +126,7 @@ class Task:
             light_limit_w=self.power_limit_w - self.camera_power_w,
         )
 
-    def value(self, scenes: Sequence[Scene], settings: Sequence[Settings]) -> float:
+    def value(self, scenes: Sequence[SmoothScene], settings: Sequence[SmoothSettings]) -> float:
         """The minimised objective of settings, comparable with that of the exact search."""
         return minimised_value(
             self.objective, scenes, settings, camera_power_w=self.camera_power_w, cost=self.cost, mass_kg=self.mass_kg,
@@ -149,7 +156,7 @@ class Verdict:
     value: float = np.inf
     merit: float = np.inf  # the program's own objective, which also tells ties in power apart
     light_power_w: float = np.inf  # of the worst scene
-    settings: tuple[Settings, ...] = ()
+    settings: tuple[SmoothSettings, ...] = ()
     max_violation: float | None = None
     kkt_residual: float | None = None
     multipliers: dict[str, float] = field(default_factory=dict)
@@ -167,7 +174,7 @@ def solve_settings(
     gsd_mm: float,
     power_limit_w: float,
     method: Method,
-    start: Sequence[Settings] | None = None,
+    start: Sequence[SmoothSettings] | None = None,
     max_seconds: float | None = None,
 ) -> ContinuousResult:
     """Best settings of one design in all its scenes by one method.
@@ -195,7 +202,7 @@ def solve_settings(
         raise SolverError("continuous solvers take no negative weight of power or snr_db")
     began = time.perf_counter()
     task = Task(
-        scenes=tuple(Scene.of(row) for row in rows),
+        scenes=tuple(SmoothScene.of(row) for row in rows),
         motorised=motorised,
         objective=objective,
         camera_power_w=camera_power_w,
@@ -372,7 +379,7 @@ def judged(task: Task, program: Program, found: Attempt) -> Verdict:
     )
 
 
-def merit_of(program: Program, settings: Sequence[Settings]) -> float:
+def merit_of(program: Program, settings: Sequence[SmoothSettings]) -> float:
     """The program's objective at settings, its epigraph variables as small as they may be."""
     light_w = worst_light_w(program.scenes, settings)
     if program.goal == "power":

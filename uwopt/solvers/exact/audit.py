@@ -22,15 +22,15 @@ from uwopt.solvers.exact.attack import attack, fits
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.settings.best import GAP, scenes_need_cells
+from uwopt.tolerances import BEATS_REL
 
 Array = NDArray[Any]
-BEATS_REL = 1e-6
 BESIDE = "beside the best"  # the draw that follows no rule
 TWO_PARTS = 0.4  # share of these that differ in a second part
 
 
 @dataclass(frozen=True)
-class Attempt:
+class Retry:
     """One combination tried again."""
 
     rule: str
@@ -49,12 +49,12 @@ def audit(
     """
     rng = np.random.default_rng(seed)
     tries = drawn(search, count, rng)
-    found: list[Attempt] = []
+    found: list[Retry] = []
     for rule, hardware in tries:
         if deadline.passed():
             deadline.left_out.append(f"{len(tries) - len(found)} of the audit's {len(tries)} attempts")
             break
-        found.append(Attempt(rule, hardware, attack(search.problem, hardware, objective, rng)))
+        found.append(Retry(rule, hardware, attack(search.problem, hardware, objective, rng)))
     most = np.inf if best_value is None else least_that_beats(search.problem, objective, best_value)
     open_from = min(most, lower_bound - BEATS_REL * abs(lower_bound)) if np.isfinite(lower_bound) else most
     better = [a for a in found if a.value < (open_from if a.rule == BESIDE else most)]
@@ -77,7 +77,7 @@ def least_that_beats(problem: Problem, objective: Objective, best_value: float) 
     return best_value - gap * abs(best_value)
 
 
-def facts(problem: Problem, objective: Objective, attempt: Attempt) -> dict[str, Any]:
+def facts(problem: Problem, objective: Objective, attempt: Retry) -> dict[str, Any]:
     """One attempt in the words of a result."""
     parts, at = problem.parts, attempt.hardware
     return {

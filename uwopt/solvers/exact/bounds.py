@@ -19,15 +19,15 @@ from uwopt.model import sensor, sharpness
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.imagers import Imagers, limit
 from uwopt.solvers.exact.light_tables import FieldTables, Lighting
+from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
-ROUND = 1.0 + 1e-9
 MOST_PLACES = 1024  # rows and columns of a table of lights
 UNIT_RULES = ("light", "cost", "mass_kg", "power_w", "bound")
 
 
 @dataclass(frozen=True)
-class LightTable:
+class LampChoices:
     """All (light, count) of one lighting, as columns."""
 
     light: Array
@@ -157,7 +157,7 @@ class Bounds:
         self.searched = np.ones(len(problem.parts.lights), bool) if lights is None else lights
         self.problem, self.objective, self.imagers, self.tables = problem, objective, imagers, tables
         self.limits = problem.mission.limits
-        self.light_tables: list[LightTable] = (
+        self.light_tables: list[LampChoices] = (
             [self.light_table(lighting) for lighting in tables.lightings]
             if like is None
             else like.light_tables
@@ -165,7 +165,7 @@ class Bounds:
         self._corners: dict[tuple[int, int, str], Corner] = {} if like is None else like._corners
         self._needs_of: tuple[Array, dict[int, Needs]] | None = None
 
-    def light_table(self, lighting: Lighting) -> LightTable:
+    def light_table(self, lighting: Lighting) -> LampChoices:
         """The lights of one lighting in every number."""
         problem = self.problem
         mine = np.nonzero((problem.lights.optics_index == lighting.optics) & self.searched)[0]
@@ -178,7 +178,7 @@ class Bounds:
         with np.errstate(divide="ignore", invalid="ignore"):
             drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j, rows.full_power_w)
             per_light = drawn / (rows.full_light * rows.output_factor)
-        return LightTable(
+        return LampChoices(
             light,
             count,
             to_buy * rows.price,

@@ -24,11 +24,11 @@ from uwopt.forward.focus import Focused, place_focus, working_factor
 from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
 from uwopt.forward.problem import Problem
 from uwopt.forward.views import Views, focus_map, views
+from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 SAMPLES = 24  # discarded imagers remembered per rule, port and orientation, for an audit
 PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule
-ROUND = 1.0 + 1e-9  # a limit met to rounding is met
 
 IMAGER_RULES = (
     "mount", "image_circle", "lens_rating", "view", "focus", "max_gsd_mm", "min_swath_m", "frame_rate",
@@ -101,7 +101,7 @@ def landscapes(problem: Problem) -> list[bool]:
 
 
 @dataclass(frozen=True)
-class Pairs:
+class FittingPairs:
     """Cameras with lenses that fit on them, and the imagers that each rule discards with the others."""
 
     camera: Array
@@ -110,13 +110,13 @@ class Pairs:
     samples: dict[str, list[tuple[int, int, int, bool]]] = field(default_factory=dict)
 
 
-def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> Pairs:
+def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> FittingPairs:
     """All pairs that fit by mount, image circle and, where it counts, the lens's rating."""
     parts = problem.parts
     n_camera, n_lens, n_port = len(parts.cameras), len(parts.lenses), len(parts.ports)
     discarded = dict.fromkeys(IMAGER_RULES, 0)
     if 0 in (n_camera, n_lens, n_port):
-        return Pairs(np.empty(0, int), np.empty(0, int), discarded)
+        return FittingPairs(np.empty(0, int), np.empty(0, int), discarded)
     fits = mount_compatible([c.mounts for c in parts.cameras], [part.mounts for part in parts.lenses])
     fits = fits.reshape(n_camera, n_lens)
     asked = [("mount", fits), ("image_circle", circles_ok(problem))]
@@ -132,7 +132,7 @@ def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> Pairs:
         samples[rule] = sampled_pairs(problem, lost)
         alive &= passes
     camera, lens = np.nonzero(alive)
-    return Pairs(camera, lens, discarded, samples)
+    return FittingPairs(camera, lens, discarded, samples)
 
 
 def sampled_pairs(problem: Problem, lost: Array) -> list[tuple[int, int, int, bool]]:
@@ -162,7 +162,7 @@ def ratings_ok(problem: Problem) -> Array:
 
 
 @dataclass(frozen=True)
-class Block:
+class PortBlock:
     """Imagers behind one port in one orientation."""
 
     camera: Array
@@ -175,7 +175,7 @@ class Block:
 def imagers_behind(
     problem: Problem, camera: Array, lens: Array, port: int, landscape: bool, discarded: dict[str, int],
     samples: dict[str, list[tuple[int, int, int, bool]]],
-) -> Iterator[Block]:  # fmt: skip
+) -> Iterator[PortBlock]:  # fmt: skip
     """The imagers that pass every rule, and the count of those each rule discards."""
     if len(camera) == 0:
         return
@@ -215,7 +215,7 @@ def imagers_behind(
         scenes = [
             SceneImagers(view.take(keep), extra.take(keep)) for view, extra in zip(seen, focused, strict=True)
         ]
-        yield Block(camera[keep], lens[keep], port, landscape, scenes)
+        yield PortBlock(camera[keep], lens[keep], port, landscape, scenes)
 
 
 def rules(
@@ -321,7 +321,7 @@ def totals(
 
 def joined(
     problem: Problem,
-    blocks: list[Block],
+    blocks: list[PortBlock],
     discarded: dict[str, int],
     samples: dict[str, list[tuple[int, int, int, bool]]],
 ) -> Imagers:
@@ -366,4 +366,4 @@ def focus_distance_m(dioptre_per_m: Array, at: Any) -> Array:
     return np.asarray(water_distance_m(dioptre_per_m, focus_map=at))
 
 
-__all__ = ["IMAGER_RULES", "Imagers", "Pairs", "SceneImagers", "enumerate_imagers", "fitting_pairs", "totals"]
+__all__ = ["IMAGER_RULES", "FittingPairs", "Imagers", "SceneImagers", "enumerate_imagers", "fitting_pairs", "totals"]

@@ -18,19 +18,20 @@ from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.bounds import UNIT_RULES, Bounds
 from uwopt.solvers.exact.imagers import (
     SAMPLES,
-    Block,
+    FittingPairs,
     Imagers,
-    Pairs,
+    PortBlock,
     imagers_behind,
     joined,
     landscapes,
     limit,
 )
 from uwopt.solvers.exact.light_tables import FieldTables, Rectangles
-from uwopt.solvers.exact.outline import ROUND, Level, OutlineTables, Rows, port_tree
+from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables, port_tree
 from uwopt.solvers.exact.ranking import Found, Ranking
 from uwopt.solvers.exact.screen import pair_rules
 from uwopt.solvers.exact.signals import SignalTables
+from uwopt.tolerances import COARSE_ROUND
 
 if TYPE_CHECKING:
     from uwopt.solvers.exact.account import Outcome
@@ -50,7 +51,7 @@ TAKEN = 1.0 + 1e-12  # of a threshold: outlines are summed in another order
 class LargeSearch:
     """State of one search of a large catalogue, on top of the search that evaluates."""
 
-    def __init__(self, search: Search, pairs: Pairs):
+    def __init__(self, search: Search, pairs: FittingPairs):
         from uwopt.solvers.exact.account import snr_ceiling
 
         self.search, self.problem, self.pairs = search, search.problem, pairs
@@ -59,7 +60,7 @@ class LargeSearch:
         self.n_port, self.orientations = len(self.problem.parts.ports), landscapes(self.problem)
         low, high = self.problem.count_range
         self.every = len(self.problem.parts.lights) * (high - low + 1) * len(self.problem.mounts)
-        self.pending: list[tuple[Rows, Array]] = []  # imagers with their bounds
+        self.pending: list[tuple[OutlineRows, Array]] = []  # imagers with their bounds
         self.samples = pairs.samples
         self.outline_s = 0.0
 
@@ -127,17 +128,17 @@ class LargeSearch:
         for group in range(len(level.groups.start)):
             rows = self._rows(np.arange(len(self.pairs.camera)), group, landscape=True)
             gsd_mm = level.pixel_per_range(rows) * level.path_m(scene, rows, far_m, high=False) * 1e3
-            rows = rows.take(np.nonzero(gsd_mm <= limit_mm * ROUND)[0])
+            rows = rows.take(np.nonzero(gsd_mm <= limit_mm * COARSE_ROUND)[0])
             if len(rows):
                 tangent = np.max([t.max() for t in level.tangents(rows)])
                 _, edge = level.edges_m(scene, rows.take(np.array([0])), np.array([tangent]), range_m)
                 widest = max(widest, float(edge[0]))
         return widest, widest
 
-    def _rows(self, pairs: Array, group: int, *, landscape: bool) -> Rows:
+    def _rows(self, pairs: Array, group: int, *, landscape: bool) -> OutlineRows:
         """Pairs behind one group of the first level."""
         n = len(pairs)
-        return Rows(
+        return OutlineRows(
             self.pairs.camera[pairs], self.pairs.lens[pairs], np.full(n, landscape), np.full(n, group)
         )
 
@@ -244,7 +245,7 @@ class LargeSearch:
         rows = self._rows(pairs, 0, landscape=self.orientations[0])
         self._remember("bound", self.levels[0], rows, np.arange(len(rows)))
 
-    def _remember(self, rule: str, level: Level, rows: Rows, discarded: Array) -> None:
+    def _remember(self, rule: str, level: Level, rows: OutlineRows, discarded: Array) -> None:
         """Some of what a rule discards, for an audit: the first port of each group."""
         kept = self.samples.setdefault(rule, [])
         if len(discarded) and len(kept) < MOST_SAMPLES:
@@ -265,12 +266,12 @@ class LargeSearch:
         """Bound pairs behind ever smaller groups of ports; what is left are imagers that wait for their search."""
         start = time.perf_counter()
         groups = range(len(self.levels[0].groups.start))
-        self._descend(0, Rows.joined([
+        self._descend(0, OutlineRows.joined([
             self._rows(pairs, group, landscape=landscape) for group in groups for landscape in self.orientations
         ]))  # fmt: skip
         self.outline_s += time.perf_counter() - start
 
-    def _descend(self, depth: int, rows: Rows) -> None:
+    def _descend(self, depth: int, rows: OutlineRows) -> None:
         """Bound rows at one level, split what is left, and so on."""
         level = self.levels[depth]
         for begin in range(0, len(rows), MOST_ROWS):
@@ -283,7 +284,7 @@ class LargeSearch:
             else:
                 self.pending.append((left, value))
 
-    def _split(self, depth: int, rows: Rows) -> Rows:
+    def _split(self, depth: int, rows: OutlineRows) -> OutlineRows:
         """The same rows behind the parts of their groups."""
         starts, groups = self.levels[depth + 1].groups.start, self.levels[depth].groups
         first, end = np.searchsorted(starts, groups.start), np.searchsorted(starts, groups.stop)
@@ -291,9 +292,9 @@ class LargeSearch:
         parent = np.repeat(np.arange(len(rows)), counts)
         within = np.arange(len(parent)) - np.repeat(np.cumsum(counts) - counts, counts)
         children = rows.take(parent)
-        return Rows(children.camera, children.lens, children.landscape, first[children.group] + within)
+        return OutlineRows(children.camera, children.lens, children.landscape, first[children.group] + within)
 
-    def _bounded(self, level: Level, rows: Rows) -> tuple[Rows, Array]:
+    def _bounded(self, level: Level, rows: OutlineRows) -> tuple[OutlineRows, Array]:
         """The rows that may hold the best, with their bounds; the others are counted by what discards them."""
         account, objective = self.search.account, self.search.objective
         imagers, size = level.imagers(rows), level.groups.size[rows.group]
@@ -336,7 +337,7 @@ class LargeSearch:
         if not self.pending:
             return True
         search, level = self.search, self.levels[-1]
-        rows = Rows.joined([rows for rows, _ in self.pending])
+        rows = OutlineRows.joined([rows for rows, _ in self.pending])
         value = np.concatenate([value for _, value in self.pending])
         order = np.argsort(value, kind="stable")
         rows, value = rows.take(order), value[order]
@@ -363,10 +364,10 @@ class LargeSearch:
         self.pending = []
         return True
 
-    def _search_imagers(self, rows: Rows) -> bool:
+    def _search_imagers(self, rows: OutlineRows) -> bool:
         """Search these imagers as those of a small catalogue; False when time ran out."""
         search = self.search
-        blocks: list[Block] = []
+        blocks: list[PortBlock] = []
         port = self.levels[-1].groups.order[rows.group]  # single ports stand in their order
         discarded = dict.fromkeys(search.account.discarded, 0)
         for number in np.unique(port):
@@ -418,7 +419,7 @@ class LargeSearch:
     def _keep_winners(self) -> None:
         """Leave the search with the imagers of the best designs alone."""
         search = self.search
-        blocks: list[Block] = []
+        blocks: list[PortBlock] = []
         places: list[Found] = []
         for found in search.ranking.best:
             one = imagers_behind(

@@ -55,7 +55,7 @@ class FieldTables:
         for index, scene in enumerate(imagers.scenes if like is None else []):
             widest = 0.5 * np.hypot(scene.view.footprint_along_m[:, 2], scene.view.footprint_across_m[:, 2])
             problem.set_reach(index, 1.5 * float(widest.max(initial=0.0)))
-        self._light_tables: dict[tuple[int, Lighting, int], LightTable] = (
+        self._light_tables: dict[tuple[int, Lighting, int], FloorLightBound] = (
             {} if like is None else like._light_tables
         )
         self._widest: dict[tuple[int, int], Rectangles] = {} if like is None else like._widest
@@ -112,14 +112,14 @@ class FieldTables:
             self._losses[key] = contraction.mean_loss(spectrum, efficiency, lamp_m=height, camera_m=range_m)
         return self._losses[key]
 
-    def _light_table(self, scene_index: int, lighting: Lighting, altitude: int) -> LightTable:
+    def _light_table(self, scene_index: int, lighting: Lighting, altitude: int) -> FloorLightBound:
         """Upper bounds of the light on rectangles, built once for the widest image of all."""
         key = (scene_index, lighting, altitude)
         if key not in self._light_tables:
             place = (scene_index, altitude)
             if place not in self._widest:
                 self._widest[place] = self.rectangles(scene_index, altitude, np.arange(len(self.imagers)))
-            self._light_tables[key] = LightTable.build(
+            self._light_tables[key] = FloorLightBound.build(
                 self.problem, scene_index, lighting, altitude, self._widest[place]
             )
         return self._light_tables[key]
@@ -147,7 +147,7 @@ class FieldTables:
 
 
 @dataclass(frozen=True)
-class LightTable:
+class FloorLightBound:
     """Upper bound of the light per lumen that falls on rectangles about the axis, by half widths."""
 
     along_m: Array
@@ -158,7 +158,7 @@ class LightTable:
     @staticmethod
     def build(
         problem: Problem, scene_index: int, lighting: Lighting, altitude: int, widest: Rectangles
-    ) -> LightTable:
+    ) -> FloorLightBound:
         """Sum cells outward from the axis, all four quadrants folded into one."""
         scene = problem.scenes[scene_index]
         beam, range_m = problem.beam(scene_index, lighting.optics), float(scene.range_m[altitude])
@@ -176,7 +176,7 @@ class LightTable:
         cells *= np.diff(along)[:, None] * np.diff(across)[None, :]
         total = np.zeros((len(along), len(across)))
         total[1:, 1:] = cells.cumsum(axis=0).cumsum(axis=1)
-        return LightTable(along, across, np.minimum(total, 1.0), peak)  # no more than all the light
+        return FloorLightBound(along, across, np.minimum(total, 1.0), peak)  # no more than all the light
 
     def most_light(self, rectangle: Rectangles) -> Array:
         """Upper bound for each rectangle: the next larger one of the table, or the peak over its area."""

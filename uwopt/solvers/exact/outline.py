@@ -24,10 +24,10 @@ from uwopt.forward.views import Views, focus_map, port_transmission
 from uwopt.model import lens, port
 from uwopt.solvers.exact.imagers import Imagers, SceneImagers, limit
 from uwopt.solvers.exact.light_tables import FieldTables, Rectangles
+from uwopt.tolerances import COARSE_ROUND
 
 Array = NDArray[Any]
 BRANCHES = 8  # ports, or groups of them, that a group is split into
-ROUND = 1.0 + 2e-9  # a little more than a limit met to rounding: other formulas round elsewhere
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def focus_behind(problem: Problem, port_index: int) -> tuple[Array, Array, Array
         with np.errstate(divide="ignore", invalid="ignore"):
             distance = 1.0 / dioptre
             factor = lens.working_f_number(1.0, focal_length_m=focal, object_distance_m=distance)
-        ok &= (distance > lenses.focal_length_m) & (distance * ROUND >= lenses.min_object_distance_m)
+        ok &= (distance > lenses.focal_length_m) & (distance * COARSE_ROUND >= lenses.min_object_distance_m)
         factors.append(np.ones(n) if scene.paper else factor)
     return ok, np.array(focus.n_depth) * np.array(coc), np.array(factors)
 
@@ -183,7 +183,7 @@ class Extent:
 
 
 @dataclass(frozen=True)
-class Rows:
+class OutlineRows:
     """Camera x lens x orientation x group of ports at one level of the tree."""
 
     camera: Array
@@ -194,14 +194,14 @@ class Rows:
     def __len__(self) -> int:
         return len(self.camera)
 
-    def take(self, index: Array) -> Rows:
+    def take(self, index: Array) -> OutlineRows:
         """These rows only."""
-        return Rows(self.camera[index], self.lens[index], self.landscape[index], self.group[index])
+        return OutlineRows(self.camera[index], self.lens[index], self.landscape[index], self.group[index])
 
     @staticmethod
-    def joined(parts: Sequence[Rows]) -> Rows:
+    def joined(parts: Sequence[OutlineRows]) -> OutlineRows:
         """All rows of some lists."""
-        return Rows(*(np.concatenate([getattr(p, n) for p in parts]) for n in Rows.__dataclass_fields__))
+        return OutlineRows(*(np.concatenate([getattr(p, n) for p in parts]) for n in OutlineRows.__dataclass_fields__))
 
 
 class Level:
@@ -211,7 +211,7 @@ class Level:
         self.problem, self.groups = problem, groups
         self.lens_focus = lens_focus(problem, groups)
 
-    def pixel_per_range(self, rows: Rows) -> Array:
+    def pixel_per_range(self, rows: OutlineRows) -> Array:
         """Pixel pitch over effective focal length."""
         problem = self.problem
         focal = problem.lenses.focal_length_m[rows.lens]
@@ -219,14 +219,14 @@ class Level:
             focal = np.where(self.groups.is_dome[rows.group], focal, focal * PAPER_N_WATER)
         return np.asarray(problem.cameras.pixel_pitch_m[rows.camera] / focal)
 
-    def tangents(self, rows: Rows) -> tuple[Array, Array]:
+    def tangents(self, rows: OutlineRows) -> tuple[Array, Array]:
         """Tangents in air of the half angles of view along and across the motion."""
         cameras, scale = self.problem.cameras, 0.5 * self.pixel_per_range(rows)
         half_x = cameras.resolution_x_px[rows.camera] * scale
         half_y = cameras.resolution_y_px[rows.camera] * scale
         return np.where(rows.landscape, half_y, half_x), np.where(rows.landscape, half_x, half_y)
 
-    def path_m(self, scene: SceneOptics, rows: Rows, range_m: float, *, high: bool) -> Array:
+    def path_m(self, scene: SceneOptics, rows: OutlineRows, range_m: float, *, high: bool) -> Array:
         """Metres of floor per tangent in air on the axis: what the range counts for behind these ports."""
         if scene.paper:
             return np.full(len(rows), range_m)
@@ -237,7 +237,7 @@ class Level:
         flat = g.gap_low_m + g.glass_low_m / g.index_high + range_m / scene.n_water
         return np.where(g.is_dome, range_m + g.radius_low_m, flat)[at]
 
-    def edges_m(self, scene: SceneOptics, rows: Rows, tangent: Array, range_m: float) -> tuple[Array, Array]:
+    def edges_m(self, scene: SceneOptics, rows: OutlineRows, tangent: Array, range_m: float) -> tuple[Array, Array]:
         """Least and most distance on the floor of rays at these tangents: grows with radius, gap and glass,
         falls with the glass's index."""
         if scene.paper:
@@ -254,12 +254,12 @@ class Level:
             ends.append(np.where(dome, (range_m + radius[at]) * tangent, flat))
         return ends[0], ends[1]
 
-    def extent(self, scene: SceneOptics, rows: Rows, range_m: float) -> Extent:
+    def extent(self, scene: SceneOptics, rows: OutlineRows, range_m: float) -> Extent:
         """Half widths of the images at one range."""
         along, across = self.tangents(rows)
         return Extent(*self.edges_m(scene, rows, along, range_m), *self.edges_m(scene, rows, across, range_m))
 
-    def blur_time_s(self, scene: SceneOptics, rows: Rows) -> Array:
+    def blur_time_s(self, scene: SceneOptics, rows: OutlineRows) -> Array:
         """The most time that the blur leaves, at the nearest altitude: no less than at the worst one."""
         blur_px, vehicle = scene.view.requirements.max_blur_px, scene.view.vehicle
         if blur_px is None:
@@ -277,7 +277,7 @@ class Level:
                 time = np.minimum(time, np.where(moving > 0.0, blur_px * pixel / moving, np.inf))
         return time
 
-    def smallest_pixels_m(self, scene: SceneOptics, rows: Rows, range_m: float) -> tuple[Array, Array]:
+    def smallest_pixels_m(self, scene: SceneOptics, rows: OutlineRows, range_m: float) -> tuple[Array, Array]:
         """The most that the smallest ground samples along and across can be.
 
         Behind a flat port the glass's term, t (n^2 + k v^2) / (n^2 + k rho^2)^(3/2), is at most t / n.
@@ -298,7 +298,7 @@ class Level:
             pixels.append(scale * np.where(dome, whole, flat))
         return pixels[0], pixels[1]
 
-    def crowding(self, scene: SceneOptics, rows: Rows, extent: Extent, range_m: float) -> Array:
+    def crowding(self, scene: SceneOptics, rows: OutlineRows, extent: Extent, range_m: float) -> Array:
         """The most that flat ports crowd samples at the corner; see `fields.crowding_of`."""
         g, at = self.groups, rows.group
         along, across = self.tangents(rows)
@@ -314,7 +314,7 @@ class Level:
 
     # ------------------------------------------------------------ rules and columns
 
-    def imagers(self, rows: Rows) -> Imagers:
+    def imagers(self, rows: OutlineRows) -> Imagers:
         """These rows as if they were imagers, every column at its best."""
         problem, g = self.problem, self.groups
         cameras, lenses = problem.cameras, problem.lenses
@@ -336,7 +336,7 @@ class Level:
             gsd_m * 1e3, scenes, {}, {},
         )  # fmt: skip
 
-    def scene_imagers(self, index: int, rows: Rows) -> SceneImagers:
+    def scene_imagers(self, index: int, rows: OutlineRows) -> SceneImagers:
         """Views and focus of these rows in one scene; only what bounds look at."""
         problem, scene = self.problem, self.problem.scenes[index]
         cameras, lenses = problem.cameras, problem.lenses
@@ -362,7 +362,7 @@ class Level:
             self.blur_time_s(scene, rows), nothing,
         ))  # fmt: skip
 
-    def coc_m(self, scene: SceneOptics, rows: Rows) -> Array:
+    def coc_m(self, scene: SceneOptics, rows: OutlineRows) -> Array:
         """Circle of confusion of the cameras."""
         from uwopt.forward.views import PAPER_COC_PER_DIAGONAL
 
@@ -375,7 +375,7 @@ class Level:
         )
         return np.asarray(diagonal * PAPER_COC_PER_DIAGONAL)
 
-    def rules(self, rows: Rows, imagers: Imagers) -> list[tuple[str, Array]]:
+    def rules(self, rows: OutlineRows, imagers: Imagers) -> list[tuple[str, Array]]:
         """Each imagers' rule with the rows that some port of the group may pass, in the imagers' order."""
         problem, limits = self.problem, self.problem.mission.limits
         cameras, count = problem.cameras, problem.mission.vehicle.camera_count
@@ -387,25 +387,25 @@ class Level:
             needs, focused = scene.view.requirements, seen.focused
             far = self.path_m(scene, rows, float(scene.range_m[-1]), high=False)
             gsd_mm = self.pixel_per_range(rows) * far * 1e3
-            passes["max_gsd_mm"] &= gsd_mm <= limit(needs.max_gsd_mm) * ROUND
+            passes["max_gsd_mm"] &= gsd_mm <= limit(needs.max_gsd_mm) * COARSE_ROUND
             if needs.min_swath_m is not None:
                 nearest = self.extent(scene, rows, float(scene.range_m[0]))
-                passes["min_swath_m"] &= 2.0 * nearest.across_high_m * ROUND >= needs.min_swath_m
-            passes["frame_rate"] &= focused.rate_hz <= cameras.max_rate_hz[rows.camera] * ROUND
+                passes["min_swath_m"] &= 2.0 * nearest.across_high_m * COARSE_ROUND >= needs.min_swath_m
+            passes["frame_rate"] &= focused.rate_hz <= cameras.max_rate_hz[rows.camera] * COARSE_ROUND
             data = focused.rate_hz * cameras.frame_mb[rows.camera] * count
-            passes["data_rate_mb_s"] &= data <= limit(limits.data_rate_mb_s) * ROUND
-            passes["min_dof_m"] &= np.isfinite(focused.n_low) & (focused.n_low <= focused.n_high * ROUND)
+            passes["data_rate_mb_s"] &= data <= limit(limits.data_rate_mb_s) * COARSE_ROUND
+            passes["min_dof_m"] &= np.isfinite(focused.n_low) & (focused.n_low <= focused.n_high * COARSE_ROUND)
         passes["max_blur_px"] = cameras.min_exposure_s[rows.camera] <= limits.max_exposure_ms * 1e-3
-        passes["cost"] = imagers.limit_cost <= limit(limits.cost) * ROUND
-        passes["mass_kg"] = imagers.mass_kg <= limit(limits.mass_kg) * ROUND
-        passes["power_w"] = imagers.camera_power_w <= limit(limits.power_w) * ROUND
+        passes["cost"] = imagers.limit_cost <= limit(limits.cost) * COARSE_ROUND
+        passes["mass_kg"] = imagers.mass_kg <= limit(limits.mass_kg) * COARSE_ROUND
+        passes["power_w"] = imagers.camera_power_w <= limit(limits.power_w) * COARSE_ROUND
         return list(passes.items())
 
 
 class OutlineTables(FieldTables):
     """Bounds of the light of rows of an outline."""
 
-    def __init__(self, level: Level, rows: Rows, imagers: Imagers, like: FieldTables):
+    def __init__(self, level: Level, rows: OutlineRows, imagers: Imagers, like: FieldTables):
         super().__init__(level.problem, imagers, like=like)
         self.level, self.outline = level, rows
 

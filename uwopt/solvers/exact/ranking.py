@@ -12,9 +12,9 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.tolerances import TIE
 
 Array = NDArray[Any]
-TIE = 1e-9
 
 
 def told_apart(value: Array | float) -> Array:

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lights
 from uwopt.objectives.objective import Terms
-from uwopt.solvers.exact.bounds import ROUND, UNIT_RULES, Bounds, UnitBounds
+from uwopt.solvers.exact.bounds import UNIT_RULES, Bounds, UnitBounds
 from uwopt.solvers.exact.imagers import limit
+from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 MEETS = 1.0 + 1e-9  # a rate or a capacity met to rounding

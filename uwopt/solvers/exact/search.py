@@ -26,7 +26,7 @@ from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import Account, Outcome, Sample, snr_ceiling
-from uwopt.solvers.exact.bounds import ROUND, UNIT_RULES, Bounds, LightTable, UnitBounds
+from uwopt.solvers.exact.bounds import UNIT_RULES, Bounds, LampChoices, UnitBounds
 from uwopt.solvers.exact.imagers import (
     Imagers,
     enumerate_imagers,
@@ -35,9 +35,10 @@ from uwopt.solvers.exact.imagers import (
     limit,
 )
 from uwopt.solvers.exact.light_tables import FieldTables, Lighting
-from uwopt.solvers.exact.ranking import TIE, Ranking
+from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.settings.best import GAP, best_settings
 from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.tolerances import ROUND, TIE
 
 Array = NDArray[Any]
 
@@ -56,7 +57,7 @@ Sift = Callable[
 
 
 @dataclass(frozen=True)
-class Pairs:
+class NodeDesigns:
     """Designs as (unit, light, count): `unit` points into `imager`."""
 
     imager: Array
@@ -66,9 +67,9 @@ class Pairs:
     cost: Array
     mass_kg: Array
 
-    def take(self, index: Array) -> Pairs:
+    def take(self, index: Array) -> NodeDesigns:
         """These designs only; the list of imagers stays."""
-        return Pairs(
+        return NodeDesigns(
             self.imager,
             self.unit[index],
             self.light[index],
@@ -300,7 +301,7 @@ class Search:
                 self._evaluate_pairs(rows[part], [light.take(part) for light in lights], lighting, table)
 
     def _evaluate_pairs(
-        self, imager: Array, lights: list[ImageLight], lighting: Lighting, table: LightTable
+        self, imager: Array, lights: list[ImageLight], lighting: Lighting, table: LampChoices
     ) -> None:
         """Every (imager, light, count): drop what misses a limit or cannot win, solve the rest."""
         n_light = len(table.light)
@@ -327,12 +328,12 @@ class Search:
         keep = np.nonzero(rule < 0)[0]
         self.account.evaluated += len(keep)
         if len(keep):
-            pairs = Pairs(
+            pairs = NodeDesigns(
                 imager, unit[keep], table.light[item[keep]], table.count[item[keep]], cost[keep], mass[keep]
             )
             self._solve_pairs(pairs, lights, lighting)
 
-    def _solve_pairs(self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting) -> None:
+    def _solve_pairs(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
         """Settings of these designs, and their place among the best.
 
         Where there are veils, designs are bounded first as if there were none; the veils' integrals are
@@ -359,7 +360,7 @@ class Search:
         self.account.evaluated -= found - solved
         self.account.discarded["bound"] += found - solved
 
-    def _bound(self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting) -> Array:
+    def _bound(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> Array:
         """Lower bounds on the objective from the light known so far; inf: infeasible with any veil."""
         return self.solve(pairs, [light.take(pairs.unit) for light in lights], lighting, optimistic=True)[0]
 
@@ -372,7 +373,7 @@ class Search:
             self.tables.exact(s, lighting, imager, known=light, veils=veils) for s, light in enumerate(lights)
         ]
 
-    def _solve_hopeful(self, pairs: Pairs, bound: Array, lights: list[ImageLight], lighting: Lighting) -> int:
+    def _solve_hopeful(self, pairs: NodeDesigns, bound: Array, lights: list[ImageLight], lighting: Lighting) -> int:
         """Designs that may win, best bound first, with all their veils; how many were solved."""
         least = np.full(len(pairs.imager), np.inf)
         np.minimum.at(least, pairs.unit, bound)
@@ -395,13 +396,13 @@ class Search:
             batch = min(2 * batch, LARGEST_VEILS)
         return solved
 
-    def _rank(self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting) -> None:
+    def _rank(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
         """Solve these designs and put them in their place among the best."""
         solved = self.solve(pairs, lights, lighting)
         self.ranking.add(pairs.imager[pairs.unit], pairs.light, pairs.count, lighting, *solved)
 
     def solve(
-        self, pairs: Pairs, lights: list[ImageLight], lighting: Lighting, *, optimistic: bool = False
+        self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting, *, optimistic: bool = False
     ) -> tuple[Array, Terms, list[Chosen], list[Array]]:
         """Objective (inf where infeasible), its terms, settings and exposures of these designs.
 

@@ -28,11 +28,11 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.designs import values_of
 from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import exact_settings
+from uwopt.tolerances import TIE
 
 KINDS = ("camera", "light")
 MOST_MAKERS = 12  # of a kind
 LONGEST_S = 5.0  # for all of them: what is not reached by then is left out
-TIE_REL = 1e-9
 
 
 def beside_best(
@@ -46,7 +46,7 @@ def beside_best(
         values = {} if value is None else {goal.name: value}
         if value is None:
             text = ""
-        elif abs(value - least) <= TIE_REL * abs(least):
+        elif abs(value - least) <= TIE * abs(least):
             text = "as good; ties are broken by power, cost, mass and number of lamps"
         else:
             share = 100.0 * (value / least - 1.0) if least else 0.0

@@ -19,12 +19,12 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.problem import Parts, Problem
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.bounds import ROUND
 from uwopt.solvers.exact.imagers import limit
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.exact.search import Pairs, Search
+from uwopt.solvers.exact.search import NodeDesigns, Search
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
+from uwopt.tolerances import ROUND
 
 DOUBTFUL = ("estimated", "generic", "derived")
 UNITS_BY_SUFFIX = {
@@ -197,7 +197,7 @@ def values_under(search: Search, imagers: Any, rows: Any, light_index: int, coun
     mass = imagers.mass_kg[rows] + number * problem.lights.mass_kg[light]
     unique, back = np.unique(rows, return_inverse=True)
     lights = [search.tables.exact(i, lighting, unique) for i in range(len(problem.scenes))]
-    pairs = Pairs(unique, back, light, number, cost, mass)
+    pairs = NodeDesigns(unique, back, light, number, cost, mass)
     value = search.solve(pairs, [seen.take(back) for seen in lights], lighting)[0]
     within = (limit_cost <= limit(limits.cost) * ROUND) & (mass <= limit(limits.mass_kg) * ROUND)
     return np.where(within, value, np.inf)

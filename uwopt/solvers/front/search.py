@@ -22,15 +22,16 @@ from uwopt.errors import MissionError
 from uwopt.forward.lamp_light import ImageLight, Veils
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
-from uwopt.objectives.dominance import Archive, clearly, hypervolume, nondominated
+from uwopt.objectives.dominance import BestPoints, clearly, hypervolume, nondominated
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.account import RULES
-from uwopt.solvers.exact.bounds import ROUND, UNIT_RULES
+from uwopt.solvers.exact.bounds import UNIT_RULES
 from uwopt.solvers.exact.imagers import limit
 from uwopt.solvers.exact.light_tables import Lighting
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.trade_curves import Answers, Curves, Hopeful, Trade
 from uwopt.solvers.settings import closed_form
+from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
@@ -84,7 +85,7 @@ class FrontSearch:
         self.deadline = deadline
         self.progress = progress or (lambda share, what: None)
         self.search = Search(problem, axes.objective, top=1)
-        self.archive = Archive(len(axes))
+        self.archive = BestPoints(len(axes))
         self.curves: list[Curves] = []
         self.account: dict[str, int] = dict.fromkeys(FRONT_RULES, 0) | {"evaluated": 0}
         self.history: list[tuple[float, Array]] = []

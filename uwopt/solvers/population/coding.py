@@ -23,13 +23,13 @@ from uwopt.objectives.objective import UNITS
 from uwopt.objectives.own import OwnFunction, OwnObjective
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.decoding import Decoded, Shares, log_excess, on_curve, one_by_one
+from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 Axis = str | OwnObjective | OwnFunction
 KINDS = (CONTINUOUS, PULSED, FLASH)
 BEST_UNITS = 500  # whose lamps are looked at one by one for the first population
 DRAWS = 20  # of each vector of the first population
-ROUND = 1.0 + 1e-9  # a limit met to rounding is met
 GRID = 1000  # steps of genes that are shares
 MOST_BOUNDED = 3_000_000  # imagers times lightings: bounding more of them takes longer than it saves
 
@@ -65,7 +65,7 @@ def resolved_axes(
 
 
 @dataclass(frozen=True)
-class Built:
+class CodedHardware:
     """Hardware of n designs; `lighting` is an index into the tables' list."""
 
     imager: Array
@@ -73,9 +73,9 @@ class Built:
     count: Array
     lighting: Array
 
-    def take(self, index: Array) -> Built:
+    def take(self, index: Array) -> CodedHardware:
         """These designs only."""
-        return Built(*(getattr(self, f.name)[index] for f in fields(self)))
+        return CodedHardware(*(getattr(self, f.name)[index] for f in fields(self)))
 
 
 @dataclass(frozen=True)
@@ -286,7 +286,7 @@ class Coding:
         gene = self.column(vectors, name)
         return np.full(len(vectors), default) if gene is None else gene / GRID
 
-    def built(self, vectors: Array) -> Built:
+    def built(self, vectors: Array) -> CodedHardware:
         """Hardware of vectors."""
         gene = {name: vectors[:, i] for i, name in enumerate(self.names)}
         top = dict(self.genes)
@@ -298,9 +298,9 @@ class Coding:
         mount = self.mounts[gene["baseline"], gene["tilt"]]
         optics = self.search.problem.lights.optics_index[light]
         lighting = optics * len(self.search.problem.mounts) + mount
-        return Built(imager, light, self.low + gene["count"], lighting)
+        return CodedHardware(imager, light, self.low + gene["count"], lighting)
 
-    def genes_of(self, built: Built, rng: np.random.Generator) -> Array:
+    def genes_of(self, built: CodedHardware, rng: np.random.Generator) -> Array:
         """Vectors with this hardware and settings at random."""
         vectors = self.random(len(built.imager), rng)
         top, column = dict(self.genes), {name: i for i, name in enumerate(self.names)}
@@ -332,12 +332,12 @@ class Coding:
         turn = np.concatenate([2.0 * np.arange(len(first)), 2.0 * np.arange(len(drawn)) + 1.0])
         return np.concatenate([first, drawn])[np.argsort(turn, kind="stable")]
 
-    def seeds(self, most: int) -> Built:
+    def seeds(self, most: int) -> CodedHardware:
         """Designs of the best units with any lamps: what nothing dominates by cost, mass and the units' bounds."""
         built, ideal = self.bounded()
         return built.take(layers(ideal, most))
 
-    def bounded(self) -> tuple[Built, Array]:
+    def bounded(self) -> tuple[CodedHardware, Array]:
         """All designs of the best units with any lamps that limits allow, and the best that each could be."""
         units, problem = self.units, self.search.problem
         own = [np.nonzero(problem.lights.optics_index == optics)[0] for optics in range(len(problem.optics))]
@@ -345,10 +345,10 @@ class Coding:
         n_counts = self.high - self.low + 1
         unit = np.repeat(np.arange(len(optics)), [len(own[o]) * n_counts for o in optics])
         if len(unit) == 0:
-            return Built(unit, unit, unit, unit), np.empty((0, len(self.axes)))
+            return CodedHardware(unit, unit, unit, unit), np.empty((0, len(self.axes)))
         light = np.concatenate([np.repeat(own[o], n_counts) for o in optics])
         count = np.tile(np.arange(self.low, self.high + 1), len(unit) // n_counts)
-        built = Built(units.best_imager[unit], light, count, units.best_lighting[unit])
+        built = CodedHardware(units.best_imager[unit], light, count, units.best_lighting[unit])
         may = np.nonzero(self.beyond(built) <= 0.0)[0]
         built, ideal = built.take(may), units.best_ideal[unit[may]].copy()
         for column, axis in enumerate(self.axes):
@@ -367,7 +367,7 @@ class Coding:
         missing = np.stack([self.beyond(self.built(vectors)) for vectors in draws])
         return np.stack(draws)[missing.argmin(axis=0), np.arange(len(draws[0]))]
 
-    def beyond(self, built: Built) -> Array:
+    def beyond(self, built: CodedHardware) -> Array:
         """By how much hardware misses what can be told without its light: budgets, and light by its bound."""
         problem, imagers = self.search.problem, self.search.imagers
         limits, lights = problem.mission.limits, problem.lights
@@ -406,14 +406,14 @@ def middle(index: Array | int, size: Array | int, top: int) -> Any:
     return -(-index * (top + 1) // size)
 
 
-def cost_of(search: Search, built: Built) -> Array:
+def cost_of(search: Search, built: CodedHardware) -> Array:
     """Price of everything."""
     lights = search.problem.lights
     lamps = search.problem.lamps_to_buy(built.light, built.count) * lights.price[built.light]
     return np.asarray(search.imagers.cost[built.imager] + lamps)
 
 
-def mass_kg_of(search: Search, built: Built) -> Array:
+def mass_kg_of(search: Search, built: CodedHardware) -> Array:
     """Mass of everything."""
     lamps = built.count * search.problem.lights.mass_kg[built.light]
     return np.asarray(search.imagers.mass_kg[built.imager] + lamps)

@@ -17,6 +17,7 @@ from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.closed_form import Chosen, Sun
+from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
 DARK_ROUNDS = 6
@@ -206,10 +207,10 @@ class SceneRange:
         top = np.minimum(rows.max_level, 1.0)
         top = np.where(rows.kind == PULSED, top, np.minimum(top, self.power_share * (1 + 1e-9)))
         usable = np.where(rows.dims_freely[:, None], np.nan, rows.levels)
-        usable = np.where(usable <= top[:, None] * (1 + closed_form.SLACK), usable, np.nan)
+        usable = np.where(usable <= top[:, None] * (1 + SLACK), usable, np.nan)
         if self.low is not None and self.high is not None:
             reach = closed_form.f_number_ranges(replace(rows, max_level=top), self.low, self.high)
-            reachable = reach[0] <= reach[1] * (1 + closed_form.SLACK)
+            reachable = reach[0] <= reach[1] * (1 + SLACK)
             helps = reachable & np.isfinite(usable)
             some = np.any(helps, axis=1, keepdims=True)
             usable = np.where(some, np.where(helps, usable, np.nan), usable)

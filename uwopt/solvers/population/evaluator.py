@@ -25,9 +25,9 @@ from uwopt.objectives.requirements import MarginRows, scene_margins, system_marg
 from uwopt.solvers.exact.imagers import limit
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.population.coding import Built, Coding, cost_of, mass_kg_of
+from uwopt.solvers.population.coding import CodedHardware, Coding, cost_of, mass_kg_of
 from uwopt.solvers.population.decoding import Decoded, shortfall
-from uwopt.solvers.population.light_store import LightStore, Seen
+from uwopt.solvers.population.light_store import LightStore, SeenLight
 
 Array = NDArray[Any]
 LEAST_MISS, MOST_MISS = 1e-4, 10.0  # what one requirement that is missed adds to a violation
@@ -42,7 +42,7 @@ class Solved:
     """The designs of vectors that have settings: places of the vectors, settings, and the feasible among them."""
 
     place: Array  # of designs with rows among all vectors
-    built: Built
+    built: CodedHardware
     decoded: Decoded
     good: Array  # among `place`: feasible
     figures: Mapping[str, Array]  # of the good ones
@@ -144,15 +144,15 @@ class Evaluator:
         figures = {name: c[holds] for name, c in self._named(made, some).items()}
         return Solved(place, built, decoded, fits[holds], figures, violation)
 
-    def _camera_power_w(self, built: Built) -> Array:
+    def _camera_power_w(self, built: CodedHardware) -> Array:
         return np.asarray(self.search.imagers.camera_power_w[built.imager])
 
-    def _scene_rows(self, s: int, built: Built, seen: Seen) -> SceneRows:
+    def _scene_rows(self, s: int, built: CodedHardware, seen: SeenLight) -> SceneRows:
         return scene_rows(self.search, s, built, seen)
 
     # ------------------------------------------------------------ figures
 
-    def _design_rows(self, s: int, built: Built, seen: Seen) -> DesignRows:
+    def _design_rows(self, s: int, built: CodedHardware, seen: SeenLight) -> DesignRows:
         """The forward model's view of designs in one scene."""
         problem, imagers, scene = self.problem, self.search.imagers, self.problem.scenes[s]
         port, lights = imagers.port[built.imager], problem.lights.take(built.light)
@@ -168,7 +168,7 @@ class Evaluator:
         )  # fmt: skip
 
     def _figures(
-        self, s: int, built: Built, seen: Seen, decoded: Decoded, index: Array
+        self, s: int, built: CodedHardware, seen: SeenLight, decoded: Decoded, index: Array
     ) -> tuple[DesignRows, SettingRows, Figures]:
         """What the forward model says of designs at their decoded settings in one scene."""
         rows, chosen = self._design_rows(s, built, seen), decoded.chosen[s]
@@ -186,7 +186,7 @@ class Evaluator:
         return rows, settings, figures_of(scene, rows, settings, information=self.information)
 
     def _missed(
-        self, s: int, built: Built, rows: DesignRows, settings: SettingRows, figures: Figures
+        self, s: int, built: CodedHardware, rows: DesignRows, settings: SettingRows, figures: Figures
     ) -> Array:
         """By how much margins are missed in one scene; 0 where every requirement holds."""
         total = np.zeros(len(built.imager))
@@ -199,7 +199,7 @@ class Evaluator:
         return total
 
     def _margins(
-        self, s: int, built: Built, rows: DesignRows, settings: SettingRows, figures: Figures
+        self, s: int, built: CodedHardware, rows: DesignRows, settings: SettingRows, figures: Figures
     ) -> list[MarginRows]:
         """Every requirement that settings touch; cost, mass, depth and view were checked with the hardware."""
         problem, limits = self.problem, self.problem.mission.limits
@@ -225,7 +225,7 @@ class Evaluator:
                 columns.append(axis.minimised(figures))
         return np.stack(columns, axis=1)
 
-    def _named(self, made: list[tuple[DesignRows, SettingRows, Figures]], built: Built) -> dict[str, Array]:
+    def _named(self, made: list[tuple[DesignRows, SettingRows, Figures]], built: CodedHardware) -> dict[str, Array]:
         """Figures by name, each of the scene where it is worst; parts too, where own objectives may ask."""
         problem, imagers = self.problem, self.search.imagers
 
@@ -249,7 +249,7 @@ class Evaluator:
             found |= self._more(worst, built)
         return found
 
-    def _more(self, worst: Callable[..., Array], built: Built) -> dict[str, Array]:
+    def _more(self, worst: Callable[..., Array], built: CodedHardware) -> dict[str, Array]:
         """What only own objectives ask for."""
         problem, imagers, parts = self.problem, self.search.imagers, self.problem.parts
         level = worst(lambda k, r, t, f: t.level, most=True)
@@ -282,17 +282,17 @@ class Evaluator:
         return found
 
 
-def lacking_without_veils(search: Search, store: LightStore, built: Built) -> Array:
+def lacking_without_veils(search: Search, store: LightStore, built: CodedHardware) -> Array:
     """By how much designs miss what they need even with no veil and the least dark current."""
     rows = []
     for s in range(len(search.problem.scenes)):
         light = store.signal(s, built.imager, built.lighting)
-        one = replace(scene_rows(search, s, built, Seen(light, None, None, None)), optimistic=True)
+        one = replace(scene_rows(search, s, built, SeenLight(light, None, None, None)), optimistic=True)
         rows.append(replace(one, dark_time_s=np.maximum(one.exposure_s(one.time_min_s), 0.0)))
     return shortfall(rows, search.motorised[built.imager])
 
 
-def scene_rows(search: Search, s: int, built: Built, seen: Seen) -> SceneRows:
+def scene_rows(search: Search, s: int, built: CodedHardware, seen: SeenLight) -> SceneRows:
     """The settings' view of designs in one scene."""
     imagers = search.imagers
     rows = setting_rows(

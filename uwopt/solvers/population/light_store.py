@@ -82,7 +82,7 @@ class Store(Generic[Columns]):
 
 
 @dataclass(frozen=True)
-class Seen:
+class SeenLight:
     """What designs see in one scene, before their lamp's output factor."""
 
     light: ImageLight
@@ -90,9 +90,9 @@ class Seen:
     sharp: SharpRows | None
     even: Array | None  # whether the floor is lit evenly enough; None: nobody asks
 
-    def take(self, index: Array) -> Seen:
+    def take(self, index: Array) -> SeenLight:
         """These designs only."""
-        return Seen(*(None if c is None else c[index] if isinstance(c, np.ndarray) else c.take(index)
+        return SeenLight(*(None if c is None else c[index] if isinstance(c, np.ndarray) else c.take(index)
                       for c in (self.light, self.sun, self.sharp, self.even)))  # type: ignore[arg-type]  # fmt: skip
 
 
@@ -117,7 +117,7 @@ class LightStore:
         """How many images' light was worked out."""
         return sum(len(store.keys) for store in self.lights)
 
-    def seen(self, scene_index: int, imager: Array, lighting: Array, count: Array) -> Seen:
+    def seen(self, scene_index: int, imager: Array, lighting: Array, count: Array) -> SeenLight:
         """What these designs see; `lighting` is an index into the tables' list."""
         problem = self.problem
         scene = problem.scenes[scene_index]
@@ -136,7 +136,7 @@ class LightStore:
         view = self.imagers.scenes[scene_index].view
         area = view.collecting_m2[imager] / view.collecting_m2[self.images[image]]
         optics = np.array([item.optics for item in self.search.tables.lightings])[lighting]
-        return Seen(
+        return SeenLight(
             light.scaled(area), None if sun is None else scaled_sun(sun, area),
             self.sharps[scene_index].rows(optics * len(self.imagers) + imager) if self.sharp else None,
             self._even(scene_index, by_count),

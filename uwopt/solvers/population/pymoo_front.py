@@ -93,14 +93,14 @@ def population_front(
         near = nearest(algorithm, ALGORITHMS)
         hint = f"; did you mean {near}?" if near else f"; known: {', '.join(ALGORITHMS)}"
         raise MissionError(f"algorithm {algorithm!r} is not known{hint}")
-    run = Run(search, resolved_axes(axes, functions), algorithm, seed, pop_size or POP_SIZE)
+    run = PymooRun(search, resolved_axes(axes, functions), algorithm, seed, pop_size or POP_SIZE)
     status = "complete"
     if not run.coding.empty:
         status = run.until(seconds, generations, progress or (lambda share, what: None))
     return run.result(status)
 
 
-class Run:
+class PymooRun:
     """State of one run."""
 
     def __init__(
@@ -223,7 +223,7 @@ class Run:
 class Vectors(Problem):  # type: ignore[misc]
     """The problem as pymoo sees it: integer vectors, all of a generation at once."""
 
-    def __init__(self, run: Run):
+    def __init__(self, run: PymooRun):
         super().__init__(
             n_var=len(run.coding.upper),
             n_obj=len(run.axes),

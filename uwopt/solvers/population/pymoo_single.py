@@ -29,7 +29,7 @@ ETA = 3.0  # of both operators, as its page on discrete variables has them
 WORST = 1e30  # of infeasible vectors: they are told apart by their violation
 
 
-class Vectors(Problem):  # type: ignore[misc]
+class SingleVectors(Problem):  # type: ignore[misc]
     """Integer vectors with one objective, all of a generation at once."""
 
     def __init__(self, evaluate: Evaluate, upper: Array):
@@ -60,7 +60,7 @@ def genetic(evaluate: Evaluate, upper: Array, first: Array, *, seed: int, over: 
         mutation=PM(prob=1.0, eta=ETA, vtype=float, repair=repair),
         eliminate_duplicates=True,
     )
-    algorithm.setup(Vectors(evaluate, upper), termination=NoTermination(), seed=seed, verbose=False)
+    algorithm.setup(SingleVectors(evaluate, upper), termination=NoTermination(), seed=seed, verbose=False)
     while not over() and algorithm.has_next():
         algorithm.next()
 

@@ -26,7 +26,8 @@ from uwopt.model.sharpness import (
     sinc_mtf,
 )
 from uwopt.solvers.settings import closed_form
-from uwopt.solvers.settings.closed_form import SLACK, Sun
+from uwopt.solvers.settings.closed_form import Sun
+from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
 MEETS = 1e-9  # relative, by which a point may miss a requirement

@@ -62,7 +62,7 @@ class Nodes:
 
 
 @dataclass(frozen=True)
-class Group:
+class TransferGroup:
     """Designs that share a rule, with what no setting changes of their transfer."""
 
     nodes: Nodes
@@ -110,7 +110,7 @@ class Information:
         smears = sharp.blur_px_per_s[:, 1] * longest_s > SMEARED_PX
         n = len(sharp.wavelength_nm)
         self.group, self.place = np.zeros(n, int), np.zeros(n, int)
-        self.groups: list[Group] = []
+        self.groups: list[TransferGroup] = []
         for rows, spread in sharp.groups():
             k = np.hypot(sharp.rms_k_along[rows], sharp.rms_k_across[rows])
             rms_px = np.zeros(len(rows)) if spread is None else k * spread.index_rms / (2.0 * np.pi)
@@ -131,13 +131,13 @@ class Information:
                     transfer = transfer * spread_mtf(k_al * nodes.along + k_ac * nodes.across, table=spread)
                 self.group[some], self.place[some] = len(self.groups), np.arange(len(some))
                 with np.errstate(divide="ignore"):
-                    self.groups.append(Group(nodes, np.log(np.maximum(transfer, 1e-300))))
+                    self.groups.append(TransferGroup(nodes, np.log(np.maximum(transfer, 1e-300))))
 
     def blur_px(self, design: Array, time_s: Array) -> Array:
         """Motion in a time, nominal altitude."""
         return np.asarray(self.sharp.blur_px_per_s[design, 1] * time_s)
 
-    def _parts(self, group: Group, design: Array, f_number: Array, working: Array, blur: Array) -> list[Any]:
+    def _parts(self, group: TransferGroup, design: Array, f_number: Array, working: Array, blur: Array) -> list[Any]:
         """Pupil and disc by radius, motion by node: (ln, slope) each, (n, n_base), (n, n_base), (n, n_nodes)."""
         sharp, nodes = self.sharp, group.nodes
         cycle = working * sharp.wavelength_nm[design] * 1e-9 / sharp.pixel_pitch_m[design]
@@ -199,7 +199,7 @@ class Information:
                 out[mine[on], v] = bits(z + snr[on, v, None]) @ group.nodes.weight
         return out
 
-    def _chunks(self, design: Array, copies: int) -> list[tuple[Group, Array]]:
+    def _chunks(self, design: Array, copies: int) -> list[tuple[TransferGroup, Array]]:
         """Cells by group, few enough at a time."""
         chunks = []
         for index, group in enumerate(self.groups):

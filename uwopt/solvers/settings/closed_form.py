@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import light, sensor
+from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
-SLACK = 1e-12  # relative, so that a window of one point is not lost to rounding
 
 
 @dataclass(frozen=True)

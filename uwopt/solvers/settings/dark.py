@@ -28,7 +28,8 @@ from numpy.typing import NDArray
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
 from uwopt.solvers.settings import closed_form
-from uwopt.solvers.settings.closed_form import SLACK, Chosen, Window
+from uwopt.solvers.settings.closed_form import Chosen, Window
+from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
 HALVINGS = 60  # of a range of times, in its logarithm: to the last digit
