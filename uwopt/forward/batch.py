@@ -63,7 +63,7 @@ class Batch:
                     count=int(count), pixels=pixels, veils=veils, known=None if known is None else known.take(mine),
                 )  # fmt: skip
                 parts.append((mine, light))
-        return ImageLight.joined(parts, len(d))
+        return ImageLight.in_places(parts, len(d))
 
     def _views(self, scene: SceneOptics, index: int) -> Views:
         """Geometry row by row, port by port and orientation by orientation."""
@@ -170,7 +170,7 @@ class Batch:
             )
             for rows, _, optics in self.groups(by_curve=False)
         ]
-        return SharpRows.joined(parts, len(d))
+        return SharpRows.in_places(parts, len(d))
 
     def figures(
         self, index: int, rows: DesignRows, settings: SettingRows, *, information: bool = False

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.focus import held_at_corner
 from uwopt.forward.lamp_light import ImageLight, SunLight, added
 from uwopt.forward.motion import motion_across, motion_along
@@ -29,7 +30,7 @@ Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
-class SettingRows:
+class SettingRows(Columns):
     """What is set on n designs in one scene; SI. `pulse_s` counts for pulsed LEDs and flashes only."""
 
     f_number: Array
@@ -39,10 +40,6 @@ class SettingRows:
     level: Array
     rate_hz: Array
     dioptre_per_m: Array
-
-    def take(self, index: Array) -> SettingRows:
-        """These rows only."""
-        return SettingRows(**{f.name: np.asarray(getattr(self, f.name))[index] for f in fields(self)})
 
 
 @dataclass(frozen=True)

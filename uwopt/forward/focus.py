@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.views import Views, field_dioptres_per_m
 from uwopt.model import lens, port
@@ -138,7 +139,7 @@ def working_factor(scene: SceneOptics, focal_length_m: Array, dioptre_per_m: Arr
 
 
 @dataclass(frozen=True)
-class Focused:
+class Focused(Columns):
     """What an imager brings to one scene beside its view: focus, f-numbers, rate and longest times."""
 
     dioptre_per_m: Array
@@ -148,7 +149,3 @@ class Focused:
     rate_hz: Array
     blur_time_s: Array
     skew_px: Array  # of a rolling shutter under lamps that burn; 0 for a global one
-
-    def take(self, index: Array) -> Focused:
-        """These rows only."""
-        return Focused(**{f.name: getattr(self, f.name)[index] for f in fields(self)})

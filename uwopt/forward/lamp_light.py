@@ -6,13 +6,13 @@ altitude: constants of hardware and scene that settings only scale.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.lamps import (
     Mount,
     on_axis_gain,
@@ -36,7 +36,7 @@ COARSE_FROM_RAD = float(np.deg2rad(15.0))  # half-power angle from which a lobe 
 
 
 @dataclass(frozen=True)
-class ImageLight:
+class ImageLight(Columns):
     """Electrons per lm s, (n, n_altitudes) image means; (n, n_altitudes, n_pixels) at pixels.
 
     A veil that is None is left out of the model, or absent.
@@ -54,40 +54,9 @@ class ImageLight:
         """Electrons that form no image."""
         return added(self.forward_e, self.backscatter_e)
 
-    def take(self, index: Array) -> ImageLight:
-        """These rows only."""
-        return self._each(lambda column: column[index])
-
-    def scaled(self, factor: Array) -> ImageLight:
-        """Every row times its own factor."""
-        return self._each(lambda column: column * factor.reshape(-1, *([1] * (column.ndim - 1))))
-
-    def _each(self, change: Any) -> ImageLight:
-        columns: dict[str, Any] = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        changed: dict[str, Any] = {n: None if c is None else change(c) for n, c in columns.items()}
-        return ImageLight(**changed)
-
-    @staticmethod
-    def joined(parts: Sequence[tuple[Array, ImageLight]], count: int) -> ImageLight:
-        """Groups of rows put back in their places; a group with fewer pixels repeats its last."""
-        columns: dict[str, Array | None] = {}
-        for name in ImageLight.__dataclass_fields__:
-            pieces = [(rows, getattr(light, name)) for rows, light in parts]
-            if not pieces or pieces[0][1] is None:
-                columns[name] = None
-                continue
-            deepest = max((piece.shape[2:] for _, piece in pieces), default=())
-            out = np.empty((count, *pieces[0][1].shape[1:2], *deepest))
-            for rows, piece in pieces:
-                if piece.ndim == 3 and piece.shape[2] < out.shape[2]:
-                    piece = np.pad(piece, ((0, 0), (0, 0), (0, out.shape[2] - piece.shape[2])), mode="edge")
-                out[rows] = piece
-            columns[name] = out
-        return ImageLight(**columns)  # type: ignore[arg-type]
-
 
 @dataclass(frozen=True)
-class SunLight:
+class SunLight(Columns):
     """Electrons per second of open shutter from the sun, at a working f-number of 1; shapes as `ImageLight`."""
 
     signal_e_s: Array
@@ -95,12 +64,6 @@ class SunLight:
     path_e_s: Array
     worst_e_s: Array | None = None
     worst_veil_e_s: Array | None = None
-
-    def take(self, index: Array) -> SunLight:
-        """These rows only."""
-        columns: dict[str, Any] = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        picked: dict[str, Any] = {n: None if c is None else c[index] for n, c in columns.items()}
-        return SunLight(**picked)
 
     @property
     def veil_e_s(self) -> Array:
@@ -334,4 +297,4 @@ def image_light(
         given = None if known is None else known.take(mine)
         light = field.light(view.take(mine), pixels=pixels, veils=veils, means=means, known=given)
         parts.append((mine, light))
-    return ImageLight.joined(parts, len(camera))
+    return ImageLight.in_places(parts, len(camera))

@@ -8,9 +8,9 @@ becomes one column in SI, taken at its central value, or at the end that favours
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cache
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,32 +19,19 @@ from uwopt.catalog.compatibility import rated_pitch_um
 from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
 from uwopt.catalog.records import Camera, Curve, Lens, Light, Part, Port, Quantity
+from uwopt.forward.columns import Columns
 from uwopt.model.light import flash_light_lm_s
 from uwopt.units import convert
 
 Array = NDArray[Any]
 End = Literal["central", "good", "bad"]
 Money = Callable[[float, str], float]  # amount, currency -> amount in the mission's currency
-T = TypeVar("T", bound="Columns")
 
 CONTINUOUS, PULSED, FLASH = 0, 1, 2
 KIND_CODES = {"continuous": CONTINUOUS, "pulsed_led": PULSED, "flash": FLASH}
 PAPER_BITS = 16
 NOT_IN_PAPER = ("black_level_dn", "exposure_offset_s", "dark_current_e_s", "prnu_frac")
 SI_UNITS = {"um": "m", "mm": "m", "us": "s", "g": "kg"}
-
-
-@dataclass(frozen=True)
-class Columns:
-    """Columns of equal length; `take` gathers rows."""
-
-    def take(self: T, index: Array | slice) -> T:
-        """The same columns at these rows."""
-        columns = {f.name: getattr(self, f.name) for f in fields(self)}
-        return replace(
-            self,
-            **{name: column[index] for name, column in columns.items() if isinstance(column, np.ndarray)},
-        )
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.focus import Focused
 from uwopt.forward.lamp_light import ImageLight, SunLight
 from uwopt.forward.part_columns import (
@@ -29,7 +29,7 @@ WHOLE_FLASH = 1.0 - 1e-9  # of its duration: the shutter stays open for all of i
 
 
 @dataclass(frozen=True)
-class SceneRows:
+class SceneRows(Columns):
     """What the settings of n designs depend on in one scene. Arrays (n,) or (n, n_altitudes), SI.
 
     `signal_e`: image-forming electrons per lm s of nameplate light at N_w = 1, image mean, by altitude;
@@ -90,44 +90,6 @@ class SceneRows:
     def total_e(self) -> Array:
         """All electrons per lm s, image mean, by altitude."""
         return self.signal_e if self.veil_e is None else self.signal_e + self.veil_e
-
-    def take(self, index: Array) -> SceneRows:
-        """These rows only."""
-        picked: dict[str, Any] = {
-            f.name: getattr(self, f.name)[index]
-            for f in fields(self)
-            if isinstance(getattr(self, f.name), np.ndarray)
-        }
-        if self.sharp is not None:
-            picked["sharp"] = self.sharp.take(index)
-        return replace(self, **picked)
-
-    @staticmethod
-    def joined(parts: Sequence[SceneRows]) -> SceneRows:
-        """All rows of some lists of one scene; lists with fewer pixels repeat their last."""
-        columns: dict[str, Any] = {}
-        for f in fields(SceneRows):
-            ones = [getattr(part, f.name) for part in parts]
-            if not isinstance(ones[0], np.ndarray):
-                continue
-            deepest = max(one.shape[-1] for one in ones) if ones[0].ndim > 1 else 0
-            columns[f.name] = np.concatenate(
-                [
-                    one
-                    if one.ndim == 1
-                    else np.pad(one, [(0, 0)] * (one.ndim - 1) + [(0, deepest - one.shape[-1])], mode="edge")
-                    for one in ones
-                ]
-            )
-        if parts[0].sharp is not None:
-            from uwopt.forward.sharpness import SharpRows
-
-            ends = np.cumsum([0, *(len(part.time_min_s) for part in parts)])
-            placed = [(np.arange(ends[k], ends[k + 1]), part.sharp) for k, part in enumerate(parts)]
-            columns["sharp"] = SharpRows.joined(
-                [(at, one) for at, one in placed if one is not None], int(ends[-1])
-            )
-        return replace(parts[0], **columns)
 
     @property
     def sunlit(self) -> bool:

@@ -7,12 +7,13 @@ Information is that of the field point which stands for the whole image.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.motion import motion_along
 from uwopt.forward.part_columns import (
     Cameras,
@@ -36,7 +37,7 @@ Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
-class SharpRows:
+class SharpRows(Columns):
     """What the sharpness of n designs depends on in one scene; (n, 3) at near, nominal and far altitude.
 
     Discs are those of f-number 1: a disc in pixels is this over the f-number as engraved.
@@ -57,17 +58,8 @@ class SharpRows:
     spreads: tuple[SpreadTable, ...]
     fineness: float = 1.0  # of integrals over spatial frequency
 
-    def take(self, index: Array) -> SharpRows:
-        """These rows only."""
-        picked: dict[str, Any] = {
-            f.name: getattr(self, f.name)[index]
-            for f in fields(self)
-            if isinstance(getattr(self, f.name), np.ndarray)
-        }
-        return replace(self, **picked)
-
-    @staticmethod
-    def joined(parts: Sequence[tuple[Array, SharpRows]], count: int) -> SharpRows:
+    @classmethod
+    def in_places(cls, parts: Sequence[tuple[Array, Self]], count: int) -> Self:
         """Groups of rows put back in their places; tables that groups share are kept once."""
         columns: dict[str, Any] = {}
         spreads: dict[int, SpreadTable] = {}
@@ -82,7 +74,7 @@ class SharpRows:
                     column = columns.setdefault(f.name, np.empty((count, *value.shape[1:]), value.dtype))
                     own = f.name == "spread_index" and len(place) > 0
                     column[rows] = np.array(place)[value] if own else value
-        return SharpRows(**columns, spreads=tuple(spreads.values()), fineness=fineness)
+        return cls(**columns, spreads=tuple(spreads.values()), fineness=fineness)
 
     def groups(self) -> list[tuple[Array, SpreadTable | None]]:
         """Rows that share the colours they detect; None where no colour is spread."""

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.part_columns import Cameras, Columns, Lenses, Ports
+from uwopt.forward.columns import Columns
+from uwopt.forward.part_columns import Cameras, Lenses, Ports
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.model import defocus, operation, port
 from uwopt.model.imaging import PortShape

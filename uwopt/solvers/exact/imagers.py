@@ -20,6 +20,7 @@ from uwopt.catalog.compatibility import (
     mount_compatible,
     rated_pitch_um,
 )
+from uwopt.forward.columns import Columns
 from uwopt.forward.focus import Focused, place_focus, working_factor
 from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
 from uwopt.forward.problem import Problem
@@ -37,7 +38,7 @@ IMAGER_RULES = (
 
 
 @dataclass(frozen=True)
-class SceneImagers:
+class SceneImagers(Columns):
     """Columns of all imagers in one scene."""
 
     view: Views
@@ -341,22 +342,11 @@ def joined(
     for index in range(len(problem.scenes)):
         own = [b.scenes[index] for b in blocks]
         if own:
-            scenes.append(joined_scene(own))
+            scenes.append(SceneImagers.joined(own))
     gsd = np.max([s.view.gsd_m[:, 1] for s in scenes], axis=0) * 1e3 if scenes else np.empty(0)
     return Imagers(
         camera, lens, port, landscape, cost, limit_cost, mass, power, gsd, scenes, discarded, samples
     )
-
-
-def joined_scene(own: list[SceneImagers]) -> SceneImagers:
-    """One scene's columns of all blocks."""
-    view = Views(
-        *(np.concatenate([getattr(s.view, name) for s in own]) for name in Views.__dataclass_fields__)
-    )
-    focused = Focused(
-        *(np.concatenate([getattr(s.focused, name) for s in own]) for name in Focused.__dataclass_fields__)
-    )
-    return SceneImagers(view, focused)
 
 
 def focus_distance_m(dioptre_per_m: Array, at: Any) -> Array:

@@ -143,7 +143,7 @@ class FieldTables:
                 means=means, known=None if known is None else known.take(mine),
             )  # fmt: skip
             parts.append((mine, light))
-        return ImageLight.joined(parts, len(rows))
+        return ImageLight.in_places(parts, len(rows))
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ with all its ports; what may be best is split into smaller groups, down to singl
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -183,7 +182,7 @@ class Extent:
 
 
 @dataclass(frozen=True)
-class OutlineRows:
+class OutlineRows(Columns):
     """Camera x lens x orientation x group of ports at one level of the tree."""
 
     camera: Array
@@ -193,15 +192,6 @@ class OutlineRows:
 
     def __len__(self) -> int:
         return len(self.camera)
-
-    def take(self, index: Array) -> OutlineRows:
-        """These rows only."""
-        return OutlineRows(self.camera[index], self.lens[index], self.landscape[index], self.group[index])
-
-    @staticmethod
-    def joined(parts: Sequence[OutlineRows]) -> OutlineRows:
-        """All rows of some lists."""
-        return OutlineRows(*(np.concatenate([getattr(p, n) for p in parts]) for n in OutlineRows.__dataclass_fields__))
 
 
 class Level:

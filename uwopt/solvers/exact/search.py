@@ -552,5 +552,5 @@ class Search:
                 veils=veils,
             )
             parts.append((mine, at))
-        pixels = ImageLight.joined(parts, unique.shape[1]).take(back.reshape(-1))
+        pixels = ImageLight.in_places(parts, unique.shape[1]).take(back.reshape(-1))
         return replace(seen, worst_e=pixels.worst_e, worst_veil_e=pixels.worst_veil_e)

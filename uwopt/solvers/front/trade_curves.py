@@ -8,13 +8,15 @@ upper end, then in their middle, until they are small.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from itertools import product
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
@@ -35,7 +37,7 @@ TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES = (0.0, 0.35, 0.7), (0.0, 0.4, 0.7, 1.
 
 
 @dataclass(frozen=True)
-class Hopeful:
+class Hopeful(Columns):
     """n designs whose light is known: rows of settings by scene, and what no setting changes."""
 
     lighting: Array
@@ -48,22 +50,8 @@ class Hopeful:
     fixed: Array  # (n, n_axes) values of the axes, those of the settings left at 0
     power_limit_w: float
 
-    def take(self, index: Array) -> Hopeful:
-        """These designs only."""
-        columns = {name: getattr(self, name)[index] for name in COLUMNS}
-        return replace(self, rows=[r.take(index) for r in self.rows], **columns)
-
     def __len__(self) -> int:
         return len(self.imager)
-
-    @staticmethod
-    def joined(parts: list[Hopeful]) -> Hopeful:
-        """All designs of some lists."""
-        columns: dict[str, Any] = {
-            name: np.concatenate([getattr(p, name) for p in parts]) for name in COLUMNS
-        }
-        rows = [SceneRows.joined([p.rows[s] for p in parts]) for s in range(len(parts[0].rows))]
-        return replace(parts[0], rows=rows, **columns)
 
     @property
     def full_power_w(self) -> Array:
@@ -80,11 +68,10 @@ class Hopeful:
         return np.asarray(np.logical_and.reduce([~r.dims_freely & (r.kind != PULSED) for r in self.rows]))
 
 
-COLUMNS = ("lighting", "imager", "light", "count", "motorised", "camera_power_w", "fixed")
 
 
 @dataclass(frozen=True)
-class Answers:
+class Answers(Columns):
     """What n designs do within n power limits."""
 
     design: Array
@@ -100,21 +87,10 @@ class Answers:
         """Which limits have settings."""
         return np.asarray(np.isfinite(self.power_w))
 
-    def take(self, index: Array) -> Answers:
-        """These answers only."""
-        chosen = [Chosen(**{f.name: getattr(one, f.name)[index] for f in fields(one)}) for one in self.chosen]
-        return Answers(**{f.name: getattr(self, f.name)[index] for f in NUMBERS}, chosen=chosen)
-
-    @staticmethod
-    def joined(parts: list[Answers]) -> Answers:
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
         """All answers of some lists, by design and limit."""
-        chosen = [
-            Chosen(**{f.name: np.concatenate([getattr(one, f.name) for one in ones]) for f in fields(Chosen)})
-            for ones in zip(*(p.chosen for p in parts), strict=True)
-        ]
-        every = Answers(
-            **{f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in NUMBERS}, chosen=chosen
-        )
+        every = super().joined(parts)
         return every.take(np.lexsort((every.limit_w, every.design)))
 
     def drawn_in(self) -> Answers:
@@ -134,7 +110,6 @@ class Answers:
         return Answers(design, limit_w, nothing, nothing, bound, np.zeros(len(design), bool), chosen)
 
 
-NUMBERS = [f for f in fields(Answers) if f.name != "chosen"]
 
 
 def with_exposures(rows: list[SceneRows], chosen: list[Chosen]) -> list[Chosen]:

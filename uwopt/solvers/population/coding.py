@@ -8,7 +8,7 @@ and those by a measure that leads back. Genes are sorted so that neighbours are 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError
+from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.dominance import nondominated
@@ -65,17 +66,13 @@ def resolved_axes(
 
 
 @dataclass(frozen=True)
-class CodedHardware:
+class CodedHardware(Columns):
     """Hardware of n designs; `lighting` is an index into the tables' list."""
 
     imager: Array
     light: Array
     count: Array
     lighting: Array
-
-    def take(self, index: Array) -> CodedHardware:
-        """These designs only."""
-        return CodedHardware(*(getattr(self, f.name)[index] for f in fields(self)))
 
 
 @dataclass(frozen=True)

@@ -93,7 +93,7 @@ def _above(
     if len(alive) == 0:
         return least, feasible
     some = [r.take(alive) for r in rows]
-    first = [taken(c, alive) for c in least]
+    first = [c.take(alive) for c in least]
     top = closed_form.greatest_snr(some, motorised[alive], light_limit_w[alive])
     low = np.min([closed_form.nominal_snr(r, c.light_x) for r, c in zip(some, first, strict=True)], axis=0)
     reached = np.isfinite(top) & (low > 0)
@@ -102,31 +102,8 @@ def _above(
         floor = np.where(reached, low * (top / low) ** share[alive], low) * (1 - 1e-12)
     higher, fits = closed_form.least_power(some, motorised[alive], snr_floor=np.nan_to_num(floor))
     better = fits & reached & (share[alive] > 0)
-    chosen = [placed(c, alive[better], taken(h, better)) for c, h in zip(least, higher, strict=True)]
+    chosen = [c.put(alive[better], h.take(better)) for c, h in zip(least, higher, strict=True)]
     return chosen, feasible
-
-
-def taken(chosen: Chosen, index: Array) -> Chosen:
-    """These designs' settings."""
-    return _each(chosen, lambda column: column[index])
-
-
-def placed(chosen: Chosen, index: Array, part: Chosen) -> Chosen:
-    """Settings with some designs' replaced."""
-    columns: dict[str, Any] = {}
-    for name in chosen.__dataclass_fields__:
-        old, new = getattr(chosen, name), getattr(part, name)
-        if old is not None:
-            old = np.array(old)
-            old[index] = new
-        columns[name] = old
-    return Chosen(**columns)
-
-
-def _each(chosen: Chosen, change: Any) -> Chosen:
-    columns: dict[str, Any] = {name: getattr(chosen, name) for name in chosen.__dataclass_fields__}
-    made: dict[str, Any] = {name: None if c is None else change(c) for name, c in columns.items()}
-    return Chosen(**made)
 
 
 def shortfall(rows: list[SceneRows], motorised: Array) -> Array:

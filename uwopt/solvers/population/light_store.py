@@ -14,6 +14,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.floor_light import uniformity
 from uwopt.forward.lamp_light import ImageLight, SunLight
 from uwopt.forward.sharpness import SharpRows, sharpness_of
@@ -21,47 +22,24 @@ from uwopt.forward.sun_light import sun_light
 from uwopt.solvers.exact.search import Search
 
 Array = NDArray[Any]
-Columns = TypeVar("Columns", ImageLight, SunLight, SharpRows)
+Stored = TypeVar("Stored", ImageLight, SunLight, SharpRows)
 
 
-def appended(old: Columns | None, new: Columns) -> Columns:
-    """Rows under rows; a group with fewer pixels repeats its last, equal tables are shared."""
-    if old is None:
-        return new
-    columns: dict[str, Any] = {}
-    for f in fields(old):
-        one, two = getattr(old, f.name), getattr(new, f.name)
-        if not isinstance(one, np.ndarray):
-            columns[f.name] = one
-            continue
-        if one.ndim == 3 and one.shape[2] != two.shape[2]:
-            widest = max(one.shape[2], two.shape[2])
-            one, two = (
-                np.pad(c, ((0, 0), (0, 0), (0, widest - c.shape[2])), mode="edge") for c in (one, two)
-            )
-        columns[f.name] = np.concatenate([one, two])
-    if isinstance(old, SharpRows) and isinstance(new, SharpRows):
-        known = list(old.spreads)  # without tables no row's index means anything
-        place = []
-        for table in new.spreads:
-            if not any(table is other for other in known):
-                known.append(table)
-            place.append(next(i for i, other in enumerate(known) if table is other))
-        index = np.array(place, int)[new.spread_index] if place else 0 * new.spread_index
-        columns |= {"spreads": tuple(known), "spread_index": np.concatenate([old.spread_index, index])}
-    return replace(old, **columns)
+def appended(old: Stored | None, new: Stored) -> Stored:
+    """Rows of one kind after the others."""
+    return new if old is None else type(new).joined([old, new])
 
 
-class Store(Generic[Columns]):
+class Store(Generic[Stored]):
     """Rows by an integer key, made when first asked for."""
 
-    def __init__(self, make: Callable[[Array], Columns | None]):
-        self.make: Callable[[Array], Columns | None] = make
+    def __init__(self, make: Callable[[Array], Stored | None]):
+        self.make: Callable[[Array], Stored | None] = make
         self.keys, self.place = np.empty(0, int), np.empty(0, int)
-        self.columns: Columns | None = None
+        self.columns: Stored | None = None
         self.nothing = False  # there is no such light
 
-    def rows(self, keys: Array) -> Columns | None:
+    def rows(self, keys: Array) -> Stored | None:
         """The rows of these keys, (n,); None where there is no such light at all."""
         if self.nothing:
             return None
@@ -82,18 +60,13 @@ class Store(Generic[Columns]):
 
 
 @dataclass(frozen=True)
-class SeenLight:
+class SeenLight(Columns):
     """What designs see in one scene, before their lamp's output factor."""
 
     light: ImageLight
     sun: SunLight | None
     sharp: SharpRows | None
     even: Array | None  # whether the floor is lit evenly enough; None: nobody asks
-
-    def take(self, index: Array) -> SeenLight:
-        """These designs only."""
-        return SeenLight(*(None if c is None else c[index] if isinstance(c, np.ndarray) else c.take(index)
-                      for c in (self.light, self.sun, self.sharp, self.even)))  # type: ignore[arg-type]  # fmt: skip
 
 
 class LightStore:
@@ -167,7 +140,7 @@ class LightStore:
             (mine, tables.exact(scene_index, tables.lightings[k], imager, veils="none"))
             for k, mine, imager in self._split(keys)
         ]
-        return ImageLight.joined(parts, len(keys))
+        return ImageLight.in_places(parts, len(keys))
 
     def _lights(self, scene_index: int, keys: Array) -> ImageLight:
         """Image means under each lighting, veils included."""
@@ -182,7 +155,7 @@ class LightStore:
             parts.append(
                 (mine, tables.exact(scene_index, tables.lightings[k], imager, known=known, veils="all"))
             )
-        return ImageLight.joined(parts, len(keys))
+        return ImageLight.in_places(parts, len(keys))
 
     def _pixels(self, scene_index: int, keys: Array) -> ImageLight:
         """Light at the pixels that may be the worst, by number of lamps."""
@@ -195,7 +168,7 @@ class LightStore:
                     scene_index, tables.lightings[k], imager[own], count=int(number), pixels=True, means=False,
                 )  # fmt: skip
                 parts.append((mine[own], light))
-        return ImageLight.joined(parts, len(keys))
+        return ImageLight.in_places(parts, len(keys))
 
     def _suns(self, scene_index: int, keys: Array) -> SunLight | None:
         """The sun's light; by lighting and number of lamps where the worst pixels count."""

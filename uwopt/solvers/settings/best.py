@@ -164,10 +164,7 @@ def searched_where(
     chosen = []
     for r, old, new in zip(rows, easy.chosen, found.chosen, strict=True):
         old = replace(old, exposure_s=r.exposure_s(old.time_s))
-        names = old.__dataclass_fields__
-        chosen.append(
-            closed_form.Chosen(**{name: placed(getattr(old, name), getattr(new, name)) for name in names})
-        )
+        chosen.append(old.put(open_, new))
     return Best(
         chosen, placed(easy.feasible, found.feasible), placed(easy.snr_db, found.snr_db),
         placed(easy.contrast, found.contrast), easy.information, placed(easy.lower_bound, found.lower_bound),
@@ -362,12 +359,7 @@ def step_tops(rows: list[SceneRows], motorised: Array, top: Array) -> list[Array
             if np.isnan(level).all():
                 continue
             capped = [
-                SceneRows(
-                    **{
-                        **{n: getattr(r, n) for n in r.__dataclass_fields__},
-                        "max_level": np.fmin(r.max_level, level),
-                    }
-                )
+                replace(r, max_level=np.fmin(r.max_level, level))
                 if r is scene
                 else r
                 for r in rows

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
 from uwopt.model import sensor
@@ -39,7 +40,7 @@ _TABLE_ERROR = 1e-7
 
 
 @dataclass(frozen=True)
-class Box:
+class Box(Columns):
     """Ranges of settings of m cells in one scene; open times count where the sun shines."""
 
     n_lo: Array
@@ -50,10 +51,6 @@ class Box:
     open_hi: Array
     u_lo: Array
     u_hi: Array
-
-    def take(self, index: Array) -> Box:
-        """These cells only."""
-        return Box(**{name: getattr(self, name)[index] for name in self.__dataclass_fields__})
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
@@ -58,23 +59,14 @@ class CellResult:
     dropped: Array  # some of it was left unsearched, being worse than the cutoff
 
 
-@dataclass
-class Pool:
+@dataclass(frozen=True)
+class Pool(Columns):
     """Cells: their design, box in logarithms (m, n_dims) and lower bound."""
 
     design: Array
     lo: Array
     hi: Array
     bound: Array
-
-    def take(self, index: Array) -> Pool:
-        """These cells only."""
-        return Pool(self.design[index], self.lo[index], self.hi[index], self.bound[index])
-
-    @staticmethod
-    def joined(parts: list[Pool]) -> Pool:
-        """All cells of some pools."""
-        return Pool(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Pool)))
 
 
 def best_by_cells(
@@ -329,8 +321,7 @@ class CellSearch:
                 information = np.min([f[0] for f in found], axis=0)
             joint = np.max([f[1] for f in found], axis=0) - self.weight["contrast"] * contrast
         bound = np.maximum(self._value(power, snr, contrast, information), joint)
-        pool.bound = np.maximum(pool.bound, bound + self.offset[d])
-        return pool, seen
+        return replace(pool, bound=np.maximum(pool.bound, bound + self.offset[d])), seen
 
     # ------------------------------------------------------------ points
 

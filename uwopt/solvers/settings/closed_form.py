@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import light, sensor
@@ -26,7 +27,7 @@ Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
-class Chosen:
+class Chosen(Columns):
     """Settings of n designs in one scene; NaN where there are none."""
 
     f_number: Array

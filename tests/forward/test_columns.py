@@ -1,0 +1,73 @@
+"""Columns: gathered, joined and put back as NumPy does it with a single array."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from uwopt.forward.columns import Columns
+
+
+@dataclass(frozen=True)
+class Inner(Columns):
+    pixel: np.ndarray  # (n, n_altitudes, n_pixels)
+
+
+@dataclass(frozen=True)
+class Record(Columns):
+    value: np.ndarray
+    inner: Inner
+    absent: np.ndarray | None
+    scenes: list[Inner]
+    shared: float = 2.0
+
+
+def record(n: int, first: int, depth: int = 3) -> Record:
+    pixel = 100.0 * np.arange(first, first + n)[:, None, None] + np.arange(depth)[None, None, :] * np.ones((1, 2, 1))
+    return Record(np.arange(first, first + n), Inner(pixel), None, [Inner(pixel), Inner(-pixel)])
+
+
+def test_rows_are_gathered_in_nested_columns_and_lists():
+    got = record(5, 0).take(np.array([4, 1]))
+    assert got.value.tolist() == [4, 1]
+    assert got.inner.pixel[:, 0, 0].tolist() == [400.0, 100.0]
+    assert got.scenes[1].pixel[:, 1, 2].tolist() == [-402.0, -102.0]
+    assert got.absent is None
+    assert got.shared == 2.0
+
+
+def test_taking_all_rows_of_joined_parts_gives_the_parts_back():
+    one, two = record(2, 0), record(3, 7)
+    both = Record.joined([one, two])
+    assert both.value.tolist() == [0, 1, 7, 8, 9]
+    assert both.value.dtype == one.value.dtype
+    assert np.array_equal(both.take(slice(2, 5)).scenes[0].pixel, two.scenes[0].pixel)
+
+
+def test_a_part_with_fewer_pixels_repeats_its_last():
+    both = Record.joined([record(1, 0, depth=2), record(1, 1, depth=4)])
+    assert both.inner.pixel[0, 0].tolist() == [0.0, 1.0, 1.0, 1.0]
+    assert both.inner.pixel[1, 0].tolist() == [100.0, 101.0, 102.0, 103.0]
+
+
+def test_groups_come_back_to_their_places():
+    whole = record(4, 0)
+    even, odd = np.array([0, 2]), np.array([1, 3])
+    back = Record.in_places([(odd, whole.take(odd)), (even, whole.take(even))], 4)
+    assert np.array_equal(back.value, whole.value)
+    assert np.array_equal(back.inner.pixel, whole.inner.pixel)
+
+
+def test_put_replaces_rows_of_a_copy():
+    whole = record(3, 0)
+    changed = whole.put(np.array([1]), record(1, 9))
+    assert changed.value.tolist() == [0, 9, 2]
+    assert whole.value.tolist() == [0, 1, 2]
+
+
+@pytest.mark.parametrize("row", [0, 2])
+def test_every_row_is_scaled_by_its_own_factor(row):
+    scaled = record(3, 1).scaled(np.array([2.0, 3.0, 5.0]))
+    assert scaled.inner.pixel[row, 0, 0] == 100.0 * (row + 1) * [2.0, 3.0, 5.0][row]

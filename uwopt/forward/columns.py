@@ -1,0 +1,107 @@
+"""Columns of equal length: the base of every record that describes n things row by row."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Arrays whose first axis counts rows; a field may also be Columns, a list of Columns, or None for none.
+
+    Whatever else a record holds (a number, a table) is common to all of its rows.
+    """
+
+    def take(self, index: Array | slice) -> Self:
+        """The same columns at these rows."""
+        return self.with_arrays(lambda column: column[index])
+
+    def with_arrays(self, change: Callable[[Array], Array]) -> Self:
+        """The record with every array changed by a function."""
+        return replace(self, **{f.name: changed(getattr(self, f.name), change) for f in fields(self)})
+
+    def scaled(self, factor: Array) -> Self:
+        """Every row times its own factor."""
+        return self.with_arrays(lambda column: column * factor.reshape(-1, *([1] * (column.ndim - 1))))
+
+    def put(self, index: Array, part: Self) -> Self:
+        """A copy in which these rows are those of `part`."""
+
+        def one(old: Any, new: Any) -> Any:
+            if isinstance(old, np.ndarray):
+                old = np.array(old)
+                old[index] = new
+            return old
+
+        return replace(self, **{f.name: one(getattr(self, f.name), getattr(part, f.name)) for f in fields(self)})
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """All rows of some lists."""
+        ends = np.cumsum([0, *(len_of(part) for part in parts)])
+        places = [np.arange(ends[k], ends[k + 1]) for k in range(len(parts))]
+        return cls.in_places(list(zip(places, parts, strict=True)), int(ends[-1]))
+
+    @classmethod
+    def in_places(cls, parts: Sequence[tuple[Array, Self]], count: int) -> Self:
+        """Groups of rows put back in their places among `count`; a group that is less deep repeats its last."""
+        columns = {}
+        for f in fields(cls):
+            columns[f.name] = placed([(rows, getattr(part, f.name)) for rows, part in parts], count)
+        return cls(**columns)
+
+
+def changed(value: Any, change: Callable[[Array], Array]) -> Any:
+    """A field with its arrays changed."""
+    if isinstance(value, np.ndarray):
+        return change(value)
+    if isinstance(value, Columns):
+        return value.with_arrays(change)
+    if isinstance(value, list) and value and isinstance(value[0], Columns):
+        return [one.with_arrays(change) for one in value]
+    return value
+
+
+def len_of(part: Columns) -> int:
+    """How many rows a record has."""
+    for f in fields(part):
+        value = getattr(part, f.name)
+        if isinstance(value, np.ndarray):
+            return len(value)
+        if isinstance(value, Columns):
+            return len_of(value)
+    raise TypeError(f"{type(part).__name__} has no column")
+
+
+def placed(parts: Sequence[tuple[Array, Any]], count: int) -> Any:
+    """One field of several groups, each at its rows; what is no column is the first group's."""
+    first = parts[0][1] if parts else None
+    if isinstance(first, np.ndarray):
+        return array_in_places(parts, count)
+    if isinstance(first, Columns):
+        return type(first).in_places([(rows, one) for rows, one in parts if one is not None], count)
+    if isinstance(first, list) and first and isinstance(first[0], Columns):
+        return [placed([(rows, ones[k]) for rows, ones in parts], count) for k in range(len(first))]
+    return first
+
+
+def array_in_places(parts: Sequence[tuple[Array, Array]], count: int) -> Array:
+    """Arrays put at their rows; one whose last axis is shorter repeats its last entry."""
+    first = parts[0][1]
+    shape = [count, *first.shape[1:]]
+    if first.ndim > 1:
+        shape[-1] = max(one.shape[-1] for _, one in parts)
+    out = np.empty(shape, np.result_type(*(one.dtype for _, one in parts)))
+    for rows, one in parts:
+        missing = shape[-1] - one.shape[-1] if one.ndim > 1 else 0
+        if missing:
+            one = np.pad(one, [(0, 0)] * (one.ndim - 1) + [(0, missing)], mode="edge")
+        out[rows] = one
+    return out
