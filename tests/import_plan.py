@@ -23,9 +23,10 @@ SENTENCE = [
     "units",
     "version",
     "tolerances",
+    "quantities",
     "deadline",
-    "results",
     "documents",
+    "results",
     "model",
     "catalog",
     "mission",
@@ -90,11 +91,10 @@ def module_arrows() -> dict[str, set[str]]:
 
 
 def gathered(arrows: Mapping[str, Iterable[str]], depth: int) -> dict[str, set[str]]:
-    """Arrows between the first `depth` names of each module."""
+    """Arrows between the first `depth` names of each module; a file that lies higher stands for itself."""
 
     def room(module: str) -> str:
-        parts = module.split(".")
-        return ".".join(parts[: min(depth, max(len(parts) - 1, 1))])
+        return ".".join(module.split(".")[:depth])
 
     rooms: dict[str, set[str]] = {room(module): set() for module in arrows}
     for module, others in arrows.items():
@@ -130,7 +130,9 @@ def circles(arrows: Mapping[str, Iterable[str]]) -> list[list[str]]:
 
 
 def floors(arrows: Mapping[str, Iterable[str]]) -> dict[str, int]:
-    """The floor of each room, from 1; the rooms must have no circle."""
+    """The floor of each room, from 1; raises ValueError where rooms import each other in a circle."""
+    if found := circles(arrows):
+        raise ValueError(f"no floors: {' and '.join(found[0])} import each other")
 
     @cache
     def floor(room: str) -> int:

@@ -39,26 +39,36 @@ DATA = "uwopt/catalog/data/"
 # ---------------------------------------------------------------- imports
 
 
-#: What the modules of a room may import, by the first name below uwopt.
-MAY_IMPORT: dict[str, set[str]] = {
-    "model": {"model", "units", "errors"},
-    "catalog": {"catalog", "units", "errors", "faults", "fields", "files"},
-    "mission": {*INPUT_MODULES, "units", "errors", "files"},
-    "objectives": {
-        "objectives",
-        "model",
-        "mission",
-        "units",
-        "errors",
-        "figures",
-        "hardware",
-        "optics",
-        "scene",
-    },
-    "report": {
-        *("report", "catalog", "model", "result", "front_result", "units", "errors", "files"),
-        *("replay", "curves", "maps", "picture"),  # what the model computes again for a page
-    },
+def test_each_room_imports_only_from_those_before_it_in_the_sentence():
+    assert plan.breaches() == []
+
+
+def test_every_room_stands_in_the_sentence():
+    assert {name_of(path).split(".")[0] for path in MODULES} - {""} == set(plan.SENTENCE)
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    assert plan.circles(plan.module_arrows()) == []
+
+
+@pytest.mark.parametrize("depth", [1, 2])
+def test_no_rooms_import_each_other_in_a_circle(depth):
+    assert plan.circles(plan.gathered(plan.module_arrows(), depth)) == []
+
+
+def test_house_has_thirteen_floors_at_most():
+    assert max(plan.floors(plan.gathered(plan.module_arrows(), 1)).values()) <= 13
+
+
+def test_eight_modules_at_most_stand_at_the_root():
+    assert len([path for path in MODULES if path.parent == PACKAGE]) <= 8
+
+
+#: What a room that must stay pure may import beside itself.
+PURE_ROOMS = {
+    "model": {"errors"},
+    "results": {"errors", "documents"},
+    "documents": {"errors", "units"},
 }
 
 

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
+from uwopt.results.frames import frame_of
 from uwopt.results.result import Design, design_from_dict, plain
+from uwopt.results.shown import Shown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -66,8 +68,8 @@ class FrontMethod:
     hypervolume_bound: float | None = None  # no front can have more (exact only)
 
 
-@dataclass(frozen=True)
-class FrontResult:
+@dataclass(frozen=True, repr=False)
+class FrontResult(Shown):
     """The trade-off between two or three objectives, as it is written to front.json."""
 
     status: str  # complete | stopped | interrupted | infeasible
@@ -123,11 +125,18 @@ class FrontResult:
         values["methods"] = [FrontMethod(**item) for item in values.get("methods") or []]
         return FrontResult(**values)
 
-    def frame(self) -> pd.DataFrame:
-        """The front as a table: one row a point with hardware, settings, figures and margins."""
-        import pandas as pd
-
-        return pd.DataFrame(self.rows())
+    def frame(self, name: str = "points") -> pd.DataFrame:
+        """A table of the front: points, picks, methods, assumptions or warnings."""
+        return frame_of(
+            {
+                "points": self.rows,
+                "picks": lambda: [asdict(pick) for pick in self.picks],
+                "methods": lambda: [asdict(method) for method in self.methods],
+                "assumptions": lambda: list(self.assumptions),
+                "warnings": lambda: list(self.warnings),
+            },
+            name,
+        )
 
     def rows(self) -> list[dict[str, Any]]:
         """The table's rows: objectives, hardware ids, then settings, figures and margins by scene."""

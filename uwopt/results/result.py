@@ -12,6 +12,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
+from uwopt.results.frames import bill_rows, design_rows, figure_rows, frame_of, margin_rows, settings_rows
+from uwopt.results.shown import Shown
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -61,21 +64,15 @@ class Design:
 
     def margins_frame(self) -> pd.DataFrame:
         """All margins as a table, one row a requirement and scene."""
-        import pandas as pd
-
-        return pd.DataFrame([{"scene": s.name, **plain(m)} for s in self.scenes for m in s.margins])
+        return frame_of({"margins": lambda: margin_rows(self)}, "margins")
 
     def figures_frame(self) -> pd.DataFrame:
         """All figures as a table, one column a scene."""
-        import pandas as pd
-
-        return pd.DataFrame({s.name: s.figures for s in self.scenes})
+        return frame_of({"figures": lambda: figure_rows(self)}, "figures").set_index("figure")
 
     def bom_frame(self) -> pd.DataFrame:
         """The bill of materials as a table."""
-        import pandas as pd
-
-        return pd.DataFrame(self.bom)
+        return frame_of({"bill": lambda: bill_rows(self)}, "bill")
 
 
 @dataclass(frozen=True)
@@ -97,9 +94,13 @@ class Certificate:
         """Whether every combination loaded is accounted for exactly once."""
         return self.loaded == self.evaluated + sum(item["count"] for item in self.discarded)
 
+    def rows(self) -> list[dict[str, Any]]:
+        """The account as rows: every combination is in one of them."""
+        return [{"rule": "evaluated", "count": self.evaluated}, *map(dict, self.discarded)]
 
-@dataclass(frozen=True)
-class Result:
+
+@dataclass(frozen=True, repr=False)
+class Result(Shown):
     """What a command found, as it is written to result.json."""
 
     command: str
@@ -132,6 +133,23 @@ class Result:
     def best(self) -> Design | None:
         """The recommendation, or the design that was evaluated."""
         return self.recommendation or self.design
+
+    def frame(self, name: str = "margins") -> pd.DataFrame:
+        """A table of the result: margins, bill, settings, figures, designs, certificate, assumptions or warnings."""
+        best, proof = self.best, self.certificate
+        return frame_of(
+            {
+                "margins": lambda: margin_rows(best),
+                "bill": lambda: bill_rows(best),
+                "settings": lambda: settings_rows(best),
+                "figures": lambda: figure_rows(best),
+                "designs": lambda: design_rows([*([best] if best else []), *self.runners_up]),
+                "certificate": lambda: [] if proof is None else proof.rows(),
+                "assumptions": lambda: list(self.assumptions),
+                "warnings": lambda: list(self.warnings),
+            },
+            name,
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, ready for JSON."""

@@ -8,6 +8,7 @@ with all its ports; what may be best is split into smaller groups, down to singl
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.focus import Focused, held_at_corner, place_focus, sharp_ends_m
 from uwopt.forward.motion import required_rate_hz
 from uwopt.forward.problem import Problem

@@ -1,0 +1,71 @@
+"""Tables of a result as pandas frames, by name; units stand in the columns' names or beside the number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from uwopt.errors import RangeError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from uwopt.results.result import Design
+
+Rows = list[dict[str, Any]]
+
+
+def frame_of(tables: Mapping[str, Callable[[], Rows]], name: str) -> pd.DataFrame:
+    """The table of this name; a RangeError names those that there are."""
+    import pandas as pd
+
+    if name not in tables:
+        raise RangeError(f"there is no table {name!r}; there are {', '.join(tables)}")
+    return pd.DataFrame(tables[name]())
+
+
+def margin_rows(design: Design | None) -> Rows:
+    """One row a requirement and scene."""
+    scenes = [] if design is None else design.scenes
+    return [{"scene": scene.name, **asdict(margin)} for scene in scenes for margin in scene.margins]
+
+
+def bill_rows(design: Design | None) -> Rows:
+    """One row a line of the bill of materials."""
+    return [] if design is None else [dict(row) for row in design.bom]
+
+
+def settings_rows(design: Design | None) -> Rows:
+    """One row a setting and scene: exact, and as a person sets it."""
+    return [
+        {
+            "scene": scene.name,
+            "setting": name,
+            "exact": value,
+            "to_set": (scene.settings_to_set or {}).get(name),
+        }
+        for scene in ([] if design is None else design.scenes)
+        for name, value in scene.settings.items()
+    ]
+
+
+def figure_rows(design: Design | None) -> Rows:
+    """One row a figure, one column a scene."""
+    scenes = [] if design is None else design.scenes
+    names = list(dict.fromkeys(name for scene in scenes for name in scene.figures))
+    return [{"figure": name, **{scene.name: scene.figures.get(name) for scene in scenes}} for name in names]
+
+
+def design_rows(designs: list[Design]) -> Rows:
+    """One row a design: parts, objective, cost, power and mass."""
+    return [
+        {
+            **{kind: design.hardware[kind]["id"] for kind in ("camera", "lens", "port", "light")},
+            **{key: design.hardware.get(key) for key in ("camera_count", "light_count", "orientation")},
+            "objective": design.objective_value,
+            **{f"cost_{key}": value for key, value in (design.totals.get("cost") or {}).items()},
+            **{key: value for key, value in design.totals.items() if key != "cost"},
+        }
+        for design in designs
+    ]
