@@ -15,7 +15,11 @@ from uwopt.evaluation.recompute import Replay, replay
 
 # No test may hang on the clock or on luck: a loaded machine is no failure, and a red run can be had again.
 settings.register_profile(
-    "uwopt", deadline=None, derandomize=not THOROUGH, database=None, suppress_health_check=[HealthCheck.too_slow]
+    "uwopt",
+    deadline=None,
+    derandomize=not THOROUGH,
+    database=None,
+    suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("uwopt")
 
@@ -60,5 +64,7 @@ def unhurried() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         for name in ("EXACT_S", "PEER_S", "PEER_ALONE_S"):
             patch.setattr(api_pareto, name, math.inf)
-        patch.setattr(pymoo_front, "population_front", lambda *given, **more: honest(*given, **(more | short)))
+        patch.setattr(
+            pymoo_front, "population_front", lambda *given, **more: honest(*given, **(more | short))
+        )
         yield

@@ -17,7 +17,6 @@ import uwopt
 from uwopt.api.accuracy import estimator_of
 from uwopt.api.common import prepared
 from uwopt.api.evaluating import scene_settings
-from uwopt.api.solving import load_mission
 from uwopt.errors import MissionError, UwoptError
 from uwopt.evaluation import accuracy
 from uwopt.evaluation.accuracy import (
@@ -35,6 +34,7 @@ from uwopt.evaluation.design_model import design_model
 from uwopt.evaluation.recompute import replay
 from uwopt.forward.assembly import system_problem
 from uwopt.forward.lamps import LAMP_FRONT_M
+from uwopt.mission.mission import load_mission
 from uwopt.mission.system import load_system
 from uwopt.model.fineness import DEFAULT, Fineness, scaled
 from uwopt.objectives.objective import Objective

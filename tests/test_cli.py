@@ -216,7 +216,9 @@ def test_interruption_before_a_result_is_status_130(monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.parametrize("stage", ["doubts", "second_opinions", "estimator_of_search", "design_of"])
-def test_interruption_after_the_proof_keeps_what_is_proven(stage: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interruption_after_the_proof_keeps_what_is_proven(
+    stage: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     work, calls = getattr(api, stage), []
 
     def once_interrupted(*args: Any, **kwargs: Any) -> Any:

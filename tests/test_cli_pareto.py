@@ -23,7 +23,9 @@ def run(*arguments: object) -> Any:
 
 
 def test_writes_page_table_and_json(tmp_path):
-    done = run(MISSION, "--objectives", "power,cost,snr_db", "--solver", "exact,nsga2", "--out", tmp_path / "front")
+    done = run(
+        MISSION, "--objectives", "power,cost,snr_db", "--solver", "exact,nsga2", "--out", tmp_path / "front"
+    )
     assert done.exit_code == 0, done.output
     assert {p.name for p in (tmp_path / "front").iterdir()} == {"report.html", "front.csv", "front.json"}
     data = json.loads((tmp_path / "front" / "front.json").read_text(encoding="utf-8"))
@@ -85,7 +87,9 @@ def interrupted(*args: Any, **kwargs: Any) -> Any:
 @pytest.mark.parametrize("place", ["Run._algorithm", "population_front"])  # while it breeds, and before
 def test_interruption_after_the_exact_front_keeps_it_with_status_130(place, monkeypatch):
     monkeypatch.setattr(f"uwopt.solvers.pymoo_front.{place}", interrupted)
-    done = run(MISSION, "--objectives", "power,cost", "--solver", "exact,nsga2,nsga3", "--physics", "paper", "--json")
+    done = run(
+        MISSION, "--objectives", "power,cost", "--solver", "exact,nsga2,nsga3", "--physics", "paper", "--json"
+    )
     assert done.exit_code == 130
     data = json.loads(done.stdout)
     assert data["status"] == "complete"  # the exact front

@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from uwopt.catalog.load import load_catalog
-from uwopt.catalog.records import Camera, Curve, Lens, Light, Part, Port, Quantity
+from uwopt.catalog.parts.camera import Camera
+from uwopt.catalog.parts.lens import Lens
+from uwopt.catalog.parts.light import Light
+from uwopt.catalog.parts.part import Part
+from uwopt.catalog.parts.port import Port
+from uwopt.catalog.parts.quantity import Curve, Quantity
 from uwopt.forward.part_columns import End, camera_rows, lens_rows, light_rows, port_rows
 
 SPREAD = Quantity(3.0, 2.0, 5.0, "estimated")

@@ -120,7 +120,9 @@ def test_aliases_that_repeat_a_long_text_are_refused(tmp_path: Path) -> None:
     assert "aliases stand for more than" in "\n".join(check_file(tmp_path / "parts.yaml").faults)
 
 
-@pytest.mark.parametrize("text", ["[" * 5000, "- part: " + "{a: " * 3000, "- &a {part: camera, id: [*a, *a]}"])
+@pytest.mark.parametrize(
+    "text", ["[" * 5000, "- part: " + "{a: " * 3000, "- &a {part: camera, id: [*a, *a]}"]
+)
 def test_deep_parts_and_parts_that_hold_themselves_are_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "parts.yaml").write_text(text)
     assert not check_file(tmp_path / "parts.yaml").ok

@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from uwopt.errors import MissionError
-from uwopt.mission.mission import Mission, grid, load_mission
+from uwopt.mission.mission import Mission, load_mission
+from uwopt.mission.sections import grid
 from uwopt.mission.templates import mission_json_schema, mission_template
 
 EXAMPLE = Path(__file__).parent / "reference" / "example_mission.yaml"
@@ -104,7 +105,10 @@ BAD = [
     (changed("limits.cost", "10,000"), "write 10000, or 10.000 if the comma is a decimal one"),
     (changed("limits.cost", "1,000,000"), "= '1,000,000' is not a number; write 1000000."),
     (changed("limits.000", None), "limits.000 is no key; numbers are written without commas, such as 10000"),
-    (changed("requirements.overlap", "60%"), "overlap = '60%' is not a number; a share is written without sign: 0.6."),
+    (
+        changed("requirements.overlap", "60%"),
+        "overlap = '60%' is not a number; a share is written without sign: 0.6.",
+    ),
     (changed("vehicle.altitude_m", True), "= true is not a number"),
     (changed("vehicle.altitude_m", [2]), "= [2] is not a number"),
     (changed("vehicle.altitude_m", math.nan), "is not a number (NaN)"),

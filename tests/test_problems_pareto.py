@@ -75,7 +75,9 @@ def test_no_point_is_dominated_infeasible_or_a_duplicate(front):
         assert not ((others <= one).all(axis=1) & (others < one).any(axis=1)).any()
         alike = np.abs(others - one) <= 1e-3 * np.maximum(np.abs(others), np.abs(one))
         assert not alike.all(axis=1).any()  # 0.1 % in every objective, as the issue asks
-    assert all(p.design.feasible and m.satisfied for p in found.points for s in p.design.scenes for m in s.margins)
+    assert all(
+        p.design.feasible and m.satisfied for p in found.points for s in p.design.scenes for m in s.margins
+    )
 
 
 def test_points_hold_as_plain_systems(front):

@@ -106,7 +106,13 @@ def as_process(program: str, arguments: list[str], folder: Path) -> Done:
     head = [sys.executable, "-m", "uwopt"] if program == "uwopt" else [sys.executable]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error"}
     done = subprocess.run(
-        [*head, *arguments], cwd=folder, env=environment, capture_output=True, text=True, encoding="utf-8", check=False
+        [*head, *arguments],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
     )
     return Done(done.returncode, done.stdout, done.stderr)
 

@@ -28,9 +28,7 @@ class Deadline:
     left_out: list[str] = field(default_factory=list)
 
     @classmethod
-    def after(
-        cls, seconds: float | None, clock: Callable[[], float] = time.perf_counter
-    ) -> Deadline:
+    def after(cls, seconds: float | None, clock: Callable[[], float] = time.perf_counter) -> Deadline:
         """So many seconds from now; without a number never."""
         return cls(math.inf if seconds is None else clock() + seconds, clock)
 

@@ -157,15 +157,17 @@ def log_by_uwopt(
     field: tuple[float, float], altitude_m: float, baseline_m: float, thickness: float, lobe_deg: float
 ) -> float:
     """The same from uwopt, loss table included."""
-    from uwopt.model import beam, veil
+    from uwopt.model import beam
     from uwopt.model.imaging import Lamps, PortShape
     from uwopt.model.path_table import build_path_table
+    from uwopt.model.veil.geometry import Scatterer, path_ranges_m
+    from uwopt.model.veil.ray import log_backscatter_gain
 
     shape = PortShape(False, 0.0, GLASS_M, N_GLASS, GAP_M, N_WATER)
     lamps = Lamps((0.0,), (baseline_m,), (0.0,), ((0.0, 0.0, 1.0),), (1.0,))
     c = thickness / altitude_m
     corner = np.array([max(abs(field[0]), 0.1)]), np.array([max(abs(field[1]), 0.1)])
-    lamp_m, camera_m = veil.path_ranges_m(
+    lamp_m, camera_m = path_ranges_m(
         *corner, shape=shape, range_m=altitude_m, lamps=lamps, least_attenuation_per_m=(K_SHARE * c, c)
     )
     table = build_path_table(
@@ -173,9 +175,9 @@ def log_by_uwopt(
         lamp_range_m=lamp_m, camera_range_m=camera_m,
     )  # fmt: skip
     return float(
-        veil.log_backscatter_gain(
+        log_backscatter_gain(
             np.array([field[0]]), np.array([field[1]]), shape=shape, range_m=altitude_m, lamps=lamps,
-            beam=beam.cosine_power_beam(math.radians(lobe_deg)), scatterers=(veil.Scatterer(phase, table),),
+            beam=beam.cosine_power_beam(math.radians(lobe_deg)), scatterers=(Scatterer(phase, table),),
         )[0]
     )  # fmt: skip
 
@@ -249,7 +251,7 @@ def quadrature_text() -> str:
     baselines = [f"baseline {b:g} m" for b in BASELINES_M]
     seen = max(worst_of(thickness=x) for x in THICKNESSES if x <= 10)
     return f"""\
-**The ray integral against QUADPACK.** ln of the veil of one ray by `veil.log_backscatter_gain` (with its loss table)
+**The ray integral against QUADPACK.** ln of the veil of one ray by `log_backscatter_gain` (with its loss table)
 against adaptive quadrature in r, written here with its own rays: {len(quadrature_errors()) * len(FIELDS)} rays, on the
 axis and at a corner, lamp in the port's plane, grey water with K = {K_SHARE} c, Henyey–Greenstein with an even part.
 Largest relative error by c d and full width of the lobe, over all baselines and altitudes:

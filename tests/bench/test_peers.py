@@ -123,7 +123,9 @@ def test_sunlit_mission_is_not_for_smooth_solvers() -> None:
 
 
 def rows_by_hand() -> Sequence[BenchRow]:
-    def ends(method: str, *times: tuple[float, float | None], status: str, case: str = "reef") -> list[BenchRow]:
+    def ends(
+        method: str, *times: tuple[float, float | None], status: str, case: str = "reef"
+    ) -> list[BenchRow]:
         made = [BenchRow("solvers", case, method, 1.0, 0, t, e, status="running") for t, e in times]
         return [*made[:-1], replace(made[-1], status=status)]
 

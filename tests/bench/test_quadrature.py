@@ -11,10 +11,10 @@ import pytest
 
 from uwopt.bench import quadrature
 from uwopt.bench import quadrature_exact as exact
-from uwopt.bench.quadrature import AS_USED, DOME, FLAT, IMAGE_VEIL, PIXEL_VEIL, SIGNAL, TARGETS, Light
-from uwopt.bench.quadrature_exact import Water
+from uwopt.bench.quadrature import AS_USED, DOME, FLAT, IMAGE_VEIL, PIXEL_VEIL, SIGNAL, TARGETS
+from uwopt.bench.quadrature_exact import ImageCase, Water
 from uwopt.bench.suite import BenchRow, Budget
-from uwopt.model import imaging
+from uwopt.model.footprint import footprint_illuminance_per_lm
 from uwopt.model.imaging import PortShape
 
 WIDE = (0.3, 0.4)
@@ -35,7 +35,7 @@ def test_an_even_disc_over_a_clear_floor_gives_the_mean_of_cos4_in_closed_form()
     # E = 1/(pi d^2 tan^2 b) everywhere in view; the mean of (1 + u^2 + v^2)^-2 over |u|, |v| <= a is
     # (1/a^2) * int_0^a int_0^a = arctan(a/sqrt(1+a^2)) / (a sqrt(1+a^2))
     a, d, b = 0.3, 2.0, math.radians(45)
-    light = Light("even", (a, a), DOME, d, quadrature.lamp(y=0.2), quadrature.disc(45), clear())
+    light = ImageCase("even", (a, a), DOME, d, quadrature.lamp(y=0.2), quadrature.disc(45), clear())
     root = math.sqrt(1.0 + a * a)
     by_hand = math.atan(a / root) / (a * root) / (math.pi * d**2 * math.tan(b) ** 2)
     assert exact.mean_signal(light) == pytest.approx(by_hand, rel=1e-10)
@@ -45,7 +45,7 @@ def test_an_even_disc_over_a_clear_floor_gives_the_mean_of_cos4_in_closed_form()
 def test_a_spot_within_the_image_holds_all_its_light() -> None:
     # without cos^4 and water all of the spot's E dA is what the disc sends: here the spot is tiny, at (x, y) = (0, b)
     d, b, y = 2.0, math.radians(0.05), 0.3
-    light = Light("spot", WIDE, DOME, d, quadrature.lamp(y=y), quadrature.disc(0.05), clear())
+    light = ImageCase("spot", WIDE, DOME, d, quadrature.lamp(y=y), quadrature.disc(0.05), clear())
     scale_m = d + DOME.outer_radius_m
     area_m2 = 4.0 * WIDE[0] * WIDE[1] * scale_m**2
     expected = 1.0 / area_m2 / (1.0 + (y / scale_m) ** 2) ** 2
@@ -55,7 +55,7 @@ def test_a_spot_within_the_image_holds_all_its_light() -> None:
 def test_the_veil_of_even_light_in_clear_water_is_an_arctangent() -> None:
     # axis of a flat port, I = 1/(2 pi), p = 1/(4 pi): integral of dr/(b^2 + r^2) = arctan(d/b)/b
     d, b = 3.0, 0.5
-    light = Light("even", WIDE, FLAT, d, quadrature.lamp(y=b), quadrature.cone(90), clear())
+    light = ImageCase("even", WIDE, FLAT, d, quadrature.lamp(y=b), quadrature.cone(90), clear())
     assert exact.ray_veil(0.0, 0.0, light) == pytest.approx(
         math.atan(d / b) / b / (8 * math.pi**2), rel=1e-12
     )
@@ -102,13 +102,15 @@ def test_a_small_spot_is_followed_as_well_as_a_large_one(
     lamps = quadrature.both(
         quadrature.lamp(share=0.7, outward_deg=outward_deg), quadrature.lamp(x=0.2, share=0.3)
     )
-    light = Light("spot", WIDE, shape, 3.0, lamps, quadrature.cone(half_deg), quadrature.water(0.5))
+    light = ImageCase("spot", WIDE, shape, 3.0, lamps, quadrature.cone(half_deg), quadrature.water(0.5))
     model, places = quadrature.model_of(light, SIGNAL), quadrature.places_of(light, SIGNAL)
     assert model(*places, None)[0] == pytest.approx(exact.mean_signal(light), rel=1e-4)
 
 
 def test_a_spot_outside_the_image_gives_nothing() -> None:
-    light = Light("off", WIDE, FLAT, 1.0, quadrature.lamp(y=3.0), quadrature.disc(5), quadrature.water(0.5))
+    light = ImageCase(
+        "off", WIDE, FLAT, 1.0, quadrature.lamp(y=3.0), quadrature.disc(5), quadrature.water(0.5)
+    )
     assert quadrature.model_of(light, SIGNAL)(*quadrature.places_of(light, SIGNAL), None)[0] == 0.0
     assert exact.mean_signal(light) == 0.0
 
@@ -167,7 +169,7 @@ def test_the_footprints_mean_illuminance_of_a_spot_within_it_is_its_light_over_t
 ) -> None:
     # a disc in clear water, all of it in the image: one lumen over 4 X Y, X and Y half the footprint behind a dome
     d = 3.0
-    mean, _ = imaging.footprint_illuminance_per_lm(
+    mean, _ = footprint_illuminance_per_lm(
         *WIDE, shape=DOME, range_m=d, lamps=quadrature.lamp(y=0.3), beam=quadrature.disc(half_deg),
         weight=np.ones(2), attenuation_per_m=np.zeros(2),
     )  # fmt: skip

@@ -28,7 +28,11 @@ from uwopt.bench.scaling_parts import (
     merit,
 )
 from uwopt.bench.suite import BenchRow, Budget
-from uwopt.catalog.records import Camera, Lens, Light, Part, Port
+from uwopt.catalog.parts.camera import Camera
+from uwopt.catalog.parts.lens import Lens
+from uwopt.catalog.parts.light import Light
+from uwopt.catalog.parts.part import Part
+from uwopt.catalog.parts.port import Port
 from uwopt.forward.problem import Parts, Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact import search as exact_search

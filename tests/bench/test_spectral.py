@@ -13,7 +13,7 @@ import pytest
 from uwopt.bench import spectral, spectral_exact
 from uwopt.bench.spectral import AS_USED, GAUSS, RULES, SIMPSON, TRAPEZOID, Case
 from uwopt.bench.suite import BenchRow, Budget
-from uwopt.model import imaging
+from uwopt.model.imaging import signal_weight
 
 ONE_NM = 401  # nodes of the whole spectrum in steps of 1 nm
 PLANCK_J_S, LIGHT_M_S = 6.62607015e-34, 299792458.0
@@ -108,7 +108,7 @@ def test_the_trapezoid_in_steps_of_one_nanometre_is_the_models_weight() -> None:
     curve = tables.efficiency[0][1]
     scene = spectral.scene_of(setting)
     held = {name: np.interp(grid_nm, *getattr(tables, name)) for name in ("reflectance", "photopic")}
-    theirs = imaging.signal_weight(
+    theirs = signal_weight(
         spectral.lamp_power(None, grid_nm), wavelength_nm=grid_nm, photopic=held["photopic"],
         reflectance=held["reflectance"], quantum_efficiency=np.interp(grid_nm, *curve),
         n_water=np.interp(grid_nm, scene.wavelength_nm, scene.n_water_spectrum),

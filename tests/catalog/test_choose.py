@@ -7,7 +7,12 @@ import pytest
 from uwopt.catalog.catalogue import Catalog, Exclusion
 from uwopt.catalog.choose import Choice, matches, select
 from uwopt.catalog.money import cost_of
-from uwopt.catalog.records import Camera, Lens, Light, Port, Quantity, exact
+from uwopt.catalog.parts.camera import Camera
+from uwopt.catalog.parts.lens import Lens
+from uwopt.catalog.parts.light import Light
+from uwopt.catalog.parts.port import Port
+from uwopt.catalog.parts.quantity import Quantity
+from uwopt.catalog.records import exact
 from uwopt.errors import CatalogError
 
 CATALOG = Catalog(

@@ -10,7 +10,11 @@ from uwopt.catalog.compatibility import (
     mount_compatible,
     sensor_diagonal_mm,
 )
-from uwopt.catalog.records import Camera, Lens, Light, Port, exact
+from uwopt.catalog.parts.camera import Camera
+from uwopt.catalog.parts.lens import Lens
+from uwopt.catalog.parts.light import Light
+from uwopt.catalog.parts.port import Port
+from uwopt.catalog.records import exact
 
 CAMERA = Camera(
     id="cam",

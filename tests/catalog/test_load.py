@@ -7,7 +7,8 @@ import pytest
 from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.load import load_catalog
 from uwopt.catalog.money import price_in
-from uwopt.catalog.records import KINDS, Quantity
+from uwopt.catalog.parts.quantity import Quantity
+from uwopt.catalog.records import KINDS
 from uwopt.errors import CatalogError
 
 CATALOG = load_catalog()

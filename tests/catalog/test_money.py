@@ -3,7 +3,8 @@
 import pytest
 
 from uwopt.catalog.money import cost_of, default_rates, price_in, to_currency
-from uwopt.catalog.records import Lens, Quantity
+from uwopt.catalog.parts.lens import Lens
+from uwopt.catalog.parts.quantity import Quantity
 from uwopt.errors import CatalogError
 
 LENS = Lens(id="lens", price=Quantity(200.0, 150.0, 300.0), currency="EUR")

@@ -14,10 +14,14 @@ from uwopt.catalog.checkfile import template
 from uwopt.catalog.columns import COLUMNS, CellError, column_of, parse_cell
 from uwopt.catalog.inline import part_from_inline
 from uwopt.catalog.load import load_catalog
+from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.parts.cell import FROM_ZERO, POSITIVE, Cell, Inline, Range, beyond, fields_of, kept_fields
 from uwopt.catalog.parts.kinds import FAVOURED, ORDERED_PAIRS
+from uwopt.catalog.parts.light import Light
+from uwopt.catalog.parts.part import Part
+from uwopt.catalog.parts.quantity import Quantity
 from uwopt.catalog.readers.reading import inline_fields, row_fields
-from uwopt.catalog.records import Camera, Light, Part, Quantity, exact
+from uwopt.catalog.records import exact
 from uwopt.catalog.tables import DATA_DIR
 from uwopt.catalog.userparts import PartRow
 from uwopt.errors import CatalogError

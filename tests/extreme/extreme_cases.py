@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import small_catalogues as small
 
-from uwopt.catalog.records import Light, exact
+from uwopt.catalog.parts.light import Light
+from uwopt.catalog.records import exact
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective

@@ -25,7 +25,9 @@ class Record(Columns):
 
 
 def record(n: int, first: int, depth: int = 3) -> Record:
-    pixel = 100.0 * np.arange(first, first + n)[:, None, None] + np.arange(depth)[None, None, :] * np.ones((1, 2, 1))
+    pixel = 100.0 * np.arange(first, first + n)[:, None, None] + np.arange(depth)[None, None, :] * np.ones(
+        (1, 2, 1)
+    )
     return Record(np.arange(first, first + n), Inner(pixel), None, [Inner(pixel), Inner(-pixel)])
 
 

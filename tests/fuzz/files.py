@@ -26,8 +26,8 @@ from uwopt.catalog.parts.cell import LARGEST
 from uwopt.catalog.parts.kinds import ALL_FIELDS
 from uwopt.documents.key_types import keys_of
 from uwopt.mission.keys import JERLOV_TYPES, OBJECTIVES, SEAFLOORS
-from uwopt.mission.mission import LightMount
 from uwopt.mission.mission import sections as mission_sections
+from uwopt.mission.sections import LightMount
 from uwopt.mission.system import sections as system_sections
 
 MISSION, SYSTEM = mission_sections(), system_sections()

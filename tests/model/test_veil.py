@@ -13,9 +13,11 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from uwopt.model import beam as beams
-from uwopt.model import veil
 from uwopt.model.imaging import Lamps, PortShape, floor_point
 from uwopt.model.path_table import build_path_table
+from uwopt.model.veil.geometry import Scatterer, camera_rays, nearest_approach_m, path_ranges_m
+from uwopt.model.veil.mean import log_mean_backscatter, mean_backscatter
+from uwopt.model.veil.ray import backscatter_gain, log_backscatter_gain
 
 Array = np.ndarray
 Phase = Callable[[Any], Any]
@@ -63,8 +65,8 @@ class Water:
 
     def scatterers(
         self, half: tuple[float, float], phases: tuple[Phase, ...] = PHASES, **scene: Any
-    ) -> tuple[veil.Scatterer, ...]:
-        lamp_range_m, camera_range_m = veil.path_ranges_m(
+    ) -> tuple[Scatterer, ...]:
+        lamp_range_m, camera_range_m = path_ranges_m(
             np.array([half[0]]),
             np.array([half[1]]),
             **scene,
@@ -78,7 +80,7 @@ class Water:
             camera_range_m=camera_range_m,
         )
         return tuple(
-            veil.Scatterer(phase, build_path_table(w, **common))  # type: ignore[arg-type]
+            Scatterer(phase, build_path_table(w, **common))  # type: ignore[arg-type]
             for phase, w in zip(phases, self.weights, strict=False)
         )
 
@@ -197,7 +199,7 @@ def test_a_pixels_veil_agrees_with_adaptive_quadrature(name: str) -> None:
     scatterers = water.scatterers((0.45, 0.45), **scene)
     pixels = [(0.0, 0.0), (0.45, 0.45), (-0.2, -0.4), (0.1, 0.4)]
     u, v = np.array(pixels).T
-    ours = veil.log_backscatter_gain(u, v, **scene, beam=BEAMS[beam], scatterers=scatterers)  # type: ignore[arg-type]
+    ours = log_backscatter_gain(u, v, **scene, beam=BEAMS[beam], scatterers=scatterers)  # type: ignore[arg-type]
     exact = [log_by_quadrature(*p, **scene, beam=BEAMS[beam], water=water) for p in pixels]  # type: ignore[arg-type]
     assert np.any(np.isfinite(exact))
     np.testing.assert_array_equal(np.isneginf(ours), np.isneginf(exact))
@@ -207,7 +209,7 @@ def test_a_pixels_veil_agrees_with_adaptive_quadrature(name: str) -> None:
 def test_rays_end_where_the_signals_rays_meet_the_floor() -> None:
     u, v = np.array([0.0, 0.3, -0.5]), np.array([0.0, 0.6, 0.2])
     for shape in (DOME, FLAT):
-        rays = veil.camera_rays(u, v, shape=shape, range_m=2.0)
+        rays = camera_rays(u, v, shape=shape, range_m=2.0)
         x_m, y_m, path_m = floor_point(u, v, shape=shape, range_m=2.0)
         np.testing.assert_allclose(rays.path_m, path_m, rtol=1e-12)
         np.testing.assert_allclose(rays.x_m + path_m * rays.along_x, x_m, atol=1e-9)
@@ -223,7 +225,7 @@ def test_even_light_in_clear_water_gives_an_arctangent(baseline_m: float) -> Non
     # axis of a flat port, I = 1/(2 pi), p = 1/(4 pi): integral of dr/(b^2 + r^2) = arctan(d/b)/b
     scene = dict(shape=FLAT, range_m=3.0, lamps=lamp(y=baseline_m))
     scatterers = Water(0.0, grey=True).scatterers((0.1, 0.1), phases=(isotropic,), **scene)
-    ours = veil.backscatter_gain(
+    ours = backscatter_gain(
         np.array([0.0]), np.array([0.0]), **scene, beam=BEAMS["cone 90"], scatterers=scatterers  # type: ignore[arg-type]
     )  # fmt: skip
     weight = np.exp(-((0.4 / 0.3) ** 2))
@@ -238,7 +240,7 @@ def test_a_lamp_far_above_gives_the_plane_parallel_veil(u: float) -> None:
     height_m, range_m, water = 2e6, 2.0, Water(0.5, grey=True)
     scene = dict(shape=FLAT, range_m=range_m, lamps=lamp(y=0.0, z=-height_m))
     scatterers = water.scatterers((0.7, 0.7), phases=(isotropic,), **scene)
-    ours = veil.log_backscatter_gain(
+    ours = log_backscatter_gain(
         np.array([u]), np.array([0.0]), **scene, beam=BEAMS["cone 90"], scatterers=scatterers
     )  # type: ignore[arg-type]
     cos = np.cos(np.arcsin(np.sin(np.arctan(u)) / FLAT.n_water))
@@ -254,13 +256,13 @@ def test_a_deep_thick_sea_keeps_its_logarithm() -> None:
     water, scene = Water(200.0, grey=True), dict(shape=FLAT, range_m=10.0, lamps=lamp(y=3.0))
     scatterers = water.scatterers((0.3, 0.3), **scene)
     common = dict(**scene, beam=BEAMS["lobe 120"], scatterers=scatterers)
-    ours = veil.log_backscatter_gain(np.array([0.0]), np.array([0.0]), **common)  # type: ignore[arg-type]
+    ours = log_backscatter_gain(np.array([0.0]), np.array([0.0]), **common)  # type: ignore[arg-type]
     exact = log_by_quadrature(0.0, 0.0, **scene, beam=BEAMS["lobe 120"], water=water)  # type: ignore[arg-type]
     assert exact == pytest.approx(-380, abs=5)
     assert ours[0] == pytest.approx(exact, abs=1e-5)
     half = np.array([0.3])
-    assert np.isfinite(veil.log_mean_backscatter(half, half, **common)[0])  # type: ignore[arg-type]
-    assert 0 <= veil.mean_backscatter(half, half, **common)[0] < 1e-100  # type: ignore[arg-type]
+    assert np.isfinite(log_mean_backscatter(half, half, **common)[0])  # type: ignore[arg-type]
+    assert 0 <= mean_backscatter(half, half, **common)[0] < 1e-100  # type: ignore[arg-type]
 
 
 # ---------------------------------------------------------------- Monte Carlo
@@ -304,9 +306,9 @@ def test_photons_scattered_once_give_the_same_mean() -> None:
         [scatter], wavelength_nm=None, k_lamp_per_m=[k], c_camera_per_m=[c],
         lamp_range_m=(0.1, 3), camera_range_m=(0, 3),
     )  # fmt: skip
-    ours = veil.mean_backscatter(
+    ours = mean_backscatter(
         np.array([half[0]]), np.array([half[1]]), shape=DOME, range_m=range_m, lamps=lamps, beam=beam,
-        scatterers=(veil.Scatterer(particles, table),),
+        scatterers=(Scatterer(particles, table),),
     )  # fmt: skip
     assert ours[0] == pytest.approx(mean, abs=3 * sigma)
 
@@ -348,7 +350,7 @@ def test_a_measured_profiles_veil_on_the_axis_agrees_with_brute_force() -> None:
     water, scene = Water(0.5), dict(shape=DOME, range_m=2.0, lamps=lamp())
     scatterers = water.scatterers((0.4, 0.4), **scene)
     axis = np.array([0.0])
-    ours = veil.backscatter_gain(axis, axis, **scene, beam=BEAMS["flood"], scatterers=scatterers)  # type: ignore[arg-type]
+    ours = backscatter_gain(axis, axis, **scene, beam=BEAMS["flood"], scatterers=scatterers)  # type: ignore[arg-type]
     exact = mean_by_brute_force((1e-9, 1e-9), 1, 200_000, water=water, **scene, beam=BEAMS["flood"])
     assert ours[0] == pytest.approx(exact, rel=1e-4)  # the digitised curve has a kink every half degree
 
@@ -370,7 +372,7 @@ def test_an_images_mean_agrees_with_brute_force(name: str) -> None:
     water, half = Water(optical / range_m), (0.35, 0.45)
     scene = dict(shape=shape, range_m=range_m, lamps=lamps)
     scatterers = water.scatterers(half, **scene)
-    ours = veil.mean_backscatter(
+    ours = mean_backscatter(
         np.array([half[0]]), np.array([half[1]]), **scene, beam=BEAMS[beam], scatterers=scatterers  # type: ignore[arg-type]
     )  # fmt: skip
     exact = mean_by_brute_force(half, n, n_ray, water=water, **scene, beam=BEAMS[beam])
@@ -390,9 +392,9 @@ HALF = np.array([0.3]), np.array([0.4])
 def test_the_veil_is_linear_in_the_lamps_shares() -> None:
     first, second = lamp(share=1.0), lamp(x=0.3, y=-0.8, tilt_deg=20)
     both = ordinary(two(first, second))
-    a, b = (veil.backscatter_gain(*HALF, **(both | dict(lamps=one))) for one in (first, second))
+    a, b = (backscatter_gain(*HALF, **(both | dict(lamps=one))) for one in (first, second))
     shared = two(lamp(share=0.3), lamp(x=0.3, y=-0.8, tilt_deg=20, share=0.7))
-    ours = veil.backscatter_gain(*HALF, **(both | dict(lamps=shared)))
+    ours = backscatter_gain(*HALF, **(both | dict(lamps=shared)))
     # as close as the numbers of nodes, chosen for each lamp, allow
     np.testing.assert_allclose(ours, 0.3 * a + 0.7 * b, rtol=1e-9)
 
@@ -401,34 +403,32 @@ def test_mirrored_lamps_veil_mirrored_pixels_alike() -> None:
     right, left = lamp(y=0.5, tilt_deg=20), lamp(y=-0.5, tilt_deg=-20)
     u, v = np.array([0.2, -0.1]), np.array([0.3, 0.35])
     scene = ordinary(right)
-    here = veil.backscatter_gain(u, v, **scene)
-    np.testing.assert_allclose(here, veil.backscatter_gain(u, -v, **(scene | dict(lamps=left))), rtol=1e-12)
-    np.testing.assert_allclose(here, veil.backscatter_gain(-u, v, **scene), rtol=1e-12)
+    here = backscatter_gain(u, v, **scene)
+    np.testing.assert_allclose(here, backscatter_gain(u, -v, **(scene | dict(lamps=left))), rtol=1e-12)
+    np.testing.assert_allclose(here, backscatter_gain(-u, v, **scene), rtol=1e-12)
     sides = two(lamp(y=0.5, tilt_deg=20, share=0.5), lamp(y=-0.5, tilt_deg=-20, share=0.5))
-    one_side = veil.mean_backscatter(*HALF, **scene)
-    np.testing.assert_allclose(
-        one_side, veil.mean_backscatter(*HALF, **(scene | dict(lamps=sides))), rtol=1e-12
-    )
+    one_side = mean_backscatter(*HALF, **scene)
+    np.testing.assert_allclose(one_side, mean_backscatter(*HALF, **(scene | dict(lamps=sides))), rtol=1e-12)
 
 
 def test_half_an_image_stands_for_the_whole() -> None:
     whole = lamp(x=1e-13)  # too little to change anything, enough to break the symmetry
-    halved = veil.mean_backscatter(*HALF, **ordinary(lamp()))
-    np.testing.assert_allclose(veil.mean_backscatter(*HALF, **ordinary(whole)), halved, rtol=2e-5)
+    halved = mean_backscatter(*HALF, **ordinary(lamp()))
+    np.testing.assert_allclose(mean_backscatter(*HALF, **ordinary(whole)), halved, rtol=2e-5)
 
 
 def test_many_images_at_once_are_as_each_alone() -> None:
     along, across = np.linspace(0.05, 0.5, 40), np.linspace(0.6, 0.1, 40)
     scene = ordinary(lamp(), half=(0.5, 0.6))
-    together = veil.mean_backscatter(along, across, **scene)
-    alone = [float(veil.mean_backscatter(along[i : i + 1], across[i : i + 1], **scene)[0]) for i in range(40)]
+    together = mean_backscatter(along, across, **scene)
+    alone = [float(mean_backscatter(along[i : i + 1], across[i : i + 1], **scene)[0]) for i in range(40)]
     np.testing.assert_allclose(together, alone, rtol=5e-5)  # the orders may differ with the company
 
 
 def test_a_small_image_sees_the_axis() -> None:
     tiny, scene = np.array([1e-4]), ordinary(lamp())
-    axis = veil.backscatter_gain(np.array([0.0]), np.array([0.0]), **scene)
-    np.testing.assert_allclose(veil.mean_backscatter(tiny, tiny, **scene), axis, rtol=1e-6)
+    axis = backscatter_gain(np.array([0.0]), np.array([0.0]), **scene)
+    np.testing.assert_allclose(mean_backscatter(tiny, tiny, **scene), axis, rtol=1e-6)
 
 
 def test_clear_water_is_the_limit_of_thin_water() -> None:
@@ -436,7 +436,7 @@ def test_clear_water_is_the_limit_of_thin_water() -> None:
     for c in (0.0, 5e-7):
         scene = dict(shape=DOME, range_m=2.0, lamps=lamp())
         scatterers = Water(c).scatterers((0.3, 0.4), **scene)
-        gains.append(veil.mean_backscatter(*HALF, **scene, beam=BEAMS["lobe 75"], scatterers=scatterers)[0])  # type: ignore[arg-type]
+        gains.append(mean_backscatter(*HALF, **scene, beam=BEAMS["lobe 75"], scatterers=scatterers)[0])  # type: ignore[arg-type]
     assert gains[1] == pytest.approx(gains[0], rel=5e-6)  # c r + K r_s = 2e-6 to 3e-6
     assert gains[1] < gains[0]
 
@@ -444,14 +444,14 @@ def test_clear_water_is_the_limit_of_thin_water() -> None:
 def test_the_veil_falls_as_the_lamp_moves_away() -> None:
     # Jaffe (1990): separation of lamp and camera is what raises contrast
     baselines = (0.15, 0.3, 0.6, 1.0, 1.6, 2.5)
-    means = [veil.mean_backscatter(*HALF, **ordinary(lamp(y=b)))[0] for b in baselines]
+    means = [mean_backscatter(*HALF, **ordinary(lamp(y=b)))[0] for b in baselines]
     assert np.all(np.diff(means) < 0)
 
 
 def test_lamps_that_light_no_ray_leave_no_veil() -> None:
     away = Lamps((0.0,), (0.5,), (-0.1,), ((0.0, 0.0, -1.0),), (1.0,))
-    assert veil.mean_backscatter(*HALF, **ordinary(away))[0] == 0.0
-    assert veil.log_mean_backscatter(*HALF, **ordinary(away))[0] == -np.inf
+    assert mean_backscatter(*HALF, **ordinary(away))[0] == 0.0
+    assert log_mean_backscatter(*HALF, **ordinary(away))[0] == -np.inf
 
 
 def test_water_that_does_not_scatter_leaves_no_veil() -> None:
@@ -459,8 +459,8 @@ def test_water_that_does_not_scatter_leaves_no_veil() -> None:
         [0.0], wavelength_nm=None, k_lamp_per_m=[1.0], c_camera_per_m=[1.0],
         lamp_range_m=(0.1, 9), camera_range_m=(0, 9),
     )  # fmt: skip
-    clean = ordinary(lamp()) | dict(scatterers=(veil.Scatterer(isotropic, table),))
-    assert veil.mean_backscatter(*HALF, **clean)[0] == 0.0
+    clean = ordinary(lamp()) | dict(scatterers=(Scatterer(isotropic, table),))
+    assert mean_backscatter(*HALF, **clean)[0] == 0.0
 
 
 # ---------------------------------------------------------------- helpers
@@ -470,9 +470,9 @@ def test_nearest_approach_is_the_distance_to_the_outermost_ray() -> None:
     # dome: the ray at 0.4 across starts at the centre (0, -R); distance of (b, 0) from it is b cos - R sin
     angle = np.arctan(0.4)
     expected = 0.5 * np.cos(angle) - DOME.outer_radius_m * np.sin(angle)
-    ours = veil.nearest_approach_m(*HALF, shape=DOME, range_m=2.0, lamps=lamp())
+    ours = nearest_approach_m(*HALF, shape=DOME, range_m=2.0, lamps=lamp())
     assert ours[0] == pytest.approx(expected, rel=1e-6)
-    in_view = veil.nearest_approach_m(*HALF, shape=DOME, range_m=2.0, lamps=lamp(y=0.2, z=0.9))
+    in_view = nearest_approach_m(*HALF, shape=DOME, range_m=2.0, lamps=lamp(y=0.2, z=0.9))
     assert in_view[0] < 1e-3
 
 
@@ -480,7 +480,7 @@ def test_nearest_approach_is_the_distance_to_the_outermost_ray() -> None:
 def test_path_ranges_hold_every_point_of_every_ray(shape: PortShape) -> None:
     lamps = two(lamp(y=0.4, z=-0.2), lamp(x=0.3, y=-0.7))
     scene = dict(shape=shape, range_m=2.0, lamps=lamps)
-    (least, most), (start, end) = veil.path_ranges_m(*HALF, **scene)  # type: ignore[arg-type]
+    (least, most), (start, end) = path_ranges_m(*HALF, **scene)  # type: ignore[arg-type]
     rng = np.random.default_rng(1)
     seen = []
     for u, v in [*rng.uniform(-1, 1, (300, 2)) * [0.3, 0.4], (0.3, 0.4), (-0.3, -0.4), (0.3, -0.4)]:
@@ -494,7 +494,7 @@ def test_path_ranges_hold_every_point_of_every_ray(shape: PortShape) -> None:
 
 
 def test_tables_end_where_thick_water_shows_nothing() -> None:
-    lamp_range_m, camera_range_m = veil.path_ranges_m(
+    lamp_range_m, camera_range_m = path_ranges_m(
         *HALF, shape=DOME, range_m=20.0, lamps=lamp(), least_attenuation_per_m=(10.0, 20.0)
     )
     assert camera_range_m == (0.0, 3.0)  # 60 / 20

@@ -430,7 +430,9 @@ def test_texts_of_files_run_no_script(show: Callable[..., Any], make_front: Make
 
 def test_paper_has_the_plots_that_nobody_scrolled_to(show: Callable[..., Any], tank: Any) -> None:
     page = show(tank, viewport={"width": 1300, "height": 300})
-    page.add_init_script("window.requestIdleCallback = () => 0")  # a page that has no idle moment before it is printed
+    page.add_init_script(
+        "window.requestIdleCallback = () => 0"
+    )  # a page that has no idle moment before it is printed
     page.reload()
     page.locator("html[data-plots=ready]").wait_for()  # with the page, not with the first plot that is seen
     wanted = page.locator("[data-figure]").count()

@@ -14,7 +14,11 @@ from typing import Any
 from random_cases import Case
 from small_catalogues import MONO
 
-from uwopt.catalog.records import Camera, Lens, Light, Port, exact
+from uwopt.catalog.parts.camera import Camera
+from uwopt.catalog.parts.lens import Lens
+from uwopt.catalog.parts.light import Light
+from uwopt.catalog.parts.port import Port
+from uwopt.catalog.records import exact
 from uwopt.forward.problem import Parts
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective

@@ -12,7 +12,8 @@ import numpy as np
 import small_catalogues as small
 from thorough import THOROUGH, drawn
 
-from uwopt.catalog.records import Light, exact
+from uwopt.catalog.parts.light import Light
+from uwopt.catalog.records import exact
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective

@@ -54,7 +54,10 @@ def case(seed: int) -> rc.Case:
     if small.chance(rng, 0.5):
         plain["physics"] = "full" if plain["physics"] == "paper" else plain["physics"]
         for scene in plain["scenes"]:
-            scene |= {"sun_lux": small.pick(rng, [1e2, 1e4, 1e5]), "depth_m": small.pick(rng, [3.0, 12.0, 40.0])}
+            scene |= {
+                "sun_lux": small.pick(rng, [1e2, 1e4, 1e5]),
+                "depth_m": small.pick(rng, [3.0, 12.0, 40.0]),
+            }
     if plain["physics"] == "full" and small.chance(rng, 0.15):
         plain["requirements"]["min_mtf_half_nyquist"] = small.between(rng, 0.02, 0.3)
     if plain["physics"] == "full" and small.chance(rng, 0.15):
@@ -74,7 +77,9 @@ def start(wanted: rc.Case, seed: int) -> Start | None:
     hardware = small.pick(rng, buildable)
     model = design_model(problem, hardware)
     focus = place_focus(problem.scenes, model.maps, model.views)
-    f_number = max(float(model.lenses.f_number_min[0]), float(np.max(focus.n_depth))) * small.between(rng, 1.0, 1.2)
+    f_number = max(float(model.lenses.f_number_min[0]), float(np.max(focus.n_depth))) * small.between(
+        rng, 1.0, 1.2
+    )
     f_number = min(f_number, float(model.lenses.f_number_max[0]))
     exact = []
     for index, dioptre in enumerate(focus.dioptre_per_m):
@@ -84,9 +89,7 @@ def start(wanted: rc.Case, seed: int) -> Start | None:
     return Start(wanted, problem, hardware, exact)
 
 
-def random_settings(
-    model: DesignModel, numbers: dict[str, Any], rng: small.Rng, count: int
-) -> SettingRows:
+def random_settings(model: DesignModel, numbers: dict[str, Any], rng: small.Rng, count: int) -> SettingRows:
     """Stops, levels, microseconds and tenths of a decibel drawn at random, in one scene."""
     cam, flash = model.cameras, int(model.lights.kind[0]) == FLASH
     longest_s = min(float(cam.max_exposure_s[0]), 1.0 / max(numbers["rate_hz"], 1e-3))
@@ -139,7 +142,9 @@ def as_read(key: str, settings: dict[str, float | None]) -> float | None:
     return 10.0 ** (read / 20.0) if key == "gain" else read
 
 
-def evaluated(monkeypatch: pytest.MonkeyPatch, mission: Mission, parts: Parts, system: dict[str, Any]) -> Result:
+def evaluated(
+    monkeypatch: pytest.MonkeyPatch, mission: Mission, parts: Parts, system: dict[str, Any]
+) -> Result:
     """What `uwopt.evaluate` says of a system made of these parts."""
     monkeypatch.setattr(uwopt.api, "load_catalog", lambda mission=None: Catalog(*parts_of(parts)))
     return uwopt.evaluate(mission, system)

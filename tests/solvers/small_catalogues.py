@@ -10,7 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.catalog.records import Camera, Curve, Lens, Light, Port, Quantity, exact
+from uwopt.catalog.parts.camera import Camera
+from uwopt.catalog.parts.lens import Lens
+from uwopt.catalog.parts.light import Light
+from uwopt.catalog.parts.port import Port
+from uwopt.catalog.parts.quantity import Curve, Quantity
+from uwopt.catalog.records import exact
 from uwopt.forward.problem import Parts
 from uwopt.mission.mission import Mission, load_mission
 

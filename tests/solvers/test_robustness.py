@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from one_of_each import one, with_parts
 
-from uwopt.catalog.records import Quantity
+from uwopt.catalog.parts.quantity import Quantity
 from uwopt.solvers.explain.robustness import (
     assumptions,
     at_end,

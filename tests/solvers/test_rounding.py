@@ -84,13 +84,17 @@ def test_where_nothing_is_offered_no_random_setting_holds(seed: int) -> None:
 def test_sunlight_counts_when_a_sunlit_optimum_is_rounded() -> None:
     """Lamps that may be off beside a bright sun: without it the exposure would have to be a thousand times longer."""
     bright = ({"sun_lux": 1e5, "depth_m": 5.0},)
-    case = rc.planted("power", (BURNING,), {"min_snr_db": 25.0, "max_blur_px": 1.0, "mean_level": 0.3}, scenes=bright)
+    case = rc.planted(
+        "power", (BURNING,), {"min_snr_db": 25.0, "max_blur_px": 1.0, "mean_level": 0.3}, scenes=bright
+    )
     problem, best = best_of(case)
     made = rounded_design(problem, hardware_of(best), best.settings, case.objective).design
     assert made.feasible
     to_set = made.scenes[0].settings
     assert to_set["dim_frac"] == 0.0
-    assert to_set["exposure_ms"] == pytest.approx(best.settings[0]["exposure_s"] * 1e3, rel=0.3)  # a third of a stop
+    assert to_set["exposure_ms"] == pytest.approx(
+        best.settings[0]["exposure_s"] * 1e3, rel=0.3
+    )  # a third of a stop
 
 
 def test_pulsed_lamp_that_the_sun_makes_idle_is_rounded() -> None:
@@ -108,7 +112,9 @@ def test_pulsed_lamp_that_the_sun_makes_idle_is_rounded() -> None:
 
 def test_no_setting_of_a_whole_grid_draws_less_power() -> None:
     """Every third of a stop, step of the lamp and microsecond of pulse, one by one."""
-    case = rc.planted("power", (STEPPED,), {"min_snr_db": 20.0, "max_blur_px": 1.0}, camera={"max_gain_db": exact(0.0)})
+    case = rc.planted(
+        "power", (STEPPED,), {"min_snr_db": 20.0, "max_blur_px": 1.0}, camera={"max_gain_db": exact(0.0)}
+    )
     problem, best = best_of(case)
     model = design_model(problem, hardware_of(best))
     made = rounded_design(problem, hardware_of(best), best.settings, case.objective).design
@@ -116,9 +122,12 @@ def test_no_setting_of_a_whole_grid_draws_less_power() -> None:
     given = made.scenes[0].settings
     assert given["focus_distance_m"] is not None
     n, level, pulse_us = (
-        axis.ravel() for axis in np.meshgrid(stops(model.lenses, between=False), (0.25, 0.5, 1.0), np.arange(1, 2001))
+        axis.ravel()
+        for axis in np.meshgrid(stops(model.lenses, between=False), (0.25, 0.5, 1.0), np.arange(1, 2001))
     )
-    tried = settings(model, best.settings[0], n, level, pulse_us * 1e-6, rate_hz=float(given["frame_rate_hz"] or 0))
+    tried = settings(
+        model, best.settings[0], n, level, pulse_us * 1e-6, rate_hz=float(given["frame_rate_hz"] or 0)
+    )
     figures = model.figures(0, tried)
     margins = model.margins(0, tried, figures)
     holds = np.logical_and.reduce([np.broadcast_to(m.satisfied, n.shape) for m in margins])
@@ -142,7 +151,9 @@ def test_without_an_objective_rounding_stays_near_the_optimum() -> None:
     problem, best = best_of(case)
     made = rounded_design(problem, hardware_of(best), best.settings, None).design
     assert made.feasible
-    assert made.scenes[0].figures["snr_db"] == pytest.approx(best.snr_db, abs=0.3)  # the optimum has 20 dB to spare
+    assert made.scenes[0].figures["snr_db"] == pytest.approx(
+        best.snr_db, abs=0.3
+    )  # the optimum has 20 dB to spare
 
 
 def test_manual_lens_keeps_stop_and_ring_in_both_scenes() -> None:
@@ -163,7 +174,9 @@ def test_manual_lens_keeps_stop_and_ring_in_both_scenes() -> None:
     assert made.design.feasible
     first, second = (model.settings(i, given) for i, given in enumerate(made.given))
     assert first.f_number == second.f_number > 2.0
-    assert float(first.dioptre_per_m[0]) == pytest.approx(float(second.dioptre_per_m[0]), rel=1e-5)  # six figures
+    assert float(first.dioptre_per_m[0]) == pytest.approx(
+        float(second.dioptre_per_m[0]), rel=1e-5
+    )  # six figures
 
 
 # ---------------------------------------------------------------- nothing offered
@@ -176,7 +189,9 @@ def between_two_microseconds() -> rc.Case:
               "black_level_dn": 0.0}  # fmt: skip
     light = replace(BURNING, flux_lm=exact(1e7), dim_levels=(1.0,))
     case = with_lens(
-        rc.planted("power", (light,), wanted, camera=camera), aperture_control="fixed", f_number_max=exact(1.4)
+        rc.planted("power", (light,), wanted, camera=camera),
+        aperture_control="fixed",
+        f_number_max=exact(1.4),
     )
     _, best = best_of(case)
     light = replace(light, flux_lm=exact(1e7 * best.settings[0]["exposure_s"] / 10.5e-6))
@@ -197,7 +212,9 @@ def unsettable() -> uwopt.Result:
     """The result of a mission whose optimum cannot be set."""
     case = between_two_microseconds()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("uwopt.forward.assembly.load_catalog", lambda mission=None: Catalog(*sc.parts_of(case.parts)))
+        patch.setattr(
+            "uwopt.forward.assembly.load_catalog", lambda mission=None: Catalog(*sc.parts_of(case.parts))
+        )
         return uwopt.solve(case.mission)
 
 

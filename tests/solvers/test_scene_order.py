@@ -24,7 +24,9 @@ def case_of(seed: int, order: tuple[int, ...], objective: Any) -> cases.Case:
     """One random mission whose scenes differ in water, height and wishes, its scenes in a given order."""
     rng = np.random.default_rng(seed)
     parts, plain = small.parts(rng, 2), small.mission(rng)
-    in_air = tuple(replace(light, beam_medium="air") for light in parts.lights)  # what each water bends its own way
+    in_air = tuple(
+        replace(light, beam_medium="air") for light in parts.lights
+    )  # what each water bends its own way
     parts = replace(parts, lights=in_air)
     altitude_m = plain["vehicle"]["altitude_m"]
     scenes = [{**small.scene(rng, n), **water} for n, water in enumerate(WATERS[: len(order)])]

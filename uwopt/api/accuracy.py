@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from numbers import Real
 from typing import Any
 
@@ -100,7 +101,7 @@ def search_within(
             return (found if fineness == DEFAULT or not sought.outcome.complete else search(DEFAULT)), None
         estimator = estimator_of_search(sought, goal, deadline)
         measured = deadline.within(
-            "errors of figures", lambda: estimator.cheapest(tolerance, fineness), None  # noqa: B023
+            "errors of figures", partial(estimator.cheapest, tolerance, fineness), None
         )
         if measured is None or measured.fineness == fineness or not sought.outcome.complete:
             break

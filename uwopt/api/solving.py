@@ -1,6 +1,5 @@
 """The two things uwopt does, for Python and for the command line: solve and evaluate."""
 
-
 from __future__ import annotations
 
 import math
@@ -240,9 +239,7 @@ def found_result(
     )
 
 
-def doubts(
-    sought: Sought, goal: Objective, winner: Design, deadline: Deadline
-) -> dict[str, Any] | None:
+def doubts(sought: Sought, goal: Objective, winner: Design, deadline: Deadline) -> dict[str, Any] | None:
     """What the estimates, the choice of water table and the lamps' places could change."""
     from uwopt.solvers.explain.lamp_places import polished_mount, tilt_tolerance
     from uwopt.solvers.explain.robustness import robustness
@@ -259,16 +256,12 @@ def doubts(
     }
 
 
-def second_opinions(
-    sought: Sought, goal: Objective, solver: str, deadline: Deadline
-) -> list[dict[str, Any]]:
+def second_opinions(sought: Sought, goal: Objective, solver: str, deadline: Deadline) -> list[dict[str, Any]]:
     """The winner's settings solved again by continuous solvers, compared by objective."""
     from uwopt.solvers.continuous import opinions
 
     if solver == "bonmin":
-        return [
-            opinions.mixed_opinion(sought, goal, max_seconds=min(opinions.BONMIN_S, deadline.left_s))
-        ]
+        return [opinions.mixed_opinion(sought, goal, max_seconds=min(opinions.BONMIN_S, deadline.left_s))]
     methods = {"exact": ("casadi",), "casadi": ("casadi",), "nlopt": ("slsqp", "cobyla", "global")}[solver]
     if not opinions.smooth(sought, goal):
         return opinions.aperture_opinions(sought, sought.outcome.best[0], goal)

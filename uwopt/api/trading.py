@@ -455,7 +455,11 @@ class ParetoCall:
             share = 100.0 * (1.0 - front.hypervolume / front.hypervolume_bound)
             out.append(("gap", f"bounds on settings leave {share:.2g} % of the hypervolume open"))
         if sought.cut:
-            rest = "the exact front was finished before" if front is not None else "the front holds what it had found"
+            rest = (
+                "the exact front was finished before"
+                if front is not None
+                else "the front holds what it had found"
+            )
             out.append(("interrupted", f"{sought.cut} was interrupted; {rest}"))
         if front is not None and len(front.values) == 1:
             out.append(("one_point", "one design is best in every objective: there is nothing to trade"))
@@ -477,7 +481,10 @@ class ParetoCall:
         proof = None if told.certificate is None else told.to_dict()["certificate"]
         cut = [warning for warning in told.warnings if warning["code"] == "time"]
         return replace(
-            made, infeasible=told.infeasible, certificate=proof or made.certificate, warnings=[*made.warnings, *cut]
+            made,
+            infeasible=told.infeasible,
+            certificate=proof or made.certificate,
+            warnings=[*made.warnings, *cut],
         )
 
     def explained(self) -> Result:

@@ -114,7 +114,9 @@ def scaling_charts(suite: Suite, rows: Sequence[BenchRow]) -> list[dict[str, Any
 def log_figure(traces: list[dict[str, Any]], across: str, up: str) -> dict[str, Any]:
     """Traces on two logarithmic axes."""
     axes = [
-        axis(title, type="log", exponentformat="power", **({"dtick": 1} if spans_decades(traces, key) else {}))
+        axis(
+            title, type="log", exponentformat="power", **({"dtick": 1} if spans_decades(traces, key) else {})
+        )
         for title, key in ((across, "x"), (up, "y"))
     ]
     return {"data": traces, "layout": layout(xaxis=axes[0], yaxis=axes[1], height=420)}

@@ -14,9 +14,12 @@ from uwopt.bench import quadrature_exact as exact
 from uwopt.bench.quadrature_exact import ImageCase, Water
 from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite, least_size, timed
 from uwopt.model import beam as beams
-from uwopt.model import imaging, veil
-from uwopt.model.imaging import Lamps, PortShape
+from uwopt.model.image_mean import cells_needed, field_mean, orders_needed
+from uwopt.model.imaging import Lamps, PortShape, floor_point
 from uwopt.model.path_table import PathTable, build_path_table
+from uwopt.model.veil.geometry import Scatterer, path_ranges_m
+from uwopt.model.veil.mean import mean_backscatter
+from uwopt.model.veil.ray import backscatter_gain
 
 Array = NDArray[Any]
 
@@ -96,7 +99,9 @@ def cases(quick: bool) -> tuple[ImageCase, ...]:
     """What is integrated: few for a quick run."""
     first = (
         ImageCase("wide lobe, dome, 2 m", WIDE, DOME, 2.0, lamp(), lobe(75), water(1.0)),
-        ImageCase("narrow lobe inwards, dome, 2 m", WIDE, DOME, 2.0, lamp(outward_deg=-8), lobe(10), water(1.0)),
+        ImageCase(
+            "narrow lobe inwards, dome, 2 m", WIDE, DOME, 2.0, lamp(outward_deg=-8), lobe(10), water(1.0)
+        ),
         ImageCase("disc's edge in the image, dome, 2 m", WIDE, DOME, 2.0, lamp(y=0.6), disc(25), water(1.0)),
     )
     if quick:
@@ -108,7 +113,9 @@ def cases(quick: bool) -> tuple[ImageCase, ...]:
         ImageCase("wide lobe, dome, 20 m", WIDE, DOME, 20.0, lamp(y=1.5), lobe(75), water(0.15)),
         ImageCase("spot of 6 deg, flat port, 10 m", WIDE, FLAT, 10.0, lamp(y=1.0), lobe(6), water(0.2)),
         ImageCase("wide lobe, thick water, dome, 2 m", WIDE, DOME, 2.0, lamp(), lobe(75), water(20.0)),
-        ImageCase("cone, flat port, 1 m", WIDE, FLAT, 1.0, lamp(y=0.5, outward_deg=-20), cone(20), water(1.0)),
+        ImageCase(
+            "cone, flat port, 1 m", WIDE, FLAT, 1.0, lamp(y=0.5, outward_deg=-20), cone(20), water(1.0)
+        ),
         ImageCase("cone's edge across, dome, 2 m", WIDE, DOME, 2.0, lamp(y=1.0, z=0.3), cone(40), water(1.0)),
         ImageCase("two lamps tilted, flat port, 2 m", WIDE, FLAT, 2.0, around, lobe(120), water(2.0)),
         ImageCase("narrow cone, dome, 5 m", WIDE, DOME, 5.0, lamp(y=0.4), cone(5), water(0.4)),
@@ -132,7 +139,7 @@ def cone(half_deg: float) -> beams.Beam:
 def signal_table(light: ImageCase) -> PathTable:
     """Water's loss for the image's paths, as a search tabulates it."""
     u, v = (np.linspace(-half, half, 33) for half in light.half)
-    x_m, y_m, path_m = imaging.floor_point(u[:, None], v, shape=light.shape, range_m=light.range_m)
+    x_m, y_m, path_m = floor_point(u[:, None], v, shape=light.shape, range_m=light.range_m)
     legs = [
         np.sqrt((x_m - x) ** 2 + (y_m - y) ** 2 + (light.range_m - z) ** 2)
         for x, y, z in zip(light.lamps.x_m, light.lamps.y_m, light.lamps.z_m, strict=True)
@@ -148,15 +155,15 @@ def signal_table(light: ImageCase) -> PathTable:
     )
 
 
-def scatterers(light: ImageCase) -> tuple[veil.Scatterer, ...]:
+def scatterers(light: ImageCase) -> tuple[Scatterer, ...]:
     """Particles and molecules with their tables of loss."""
     along, across = (np.array([half]) for half in light.half)
-    lamp_range_m, camera_range_m = veil.path_ranges_m(
+    lamp_range_m, camera_range_m = path_ranges_m(
         along, across, shape=light.shape, range_m=light.range_m, lamps=light.lamps,
         least_attenuation_per_m=(float(light.water.k_per_m.min()), float(light.water.c_per_m.min())),
     )  # fmt: skip
     return tuple(
-        veil.Scatterer(
+        Scatterer(
             phase,
             build_path_table(
                 weight,
@@ -181,11 +188,11 @@ def model_of(light: ImageCase, target: str) -> Rule:
     )
     if target == SIGNAL:
         table = signal_table(light)
-        return lambda u, v, order: imaging.field_mean(u, v, table=table, order=order, **common)
+        return lambda u, v, order: field_mean(u, v, table=table, order=order, **common)
     common["scatterers"] = scatterers(light)
     if target == IMAGE_VEIL:
-        return lambda u, v, order: veil.mean_backscatter(u, v, order=order, **common)
-    return lambda u, v, order: veil.backscatter_gain(u, v, order=order, **common)
+        return lambda u, v, order: mean_backscatter(u, v, order=order, **common)
+    return lambda u, v, order: backscatter_gain(u, v, order=order, **common)
 
 
 def places_of(light: ImageCase, target: str) -> tuple[Array, Array]:
@@ -222,11 +229,13 @@ def chosen_order(light: ImageCase, target: str) -> float | None:
     if target != SIGNAL:
         return None
     along, across = (np.array([half]) for half in light.half)
-    needed = imaging.cells_needed if beams.has_sharp_edge(light.beam) else imaging.orders_needed
+    needed = cells_needed if beams.has_sharp_edge(light.beam) else orders_needed
     return float(needed(along, across, light.shape, light.range_m, light.lamps, light.beam)[0])
 
 
-def measured_row(light: ImageCase, target: str, how: str, order: int | None, truth: Array, *, quick: bool) -> BenchRow:
+def measured_row(
+    light: ImageCase, target: str, how: str, order: int | None, truth: Array, *, quick: bool
+) -> BenchRow:
     """Greatest relative error, and time of one image or pixel among several."""
     model, (u, v) = model_of(light, target), places_of(light, target)
     nodes = (order or 20) ** (1 if target == PIXEL_VEIL else 2)

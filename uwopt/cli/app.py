@@ -85,10 +85,14 @@ def solve_command(
     physics: PhysicsOption = None,
     top: Annotated[int, typer.Option(metavar="K", min=1, max=1000, help="How many systems to list.")] = 5,
     audit: Annotated[
-        int, typer.Option(metavar="N", min=0, max=1_000_000, help="Try N other combinations, half of them discarded.")
+        int,
+        typer.Option(
+            metavar="N", min=0, max=1_000_000, help="Try N other combinations, half of them discarded."
+        ),
     ] = 0,
     seconds: Annotated[
-        float | None, typer.Option(metavar="S", help="Stop after S seconds; the gap and what is left out are told.")
+        float | None,
+        typer.Option(metavar="S", help="Stop after S seconds; the gap and what is left out are told."),
     ] = None,
     accuracy: AccuracyOption = False,
     tolerance: ToleranceOption = None,
@@ -212,7 +216,9 @@ def init_command(
 @app.command("schema", short_help="Print a JSON schema for editors.")
 @command
 def schema_command(
-    document: Annotated[DocumentKind, typer.Argument(help="Which file the schema is for.")] = DocumentKind.mission,
+    document: Annotated[
+        DocumentKind, typer.Argument(help="Which file the schema is for.")
+    ] = DocumentKind.mission,
 ) -> None:
     """Print the JSON schema of a mission or system file, for editors."""
     from uwopt.mission.templates import mission_json_schema, system_json_schema

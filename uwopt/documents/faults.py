@@ -52,7 +52,9 @@ def without_comma(text: str) -> str:
     """How to write a number that has commas; empty where it is no such number. `10,000` may mean two numbers."""
     plain = text.strip()
     if _THOUSANDS.fullmatch(plain):
-        decimal = f", or {plain.replace(',', '.')} if the comma is a decimal one" if plain.count(",") == 1 else ""
+        decimal = (
+            f", or {plain.replace(',', '.')} if the comma is a decimal one" if plain.count(",") == 1 else ""
+        )
         return f"write {plain.replace(',', '')}{decimal}"
     return f"write a decimal point: {plain.replace(',', '.')}" if _DECIMAL_COMMA.fullmatch(plain) else ""
 

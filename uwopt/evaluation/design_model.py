@@ -1,6 +1,5 @@
 """One hardware choice of a problem, ready to be asked for figures, margins and totals in every scene."""
 
-
 from __future__ import annotations
 
 import math
@@ -29,8 +28,10 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import focus_map, views
-from uwopt.model import imaging, veil
+from uwopt.model.image_mean import cells
+from uwopt.model.imaging import floor_point, lamp_light
 from uwopt.model.port import lens_dioptre_per_m
+from uwopt.model.veil.geometry import nearest_approach_m
 from uwopt.objectives.requirements import MarginRows, scene_margins, system_margins
 
 Array = NDArray[Any]
@@ -135,7 +136,7 @@ class DesignModel:
     def lamp_clearance_m(self, index: int) -> float:
         """Least distance of a lamp's middle from any ray of the image, at the lowest altitude."""
         view, scene = self.views[index], self.problem.scenes[index]
-        return float(self._once(("clearance", index), lambda: veil.nearest_approach_m(
+        return float(self._once(("clearance", index), lambda: nearest_approach_m(
             view.tan_along, view.tan_across, shape=self.shapes[index], range_m=float(scene.range_m[0]),
             lamps=self.hardware.mount.lamps(self.hardware.count),
         )[0]))  # fmt: skip
@@ -144,12 +145,12 @@ class DesignModel:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
         beam = self.problem.beam(index, int(self.lights.optics_index[0]))
         lamps, range_m = hw.mount.lamps(hw.count), float(scene.range_m[scene.nominal])
-        middles, _ = imaging.cells(DARK_CELLS)
+        middles, _ = cells(DARK_CELLS)
         along, across = np.meshgrid(view.tan_along[0] * middles, view.tan_across[0] * middles)
-        x_m, y_m, _ = imaging.floor_point(along, across, shape=self.shapes[index], range_m=range_m)
+        x_m, y_m, _ = floor_point(along, across, shape=self.shapes[index], range_m=range_m)
         lit = np.zeros(x_m.shape, bool)
         for n in range(len(lamps.share)):
-            light, _, _ = imaging.lamp_light(x_m, y_m, lamps=lamps, index=n, beam=beam, range_m=range_m)
+            light, _, _ = lamp_light(x_m, y_m, lamps=lamps, index=n, beam=beam, range_m=range_m)
             lit |= light > 0.0
         return float(1.0 - lit.mean())
 

@@ -4,7 +4,6 @@ The forward model for searches that evaluate populations. What depends on hardwa
 once a batch, in groups that share port, light and efficiency curve; no loop runs over designs.
 """
 
-
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -40,7 +40,9 @@ class Columns:
                 old[index] = new
             return old
 
-        return replace(self, **{f.name: one(getattr(self, f.name), getattr(part, f.name)) for f in fields(self)})
+        return replace(
+            self, **{f.name: one(getattr(self, f.name), getattr(part, f.name)) for f in fields(self)}
+        )
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:

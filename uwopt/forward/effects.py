@@ -26,8 +26,10 @@ from uwopt.forward.spectra import LARGEST_EXPONENT, TINY
 from uwopt.forward.sun_light import SunField
 from uwopt.forward.views import Views
 from uwopt.model import beam as beams
-from uwopt.model import imaging, port
+from uwopt.model import port
 from uwopt.model.effects import Effects
+from uwopt.model.image_mean import pixel_grid
+from uwopt.model.imaging import floor_point
 
 Array = NDArray[Any]
 
@@ -151,9 +153,7 @@ def forward_bound(field: LampField, view: Views) -> float:
         return 0.0
     most = 0.0
     for range_m in (float(scene.range_m[0]), float(scene.range_m[-1])):
-        x_m, y_m, path_m = imaging.floor_point(
-            view.tan_along, view.tan_across, shape=field.shape, range_m=range_m
-        )
+        x_m, y_m, path_m = floor_point(view.tan_along, view.tan_across, shape=field.shape, range_m=range_m)
         longest = float(path_m.max())
         height = min(range_m - z for z in field.lamps.z_m)
         aside = float(np.hypot(x_m, y_m).max()) + max(
@@ -174,11 +174,11 @@ def margin(field: LampField) -> float:
 
 def backscatter_bound(field: LampField, view: Views, signal: Array) -> float:
     """A coarse mean of the lamps' path radiance over the image-forming light, with a margin."""
-    from uwopt.model import veil
+    from uwopt.model.veil.mean import mean_backscatter
 
     most = 0.0
     for index in {0, len(field.scene.range_m) - 1}:
-        coarse = veil.mean_backscatter(
+        coarse = mean_backscatter(
             view.tan_along, view.tan_across, lamps=one_side(field.lamps), scatterers=field.scatterers(),
             order=COARSE_ORDER, **field.common(float(field.scene.range_m[index])),
         )  # fmt: skip
@@ -189,7 +189,7 @@ def backscatter_bound(field: LampField, view: Views, signal: Array) -> float:
 
 def worst_pixel_shares(field: LampField, view: Views) -> tuple[float, float]:
     """Most that each veil can be of the image-forming light in any pixel."""
-    along, across = imaging.pixel_grid(view.tan_along, view.tan_across, n_points=PIXELS)
+    along, across = pixel_grid(view.tan_along, view.tan_across, n_points=PIXELS)
     forward, back = field.veils_at_pixels(view, along, across)
     return float(forward.max()) * FORWARD_MARGIN, float(back.max()) * margin(field)
 

@@ -14,7 +14,7 @@ from uwopt.forward.lamps import (
 )
 from uwopt.forward.problem import Problem
 from uwopt.forward.views import Views
-from uwopt.model import imaging
+from uwopt.model.footprint import footprint_illuminance_per_lm
 
 Array = NDArray[Any]
 
@@ -31,7 +31,7 @@ def footprint_light(
         axis = float(on_axis_gain(beam, np.array([range_m]))[0])
         loss = float((weight * np.exp(-scene.lamp_attenuation_per_m * range_m)).sum() / weight.sum())
         return axis * loss, axis * loss
-    return imaging.footprint_illuminance_per_lm(
+    return footprint_illuminance_per_lm(
         float(view.tan_along[0]), float(view.tan_across[0]), shape=problem.shape(port_index, scene_index),
         range_m=range_m, lamps=mount.lamps(count), beam=beam, weight=weight,
         attenuation_per_m=scene.lamp_attenuation_per_m, fineness=scene.fineness,

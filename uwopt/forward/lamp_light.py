@@ -21,7 +21,10 @@ from uwopt.forward.lamps import (
 from uwopt.forward.problem import Problem
 from uwopt.forward.views import Views
 from uwopt.model import beam as beams
-from uwopt.model import imaging, veil
+from uwopt.model.image_mean import along_symmetric, field_mean, pixel_grid
+from uwopt.model.imaging import local_gain
+from uwopt.model.veil.mean import mean_backscatter
+from uwopt.model.veil.ray import backscatter_gain
 
 if TYPE_CHECKING:
     from uwopt.forward.lamps import Mount
@@ -140,11 +143,11 @@ class LampField:
         )
 
     def mean_gain(self, view: Views, *, forward: bool) -> Array:
-        """Mean of `imaging.local_gain` over the image, (n, n_altitudes) [1/m^2]."""
+        """Mean of `local_gain` over the image, (n, n_altitudes) [1/m^2]."""
         table = self.loss_table(forward=forward)
         return np.stack(
             [
-                imaging.field_mean(
+                field_mean(
                     view.tan_along, view.tan_across, lamps=one_side(self.lamps), table=table,
                     fineness=self.fineness.image, **self.common(float(range_m)),
                 )
@@ -172,7 +175,7 @@ class LampField:
         places = sorted({0, count // 2, count - 1})
         coarse = view.collecting_m2[:, None] * np.stack(
             [
-                veil.mean_backscatter(
+                mean_backscatter(
                     view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=self.scatterers(),
                     order=COARSE_ORDER, **self.common(float(self.scene.range_m[n])),
                 )
@@ -191,7 +194,7 @@ class LampField:
         scatterers = self.scatterers()
         return np.stack(
             [
-                veil.mean_backscatter(
+                mean_backscatter(
                     view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=scatterers,
                     fineness=self.fineness.veil, **self.common(float(range_m)),
                 )
@@ -204,8 +207,8 @@ class LampField:
 
     def at_worst_pixels(self, view: Views, *, veils: bool) -> tuple[Array, Array | None]:
         """Signal and veil at every pixel of a grid that some setting could make the worst."""
-        along, across = imaging.pixel_grid(
-            view.tan_along, view.tan_across, half=imaging.along_symmetric(self.lamps),
+        along, across = pixel_grid(
+            view.tan_along, view.tan_across, half=along_symmetric(self.lamps),
             n_points=self.problem.pixels_a_side(self.scene_index),
         )  # fmt: skip
         signal, veil_there = self.at_pixels(view, along, across, veils=veils)
@@ -224,14 +227,12 @@ class LampField:
         scatters = veils and self.scene.scatters
         for range_m in self.scene.range_m:
             common = dict(lamps=self.lamps, **self.common(float(range_m)))
-            signal = response * imaging.local_gain(along, across, table=self.loss_table(), **common)
+            signal = response * local_gain(along, across, table=self.loss_table(), **common)
             over = np.zeros_like(signal)
             if scatters and self.effects.forward_veil:
-                over = response * imaging.local_gain(
-                    along, across, table=self.loss_table(forward=True), **common
-                )
+                over = response * local_gain(along, across, table=self.loss_table(forward=True), **common)
             if scatters and self.effects.backscatter:
-                over = over + veil.backscatter_gain(
+                over = over + backscatter_gain(
                     along, across, scatterers=self.scatterers(), fineness=self.fineness.veil, **common
                 )
             signals.append(signal * collecting)
@@ -246,10 +247,10 @@ class LampField:
         for range_m in (float(self.scene.range_m[0]), float(self.scene.range_m[-1])):
             common = dict(lamps=self.lamps, **self.common(range_m))
             signal, over = (
-                imaging.local_gain(along, across, table=self.loss_table(forward=veiled), **common) * response
+                local_gain(along, across, table=self.loss_table(forward=veiled), **common) * response
                 for veiled in (False, True)
             )
-            back = veil.backscatter_gain(along, across, scatterers=self.scatterers(), **common)
+            back = backscatter_gain(along, across, scatterers=self.scatterers(), **common)
             lit = np.maximum(signal, 1e-300)
             with np.errstate(over="ignore"):
                 shares.append((over / lit, back / lit))

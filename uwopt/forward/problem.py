@@ -4,7 +4,6 @@ Scenes, hardware columns, light optics, mounts and contracted spectra, built onc
 the estimates (central, good, bad). A design is a row of indices into these tables.
 """
 
-
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -41,9 +40,9 @@ from uwopt.forward.spectra import Contraction
 from uwopt.forward.views import port_shape
 from uwopt.mission.mission import Mission
 from uwopt.model import fineness as fine
-from uwopt.model import imaging
 from uwopt.model.beam import Beam
 from uwopt.model.effects import FULL, PAPER, Effects
+from uwopt.model.image_mean import PIXELS_A_SIDE
 from uwopt.model.imaging import PortShape
 
 Array = NDArray[Any]
@@ -178,7 +177,7 @@ class Problem:
 
     def pixels_a_side(self, scene_index: int) -> int:
         """Points a side of the grid on which one scene's worst pixel is looked for; finer ones hold the coarser."""
-        half = imaging.PIXELS_A_SIDE // 2
+        half = PIXELS_A_SIDE // 2
         return 2 * fine.scaled(half, self.scenes[scene_index].fineness.places) + 1
 
     def set_reach(self, scene_index: int, widest_m: float) -> None:
@@ -193,4 +192,3 @@ class Problem:
         )
 
     # ------------------------------------------------------------ rows for the settings
-

@@ -84,7 +84,9 @@ class SceneRows(Columns):
     min_mtf: float = 0.0  # at half the Nyquist frequency
     sharp: SharpRows | None = None  # only where MTF or information are asked for
     open_max_s: Array | None = None  # longest open shutter under the sun; None: as long as the lamps need
-    spare_dark_s: Array | None = None  # of bounds: further exposure whose dark current may fill the wanted level
+    spare_dark_s: Array | None = (
+        None  # of bounds: further exposure whose dark current may fill the wanted level
+    )
 
     @property
     def total_e(self) -> Array:

@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 from uwopt.catalog.records import Curve
 from uwopt.forward.lamps import LAMP_FRONT_M, LightOptics, relative_spectrum
 from uwopt.forward.scene import SceneOptics
-from uwopt.model import imaging, sensor, veil
+from uwopt.model import sensor
 from uwopt.model.fineness import scaled
+from uwopt.model.imaging import scatter_weight, signal_weight
 from uwopt.model.spectrum import resample, resample_power
+from uwopt.model.veil.geometry import OPTICAL_REACH, Scatterer
 from uwopt.model.water import PathTable, build_path_table
 
 Array = NDArray[Any]
@@ -82,11 +84,11 @@ class Contraction:
         return (self.spectrum_names[spectrum], self._curve_keys[efficiency], channel)
 
     def weight(self, spectrum: int, efficiency: int, channel: str | None = None) -> Array:
-        """Signal weight by wavelength; see `imaging.signal_weight`."""
+        """Signal weight by wavelength; see `signal_weight`."""
         key = ("weight", *self.key(spectrum, efficiency, channel))
         scene = self.scene
         if key not in scene.cache:
-            scene.cache[key] = imaging.signal_weight(
+            scene.cache[key] = signal_weight(
                 relative_spectrum(self.spectrum_names[spectrum], scene.wavelength_nm),
                 wavelength_nm=scene.wavelength_nm,
                 photopic=scene.photopic,
@@ -186,21 +188,19 @@ class Contraction:
             tolerance_log=TABLE_ERROR_LOG / fineness**2,
         )
 
-    def scatterers(
-        self, spectrum: int, efficiency: int, channel: str | None = None
-    ) -> tuple[veil.Scatterer, ...]:
+    def scatterers(self, spectrum: int, efficiency: int, channel: str | None = None) -> tuple[Scatterer, ...]:
         """What scatters on the way to the camera, particles and molecules, each with its loss table."""
         scene = self.scene
         key = ("scatter", *self.key(spectrum, efficiency, channel), self._reach_m)
         if key not in scene.cache:
             lamp_end, camera_end = (
-                min(reach, LAMP_FRONT_M + veil.OPTICAL_REACH / max(float(least.min()), TINY))
+                min(reach, LAMP_FRONT_M + OPTICAL_REACH / max(float(least.min()), TINY))
                 for reach, least in zip(
                     self._reach_m, (scene.lamp_attenuation_per_m, scene.attenuation_per_m), strict=True
                 )
             )
             scene.cache[key] = tuple(
-                veil.Scatterer(
+                Scatterer(
                     phase=part.phase,
                     table=build_path_table(
                         self.scatter_weight(part.scattering_per_m, spectrum, efficiency, channel),
@@ -214,15 +214,15 @@ class Contraction:
                 )
                 for part in scene.scattering
             )
-        found: tuple[veil.Scatterer, ...] = scene.cache[key]
+        found: tuple[Scatterer, ...] = scene.cache[key]
         return found
 
     def scatter_weight(
         self, scattering_per_m: Array, spectrum: int, efficiency: int, channel: str | None = None
     ) -> Array:
-        """Weight by wavelength of light that the water scatters; see `imaging.scatter_weight`."""
+        """Weight by wavelength of light that the water scatters; see `scatter_weight`."""
         scene = self.scene
-        return imaging.scatter_weight(
+        return scatter_weight(
             relative_spectrum(self.spectrum_names[spectrum], scene.wavelength_nm),
             wavelength_nm=scene.wavelength_nm,
             photopic=scene.photopic,

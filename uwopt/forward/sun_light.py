@@ -19,8 +19,10 @@ from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
 from uwopt.forward.spectra import TINY, efficiency_curve
 from uwopt.forward.views import Views
-from uwopt.model import imaging, port, seafloor, sunlight
+from uwopt.model import port, seafloor, sunlight
 from uwopt.model.fineness import scaled
+from uwopt.model.image_mean import along_symmetric, gauss, pixel_grid
+from uwopt.model.imaging import field_loss, floor_point, radiance_weight
 from uwopt.model.spectrum import resample
 
 if TYPE_CHECKING:
@@ -47,7 +49,7 @@ class SunField:
 
     def light(self, view: Views, *, pixels: bool = False, half_grid: bool = False) -> SunLight:
         """Daylight of these imagers; with `pixels` also at every point of the grid that lamps are seen on."""
-        nodes, weights = imaging.gauss(scaled(IMAGE_ORDER, self.fineness))
+        nodes, weights = gauss(scaled(IMAGE_ORDER, self.fineness))
         half, share = 0.5 * (nodes + 1.0), weights
         along = view.tan_along[:, None, None] * half[:, None]
         across = view.tan_across[:, None, None] * half
@@ -59,7 +61,7 @@ class SunField:
         if not pixels:
             return SunLight(signal, forward, path)
         points = self.problem.pixels_a_side(self.scene_index)
-        grid = imaging.pixel_grid(view.tan_along, view.tan_across, half=half_grid, n_points=points)
+        grid = pixel_grid(view.tan_along, view.tan_across, half=half_grid, n_points=points)
         there = np.stack(self.at_points(view, *grid), axis=1)
         return SunLight(signal, forward, path, there[..., 0], there[..., 1] + there[..., 2])
 
@@ -67,7 +69,7 @@ class SunField:
         """Floor, forward veil and path (last axis) at field points (n, ...), one array an altitude [e/s]."""
         radius = np.hypot(along, across)
         widest = float(radius.max(initial=1e-6)) * (1 + 1e-9)
-        loss = imaging.field_loss(along, across, shape=self.shape)
+        loss = field_loss(along, across, shape=self.shape)
         scale = (loss.T * view.collecting_m2).T
         out = []
         for range_m in self.scene.range_m:
@@ -82,7 +84,7 @@ class SunField:
         scene, degree = self.scene, scaled(RADIAL_DEGREE, self.fineness)
         knots = chebyshev.chebpts1(degree + 1)
         tangent = 0.5 * (knots + 1.0) * widest
-        _, _, path_m = imaging.floor_point(tangent, np.zeros_like(tangent), shape=self.shape, range_m=range_m)
+        _, _, path_m = floor_point(tangent, np.zeros_like(tangent), shape=self.shape, range_m=range_m)
         in_water = tangent if self.shape.is_dome else port.water_tangent(tangent, n=self.shape.n_water)
         cos_field = 1.0 / np.sqrt(1.0 + np.square(in_water))
         floor = self.electrons(seafloor.lambertian_radiance(self.at_floor(), reflectance=scene.reflectance))
@@ -112,7 +114,7 @@ class SunField:
     def electrons(self, radiance: Array) -> Array:
         """Weights by wavelength of a radiance in water."""
         scene = self.scene
-        return imaging.radiance_weight(
+        return radiance_weight(
             radiance, wavelength_nm=scene.wavelength_nm, quantum_efficiency=self.efficiency,
             n_water=scene.radiance_index,
         )  # fmt: skip
@@ -165,7 +167,7 @@ def sun_light(
     if not problem.scenes[scene_index].sunlit or not problem.effects.sunlight:
         return None
 
-    half = pixels and mount is not None and imaging.along_symmetric(mount.lamps(count))
+    half = pixels and mount is not None and along_symmetric(mount.lamps(count))
     efficiency = problem.cameras.qe_index[camera]
     columns: dict[str, Any] = {}
     for window in np.unique(port_index):

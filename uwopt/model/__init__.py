@@ -1,15 +1,22 @@
 """What a system would see. The light's way, one file a stage:
 
-spectrum   the grid, integrals, black bodies
-light      lumens to watts per nanometre, electrical power, pulses
-beam       where a lamp's light goes
-water      what the way to the floor and back takes (path_table: contracted over both legs)
-seafloor   what comes back
-port       window between water and air: rays, focus, losses
-lens       image irradiance, depth of field
-sensor     electrons, digital numbers, signal to noise
-operation  motion: blur, overlap, frame rate
-imaging    the stages put in a row
+spectrum    the grid, integrals, black bodies
+light       lumens to watts per nanometre, electrical power, pulses
+beam        where a lamp's light goes
+water       what the way to the floor and back takes (path_table: contracted over both legs)
+scattering  phase functions: how much light is turned where
+veil        light of the lamps that water scatters back (geometry, ray, mean)
+sunlight    daylight at depth, on the floor and along the path
+seafloor    what comes back
+port        window between water and air: rays, focus, losses
+lens        image irradiance, depth of field
+defocus     blur of what is out of focus, behind flat ports and domes
+lateral     the spread of colours behind a flat port
+sharpness   MTF of all stages, information
+sensor      electrons, digital numbers, signal to noise
+operation   motion: blur, overlap, frame rate
+imaging     the stages put in a row at a point; image_mean over the image, footprint over the floor
+effects     which parts of the physics are kept; fineness: how finely integrals are taken
 
 Pure functions: arrays in, arrays out, no files, no parts, no solvers.
 """

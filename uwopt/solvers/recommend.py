@@ -4,7 +4,6 @@ The search works on tables; here its designs become results. Every design is eva
 the forward model, and a claim that does not hold there is a defect, not a result.
 """
 
-
 from __future__ import annotations
 
 import math

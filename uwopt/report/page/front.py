@@ -3,7 +3,6 @@
 All texts are made here, by the same words as everywhere; the script only places them.
 """
 
-
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence

@@ -21,7 +21,8 @@ from uwopt.forward.scene import SceneOptics
 from uwopt.forward.spectra import efficiency_curve
 from uwopt.forward.views import edge_m, port_transmission, smallest_pixels_m
 from uwopt.model import beam as beams
-from uwopt.model import imaging, lens, light, operation, seafloor, sensor
+from uwopt.model import lens, light, operation, seafloor, sensor
+from uwopt.model.imaging import Lamps, lamp_light
 from uwopt.model.port import lens_dioptre_per_m
 
 Array = NDArray[Any]
@@ -169,7 +170,7 @@ def spectrum_way(design: Replay, scene_index: int = 0) -> SpectrumWay:
     )
 
 
-def axis_gain_per_m2(scene: SceneOptics, beam: beams.Beam, lamps: imaging.Lamps, range_m: float) -> Array:
+def axis_gain_per_m2(scene: SceneOptics, beam: beams.Beam, lamps: Lamps, range_m: float) -> Array:
     """Irradiance over flux where the camera's axis meets the floor, water's loss included, by wavelength [1/m^2]."""
     if scene.paper:
         gain = float(on_axis_gain(beam, np.array([range_m]))[0])
@@ -177,9 +178,7 @@ def axis_gain_per_m2(scene: SceneOptics, beam: beams.Beam, lamps: imaging.Lamps,
     total = np.zeros_like(scene.wavelength_nm)
     origin = np.zeros(1)
     for index, share in enumerate(lamps.share):
-        vacuum, lamp_m, _ = imaging.lamp_light(
-            origin, origin, lamps=lamps, index=index, beam=beam, range_m=range_m
-        )
+        vacuum, lamp_m, _ = lamp_light(origin, origin, lamps=lamps, index=index, beam=beam, range_m=range_m)
         total += share * float(vacuum[0]) * np.exp(-scene.lamp_attenuation_per_m * float(lamp_m[0]))
     return total
 

@@ -16,7 +16,10 @@ from uwopt.evaluation.recompute import Replay
 from uwopt.forward.figures import full_light_lm, open_s
 from uwopt.forward.lamps import luminous_weight
 from uwopt.forward.sun_light import SunField
-from uwopt.model import imaging, sensor
+from uwopt.model import sensor
+from uwopt.model.footprint import floor_area_ratio, floor_illuminance_per_lm
+from uwopt.model.image_mean import cells
+from uwopt.model.imaging import floor_point
 from uwopt.report.pictures.curves import CHANNELS, at_nominal, is_colour, lamp_field
 
 Array = NDArray[Any]
@@ -128,7 +131,7 @@ def image_map(
         there.signal_e + there.veil_e, gain_dn_per_e=gain, bits=float(cam.bits[0]), dark_e=dark,
         offset_dn=float(cam.black_level_dn[0]),
     )  # fmt: skip
-    u, v = imaging.cells(columns)[0], imaging.cells(rows)[0]
+    u, v = cells(columns)[0], cells(rows)[0]
     return ImageMap(
         x_px=0.5 * (u + 1.0) * float(cam.resolution_x_px[0]),
         y_px=0.5 * (v + 1.0) * float(cam.resolution_y_px[0]),
@@ -144,7 +147,7 @@ def image_points(design: Replay, columns: int, rows: int) -> tuple[Array, Array]
 
     The image is held so that forward is up (landscape) or to the right (portrait), starboard right or down.
     """
-    u, v = np.meshgrid(imaging.cells(columns)[0], imaging.cells(rows)[0])
+    u, v = np.meshgrid(cells(columns)[0], cells(rows)[0])
     return (-v, u) if design.model.hardware.landscape else (u, v)
 
 
@@ -164,14 +167,14 @@ def floor_map(
     tan_along, tan_across = float(view.tan_along[0]), float(view.tan_across[0])
 
     def lux(x_m: Array, y_m: Array) -> Array:
-        return lumens * imaging.floor_illuminance_per_lm(
+        return lumens * floor_illuminance_per_lm(
             x_m, y_m, lamps=hw.mount.lamps(hw.count), beam=item.beams[scene_index], range_m=range_m,
             weight=luminous_weight(scene, item),
             attenuation_per_m=scene.lamp_attenuation_per_m,
         )  # fmt: skip
 
     def traced(along: Array, across: Array) -> tuple[Array, Array]:
-        x_m, y_m, _ = imaging.floor_point(along, across, shape=shape, range_m=range_m)
+        x_m, y_m, _ = floor_point(along, across, shape=shape, range_m=range_m)
         return np.asarray(x_m), np.asarray(y_m)
 
     way = np.linspace(-1.0, 1.0, EDGE_POINTS)
@@ -183,10 +186,10 @@ def floor_map(
     across_m = np.linspace(-1.0, 1.0, columns) * BEYOND * float(edge_across.max())
     around = lux(*np.meshgrid(along_m, across_m, indexing="ij"))
     cell_along, cell_across = np.meshgrid(
-        tan_along * imaging.cells(rows)[0], tan_across * imaging.cells(columns)[0], indexing="ij"
+        tan_along * cells(rows)[0], tan_across * cells(columns)[0], indexing="ij"
     )
     inside = lux(*traced(cell_along, cell_across))
-    area = imaging.floor_area_ratio(cell_along, cell_across, shape=shape, range_m=range_m)
+    area = floor_area_ratio(cell_along, cell_across, shape=shape, range_m=range_m)
     return FloorMap(
         across_m=across_m,
         along_m=along_m,

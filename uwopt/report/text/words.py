@@ -170,7 +170,11 @@ def change(value: float, unit: str, scale: float, digits: int = 3) -> str:
 
 def margin_value(margin: Margin) -> str:
     """What is reached of a requirement: a number with its unit, or the word in its place."""
-    return one_line(margin.word) if margin.value is None and margin.word else quantity(margin.value, margin.unit, 4)
+    return (
+        one_line(margin.word)
+        if margin.value is None and margin.word
+        else quantity(margin.value, margin.unit, 4)
+    )
 
 
 def margin_text(margin: Margin) -> str:

@@ -35,7 +35,11 @@ class Attempt:
 
 
 def violations(
-    scenes: Sequence[SmoothScene], settings: Sequence[SmoothSettings], *, motorised: bool, light_limit_w: float
+    scenes: Sequence[SmoothScene],
+    settings: Sequence[SmoothSettings],
+    *,
+    motorised: bool,
+    light_limit_w: float,
 ) -> dict[str, float]:
     """By how much, relatively, each rule is missed; negative where there is room."""
     found: dict[str, float] = {}

@@ -10,7 +10,6 @@ called one when, and only when, the conditions of an optimum hold at the point. 
 is imported before a method asks for it.
 """
 
-
 from __future__ import annotations
 
 import itertools

@@ -1,6 +1,5 @@
 """The certificate: what was proven, over which parts, and where every combination went."""
 
-
 from __future__ import annotations
 
 import math

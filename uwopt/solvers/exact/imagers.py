@@ -356,4 +356,12 @@ def focus_distance_m(dioptre_per_m: Array, at: Any) -> Array:
     return np.asarray(water_distance_m(dioptre_per_m, focus_map=at))
 
 
-__all__ = ["IMAGER_RULES", "FittingPairs", "Imagers", "SceneImagers", "enumerate_imagers", "fitting_pairs", "totals"]
+__all__ = [
+    "IMAGER_RULES",
+    "FittingPairs",
+    "Imagers",
+    "SceneImagers",
+    "enumerate_imagers",
+    "fitting_pairs",
+    "totals",
+]

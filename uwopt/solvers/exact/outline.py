@@ -229,7 +229,9 @@ class Level:
         flat = g.gap_low_m + g.glass_low_m / g.index_high + range_m / scene.n_water
         return np.where(g.is_dome, range_m + g.radius_low_m, flat)[at]
 
-    def edges_m(self, scene: SceneOptics, rows: OutlineRows, tangent: Array, range_m: float) -> tuple[Array, Array]:
+    def edges_m(
+        self, scene: SceneOptics, rows: OutlineRows, tangent: Array, range_m: float
+    ) -> tuple[Array, Array]:
         """Least and most distance on the floor of rays at these tangents: grows with radius, gap and glass,
         falls with the glass's index."""
         if scene.paper:
@@ -386,7 +388,9 @@ class Level:
             passes["frame_rate"] &= focused.rate_hz <= cameras.max_rate_hz[rows.camera] * COARSE_ROUND
             data = focused.rate_hz * cameras.frame_mb[rows.camera] * count
             passes["data_rate_mb_s"] &= data <= limit(limits.data_rate_mb_s) * COARSE_ROUND
-            passes["min_dof_m"] &= np.isfinite(focused.n_low) & (focused.n_low <= focused.n_high * COARSE_ROUND)
+            passes["min_dof_m"] &= np.isfinite(focused.n_low) & (
+                focused.n_low <= focused.n_high * COARSE_ROUND
+            )
         passes["max_blur_px"] = cameras.min_exposure_s[rows.camera] <= limits.max_exposure_ms * 1e-3
         passes["cost"] = imagers.limit_cost <= limit(limits.cost) * COARSE_ROUND
         passes["mass_kg"] = imagers.mass_kg <= limit(limits.mass_kg) * COARSE_ROUND

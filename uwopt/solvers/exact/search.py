@@ -373,7 +373,9 @@ class Search:
             self.tables.exact(s, lighting, imager, known=light, veils=veils) for s, light in enumerate(lights)
         ]
 
-    def _solve_hopeful(self, pairs: NodeDesigns, bound: Array, lights: list[ImageLight], lighting: Lighting) -> int:
+    def _solve_hopeful(
+        self, pairs: NodeDesigns, bound: Array, lights: list[ImageLight], lighting: Lighting
+    ) -> int:
         """Designs that may win, best bound first, with all their veils; how many were solved."""
         least = np.full(len(pairs.imager), np.inf)
         np.minimum.at(least, pairs.unit, bound)

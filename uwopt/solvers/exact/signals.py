@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from uwopt.forward.lamps import one_side
 from uwopt.model import beam as beams
-from uwopt.model import imaging
-from uwopt.model.imaging import PortShape
+from uwopt.model.image_mean import along_symmetric, gauss, orders_needed
+from uwopt.model.imaging import PortShape, field_loss, floor_point, lamp_light
 from uwopt.model.path_table import log_mean_transmission
 from uwopt.solvers.exact.light_tables import FieldTables, Lighting
 
@@ -60,7 +60,7 @@ class SignalTables(FieldTables):
         lamps, range_m = one_side(lighting.mount.lamps(2)), float(scene.range_m[altitude])
         along, across = view.tan_along[rows], view.tan_across[rows]
         shape = self._shape(scene_index, rows, is_dome, ())
-        orders = imaging.orders_needed(along, across, shape, range_m, lamps, beam, scene.fineness.image)
+        orders = orders_needed(along, across, shape, range_m, lamps, beam, scene.fineness.image)
         gain = np.empty(len(rows))
         for order in np.unique(orders):
             mine = np.nonzero(orders == order)[0]
@@ -88,27 +88,25 @@ class SignalTables(FieldTables):
         problem, view = self.problem, self.imagers.scenes[scene_index].view
         beam, lamps = problem.beam(scene_index, lighting.optics), one_side(lighting.mount.lamps(2))
         spectrum = int(problem.contractions[scene_index].spectrum_of[lighting.optics])
-        across_nodes, across_weights = imaging.gauss(order)
+        across_nodes, across_weights = gauss(order)
         along_nodes, along_weights = across_nodes, across_weights
-        if imaging.along_symmetric(lamps):
-            along_nodes, along_weights = imaging.gauss(max(4, order // 2))
+        if along_symmetric(lamps):
+            along_nodes, along_weights = gauss(max(4, order // 2))
             along_nodes = 0.5 * (along_nodes + 1.0)
         along, across = np.broadcast_arrays(
             view.tan_along[rows, None, None] * along_nodes[:, None],
             view.tan_across[rows, None, None] * across_nodes,
         )
         shape = self._shape(scene_index, rows, is_dome, (None, None))
-        x_m, y_m, path_m = imaging.floor_point(along, across, shape=shape, range_m=range_m)
+        x_m, y_m, path_m = floor_point(along, across, shape=shape, range_m=range_m)
         curve = problem.cameras.qe_index[self.imagers.camera[rows]]
         total = np.zeros(x_m.shape)
         for index, share in enumerate(lamps.share):
-            vacuum, lamp_m, _ = imaging.lamp_light(
-                x_m, y_m, lamps=lamps, index=index, beam=beam, range_m=range_m
-            )
+            vacuum, lamp_m, _ = lamp_light(x_m, y_m, lamps=lamps, index=index, beam=beam, range_m=range_m)
             for q in np.unique(curve):
                 mine = curve == q
                 table = problem.table(scene_index, spectrum, int(q))
                 loss = np.exp(log_mean_transmission(table, lamp_m[mine], path_m[mine]))
                 total[mine] += share * vacuum[mine] * loss
-        gain = total * imaging.field_loss(along, across, shape=shape)
+        gain = total * field_loss(along, across, shape=shape)
         return np.asarray((gain @ across_weights) @ along_weights)

@@ -150,9 +150,7 @@ def best_value(problem: Problem, objective: Objective, count: int, deadline: Dea
     return values_at(search, search.prepare(), [place], count)[0]
 
 
-def polished_mount(
-    sought: Sought, objective: Objective, deadline: Deadline = NEVER
-) -> dict[str, Any] | None:
+def polished_mount(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> dict[str, Any] | None:
     """Baseline and tilt between the grid's points that do better for the winner's parts, if any.
 
     A pattern search from the winner's mount within the mission's ranges; None where nothing may vary.

@@ -34,9 +34,7 @@ OTHER: dict[str, Literal["measured", "solonenko-mobley"]] = {
 }
 
 
-def in_other_waters(
-    sought: Sought, objective: Objective, deadline: Deadline = NEVER
-) -> list[dict[str, Any]]:
+def in_other_waters(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
     """The systems shown, solved again with the other water table and with both bounds of K on the lamp leg."""
     problem = sought.problem
     if problem.paper or not sought.outcome.best:

@@ -68,8 +68,6 @@ class Hopeful(Columns):
         return np.asarray(np.logical_and.reduce([~r.dims_freely & (r.kind != PULSED) for r in self.rows]))
 
 
-
-
 @dataclass(frozen=True)
 class Answers(Columns):
     """What n designs do within n power limits."""
@@ -108,8 +106,6 @@ class Answers(Columns):
         nothing = np.full(len(design), np.nan)
         chosen = [Chosen(**dict.fromkeys((f.name for f in fields(Chosen)), nothing)) for _ in range(n_scenes)]
         return Answers(design, limit_w, nothing, nothing, bound, np.zeros(len(design), bool), chosen)
-
-
 
 
 def with_exposures(rows: list[SceneRows], chosen: list[Chosen]) -> list[Chosen]:

@@ -1,6 +1,5 @@
 """The nondominated designs that a population search has met, with the vectors that they came from."""
 
-
 from __future__ import annotations
 
 from typing import Any

@@ -225,7 +225,9 @@ class Evaluator:
                 columns.append(axis.minimised(figures))
         return np.stack(columns, axis=1)
 
-    def _named(self, made: list[tuple[DesignRows, SettingRows, Figures]], built: CodedHardware) -> dict[str, Array]:
+    def _named(
+        self, made: list[tuple[DesignRows, SettingRows, Figures]], built: CodedHardware
+    ) -> dict[str, Array]:
         """Figures by name, each of the scene where it is worst; parts too, where own objectives may ask."""
         problem, imagers = self.problem, self.search.imagers
 

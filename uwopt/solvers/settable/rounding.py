@@ -65,13 +65,18 @@ def rounded_design(
 
 
 def settable(
-    model: DesignModel, optimum: Sequence[SettingRows], objective: Objective | None, leaner: Sequence[DesignModel]
+    model: DesignModel,
+    optimum: Sequence[SettingRows],
+    objective: Objective | None,
+    leaner: Sequence[DesignModel],
 ) -> list[SceneSettings]:
     """The best settings that can be set, or those of the nearest miss; `leaner` models must agree that all holds."""
     nearest: tuple[float, list[SceneSettings]] = (np.inf, [])
     for rates, dioptres in variants(model, optimum):
         scenes = [
-            SettableScene(model, i, one, objective, rate_hz=rates[i], dioptre_per_m=dioptres[i], leaner=leaner)
+            SettableScene(
+                model, i, one, objective, rate_hz=rates[i], dioptre_per_m=dioptres[i], leaner=leaner
+            )
             for i, one in enumerate(optimum)
         ]
         for between in (False, True):
@@ -100,9 +105,7 @@ def holds(model: DesignModel, given: Sequence[SceneSettings]) -> bool:
     return True
 
 
-def variants(
-    model: DesignModel, optimum: Sequence[SettingRows]
-) -> Iterator[tuple[list[float], list[float]]]:
+def variants(model: DesignModel, optimum: Sequence[SettingRows]) -> Iterator[tuple[list[float], list[float]]]:
     """Frame rates and focus to try, by scene: in few figures first; the focus ring stands alike in all scenes."""
     rates = [rates_hz(float(one.rate_hz[0])) for one in optimum]
     distance_m = float(water_distance_m(optimum[0].dioptre_per_m[0], focus_map=model.maps[0]))

@@ -349,7 +349,9 @@ def spread_steps(low: Array, high: Array) -> Array:
     share = np.linspace(0.0, 1.0, TIMES)
     ratio = np.exp(np.log(low)[:, None] * (1 - share) + np.log(high)[:, None] * share)
     all_of_them = np.minimum(low[:, None] + np.arange(TIMES), high[:, None])
-    steps = np.where((high - low < TIMES)[:, None], all_of_them, np.clip(np.round(ratio), low[:, None], high[:, None]))
+    steps = np.where(
+        (high - low < TIMES)[:, None], all_of_them, np.clip(np.round(ratio), low[:, None], high[:, None])
+    )
     return time_steps(steps)
 
 

@@ -358,12 +358,7 @@ def step_tops(rows: list[SceneRows], motorised: Array, top: Array) -> list[Array
             level = scene.levels[:, column]
             if np.isnan(level).all():
                 continue
-            capped = [
-                replace(r, max_level=np.fmin(r.max_level, level))
-                if r is scene
-                else r
-                for r in rows
-            ]
+            capped = [replace(r, max_level=np.fmin(r.max_level, level)) if r is scene else r for r in rows]
             snr = closed_form.greatest_snr(capped, motorised, np.full(len(top), np.inf))
             tops.append(np.where(np.isfinite(snr), np.minimum(snr, top) * (1 - 1e-12), top))
     return tops

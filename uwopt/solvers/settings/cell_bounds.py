@@ -310,7 +310,9 @@ class SceneCells:
         snr, contrast, holds = figures_at(dark_rows, light_x, gain, sun)
         blur_s = open_s if self.sunlit else time_s
         full_w = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
-        drawn_most = np.where(full_w > 0, self.share[d], 0.0) * full_w  # a flash that never fires draws nothing
+        drawn_most = (
+            np.where(full_w > 0, self.share[d], 0.0) * full_w
+        )  # a flash that never fires draws nothing
         fits &= holds & (power <= drawn_most * (1 + 2e-9))
         if rows.min_mtf > 0:
             along, across = self.mtf_parts(d, f_number, f_number)

@@ -137,7 +137,9 @@ class Information:
         """Motion in a time, nominal altitude."""
         return np.asarray(self.sharp.blur_px_per_s[design, 1] * time_s)
 
-    def _parts(self, group: TransferGroup, design: Array, f_number: Array, working: Array, blur: Array) -> list[Any]:
+    def _parts(
+        self, group: TransferGroup, design: Array, f_number: Array, working: Array, blur: Array
+    ) -> list[Any]:
         """Pupil and disc by radius, motion by node: (ln, slope) each, (n, n_base), (n, n_base), (n, n_nodes)."""
         sharp, nodes = self.sharp, group.nodes
         cycle = working * sharp.wavelength_nm[design] * 1e-9 / sharp.pixel_pitch_m[design]

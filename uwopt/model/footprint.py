@@ -1,0 +1,180 @@
+"""Light on the floor over one image's footprint: mean, least, and at a point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.model import beam as beams
+from uwopt.model import port
+from uwopt.model.fineness import DEFAULT, Fineness, scaled
+from uwopt.model.image_mean import (
+    SMOOTH_ORDER,
+    cells,
+    cells_needed,
+    each_lamp,
+    gauss,
+    orders_needed,
+    spot_box,
+)
+from uwopt.model.imaging import (
+    LEAST_STARTS,
+    LEAST_ZOOMS,
+    Lamps,
+    PortShape,
+    covered_share,
+    flat_slope_m,
+    floor_point,
+    lamp_light,
+)
+
+Array = NDArray[Any]
+
+LAMP_RANGES = 257  # between which the loss of the lamp's leg is interpolated
+FOOTPRINT_CELLS = 60  # a side of the grid on which the darkest place of the floor is looked for
+
+
+def floor_illuminance_per_lm(
+    x_m: Array, y_m: Array, *, lamps: Lamps, beam: beams.Beam, range_m: float, weight: Array, attenuation_per_m: Array,
+    edge_share: bool = False, n_ranges: int = LAMP_RANGES,
+) -> Array:  # fmt: skip
+    """Illuminance on the floor per lumen of all lamps [1/m^2], water's loss on the lamp leg included.
+
+        E / Phi = sum over lamps of share * I/Phi * cos(theta_i) / r^2 * mean of exp(-K r) over V S
+
+    Parameters
+    ----------
+    x_m, y_m : (...,) floor points
+    weight : (n,) V(lambda) times the lamp's spectrum and the steps; attenuation_per_m : (n,) K(lambda)
+    edge_share : points are cells of a regular grid, and a sharp beam counts by the share it covers
+    n_ranges : of `lamp_leg_loss`
+
+    References
+    ----------
+    Physics page, sections 1 and 2.
+    """
+    total = np.zeros(np.broadcast(x_m, y_m).shape)
+    share_of_wave = weight / weight.sum()
+    shape = beams.without_edge(beam) if edge_share else beam
+    for index, share in enumerate(lamps.share):
+        vacuum, range_lamp, cos_beam = lamp_light(
+            x_m, y_m, lamps=lamps, index=index, beam=shape, range_m=range_m
+        )
+        if edge_share:
+            vacuum = vacuum * covered_share(cos_beam, np.cos(beams.edge_half_angle_rad(beam)))
+        total += share * vacuum * lamp_leg_loss(range_lamp, share_of_wave, attenuation_per_m, n_ranges)
+    return total
+
+
+def lamp_leg_loss(
+    range_m: Array, share_of_wave: Array, attenuation_per_m: Array, n_ranges: int = LAMP_RANGES
+) -> Array:
+    """Mean of exp(-K r) over a spectrum, its logarithm interpolated linearly between even ranges.
+
+    The second difference of the logarithm is at most the variance of K times the step squared / 8:
+    under 1e-5 for a footprint a few metres deep.
+    """
+    ranges = np.linspace(float(range_m.min()), float(range_m.max()), n_ranges)
+    lit = share_of_wave > 0.0  # what the lamp does not emit may be attenuated far less
+    optical = ranges[:, None] * attenuation_per_m[lit]
+    least = optical.min(axis=1)
+    with np.errstate(under="ignore"):
+        log_mean = np.log(np.exp(-(optical - least[:, None])) @ share_of_wave[lit]) - least
+        return np.exp(np.interp(range_m, ranges, log_mean))
+
+
+def footprint_illuminance_per_lm(
+    tan_along: float, tan_across: float, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    weight: Array, attenuation_per_m: Array, fineness: Fineness = DEFAULT,
+) -> tuple[float, float]:  # fmt: skip
+    """Mean and least illuminance per lumen over the image's footprint on the floor [1/m^2].
+
+    The footprint is traced through the port: behind a flat one its corners are drawn in. The mean is
+    over floor area, each field point weighted with |d(x, y) / d(u, v)| = (r/t) dr/dt of the radial map.
+    """
+    common: dict[str, Any] = dict(
+        lamps=lamps, beam=beam, range_m=range_m, weight=weight, attenuation_per_m=attenuation_per_m,
+        n_ranges=scaled(LAMP_RANGES, fineness.spectrum),
+    )  # fmt: skip
+    cells_a_side = scaled(FOOTPRINT_CELLS, fineness.places)
+    needed = cells_needed if beams.has_sharp_edge(beam) else orders_needed
+    images = np.array([tan_along]), np.array([tan_across])
+    order = int(needed(*images, shape, range_m, lamps, beam, fineness.image)[0])
+
+    def part(u: Array, v: Array, **of_lamps: Any) -> tuple[Array, Array]:
+        along, across = np.meshgrid(tan_along * u, tan_across * v, indexing="ij")
+        x_m, y_m, _ = floor_point(along, across, shape=shape, range_m=range_m)
+        area = floor_area_ratio(along, across, shape=shape, range_m=range_m)
+        return area, floor_illuminance_per_lm(x_m, y_m, **(common | of_lamps))
+
+    mean = footprint_mean(part, order, *images, shape=shape, range_m=range_m, lamps=lamps, beam=beam)
+    grid = np.linspace(-1.0, 1.0, cells_a_side + 1)
+
+    def there(u: Array, v: Array) -> Array:
+        x_m, y_m, _ = floor_point(tan_along * u, tan_across * v, shape=shape, range_m=range_m)
+        return floor_illuminance_per_lm(x_m, y_m, **common)
+
+    u, v = np.meshgrid(grid, grid, indexing="ij")
+    return mean, least_of(there, u.ravel(), v.ravel(), 2.0 / cells_a_side)
+
+
+def footprint_mean(
+    part: Callable[..., tuple[Array, Array]], order: int, tan_along: Array, tan_across: Array, *, shape: PortShape,
+    range_m: float, lamps: Lamps, beam: beams.Beam,
+) -> float:  # fmt: skip
+    """Mean over the footprint of what `part` gives: floor area and illuminance at field points in half widths [1/m^2].
+
+    Beams that end sharply: cells on each lamp's spot, extrapolated, as in `edge_mean`.
+    """
+    nodes, weights = gauss(max(SMOOTH_ORDER, 1 if beams.has_sharp_edge(beam) else order))
+    rule = np.outer(weights, weights)
+    if not beams.has_sharp_edge(beam):
+        area, light_there = part(nodes, nodes)
+        return float((light_there * area * rule).sum() / (area * rule).sum())
+    total, whole = 0.0, float((part(nodes, nodes)[0] * rule).sum())
+    for lamp in each_lamp(lamps):
+        box = spot_box(tan_along, tan_across, shape=shape, range_m=range_m, lamps=lamp, beam=beam)[:, 0]
+        lit = 0.25 * max(box[1] - box[0], 0.0) * max(box[3] - box[2], 0.0)
+        if lit > 0.0:
+            means = []
+            for k in (order, max(order // 2, 2)):
+                u, v = (0.5 * (low + high + (high - low) * cells(k)[0]) for low, high in (box[:2], box[2:]))
+                area, light_there = part(u, v, lamps=lamp, edge_share=True)
+                means.append(float((light_there * area).mean()))
+            total += lit * max((4.0 * means[0] - means[1]) / 3.0, 0.0)
+    return total / whole
+
+
+def least_of(function: Callable[[Array, Array], Array], u: Array, v: Array, cell: float) -> float:
+    """Least value of a function over the square |u|, |v| <= 1: on a grid, then ever closer about its lowest points.
+
+    Narrow beams leave dark wedges between the grid's points; a few of the lowest are followed down.
+    """
+    values = function(u, v)
+    steps = np.linspace(-1.0, 1.0, 7)
+    step_u, step_v = (part.ravel() for part in np.meshgrid(steps, steps))
+    for _ in range(LEAST_ZOOMS):
+        low = np.argsort(values, kind="stable")[:LEAST_STARTS]
+        u = np.clip(u[low, None] + cell * step_u, -1.0, 1.0).ravel()
+        v = np.clip(v[low, None] + cell * step_v, -1.0, 1.0).ravel()
+        values, cell = function(u, v), cell / 3.0
+    return float(values.min())
+
+
+def floor_area_ratio(tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float) -> Array:
+    """Floor area per area of field tangents, |d(x, y) / d(u, v)| [m^2]; constant behind a dome."""
+    if shape.is_dome:
+        return np.full(np.broadcast(tan_along, tan_across).shape, (range_m + shape.outer_radius_m) ** 2)
+    radius = np.hypot(tan_along, tan_across)
+    steep = port.flat_floor_derivative(
+        radius,
+        gap_m=shape.gap_m,
+        thickness_m=shape.thickness_m,
+        n_glass=shape.n_glass,
+        n_water=shape.n_water,
+        range_m=range_m,
+    )
+    return np.asarray(flat_slope_m(radius, shape=shape, range_m=range_m) * steep)

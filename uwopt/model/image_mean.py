@@ -1,0 +1,261 @@
+"""Means over the image: rules of quadrature for smooth lobes, measured profiles and beams that end sharply."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.model import beam as beams
+from uwopt.model.imaging import Lamps, PortShape, flat_slope_m, local_gain
+from uwopt.model.water import PathTable
+
+Array = NDArray[Any]
+
+SMOOTH_ORDER = 14  # Gauss-Legendre nodes a side for lobes given by a formula
+TABLE_ORDER = 48  # for measured profiles, whose knots are half a degree apart
+EDGE_CELLS = 96  # midpoint cells a side, with the edge's share of each cell, for beams that end sharply
+SPOT_CELLS = 128  # the same where the cells lie on the spot alone
+CELLS_PER_SPOT = 64.0  # a side, for each half axis of a spot: where tilted lamps make it long
+WIDEST_SPOT_RAD = np.deg2rad(85.0)  # a beam that reaches further from the vertical lights all of the floor
+MOST_ORDER = 768
+MAX_NODES_AT_ONCE = 400_000
+PIXELS_A_SIDE = 17  # of the grid on which the worst pixel is looked for
+
+
+def field_mean(
+    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    table: PathTable, order: int | None = None, fineness: float = 1.0,
+) -> Array:  # fmt: skip
+    """Mean over the image rectangle of `local_gain`, for many images at once [1/m^2].
+
+    Parameters
+    ----------
+    tan_along, tan_across : (n,) tangents in air of the half angles of view along and across the motion
+    order : nodes a side of the image (smooth beams: Gauss-Legendre), or cells a side of each lamp's spot in it
+        (sharp ones: midpoint, extrapolated)
+    fineness : factor on the order that is chosen where none is given
+
+    Notes
+    -----
+    Images are symmetric about the axis, so lamps that mirror each other give the same mean.
+    When no lamp stands or leans along the motion, half of the image stands for the whole.
+    """
+    needed = cells_needed if beams.has_sharp_edge(beam) else orders_needed
+    orders = (
+        np.full(len(tan_along), order)
+        if order
+        else needed(tan_along, tan_across, shape, range_m, lamps, beam, fineness)
+    )
+    mean = np.empty(len(tan_along))
+    for n in np.unique(orders):
+        rows = np.nonzero(orders == n)[0]
+        mean[rows] = mean_of_order(
+            int(n),
+            tan_along[rows],
+            tan_across[rows],
+            shape=shape,
+            range_m=range_m,
+            lamps=lamps,
+            beam=beam,
+            table=table,
+        )
+    return mean
+
+
+def orders_needed(
+    tan_along: Array, tan_across: Array, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    fineness: float = 1.0,
+) -> Array:  # fmt: skip
+    """Nodes or cells a side for each image: more where a lamp's spot is small in it.
+
+    Gauss-Legendre resolves a spot of standard deviation s, in half widths of the image, with about
+    2.7 / s nodes to 1e-6; cells on the whole image follow a sharp edge of radius a to some 1e-4 with 32 / a.
+    """
+    half_m = (range_m + shape.outer_radius_m + shape.gap_m + shape.thickness_m) * np.maximum(
+        tan_along, tan_across
+    )
+    height = min(range_m - z for z in lamps.z_m)
+    spot_m = np.tan(beams.half_power_angle_rad(beam)) * height
+    if beams.has_sharp_edge(beam):
+        least, wanted = EDGE_CELLS, 32.0 * half_m / spot_m
+    else:
+        least = TABLE_ORDER if beam.kind == "tabulated" else SMOOTH_ORDER
+        wanted = 2.7 * 1.18 * half_m / spot_m
+    steps = np.ceil(np.log2(np.maximum(wanted / least, 1.0)) * 2.0)
+    orders = np.minimum(2 * np.round(0.5 * least * 2.0 ** (0.5 * steps)), MOST_ORDER)
+    return np.maximum(2 * np.round(0.5 * fineness * orders), 2).astype(int)
+
+
+def cells_needed(
+    tan_along: Array, tan_across: Array, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    fineness: float = 1.0,
+) -> Array:  # fmt: skip
+    """Cells a side of each lamp's spot in an image, for beams that end sharply: (n,), more for long spots.
+
+    128 follow an edge to 2e-5 of the mean or better as a rule, whatever part of the image the spot takes.
+    """
+    wanted = np.full(len(tan_along), float(SPOT_CELLS))
+    for lamp in each_lamp(lamps):
+        box = spot_box(tan_along, tan_across, shape=shape, range_m=range_m, lamps=lamp, beam=beam)
+        scale_m = range_m + shape.outer_radius_m + shape.gap_m + shape.thickness_m
+        long_m = 0.5 * scale_m * np.maximum((box[1] - box[0]) * tan_along, (box[3] - box[2]) * tan_across)
+        spot_m = np.tan(beams.edge_half_angle_rad(beam)) * (range_m - lamp.z_m[0])
+        wanted = np.maximum(wanted, CELLS_PER_SPOT * long_m / spot_m)
+    steps = np.ceil(np.log2(wanted / SPOT_CELLS) * 2.0)
+    orders = np.minimum(SPOT_CELLS * 2.0 ** (0.5 * steps), MOST_ORDER)
+    return np.maximum(4 * np.round(0.25 * fineness * orders), 4).astype(int)
+
+
+def each_lamp(lamps: Lamps) -> list[Lamps]:
+    """Lamps one by one, each with its share."""
+    rows = zip(lamps.x_m, lamps.y_m, lamps.z_m, lamps.aim, lamps.share, strict=True)
+    return [Lamps((x,), (y,), (z,), (aim,), (share,)) for x, y, z, aim, share in rows]
+
+
+def spot_box(
+    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam
+) -> Array:
+    """The part of each image that holds one lamp's spot: (4, n) = u from, to, v from, to, in half widths.
+
+    On the floor the edge of a beam is an ellipse: half axes a = h (tan(t + b) - tan(t - b)) / 2 along the tilt t
+    and a sqrt(1 - sin^2(t) / cos^2(b)) across it. Empty (to = from) where the spot lies outside.
+    """
+    edge, aim = beams.edge_half_angle_rad(beam), lamps.aim[0]
+    tilt = float(np.arctan2(np.hypot(aim[0], aim[1]), aim[2]))
+    box = np.repeat([[-1.0], [1.0], [-1.0], [1.0]], len(tan_along), axis=1)
+    if tilt + edge >= WIDEST_SPOT_RAD:
+        return box
+    height_m = range_m - lamps.z_m[0]
+    far_m, near_m = height_m * np.tan(tilt + edge), height_m * np.tan(tilt - edge)
+    long_m, centre_m = 0.5 * (far_m - near_m), 0.5 * (far_m + near_m)
+    short_m = long_m * np.sqrt(max(1.0 - (np.sin(tilt) / np.cos(edge)) ** 2, 0.0))
+    across_tilt = max(float(np.hypot(aim[0], aim[1])), 1e-300)
+    lean = (aim[0] / across_tilt, aim[1] / across_tilt) if tilt > 0.0 else (1.0, 0.0)
+    if shape.is_dome:
+        scales_m = [np.full(len(tan_along), range_m + shape.outer_radius_m)]
+    else:
+        corner = np.hypot(tan_along, tan_across)
+        scales_m = [flat_slope_m(t, shape=shape, range_m=range_m) for t in (0.0 * corner, corner)]
+    for axis, (foot_m, half) in enumerate(((lamps.x_m[0], tan_along), (lamps.y_m[0], tan_across))):
+        reach_m = np.hypot(long_m * lean[axis], short_m * lean[1 - axis])
+        middle_m = foot_m + centre_m * lean[axis]
+        first, last = (
+            [end_m / (s * half) for s in scales_m] for end_m in (middle_m - reach_m, middle_m + reach_m)
+        )
+        box[2 * axis] = np.clip(np.min(first, axis=0), -1.0, 1.0)
+        box[2 * axis + 1] = np.clip(np.max(last, axis=0), -1.0, 1.0)
+    return box
+
+
+def edge_mean(
+    n: int, tan_along: Array, tan_across: Array, *, shape: PortShape, lamps: Lamps, **common: Any
+) -> Array:
+    """`field_mean` with n cells a side of each lamp's spot: midpoint rule, extrapolated from n and n/2 [1/m^2]."""
+    mean = np.zeros(len(tan_along))
+    for lamp in each_lamp(lamps):
+        box = spot_box(
+            tan_along, tan_across, shape=shape, lamps=lamp, range_m=common["range_m"], beam=common["beam"]
+        )
+        along_cells = 2 if along_symmetric(lamp) else 1  # half of the image stands for the whole
+        if along_cells == 2:
+            box[0] = 0.0
+        area = along_cells * 0.25 * np.maximum(box[1] - box[0], 0.0) * np.maximum(box[3] - box[2], 0.0)
+        rows = np.nonzero(area > 0.0)[0]
+        fine, half = (
+            box_mean(
+                (max(k // along_cells, 2), max(k, 2)),
+                tan_along[rows],
+                tan_across[rows],
+                box[:, rows],
+                shape=shape,
+                lamps=lamp,
+                **common,
+            )
+            for k in (n, n // 2)
+        )
+        # the midpoint rule's error is quadratic in the cell
+        mean[rows] += area[rows] * np.maximum((4.0 * fine - half) / 3.0, 0.0)
+    return mean
+
+
+def box_mean(count: tuple[int, int], tan_along: Array, tan_across: Array, box: Array, **common: Any) -> Array:
+    """Mean of `local_gain` over a part of each image, (4, n) as `spot_box` gives it, by even cells [1/m^2]."""
+    (u, _), (v, _) = cells(count[0]), cells(count[1])
+    mean = np.empty(len(tan_along))
+    step = max(1, MAX_NODES_AT_ONCE // (count[0] * count[1]))
+    for start in range(0, len(tan_along), step):
+        rows = slice(start, start + step)
+        low, high, left, right = (side[rows, None] for side in box)
+        along = tan_along[rows, None] * (0.5 * (low + high) + 0.5 * (high - low) * u)
+        across = tan_across[rows, None] * (0.5 * (left + right) + 0.5 * (right - left) * v)
+        gain = local_gain(
+            *np.broadcast_arrays(along[:, :, None], across[:, None, :]), edge_share=True, **common
+        )
+        mean[rows] = gain.mean(axis=(1, 2))
+    return mean
+
+
+def mean_of_order(
+    n: int, tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    table: PathTable,
+) -> Array:  # fmt: skip
+    """`field_mean` with n nodes or cells a side."""
+    common: dict[str, Any] = dict(shape=shape, range_m=range_m, lamps=lamps, beam=beam, table=table)
+    if beams.has_sharp_edge(beam):
+        return edge_mean(n, tan_along, tan_across, **common)
+    along_rule = gauss(n)
+    if along_symmetric(lamps):
+        nodes, weights = gauss(max(4, n // 2))
+        along_rule = (0.5 * (nodes + 1.0), weights)
+    return rule_mean(tan_along, tan_across, along_rule, gauss(n), **common)
+
+
+def rule_mean(
+    tan_along: Array, tan_across: Array, along_rule: tuple[Array, Array], across_rule: tuple[Array, Array],
+    **common: Any,
+) -> Array:  # fmt: skip
+    """Mean of `local_gain` over images by a product rule on [-1, 1], a few images at a time."""
+    along_nodes, along_weights = along_rule
+    across_nodes, across_weights = across_rule
+    mean = np.empty(len(tan_along))
+    step = max(1, MAX_NODES_AT_ONCE // (len(along_nodes) * len(across_nodes)))
+    for start in range(0, len(tan_along), step):
+        rows = slice(start, start + step)
+        along, across = np.broadcast_arrays(
+            tan_along[rows, None, None] * along_nodes[:, None], tan_across[rows, None, None] * across_nodes
+        )
+        mean[rows] = (local_gain(along, across, **common) @ across_weights) @ along_weights
+    return mean
+
+
+def pixel_grid(
+    tan_along: Array, tan_across: Array, *, n_points: int = PIXELS_A_SIDE, half: bool = False
+) -> tuple[Array, Array]:
+    """Field points on a regular grid over each image, corners and edges included: tangents [1], (n, n_pixels) each.
+
+    `half` leaves out what mirrors along the motion: enough when no lamp stands or leans along it.
+    """
+    nodes = np.linspace(-1.0, 1.0, n_points)
+    along_nodes = nodes[n_points // 2 :] if half else nodes
+    along, across = (g.ravel() for g in np.meshgrid(along_nodes, nodes, indexing="ij"))
+    return tan_along[:, None] * along, tan_across[:, None] * across
+
+
+def along_symmetric(lamps: Lamps) -> bool:
+    """Whether no lamp stands or leans along the motion, so that half of an image stands for the whole."""
+    return all(x == 0.0 for x in lamps.x_m) and all(aim[0] == 0.0 for aim in lamps.aim)
+
+
+@cache
+def gauss(order: int) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes on [-1, 1] and weights of the mean."""
+    nodes, weights = np.polynomial.legendre.leggauss(order)
+    return nodes, weights / 2.0
+
+
+def cells(count: int) -> tuple[Array, Array]:
+    """Midpoints of equal cells on [-1, 1] and weights of the mean."""
+    return (np.arange(count) + 0.5) * (2.0 / count) - 1.0, np.full(count, 1.0 / count)

@@ -1,0 +1,300 @@
+"""Backscatter as the mean over an image: a ladder of rules, each lamp where it is seen."""
+
+from __future__ import annotations
+
+from functools import cache, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.model import beam as beams
+from uwopt.model import port
+from uwopt.model.fineness import scaled
+from uwopt.model.image_mean import gauss
+from uwopt.model.imaging import Lamps, PortShape
+from uwopt.model.veil.geometry import Scatterer, _lamp_view, camera_rays
+from uwopt.model.veil.ray import (
+    N_PROBES,
+    NODES_AT_ONCE,
+    TABLE_NODES_IN_MEAN,
+    WIDE_EXPONENT,
+    _log_gain,
+    _log_sum,
+)
+
+Array = NDArray[Any]
+
+FIELD_ORDERS = (4, 6, 8, 12, 18, 26, 38, 56, 80, 112, 160, 224)
+BOX_POINTS = 25  # a side of the grid that finds the lit part of an image
+BISECTIONS = 12  # of one cell of that grid: what is missed counts with the square
+MOST_RUNG = 4  # of the ladder, to begin at
+SPOT_ORDER = 18  # a beam that ends sharply may leave a lit spot that lower orders miss
+SMOOTH_CHANGE = 5e-4  # of the mean between two orders: a smooth integrand's error is then under 5e-5
+EDGE_CHANGE = 1.2e-4  # where a beam's edge crosses the image, errors fall with the square of the order only
+
+
+def mean_backscatter(
+    tan_along_half: Array, tan_across_half: Array, *, shape: PortShape, range_m: float, lamps: Lamps,
+    beam: beams.Beam, scatterers: tuple[Scatterer, ...], order: int | None = None, fineness: float = 1.0,
+) -> Array:  # fmt: skip
+    """Mean over the image rectangle of `backscatter_gain`, for many images at once.
+
+    Parameters
+    ----------
+    tan_along_half, tan_across_half : (n,) tangents in air of the half angles of view
+    order : nodes a side of the image; None raises it for each image until the mean stands still
+    fineness : factor on all nodes; the change that counts as standing still falls with its square
+
+    Returns
+    -------
+    (n,) [weight integral / (m sr)]
+
+    Notes
+    -----
+    Lamps that mirror each other across track give the same mean: one side, with both shares, will do.
+    Half of the image stands for the whole along each direction in which no lamp stands or leans.
+    For a beam that ends sharply the nodes are laid within the part of the image that it lights.
+    Default: relative error 1e-4 or less, judged by the change between orders; the last order is 224.
+
+    References
+    ----------
+    Jaffe (1990), IEEE J. Oceanic Eng. 15(2), 101-111; physics page, section 8.
+    """
+    return np.exp(
+        log_mean_backscatter(
+            tan_along_half,
+            tan_across_half,
+            shape=shape,
+            range_m=range_m,
+            lamps=lamps,
+            beam=beam,
+            scatterers=scatterers,
+            order=order,
+            fineness=fineness,
+        )
+    )
+
+
+def log_mean_backscatter(
+    tan_along_half: Array, tan_across_half: Array, *, shape: PortShape, range_m: float, lamps: Lamps,
+    beam: beams.Beam, scatterers: tuple[Scatterer, ...], order: int | None = None, fineness: float = 1.0,
+) -> Array:  # fmt: skip
+    """ln of `mean_backscatter` (same arguments), (n,) [ln of weight integral / (m sr)].
+
+    -inf where no lamp lights the water before the image; finite where e^x underflows.
+    """
+    along, across = np.atleast_1d(np.asarray(tan_along_half, float), np.asarray(tan_across_half, float))
+    common: dict[str, Any] = dict(
+        shape=shape, range_m=range_m, lamps=lamps, beam=beam, scatterers=scatterers, ray_nodes=None,
+        table_nodes=scaled(TABLE_NODES_IN_MEAN, fineness), fineness=fineness,
+    )  # fmt: skip
+    if order:
+        return _log_means((order,), along, across, _lit_boxes(along, across, **common), **common)[0]
+    first = _first_rung(along, across, shape, range_m, lamps, beam)
+    ladder = tuple(2 * scaled(n // 2, fineness) for n in FIELD_ORDERS[first:])
+    steep = _has_steep_flank(beam)
+    allowed = (EDGE_CHANGE if steep else SMOOTH_CHANGE) / fineness**2
+    together = 3 if steep or _front_plane_may_show(lamps, beam) else 2
+    boxes = _lit_boxes(along, across, **common)
+    recent = _log_means(ladder[:together], along, across, boxes, **common)
+    mean = recent[-1].copy()
+    pending = np.nonzero(~_settled(recent, allowed, may_hide=steep))[0]
+    recent = recent[:, pending]
+    for n in ladder[together:]:
+        if not pending.size:
+            break
+        finer = _log_means((n,), along[pending], across[pending], boxes[:, :, pending], **common)
+        recent = np.concatenate([recent[1:], finer])
+        mean[pending] = finer[0]
+        moving = ~_settled(recent, allowed, may_hide=steep and n < SPOT_ORDER)
+        pending, recent = pending[moving], recent[:, moving]
+    return mean
+
+
+def _has_steep_flank(beam: beams.Beam) -> bool:
+    """True where the mean over an image converges slowly: sharp edges and measured profiles."""
+    return beams.has_sharp_edge(beam) or beam.kind == "tabulated"
+
+
+def _front_plane_may_show(lamps: Lamps, beam: beams.Beam) -> bool:
+    """True where a wide lobe is tilted or stands in front of the port: it ends in the image with a kink."""
+    wide = beam.kind == "cosine-power" and (beam.exponent or 0.0) < WIDE_EXPONENT
+    return wide and (any(z > 0.0 for z in lamps.z_m) or any(aim[2] < 0.999 for aim in lamps.aim))
+
+
+def _first_rung(
+    along: Array, across: Array, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam
+) -> int:
+    """Where on the ladder of orders to begin: one below what spot and place of the lamps ask for."""
+    u, v = float(np.max(along, initial=0.0)), float(np.max(across, initial=0.0))
+    depth_m = range_m + shape.outer_radius_m + shape.gap_m + shape.thickness_m
+    height_m = max(range_m - max(lamps.z_m), 1e-3 * range_m)
+    spot_m = np.tan(min(_half_power_angle_rad(beam), 1.5)) * height_m
+    wanted = 2.7 * 1.18 * max(u, v) * depth_m / spot_m  # as in `imaging.orders_needed`
+    for x, y, z in zip(lamps.x_m, lamps.y_m, lamps.z_m, strict=True):
+        if z > 0.0:  # in front of the port the veil is nearly singular beside the field of view
+            if shape.is_dome:
+                half_x, half_y = (t * (z + shape.outer_radius_m) for t in (u, v))
+            else:
+                half_x, half_y = (
+                    t * shape.gap_m + shape.thickness_m * t + z * port.water_tangent(t, n=shape.n_water)
+                    for t in (u, v)
+                )
+            beside = np.hypot(max(abs(x) - half_x, 0.0), max(abs(y) - half_y, 0.0)) / max(half_x, half_y)
+            # Gauss-Legendre falls like rho^(-2 n), rho the ellipse through the singularity
+            wanted = max(wanted, 8.0 / np.arcsinh(max(beside, 0.05)))
+    rung = int(np.searchsorted(FIELD_ORDERS, wanted)) - 1
+    return min(max(rung, 0), MOST_RUNG)
+
+
+@lru_cache(maxsize=256)
+def _half_power_angle_rad(beam: beams.Beam) -> float:
+    return beams.half_power_angle_rad(beam)
+
+
+def _settled(recent: Array, allowed: float, *, may_hide: bool) -> Array:
+    """Whether the means (rungs, n) of the last orders agree; an image dark throughout does, if nothing may
+    hide between the nodes."""
+    with np.errstate(invalid="ignore"):
+        steady = np.all(np.abs(np.diff(recent, axis=0)) <= allowed, axis=0)
+    return np.asarray(steady | (np.all(np.isneginf(recent), axis=0) & (not may_hide)))
+
+
+def _log_means(orders: tuple[int, ...], along: Array, across: Array, boxes: Array, **common: Any) -> Array:
+    """ln of the mean over each image by product rules: (orders, images), a few images at a time.
+
+    The rules' nodes are evaluated together, which for few images costs little more than one of them.
+    With boxes, each lamp has nodes of its own, all where it shines.
+    """
+    lamps = common["lamps"]
+    if len(boxes):
+        by_lamp = [
+            _log_means_of_nodes(
+                [_lit_rule(n, along, across, box, lamp, **common) for n in orders],
+                along, across, **(common | dict(lamps=lamp)),
+            )
+            for lamp, box in zip(_each_lamp(lamps), boxes, strict=True)
+        ]  # fmt: skip
+        return np.asarray(np.logaddexp.reduce(by_lamp, axis=0))
+    return _log_means_of_nodes([_image_rule(n, lamps) for n in orders], along, across, **common)
+
+
+def _log_means_of_nodes(
+    rules: list[tuple[Array, Array, Array]], along: Array, across: Array, **common: Any
+) -> Array:
+    """ln of the means by rules (nodes u, v and weights), each of shape (k,) or (images, k)."""
+    ends = np.cumsum([0, *(weight.shape[-1] for _, _, weight in rules)])
+    u, v, weight = (np.concatenate(parts, axis=-1) for parts in zip(*rules, strict=True))
+    u, v, weight = (np.broadcast_to(part, (len(along), ends[-1])) for part in (u, v, weight))
+    mean = np.empty((len(rules), len(along)))
+    step = max(1, NODES_AT_ONCE // (int(ends[-1]) * N_PROBES))
+    for start in range(0, len(along), step):
+        rows = slice(start, start + step)
+        log_gain = _log_gain(along[rows, None] * u[rows], across[rows, None] * v[rows], **common)
+        with np.errstate(divide="ignore"):
+            log_gain = log_gain + np.log(weight[rows])
+        for i in range(len(rules)):
+            mean[i, rows] = _log_sum(log_gain[:, ends[i] : ends[i + 1]])
+    return mean
+
+
+def _each_lamp(lamps: Lamps) -> list[Lamps]:
+    return [
+        Lamps((x,), (y,), (z,), (aim,), (share,))
+        for x, y, z, aim, share in zip(lamps.x_m, lamps.y_m, lamps.z_m, lamps.aim, lamps.share, strict=True)
+    ]
+
+
+def _is_lit(u: Array, v: Array, along: Array, across: Array, lamp: Lamps, **common: Any) -> Array:
+    """Whether field points (images, ...) see water that the lamp lights."""
+    lead = (-1, *([1] * (u.ndim - 1)))
+    rays = camera_rays(
+        along.reshape(lead) * u, across.reshape(lead) * v, shape=common["shape"], range_m=common["range_m"]
+    )
+    view = _lamp_view(rays, lamps=lamp, index=0, beam=common["beam"])
+    return np.asarray(view.high > view.low)
+
+
+def _lit_boxes(along: Array, across: Array, **common: Any) -> Array:
+    """The part of each image that each lamp lights, for beams that end sharply: (lamps, 4, images).
+
+    First and last u with lit points, and the v between which they lie, in half widths of the image. Empty
+    where nothing is to be cut: smooth beams, or images that are lit all over.
+    """
+    if not beams.has_sharp_edge(common["beam"]):
+        return np.empty((0, 4, len(along)))
+    boxes = [_lit_box(along, across, lamp, **common) for lamp in _each_lamp(common["lamps"])]
+    whole = all(np.all(found) for _, found in boxes)
+    return np.empty((0, 4, len(along))) if whole else np.array([box for box, _ in boxes])
+
+
+def _lit_box(along: Array, across: Array, lamp: Lamps, **common: Any) -> tuple[Array, Array]:
+    """(4, images): u from, u to, v from, v to; and whether all of the grid was lit."""
+    box = np.repeat([[-1.0], [1.0], [-1.0], [1.0]], len(along), axis=1)
+    steps = np.linspace(0.0, 1.0, BOX_POINTS)
+    lit_all = np.zeros(len(along), dtype=bool)
+    for turn in range(2):
+        u = (box[0] + np.multiply.outer(steps, box[1] - box[0])).T[:, :, None]
+        v = (box[2] + np.multiply.outer(steps, box[3] - box[2])).T[:, None, :]
+        lit = _is_lit(u, v, along, across, lamp, **common)
+        if turn == 0:
+            lit_all = np.asarray(lit.all(axis=(1, 2)))
+        for axis, (low, high) in ((2, (0, 1)), (1, (2, 3))):
+            some = np.asarray(lit.any(axis=axis))
+            first = np.argmax(some, axis=-1)
+            last = BOX_POINTS - 1 - np.argmax(some[:, ::-1], axis=-1)
+            span, start = box[high] - box[low], box[low].copy()
+            box[low] = start + span * steps[np.maximum(first - 1, 0)]
+            box[high] = start + span * steps[np.minimum(last + 1, BOX_POINTS - 1)]
+    return box, lit_all
+
+
+def _lit_rule(
+    n: int, along: Array, across: Array, box: Array, lamp: Lamps, **common: Any
+) -> tuple[Array, Array, Array]:
+    """Nodes u, v and weights (images, n * n): Gauss in u over the box, and in v over the lit part of each u.
+
+    Behind a dome the lit part of an image is convex (a convex beam seen from a point), so it is one
+    interval of v; its ends are found by bisection.
+    """
+    nodes, weights = gauss(n)
+    u = box[0][:, None] + (box[1] - box[0])[:, None] * (0.5 * (nodes + 1.0))
+    steps = np.linspace(0.0, 1.0, BOX_POINTS)
+    grid = (box[2] + np.multiply.outer(steps, box[3] - box[2])).T[:, None, :]
+    lit = _is_lit(u[:, :, None], grid, along, across, lamp, **common)
+    grid = np.broadcast_to(grid, lit.shape)
+    first = np.argmax(lit, axis=-1)
+    last = BOX_POINTS - 1 - np.argmax(lit[..., ::-1], axis=-1)
+    dark_at = np.stack([np.maximum(first - 1, 0), np.minimum(last + 1, BOX_POINTS - 1)], axis=-1)
+    inside, outside = (np.take_along_axis(grid, at, -1) for at in (np.stack([first, last], axis=-1), dark_at))
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (inside + outside)
+        is_in = _is_lit(np.repeat(u[:, :, None], 2, -1), middle, along, across, lamp, **common)
+        inside, outside = np.where(is_in, middle, inside), np.where(is_in, outside, middle)
+    span = np.where(lit.any(axis=-1), inside[..., 1] - inside[..., 0], 0.0)
+    v = inside[..., :1] + span[..., None] * (0.5 * (nodes + 1.0))
+    weight = 0.25 * (box[1] - box[0])[:, None, None] * (weights[:, None] * span[..., None]) * weights
+    u = np.broadcast_to(u[:, :, None], v.shape)
+    flat = (len(along), -1)
+    return u.reshape(flat), v.reshape(flat), weight.reshape(flat)
+
+
+def _image_rule(n: int, lamps: Lamps) -> tuple[Array, Array, Array]:
+    """Gauss-Legendre over the image [-1, 1]^2, or over its half where nothing breaks the symmetry."""
+    no_x = all(x == 0.0 for x in lamps.x_m) and all(aim[0] == 0.0 for aim in lamps.aim)
+    no_y = all(y == 0.0 for y in lamps.y_m) and all(aim[1] == 0.0 for aim in lamps.aim)
+    return _product_rule(n, no_x, no_y)
+
+
+@cache
+def _product_rule(n: int, half_along: bool, half_across: bool) -> tuple[Array, Array, Array]:
+    (u, u_weight), (v, v_weight) = (_half_rule(n) if half else gauss(n) for half in (half_along, half_across))
+    u, v = (part.ravel() for part in np.meshgrid(u, v, indexing="ij"))
+    return u, v, np.multiply.outer(u_weight, v_weight).ravel()
+
+
+def _half_rule(n: int) -> tuple[Array, Array]:
+    """Gauss-Legendre on 0..1, for one half of a symmetric image."""
+    nodes, weights = gauss(max(2, n // 2))
+    return 0.5 * (nodes + 1.0), weights
