@@ -7,10 +7,11 @@ from typing import Any
 
 from uwopt.documents.faults import nearest, show
 from uwopt.documents.key_types import one_of, refusal, to_number, to_text
+from uwopt.quantities import TERMS
 
 JERLOV_TYPES = ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")
 SEAFLOORS = ("sand", "hard", "coral", "organic", "benthic-average")
-OBJECTIVES = ("power", "cost", "mass", "snr_db", "gsd_mm", "contrast", "information")
+OBJECTIVES = tuple(TERMS)
 
 
 def to_water(value: Any) -> str:

@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.errors import MissionError
+from uwopt.quantities import TERMS
 
 Array = NDArray[Any]
 
-UNITS = {
-    "power": "W", "cost": "", "mass": "kg", "snr_db": "dB", "gsd_mm": "mm", "contrast": "", "information": "bit/m2",
-}  # fmt: skip
-MAXIMISED = ("snr_db", "contrast", "information")
+UNITS = {term: one.unit for term, one in TERMS.items()}
+MAXIMISED = tuple(term for term, one in TERMS.items() if one.better == "more")
 
 
 @dataclass(frozen=True)

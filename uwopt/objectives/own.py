@@ -10,21 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.errors import MissionError
+from uwopt.quantities import QUANTITIES
 
 Array = NDArray[Any]
 OwnFunction = Callable[[Mapping[str, Array]], Any]
 DIRECTIONS = ("minimise", "maximise")
 
 #: Figure -> (unit, which scene counts where there are several: the one with the most or the least).
-FIGURES: dict[str, tuple[str, str]] = {
-    "power_w": ("W", "most"), "light_power_w": ("W", "most"), "cost": ("", "most"), "mass_kg": ("kg", "most"),
-    "snr_db": ("dB", "least"), "contrast": ("", "least"), "gsd_mm": ("mm", "most"),
-    "information_bit_per_m2": ("bit/m2", "least"), "f_number": ("", "most"), "exposure_ms": ("ms", "most"),
-    "gain": ("", "most"), "level": ("", "most"), "flux_lm": ("lm", "most"), "light_count": ("", "most"),
-    "frame_rate_hz": ("Hz", "most"), "swath_m": ("m", "least"), "blur_px": ("px", "most"),
-    "dof_near_m": ("m", "most"), "dof_far_m": ("m", "least"), "mean_level": ("", "most"),
-    "saturation_fraction": ("", "most"), "data_rate_mb_s": ("MB/s", "most"),
-}  # fmt: skip
+FIGURES = {one.name: (one.unit, one.worst_scene) for one in QUANTITIES if one.name != "dof_m"}
 #: Beside them: index of each part into the search's parts, and its id.
 PARTS = ("camera", "lens", "port", "light")
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from uwopt.quantities import BY_NAME
 from uwopt.report.page.sections import Card, bar, cards, scene_value
 from uwopt.report.page.style import SCALE_DARK, SCALE_LIGHT
 from uwopt.report.text import words
@@ -20,16 +21,8 @@ from uwopt.results.result import Design, SceneResult
 from uwopt.units import symbol
 
 KINDS = ("camera", "lens", "port", "light")
-#: Figures beside the objectives, by the objective that shows the same: name, title, unit.
-BESIDE = (
-    ("cost", "cost", "cost", ""),
-    ("power", "power_w", "power", "W"),
-    ("gsd_mm", "gsd_mm", "pixel on the floor", "mm"),
-    ("snr_db", "snr_db", "signal to noise", "dB"),
-    ("", "dof_m", "depth of field", "m"),
-    ("", "frame_rate_hz", "frame rate", "Hz"),
-    ("", "f_number", "f-number", ""),
-)
+#: Figures beside the objectives, unless an objective shows the same.
+BESIDE = ("cost", "power_w", "gsd_mm", "snr_db", "dof_m", "frame_rate_hz", "f_number")
 SHORT_ID = 14  # signs of an id that are always shown in the table
 
 
@@ -112,11 +105,11 @@ def front_columns(front: FrontResult) -> list[PointColumn]:
         for o in front.objectives
     ]
     taken = {o.name for o in front.objectives}
-    for objective, name, title, unit in BESIDE:
-        values = [beside(point.design, name) for point in front.points]
-        if objective not in taken and any(value is not None for value in values):
-            unit = unit or (currency(front) if name == "cost" else "")
-            columns.append(column(name, title, unit, values))
+    for one in (BY_NAME[name] for name in BESIDE):
+        values = [beside(point.design, one.name) for point in front.points]
+        if one.term not in taken and any(value is not None for value in values):
+            unit = currency(front) if one.name == "cost" else one.unit
+            columns.append(column(one.name, one.words, unit, values))
     return columns
 
 

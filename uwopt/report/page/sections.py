@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 from urllib.parse import urlsplit
 
+from uwopt.quantities import BY_NAME
 from uwopt.report.text import words
 from uwopt.report.text.doubts import plain_fact
 from uwopt.report.text.layout import Block
@@ -24,14 +25,9 @@ from uwopt.results.front import FrontResult
 from uwopt.results.result import Design, Margin, Result
 from uwopt.units import UNIT_SUFFIXES, format_number
 
-#: Key figures: name, title, unit, digits.
-FIGURES = (
-    ("snr_db", "Signal to noise", "dB", 3),
-    ("gsd_mm", "Pixel on the floor", "mm", 3),
-    ("dof_m", "Depth of field", "m", 3),
-    ("frame_rate_hz", "Frame rate", "Hz", 3),
-    ("swath_m", "Swath", "m", 3),
-)
+#: Key figures.
+FIGURES = ("snr_db", "gsd_mm", "dof_m", "frame_rate_hz", "swath_m")
+DIGITS = 3
 FULL_BAR, LEFT_END = 1.0, -0.3333  # room to a limit that fills the bar; as far as a miss is drawn
 
 
@@ -147,13 +143,15 @@ def cards(design: Design) -> list[Card]:
             f"{words.quantity(peak, 'W')} at peak" if peak else "",
         ),
     ]  # fmt: skip
-    for name, title, unit, digits in FIGURES:
+    for name in FIGURES:
         values = [scene_value(scene.figures, scene.settings, name) for scene in design.scenes]
-        text = span_text(values, unit, digits)
+        text = span_text(values, BY_NAME[name].unit, DIGITS)
         if name == "dof_m" and any(scene.figures.get("dof_far_is_infinite") for scene in design.scenes):
             text = "infinite" if all(value is None for value in values) else f"{text} and more"
         if text:
-            shown.append(Card(title, text, "over all scenes" if " to " in text else ""))
+            shown.append(
+                Card(BY_NAME[name].words.capitalize(), text, "over all scenes" if " to " in text else "")
+            )
     if totals.get("mass_kg") is not None:
         shown.append(Card("Mass", words.quantity(totals["mass_kg"], "kg")))
     return shown

@@ -5,6 +5,7 @@ Every word is taken from the result; nothing is judged here.
 
 from __future__ import annotations
 
+from uwopt.quantities import TERMS
 from uwopt.report.text import words
 from uwopt.report.text.doubts import (
     HELPFUL,
@@ -20,10 +21,7 @@ from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
 from uwopt.results.result import Design, Result
 from uwopt.units import format_number
 
-OBJECTIVE_NAMES = {
-    "power": "power", "cost": "cost", "mass": "mass", "snr_db": "signal to noise", "gsd_mm": "pixel on the floor",
-    "contrast": "contrast", "information": "information",
-}  # fmt: skip
+OBJECTIVE_NAMES = {term: one.words for term, one in TERMS.items()}
 
 
 def verdict(result: Result | FrontResult) -> tuple[str, str]:

@@ -20,6 +20,7 @@ from uwopt.evaluation.design_model import design_model
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import Objective
+from uwopt.quantities import TERMS
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
 from uwopt.results.result import Design
 from uwopt.solvers.exact.account import RULES
@@ -179,4 +180,4 @@ def better_by(values: dict[str, float], point: FrontPoint, objectives: Sequence[
 
 def spoken(name: str) -> str:
     """An objective's name in a sentence."""
-    return {"snr_db": "SNR in dB", "gsd_mm": "pixel on the floor"}.get(name, name)
+    return "SNR in dB" if name == "snr_db" else TERMS[name].words if name in TERMS else name

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import NEAR
+from uwopt.quantities import TERMS
 from uwopt.results.front import FrontObjective, FrontPoint, Pick
 from uwopt.results.result import Design
 from uwopt.solvers.exact.ranking import Found
@@ -20,10 +21,7 @@ from uwopt.solvers.front.search import Front
 Array = NDArray[Any]
 MOST_POINTS = 160  # of a front that are shown
 KNEE = "the point nearest to the best corner, axes scaled to the front's range (logarithms of power, cost and mass)"
-IN_WORDS = {
-    "information": "highest information", "snr_db": "highest SNR", "contrast": "highest contrast",
-    "gsd_mm": "finest pixel on the floor",
-}  # fmt: skip
+IN_WORDS = {term: one.best for term, one in TERMS.items() if one.best}
 BEST_IMAGE = ("information", "snr_db", "contrast", "gsd_mm")
 
 

@@ -22,6 +22,7 @@ from uwopt.model.port import FocusMap
 from uwopt.objectives.objective import MAXIMISED, Terms
 from uwopt.objectives.own import OwnObjective
 from uwopt.objectives.requirements import MarginRows, scene_margins, system_margins
+from uwopt.quantities import TERMS
 from uwopt.solvers.exact.imagers import limit
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
@@ -31,10 +32,7 @@ from uwopt.solvers.population.light_store import LightStore, SeenLight
 
 Array = NDArray[Any]
 LEAST_MISS, MOST_MISS = 1e-4, 10.0  # what one requirement that is missed adds to a violation
-TERM_FIGURES = {
-    "power": "power_w", "cost": "cost", "mass": "mass_kg", "snr_db": "snr_db", "gsd_mm": "gsd_mm",
-    "contrast": "contrast", "information": "information_bit_per_m2",
-}  # fmt: skip
+TERM_FIGURES = {term: one.name for term, one in TERMS.items()}
 
 
 @dataclass(frozen=True)

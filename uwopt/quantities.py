@@ -1,0 +1,56 @@
+"""Every figure that is compared: its name in results, its words, its unit, which way is better, and its term.
+
+One table for objectives, fronts, own objectives, key figures of a report and the words of a verdict. A term is
+the name of a figure as an objective. Cost has no unit here: its currency is the mission's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One figure of a design in a mission."""
+
+    name: str
+    words: str
+    unit: str
+    better: Literal["less", "more"] = "less"
+    term: str = ""
+    best: str = ""  # in words, the design that has the best of it
+
+    @property
+    def worst_scene(self) -> Literal["most", "least"]:
+        """Which scene counts where there are several: the one with the most or the least."""
+        return "least" if self.better == "more" else "most"
+
+
+QUANTITIES = (
+    Quantity("power_w", "power", "W", term="power"),
+    Quantity("cost", "cost", "", term="cost"),
+    Quantity("mass_kg", "mass", "kg", term="mass"),
+    Quantity("snr_db", "signal to noise", "dB", "more", "snr_db", "highest SNR"),
+    Quantity("gsd_mm", "pixel on the floor", "mm", term="gsd_mm", best="finest pixel on the floor"),
+    Quantity("contrast", "contrast", "", "more", "contrast", "highest contrast"),
+    Quantity("information_bit_per_m2", "information", "bit/m2", "more", "information", "highest information"),
+    Quantity("light_power_w", "power of the lights", "W"),
+    Quantity("f_number", "f-number", ""),
+    Quantity("exposure_ms", "exposure", "ms"),
+    Quantity("gain", "gain as a ratio", ""),
+    Quantity("level", "light level", ""),
+    Quantity("flux_lm", "light of all lamps", "lm"),
+    Quantity("light_count", "number of lights", ""),
+    Quantity("frame_rate_hz", "frame rate", "Hz"),
+    Quantity("swath_m", "swath", "m", "more"),
+    Quantity("blur_px", "motion blur", "px"),
+    Quantity("dof_m", "depth of field", "m", "more"),
+    Quantity("dof_near_m", "near end of sharp depth", "m"),
+    Quantity("dof_far_m", "far end of sharp depth", "m", "more"),
+    Quantity("mean_level", "mean image level", ""),
+    Quantity("saturation_fraction", "highlights, share of saturation", ""),
+    Quantity("data_rate_mb_s", "data rate", "MB/s"),
+)
+BY_NAME = {one.name: one for one in QUANTITIES}
+TERMS = {one.term: one for one in QUANTITIES if one.term}
