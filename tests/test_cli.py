@@ -163,7 +163,7 @@ def test_result_files_are_written(tmp_path: Path) -> None:
 def test_check_turns_a_missed_requirement_into_status_3(
     monkeypatch: pytest.MonkeyPatch, evaluated: Result, status: str, options: list[str], code: int
 ) -> None:
-    monkeypatch.setattr(api, "evaluate", lambda *a, **k: replace(evaluated, status=status))
+    monkeypatch.setattr("uwopt.api.evaluating.evaluate", lambda *a, **k: replace(evaluated, status=status))
     assert run("evaluate", MISSION, SYSTEM, *options).exit_code == code
 
 
@@ -534,7 +534,7 @@ def test_full_disk_behind_standard_output_is_told() -> None:
 @pytest.mark.skipif(os.name == "nt", reason="signals differ")
 def test_ctrl_c_ends_with_status_130(tmp_path: Path) -> None:
     waiting = (
-        "import sys, time\nfrom uwopt import api, cli\n"
+        "import sys, time\nfrom uwopt.api import solving as api\nfrom uwopt.cli import app as cli\n"
         "def solve(*a, **k):\n    print('ready', file=sys.stderr, flush=True)\n    time.sleep(60)\n"
         "api.solve = solve\nsys.argv = ['uwopt', 'solve', 'x.yaml']\ncli.main()\n"
     )

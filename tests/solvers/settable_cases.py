@@ -146,5 +146,5 @@ def evaluated(
     monkeypatch: pytest.MonkeyPatch, mission: Mission, parts: Parts, system: dict[str, Any]
 ) -> Result:
     """What `uwopt.evaluate` says of a system made of these parts."""
-    monkeypatch.setattr(uwopt.api, "load_catalog", lambda mission=None: Catalog(*parts_of(parts)))
+    monkeypatch.setattr("uwopt.forward.assembly.load_catalog", lambda mission=None: Catalog(*parts_of(parts)))
     return uwopt.evaluate(mission, system)

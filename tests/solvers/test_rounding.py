@@ -213,7 +213,7 @@ def unsettable() -> uwopt.Result:
     case = between_two_microseconds()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
-            "uwopt.forward.assembly.load_catalog", lambda mission=None: Catalog(*sc.parts_of(case.parts))
+            "uwopt.api.solving.load_catalog", lambda mission=None: Catalog(*sc.parts_of(case.parts))
         )
         return uwopt.solve(case.mission)
 

@@ -13,7 +13,6 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import MissionError
 from uwopt.evaluation.accuracy import Accuracy, Estimator, coarsest, parts_that_count
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import design_model
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.model.fineness import DEFAULT, Fineness
@@ -21,7 +20,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.result import Certificate, Design
 from uwopt.results.result import plain as plain_values
 from uwopt.solvers.recommend import Sought, hardware_of
-from uwopt.solvers.settable.rounding import exact_settings
+from uwopt.solvers.settable.rounding import given_of
 from uwopt.solvers.settings.best import scenes_need_cells
 
 MOST_SEARCHES = 4  # at rising fineness, until the errors of what is found are within the tolerance
@@ -57,8 +56,7 @@ def estimator_of_search(sought: Sought, goal: Objective, deadline: Deadline = NE
     slow = scenes_need_cells(problem.scenes, goal)
     small = one_design(problem, found, found.lighting.mount)
     hardware = Hardware(0, 0, 0, found.landscape, 0, found.count, found.lighting.mount)
-    model = design_model(problem, hardware_of(found))
-    given = [exact_settings(model, index, numbers) for index, numbers in enumerate(found.settings)]
+    given = given_of(problem, hardware_of(found), found.settings)
 
     def evaluate(at: Problem) -> Design:
         deadline.check()

@@ -22,7 +22,6 @@ from uwopt.api.timing import timed
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
-from uwopt.evaluation.design_model import design_model
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
@@ -33,7 +32,7 @@ from uwopt.results.result import Certificate, Design, Result, is_settable
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.explain.robustness import SLOW_S
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, design_of, hardware_of, seek
-from uwopt.solvers.settable.rounding import exact_settings
+from uwopt.solvers.settable.rounding import given_of
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import PROVEN_GAP_REL
 
@@ -212,8 +211,7 @@ def found_result(
         cut = True
     proven = sought.outcome.complete
     hardware = hardware_of(best[0])
-    model = design_model(sought.problem, hardware)
-    given = [exact_settings(model, i, numbers) for i, numbers in enumerate(best[0].settings)]
+    given = given_of(sought.problem, hardware, best[0].settings)
     influences = influences_of(sought.problem, hardware, given, goal)
     proof = certificate(sought.selection, sought.problem, sought.outcome, goal)
     wide = proven and (proof.gap_rel or 0.0) > PROVEN_GAP_REL

@@ -20,8 +20,6 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError, SolverError
-from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import design_model
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
@@ -38,8 +36,8 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.robustness import assumptions
 from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of, values_of
 from uwopt.solvers.front.search import Front, FrontSearch, quality_of
-from uwopt.solvers.recommend import hardware_of, part_warnings, with_rounded
-from uwopt.solvers.settable.rounding import exact_settings
+from uwopt.solvers.recommend import evaluated, hardware_of, part_warnings, with_rounded
+from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import AGREES_REL
 
 Array = NDArray[Any]
@@ -353,11 +351,8 @@ class ParetoCall:
     @staticmethod
     def evaluated(problem: Problem, found: Found) -> Design:
         """One design's figures and margins."""
-        hardware = hardware_of(found)
-        model = design_model(problem, hardware)
-        given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
-        design = evaluate_design(problem, hardware, given, Objective({"power": 1.0}))
-        notes = [*part_warnings(problem, hardware), *design.warnings]
+        design = evaluated(problem, found, Objective({"power": 1.0}))
+        notes = [*part_warnings(problem, hardware_of(found)), *design.warnings]
         return replace(design, objective_value=None, warnings=notes)
 
     def rounded(self, sought: FrontSearched, point: FrontPoint, found: Found) -> FrontPoint:
@@ -437,8 +432,7 @@ class ParetoCall:
     def effects(self, sought: FrontSearched, found: Found) -> list[dict[str, Any]]:
         """How much each effect matters to one design."""
         hardware = hardware_of(found)
-        model = design_model(sought.problem, hardware)
-        given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
+        given = given_of(sought.problem, hardware, found.settings)
         influences = influences_of(sought.problem, hardware, given, self.builtin)
         return [item.as_dict() for item in proven_in_full(influences)]
 

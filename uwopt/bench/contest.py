@@ -16,7 +16,6 @@ from uwopt.bench.suite import Budget
 from uwopt.catalog.choose import Selection
 from uwopt.deadline import Deadline
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import design_model
 from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
@@ -31,7 +30,7 @@ from uwopt.solvers.population.decoding import shortfall
 from uwopt.solvers.population.evaluator import Evaluator, lacking_without_veils, scene_rows
 from uwopt.solvers.population.light_store import LightStore
 from uwopt.solvers.recommend import hardware_of
-from uwopt.solvers.settable.rounding import exact_settings
+from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
@@ -178,8 +177,7 @@ class Referee:
 
     def _confirmed(self, hardware: Hardware, settings: list[dict[str, float]]) -> float | None:
         """The design's value by the forward model, None where a requirement is missed."""
-        model = design_model(self._judge, hardware)
-        given = [exact_settings(model, i, numbers) for i, numbers in enumerate(settings)]
+        given = given_of(self._judge, hardware, settings)
         objective = self.contest.objective
         design = evaluate_design(self._judge, hardware, given, objective)
         if not design.feasible or design.objective_value is None:

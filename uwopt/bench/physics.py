@@ -11,7 +11,6 @@ from typing import Any
 from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite, error_text, timed
 from uwopt.evaluation.accuracy import FINEST, is_number, relative_change
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import design_model
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.effects import effects_kept
 from uwopt.forward.problem import Parts, Problem
@@ -19,6 +18,7 @@ from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import Design
+from uwopt.solvers.settable.rounding import given_of
 
 NAME = "physics"
 COARSE, FINE = Fineness(*[0.5] * len(Fineness.names())), Fineness(*[2.0] * len(Fineness.names()))
@@ -60,7 +60,6 @@ def subjects(missions: Sequence[str]) -> Iterator[Subject]:
     from uwopt.forward.assembly import load_catalog
     from uwopt.mission.templates import mission_template
     from uwopt.solvers.recommend import hardware_of, seek
-    from uwopt.solvers.settable.rounding import exact_settings
 
     sources: list[Any] = [str(name) for name in missions]
     if not sources:
@@ -73,8 +72,7 @@ def subjects(missions: Sequence[str]) -> Iterator[Subject]:
         if not sought.outcome.best:
             continue
         found = sought.outcome.best[0]
-        model = design_model(sought.problem, hardware_of(found))
-        given = tuple(exact_settings(model, index, numbers) for index, numbers in enumerate(found.settings))
+        given = tuple(given_of(sought.problem, hardware_of(found), found.settings))
         all_parts = sought.problem.parts
         parts = Parts(
             (all_parts.cameras[found.camera],), (all_parts.lenses[found.lens],), (all_parts.ports[found.port],),

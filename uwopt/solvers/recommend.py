@@ -30,7 +30,7 @@ from uwopt.results.result import NOT_SETTABLE, Design
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.settable.rounding import exact_settings, rounded_design
+from uwopt.solvers.settable.rounding import given_of, rounded_design
 from uwopt.solvers.settable.steps import printed
 from uwopt.tolerances import AGREES_REL
 
@@ -78,13 +78,16 @@ def scene_rows_of(search: Search, found: Found) -> list[SceneRows]:
 def design_of(sought: Sought, found: Found, objective: Objective, *, with_rounding: bool = True) -> Design:
     """A found design as a result: evaluated again, rounded, checked."""
     problem = sought.problem
-    hardware = hardware_of(found)
-    model = design_model(problem, hardware)
-    given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
-    design = evaluate_design(problem, hardware, given, objective)
+    hardware, design = hardware_of(found), evaluated(problem, found, objective)
     check_claim(design, found, objective)
     design = replace(design, warnings=[*part_warnings(problem, hardware), *design.warnings])
     return with_rounded(problem, found, design, objective) if with_rounding else design
+
+
+def evaluated(problem: Problem, found: Found, objective: Objective) -> Design:
+    """A found design with all its figures and margins, by the forward model."""
+    hardware = hardware_of(found)
+    return evaluate_design(problem, hardware, given_of(problem, hardware, found.settings), objective)
 
 
 def check_claim(design: Design, found: Found, objective: Objective) -> None:

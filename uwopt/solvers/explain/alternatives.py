@@ -15,8 +15,6 @@ import numpy as np
 from uwopt.catalog.choose import Selection
 from uwopt.catalog.records import Part
 from uwopt.deadline import NEVER, Deadline
-from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import design_model
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import Objective
@@ -24,11 +22,9 @@ from uwopt.quantities import TERMS
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
 from uwopt.results.result import Design
 from uwopt.solvers.exact.account import RULES
-from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.designs import values_of
-from uwopt.solvers.recommend import hardware_of
-from uwopt.solvers.settable.rounding import exact_settings
+from uwopt.solvers.recommend import evaluated
 from uwopt.tolerances import TIE
 
 KINDS = ("camera", "light")
@@ -140,14 +136,6 @@ def furthest_rule(discarded: dict[str, int]) -> str | None:
     """Of the rules that discarded something the one that a design meets last."""
     met = [rule for rule in RULES if discarded.get(rule) and rule != "bound"]
     return met[-1] if met else None
-
-
-def evaluated(problem: Problem, found: Found, goal: Objective) -> Design:
-    """One design's figures."""
-    hardware = hardware_of(found)
-    model = design_model(problem, hardware)
-    given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
-    return evaluate_design(problem, hardware, given, goal)
 
 
 def dominating(

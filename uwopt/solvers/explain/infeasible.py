@@ -16,7 +16,6 @@ from typing import Any
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.assembly import Generic
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Parts, Problem
@@ -26,7 +25,7 @@ from uwopt.results.result import Certificate, Design
 from uwopt.solvers.explain.least_change import least_change, rounded_away
 from uwopt.solvers.explain.robustness import parts_of
 from uwopt.solvers.recommend import Progress, Sought, seek
-from uwopt.solvers.settable.rounding import exact_settings
+from uwopt.solvers.settable.rounding import given_of
 
 # Requirement -> (section, key, objective that makes its figure best, or None when none does)
 RELAXABLE: dict[str, tuple[str, str, str | None]] = {
@@ -167,8 +166,7 @@ def judged_by(mission: Mission, found: Sought, objective: Objective) -> Design:
         mounts=[mount],
     )  # fmt: skip
     hardware = Hardware(0, 0, 0, best.landscape, 0, best.count, mount)
-    model = DesignModel(problem, hardware)
-    given = [exact_settings(model, i, numbers) for i, numbers in enumerate(best.settings)]
+    given = given_of(problem, hardware, best.settings)
     return evaluate_design(problem, hardware, given, objective)
 
 

@@ -179,3 +179,9 @@ def exact_settings(model: DesignModel, index: int, numbers: dict[str, Any]) -> S
         rate_hz=float(numbers["rate_hz"]),
         dioptre_per_m=float(numbers["dioptre_per_m"]),
     )
+
+
+def given_of(problem: Problem, hardware: Hardware, settings: Sequence[dict[str, Any]]) -> list[SceneSettings]:
+    """The search's own settings of one hardware by scene, as the evaluation takes them."""
+    model = design_model(problem, hardware)
+    return [exact_settings(model, index, numbers) for index, numbers in enumerate(settings)]
