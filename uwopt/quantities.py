@@ -11,7 +11,7 @@ from typing import Literal
 
 
 @dataclass(frozen=True)
-class Quantity:
+class Compared:
     """One figure of a design in a mission."""
 
     name: str
@@ -28,29 +28,29 @@ class Quantity:
 
 
 QUANTITIES = (
-    Quantity("power_w", "power", "W", term="power"),
-    Quantity("cost", "cost", "", term="cost"),
-    Quantity("mass_kg", "mass", "kg", term="mass"),
-    Quantity("snr_db", "signal to noise", "dB", "more", "snr_db", "highest SNR"),
-    Quantity("gsd_mm", "pixel on the floor", "mm", term="gsd_mm", best="finest pixel on the floor"),
-    Quantity("contrast", "contrast", "", "more", "contrast", "highest contrast"),
-    Quantity("information_bit_per_m2", "information", "bit/m2", "more", "information", "highest information"),
-    Quantity("light_power_w", "power of the lights", "W"),
-    Quantity("f_number", "f-number", ""),
-    Quantity("exposure_ms", "exposure", "ms"),
-    Quantity("gain", "gain as a ratio", ""),
-    Quantity("level", "light level", ""),
-    Quantity("flux_lm", "light of all lamps", "lm"),
-    Quantity("light_count", "number of lights", ""),
-    Quantity("frame_rate_hz", "frame rate", "Hz"),
-    Quantity("swath_m", "swath", "m", "more"),
-    Quantity("blur_px", "motion blur", "px"),
-    Quantity("dof_m", "depth of field", "m", "more"),
-    Quantity("dof_near_m", "near end of sharp depth", "m"),
-    Quantity("dof_far_m", "far end of sharp depth", "m", "more"),
-    Quantity("mean_level", "mean image level", ""),
-    Quantity("saturation_fraction", "highlights, share of saturation", ""),
-    Quantity("data_rate_mb_s", "data rate", "MB/s"),
+    Compared("power_w", "power", "W", term="power"),
+    Compared("cost", "cost", "", term="cost"),
+    Compared("mass_kg", "mass", "kg", term="mass"),
+    Compared("snr_db", "signal to noise", "dB", "more", "snr_db", "highest SNR"),
+    Compared("gsd_mm", "pixel on the floor", "mm", term="gsd_mm", best="finest pixel on the floor"),
+    Compared("contrast", "contrast", "", "more", "contrast", "highest contrast"),
+    Compared("information_bit_per_m2", "information", "bit/m2", "more", "information", "highest information"),
+    Compared("light_power_w", "power of the lights", "W"),
+    Compared("f_number", "f-number", ""),
+    Compared("exposure_ms", "exposure", "ms"),
+    Compared("gain", "gain as a ratio", ""),
+    Compared("level", "light level", ""),
+    Compared("flux_lm", "light of all lamps", "lm"),
+    Compared("light_count", "number of lights", ""),
+    Compared("frame_rate_hz", "frame rate", "Hz"),
+    Compared("swath_m", "swath", "m", "more"),
+    Compared("blur_px", "motion blur", "px"),
+    Compared("dof_m", "depth of field", "m", "more"),
+    Compared("dof_near_m", "near end of sharp depth", "m"),
+    Compared("dof_far_m", "far end of sharp depth", "m", "more"),
+    Compared("mean_level", "mean image level", ""),
+    Compared("saturation_fraction", "highlights, share of saturation", ""),
+    Compared("data_rate_mb_s", "data rate", "MB/s"),
 )
 BY_NAME = {one.name: one for one in QUANTITIES}
 TERMS = {one.term: one for one in QUANTITIES if one.term}

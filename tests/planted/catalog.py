@@ -203,7 +203,7 @@ DEFECTS = (
     ),
     Defect(
         name="measured lumens of a lamp are ignored in the search",
-        file="uwopt/forward/problem.py",
+        file="uwopt/forward/setting_rows.py",
         old="shining = image_light.scaled(lamp.output_factor)",
         new="shining = image_light",
         test="tests/solvers/test_exact.py::test_claims_hold_in_the_forward_model",

@@ -12,7 +12,7 @@ WORST = "tests/objectives/test_worst_altitude.py::test_margin_is_that_of_the_wor
 DEFECTS = (
     Defect(
         name="a margin holds up to a thousandth",
-        file="uwopt/objectives/requirements.py",
+        file="uwopt/tolerances.py",
         old="SATISFIED_REL = 1e-6",
         new="SATISFIED_REL = 1e-3",
         test=f"{OUTSIDE}[max_gsd_mm]",
@@ -495,28 +495,28 @@ DEFECTS = (
     ),
     Defect(
         name="the image's corner behind a dome without its obliquity",
-        file="uwopt/forward/optics.py",
+        file="uwopt/forward/views.py",
         old="places[:, :, 0] *= np.sqrt(1.0 + np.square(tan_air))[:, None]",
         new="places[:, :, 0] *= 1.0",
         test="tests/test_design_model.py::test_corner_of_a_dome_image_is_soft_by_its_obliquity",
     ),
     Defect(
         name="landscape and portrait swapped",
-        file="uwopt/forward/optics.py",
+        file="uwopt/forward/views.py",
         old="along, across = (half_y, half_x) if landscape else (half_x, half_y)",
         new="along, across = (half_x, half_y) if landscape else (half_y, half_x)",
         test="tests/test_design_model.py::test_view_keeps_its_width_and_the_swath_lies_across_the_track",
     ),
     Defect(
         name="the wanted interval is ignored",
-        file="uwopt/forward/optics.py",
+        file="uwopt/forward/motion.py",
         old="rate = np.maximum(rate, 1.0 / requirements.frame_interval_s)",
         new="rate = np.maximum(rate, 0.0)",
         test="tests/test_design_model.py::test_frame_rate_keeps_the_interval_where_that_asks_for_more",
     ),
     Defect(
         name="the longest exposure of the farthest altitude",
-        file="uwopt/forward/optics.py",
+        file="uwopt/forward/motion.py",
         old="            ),\n        ).min(axis=1)\n",
         new="            ),\n        ).max(axis=1)\n",
         test="tests/test_design_model.py::test_exposure_is_the_longest_without_blur_at_the_nearest_altitude",
@@ -594,8 +594,8 @@ DEFECTS = (
     Defect(
         name="the word in place of a margin's value is not shown",
         file="uwopt/report/text/words.py",
-        old="return one_line(margin.word) if margin.value is None and margin.word else quantity",
-        new="return quantity",
+        old="one_line(margin.word)\n        if margin.value is None and margin.word\n        else quantity(",
+        new="quantity(",
         test="tests/report/test_tables.py::test_margin_without_a_signal_says_so_in_text_and_page",
     ),
 )

@@ -53,7 +53,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="what the vehicle states does not bind",
-        file="uwopt/api/solving.py",
+        file="uwopt/api/evaluating.py",
         old="for departure in elsewhere if departure.binds]",
         new="for departure in elsewhere if departure.rule == 'orientation']",
         test=f"{ONE_SET}::test_what_the_vehicle_states_binds[light count]",
@@ -67,7 +67,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the common focus in the middle whatever the circles of confusion",
-        file="uwopt/forward/optics.py",
+        file="uwopt/forward/focus.py",
         old="share = coc_near / (coc_near + coc_far)",
         new="share = 0.5",
         test=f"{FOCUS}::test_the_common_focus_needs_the_least_f_number",

@@ -240,14 +240,14 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="outlines ask for a faster camera than needed",
         file="uwopt/solvers/exact/outline.py",
-        old="focused.rate_hz <= cameras.max_rate_hz[rows.camera] * ROUND",
+        old="focused.rate_hz <= cameras.max_rate_hz[rows.camera] * COARSE_ROUND",
         new="focused.rate_hz <= cameras.max_rate_hz[rows.camera] * 0.999",
         test=f"{RULES}test_an_outline_keeps_what_is_inside[frame_rate]",
     ),
     Defect(
         name="outlines skip the swath",
         file="uwopt/solvers/exact/outline.py",
-        old='passes["min_swath_m"] &= 2.0 * nearest.across_high_m * ROUND >= needs.min_swath_m',
+        old='passes["min_swath_m"] &= 2.0 * nearest.across_high_m * COARSE_ROUND >= needs.min_swath_m',
         new='passes["min_swath_m"] &= nearest.across_high_m > 0.0',
         test=f"{RULES}test_an_outline_discards_what_is_outside[min_swath_m]",
     ),
@@ -351,7 +351,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="ties reach ten times as far",
-        file="uwopt/solvers/exact/ranking.py",
+        file="uwopt/tolerances.py",
         old="TIE = 1e-9",
         new="TIE = 1e-8",
         test=f"{CERTIFICATE}test_more_than_a_tie_is_no_tie",

@@ -18,7 +18,7 @@ catalog_app = typer.Typer(
 )
 
 
-class PartKind(StrEnum):
+class KindName(StrEnum):
     """Kinds of parts."""
 
     camera = "camera"
@@ -40,7 +40,7 @@ def list_command(
         str,
         typer.Argument(metavar="PATTERN", help="Plain piece of an id or maker, or a glob such as 'kowa*'."),
     ] = "",
-    kind: Annotated[PartKind | None, typer.Option(help="Only parts of this kind.")] = None,
+    kind: Annotated[KindName | None, typer.Option(help="Only parts of this kind.")] = None,
     excluded: Annotated[
         bool, typer.Option("--excluded", help="Parts that no search uses, with the reasons.")
     ] = False,

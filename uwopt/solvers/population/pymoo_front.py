@@ -209,7 +209,7 @@ class PymooRun:
         common: dict[str, Any] = dict(
             sampling=first,
             crossover=Exchange(self.coding.n_hardware),
-            mutation=Change(self.coding),
+            mutation=Mutation(self.coding),
             repair=RoundingRepair(),
             eliminate_duplicates=True,
         )
@@ -258,7 +258,7 @@ class Exchange(SBX):  # type: ignore[misc]
         return made
 
 
-class Change(PM):  # type: ignore[misc]
+class Mutation(PM):  # type: ignore[misc]
     """Polynomial mutation; genes of hardware are as often drawn anew, and some vectors are all new."""
 
     def __init__(self, coding: Coding):
