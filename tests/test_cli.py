@@ -112,7 +112,7 @@ def test_help_imports_nothing_heavy() -> None:
         "uwopt.mission.mission",
     )
     code = (
-        "import sys\nfrom uwopt.cli import app\n"
+        "import sys\nfrom uwopt.cli.app import app\n"
         "try:\n    app(['--help'])\nexcept SystemExit:\n    pass\n"
         f"print('HEAVY', [name for name in {heavy!r} if name in sys.modules])"
     )

@@ -84,9 +84,9 @@ def interrupted(*args: Any, **kwargs: Any) -> Any:
     raise KeyboardInterrupt
 
 
-@pytest.mark.parametrize("place", ["Run._algorithm", "population_front"])  # while it breeds, and before
+@pytest.mark.parametrize("place", ["PymooRun._algorithm", "population_front"])  # while it breeds, and before
 def test_interruption_after_the_exact_front_keeps_it_with_status_130(place, monkeypatch):
-    monkeypatch.setattr(f"uwopt.solvers.pymoo_front.{place}", interrupted)
+    monkeypatch.setattr(f"uwopt.solvers.population.pymoo_front.{place}", interrupted)
     done = run(
         MISSION, "--objectives", "power,cost", "--solver", "exact,nsga2,nsga3", "--physics", "paper", "--json"
     )

@@ -425,7 +425,7 @@ def test_the_json_schema_documents_every_key():
 
 def test_loading_needs_no_numpy():
     code = (
-        "import sys; from uwopt.mission import load_mission; from uwopt.system import load_system;"
+        "import sys; from uwopt.mission.mission import load_mission; from uwopt.mission.system import load_system;"
         f"load_mission({str(EXAMPLE)!r}); load_system({str(EXAMPLE.with_name('example_system.yaml'))!r});"
         "print([m for m in ('numpy', 'pandas', 'scipy') if m in sys.modules])"
     )

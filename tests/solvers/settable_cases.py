@@ -146,5 +146,6 @@ def evaluated(
     monkeypatch: pytest.MonkeyPatch, mission: Mission, parts: Parts, system: dict[str, Any]
 ) -> Result:
     """What `uwopt.evaluate` says of a system made of these parts."""
-    monkeypatch.setattr("uwopt.forward.assembly.load_catalog", lambda mission=None: Catalog(*parts_of(parts)))
+    for place in ("forward.assembly", "api.evaluating"):
+        monkeypatch.setattr(f"uwopt.{place}.load_catalog", lambda mission=None: Catalog(*parts_of(parts)))
     return uwopt.evaluate(mission, system)

@@ -93,7 +93,7 @@ def no_constant(name: str) -> float:
 def other_schema(schema: Any) -> str:
     """What is wrong with a file of another kind or version."""
     ours = f"{RESULT_SCHEMA} and {FRONT_SCHEMA}"
-    if isinstance(schema, str) and schema.partition("/")[0] in ("uwopt.results.result", "uwopt.front"):
+    if isinstance(schema, str) and schema.partition("/")[0] in ("uwopt.result", "uwopt.front"):
         return f"schema is {schema!r}, this uwopt reads {ours}; read it with the uwopt that wrote it, or solve again."
     what = "has no schema" if schema is None else f"schema is {schema!r}"
     return f"{what}, so it is no result of uwopt (these say {ours}); name a result.json or front.json."
