@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
 from uwopt.solvers.settings import closed_form
@@ -32,7 +33,9 @@ from uwopt.solvers.settings.closed_form import Chosen, Window
 from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
-HALVINGS = 60  # of a range of times, in its logarithm: to the last digit
+CUTS = 7  # of a range of times at once, in its logarithm
+MOST_ROUNDS = 40  # some twenty settle a range of many orders of magnitude
+LAST_DIGITS = 2e-14  # of a time: what powers of ratios round
 CUT = 1.0 - 2e-9  # of a flash: the longest that still counts as cut
 
 
@@ -98,34 +101,87 @@ def _shortest_pulse(rows: SceneRows, one: Chosen) -> Array:
 
 
 @dataclass(frozen=True)
-class Branch:
-    """One range of levels and of times of every design; empty where a level is not to be had or times end first."""
+class Branch(Columns):
+    """Ranges of levels and of times, a row each: every level of every design that it can be set to at some time."""
 
+    design: Array  # whose it is
+    option: Array  # which of the design's
     rows: SceneRows
     low_level: Array
     high_level: Array
     first_s: Array
     last_s: Array
-    floor: Array | float  # of SNR, at the nominal altitude
+    floor: Array  # of SNR, at the nominal altitude
+    level: Array  # that is asked whether it reaches the window
+    per_time: Array  # X of a second at full level; NaN until the f-number is known
 
     def window(self, time_s: Array) -> Window:
         """What bounds X at a time."""
         return closed_form.window_sides(at_time(self.rows, time_s), snr_floor=self.floor)
 
+    # Conditions on a time; each holds from some time on, or until some time, and nowhere else.
+
+    def bright_enough(self, time_s: Array) -> Array:
+        """Whether the level that is wanted, and its gain, stay within what saturates; from a time on."""
+        sides = self.window(time_s)
+        above = sides.for_level <= sides.high * (1 + SLACK)
+        return np.asarray(above & (sides.for_snr <= sides.gain_at_brightest * (1 + SLACK)))
+
+    def lacks_room(self, time_s: Array) -> Array:
+        """Whether dark electrons leave no room for what SNR asks; from a time on."""
+        sides = self.window(time_s)
+        return ~(np.isfinite(sides.for_snr) & (sides.for_snr <= sides.full * (1 + SLACK)))
+
+    def reaches(self, time_s: Array) -> Array:
+        """Whether `level` is bright enough; from a time on."""
+        return np.asarray(self.level * time_s * self.per_time >= self.window(time_s).low * (1 - SLACK))
+
+    def too_bright(self, time_s: Array) -> Array:
+        """Whether even the lowest level is too bright; from a time on."""
+        return ~(self.low_level * time_s * self.per_time <= self.window(time_s).high * (1 + SLACK))
+
+    def dark_is_no_help(self, time_s: Array) -> Array:
+        """Whether a longer exposure would save no light; from a time on."""
+        sides = self.window(time_s)
+        return np.asarray(
+            sides.for_level <= np.maximum(sides.for_snr, self.low_level * time_s * self.per_time)
+        )
+
+    def first_true(self, holds: Condition, start: Array, end: Array) -> Array:
+        """The least time from which on a condition holds; NaN where it does not hold at the end."""
+        high = self.halved(holds, start, end)[1]
+        return np.where(holds(self, start), start, np.where(holds(self, end), high, np.nan))
+
+    def last_false(self, holds: Condition, start: Array, end: Array) -> Array:
+        """The longest time until which a condition does not hold; NaN where it holds at the start."""
+        low = self.halved(holds, start, end)[0]
+        return np.where(~holds(self, end), end, np.where(~holds(self, start), low, np.nan))
+
+    def halved(self, holds: Condition, start: Array, end: Array) -> tuple[Array, Array]:
+        """Both sides of the time from which on a condition holds, to the last digit but two.
+
+        A range is cut into several pieces at a time: a condition on many rows takes hardly longer than on few.
+        """
+        n = len(self.design)
+        wide, share = self.take(np.tile(np.arange(n), CUTS)), np.arange(1, CUTS + 1)[:, None] / (CUTS + 1)
+        low, high = start, end
+        for _ in range(MOST_ROUNDS):
+            if not np.any(high - low > LAST_DIGITS * high):
+                break
+            times = low * (high / low) ** share
+            false = (~holds(wide, times.reshape(-1)).reshape(CUTS, n)).sum(axis=0)
+            ends = np.concatenate([low[None], times, high[None]])
+            low, high = ends[false, np.arange(n)], ends[false + 1, np.arange(n)]
+        return low, high
+
+    # What follows from them.
+
     def narrowed(self) -> Branch:
         """With the times only at which the window is not empty."""
-
-        def bright_enough(time_s: Array) -> Array:
-            sides = self.window(time_s)
-            above = sides.for_level <= sides.high * (1 + SLACK)
-            return above & (sides.for_snr <= sides.gain_at_brightest * (1 + SLACK))
-
-        def has_room(time_s: Array) -> Array:
-            sides = self.window(time_s)
-            return np.asarray(np.isfinite(sides.for_snr) & (sides.for_snr <= sides.full * (1 + SLACK)))
-
-        first = first_true(bright_enough, self.first_s, self.last_s)
-        return replace(self, first_s=first, last_s=last_true(has_room, self.first_s, self.last_s))
+        first = self.first_true(Branch.bright_enough, self.first_s, self.last_s)
+        return replace(
+            self, first_s=first, last_s=self.last_false(Branch.lacks_room, self.first_s, self.last_s)
+        )
 
     @property
     def open(self) -> Array:
@@ -143,82 +199,61 @@ class Branch:
         end = np.where(low == 0.0, np.inf, end)
         return start, np.where(self.open, np.minimum(end, rows.n_high), -np.inf)
 
+    def by_design(self, values: Array, n: int, missing: float) -> Array:
+        """Values of all rows as (n designs, n options); `missing` where a design has no such option."""
+        table = np.full((n, int(self.option.max(initial=0)) + 1), missing)
+        table[self.design, self.option] = values
+        return table
+
     def settled(self, f_number: Array) -> Chosen:
         """Level, time and gain of least power at a given f-number; NaN where there are none."""
-        rows = self.rows
-        per_time = rows.light_lm / np.square(f_number * rows.working_factor)  # X of a second at full level
-
-        def reaches(level: Array) -> Callable[[Array], Array]:
-            return lambda time_s: np.asarray(
-                level * time_s * per_time >= self.window(time_s).low * (1 - SLACK)
-            )
-
-        def fits(time_s: Array) -> Array:
-            return np.asarray(self.low_level * time_s * per_time <= self.window(time_s).high * (1 + SLACK))
-
-        def dark_is_no_help(time_s: Array) -> Array:
-            sides = self.window(time_s)
-            return sides.for_level <= np.maximum(sides.for_snr, self.low_level * time_s * per_time)
-
-        first = first_true(reaches(self.high_level), self.first_s, self.last_s)
-        last = last_true(fits, self.first_s, self.last_s)
+        rows, per_time = self.rows, self.rows.light_lm / np.square(f_number * self.rows.working_factor)
+        at = replace(self, level=self.high_level, per_time=per_time)
+        first = at.first_true(Branch.reaches, self.first_s, self.last_s)
+        last = at.last_false(Branch.too_bright, self.first_s, self.last_s)
         ok = self.open & (first <= last * (1 + SLACK))
-        pulse = first_true(dark_is_no_help, first, last)
+        pulse = at.first_true(Branch.dark_is_no_help, first, last)
         pulse = np.where(np.isnan(pulse), last, pulse)
         pulsed = rows.kind == PULSED
         with np.errstate(divide="ignore", invalid="ignore"):
             where = np.where(pulsed, pulse, last)
-            level = self.window(where).low / (where * per_time)
-            level = np.clip(level, self.low_level, self.high_level)
-            time = np.where(pulsed, pulse, first_true(reaches(level), first, last))
-            time, level = np.where(ok, time, np.nan), np.where(ok, level, np.nan)
+            level = np.clip(self.window(where).low / (where * per_time), self.low_level, self.high_level)
+            shortest = replace(at, level=level).first_true(Branch.reaches, first, last)
+            time = np.where(ok, np.where(pulsed, pulse, shortest), np.nan)
+            level = np.where(ok, level, np.nan)
             light_x = level * time * per_time
         seen = at_time(rows, np.where(ok, time, rows.time_min_s))
-        power = closed_form.drawn_power_w(rows, level, time)
-        peak = closed_form.peak_power_w(rows, level)
+        power, peak = closed_form.drawn_power_w(rows, level, time), closed_form.peak_power_w(rows, level)
         return Chosen(f_number, level, time, closed_form.best_gain(seen, light_x), light_x, power, peak)
 
 
-def first_true(holds: Callable[[Array], Array], start: Array, end: Array) -> Array:
-    """The least time from which on a condition holds; NaN where it does not hold at the end."""
-    low, high = start, end
-    for _ in range(HALVINGS):
-        middle = np.sqrt(low * high)
-        yes = holds(middle)
-        low, high = np.where(yes, low, middle), np.where(yes, middle, high)
-    return np.where(holds(start), start, np.where(holds(end), high, np.nan))
+Condition = Callable[[Branch, Array], Array]
 
 
-def last_true(holds: Callable[[Array], Array], start: Array, end: Array) -> Array:
-    """The longest time until which a condition holds; NaN where it does not hold at the start."""
-    low, high = start, end
-    for _ in range(HALVINGS):
-        middle = np.sqrt(low * high)
-        yes = holds(middle)
-        low, high = np.where(yes, middle, low), np.where(yes, high, middle)
-    return np.where(holds(end), end, np.where(holds(start), low, np.nan))
-
-
-def branches(rows: SceneRows, snr_floor: Array | float) -> list[Branch]:
-    """All levels and times of a scene's designs."""
+def branches(rows: SceneRows, snr_floor: Array | float) -> Branch:
+    """All levels and times of a scene's designs, at which the window is not empty."""
+    n = len(rows.time_min_s)
     whole = rows.flash_duration_s * WHOLE_FLASH
     jumps = (rows.kind == FLASH) & (rows.time_min_s < whole) & (rows.time_max_s >= whole)
     spans = [(rows.time_min_s, np.where(jumps, rows.flash_duration_s * CUT, rows.time_max_s))]
     if jumps.any():
         spans.append((np.where(jumps, rows.time_max_s, np.inf), np.where(jumps, rows.time_max_s, -1.0)))
-    top = np.minimum(rows.max_level, 1.0)
-    made = []
-    for column in range(rows.levels.shape[1]):
-        step = rows.levels[:, column]
-        step = np.where(step <= rows.max_level * (1 + SLACK), step, np.nan)
-        free = rows.dims_freely & (column == 0)
-        low = np.where(free, rows.min_level, np.where(rows.dims_freely, np.nan, step))
-        high = np.where(free, top, low)
-        for first, last in spans:
-            none = ~(first <= last * (1 + SLACK)) | np.isnan(low)
-            ends = np.where(none, 1.0, first), np.where(none, 1.0, np.maximum(last, first))
-            made.append(Branch(rows, np.where(none, np.nan, low), high, *ends, snr_floor).narrowed())
-    return made
+    steps = np.where(rows.levels <= rows.max_level[:, None] * (1 + SLACK), rows.levels, np.nan)
+    steps[rows.dims_freely] = np.nan
+    low, high = steps, steps.copy()
+    low[:, 0] = np.where(rows.dims_freely, rows.min_level, low[:, 0])
+    high[:, 0] = np.where(rows.dims_freely, np.minimum(rows.max_level, 1.0), high[:, 0])
+    low_level, high_level = (np.tile(side, len(spans)) for side in (low, high))
+    first, last = (
+        np.repeat(np.stack(ends, axis=1), low.shape[1], axis=1) for ends in zip(*spans, strict=True)
+    )
+    design, option = np.nonzero((first <= last * (1 + SLACK)) & ~np.isnan(low_level))
+    at = (design, option)
+    floor = np.broadcast_to(np.asarray(snr_floor, float), (n,))
+    return Branch(
+        design, option, rows.take(design), low_level[at], high_level[at], first[at],
+        np.maximum(last[at], first[at]), floor[design], high_level[at], np.full(len(design), np.nan),
+    ).narrowed()  # fmt: skip
 
 
 def least_power(
@@ -226,30 +261,28 @@ def least_power(
 ) -> tuple[list[Chosen], Array]:
     """Settings of least power that meet every scene, and whether there are any: as `settings.least_power`, with
     the dark electrons of the exposure that is chosen."""
+    n = len(motorised)
     parts = [branches(rows, snr_floor) for rows in scenes]
     ranges = []
-    for some in parts:
-        starts, ends = zip(*(branch.f_number_range() for branch in some), strict=True)
-        ranges.append((np.stack(starts, axis=1), np.stack(ends, axis=1)))
+    for branch in parts:
+        start, end = branch.f_number_range()
+        ranges.append((branch.by_design(start, n, np.inf), branch.by_design(end, n, -np.inf)))
     common = closed_form.smallest_common_f_number(ranges)
-    chosen, feasible = [], np.ones(len(common), bool)
-    for some, own in zip(parts, ranges, strict=True):
+    chosen, feasible = [], np.ones(n, bool)
+    for branch, own in zip(parts, ranges, strict=True):
         f_number = np.where(motorised, closed_form.smallest_common_f_number([own]), common)
-        one = cheapest([branch.settled(f_number) for branch in some])
+        one = cheapest(branch, branch.settled(f_number[branch.design]), n)
         feasible &= np.isfinite(f_number) & np.isfinite(one.light_power_w)
-        chosen.append(one)
+        chosen.append(replace(one, f_number=f_number))
     return chosen, feasible
 
 
-def cheapest(options: list[Chosen]) -> Chosen:
-    """Of some settings of every design those of least power, among equals the shortest time."""
-    power = np.stack([np.where(np.isnan(c.light_power_w), np.inf, c.light_power_w) for c in options])
-    time = np.stack([c.time_s for c in options])
-    time = np.where(power <= power.min(axis=0) * (1 + SLACK), time, np.inf)
-    pick = np.where(np.isnan(time), np.inf, time).argmin(axis=0)
-
-    def picked(name: str) -> Array:
-        return np.asarray(np.stack([getattr(c, name) for c in options])[pick, np.arange(len(pick))])
-
-    names = [name for name in Chosen.__dataclass_fields__ if name != "exposure_s"]
-    return Chosen(**{name: picked(name) for name in names})
+def cheapest(branch: Branch, options: Chosen, n: int) -> Chosen:
+    """Of the options of every design the settings of least power, among equals the shortest time."""
+    power = branch.by_design(
+        np.where(np.isnan(options.light_power_w), np.inf, options.light_power_w), n, np.inf
+    )
+    time = branch.by_design(np.where(np.isnan(options.time_s), np.inf, options.time_s), n, np.inf)
+    time = np.where(power <= power.min(axis=1, keepdims=True) * (1 + SLACK), time, np.inf)
+    pick = time.argmin(axis=1)
+    return options.with_arrays(lambda column: branch.by_design(column, n, np.nan)[np.arange(n), pick])
