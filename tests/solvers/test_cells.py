@@ -10,6 +10,7 @@ import pytest
 from hand_made_rows import FLASHES, STEPS
 from numpy.typing import NDArray
 from settings_attack import SIGNS, attacked, figures, lit, sharp
+from thorough import drawn
 
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
 from uwopt.forward.setting_rows import SceneRows
@@ -90,7 +91,7 @@ def random_rows(rng: np.random.Generator, *, kind: int, **more: Any) -> SceneRow
     return lit(look, **values)
 
 
-@pytest.mark.parametrize("seed", range(14))
+@pytest.mark.parametrize("seed", drawn(range(0, 14, 2), range(14)))
 @pytest.mark.parametrize("wanted", ["power", "snr_db"])
 def test_least_power_and_most_snr_of_a_sharp_image(wanted: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -98,14 +99,14 @@ def test_least_power_and_most_snr_of_a_sharp_image(wanted: str, seed: int) -> No
     check(rows, wanted, seed)
 
 
-@pytest.mark.parametrize("seed", range(14))
+@pytest.mark.parametrize("seed", drawn(range(0, 14, 2), range(14)))
 def test_most_information(seed: int) -> None:
     rng = np.random.default_rng(100 + seed)
     # 2e-4: where motion ends inside the Nyquist square, the bound's nodes and the model's differ by up to 1e-4.
     check(random_rows(rng, kind=[CONTINUOUS, PULSED][seed % 2]), "information", seed, gap=2e-4)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", drawn(range(0, 10, 2), range(10)))
 @pytest.mark.parametrize("wanted", ["power", "snr_db"])
 def test_sunlight_beside_lamps(wanted: str, seed: int) -> None:
     rng = np.random.default_rng(200 + seed)

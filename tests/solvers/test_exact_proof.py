@@ -29,7 +29,7 @@ from uwopt.solvers.recommend import seek
 # ---------------------------------------------------------------- bounds and the audit
 
 
-@pytest.mark.parametrize("seed", drawn(range(40), range(300)))
+@pytest.mark.parametrize("seed", drawn(range(0, 40, 3), range(300)))
 def test_bound_of_the_signal_is_a_bound(seed: int) -> None:
     """No image gets more light than its bound says: flat and dome, wide and long, narrow beams, turbid water."""
     rng = np.random.default_rng(seed)

@@ -19,7 +19,7 @@ from uwopt.objectives.own import OwnObjective
 from uwopt.solvers.population.pymoo_front import ALGORITHMS, PymooRun, population_front
 
 PAIR, TRIPLE = ("power", "cost"), ("power", "cost", "snr_db")
-SEEDS = drawn((9, 10, 17, 22, 24), cases.FEASIBLE)  # one scene and two, physics full and paper
+SEEDS = drawn((9, 17, 24), cases.FEASIBLE)  # one scene and two, physics full and paper
 ONE_SCENE = drawn((9, 17, 22), (3, 7, 8, 9, 13, 17, 22, 24))
 CURVE_REL = 2e-4  # how near the enumeration's grids come to the best settings
 

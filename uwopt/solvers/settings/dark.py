@@ -113,7 +113,7 @@ class Branch(Columns):
     last_s: Array
     floor: Array  # of SNR, at the nominal altitude
     level: Array  # that is asked whether it reaches the window
-    per_time: Array  # X of a second at full level; NaN until the f-number is known
+    x_per_s: Array  # X of a second at full level; NaN until the f-number is known
 
     def window(self, time_s: Array) -> Window:
         """What bounds X at a time."""
@@ -134,17 +134,17 @@ class Branch(Columns):
 
     def reaches(self, time_s: Array) -> Array:
         """Whether `level` is bright enough; from a time on."""
-        return np.asarray(self.level * time_s * self.per_time >= self.window(time_s).low * (1 - SLACK))
+        return np.asarray(self.level * time_s * self.x_per_s >= self.window(time_s).low * (1 - SLACK))
 
     def too_bright(self, time_s: Array) -> Array:
         """Whether even the lowest level is too bright; from a time on."""
-        return ~(self.low_level * time_s * self.per_time <= self.window(time_s).high * (1 + SLACK))
+        return ~(self.low_level * time_s * self.x_per_s <= self.window(time_s).high * (1 + SLACK))
 
     def dark_is_no_help(self, time_s: Array) -> Array:
         """Whether a longer exposure would save no light; from a time on."""
         sides = self.window(time_s)
         return np.asarray(
-            sides.for_level <= np.maximum(sides.for_snr, self.low_level * time_s * self.per_time)
+            sides.for_level <= np.maximum(sides.for_snr, self.low_level * time_s * self.x_per_s)
         )
 
     def first_true(self, holds: Condition, start: Array, end: Array) -> Array:
@@ -207,8 +207,8 @@ class Branch(Columns):
 
     def settled(self, f_number: Array) -> Chosen:
         """Level, time and gain of least power at a given f-number; NaN where there are none."""
-        rows, per_time = self.rows, self.rows.light_lm / np.square(f_number * self.rows.working_factor)
-        at = replace(self, level=self.high_level, per_time=per_time)
+        rows, x_per_s = self.rows, self.rows.light_lm / np.square(f_number * self.rows.working_factor)
+        at = replace(self, level=self.high_level, x_per_s=x_per_s)
         first = at.first_true(Branch.reaches, self.first_s, self.last_s)
         last = at.last_false(Branch.too_bright, self.first_s, self.last_s)
         ok = self.open & (first <= last * (1 + SLACK))
@@ -217,11 +217,11 @@ class Branch(Columns):
         pulsed = rows.kind == PULSED
         with np.errstate(divide="ignore", invalid="ignore"):
             where = np.where(pulsed, pulse, last)
-            level = np.clip(self.window(where).low / (where * per_time), self.low_level, self.high_level)
+            level = np.clip(self.window(where).low / (where * x_per_s), self.low_level, self.high_level)
             shortest = replace(at, level=level).first_true(Branch.reaches, first, last)
             time = np.where(ok, np.where(pulsed, pulse, shortest), np.nan)
             level = np.where(ok, level, np.nan)
-            light_x = level * time * per_time
+            light_x = level * time * x_per_s
         seen = at_time(rows, np.where(ok, time, rows.time_min_s))
         power, peak = closed_form.drawn_power_w(rows, level, time), closed_form.peak_power_w(rows, level)
         return Chosen(f_number, level, time, closed_form.best_gain(seen, light_x), light_x, power, peak)
