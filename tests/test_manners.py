@@ -6,7 +6,6 @@ import os
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -158,18 +157,25 @@ def test_a_link_to_nothing_is_no_folder_for_results(tmp_path: Path) -> None:
 
 
 def test_files_of_runs_side_by_side_belong_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = Path.replace
+    honest, begun, over = Path.replace, threading.Event(), threading.Event()
 
-    def slow(self: Path, target: Path) -> Path:
-        time.sleep(0.002)  # let others come between
-        return honest(self, target)
+    def replace(self: Path, target: Path) -> Path:
+        done = honest(self, target)
+        if threading.current_thread().name == "first" and not begun.is_set():
+            begun.set()  # the other run may come between now, unless it has to wait
+            over.wait(0.3)
+        return done
 
-    monkeypatch.setattr(Path, "replace", slow)
-    sets = [dict.fromkeys(("result.json", "bom.csv", "report.html"), f"run {n}") for n in range(12)]
-    runs = [threading.Thread(target=write_files, args=(tmp_path, texts)) for texts in sets]
-    for thread in runs:
-        thread.start()
-    for thread in runs:
+    def write(text: str) -> None:
+        write_files(tmp_path, dict.fromkeys(("result.json", "bom.csv", "report.html"), text))
+
+    monkeypatch.setattr(Path, "replace", replace)
+    first = threading.Thread(name="first", target=write, args=("one",))
+    second = threading.Thread(target=lambda: (write("two"), over.set()))
+    first.start()
+    assert begun.wait(30.0)
+    second.start()
+    for thread in (first, second):
         thread.join()
     assert len({path.read_text() for path in tmp_path.iterdir()}) == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bom.csv", "report.html", "result.json"]
