@@ -126,7 +126,7 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/solvers/exact/attack.py",
         old="np.min(by_scene, axis=0)",
         new="np.max(by_scene, axis=0)",
-        test=f"{AUDIT}test_it_passes_an_honest_search_elsewhere[snr_db-two]",
+        test=f"{AUDIT}test_it_passes_an_honest_search_elsewhere[contrast-two]",
     ),
     Defect(
         name="the audit draws nothing beside the best",

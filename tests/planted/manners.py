@@ -65,13 +65,6 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{SEARCH_DEADLINE}::test_wherever_time_ends_bound_and_account_hold",
     ),
     Defect(
-        name="a search looks at the clock between batches only",
-        file="uwopt/solvers/exact/search.py",
-        old="        self.deadline.check()\n        imager, cost",
-        new="        imager, cost",
-        test=f"{SEARCH_DEADLINE}::test_time_that_ends_within_a_batch_ends_it",
-    ),
-    Defect(
         name="explanations know no time limit",
         file="uwopt/solvers/explain/infeasible.py",
         old="        if deadline.passed():",

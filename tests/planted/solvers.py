@@ -319,7 +319,7 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/solvers/settings/cell_information.py",
         old="snr = log_snr[mine] + np.log(TEXTURE_CONTRAST)",
         new="snr = log_snr[mine] + np.log(TEXTURE_CONTRAST) - 0.05",
-        test=f"{CELLS}test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[information under lamps]",
+        test="tests/solvers/test_cells.py::test_most_information",
     ),
     Defect(
         name="cells' information bounded without tangents",
