@@ -403,6 +403,6 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/solvers/exact/search.py",
         old="np.asarray(floor <= self.ceiling)",
         new="np.asarray(floor <= 0.5 * self.ceiling)",
-        test=f"{BOUNDS}test_a_camera_that_reaches_a_ceiling_is_looked_at[lamps in steps]",
+        test=f"{BOUNDS}test_a_camera_that_reaches_a_ceiling_is_looked_at[pulses]",
     ),
 )
