@@ -65,7 +65,9 @@ MISSIONS: dict[str, Callable[[], Case]] = {
     "best signal": lambda: one(
         "snr_db", wanted=FAST, physics="paper", limits={"power_w": 40.0, "cost": 3500.0}
     ),
-    "best signal of a full well": lambda: one("snr_db", wanted=FAST, physics="paper"),
+    "best signal of a full well": lambda: one(
+        "snr_db", wanted=FAST, physics="paper", camera={"saturation_e": 2000.0}
+    ),
     "power against signal": lambda: one(SUM, wanted=FAST, physics="paper", limits={"mass_kg": 2.0}),
 }
 MOSTLY_BOUNDED = 0.6
