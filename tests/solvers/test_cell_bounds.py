@@ -62,7 +62,7 @@ def within(search: CellSearch, pool: Any, points: list[Array]) -> Array:
 
 @pytest.mark.parametrize("name", BY_CELLS)
 def test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it(name: str) -> None:
-    """Cells of nine halvings, down to some per cent, against points all over: every feasible one lies in a cell, none below its bound."""
+    """Cells of nine halvings against points all over: every feasible one lies in a cell, none below its bound."""
     given, wanted = BY_CELLS[name]
     rows, rng, objective = lit(**given), np.random.default_rng(0), Objective.of(wanted)
     points = sample(rows, rng, 3000, None, 0.0)
