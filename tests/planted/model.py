@@ -433,4 +433,11 @@ DEFECTS = (
         new="weights[:-1] += 2 * half_step",
         test="tests/model/test_spectrum.py::test_generic_led_holds_the_areas_of_its_two_lines",
     ),
+    Defect(
+        name="a veil that depends on the images beside it",
+        file="uwopt/model/veil/mean.py",
+        old="return np.clip(np.searchsorted(FIELD_ORDERS, wanted) - 1, 0, MOST_RUNG)",
+        new="return np.full(len(wanted), np.clip(np.searchsorted(FIELD_ORDERS, wanted.max()) - 1, 0, MOST_RUNG))",
+        test="tests/model/test_veil.py::test_many_images_at_once_are_as_each_alone",
+    ),
 )

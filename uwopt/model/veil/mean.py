@@ -91,11 +91,21 @@ def log_mean_backscatter(
     )  # fmt: skip
     if order:
         return _log_means((order,), along, across, _lit_boxes(along, across, **common), **common)[0]
-    first = _first_rung(along, across, shape, range_m, lamps, beam)
-    ladder = tuple(2 * scaled(n // 2, fineness) for n in FIELD_ORDERS[first:])
+    first = _first_rungs(along, across, shape, range_m, lamps, beam)
+    mean = np.empty(len(along))
+    for rung in np.unique(first):
+        rows = np.nonzero(first == rung)[0]
+        mean[rows] = _climbed(FIELD_ORDERS[rung:], along[rows], across[rows], **common)
+    return mean
+
+
+def _climbed(orders: tuple[int, ...], along: Array, across: Array, **common: Any) -> Array:
+    """ln of the mean over each image, by finer and finer rules until it stands still."""
+    beam, fineness = common["beam"], common["fineness"]
+    ladder = tuple(2 * scaled(n // 2, fineness) for n in orders)
     steep = _has_steep_flank(beam)
     allowed = (EDGE_CHANGE if steep else SMOOTH_CHANGE) / fineness**2
-    together = 3 if steep or _front_plane_may_show(lamps, beam) else 2
+    together = 3 if steep or _front_plane_may_show(common["lamps"], beam) else 2
     boxes = _lit_boxes(along, across, **common)
     recent = _log_means(ladder[:together], along, across, boxes, **common)
     mean = recent[-1].copy()
@@ -123,29 +133,33 @@ def _front_plane_may_show(lamps: Lamps, beam: beams.Beam) -> bool:
     return wide and (any(z > 0.0 for z in lamps.z_m) or any(aim[2] < 0.999 for aim in lamps.aim))
 
 
-def _first_rung(
+def _first_rungs(
     along: Array, across: Array, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam
-) -> int:
-    """Where on the ladder of orders to begin: one below what spot and place of the lamps ask for."""
-    u, v = float(np.max(along, initial=0.0)), float(np.max(across, initial=0.0))
+) -> Array:
+    """Where on the ladder of orders each image begins: one below what spot and place of the lamps ask for.
+
+    Each image is asked alone, so that its mean is the same whatever stands beside it.
+    """
     depth_m = range_m + shape.outer_radius_m + shape.gap_m + shape.thickness_m
     height_m = max(range_m - max(lamps.z_m), 1e-3 * range_m)
     spot_m = np.tan(min(_half_power_angle_rad(beam), 1.5)) * height_m
-    wanted = 2.7 * 1.18 * max(u, v) * depth_m / spot_m  # as in `imaging.orders_needed`
+    wanted = 2.7 * 1.18 * np.maximum(along, across) * depth_m / spot_m  # as in `image_mean.orders_needed`
     for x, y, z in zip(lamps.x_m, lamps.y_m, lamps.z_m, strict=True):
         if z > 0.0:  # in front of the port the veil is nearly singular beside the field of view
-            if shape.is_dome:
-                half_x, half_y = (t * (z + shape.outer_radius_m) for t in (u, v))
-            else:
-                half_x, half_y = (
-                    t * shape.gap_m + shape.thickness_m * t + z * port.water_tangent(t, n=shape.n_water)
-                    for t in (u, v)
-                )
-            beside = np.hypot(max(abs(x) - half_x, 0.0), max(abs(y) - half_y, 0.0)) / max(half_x, half_y)
+            half_x, half_y = (_half_width_m(t, z, shape) for t in (along, across))
+            beside = np.hypot(np.maximum(abs(x) - half_x, 0.0), np.maximum(abs(y) - half_y, 0.0))
+            beside = beside / np.maximum(half_x, half_y)
             # Gauss-Legendre falls like rho^(-2 n), rho the ellipse through the singularity
-            wanted = max(wanted, 8.0 / np.arcsinh(max(beside, 0.05)))
-    rung = int(np.searchsorted(FIELD_ORDERS, wanted)) - 1
-    return min(max(rung, 0), MOST_RUNG)
+            wanted = np.maximum(wanted, 8.0 / np.arcsinh(np.maximum(beside, 0.05)))
+    return np.clip(np.searchsorted(FIELD_ORDERS, wanted) - 1, 0, MOST_RUNG)
+
+
+def _half_width_m(tangent: Array, ahead_m: float, shape: PortShape) -> Array:
+    """Half width of the field of view at a distance before the port, for tangents in air of half angles."""
+    if shape.is_dome:
+        return tangent * (ahead_m + shape.outer_radius_m)
+    in_water = port.water_tangent(tangent, n=shape.n_water)
+    return np.asarray(tangent * (shape.gap_m + shape.thickness_m) + ahead_m * in_water)
 
 
 @lru_cache(maxsize=256)
