@@ -24,6 +24,8 @@ ARGUMENTS = [
     "--no-first-run", "--enable-unsafe-swiftshader",
 ]  # fmt: skip
 PATIENCE_MS = 30_000  # for slow machines; what is waited for is there far sooner
+WINDOW = {"width": 1300, "height": 900}
+OWN = ("file:", "data:", "blob:", "about:")
 Make = Callable[..., Any]
 
 
@@ -53,34 +55,70 @@ def browser() -> Iterator[Any]:
         started.close()
 
 
-@pytest.fixture
-def show(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Any]]:
-    """Open the page of a result; at the end no error may stand in the console, and nothing was asked for."""
-    contexts, faults = [], []
+@pytest.fixture(scope="module")
+def listened(browser: Any) -> Callable[[list[str]], Any]:
+    """Open an empty page, off the network, that tells a list what goes wrong and what is asked for."""
 
-    def opened(result: Any, **options: Any) -> Any:
-        file = tmp_path / f"report{len(contexts)}.html"
-        file.write_text(report_html(result), encoding="utf-8")
-        context = browser.new_context(**{"viewport": {"width": 1300, "height": 900}} | options)
-        contexts.append(context)
+    def opened(faults: list[str]) -> Any:
+        context = browser.new_context(viewport=WINDOW)
         context.set_offline(True)
         context.set_default_timeout(PATIENCE_MS)
         page = context.new_page()
         page.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda fault: faults.append(str(fault)))
-        page.on(
-            "request",
-            lambda call: (
-                None if call.url.startswith(("file:", "data:", "blob:")) else faults.append(call.url)
-            ),
-        )
+        page.on("request", lambda call: None if call.url.startswith(OWN) else faults.append(call.url))
+        return page
+
+    return opened
+
+
+@pytest.fixture(scope="module")
+def tab(listened: Callable[[list[str]], Any]) -> tuple[Any, list[str]]:
+    """One tab that all tests load their pages into, and its faults: it keeps the plot library compiled."""
+    faults: list[str] = []
+    return listened(faults), faults
+
+
+@pytest.fixture
+def show(tab: tuple[Any, list[str]], file: Path) -> Iterator[Callable[..., Any]]:
+    """Load the page of a result; at the end no error may stand in the console, and nothing was asked for."""
+    page, faults = tab
+
+    def loaded(result: Any, viewport: Any = WINDOW, color_scheme: str = "light") -> Any:
+        file.write_text(report_html(result), encoding="utf-8")
+        page.set_viewport_size(viewport)
+        page.emulate_media(media="screen", color_scheme=color_scheme)
         page.goto(file.as_uri())
         return page
 
-    yield opened
-    for context in contexts:
-        context.close()
+    yield loaded
+    page.mouse.move(0, 0)
+    page.goto("about:blank")  # nothing goes on within another test
     assert faults == []
+
+
+@pytest.fixture
+def show_after(listened: Callable[[list[str]], Any], file: Path) -> Iterator[Callable[..., Any]]:
+    """Load the page of a result into a tab of its own, where a script changed the browser before."""
+    faults: list[str] = []
+    page = listened(faults)
+
+    def loaded(script: str, result: Any, viewport: Any = WINDOW) -> Any:
+        file.write_text(report_html(result), encoding="utf-8")
+        page.set_viewport_size(viewport)
+        page.add_init_script(script)
+        page.goto(file.as_uri())
+        return page
+
+    yield loaded
+    page.context.close()
+    assert faults == []
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One address for all pages: under another one the browser would compile the plot library again."""
+    return tmp_path_factory.mktemp("page") / "report.html"
 
 
 @pytest.fixture(scope="module")
@@ -314,14 +352,12 @@ def test_view_in_three_dimensions_is_drawn_or_says_why_not(
         page.locator("#chosen h3", has_text="Point p3").wait_for()
 
 
-def test_page_without_webgl_says_so(show: Callable[..., Any], make_front: Make) -> None:
+def test_page_without_webgl_says_so(show_after: Callable[..., Any], make_front: Make) -> None:
     blind = """const old = HTMLCanvasElement.prototype.getContext;
         HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
           return /webgl/.test(kind) ? null : old.call(this, kind, ...more);  // as browsers without WebGL answer
         };"""
-    page = show(make_front())
-    page.context.add_init_script(blind)
-    page.reload()
+    page = show_after(blind, make_front())
     wait_drawn(page, "#pairs", 3)
     page.get_by_role("tab", name="Three dimensions").click()
     page.get_by_text("This browser has no WebGL").wait_for()
@@ -428,12 +464,9 @@ def test_texts_of_files_run_no_script(show: Callable[..., Any], make_front: Make
     assert poison[:20] in page.locator("h1").inner_text()
 
 
-def test_paper_has_the_plots_that_nobody_scrolled_to(show: Callable[..., Any], tank: Any) -> None:
-    page = show(tank, viewport={"width": 1300, "height": 300})
-    page.add_init_script(
-        "window.requestIdleCallback = () => 0"
-    )  # a page that has no idle moment before it is printed
-    page.reload()
+def test_paper_has_the_plots_that_nobody_scrolled_to(show_after: Callable[..., Any], tank: Any) -> None:
+    busy = "window.requestIdleCallback = () => 0"  # a page that has no idle moment before it is printed
+    page = show_after(busy, tank, {"width": 1300, "height": 300})
     page.locator("html[data-plots=ready]").wait_for()  # with the page, not with the first plot that is seen
     wanted = page.locator("[data-figure]").count()
     assert wanted > 3 and page.locator("[data-figure][data-drawn=true]").count() < wanted
