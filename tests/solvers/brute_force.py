@@ -79,9 +79,8 @@ class Bench:
                         widest,
                         0.75 * float(np.hypot(view.footprint_along_m[0, 2], view.footprint_across_m[0, 2])),
                     )
-            for index in range(len(problem.scenes)):
-                problem.set_reach(index, widest)
-            problem.set_reach = lambda scene_index, widest_m: None  # type: ignore[method-assign]
+            shared = problem.reaching([widest] * len(problem.scenes))
+            problem.reaching = lambda widest_m: shared  # type: ignore[method-assign]
             self._tables_ready = True
 
     def model(self, hardware: Hardware) -> DesignModel:

@@ -134,7 +134,7 @@ def bounds_of(name: str, *, coupled: bool, tables: type[FieldTables] = FieldTabl
     """Bounds of all imagers, with signals from the tables or integrated."""
     search, imagers = searched(name)
     made = search.tables if tables is FieldTables else tables(search.problem, imagers, like=search.tables)
-    return Bounds(search.problem, search.objective, imagers, made, coupled=coupled)
+    return Bounds(search.objective, imagers, made, coupled=coupled)
 
 
 # ---------------------------------------------------------------- units
@@ -197,7 +197,7 @@ def test_a_single_light_is_bounded_more_sharply_than_the_unit() -> None:
     """A lamp with steps draws the next one up: the unit's bound knows no step, the light's own does."""
     search = one(wanted=FAST, physics="paper", light={"dim_levels": (0.9, 1.0)}).searcher()
     imagers, row = search.prepare(), np.arange(1)
-    bounds = Bounds(search.problem, search.objective, imagers, search.tables)
+    bounds = Bounds(search.objective, imagers, search.tables)
     unit = bounds.of_units(0, row)
     _, least = pair_rules(bounds, 0, row, unit, np.inf)
     assert least[0] == pytest.approx(3.0 + 0.9 * 300.0) and unit.value[0] < 0.9 * least[0]
@@ -221,7 +221,7 @@ def test_a_group_of_ports_is_bounded_by_its_best(name: str) -> None:
             seen = level.imagers(rows)
             passes = np.logical_and.reduce([ok for _, ok in level.rules(rows, seen)])
             tables = OutlineTables(level, rows, seen, like)
-            bounds = Bounds(problem, search.objective, seen, tables, coupled=True)
+            bounds = Bounds(search.objective, seen, tables, coupled=True)
             units = [bounds.of_units(k, np.arange(4)) for k in range(len(tables.lightings))]
             for row in range(4):
                 best = known(name).least(camera=camera[row], lens=lens[row], port=ports)

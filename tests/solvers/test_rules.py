@@ -220,7 +220,7 @@ def unit_rules(case_: Case, *, coupled: bool) -> list[str]:
     """Rules that discard the one unit."""
     search = case_.searcher()
     imagers = search.prepare()
-    bounds = Bounds(search.problem, search.objective, imagers, search.tables, coupled=coupled)
+    bounds = Bounds(search.objective, imagers, search.tables, coupled=coupled)
     return [UNIT_RULES[int(rule)] for rule in bounds.of_units(0, np.arange(1)).rule if rule >= 0]
 
 
@@ -228,7 +228,7 @@ def light_rules(case_: Case, threshold: float = np.inf) -> list[str]:
     """Rules that discard its one light when looked at alone."""
     search = case_.searcher()
     imagers = search.prepare()
-    bounds = Bounds(search.problem, search.objective, imagers, search.tables, coupled=True)
+    bounds = Bounds(search.objective, imagers, search.tables, coupled=True)
     unit = replace(bounds.of_units(0, np.arange(1)), rule=np.array([-1]))
     rule, _ = pair_rules(bounds, 0, np.arange(1), unit, threshold)
     return [UNIT_RULES[int(one_)] for one_ in rule.ravel() if one_ >= 0]

@@ -27,7 +27,7 @@ from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Light
 from uwopt.forward.problem import Problem
 from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.sun_light import sun_light
-from uwopt.forward.views import focus_map, views
+from uwopt.forward.views import focus_map, table_reach_m, views
 from uwopt.model.image_mean import cells
 from uwopt.model.imaging import floor_point, lamp_light
 from uwopt.model.port import lens_dioptre_per_m
@@ -54,15 +54,9 @@ class DesignModel:
             views(scene, self.cameras, self.lenses, shape, landscape=hardware.landscape)
             for scene, shape in zip(problem.scenes, self.shapes, strict=True)
         ]
-        self.set_reach()
+        self.problem = problem.reaching([table_reach_m(view) for view in self.views])
         self._known: dict[Any, Any] = {}  # what no setting changes, worked out once
         self.rows = [self._rows(i, pixels=scene.at_worst) for i, scene in enumerate(problem.scenes)]
-
-    def set_reach(self) -> None:
-        """Tell the problem's water tables how far from the axis this image reaches; other designs tell them theirs."""
-        for index, view in enumerate(self.views):
-            widest = 0.5 * float(np.hypot(view.footprint_along_m[0, 2], view.footprint_across_m[0, 2]))
-            self.problem.set_reach(index, 1.5 * widest)
 
     def _once(self, key: Any, make: Callable[[], Any]) -> Any:
         """What `make` gives, kept: settings come and go, the light's integrals stay."""
@@ -383,7 +377,6 @@ def design_model(problem: Problem, hardware: Hardware) -> DesignModel:
     if hardware not in problem.known_models:
         problem.known_models[hardware] = DesignModel(problem, hardware)
     model: DesignModel = problem.known_models[hardware]
-    model.set_reach()  # another design may have told the tables its own since
     return model
 
 

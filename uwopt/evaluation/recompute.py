@@ -130,10 +130,8 @@ def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardwar
         places = [0, 0, 0, 0]
     landscape, count = chosen["orientation"] == "landscape", int(chosen["light_count"])
     mount = mount_of(chosen["light_mounts"], mission_mounts(mission))
-    if mount not in problem.mounts:
-        problem.mounts.append(mount)
     at = [place or 0 for place in places]
-    return problem, Hardware(at[0], at[1], at[2], landscape, at[3], count, mount)
+    return problem.with_mount(mount), Hardware(at[0], at[1], at[2], landscape, at[3], count, mount)
 
 
 def place_of(part_id: str, parts: Sequence[Part]) -> int | None:

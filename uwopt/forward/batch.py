@@ -21,7 +21,7 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.sun_light import sun_light
-from uwopt.forward.views import Views, focus_map, views
+from uwopt.forward.views import Views, focus_map, table_reach_m, views
 from uwopt.model.effects import Effects
 from uwopt.model.port import FocusMap
 
@@ -37,9 +37,7 @@ class Batch:
     def __init__(self, problem: Problem, designs: Designs):
         self.problem, self.designs = problem, designs
         self.views = [self._views(scene, index) for index, scene in enumerate(problem.scenes)]
-        for index, view in enumerate(self.views):
-            widest = 0.5 * np.hypot(view.footprint_along_m[:, 2], view.footprint_across_m[:, 2])
-            problem.set_reach(index, 1.5 * float(widest.max(initial=0.0)))
+        self.problem = problem.reaching([table_reach_m(view) for view in self.views])
         self._signals: dict[int, ImageLight] = {}
 
     def signal(self, index: int) -> ImageLight:

@@ -81,7 +81,7 @@ class Problem:
         self.effects = PAPER if paper else effects
         self.owned_lights = owned_lights or {}
         self.count_range = counts or light_counts(mission)
-        self.mounts = list(mounts) if mounts is not None else mission_mounts(mission)
+        self.mounts = tuple(mission_mounts(mission) if mounts is None else mounts)
         base_dir: Path | None = mission.base_dir
         self.scenes: list[SceneOptics] = scenes or [
             scene_optics(
@@ -180,14 +180,25 @@ class Problem:
         half = PIXELS_A_SIDE // 2
         return 2 * fine.scaled(half, self.scenes[scene_index].fineness.places) + 1
 
-    def set_reach(self, scene_index: int, widest_m: float) -> None:
-        """Tell the water tables how far from the axis any image reaches."""
+    def with_mount(self, mount: Mount) -> Problem:
+        """The same tables with lamps that may stand there too."""
+        changed = copy(self)
+        changed.mounts = self.mounts if mount in self.mounts else (*self.mounts, mount)
+        return changed
+
+    def reaching(self, widest_m: Sequence[float]) -> Problem:
+        """The same tables for images that reach no farther from the axis than this, by scene."""
+        changed = copy(self)
+        changed.contractions = [self._reaching(index, float(m)) for index, m in enumerate(widest_m)]
+        return changed
+
+    def _reaching(self, scene_index: int, widest_m: float) -> Contraction:
         scene = self.scenes[scene_index]
         spread = max([0.0] + [abs(m.baseline_m) for m in self.mounts])
         spread = max([spread] + [float(np.hypot(e.x_m, e.y_m)) for m in self.mounts for e in m.explicit])
         height = float(scene.range_m[-1]) + max([0.0] + [-e.z_m for m in self.mounts for e in m.explicit])
         deepest = float(scene.range_m[-1]) + float(self.ports.outer_radius_m.max(initial=0.0))
-        self.contractions[scene_index].set_reach(
+        return self.contractions[scene_index].reaching(
             float(np.hypot(height, widest_m + spread)), float(np.hypot(deepest, widest_m))
         )
 

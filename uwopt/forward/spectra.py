@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -77,7 +78,7 @@ class Contraction:
             self.spectrum_of[index] = self.spectrum_names.index(key)
         self.efficiencies = list(efficiencies)
         self._curve_keys = [tuple(sorted(curves.items())) for curves in efficiencies]
-        self._reach_m = (0.0, 0.0)
+        self._reach_m: tuple[float, float] | None = None  # until `reaching` says how far tables must go
 
     def key(self, spectrum: int, efficiency: int, channel: str | None) -> tuple[Any, ...]:
         """What a weight depends on, in the scene's cache."""
@@ -127,7 +128,7 @@ class Contraction:
         The veil grows with both paths but for the spectrum's shift along them, so several are tried.
         """
         scene = self.scene
-        key = ("most contrast", *self.key(spectrum, efficiency, None), altitude, self._reach_m)
+        key = ("most contrast", *self.key(spectrum, efficiency, None), altitude, self.reach_m)
         if key not in scene.cache:
             scene.cache[key] = self._most_contrast(spectrum, efficiency, float(scene.range_m[altitude]))
         return float(scene.cache[key])
@@ -140,18 +141,27 @@ class Contraction:
         if not lit.any():  # a black floor or a blind sensor
             return 1.0
         least = np.inf
-        for camera_m in np.linspace(near, max(self._reach_m[1], near), 4):
-            for lamp_m in np.linspace(0.5 * near, max(self._reach_m[0], near), 4):
+        for camera_m in np.linspace(near, max(self.reach_m[1], near), 4):
+            for lamp_m in np.linspace(0.5 * near, max(self.reach_m[0], near), 4):
                 optical = scene.lamp_attenuation_per_m[lit] * lamp_m + scene.attenuation_per_m[lit] * camera_m
                 seen = weight[lit] * np.exp(-(optical - optical.min()))
                 veil = np.expm1(np.minimum(excess[lit] * camera_m, LARGEST_EXPONENT))
                 least = min(least, float((seen * veil).sum() / seen.sum()))
         return 1.0 / (1.0 + CONTRAST_MARGIN * least)
 
-    def set_reach(self, lamp_reach_m: float, camera_reach_m: float) -> None:
-        """Longest paths that tables must cover, rounded up so that like problems share their tables."""
-        near = float(self.scene.range_m[0])
-        self._reach_m = (rounded_up(max(lamp_reach_m, near)), rounded_up(max(camera_reach_m, near)))
+    def reaching(self, lamp_reach_m: float, camera_reach_m: float) -> Contraction:
+        """The same with tables that cover paths so long, rounded up so that like problems share their tables."""
+        near, changed = float(self.scene.range_m[0]), copy(self)
+        changed._reach_m = (rounded_up(max(lamp_reach_m, near)), rounded_up(max(camera_reach_m, near)))
+        return changed
+
+    @property
+    def reach_m(self) -> tuple[float, float]:
+        """Longest lamp leg and camera leg that tables cover."""
+        assert self._reach_m is not None, (
+            "tables are asked for before anyone has said how far they must reach"
+        )
+        return self._reach_m
 
     def table(
         self, spectrum: int, efficiency: int, channel: str | None = None, *, lowest_m: float = 0.0,
@@ -165,7 +175,7 @@ class Contraction:
         scene = self.scene
         near = float(scene.range_m[0])
         lowest = min(lowest_m, near) * 0.999
-        key = ("table", *self.key(spectrum, efficiency, channel), self._reach_m, lowest, forward)
+        key = ("table", *self.key(spectrum, efficiency, channel), self.reach_m, lowest, forward)
         if key not in scene.cache:
             scene.cache[key] = build_path_table(
                 self.weight(spectrum, efficiency, channel),
@@ -173,8 +183,8 @@ class Contraction:
                 k_lamp_per_m=scene.lamp_attenuation_per_m,
                 c_camera_per_m=scene.attenuation_per_m,
                 k_camera_per_m=scene.lamp_attenuation_per_m if forward else None,
-                lamp_range_m=(lowest, self._reach_m[0]),
-                camera_range_m=(near * 0.999, self._reach_m[1]),
+                lamp_range_m=(lowest, self.reach_m[0]),
+                camera_range_m=(near * 0.999, self.reach_m[1]),
                 **self.table_settings(),
             )
         table: PathTable = scene.cache[key]
@@ -191,12 +201,12 @@ class Contraction:
     def scatterers(self, spectrum: int, efficiency: int, channel: str | None = None) -> tuple[Scatterer, ...]:
         """What scatters on the way to the camera, particles and molecules, each with its loss table."""
         scene = self.scene
-        key = ("scatter", *self.key(spectrum, efficiency, channel), self._reach_m)
+        key = ("scatter", *self.key(spectrum, efficiency, channel), self.reach_m)
         if key not in scene.cache:
             lamp_end, camera_end = (
                 min(reach, LAMP_FRONT_M + OPTICAL_REACH / max(float(least.min()), TINY))
                 for reach, least in zip(
-                    self._reach_m, (scene.lamp_attenuation_per_m, scene.attenuation_per_m), strict=True
+                    self.reach_m, (scene.lamp_attenuation_per_m, scene.attenuation_per_m), strict=True
                 )
             )
             scene.cache[key] = tuple(

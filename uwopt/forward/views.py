@@ -20,6 +20,7 @@ from uwopt.model.imaging import PortShape
 Array = NDArray[Any]
 
 PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
+CORNERS_REACH = 1.5  # of tables, in distances of the image's corner from the axis: with a margin
 RMS_FIELD = 1.0 / np.sqrt(3.0)  # of the corner's tangent: the 2-point Gauss rule's node along and across
 
 
@@ -52,6 +53,12 @@ def port_shape(ports: Ports, index: int, scene: SceneOptics) -> PortShape:
         float(ports.gap_m[index]),
         scene.n_water,
     )
+
+
+def table_reach_m(view: Views) -> float:
+    """How far from the axis tables of water's loss must reach: past the widest image."""
+    corner_m = 0.5 * np.hypot(view.footprint_along_m[:, 2], view.footprint_across_m[:, 2])
+    return CORNERS_REACH * float(corner_m.max(initial=0.0))
 
 
 def views(

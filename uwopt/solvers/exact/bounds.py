@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
-from uwopt.forward.problem import Problem
 from uwopt.model import sensor, sharpness
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.imagers import Imagers, limit
@@ -149,14 +148,14 @@ class Bounds:
     """Bounds of one search's imagers under its lightings."""
 
     def __init__(
-        self, problem: Problem, objective: Objective, imagers: Imagers, tables: FieldTables,
-        *, lights: Array | None = None, coupled: bool = False, like: Bounds | None = None,
+        self, objective: Objective, imagers: Imagers, tables: FieldTables, *, lights: Array | None = None,
+        coupled: bool = False, like: Bounds | None = None,
     ):  # fmt: skip
         """`coupled`: lights must meet what is left of the budgets together; `like` lends its tables of lights."""
         self.coupled = coupled
-        self.searched = np.ones(len(problem.parts.lights), bool) if lights is None else lights
-        self.problem, self.objective, self.imagers, self.tables = problem, objective, imagers, tables
-        self.limits = problem.mission.limits
+        self.problem, self.objective, self.imagers, self.tables = tables.problem, objective, imagers, tables
+        self.searched = np.ones(len(self.problem.parts.lights), bool) if lights is None else lights
+        self.limits = self.problem.mission.limits
         self.light_tables: list[LampChoices] = (
             [self.light_table(lighting) for lighting in tables.lightings]
             if like is None

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.views import CORNERS_REACH
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.bounds import UNIT_RULES, Bounds
 from uwopt.solvers.exact.imagers import (
@@ -101,11 +102,12 @@ class LargeSearch:
         """Tables that reach as far as any image; the lights' tables serve all that is bounded."""
         search, problem = self.search, self.problem
         none = joined(problem, [], {}, self.samples)
-        self.like = FieldTables(problem, none)
+        farthest = [self._widest_m(i, len(scene.range_m) - 1) for i, scene in enumerate(problem.scenes)]
+        self.like = FieldTables(
+            problem, none, widest_m=[CORNERS_REACH * float(np.hypot(*m)) for m in farthest]
+        )
         for index, scene in enumerate(problem.scenes):
-            last = len(scene.range_m) - 1
-            problem.set_reach(index, 1.5 * float(np.hypot(*self._widest_m(index, last))))
-            for altitude in {scene.nominal, last}:
+            for altitude in {scene.nominal, len(scene.range_m) - 1}:
                 along_m, across_m = (np.array([edge]) for edge in self._widest_m(index, altitude))
                 deepest_m, share = Rectangles.paths(problem, index, float(scene.range_m[altitude]))
                 self.like.set_widest(
@@ -113,9 +115,7 @@ class LargeSearch:
                     altitude,
                     Rectangles(along_m, across_m, along_m * across_m, along_m, deepest_m, share),
                 )
-        self.bounds = Bounds(
-            problem, search.objective, none, self.like, lights=search.only.get("light"), coupled=True
-        )
+        self.bounds = Bounds(search.objective, none, self.like, lights=search.only.get("light"), coupled=True)
         search.ranking = Ranking(problem, none, top=search.top, ceiling=search.ceiling)
         self._hand_over(none)
 
@@ -148,12 +148,12 @@ class LargeSearch:
         search.imagers = search.ranking.imagers = imagers
         search.tables = FieldTables(problem, imagers, like=self.like)
         search.bounds = Bounds(
-            problem, search.objective, imagers, search.tables, lights=search.only.get("light"), coupled=True,
+            search.objective, imagers, search.tables, lights=search.only.get("light"), coupled=True,
             like=self.bounds,
         )  # fmt: skip
         search.motorised = problem.lenses.motorised[imagers.lens]
         self.sieve = Bounds(
-            problem, search.objective, imagers, SignalTables(problem, imagers, like=self.like),
+            search.objective, imagers, SignalTables(problem, imagers, like=self.like),
             lights=search.only.get("light"), coupled=True, like=self.bounds,
         )  # fmt: skip
 
@@ -309,7 +309,7 @@ class LargeSearch:
             return rows.take(index), np.empty(0)
         tables = OutlineTables(level, rows, imagers, self.like)
         bounds = Bounds(
-            self.problem, objective, imagers, tables, lights=self.search.only.get("light"), coupled=True,
+            objective, imagers, tables, lights=self.search.only.get("light"), coupled=True,
             like=self.bounds,
         )  # fmt: skip
         value, rules = np.full(len(index), np.inf), []

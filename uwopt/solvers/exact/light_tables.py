@@ -8,6 +8,7 @@ rectangle, so a table of rectangles, rounded up, bounds every image.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from uwopt.forward.lamp_light import ImageLight, Veils, image_light
 from uwopt.forward.lamps import Mount, on_axis_gain, one_side
 from uwopt.forward.problem import Problem
+from uwopt.forward.views import table_reach_m
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, flat_slope_m
 from uwopt.model.port import flat_floor_derivative
@@ -48,13 +50,20 @@ def lightings(problem: Problem) -> list[Lighting]:
 class FieldTables:
     """Bounds and exact values of the electrons per lm s of every imager under every lighting."""
 
-    def __init__(self, problem: Problem, imagers: Imagers, *, like: FieldTables | None = None):
-        """Tables that reach as far as these imagers look, or as those of others that look farther."""
-        self.problem, self.imagers = problem, imagers
+    def __init__(
+        self, problem: Problem, imagers: Imagers, *, like: FieldTables | None = None,
+        widest_m: Sequence[float] | None = None,
+    ):  # fmt: skip
+        """Tables that reach as far as these imagers look, as far as is said, or as those of others do."""
+        self.problem: Problem
+        if like is None:
+            self.problem = problem.reaching(
+                widest_m or [table_reach_m(scene.view) for scene in imagers.scenes]
+            )
+        else:
+            self.problem = like.problem
+        self.imagers = imagers
         self.lightings: list[Lighting] = lightings(problem) if like is None else like.lightings
-        for index, scene in enumerate(imagers.scenes if like is None else []):
-            widest = 0.5 * np.hypot(scene.view.footprint_along_m[:, 2], scene.view.footprint_across_m[:, 2])
-            problem.set_reach(index, 1.5 * float(widest.max(initial=0.0)))
         self._light_tables: dict[tuple[int, Lighting, int], FloorLightBound] = (
             {} if like is None else like._light_tables
         )

@@ -131,9 +131,7 @@ class Search:
         """Enumerate imagers and tabulate lights: all that evaluation needs."""
         imagers = self.imagers = enumerate_imagers(self.problem, cameras=self._hopeful_cameras())
         self.tables = FieldTables(self.problem, imagers)
-        self.bounds = Bounds(
-            self.problem, self.objective, imagers, self.tables, lights=self.only.get("light")
-        )
+        self.bounds = Bounds(self.objective, imagers, self.tables, lights=self.only.get("light"))
         self.ranking = Ranking(self.problem, imagers, top=self.top, ceiling=self.ceiling)
         self.motorised = self.problem.lenses.motorised[imagers.lens] if len(imagers) else np.empty(0, bool)
         return imagers
