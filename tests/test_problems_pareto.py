@@ -28,7 +28,15 @@ SUNLIT = "usgs-squid5"  # settings have no closed form; its front is searched in
 #: By default those that differ in kind: limits and heights, physics paper, the worst pixel, a lamp behind the camera,
 #: no motion, two cameras, parts to be made.
 MISSIONS = drawn(
-    ["reef-mosaic", "paper-tool-window", "usgs-seaboss", "whoi-abe", "ooi-camhd", "mbari-lass-2013", "whoi-towcam"],
+    [
+        "reef-mosaic",
+        "paper-tool-window",
+        "usgs-seaboss",
+        "whoi-abe",
+        "ooi-camhd",
+        "mbari-lass-2013",
+        "whoi-towcam",
+    ],
     sorted(p.stem for p in PROBLEMS.glob("*.yaml") if not p.stem.endswith(".system") and p.stem != SUNLIT),
 )
 SETTINGS = (

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hand_made_rows import STEPS
 from numpy.typing import NDArray
 from settings_attack import SIGNS, figures, lit, sample
 
@@ -28,6 +29,7 @@ BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
     "signal under the sun": (dict(sun=(3e5, 2e5), open_max_s=5e-3), "snr_db"),
     "contrast under the sun": (dict(sun=(3e5, 2e5), veil=20.0, open_max_s=5e-3), "contrast"),
     "power under the sun": (dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0), "power"),
+    "power in steps under the sun": (dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0, **STEPS), "power"),
     "pulses under the sun": (dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0, **LED), "power"),
     "information of pulses under the sun": (dict(sun=(3e4, 2e4), open_max_s=5e-3, **LED), "information"),
     "signal against power": (dict(sun=(1e4, 1e4), open_max_s=5e-3), {"snr_db": 1.0, "power": 0.1}),
