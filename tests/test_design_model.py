@@ -287,6 +287,24 @@ def test_corner_of_a_dome_image_is_soft_by_its_obliquity(n_water: float) -> None
     assert figures_of(port=DOME)["defocus_corner_px"] == pytest.approx(disc_m / PIXEL_M, rel=1e-9)
 
 
+def test_corner_of_a_flat_ports_image_is_soft_by_its_longer_axis(n_water: float) -> None:
+    # Without gap and glass a ray of tangent u in air lands at x = d u / sqrt(q), q = n^2 + (n^2 - 1) u^2: its
+    # neighbours along the radius cross at dx/du = d n^2 / q^1.5, those across it farther off, at x / u.
+    port = {"geometry": "flat", "gap_mm": 0.0, "thickness_mm": 1e-3, "refractive_index": 1.5}
+    q = n_water**2 + (n_water**2 - 1.0) * (1000**2 + 500**2) * (PIXEL_M / FOCAL_M) ** 2
+    focus_per_m, tangential_per_m = n_water / 2.0, q**1.5 / (2.0 * n_water**2)
+    disc_m = FOCAL_M**2 / (4.0 * (1.0 - FOCAL_M * focus_per_m)) * (tangential_per_m - focus_per_m)
+    assert figures_of(port=port)["defocus_corner_px"] == pytest.approx(
+        disc_m / PIXEL_M, rel=1e-4
+    )  # the glass
+
+
+def test_dome_pixel_counts_range_from_the_centre() -> None:
+    assert figures_of(port=DOME)["gsd_mm"] == pytest.approx(
+        1e3 * (2.0 + RADIUS_M) * PIXEL_M / FOCAL_M, rel=1e-12
+    )
+
+
 def test_sharp_depth_at_the_corner_of_a_dome_begins_later(n_water: float) -> None:
     power = dome_power_per_m(n_water)
     secant = math.sqrt(1.0 + (1000**2 + 500**2) * (PIXEL_M / FOCAL_M) ** 2)
@@ -344,7 +362,9 @@ def test_lux_on_the_floor_are_those_that_leave_the_lamp() -> None:
 def test_prices_of_the_bill_are_in_the_missions_currency() -> None:
     lamp = {**SYSTEM["light"], "price": 400.0, "currency": "EUR"}
     design = design_of(light=lamp, limits={"rates": {"EUR": 1.25}}, **SET)
-    assert {row["kind"]: row["unit_price"] for row in design.bom}["light"] == pytest.approx(500.0)
+    (row,) = (row for row in design.bom if row["kind"] == "light")
+    ends = [row[f"unit_price{end}"] for end in ("_low", "", "_high")]
+    assert ends == pytest.approx([500.0] * 3)
     assert design.totals["cost"]["value"] == pytest.approx(1500.0 + 2 * 500.0)
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from math import hypot
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import uwopt
-from uwopt.forward.focus import middle_focus
+from uwopt.forward.focus import middle_focus, sharp_ends_m
 
 PARTS = Path(__file__).parent / "rule_parts"
 KINDS = {"cameras": "zz-global", "lenses": "zz-12mm", "ports": "zz-window", "lights": "zz-led"}
@@ -50,6 +51,13 @@ def test_a_motorised_lens_stops_down_in_each_scene_for_itself() -> None:
     first, middle, last = f_number_of(1.0, 1.5, 3.0, lens="zz-12mm-motor")
     assert first == pytest.approx(last, rel=1e-9) and first > 9.0
     assert middle == 1.4
+
+
+@pytest.mark.parametrize(("min_dof_m", "ends_m"), [(None, (2.0, 2.0)), (0.5, (1.0, 3.0)), (4.0, (1.0, 5.0))])
+def test_all_of_the_altitudes_and_the_wanted_depth_are_sharp(min_dof_m: float | None, ends_m: Any) -> None:
+    wishes = SimpleNamespace(requirements=SimpleNamespace(min_dof_m=min_dof_m))
+    scene: Any = SimpleNamespace(range_m=np.array([1.0, 2.0, 3.0]), nominal=1, view=wishes)
+    assert sharp_ends_m(scene) == ends_m
 
 
 @pytest.mark.parametrize("seed", range(5))

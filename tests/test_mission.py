@@ -357,8 +357,7 @@ def test_a_grid_rises_from_end_to_end_in_steps_of_at_most_one_step(a, b):
 def test_orientations_and_objectives_are_unfolded():
     mission = load_mission({**changed("objective", {"power": 1, "cost": "1e-2"})})
     assert mission.vehicle.orientations == ("landscape", "portrait")
-    assert mission.objective_weights == {"power": 1.0, "cost": 0.01}
-    assert load_mission(SMALL).objective_weights == {"power": 1.0}
+    assert mission.objective == {"power": 1.0, "cost": 0.01}
     assert load_mission(changed("vehicle.orientation", "Portrait")).vehicle.orientations == ("portrait",)
 
 

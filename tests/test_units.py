@@ -3,42 +3,25 @@
 import math
 import re
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from uwopt import units
 
-# Definitions of the SI prefixes, and 180 degrees = pi.
-CONVERSIONS = [
-    (units.mm_to_m, 8.0, 0.008),
-    (units.um_to_m, 3.45, 3.45e-6),
-    (units.nm_to_m, 555.0, 5.55e-7),
-    (units.ms_to_s, 0.86, 8.6e-4),
-    (units.us_to_s, 13.73, 1.373e-5),
-    (units.deg_to_rad, 180.0, math.pi),
-    (units.g_to_kg, 180.0, 0.18),
-    (units.pct_to_frac, 60.0, 0.6),
-    (units.db_to_ratio, 30.0, 31.6227766),  # 10^1.5, by table
-    (units.ratio_to_db, 2.0, 6.0205999),  # 20 log10 2, by table
-]
 
-
-@pytest.mark.parametrize(("convert", "value", "expected"), CONVERSIONS)
-def test_conversion_follows_the_definition_of_the_units(convert, value, expected):
+@pytest.mark.parametrize(
+    ("convert", "value", "expected"),
+    [
+        (units.db_to_ratio, 30.0, 31.6227766),  # 10^1.5, by table
+        (units.db_to_ratio, np.array([20.0, 6.0]), [10.0, 1.9952623]),
+        (units.ratio_to_db, 2.0, 6.0205999),  # 20 log10 2, by table
+        (units.ratio_to_db, np.array([0.0, 1.0, 100.0]), [-math.inf, 0.0, 40.0]),
+    ],
+)
+def test_decibels_are_of_amplitudes(convert, value, expected):
     assert convert(value) == pytest.approx(expected, rel=1e-8)  # digits of the tabulated values
-
-
-@given(st.floats(-1e6, 1e6))
-def test_conversions_there_and_back_change_nothing(value):
-    for there, back in (
-        (units.mm_to_m, units.m_to_mm),
-        (units.um_to_m, units.m_to_um),
-        (units.ms_to_s, units.s_to_ms),
-        (units.us_to_s, units.s_to_us),
-        (units.deg_to_rad, units.rad_to_deg),
-    ):
-        assert back(there(value)) == pytest.approx(value, rel=1e-14, abs=1e-300)  # two roundings
 
 
 @given(st.floats(-200, 200))

@@ -1,7 +1,7 @@
 """Units: the suffixes a name may carry, conversions at the door, and numbers for people.
 
 Inside the model everything is in m, s, W, rad and electrons; files use the field's units. Each
-conversion happens once, where a file becomes numbers, with one of the functions below.
+conversion happens once, where a file becomes numbers.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import Any
 
 #: Every unit that a public name may end in, longest first where one is the tail of another.
 UNIT_SUFFIXES: tuple[str, ...] = (
@@ -26,18 +27,6 @@ SYMBOLS: Mapping[str, str] = MappingProxyType(
         "m_s": "m/s", "mb_s": "MB/s", "deg_s": "°/s", "e_s": "e⁻/s", "per_m": "1/m", "per_s": "1/s",
         "w_m2": "W/m²", "w_m2_nm": "W/(m² nm)", "w_m2_sr_nm": "W/(m² sr nm)", "cyc_per_px": "cycles/px",
         "bit_per_m2": "bit/m²", "lp_per_mm": "lp/mm", "lm_s_per_j": "lm s/J", "dn_per_e": "DN/e⁻",
-    }
-)  # fmt: skip
-
-#: A unit in words, for sentences such as "give the altitude in metres".
-WORDS: Mapping[str, str] = MappingProxyType(
-    {
-        "m": "metres", "mm": "millimetres", "um": "micrometres", "nm": "nanometres", "s": "seconds",
-        "ms": "milliseconds", "us": "microseconds", "hz": "hertz", "deg": "degrees", "rad": "radians",
-        "w": "watts", "j": "joules", "k": "kelvin", "c": "degrees Celsius", "psu": "practical salinity units",
-        "lm": "lumens", "lx": "lux", "lux": "lux", "kg": "kilograms", "g": "grams", "px": "pixels",
-        "db": "decibels", "m_s": "metres per second", "deg_s": "degrees per second",
-        "mb_s": "megabytes (10^6 byte) per second", "e": "electrons", "e_s": "electrons per second",
     }
 )  # fmt: skip
 
@@ -72,79 +61,17 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = MappingProxyType(
 )  # fmt: skip
 
 
-def mm_to_m(length_mm: float) -> float:
-    """Millimetres to metres."""
-    return length_mm * 1e-3
+def db_to_ratio(level_db: Any) -> Any:
+    """Amplitude ratio of levels in decibels: 10^(dB/20), as EMVA 1288 counts SNR and gain."""
+    return 10.0 ** (level_db / 20.0)
 
 
-def m_to_mm(length_m: float) -> float:
-    """Metres to millimetres."""
-    return length_m * 1e3
+def ratio_to_db(ratio: Any) -> Any:
+    """Levels of amplitude ratios in decibels, 20 log10; a ratio of 0 is minus infinity, without a warning."""
+    import numpy as np  # here, because a mission loads without it
 
-
-def um_to_m(length_um: float) -> float:
-    """Micrometres to metres."""
-    return length_um * 1e-6
-
-
-def m_to_um(length_m: float) -> float:
-    """Metres to micrometres."""
-    return length_m * 1e6
-
-
-def nm_to_m(length_nm: float) -> float:
-    """Nanometres to metres."""
-    return length_nm * 1e-9
-
-
-def ms_to_s(time_ms: float) -> float:
-    """Milliseconds to seconds."""
-    return time_ms * 1e-3
-
-
-def s_to_ms(time_s: float) -> float:
-    """Seconds to milliseconds."""
-    return time_s * 1e3
-
-
-def us_to_s(time_us: float) -> float:
-    """Microseconds to seconds."""
-    return time_us * 1e-6
-
-
-def s_to_us(time_s: float) -> float:
-    """Seconds to microseconds."""
-    return time_s * 1e6
-
-
-def deg_to_rad(angle_deg: float) -> float:
-    """Degrees to radians."""
-    return angle_deg * _DEGREES
-
-
-def rad_to_deg(angle_rad: float) -> float:
-    """Radians to degrees."""
-    return angle_rad / _DEGREES
-
-
-def g_to_kg(mass_g: float) -> float:
-    """Grams to kilograms."""
-    return mass_g * 1e-3
-
-
-def pct_to_frac(share_pct: float) -> float:
-    """Per cent to a share 0..1."""
-    return share_pct * 1e-2
-
-
-def db_to_ratio(level_db: float) -> float:
-    """Amplitude ratio of a level in decibels: 10^(dB/20), as EMVA 1288 counts SNR and gain."""
-    return float(10.0 ** (level_db / 20.0))
-
-
-def ratio_to_db(ratio: float) -> float:
-    """Level of an amplitude ratio in decibels, 20 log10; a ratio of 0 is minus infinity."""
-    return 20.0 * math.log10(ratio) if ratio > 0 else -math.inf
+    with np.errstate(divide="ignore"):
+        return 20.0 * np.log10(ratio)
 
 
 def split_unit(name: str) -> tuple[str, str]:

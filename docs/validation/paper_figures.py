@@ -75,7 +75,7 @@ def spectrum_stages() -> tuple[dict[str, Any], float, float]:
 
     nm = common.WAVES_NM
     a, b, _ = common.jerlov("I", continued=False)
-    loss = np.exp(water.log_transmission(water.beam_attenuation_per_m(a, b), range_m=2.0))
+    loss = np.exp(-2.0 * water.beam_attenuation_per_m(a, b))
     flux = light.spectral_flux_w_nm(
         20_000.0,
         relative_spectrum=spectrum.two_gaussian_led(nm),

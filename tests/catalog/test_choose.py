@@ -6,7 +6,6 @@ import pytest
 
 from uwopt.catalog.catalogue import Catalog, Exclusion
 from uwopt.catalog.choose import Choice, matches, select
-from uwopt.catalog.money import cost_of
 from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.parts.lens import Lens
 from uwopt.catalog.parts.light import Light
@@ -136,12 +135,6 @@ def test_owned_camera_costs_nothing():
         select(CATALOG, Choice(owned=[{"id": "flir-bfs-1", "quantity": 0}]), camera_count=1).cameras[0].price
     )
     assert none == exact(800.0)
-
-
-def test_owned_lights_are_free_up_to_their_number():
-    selection = select(CATALOG, Choice(owned=[{"id": "lamp-300", "quantity": 2}]))
-    price = cost_of(selection.lights[0], 3, owned=selection.owned["lamp-300"])
-    assert price is not None and price.value == 100.0
 
 
 def test_owned_part_that_does_not_exist_is_a_fault_with_near_ids():

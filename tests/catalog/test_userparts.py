@@ -129,7 +129,7 @@ def test_broken_yaml_is_told_with_its_line(tmp_path):
 def test_csv_of_several_kinds_needs_a_part_column(tmp_path):
     path = written(tmp_path, "mine.csv", "part,id,focal_length_mm,geometry\nlens,a,8,\nport,b,,flat\n")
     catalog = load_catalog([path])
-    assert (catalog.kind_of("a"), catalog.kind_of("b")) == ("lens", "port")
+    assert catalog.part("a", "lens").id == "a" and catalog.part("b", "port").id == "b"
     assert "Add a column part" in faults_of(written(tmp_path, "what.csv", "id,model\na,b\n"))[0]
 
 

@@ -13,6 +13,7 @@ from scipy.interpolate import PchipInterpolator
 from uwopt.errors import RangeError
 from uwopt.model import beam as beams
 from uwopt.model.beam import Beam
+from uwopt.model.imaging import Lamps, lamp_light
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 SEALITE = pd.read_csv(REFERENCE / "beam_profile_dspl_sealite.csv", comment="#")
@@ -27,6 +28,7 @@ def flood(medium: str = "water", total_flux_lm: float | None = None) -> Beam:
     return beams.tabulated_beam(SEALITE_RAD, values, medium=medium, n_w=N_W, total_flux_lm=total_flux_lm)  # type: ignore[arg-type]
 
 
+DOWNWARD = Lamps(x_m=(0.0,), y_m=(0.0,), z_m=(0.0,), aim=((0.0, 0.0, 1.0),), share=(1.0,))
 BEAMS = {
     "disc 45": beams.disc_beam(np.deg2rad(45)),
     "disc 5": beams.disc_beam(np.deg2rad(5)),
@@ -74,12 +76,7 @@ def test_nothing_shines_behind_the_front_plane_and_the_peak_is_a_bound(name: str
 def test_disc_lights_a_plane_evenly() -> None:
     # E = Phi / (pi d^2 tan^2 b): 1 lm at 2 m within 45 deg is 1 / (4 pi) lx
     x = np.array([0.0, 0.7, 1.9])
-    rays = beams.lamp_rays(
-        x, 0.0, lamp_x_m=0.0, lamp_y_m=0.0, lamp_height_m=2.0, aim_x=0.0, aim_y=0.0, aim_z=1.0
-    )
-    lux = beams.floor_illuminance_per_lm(
-        rays[0], cos_beam_angle=rays[1], cos_incidence=rays[2], beam=BEAMS["disc 45"]
-    )
+    lux, _, _ = lamp_light(x, np.zeros(3), lamps=DOWNWARD, index=0, beam=BEAMS["disc 45"], range_m=2.0)
     assert lux == pytest.approx(np.full(3, 1 / (4 * np.pi)), rel=1e-14)  # rounding
 
 
@@ -259,10 +256,8 @@ def test_all_light_of_a_downward_lamp_reaches_a_large_floor() -> None:
     beam = beams.cone_beam(np.deg2rad(50))
 
     def ring(radius_m: float) -> float:
-        r, cos_beam, cos_i = beams.lamp_rays(
-            radius_m, 0.0, lamp_x_m=0.0, lamp_y_m=0.0, lamp_height_m=2.0, aim_x=0.0, aim_y=0.0, aim_z=1.0
-        )
-        lux = beams.floor_illuminance_per_lm(r, cos_beam_angle=cos_beam, cos_incidence=cos_i, beam=beam)
+        at = np.array(radius_m)
+        lux, _, _ = lamp_light(at, np.zeros(()), lamps=DOWNWARD, index=0, beam=beam, range_m=2.0)
         return float(lux) * 2 * np.pi * radius_m
 
     edge_m = 2 * np.tan(np.deg2rad(50))

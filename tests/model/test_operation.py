@@ -46,14 +46,19 @@ def symbol(request: pytest.FixtureRequest) -> Iterator[Any]:
 # ---------------------------------------------------------------- coverage
 
 
+def footprint_m(*, range_m: float, sensor_size_m: float, focal_length_m: float) -> float:
+    """Floor that one side of the sensor sees, FOV = d SS / f (11)."""
+    return range_m * sensor_size_m / focal_length_m
+
+
 @pytest.mark.parametrize("number", range(len(TOOL_RUNS)))
 def test_geometry_of_the_paper_tools_runs(number: int) -> None:
     case, expect = TOOL_RUNS[number], TOOL_RUNS[number]["expect"]
     width_px, height_px, pitch_m = TOOL_SENSORS[case["sensor"]]
     focal_m = case["focal_length_mm"] * 1e-3 * (1.0 if case["housing"] == "domed" else TOOL_N_WATER)
     view = {"range_m": case["altitude_m"], "focal_length_m": focal_m}
-    fov_x_m = operation.pinhole_footprint_m(sensor_size_m=width_px * pitch_m, **view)
-    fov_y_m = operation.pinhole_footprint_m(sensor_size_m=height_px * pitch_m, **view)
+    fov_x_m = footprint_m(sensor_size_m=width_px * pitch_m, **view)
+    fov_y_m = footprint_m(sensor_size_m=height_px * pitch_m, **view)
     along_m, along_px = (fov_x_m, width_px) if case["axis"] == "x" else (fov_y_m, height_px)
     exposure_s = operation.blur_exposure_s(
         case["max_blur_px"],
@@ -71,19 +76,14 @@ def test_geometry_of_the_paper_tools_runs(number: int) -> None:
 def test_geometry_of_the_paper_tools_window() -> None:
     # the window shows 2.11 m x 1.77 m, 0.86 ms and 0.63 Hz: IMX250, 8 mm, 2 m, 1 px at 1 m/s, overlap 0.25
     view = {"range_m": 2.0, "focal_length_m": 8e-3}
-    fov_x_m = operation.pinhole_footprint_m(sensor_size_m=2448 * 3.45e-6, **view)
-    fov_y_m = operation.pinhole_footprint_m(sensor_size_m=2048 * 3.45e-6, **view)
+    fov_x_m = footprint_m(sensor_size_m=2448 * 3.45e-6, **view)
+    fov_y_m = footprint_m(sensor_size_m=2048 * 3.45e-6, **view)
     assert (fov_x_m, fov_y_m) == (pytest.approx(2.11, abs=5e-3), pytest.approx(1.77, abs=5e-3))
     sample_m = operation.ground_sample_m(fov_x_m, resolution_px=2448)
     exposure_s = operation.blur_exposure_s(1.0, ground_sample_m=sample_m, speed_m_s=1.0)
     assert exposure_s == pytest.approx(0.86e-3, abs=5e-6)
     rate_hz = operation.frame_rate_hz(1.0, footprint_along_m=fov_x_m, overlap=0.25)
     assert rate_hz == pytest.approx(0.63, abs=5e-3)
-
-
-def test_dome_pixel_counts_range_from_the_centre() -> None:
-    # (1.9 + 0.1) m * 3.45 um / 8 mm = 0.8625 mm
-    assert operation.dome_pixel_m(1.9, outer_radius_m=0.1, **PIXEL) == pytest.approx(0.8625e-3)
 
 
 def test_flat_pixel_on_the_axis_by_hand() -> None:
@@ -190,11 +190,6 @@ def test_overlap_and_frame_rate_are_inverse(v: float, footprint_m: float, overla
 def test_images_leave_gaps_below_the_rate_of_no_overlap() -> None:
     # 1 m/s at 0.25 Hz: 4 m apart, 2 m seen
     assert operation.overlap_at_rate(0.25, speed_m_s=1.0, footprint_along_m=2.0) == pytest.approx(-1.0)
-
-
-def test_data_rate_by_hand() -> None:
-    # 2448 * 2048 px * 12 bit / 8 * 2 Hz = 15.040512 MB/s
-    assert operation.data_rate_mb_s(2448 * 2048, bits=12, frame_rate_hz=2.0) == pytest.approx(15.040512)
 
 
 def test_operation_accepts_symbols(symbol: Any) -> None:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from uwopt.model.seafloor import lambertian_radiance, uniformity
+from uwopt.model.seafloor import lambertian_radiance
 
 
 @given(irradiance=st.floats(1e-6, 1e6), reflectance=st.floats(0, 1))
@@ -21,13 +21,3 @@ def test_radiance_broadcasts_over_a_spectrum() -> None:
     assert lambertian_radiance(
         np.pi * np.ones((2, 3)), reflectance=np.array([0.1, 0.2, 0.3])
     ) == pytest.approx(np.array([[0.1, 0.2, 0.3]] * 2))
-
-
-def test_uniformity_is_least_over_mean() -> None:
-    # (1, 2, 3): 1 / 2
-    assert uniformity([1.0, 2.0, 3.0]) == 0.5
-    assert uniformity([[1.0, 2.0, 3.0], [4.0, 4.0, 4.0]], axis=-1) == pytest.approx([0.5, 1.0])
-
-
-def test_a_dark_floor_is_not_uniform() -> None:
-    assert uniformity([0.0, 0.0]) == 0.0

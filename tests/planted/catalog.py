@@ -63,10 +63,10 @@ DEFECTS = (
     ),
     Defect(
         name="owned lights are paid",
-        file="uwopt/catalog/money.py",
-        old="to_buy = max(0, count - owned)",
-        new="to_buy = count",
-        test="tests/catalog/test_money.py::test_owned_pieces_are_not_paid",
+        file="uwopt/forward/problem.py",
+        old="np.maximum(count - owned[light], 0.0)",
+        new="np.maximum(count, 0.0)",
+        test="tests/test_design_model.py::test_owned_lamps_are_not_paid_and_estimates_are_told_apart",
     ),
     Defect(
         name="money converted the wrong way",
@@ -77,10 +77,10 @@ DEFECTS = (
     ),
     Defect(
         name="the high end of a price stays in its currency",
-        file="uwopt/catalog/money.py",
-        old="quantity.high * factor,",
-        new="quantity.high,",
-        test="tests/catalog/test_money.py::test_price_keeps_its_range_in_another_currency",
+        file="uwopt/evaluation/bill.py",
+        old='"unit_price_high": price.high * rate',
+        new='"unit_price_high": price.high',
+        test="tests/test_design_model.py::test_prices_of_the_bill_are_in_the_missions_currency",
     ),
     Defect(
         name="a C camera takes CS lenses",

@@ -55,11 +55,11 @@ DEFECTS = (
         test="tests/model/test_sensor.py::test_light_for_an_snr_counts_what_the_sun_brings",
     ),
     Defect(
-        name="gain in dB of power, not of voltage",
-        file="uwopt/model/sensor.py",
-        old="return 10.0 ** (gain_db / 20.0)",
-        new="return 10.0 ** (gain_db / 10.0)",
-        test="tests/model/test_sensor.py::test_gain_in_decibel_by_hand",
+        name="levels in dB of power, not of voltage",
+        file="uwopt/units.py",
+        old="return 20.0 * np.log10(ratio)",
+        new="return 10.0 * np.log10(ratio)",
+        test="tests/test_units.py::test_decibels_are_of_amplitudes",
     ),
     Defect(
         name="floor with 1 over pi twice",
@@ -126,9 +126,9 @@ DEFECTS = (
     ),
     Defect(
         name="cosine of the floor dropped",
-        file="uwopt/model/beam.py",
-        old="intensity_per_sr(cos_beam_angle, beam) * cosine / (r * r)",
-        new="intensity_per_sr(cos_beam_angle, beam) / (r * r)",
+        file="uwopt/model/imaging.py",
+        old="intensity * cos_incidence / np.square(range_lamp)",
+        new="intensity / np.square(range_lamp)",
         test="tests/model/test_beam.py::test_disc_lights_a_plane_evenly",
     ),
     Defect(
@@ -189,10 +189,10 @@ DEFECTS = (
     ),
     Defect(
         name="wanted depth ends before the deepest altitude",
-        file="uwopt/model/lens.py",
-        old="np.maximum(range_m + tolerance_m, near_m + min_dof_m)",
-        new="near_m + min_dof_m",
-        test="tests/model/test_lens.py::test_free_focus_needs_no_more_than_any_focus_tried",
+        file="uwopt/forward/focus.py",
+        old="return near, max(far, min(near, start_m) + depth)",
+        new="return near, min(near, start_m) + depth",
+        test="tests/test_focus.py::test_all_of_the_altitudes_and_the_wanted_depth_are_sharp",
     ),
     Defect(
         name="dome's inner face of the wrong sign",
@@ -225,9 +225,9 @@ DEFECTS = (
     Defect(
         name="Fresnel loss of one polarisation",
         file="uwopt/model/port.py",
-        old="return 0.5 * (t_s + t_p)",
-        new="return t_s",
-        test="tests/model/test_port.py::test_at_the_brewster_angle_only_s_light_is_reflected",
+        old="return 0.5 * (air_s * water_s + air_p * water_p) * bulk",
+        new="return air_s * water_s * bulk",
+        test="tests/model/test_port.py::test_oblique_flat_port_agrees_with_amplitudes_face_by_face",
     ),
     Defect(
         name="air face of the window forgotten",
@@ -252,17 +252,17 @@ DEFECTS = (
     ),
     Defect(
         name="astigmatism of a flat port swapped",
-        file="uwopt/model/defocus.py",
-        old="return np.maximum(tangential, sagittal)",
-        new="return np.minimum(tangential, sagittal)",
-        test="tests/model/test_defocus.py::test_flat_port_blurs_the_corner_a_little",
+        file="uwopt/evaluation/figures_by_name.py",
+        old="float(disc.max()) if",
+        new="float(disc.min()) if",
+        test="tests/test_design_model.py::test_corner_of_a_flat_ports_image_is_soft_by_its_longer_axis",
     ),
     Defect(
         name="pixel on the floor without the dome's radius",
-        file="uwopt/model/operation.py",
-        old="(range_m + outer_radius_m) * pixel_pitch_m / focal_length_m",
-        new="range_m * pixel_pitch_m / focal_length_m",
-        test="tests/model/test_operation.py::test_dome_pixel_counts_range_from_the_centre",
+        file="uwopt/forward/views.py",
+        old="return scale * (ranges + shape.outer_radius_m)",
+        new="return scale * ranges",
+        test="tests/test_design_model.py::test_dome_pixel_counts_range_from_the_centre",
     ),
     Defect(
         name="turning takes blur away",
@@ -280,10 +280,10 @@ DEFECTS = (
     ),
     Defect(
         name="bits for bytes",
-        file="uwopt/model/operation.py",
-        old="BITS_PER_BYTE = 8.0",
-        new="BITS_PER_BYTE = 1.0",
-        test="tests/model/test_operation.py::test_data_rate_by_hand",
+        file="uwopt/catalog/compatibility.py",
+        old="return np.asarray(bits / 8.0 *",
+        new="return np.asarray(bits *",
+        test="tests/catalog/test_compatibility.py::test_data_rate_counts_packed_bits",
     ),
     Defect(
         name="smallest pixel is the largest",
@@ -380,8 +380,8 @@ DEFECTS = (
     Defect(
         name="surface loses on one polarisation",
         file="uwopt/model/sunlight.py",
-        old="(across**2 + along**2) / 2",
-        new="across**2",
+        old="(across + along) / 2",
+        new="across",
         test="tests/model/test_sunlight.py::test_at_brewsters_angle_only_half_of_the_light_is_reflected_at_all",
     ),
     Defect(

@@ -141,9 +141,9 @@ DEFECTS = (
     Defect(
         name="decibels are of power",
         file="uwopt/units.py",
-        old="return float(10.0 ** (level_db / 20.0))",
-        new="return float(10.0 ** (level_db / 10.0))",
-        test="tests/test_units.py::test_conversion_follows_the_definition_of_the_units",
+        old="return 10.0 ** (level_db / 20.0)",
+        new="return 10.0 ** (level_db / 10.0)",
+        test="tests/test_units.py::test_decibels_are_of_amplitudes",
     ),
     Defect(
         name="9.996 is printed with a digit too many",

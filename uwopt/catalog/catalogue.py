@@ -52,11 +52,6 @@ class Catalog:
             raise CatalogError(f"{part.id} is a {found_kind}, not a {kind}.")
         return part
 
-    def kind_of(self, part_id: str) -> Kind:
-        """Which kind of part an id names."""
-        self.part(part_id)
-        return self._by_key[plain_name(part_id)][0]
-
     def ids(self, kind: Kind | None = None) -> list[str]:
         """Ids of all parts, or of one kind."""
         return [part.id for k in KINDS if kind in (None, k) for part in self.parts(k)]

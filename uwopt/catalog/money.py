@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
-from uwopt.catalog.records import Part, Quantity, exact
 from uwopt.catalog.tables import built_in_rows
 from uwopt.errors import CatalogError
 
@@ -56,38 +55,3 @@ def to_currency(
             )
         values.append(value)
     return amount * values[0] / values[1]
-
-
-def price_in(part: Part, currency: str, rates: Mapping[str, float] | None = None) -> Quantity | None:
-    """A part's price in the wanted currency, with its range; None when it is unknown."""
-    if part.price is None:
-        return None
-    factor = to_currency(1.0, part.currency, currency, rates)
-    return scaled(part.price, factor)
-
-
-def cost_of(
-    part: Part,
-    count: int,
-    *,
-    owned: int = 0,
-    currency: str = "USD",
-    rates: Mapping[str, float] | None = None,
-) -> Quantity | None:
-    """Money for `count` pieces of which `owned` are already there; None when the price is unknown."""
-    to_buy = max(0, count - owned)
-    if to_buy == 0:
-        return exact(0.0, "user", "owned")
-    price = price_in(part, currency, rates)
-    return None if price is None else scaled(price, to_buy)
-
-
-def scaled(quantity: Quantity, factor: float) -> Quantity:
-    """The same number in another unit or count; factor > 0."""
-    return Quantity(
-        quantity.value * factor,
-        quantity.low * factor,
-        quantity.high * factor,
-        quantity.status,
-        quantity.source,
-    )

@@ -61,10 +61,6 @@ class PartRow:
         value = self.cells.get(name)
         return value if isinstance(value, tuple) else ()
 
-    def flag(self, name: str) -> bool:
-        """A yes-or-no cell; False when empty."""
-        return self.cells.get(name) is True
-
 
 @dataclass(frozen=True, slots=True)
 class PriceQuote:

@@ -155,7 +155,6 @@ NUMBER = BeforeValidator(to_number)
 WHOLE = BeforeValidator(to_whole)
 CHOICE = BeforeValidator(to_choice)
 
-Number = Annotated[float, NUMBER]
 Positive = Annotated[float, Field(gt=0, le=1e12), at_least(SMALLEST), NUMBER]
 NonNegative = Annotated[float, Field(ge=0, le=1e12), NUMBER]
 Share = Annotated[float, Field(ge=0, le=1), NUMBER]
@@ -191,11 +190,6 @@ def given_values(section: BaseModel | None) -> dict[str, Any]:
         return {}
     names = type(section).model_fields
     return {names[n].alias or n: getattr(section, n) for n in names if n in section.model_fields_set}
-
-
-def all_values(section: BaseModel) -> dict[str, Any]:
-    """All values of a section by key, defaults included."""
-    return {info.alias or name: getattr(section, name) for name, info in type(section).model_fields.items()}
 
 
 M = TypeVar("M", bound=BaseModel)

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from numpy.typing import NDArray
-
 from uwopt.catalog.records import Part, Quantity
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
-
-Array = NDArray[Any]
 
 
 def hardware_dict(problem: Problem, hw: Hardware) -> dict[str, Any]:

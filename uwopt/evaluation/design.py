@@ -7,10 +7,8 @@ search uses; a search's claim is read back through this door.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwopt.evaluation.bill import bill_of_materials, cost_range, hardware_dict
 from uwopt.evaluation.design_model import design_model
@@ -21,8 +19,8 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import MarginRows, common_margins
 from uwopt.results.result import Design, Margin, SceneResult
+from uwopt.units import ratio_to_db
 
-Array = NDArray[Any]
 UNBOUND = ("light_level", "mean_level", "common_f_number", "common_focus_m")  # met or not, never scarce
 NO_SIGNAL_DB = -200.0  # of an SNR: less than one electron in ten thousand million pixels
 
@@ -51,7 +49,7 @@ def evaluate_design(
         light_powers.append(float(figures.light_power_w[0]))
         peaks.append(float(figures.light_peak_power_w[0]))
         snr = float(figures.snr[0, scene.nominal])
-        snrs.append(20.0 * math.log10(snr) if snr > 0 else -math.inf)
+        snrs.append(float(ratio_to_db(max(snr, 0.0))))
         scenes.append(
             SceneResult(
                 name=scene.name,

@@ -29,7 +29,7 @@ from uwopt.model import lens as lens_model
 from uwopt.model.defocus import defocus_px, dome_decentring
 from uwopt.model.port import dome_virtual_image_distance_m
 from uwopt.results.result import SceneResult
-from uwopt.units import split_unit
+from uwopt.units import ratio_to_db, split_unit
 
 Array = NDArray[Any]
 
@@ -48,7 +48,7 @@ def plain_settings(
         "exposure_ms": float(settings.exposure_s[0]) * 1e3,
         "pulse_ms": pulse * 1e3 if kind != CONTINUOUS and math.isfinite(pulse) else None,
         "gain": float(settings.gain[0]),
-        "gain_db": 20.0 * math.log10(float(settings.gain[0])) if settings.gain[0] > 0 else None,
+        "gain_db": float(ratio_to_db(settings.gain[0])) if settings.gain[0] > 0 else None,
         "flux_lm": flux,
         "dim_frac": level,
         "flash_energy_j": energy,
@@ -253,7 +253,7 @@ def veil_ratio(figures: Figures, altitude: int) -> float | None:
 
 def decibels(ratio: float) -> float | None:
     """20 log10, None where there is no signal."""
-    return 20.0 * math.log10(ratio) if ratio > 0 else None
+    return float(ratio_to_db(ratio)) if ratio > 0 else None
 
 
 def virtual_image_m(model: DesignModel, index: int) -> float | None:
@@ -320,7 +320,7 @@ def colour_figures(
             )
         )
     red, green = out["snr_red"], out["snr_green"]
-    below = 20.0 * math.log10(green / red) if red and green else None
+    below = float(ratio_to_db(green / red)) if red and green else None
     balance = [signal["green"] / signal[name] if signal[name] > 0 else None for name in ("red", "blue")]
     return {**out, **dict(zip(WHITE_BALANCE, (*balance, below), strict=True))}
 

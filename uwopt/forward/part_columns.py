@@ -21,7 +21,7 @@ from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
 from uwopt.catalog.records import Camera, Curve, Lens, Light, Part, Port, Quantity
 from uwopt.forward.columns import Columns
 from uwopt.model.light import flash_light_lm_s
-from uwopt.units import convert
+from uwopt.units import convert, db_to_ratio
 
 Array = NDArray[Any]
 End = Literal["central", "good", "bad"]
@@ -112,7 +112,6 @@ class Lights(Columns):
     max_duty: Array
     max_rate_hz: Array  # inf when no limit; of a flash 1 / recycle time
     flash_duration_s: Array
-    front_radius_m: Array
     optics_index: Array  # into the list of distinct (beam, spectrum)
     price: Array
     limit_price: Array  # what counts against a budget: the price, or its high end
@@ -208,7 +207,7 @@ def camera_rows(
         | {
             "gain_dn_per_e": _gain(parts, bits, known),
             "bits": bits,
-            "max_gain": 10.0 ** (known["max_gain_db"] / 20.0),
+            "max_gain": db_to_ratio(known["max_gain_db"]),
             "max_rate_hz": rate,
             "readout_s": np.where(rolling & np.isfinite(rate), 1.0 / np.maximum(rate, 1e-9), 0.0),
             "frame_mb": frame_mb,

@@ -15,9 +15,9 @@ from uwopt.forward.scene import SceneOptics
 from uwopt.model import sensor
 from uwopt.model.fineness import scaled
 from uwopt.model.imaging import scatter_weight, signal_weight
+from uwopt.model.path_table import PathTable, build_path_table
 from uwopt.model.spectrum import resample, resample_power
 from uwopt.model.veil.geometry import OPTICAL_REACH, Scatterer
-from uwopt.model.water import PathTable, build_path_table
 
 Array = NDArray[Any]
 

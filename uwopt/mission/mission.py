@@ -144,11 +144,6 @@ class Mission(Section):
         return max(scene.depth_m for scene in self.scenes) if given is None else given
 
     @property
-    def objective_weights(self) -> dict[str, float]:
-        """The objective as a weight per figure; a single one weighs 1."""
-        return {self.objective: 1.0} if isinstance(self.objective, str) else dict(self.objective)
-
-    @property
     def time_shares(self) -> tuple[float, ...]:
         """Share of time of each scene, summing to 1; scenes without one divide the rest equally."""
         return checks.time_shares([scene.time_share for scene in self.scenes])

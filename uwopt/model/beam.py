@@ -287,20 +287,6 @@ def lamp_rays(
     return range_m, cos_beam_angle, cos_incidence
 
 
-def floor_illuminance_per_lm(
-    range_m: ArrayLike, *, cos_beam_angle: ArrayLike, cos_incidence: ArrayLike, beam: Beam
-) -> FloatArray:
-    """Illuminance of the floor per lumen of the lamp, without the water's loss.
-
-        E / Phi = I(t) / Phi * cos(theta_i) / r^2
-
-    Arguments as `lamp_rays` returns them; (...,) [m^-2], zero behind the lamp's front plane.
-    """
-    r = np.asarray(range_m, dtype=float)
-    cosine = np.asarray(cos_incidence, dtype=float)
-    return np.asarray(intensity_per_sr(cos_beam_angle, beam) * cosine / (r * r))
-
-
 def _half_angle(beam: Beam) -> float:
     if beam.half_angle_water_rad is None:
         raise RangeError(f"a {beam.kind} beam needs half_angle_water_rad")

@@ -8,13 +8,11 @@ curved less and astigmatic. Functions marked [sym] also take CasADi scalars.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from uwopt.model.lens import blur_disc_m, f_number_to_cover, focus_for_interval
+from uwopt.model.lens import blur_disc_m
 from uwopt.model.port import FocusMap, field_dioptre_per_m, flat_floor_derivative, lens_dioptre_per_m
 
 Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
@@ -111,107 +109,7 @@ def defocus_px(
     return disc_m / pixel_pitch_m
 
 
-def dome_defocus_px(
-    range_m: Numeric,
-    *,
-    cos_field: Numeric,
-    focus_map: FocusMap,
-    f_number: Numeric,
-    focal_length_m: Numeric,
-    pixel_pitch_m: Numeric,
-    focus_dioptre_per_m: Numeric,
-) -> Numeric:
-    """Blur disc of a floor point behind a dome, pupil at its centre, on the axis (cos 1) or off it.
-
-        c = f^2 / (N (1 - f D)) |P / cos theta + 1 / (n_w (d + R)) - D| / p                          [sym]
-
-    range_m : (...,) [m]; cos_field : broadcast, of the field angle; focus_map : `port.dome_focus_map`; the
-    rest as in `defocus_px`. Returns (...,) [px]. Physics page, section 4.
-    """
-    return defocus_px(
-        field_dioptre_per_m(range_m, cos_field=cos_field, focus_map=focus_map),
-        f_number=f_number,
-        focal_length_m=focal_length_m,
-        pixel_pitch_m=pixel_pitch_m,
-        focus_dioptre_per_m=focus_dioptre_per_m,
-    )
-
-
-def flat_defocus_px(
-    range_m: Numeric,
-    *,
-    tan_air: Numeric,
-    gap_m: Numeric,
-    thickness_m: Numeric,
-    n_glass: Numeric,
-    n_water: Numeric,
-    f_number: Numeric,
-    focal_length_m: Numeric,
-    pixel_pitch_m: Numeric,
-    focus_dioptre_per_m: Numeric,
-) -> Numeric:
-    """Blur of a floor point behind a flat port: the longer axis of its elliptic blur.
-
-        c = max over tangential and sagittal of f^2 / (N (1 - f D)) |1/z - D| / p                    [sym]
-
-    Arguments as in `flat_field_dioptres_per_m` and `defocus_px`; (...,) [px]. Taking the longer axis for a
-    disc is on the safe side. For 8 mm F2.8, 3.45 um at 2 m focused on the axis: 1.0 px at 30 degrees in air,
-    3.7 px at 0.5 m, as traced: a dome's blurs more, but it is not negligible. Physics page, section 8.
-    """
-    images = flat_field_dioptres_per_m(
-        range_m, tan_air=tan_air, gap_m=gap_m, thickness_m=thickness_m, n_glass=n_glass, n_water=n_water
-    )
-    tangential, sagittal = (
-        defocus_px(
-            image_per_m,
-            f_number=f_number,
-            focal_length_m=focal_length_m,
-            pixel_pitch_m=pixel_pitch_m,
-            focus_dioptre_per_m=focus_dioptre_per_m,
-        )
-        for image_per_m in images
-    )
-    return np.maximum(tangential, sagittal)
-
-
 # ---------------------------------------------------------------- one focus for centre and corner
-
-
-def focus_and_f_number(
-    dioptres_per_m: Sequence[Numeric], *, focal_length_m: Numeric, circle_of_confusion_m: Numeric
-) -> tuple[Numeric, Numeric]:
-    """Focus that centre and corner share, and the smallest f-number that keeps all of them sharp.
-
-        D = (D_max + D_min) / 2,   N = f^2 / (c (1 - f D)) (D_max - D_min) / 2
-
-    Parameters
-    ----------
-    dioptres_per_m : each (...,) [1/m], what must be sharp: centre and corner at the nearest and the farthest
-        floor, of `port.field_dioptre_per_m` (dome) or `flat_field_dioptres_per_m` (both images)
-    focal_length_m, circle_of_confusion_m : broadcast [m]
-
-    Returns
-    -------
-    focus_dioptre_per_m, f_number : (...,); f_number is inf where the lens cannot focus so near.
-
-    Notes
-    -----
-    The blur is monotone in the distance of a point's dioptre from the focus: the two ends decide, and any
-    point in between is sharper. See `lens.f_number_to_cover`.
-
-    References
-    ----------
-    Physics page, sections 4 and 7.
-    """
-    highest, lowest = reduce(np.maximum, dioptres_per_m), reduce(np.minimum, dioptres_per_m)
-    focus = focus_for_interval(highest, far_dioptre_per_m=lowest)
-    f_number = f_number_to_cover(
-        highest,
-        far_dioptre_per_m=lowest,
-        focal_length_m=focal_length_m,
-        circle_of_confusion_m=circle_of_confusion_m,
-    )
-    return focus, f_number
 
 
 # ---------------------------------------------------------------- a pupil that is not at the dome's centre
@@ -270,12 +168,3 @@ def dome_decentring(
     tan_field = np.sqrt(1.0 - cos_field**2) / cos_field
     blur_m = focal_length_m**2 / f_number * displacement_m * np.abs(edge_per_m**2 - axis_per_m**2)
     return Decentring(across_px, across_px * tan_field, blur_m / pixel_pitch_m)
-
-
-def field_limit_water_rad(n_water: Numeric) -> Numeric:
-    """Largest half angle in water that a flat port can show, asin(1/n_w), total reflection beyond [sym].
-
-    About 48 degrees. In air it is 90 degrees: no lens reaches the limit, it merely sees no more of the floor.
-    A dome with the pupil at its centre has none. Physics page, section 4.
-    """
-    return np.arcsin(1.0 / n_water)

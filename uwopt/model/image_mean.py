@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, PortShape, flat_slope_m, local_gain
-from uwopt.model.water import PathTable
+from uwopt.model.path_table import PathTable
 
 Array = NDArray[Any]
 

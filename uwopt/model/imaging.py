@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from uwopt.model import beam as beams
 from uwopt.model import lens, light, port, seafloor, sensor
+from uwopt.model.path_table import PathTable, log_mean_transmission
 from uwopt.model.spectrum import trapezoid_weights_nm
-from uwopt.model.water import PathTable, log_mean_transmission
 
 Array = NDArray[Any]
 

@@ -23,8 +23,6 @@ from uwopt.model.spectrum import trapezoid_weights_nm
 Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
 Array = NDArray[Any]
 
-DESIGN_NM = 550.0  # wavelength at which a pixel's place and its angle in air belong together
-
 _STEP = 1.0 / 500.0  # of the table, in k times the rms of n: linear look-up errs by step^2 / 8 = 5e-7
 _TABLE_END = 24.0  # in the same unit; 24 is a spread of 7.6 px rms at 0.5 cycles per px
 _MOST_PHASE = 1.0  # largest k times the change of n in a segment, for four nodes

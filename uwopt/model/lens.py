@@ -130,23 +130,6 @@ def near_far_dioptre_per_m(
     return focus_dioptre_per_m + half, focus_dioptre_per_m - half
 
 
-def hyperfocal_m(f_number: Numeric, *, focal_length_m: Numeric, circle_of_confusion_m: Numeric) -> Numeric:
-    """Nearest focus whose depth of field reaches infinity, H = f^2/(N c) + f, in air from the lens [sym]."""
-    return focal_length_m**2 / (f_number * circle_of_confusion_m) + focal_length_m
-
-
-def f_number_for_half_depth(
-    half_depth_per_m: Numeric,
-    *,
-    focal_length_m: Numeric,
-    circle_of_confusion_m: Numeric,
-    focus_dioptre_per_m: Numeric,
-) -> Numeric:
-    """F-number of a half depth, delta f^2 / (c (1 - f D)); the inverse of `half_depth_per_m` [sym]."""
-    reach = 1.0 - focal_length_m * focus_dioptre_per_m
-    return half_depth_per_m * focal_length_m**2 / (circle_of_confusion_m * reach)
-
-
 def blur_disc_m(
     dioptre_per_m: Numeric, *, f_number: Numeric, focal_length_m: Numeric, focus_dioptre_per_m: Numeric
 ) -> Numeric:
@@ -207,41 +190,6 @@ def focus_for_interval(near_dioptre_per_m: Numeric, *, far_dioptre_per_m: Numeri
     return 0.5 * (near_dioptre_per_m + far_dioptre_per_m)
 
 
-def interval_to_cover_m(
-    range_m: Numeric, *, tolerance_m: Numeric, min_dof_m: Numeric
-) -> tuple[Numeric, Numeric]:
-    """The distances in water that must be sharp at least, when the focus may be chosen freely.
-
-        near = d - tol,   far = max(d + tol, near + min_dof)
-
-    Parameters
-    ----------
-    range_m, tolerance_m, min_dof_m : broadcast [m]; d and its tolerance, 0 <= tol < d; wanted depth of field
-
-    Returns
-    -------
-    near, far : [m] from the port.
-
-    Notes
-    -----
-    Every choice (near, far) with near <= d - tol, far >= d + tol, far - near >= min_dof needs at least
-    the f-number of this one. With E = scale/(q + setback) the dioptre over infinity's, dE/dq = -E^2/scale.
-    The f-number for the interval, its focus in the middle, is N = (f^2/c) (E_n - E_f) / (2 - f (D_n + D_f)).
-    It rises with E_n (by (1 - f D_f)) and falls with E_f (by (1 - f D_n)), so no interval that contains
-    another needs less. Hence far is as near as the rules allow: the larger of d + tol and near + min_dof.
-    Where the first holds, near cannot do better than d - tol. Where the second holds, moving both ends
-    nearer by dq changes N in proportion to (1 - f D_f) E_n^2 - (1 - f D_n) E_f^2, which is positive as
-    D_f < D_n: near stays as far away as allowed. The same argument with f = 0 is for the interval's
-    width in dioptres.
-
-    References
-    ----------
-    Physics page, section 7.
-    """
-    near_m = range_m - tolerance_m
-    return near_m, np.maximum(range_m + tolerance_m, near_m + min_dof_m)
-
-
 def _f_number_or_inf(
     half_per_m: Numeric,
     *,
@@ -249,7 +197,7 @@ def _f_number_or_inf(
     circle_of_confusion_m: Numeric,
     focus_dioptre_per_m: Numeric,
 ) -> Numeric:
-    """`f_number_for_half_depth` over arrays: inf where the focus lies at or within the focal length."""
+    """F-number of a half depth, delta f^2 / (c (1 - f D)): inf where the focus lies at or within the focal length."""
     reach = 1.0 - focal_length_m * focus_dioptre_per_m
     open_reach = np.maximum(reach, _SMALLEST_REACH)
     f_number = half_per_m * focal_length_m**2 / (circle_of_confusion_m * open_reach)
@@ -269,7 +217,7 @@ def f_number_to_cover(
 
     Parameters
     ----------
-    near_dioptre_per_m, far_dioptre_per_m : broadcast [1/m], D_n >= D_f, of `interval_to_cover_m` through the
+    near_dioptre_per_m, far_dioptre_per_m : broadcast [1/m], D_n >= D_f, of what must be sharp through the
         port's map; of several scenes the largest D_n and the smallest D_f
     focal_length_m, circle_of_confusion_m : broadcast [m]
 

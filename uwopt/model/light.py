@@ -13,9 +13,6 @@ from numpy.typing import ArrayLike
 from uwopt.errors import RangeError
 from uwopt.model.spectrum import MAX_LUMINOUS_EFFICACY_LM_W, Symbolic, integrate_nm
 
-# From the flash makers' rule GN_ft^2 = 0.05 ISO (I t) at ISO 100: I t = GN_ft^2 / 5 = 10.764 GN_m^2 / 5.
-GUIDE_NUMBER_LIGHT_CD_S_PER_M2 = 2.15
-
 
 def spectral_flux_w_nm(
     flux_lm: ArrayLike, *, relative_spectrum: ArrayLike, wavelength_nm: ArrayLike, photopic: ArrayLike
@@ -84,36 +81,3 @@ def flash_power_w(
 def flash_light_lm_s(energy_j: Symbolic, *, efficacy_lm_s_per_j: Symbolic) -> Symbolic:
     """Light of one flash from its electrical energy [lm s]; xenon tubes give 30-40 lm s per joule."""
     return energy_j * efficacy_lm_s_per_j
-
-
-def flash_share(exposure_s: Symbolic, *, duration_s: Symbolic) -> Symbolic:
-    """Share of a flash's light that falls within the exposure: min(1, t / tau).
-
-    Takes the light as constant over the duration tau and the exposure as beginning with it.
-    """
-    return np.minimum(1.0, exposure_s / duration_s)
-
-
-def guide_number_light_cd_s(guide_number_m: Symbolic) -> Symbolic:
-    """On-axis light of a flash from its guide number.
-
-        I t = 2.15 GN^2
-
-    Parameters
-    ----------
-    guide_number_m : (...,) [m], range times f-number of a right exposure, on land, at ISO 100
-
-    Returns
-    -------
-    (...,) [cd s]
-
-    Notes
-    -----
-    The makers' rule GN = sqrt(0.05 ISO I t) with GN in feet, turned to metres.
-    A guide number stated for use in water already holds the water's loss: not this one.
-
-    References
-    ----------
-    Physics page, section 1.
-    """
-    return GUIDE_NUMBER_LIGHT_CD_S_PER_M2 * guide_number_m**2

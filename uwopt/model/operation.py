@@ -13,45 +13,12 @@ import numpy as np
 
 Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
 
-BITS_PER_BYTE = 8.0
-BYTES_PER_MB = 1e6
-
-
 # ---------------------------------------------------------------- coverage
-
-
-def pinhole_footprint_m(range_m: Numeric, *, sensor_size_m: Numeric, focal_length_m: Numeric) -> Numeric:
-    """Length of floor that one side of the sensor sees.
-
-        FOV = d SS / f                                                                              (11) [sym]
-
-    Parameters
-    ----------
-    range_m : (...,) [m]; behind a dome d + R, from its centre (physics `paper`: d)
-    sensor_size_m : broadcast [m], width or height
-    focal_length_m : broadcast [m]; behind a flat port the effective one, n_w f, for small angles
-
-    Returns
-    -------
-    (...,) [m].
-
-    References
-    ----------
-    Physics page, section 7.
-    """
-    return range_m * sensor_size_m / focal_length_m
 
 
 def ground_sample_m(footprint_m: Numeric, *, resolution_px: Numeric) -> Numeric:
     """Floor per pixel, footprint over pixels; exact where the image is undistorted (pinhole, dome) [sym]."""
     return footprint_m / resolution_px
-
-
-def dome_pixel_m(
-    range_m: Numeric, *, outer_radius_m: Numeric, pixel_pitch_m: Numeric, focal_length_m: Numeric
-) -> Numeric:
-    """Floor per pixel behind a dome with the pupil at its centre, (d + R) p / f all over the image [sym]."""
-    return (range_m + outer_radius_m) * pixel_pitch_m / focal_length_m
 
 
 def flat_largest_pixel_m(
@@ -234,8 +201,3 @@ def overlap_at_rate(frame_rate_hz: Numeric, *, speed_m_s: Numeric, footprint_alo
     Negative where the images leave gaps. Arguments broadcast. Physics page, section 7 (8).
     """
     return 1.0 - speed_m_s / (footprint_along_m * frame_rate_hz)
-
-
-def data_rate_mb_s(n_pixels: Numeric, *, bits: Numeric, frame_rate_hz: Numeric) -> Numeric:
-    """Image data in 10^6 byte/s; bits are those a pixel takes on the wire (12 packed, 16 unpacked) [sym]."""
-    return n_pixels * bits / BITS_PER_BYTE * frame_rate_hz / BYTES_PER_MB

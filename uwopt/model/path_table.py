@@ -46,17 +46,11 @@ class PathTable:
     lamp_warp: float
     camera_warp: float
     max_error_log: float  # found on a grid finer than the nodes, ends included
-    tolerance_log: float
 
     @property
     def order(self) -> tuple[int, int]:
         """Degree of the polynomial along lamp and camera range."""
         return self.coefficients.shape[-2] - 1, self.coefficients.shape[-1] - 1
-
-    @property
-    def meets_tolerance(self) -> bool:
-        """False when the order was capped first: narrow the ranges, or raise the cap."""
-        return self.max_error_log <= self.tolerance_log
 
 
 def build_path_table(
@@ -123,7 +117,6 @@ def build_path_table(
         lamp_warp=warps[0],
         camera_warp=warps[1],
         max_error_log=error,
-        tolerance_log=tolerance_log,
     )
 
 
@@ -155,45 +148,6 @@ def log_mean_transmission(table: PathTable, lamp_range_m: ArrayLike, camera_rang
             value += rows[:, j]
         result[:, start : start + BLOCK] = value - slopes[0] * r_lamp - slopes[1] * r_camera
     return result.reshape((*batch, *lamp.shape))[()]
-
-
-def log_mean_transmission_direct(
-    weight: ArrayLike,
-    *,
-    wavelength_nm: ArrayLike | None,
-    k_lamp_per_m: ArrayLike,
-    c_camera_per_m: ArrayLike,
-    lamp_range_m: ArrayLike,
-    camera_range_m: ArrayLike,
-) -> Any:
-    """ln of the mean transmission by summing over the spectrum; what `PathTable` is measured against."""
-    integrand = _Integrand(weight, wavelength_nm, k_lamp_per_m, c_camera_per_m)
-    lamp, camera = np.broadcast_arrays(
-        np.asarray(lamp_range_m, dtype=float), np.asarray(camera_range_m, dtype=float)
-    )
-    return integrand.log_mean(lamp, camera).reshape((*integrand.batch_shape, *lamp.shape))[()]
-
-
-def mean_transmission_direct(
-    weight: ArrayLike,
-    *,
-    wavelength_nm: ArrayLike | None,
-    k_lamp_per_m: ArrayLike,
-    c_camera_per_m: ArrayLike,
-    lamp_range_m: ArrayLike,
-    camera_range_m: ArrayLike,
-) -> Any:
-    """Mean transmission by summing over the spectrum, 0 to 1; underflows to 0 in long paths."""
-    return np.exp(
-        log_mean_transmission_direct(
-            weight,
-            wavelength_nm=wavelength_nm,
-            k_lamp_per_m=k_lamp_per_m,
-            c_camera_per_m=c_camera_per_m,
-            lamp_range_m=lamp_range_m,
-            camera_range_m=camera_range_m,
-        )
-    )
 
 
 class _Integrand:

@@ -88,50 +88,23 @@ def refractive_index_dispersion(
 # ---------------------------------------------------------------- losses
 
 
-def _fresnel_by_polarisation(
+def fresnel_by_polarisation(
     cos_incidence: Numeric, *, n_from: Numeric, n_to: Numeric
 ) -> tuple[Numeric, Numeric, Numeric]:
-    """Transmittance of s and p light at one face, and the cosine behind it (0 at total reflection)."""
+    """Shares of s and p light that pass one face, and the cosine behind it.
+
+        T_s = 4 n1 c1 n2 c2 / (n1 c1 + n2 c2)^2,   T_p = 4 n1 c1 n2 c2 / (n1 c2 + n2 c1)^2
+
+    cos_incidence : (...,) cosine of the angle to the normal, before the face, 0..1; n_from, n_to : broadcast,
+    refractive index before and behind. Shares and cosine are 0 at total reflection. Bare, clean, lossless face.
+    Born and Wolf, Principles of Optics, section 1.5. Physics page, section 4.
+    """
     sin2_behind = (n_from / n_to) ** 2 * (1.0 - cos_incidence**2)
     cos_behind = np.sqrt(np.maximum(1.0 - sin2_behind, 0.0))
     product = 4.0 * n_from * n_to * cos_incidence * cos_behind
     s_sum = n_from * cos_incidence + n_to * cos_behind
     p_sum = n_from * cos_behind + n_to * cos_incidence
     return product / np.maximum(s_sum**2, _TINY), product / np.maximum(p_sum**2, _TINY), cos_behind
-
-
-def fresnel_transmittance(cos_incidence: Numeric, *, n_from: Numeric, n_to: Numeric) -> Numeric:
-    """Share of unpolarised power that passes one face.
-
-        T_s = 4 n1 c1 n2 c2 / (n1 c1 + n2 c2)^2,   T_p = 4 n1 c1 n2 c2 / (n1 c2 + n2 c1)^2
-        T = (T_s + T_p) / 2
-
-    Parameters
-    ----------
-    cos_incidence : (...,) cosine of the angle to the normal, before the face, 0..1
-    n_from, n_to : broadcast, refractive index before and behind the face
-
-    Returns
-    -------
-    (...,) 0..1; 0 at total reflection and at grazing incidence.
-
-    Notes
-    -----
-    Bare, clean, lossless face; the same in both directions of the ray.
-
-    References
-    ----------
-    Born and Wolf, Principles of Optics, section 1.5. Physics page, section 4.
-    """
-    t_s, t_p, _ = _fresnel_by_polarisation(cos_incidence, n_from=n_from, n_to=n_to)
-    return 0.5 * (t_s + t_p)
-
-
-def internal_transmittance(
-    absorption_per_m: Numeric, *, thickness_m: Numeric, path_factor: Numeric = 1.0
-) -> Numeric:
-    """Share of light that the bulk lets through, exp(-alpha t k), k path over thickness: 1/cos inside."""
-    return np.exp(-absorption_per_m * thickness_m * path_factor)
 
 
 def normal_port_transmittance(*, n_water: Numeric, n_glass: Numeric, internal_frac: Numeric = 1.0) -> Numeric:
@@ -169,8 +142,8 @@ def flat_port_transmittance(
     Physics page, section 4.
     """
     cos_air = 1.0 / np.sqrt(1.0 + tan_air**2)
-    air_s, air_p, cos_glass = _fresnel_by_polarisation(cos_air, n_from=1.0, n_to=n_glass)
-    water_s, water_p, _ = _fresnel_by_polarisation(cos_glass, n_from=n_glass, n_to=n_water)
+    air_s, air_p, cos_glass = fresnel_by_polarisation(cos_air, n_from=1.0, n_to=n_glass)
+    water_s, water_p, _ = fresnel_by_polarisation(cos_glass, n_from=n_glass, n_to=n_water)
     bulk = np.exp(-absorption_depth / cos_glass)
     return 0.5 * (air_s * water_s + air_p * water_p) * bulk
 

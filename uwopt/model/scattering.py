@@ -353,19 +353,9 @@ def look_up(cos_angle: ArrayLike, table: PhaseTable) -> Any:
     return result.reshape(cosine.shape)[()]
 
 
-def solid_angle_integral(table: PhaseTable) -> float:
-    """Integral of a table over the sphere = 2 pi * integral of p sin psi d psi [1]; 1 by construction."""
-    return _moment(table, 0.0, cosine_power=0)
-
-
 def backscatter_ratio(table: PhaseTable) -> float:
     """Share of a table scattered beyond 90 degrees: b_b/b [1]."""
     return _moment(table, np.sqrt(0.5), cosine_power=0)
-
-
-def mean_cosine(table: PhaseTable) -> float:
-    """Mean cosine of the scattering angle, g = 2 pi * integral of p cos psi sin psi d psi [1]."""
-    return _moment(table, 0.0, cosine_power=1)
 
 
 def _sample_x() -> FloatArray:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import ArrayLike
 
 from uwopt.model.spectrum import Symbolic
 
@@ -33,21 +30,3 @@ def lambertian_radiance(irradiance_w_m2_nm: Symbolic, *, reflectance: Symbolic) 
     Billings, Iscar, Johnson-Roberson (2020), equation (2).
     """
     return irradiance_w_m2_nm * reflectance / np.pi
-
-
-def uniformity(illuminance_lx: ArrayLike, *, axis: int | tuple[int, ...] | None = None) -> Any:
-    """Least over mean illuminance of a footprint, 0 to 1; 0 for a dark floor.
-
-    Parameters
-    ----------
-    illuminance_lx : (...,) [lx], equally spaced (equally weighted) points of the footprint
-    axis : axes of the points; all by default
-
-    Returns
-    -------
-    without those axes [1]
-    """
-    illuminance = np.asarray(illuminance_lx, dtype=float)
-    least = illuminance.min(axis=axis)
-    mean = illuminance.mean(axis=axis)
-    return least / np.where(mean > 0, mean, 1.0)

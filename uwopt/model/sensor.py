@@ -11,8 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.model.spectrum import integrate_nm
-
 Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
 
 PLANCK_J_S = 6.62607015e-34  # exact, SI 2019
@@ -23,15 +21,10 @@ QUANTISATION_VARIANCE_DN2 = 1.0 / 12.0  # of a uniform error one DN wide
 # ---------------------------------------------------------------- electrons
 
 
-def photo_electrons(
-    irradiance_w_m2_nm: Numeric,
-    *,
-    wavelength_nm: Numeric,
-    quantum_efficiency: Numeric,
-    pixel_pitch_m: Numeric,
-    exposure_s: Numeric,
+def electron_rate_per_m2_s_nm(
+    irradiance_w_m2_nm: Numeric, *, wavelength_nm: Numeric, quantum_efficiency: Numeric
 ) -> Numeric:
-    """Mean number of electrons that one pixel collects in one exposure.
+    """Electrons per second, pixel area and wavelength, E lambda eta / (h c): the integrand of (5).
 
         mu_e = p^2 t / (h c) * integral of E(lambda) lambda eta(lambda) d lambda                     (5)
 
@@ -42,34 +35,14 @@ def photo_electrons(
     wavelength_nm : (n_wavelength,) [nm], in vacuum, increasing
     quantum_efficiency : (..., n_wavelength) or scalar [electrons per photon]
         As EMVA 1288 measures it: fill factor and window are part of it.
-    pixel_pitch_m, exposure_s : broadcast with (...,) [m], [s]
-        The effective exposure: shutter setting plus exposure offset, or the light's pulse if shorter.
 
     Returns
     -------
-    (...,) [electrons], before dark current; not clipped at full well.
-
-    Notes
-    -----
-    Valid for: no smear, linear response. Trapezoid rule; exact for integrands linear between samples.
+    (..., n_wavelength) [m^-2 s^-1 nm^-1]
 
     References
     ----------
     EMVA Standard 1288, signal model of the linear camera. Physics page, section 6.
-    """
-    electrons_per_m2_s_nm = electron_rate_per_m2_s_nm(
-        irradiance_w_m2_nm, wavelength_nm=wavelength_nm, quantum_efficiency=quantum_efficiency
-    )
-    rate_per_m2_s = integrate_nm(electrons_per_m2_s_nm, wavelength_nm)
-    return rate_per_m2_s * pixel_pitch_m**2 * exposure_s
-
-
-def electron_rate_per_m2_s_nm(
-    irradiance_w_m2_nm: Numeric, *, wavelength_nm: Numeric, quantum_efficiency: Numeric
-) -> Numeric:
-    """Electrons per second, pixel area and wavelength, E lambda eta / (h c): the integrand of (5).
-
-    Arguments as in `photo_electrons`; returns (..., n_wavelength) [m^-2 s^-1 nm^-1]. Physics page, section 6.
     """
     energy_per_photon_j = PLANCK_J_S * LIGHT_SPEED_M_S / (np.asarray(wavelength_nm) * 1e-9)
     return irradiance_w_m2_nm * (quantum_efficiency / energy_per_photon_j)
@@ -83,16 +56,6 @@ def colour_mean_efficiency(red: Numeric, *, green: Numeric, blue: Numeric) -> Nu
 # ---------------------------------------------------------------- gain and digital numbers
 
 
-def gain_from_db(gain_db: Numeric) -> Numeric:
-    """Voltage gain factor of a setting in decibel, 10^(dB / 20) [sym]."""
-    return 10.0 ** (gain_db / 20.0)
-
-
-def gain_to_db(gain: Numeric) -> Numeric:
-    """Setting in decibel of a gain factor > 0, 20 log10 g [sym]."""
-    return 20.0 * np.log10(gain)
-
-
 def gain_dn_per_e(
     table_gain_dn_per_e: Numeric, *, table_bits: Numeric, bits: Numeric, gain: Numeric = 1.0
 ) -> Numeric:
@@ -104,7 +67,7 @@ def gain_dn_per_e(
     ----------
     table_gain_dn_per_e : (...,) [DN per electron] at gain 1, in DN of table_bits
     table_bits, bits : broadcast, bit depth of the table and of the transmitted image
-    gain : broadcast, factor >= 1, see `gain_from_db`
+    gain : broadcast, factor >= 1
 
     Returns
     -------
@@ -115,11 +78,6 @@ def gain_dn_per_e(
     Physics page, section 6 (6).
     """
     return table_gain_dn_per_e * 2.0 ** (bits - table_bits) * gain
-
-
-def gain_for_full_scale(saturation_e: Numeric, *, bits: Numeric, offset_dn: Numeric = 0.0) -> Numeric:
-    """System gain [DN/e] of a camera whose gain nobody states: full scale at saturation [sym]."""
-    return (2.0**bits - 1.0 - offset_dn) / saturation_e
 
 
 def digital_mean_dn(
@@ -143,21 +101,6 @@ def mean_level(
     """
     mean_dn = digital_mean_dn(electrons_e, gain_dn_per_e=gain_dn_per_e, dark_e=dark_e, offset_dn=offset_dn)
     return mean_dn / (2.0**bits - 1.0)
-
-
-def full_scale_electrons(gain_dn_per_e: Numeric, *, bits: Numeric, offset_dn: Numeric = 0.0) -> Numeric:
-    """Electrons at which the digital number reaches full scale, (2^bits - 1 - offset) / K [sym]."""
-    return (2.0**bits - 1.0 - offset_dn) / gain_dn_per_e
-
-
-def saturation_electrons(
-    full_well_e: Numeric, *, gain_dn_per_e: Numeric, bits: Numeric, offset_dn: Numeric = 0.0
-) -> Numeric:
-    """Electrons at which a pixel saturates: full well or full scale, whichever comes first.
-
-    full_well_e may be inf (unknown). Arguments broadcast. Physics page, section 6.
-    """
-    return np.minimum(full_well_e, full_scale_electrons(gain_dn_per_e, bits=bits, offset_dn=offset_dn))
 
 
 # ---------------------------------------------------------------- signal to noise
@@ -218,42 +161,6 @@ def snr(
         prnu_frac=prnu_frac,
     )
     return signal_e / np.sqrt(variance_e2)
-
-
-def log_snr(
-    log_signal: Numeric,
-    *,
-    read_noise_e: Numeric,
-    gain_dn_per_e: Numeric,
-    veil_e: Numeric = 0.0,
-    dark_e: Numeric = 0.0,
-    prnu_frac: Numeric = 0.0,
-) -> Numeric:
-    """Natural logarithm of `snr` from the natural logarithm of the signal.
-
-    A signal of exp(-2000) electrons, which no float can hold, gives a finite logarithm; exp() of it is an
-    SNR of 0. log_signal : (...,), may be -inf; the rest as in `snr`. Returns (...,), never NaN for a read
-    noise > 0 or a finite gain. Physics page, section 0.
-    """
-    variance_e2 = noise_variance_e2(
-        np.exp(log_signal) + veil_e,
-        read_noise_e=read_noise_e,
-        gain_dn_per_e=gain_dn_per_e,
-        dark_e=dark_e,
-        prnu_frac=prnu_frac,
-    )
-    return log_signal - 0.5 * np.log(variance_e2)
-
-
-def to_db(snr: Numeric) -> Numeric:
-    """SNR in decibel, 20 log10; -inf (without a warning) where the SNR is 0."""
-    with np.errstate(divide="ignore"):
-        return 20.0 * np.log10(snr)
-
-
-def from_db(snr_db: Numeric) -> Numeric:
-    """SNR as a ratio, 10^(dB / 20); the inverse of `to_db` [sym]."""
-    return 10.0 ** (snr_db / 20.0)
 
 
 def electrons_for_snr(

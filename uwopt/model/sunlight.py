@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from uwopt.errors import RangeError
 from uwopt.model.light import spectral_flux_w_nm
+from uwopt.model.port import fresnel_by_polarisation
 from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr
 from uwopt.model.spectrum import FloatArray
 
@@ -262,12 +263,9 @@ def _mean_exp(x: FloatArray) -> FloatArray:
 
 def _fresnel_transmittance(elevation_rad: ArrayLike, n_water: ArrayLike) -> FloatArray:
     """Transmittance of a flat surface from air into water for unpolarised light."""
-    n = np.asarray(n_water, dtype=float)
     cos_air = np.sin(_checked_elevation(elevation_rad))
-    cos_water = refracted_cos_zenith(elevation_rad, n_water=n)
-    across = (cos_air - n * cos_water) / (cos_air + n * cos_water)
-    along = (n * cos_air - cos_water) / (n * cos_air + cos_water)
-    return np.asarray(1 - (across**2 + along**2) / 2, dtype=float)
+    across, along, _ = fresnel_by_polarisation(cos_air, n_from=1.0, n_to=np.asarray(n_water, dtype=float))
+    return np.asarray((across + along) / 2, dtype=float)
 
 
 def _checked_elevation(elevation_rad: ArrayLike) -> FloatArray:

@@ -1,6 +1,6 @@
 """What the water does to light on its way: attenuation and refractive index.
 
-The transmission of a spectrum over two paths, contracted for speed, is in `path_table` and offered here too.
+The transmission of a spectrum over two paths, contracted for speed, is in `path_table`.
 """
 
 from __future__ import annotations
@@ -12,28 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from uwopt.errors import RangeError
-from uwopt.model.path_table import (
-    PathTable,
-    build_path_table,
-    log_mean_transmission,
-    log_mean_transmission_direct,
-    mean_transmission_direct,
-)
 from uwopt.model.spectrum import FloatArray, Symbolic, resample
-
-__all__ = [
-    "PathTable",
-    "beam_attenuation_per_m",
-    "build_path_table",
-    "extend_absorption_per_m",
-    "extend_scattering_per_m",
-    "illumination_attenuation_per_m",
-    "log_mean_transmission",
-    "log_mean_transmission_direct",
-    "log_transmission",
-    "mean_transmission_direct",
-    "refractive_index_quan_fry",
-]
 
 
 def beam_attenuation_per_m(a_per_m: Symbolic, b_per_m: Symbolic) -> Symbolic:
@@ -107,22 +86,6 @@ def extend_absorption_per_m(
     outer = wavelength[beyond]
     a[beyond] += resample(outer, **pure) - resample(np.clip(outer, *ends), **pure)
     return np.maximum(a, 0.0)
-
-
-def extend_scattering_per_m(
-    wavelength_nm: ArrayLike, *, table_nm: ArrayLike, table_b_per_m: ArrayLike
-) -> FloatArray:
-    """Scattering at any wavelength (n,) [1/m]: linear in the table, beyond it the end value is held.
-
-    Particles scatter with a low power of wavelength, 0.3-1.7: over 80 nm in the red b then falls by a fifth
-    at most (by a third in the clearest water, where molecules scatter); absorption is far larger there.
-    """
-    return resample(wavelength_nm, table_nm=table_nm, table_values=table_b_per_m, outside="hold")
-
-
-def log_transmission(attenuation_per_m: Symbolic, *, range_m: Symbolic) -> Symbolic:
-    """Logarithm of the transmission over a path: -c r. Kept as a logarithm, c r = 2000 is harmless."""
-    return -attenuation_per_m * range_m
 
 
 def refractive_index_quan_fry(

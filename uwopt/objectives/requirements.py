@@ -19,8 +19,8 @@ from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lenses
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.views import altitudes_m
 from uwopt.mission.mission import Limits
-from uwopt.model import sensor
 from uwopt.tolerances import BINDING_REL, SATISFIED_REL
+from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
 Sense = Literal["<=", ">=", "="]
@@ -74,7 +74,7 @@ class MarginRows:
     @property
     def _size(self) -> Array:
         """What relative tolerances are taken of: the limit; of decibels, which may be 0, at least one e-fold."""
-        return np.maximum(np.abs(self.limit), sensor.to_db(np.e) if self.unit == "dB" else 0.0)
+        return np.maximum(np.abs(self.limit), ratio_to_db(np.e) if self.unit == "dB" else 0.0)
 
 
 def scene_margins(
@@ -168,8 +168,8 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         snr = figures.snr_darkest if use_darkest else figures.snr
         assert snr is not None
         value, where = worst(snr, scene.range_m, highest=False)
-        limit_db = float(sensor.to_db(needs.min_snr))
-        value_db = np.asarray(sensor.to_db(np.maximum(value, 1e-300)))
+        limit_db = float(ratio_to_db(needs.min_snr))
+        value_db = np.asarray(ratio_to_db(np.maximum(value, 1e-300)))
         yield MarginRows("min_snr_db", value_db, at_all(figures, limit_db), ">=", "dB", where)
     if figures.mtf_half_nyquist is not None and needs.min_mtf_half_nyquist is not None:
         value, where = worst(figures.mtf_half_nyquist, three, highest=False)

@@ -65,12 +65,10 @@ class WaterProfile:
 
 @dataclass(frozen=True, slots=True)
 class PureWater:
-    """Absorption and scattering of water itself; a(T, S) = a + (T - 20) da/dT + S da/dS."""
+    """Absorption and scattering of water itself, at 20 degC."""
 
     wavelength_nm: FloatArray
     a_per_m: FloatArray
-    da_dt_per_m_degc: FloatArray
-    da_ds_per_m_psu: FloatArray
     b_sea_per_m: FloatArray  # salinity 35, 20 degC
     b_fresh_per_m: FloatArray
 
@@ -82,8 +80,6 @@ class GlassFormula:
     material: str
     formula: str
     coefficients: FloatArray
-    valid_min_nm: float
-    valid_max_nm: float
     reference: str
 
 
@@ -358,8 +354,6 @@ def pure_water() -> PureWater:
     names = (
         "wavelength_nm",
         "a_per_m",
-        "da_dT_per_m_degC",
-        "da_dS_per_m_psu",
         "bw_zhang2009_S35_T20_per_m",
         "bw_zhang2009_S0_T20_per_m",
     )
@@ -387,8 +381,6 @@ def glass_coefficients(material: str) -> GlassFormula:
         name,
         group.columns["formula"][0],
         group.numbers("coefficient")[order],
-        float(np.max(group.numbers("valid_min_nm"))),
-        float(np.min(group.numbers("valid_max_nm"))),
         group.columns["reference"][0],
     )
 

@@ -1,4 +1,4 @@
-"""Colours of the page: one list for light and paper, one for dark; contrast is tested from here."""
+"""Colours of the page: one list for light and paper, one for dark."""
 
 from __future__ import annotations
 
@@ -19,28 +19,8 @@ DARK: Mapping[str, str] = {
 #: Colours of a third objective over two, from low to high: viridis without the end that fades into the ground.
 SCALE_LIGHT = ["#440154", "#482475", "#414487", "#355f8d", "#2a788e", "#21908c", "#1d9a80"]
 SCALE_DARK = ["#2f7f93", "#21918c", "#22a884", "#44bf70", "#7ad151", "#bddf26", "#fde725"]
-#: Text on a ground: each pair must have a contrast of 4.5 or more in both lists.
-TEXT_ON: tuple[tuple[str, str], ...] = (
-    *((text, ground) for text in ("ink", "muted", "accent") for ground in ("bg", "panel", "soft")),
-    *((text, ground) for text in ("good", "warn", "bad") for ground in ("bg", "panel", "soft")),
-    ("on-accent", "accent"), ("accent", "accent-soft"), ("ink", "accent-soft"), ("good", "good-soft"),
-    ("warn", "warn-soft"), ("bad", "bad-soft"),
-)  # fmt: skip
 
 
 def tokens(colours: Mapping[str, str]) -> str:
     """The colours as custom properties of CSS."""
     return " ".join(f"--{name}: {value};" for name, value in colours.items())
-
-
-def contrast(first: str, second: str) -> float:
-    """Ratio of luminances of two colours, 1 to 21, as WCAG 2.2 defines it."""
-    light, dark = sorted((luminance(first), luminance(second)), reverse=True)
-    return (light + 0.05) / (dark + 0.05)
-
-
-def luminance(colour: str) -> float:
-    """Relative luminance of an sRGB colour `#rrggbb`."""
-    levels = [int(colour[start : start + 2], 16) / 255 for start in (1, 3, 5)]
-    red, green, blue = (v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for v in levels)
-    return 0.2126 * red + 0.7152 * green + 0.0722 * blue

@@ -119,12 +119,6 @@ def floor_grain(x_mm: Array, y_mm: Array) -> Array:
     return np.asarray(np.maximum(total, 0.1))
 
 
-def value_noise(x: Array, y: Array, level: int) -> Array:
-    """Noise between -1 and 1 on a lattice of whole numbers, joined by smooth steps; (m, n)."""
-    down, across = noise_factors(x, y, level)
-    return np.asarray(down @ across)
-
-
 def noise_factors(x: Array, y: Array, level: int) -> tuple[Array, Array]:
     """Two matrices whose product is the noise: shares of the lattice's rows (m, k), rows joined along x (k, n)."""
     columns, rows = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)

@@ -84,7 +84,6 @@ class Operation:
     set_rate_hz: float
     set_light_time_s: float
     camera_rate_hz: float  # inf when unknown
-    camera_exposure_s: float  # shortest
     blur_px: float
     blur_is_asked: bool
 
@@ -270,7 +269,6 @@ def operation_curves(design: Replay, scene_index: int = 0) -> Operation:
         set_rate_hz=float(settings.rate_hz[0]),
         set_light_time_s=float(model.figures(scene_index, settings).light_time_s[0]),
         camera_rate_hz=float(model.cameras.max_rate_hz[0]),
-        camera_exposure_s=float(model.cameras.min_exposure_s[0]),
         blur_px=blur_px,
         blur_is_asked=needs.max_blur_px is not None,
     )

@@ -21,6 +21,7 @@ from uwopt.model.footprint import floor_area_ratio, floor_illuminance_per_lm
 from uwopt.model.image_mean import cells
 from uwopt.model.imaging import floor_point
 from uwopt.report.pictures.curves import CHANNELS, at_nominal, is_colour, lamp_field
+from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
 COLUMNS, ROWS = 48, 36
@@ -50,7 +51,7 @@ class ImageMap:
     @property
     def snr_db(self) -> Array:
         """SNR in decibels."""
-        return np.asarray(sensor.to_db(self.snr))
+        return np.asarray(ratio_to_db(self.snr))
 
 
 @dataclass(frozen=True)

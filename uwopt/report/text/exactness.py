@@ -9,7 +9,6 @@ from uwopt.report.text import words
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
 from uwopt.results.result import Result
 
-SHOWN_FIGURES = 8
 PARTS = {
     "spectrum": "wavelengths",
     "image": "light over the image",

@@ -25,7 +25,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.model import sensor
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous.optimality import violations
 from uwopt.solvers.continuous.pieces import (
@@ -38,6 +37,7 @@ from uwopt.solvers.continuous.pieces import (
     wanted_dn,
 )
 from uwopt.solvers.continuous.program import scene_rules
+from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
 LEAST_W = 1e-9  # stands for no power, which has no logarithm
@@ -286,7 +286,7 @@ class MixedProgram:
         if self.weighs_power:
             total = total + self.objective.weight("power") * np.exp(logs["power"])
         if self.weighs_snr:
-            total = total - self.objective.weight("snr_db") * float(sensor.to_db(np.e)) * logs["snr"]
+            total = total - self.objective.weight("snr_db") * float(ratio_to_db(np.e)) * logs["snr"]
         rules = [
             rule - most * (1.0 - taken[i])
             for i, option in enumerate(self.options)

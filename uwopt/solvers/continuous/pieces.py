@@ -20,6 +20,7 @@ from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
 from uwopt.model import light, sensor
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.tolerances import SLACK
+from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
 Symbolic = Any  # float, complex array, or CasADi scalar
@@ -325,7 +326,7 @@ def minimised_value(
         power=np.array(camera_power_w + worst_light_w(scenes, settings)),
         cost=np.array(cost),
         mass=np.array(mass_kg),
-        snr_db=np.array(sensor.to_db(snr)),
+        snr_db=np.array(ratio_to_db(snr)),
         gsd_mm=np.array(gsd_mm),
     )
     return float(objective.cost_to_minimise(terms))

@@ -21,7 +21,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.model import sensor
 from uwopt.solvers.continuous.pieces import (
     Piece,
     SmoothScene,
@@ -31,6 +30,7 @@ from uwopt.solvers.continuous.pieces import (
     wanted_dn,
 )
 from uwopt.tolerances import SLACK
+from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
 Goal = Literal["power", "snr", "sum", "restore"]
@@ -243,7 +243,7 @@ class Program:
     @property
     def sum_unit(self) -> float:
         """What one unit of ln SNR is worth in the minimised sum: dB per e-fold times the weight of a dB."""
-        return self.snr_weight * float(sensor.to_db(np.e))
+        return self.snr_weight * float(ratio_to_db(np.e))
 
     @cached_property
     def _plain_names(self) -> tuple[list[str], list[str]]:

@@ -22,7 +22,6 @@ import numpy as np
 
 from uwopt.errors import SolverError
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.model import sensor
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import Attempt, derivatives, optimality_gap, rule_names, violations
 from uwopt.solvers.continuous.pieces import (
@@ -35,6 +34,7 @@ from uwopt.solvers.continuous.pieces import (
 )
 from uwopt.solvers.continuous.program import Goal, Program
 from uwopt.tolerances import TIE
+from uwopt.units import ratio_to_db
 
 Method = Literal[
     "casadi", "slsqp", "cobyla", "global", "mma", "ccsaq", "lbfgs", "isres", "ags", "direct_l", "mlsl"
@@ -137,7 +137,7 @@ class Task:
         if program.goal == "sum":
             return program.sum_unit
         if program.goal == "snr":
-            return self.objective.weight("snr_db") * float(sensor.to_db(np.e))
+            return self.objective.weight("snr_db") * float(ratio_to_db(np.e))
         light_w = worst_light_w(program.scenes, program.set_points(x))
         return (self.objective.weight("power") or 1.0) * light_w
 

@@ -22,6 +22,7 @@ from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import MarginRows
+from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
 POINTS, ROUNDS, NARROWER = 256, 14, 0.6
@@ -236,7 +237,7 @@ def judge(model: DesignModel, spread: Spread, points: Array, objective: Objectiv
     value = objective.cost_to_minimise(
         Terms(
             -less_power, terms["cost"] * every, terms["mass_kg"] * every,
-            20.0 * np.log10(np.maximum(snr, 1e-30)), max(float(v.gsd_m[0, 1]) * 1e3 for v in model.views) * every,
+            ratio_to_db(np.maximum(snr, 1e-30)), max(float(v.gsd_m[0, 1]) * 1e3 for v in model.views) * every,
             contrast, information,
         )
     )  # fmt: skip

@@ -12,7 +12,6 @@ from itertools import islice, zip_longest
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.designs import Hardware
@@ -24,7 +23,6 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.settings.best import GAP, scenes_need_cells
 from uwopt.tolerances import BEATS_REL
 
-Array = NDArray[Any]
 BESIDE = "beside the best"  # the draw that follows no rule
 TWO_PARTS = 0.4  # share of these that differ in a second part
 

@@ -19,6 +19,7 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.imagers import Imagers, limit
 from uwopt.solvers.exact.light_tables import FieldTables, Lighting
 from uwopt.tolerances import ROUND
+from uwopt.units import db_to_ratio, ratio_to_db
 
 Array = NDArray[Any]
 MOST_PLACES = 1024  # rows and columns of a table of lights
@@ -132,7 +133,7 @@ def information_table() -> tuple[Array, Array, Array]:
     at = sharpness.Sharpness(
         working_f_number=0.0, wavelength_nm=500.0, pixel_pitch_m=1e-6, rated_pitch_px=rated[None, :]
     )
-    return snr_db, rated, sharpness.information_bit_per_px(sensor.from_db(snr_db)[:, None], sharpness=at)
+    return snr_db, rated, sharpness.information_bit_per_px(db_to_ratio(snr_db)[:, None], sharpness=at)
 
 
 def bit_per_px_bound(snr_db: Array, rated_pitch_px: Array) -> Array:
@@ -449,4 +450,4 @@ class Bounds:
             snr = sensor.snr(
                 most, read_noise_e=cameras.read_noise_e, gain_dn_per_e=np.inf, prnu_frac=cameras.prnu_frac
             )
-        return np.asarray(sensor.to_db(np.fmax(snr, 1e-300)))  # a mean level below black has no number
+        return np.asarray(ratio_to_db(np.fmax(snr, 1e-300)))  # a mean level below black has no number

@@ -349,13 +349,6 @@ def joined(
     )
 
 
-def focus_distance_m(dioptre_per_m: Array, at: Any) -> Array:
-    """Focus distance in water from the port."""
-    from uwopt.model.port import water_distance_m
-
-    return np.asarray(water_distance_m(dioptre_per_m, focus_map=at))
-
-
 __all__ = [
     "IMAGER_RULES",
     "FittingPairs",

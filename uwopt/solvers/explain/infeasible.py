@@ -7,7 +7,6 @@ relaxation that makes the mission feasible.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -26,6 +25,7 @@ from uwopt.solvers.explain.least_change import least_change, rounded_away
 from uwopt.solvers.explain.robustness import parts_of
 from uwopt.solvers.recommend import Progress, Sought, seek
 from uwopt.solvers.settable.rounding import given_of
+from uwopt.units import ratio_to_db
 
 # Requirement -> (section, key, objective that makes its figure best, or None when none does)
 RELAXABLE: dict[str, tuple[str, str, str | None]] = {
@@ -180,7 +180,7 @@ def asked_value(mission: Mission, section: str, key: str) -> float | None:
     for view in mission.views:
         if key == "min_snr_db":
             ratio = view.requirements.min_snr
-            value = None if ratio is None else 20.0 * math.log10(ratio)
+            value = None if ratio is None else float(ratio_to_db(ratio))
         else:
             value = getattr(view.requirements, key)
         if value is not None:

@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.model import sensor
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.bounds import bit_per_px_bound
 from uwopt.solvers.settings import closed_form, dark
 from uwopt.solvers.settings.best import Best, best_settings, settings_at_dark
 from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.units import db_to_ratio
 
 Array = NDArray[Any]
 ABOVE = 1.0 + 1e-9  # a limit that equals the least power must admit it
@@ -341,7 +341,7 @@ class Trade:
                 some = r.take(reached)
                 assert some.sharp is not None
                 bits.append(some.sharp.information_bit_per_m2(
-                    sensor.from_db(snr_db[reached]), f_number=last[reached],
+                    db_to_ratio(snr_db[reached]), f_number=last[reached],
                     working_f_number=first[reached] * some.working_factor, blur_s=some.time_min_s,
                 ))  # fmt: skip
             out[reached] = np.min(bits, axis=0)

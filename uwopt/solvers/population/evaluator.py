@@ -17,7 +17,6 @@ from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, 
 from uwopt.forward.part_columns import FLASH
 from uwopt.forward.setting_rows import SceneRows, setting_rows
 from uwopt.forward.views import focus_map
-from uwopt.model import sensor
 from uwopt.model.port import FocusMap
 from uwopt.objectives.objective import MAXIMISED, Terms
 from uwopt.objectives.own import OwnObjective
@@ -29,6 +28,7 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.coding import CodedHardware, Coding, cost_of, mass_kg_of
 from uwopt.solvers.population.decoding import Decoded, shortfall
 from uwopt.solvers.population.light_store import LightStore, SeenLight
+from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
 LEAST_MISS, MOST_MISS = 1e-4, 10.0  # what one requirement that is missed adds to a violation
@@ -307,4 +307,4 @@ def scene_rows(search: Search, s: int, built: CodedHardware, seen: SeenLight) ->
 
 def decibels(snr: Array) -> Array:
     """A ratio in dB; no light at all is very little."""
-    return np.asarray(sensor.to_db(np.maximum(snr, 1e-300)))
+    return np.asarray(ratio_to_db(np.maximum(snr, 1e-300)))

@@ -85,11 +85,6 @@ class LightStore:
         self.sharps = [Store[SharpRows](partial(self._sharps, s)) for s in scenes]
         self.evens: list[dict[int, bool]] = [{} for _ in scenes]
 
-    @property
-    def n_integrals(self) -> int:
-        """How many images' light was worked out."""
-        return sum(len(store.keys) for store in self.lights)
-
     def seen(self, scene_index: int, imager: Array, lighting: Array, count: Array) -> SeenLight:
         """What these designs see; `lighting` is an index into the tables' list."""
         problem = self.problem

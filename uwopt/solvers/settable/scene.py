@@ -20,11 +20,11 @@ from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of
 from uwopt.forward.lamp_light import worst_candidates
 from uwopt.forward.part_columns import FLASH, PULSED
-from uwopt.model import sensor
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import depth_of_field_margins
 from uwopt.solvers.exact.ranking import told_apart
 from uwopt.solvers.settable.steps import EDGE, GAIN_STEP_DB, TIME_STEP_S, light_levels, time_steps
+from uwopt.units import db_to_ratio, ratio_to_db
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -232,7 +232,7 @@ class SettableScene:
         nearest = np.clip(np.round(steps), 0, top)
         other = np.where(nearest > lower, lower, np.minimum(lower + 1, top))
         picks = [lower] if wanted is None else [nearest, other]
-        return [10.0 ** (self.gains_db[pick.astype(int)] / 20.0) for pick in picks]
+        return [db_to_ratio(self.gains_db[pick.astype(int)]) for pick in picks]
 
     def _judged(self, settings: SettingRows) -> Tried:
         """Figures and margins, some thousand rows at a time where the worst pixel counts."""
@@ -277,7 +277,7 @@ class SettableScene:
             assert some.information_bit_per_m2 is not None
             information[hopeful] = some.information_bit_per_m2
         power = np.broadcast_to(self.model.totals(self.index, figures)["power_w"], (count,))
-        snr_db = np.asarray(sensor.to_db(np.maximum(figures.snr[:, nominal], 1e-300)))
+        snr_db = np.asarray(ratio_to_db(np.maximum(figures.snr[:, nominal], 1e-300)))
         none = np.zeros(count)
         contrast = figures.contrast[:, nominal]
         return Tried(settings, none, none, self._away(settings), power, snr_db, contrast, information)
@@ -356,4 +356,4 @@ def spread_steps(low: Array, high: Array) -> Array:
 
 
 def _db(ratio: Array | float) -> Array:
-    return np.asarray(20.0 * np.log10(ratio))
+    return np.asarray(ratio_to_db(ratio))

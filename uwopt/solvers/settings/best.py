@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.model import sensor
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings import closed_form, dark
+from uwopt.units import ratio_to_db
 
 if TYPE_CHECKING:
     from uwopt.solvers.settings.cells import CellResult
@@ -304,7 +304,7 @@ def snr_of(rows: list[SceneRows], chosen: list[closed_form.Chosen]) -> Array:
     """SNR of settings at the nominal altitude in dB, worst scene; NaN where there is no light."""
     snr = np.min([closed_form.nominal_snr(r, c.light_x) for r, c in zip(rows, chosen, strict=True)], axis=0)
     with np.errstate(invalid="ignore"):
-        return np.asarray(sensor.to_db(np.where(snr > 0, snr, np.nan)))
+        return np.asarray(ratio_to_db(np.where(snr > 0, snr, np.nan)))
 
 
 def weighted_goal(
@@ -323,7 +323,7 @@ def weighted_goal(
             [closed_form.nominal_snr(r, c.light_x) for r, c in zip(rows, chosen, strict=True)], axis=0
         )
         with np.errstate(divide="ignore", invalid="ignore"):
-            value = power_weight * power - snr_weight * sensor.to_db(got)
+            value = power_weight * power - snr_weight * ratio_to_db(got)
         return np.where(feasible, value, np.inf)
 
     start, _ = closed_form.least_power(rows, motorised)

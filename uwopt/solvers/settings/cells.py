@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.model import sensor
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings.cell_bounds import Box, Points, Reach, SceneCells
 from uwopt.solvers.settings.cell_information import RULE_ERROR, Information
@@ -30,6 +29,7 @@ from uwopt.solvers.settings.cell_tangent import (
     typical_bit_per_px,
 )
 from uwopt.solvers.settings.closed_form import Chosen, nominal_contrast
+from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
 QUALITIES = ("snr_db", "contrast", "information")
@@ -294,7 +294,7 @@ class CellSearch:
         w = self.weight
         total = w["power"] * power
         if w["snr_db"]:
-            total = total - w["snr_db"] * sensor.to_db(np.maximum(snr, 1e-300))
+            total = total - w["snr_db"] * ratio_to_db(np.maximum(snr, 1e-300))
         if w["contrast"]:
             total = total - w["contrast"] * contrast
         return np.asarray(total - w["information"] * information if w["information"] else total)
@@ -390,7 +390,7 @@ class CellSearch:
         for kept, p in zip(self.kept, points, strict=True):
             for name, column in kept.items():
                 column[d[pick]] = getattr(p.chosen, name)[index[pick]]
-        self.figures["snr_db"][d[pick]] = sensor.to_db(np.maximum(snr[pick], 1e-300))
+        self.figures["snr_db"][d[pick]] = ratio_to_db(np.maximum(snr[pick], 1e-300))
         self.figures["contrast"][d[pick]] = contrast[pick]
         if self.information:
             self.figures["information"][d[pick]] = np.asarray(information)[pick]
