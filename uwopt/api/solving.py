@@ -31,7 +31,15 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.result import Certificate, Design, Result, is_settable
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.explain.robustness import SLOW_S
-from uwopt.solvers.recommend import GENERIC_GAIN, Sought, design_of, hardware_of, seek
+from uwopt.solvers.recommend import (
+    BETTER_UNSETTABLE,
+    GENERIC_GAIN,
+    Sought,
+    best_settable,
+    design_of,
+    hardware_of,
+    seek,
+)
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import PROVEN_GAP_REL
@@ -96,7 +104,7 @@ def solve(
             result, wanted, catalog, goal, sought, alternative, timing, deadline, progress
         )
     else:
-        result = found_result(result, goal, sought, alternative, timing, deadline, solver=solver)
+        result, sought = found_result(result, goal, sought, alternative, timing, deadline, solver=solver)
         if measured is None and accuracy and not interrupted(result):
             try:
                 estimator = estimator_of_search(sought, goal, deadline)
@@ -176,20 +184,21 @@ def found_result(
     deadline: Deadline,
     *,
     solver: str,
-) -> Result:
-    """A result with a recommendation."""
+) -> tuple[Result, Sought]:
+    """A result with a recommendation, and the search with what is recommended at its head."""
     from uwopt.solvers.explain.robustness import assumptions
 
-    best = sought.outcome.best
     cut = alternative is not None and alternative.outcome.interrupted
     in_haste = cut or sought.outcome.interrupted
     others: list[Design] = []
     with timed(timing, "evaluation"):
         try:
-            winner = design_of(sought, best[0], goal)
-            others = [design_of(sought, found, goal, with_rounding=False) for found in best[1:]]
+            sought, winner = best_settable(sought, goal)
+            runners_up = sought.outcome.best[1:]
+            others = [design_of(sought, found, goal, with_rounding=False) for found in runners_up]
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
-            cut, winner = True, design_of(sought, best[0], goal)
+            cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
+    best = sought.outcome.best[0]
     in_haste = in_haste or cut
     generic = None
     if alternative is not None and alternative.outcome.best:
@@ -210,12 +219,13 @@ def found_result(
     except KeyboardInterrupt:  # what is proven is not lost
         cut = True
     proven = sought.outcome.complete
-    hardware = hardware_of(best[0])
-    given = given_of(sought.problem, hardware, best[0].settings)
+    hardware = hardware_of(best)
+    given = given_of(sought.problem, hardware, best.settings)
     influences = influences_of(sought.problem, hardware, given, goal)
     proof = certificate(sought.selection, sought.problem, sought.outcome, goal)
     wide = proven and (proof.gap_rel or 0.0) > PROVEN_GAP_REL
-    return replace(
+    second_best = any(warning["code"] == BETTER_UNSETTABLE for warning in winner.warnings)
+    made = replace(
         result,
         physics={**result.physics, "effects": [item.as_dict() for item in proven_in_full(influences)]},
         status="stopped" if not proven else "optimal" if is_settable(winner) and not wide else "feasible",
@@ -223,7 +233,7 @@ def found_result(
         runners_up=others,
         generic_alternative=generic,
         certificate=proof,
-        assumptions=assumptions(sought.problem, best[0]),
+        assumptions=assumptions(sought.problem, best),
         robustness=doubt,
         solvers=opinions,
         objective={**result.objective, "value": winner.objective_value},
@@ -232,9 +242,10 @@ def found_result(
             *selection_warnings(sought.selection),
             *winner.warnings,
             *(haste_warnings(sought) or (cut_warnings() if cut else [])),
-            *(gap_warnings(proof) if wide else []),
+            *(gap_warnings(proof) if wide and not second_best else []),
         ],
     )
+    return made, sought
 
 
 def doubts(sought: Sought, goal: Objective, winner: Design, deadline: Deadline) -> dict[str, Any] | None:
@@ -316,7 +327,7 @@ def audited(
     """A result with the outcome of an attack on its certificate."""
     from uwopt.solvers.exact.audit import audit as attack
 
-    best = sought.outcome.best[0].minimised if sought.outcome.best else None
+    best = min((found.minimised for found in sought.outcome.best), default=None)
     with timed(timing, "audit"):
         report = attack(
             sought.search, goal, count=count, seed=seed, best_value=best,

@@ -18,7 +18,6 @@ from uwopt.catalog.compatibility import explain_pair
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import SolverError
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.design_model import design_model
 from uwopt.forward.assembly import Generic, build_problem, selected
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
@@ -26,16 +25,18 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
-from uwopt.results.result import NOT_SETTABLE, Design
+from uwopt.results.result import NOT_SETTABLE, Design, is_settable
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.settable.rounding import given_of, rounded_design
 from uwopt.solvers.settable.steps import printed
 from uwopt.tolerances import AGREES_REL
+from uwopt.units import format_quantity
 
 Progress = Callable[[float, str], None]
 GENERIC_GAIN = 0.10
+BETTER_UNSETTABLE = "better_unsettable"  # code of the warning that better parts cannot be set
 
 
 @dataclass
@@ -70,7 +71,6 @@ def hardware_of(found: Found) -> Hardware:
 def scene_rows_of(search: Search, found: Found) -> list[SceneRows]:
     """The settings' view of one found design, by scene."""
     imager = np.array([found.imager])
-    design_model(search.problem, hardware_of(found))  # the tables then reach as far as its image
     lights = [search.tables.exact(i, found.lighting, imager) for i in range(len(search.problem.scenes))]
     return search.rows(imager, lights, np.array([found.light]), np.array([found.count]), found.lighting)
 
@@ -82,6 +82,35 @@ def design_of(sought: Sought, found: Found, objective: Objective, *, with_roundi
     check_claim(design, found, objective)
     design = replace(design, warnings=[*part_warnings(problem, hardware), *design.warnings])
     return with_rounded(problem, found, design, objective) if with_rounding else design
+
+
+def best_settable(sought: Sought, objective: Objective) -> tuple[Sought, Design]:
+    """The best design that a person can set, and the search with it at the head of those it found.
+
+    Where none of them can be set it is the best all the same, with a warning.
+    """
+    found, currency = sought.outcome.best, sought.problem.mission.limits.currency
+    first = design_of(sought, found[0], objective)
+    for index, other in enumerate(found[1:] if not is_settable(first) else [], 1):
+        design = design_of(sought, other, objective)
+        if is_settable(design):
+            best = [other, *found[:index], *found[index + 1 :]]
+            design = replace(
+                design, warnings=[better_but_unsettable(first, objective, currency), *design.warnings]
+            )
+            return replace(sought, outcome=replace(sought.outcome, best=best)), design
+    return sought, first
+
+
+def better_but_unsettable(design: Design, objective: Objective, currency: str) -> dict[str, str]:
+    """That other parts would be better by exact numbers that nobody can type in."""
+    names = ", ".join(str(design.hardware[kind]["id"]) for kind in ("camera", "lens", "port", "light"))
+    value = format_quantity(design.objective_value, objective.unit(currency), 4)
+    text = (
+        f"with {names} the exact optimum is {value}, but no stop of the lens with steps of time, gain and light was "
+        "found that meets every requirement there; recommended is the best of the next that can be set"
+    )
+    return {"code": BETTER_UNSETTABLE, "path": "hardware", "message": text}
 
 
 def evaluated(problem: Problem, found: Found, objective: Objective) -> Design:
