@@ -55,20 +55,15 @@ def numbers_that_are_not_finite(value: Any) -> list[float]:
     return [value] if isinstance(value, float) and not math.isfinite(value) else []
 
 
-#: Proven, but no mark of the lens lies between the depth of field (F2.31) and the blur (F2.34).
-BETWEEN_MARKS = {("nui-acfr", "paper")}
-
-
-def assert_proven(result: Result, *, settable: bool = True) -> None:
+def assert_proven(result: Result) -> None:
     """The certificate is complete, its gap is closed, and its account adds up to what was loaded.
 
     Only what can be set is called optimal.
     """
     proof, best = result.certificate, result.recommendation
     assert best is not None
-    assert all((scene.settings_to_set is not None) == settable for scene in best.scenes)
-    assert result.status == ("optimal" if settable else "feasible")
-    assert settable or "not_settable" in {warning["code"] for warning in result.warnings}
+    assert all(scene.settings_to_set is not None for scene in best.scenes)
+    assert result.status == "optimal"
     assert proof is not None
     assert proof.complete
     assert proof.gap_rel is not None
@@ -98,7 +93,7 @@ def test_mission_is_solved_and_its_claims_hold(name: str, physics: str, monkeypa
     best = result.recommendation
     assert best is not None
     assert best.feasible
-    assert_proven(result, settable=(name, physics) not in BETWEEN_MARKS)
+    assert_proven(result)
     assert_no_runner_up_is_better(result)
     assert numbers_that_are_not_finite(result.to_dict()) == []
     assert result.audit is not None

@@ -14,6 +14,11 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{TESTS}test_result_is_not_headed_optimal_where_nothing_can_be_set",
     ),
     Defect(
+        name="the best is recommended though it cannot be set", file="uwopt/solvers/recommend.py",
+        old="found[1:] if not is_settable(first) else []", new="[]",
+        test=f"{TESTS}test_next_best_that_can_be_set_is_recommended",
+    ),
+    Defect(
         name="settings that miss a requirement are offered", file="uwopt/solvers/recommend.py",
         old="if not again.feasible:", new="if again.scenes == []:",
         test=f"{TESTS}test_no_settings_are_offered_where_none_holds",

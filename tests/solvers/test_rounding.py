@@ -210,7 +210,11 @@ def test_level_between_two_microseconds_is_not_offered() -> None:
 @pytest.fixture(scope="module")
 def unsettable() -> uwopt.Result:
     """The result of a mission whose optimum cannot be set."""
-    case = between_two_microseconds()
+    return solved_with(between_two_microseconds())
+
+
+def solved_with(case: rc.Case) -> uwopt.Result:
+    """A case solved as a user's mission is, its parts the whole catalogue."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
             "uwopt.api.solving.load_catalog", lambda mission=None: Catalog(*sc.parts_of(case.parts))
@@ -238,6 +242,25 @@ def test_text_says_that_the_optimum_cannot_be_typed_in(unsettable: uwopt.Result)
     assert "Settings to type in" not in text
     assert "no settings that can be typed in were found" in text
     assert "The nearest misses mean image level." in text
+
+
+def test_next_best_that_can_be_set_is_recommended() -> None:
+    # the dimmer lamp falls between 10 and 11 us; the other, 10.5 / 11 as bright, meets the level at 11 us for 1 W more
+    case = between_two_microseconds()
+    best = case.parts.lights[0]
+    assert best.flux_lm is not None and best.power_w is not None
+    flux, power = best.flux_lm.value * 10.5 / 11.0, best.power_w.value + 1.0
+    other = replace(best, id="settable", flux_lm=exact(flux), power_w=exact(power))
+    result = solved_with(replace(case, parts=replace(case.parts, lights=(best, other))))
+    assert result.best is not None and result.certificate is not None
+    assert (
+        result.best.hardware["light"]["id"] == "settable"
+        and result.best.scenes[0].settings_to_set is not None
+    )
+    assert [design.hardware["light"]["id"] for design in result.runners_up] == [best.id]
+    assert "better_unsettable" in [warning["code"] for warning in result.warnings]
+    assert result.status == "feasible"  # 1 W above what is proven, which the certificate says
+    assert result.certificate.gap_abs == pytest.approx(1.0, rel=1e-6)
 
 
 # ---------------------------------------------------------------- marks

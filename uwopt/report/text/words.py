@@ -369,6 +369,8 @@ def status_sentence(result: Result) -> str:
             return f"{counted(len(missed), 'requirement')} {verb} missed"
     if result.status == "feasible" and result.best is not None and not is_settable(result.best):
         return "the exact design meets every requirement, but no settings that can be typed in were found that do"
+    if result.status == "feasible" and any(w.get("code") == "better_unsettable" for w in result.warnings):
+        return "the best that can be set; by exact numbers that cannot, other parts are better"
     if result.status == "stopped" and result.best is None:
         interrupted = any(warning.get("code") == "interrupted" for warning in result.warnings)
         return f"{'interrupted' if interrupted else 'stopped by a limit'} before a system was found"
