@@ -26,7 +26,7 @@ from uwopt.forward.focus import place_focus
 from uwopt.forward.motion import required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.objectives.axes import Axes
-from uwopt.objectives.objective import MAXIMISED, Objective
+from uwopt.objectives.objective import MAXIMISED
 from uwopt.solvers.front.designs import found_of
 from uwopt.solvers.front.search import Front, FrontSearch
 
@@ -297,16 +297,11 @@ def gains(model: DesignModel, index: int, unit: SettingRows) -> Any:
 def evaluated_values(search: FrontSearch, front: Front, place: int) -> tuple[Any, list[str]]:
     """What `evaluate_design` says of a front's point, and which requirements it misses."""
     found = found_of(search.search, front, place)
-    values, missed = [], []
-    for name in front.axes.names:
-        design = cases.evaluated(search.search, found, Objective.of(name))
-        missed = [
-            f"{m.requirement} = {m.value} against {m.limit}"
-            for s in design.scenes
-            for m in s.margins
-            if not m.satisfied
-        ]
-        values.append(
-            cases.signed(name, math.nan if design.objective_value is None else design.objective_value)
-        )
-    return np.array(values), missed
+    design, values = cases.evaluated_values(search.search, found, front.axes.names)
+    missed = [
+        f"{m.requirement} = {m.value} against {m.limit}"
+        for s in design.scenes
+        for m in s.margins
+        if not m.satisfied
+    ]
+    return values, missed

@@ -16,7 +16,7 @@ from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import design_model
 from uwopt.forward.focus import place_focus
 from uwopt.objectives.dominance import nondominated
-from uwopt.objectives.objective import MAXIMISED, Objective
+from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import exact_settings
@@ -58,6 +58,20 @@ def evaluated(search: Search, found: Any, objective: Objective) -> Any:
     model = design_model(search.problem, hardware)
     given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
     return evaluate_design(search.problem, hardware, given, objective)
+
+
+def evaluated_values(search: Search, found: Any, names: tuple[str, ...]) -> tuple[Any, Any]:
+    """A found design evaluated once, and from the terms that its objective was given every one of these, minimised."""
+    seen: list[Terms] = []
+
+    class Watching(Objective):
+        def cost_to_minimise(self, terms: Terms) -> Any:
+            seen.append(terms)
+            return super().cost_to_minimise(terms)
+
+    design = evaluated(search, found, Watching({names[0]: 1.0}))
+    (terms,) = seen
+    return design, np.array([Objective.of(name).cost_to_minimise(terms)[0] for name in names])
 
 
 def enumerated_power_and_cost(seed: int) -> Any:
@@ -120,8 +134,3 @@ def enumerated_with_information(case: Any) -> Any:
         found.append(np.column_stack([power + brute.fixed_terms(model)["camera_power_w"], -bits]))
     every = np.concatenate(found)
     return every[nondominated(every)]
-
-
-def signed(name: str, value: float) -> float:
-    """A figure as searches see it."""
-    return -value if name in MAXIMISED else value
