@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import os
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -168,31 +166,3 @@ def test_a_clock_takes_runs_long_enough():
     calls = []
     result, seconds = timed(lambda: calls.append(1) or len(calls), at_least_s=0.001, repeats=2)
     assert result == 1 and 0 < seconds < 0.001
-
-
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-
-
-@pytest.mark.skipif(
-    BROWSER is None and os.environ.get("UWOPT_REQUIRE_BROWSER") != "1", reason="needs chromium on the path"
-)
-def test_the_page_draws_its_charts_in_a_browser_without_a_network(with_suites: Any, tmp_path: Path):
-    from playwright.sync_api import sync_playwright
-
-    with_suites(suite("one"), suite("two", chart="progress"), suite("three", chart="scaling"))
-    write_bench(runner.run(), tmp_path)
-    faults: list[str] = []
-    with sync_playwright() as player:
-        browser = player.chromium.launch(executable_path=BROWSER, args=["--no-sandbox", "--disable-gpu"])
-        page = browser.new_page()
-        page.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
-        page.on("pageerror", lambda fault: faults.append(str(fault)))
-        page.context.set_offline(True)
-        page.goto((tmp_path / "bench.html").as_uri())
-        page.wait_for_function(
-            "() => [...document.querySelectorAll('[data-figure]')].every(p => p.dataset.drawn === 'true')",
-            timeout=60_000,
-        )
-        assert page.locator(".plot").count() == 6
-        browser.close()
-    assert faults == []

@@ -14,6 +14,10 @@ from typing import Any
 import pytest
 
 from uwopt.api.evaluating import evaluate
+from uwopt.bench.machine import machine
+from uwopt.bench.page import bench_html
+from uwopt.bench.run import Bench
+from uwopt.bench.suite import BenchRow, BenchTable, Chart, Suite
 from uwopt.report.page.page import report_html
 
 ROOT = Path(__file__).parents[2]
@@ -81,11 +85,11 @@ def tab(listened: Callable[[list[str]], Any]) -> tuple[Any, list[str]]:
 
 @pytest.fixture
 def show(tab: tuple[Any, list[str]], file: Path) -> Iterator[Callable[..., Any]]:
-    """Load the page of a result; at the end no error may stand in the console, and nothing was asked for."""
+    """Load a result's page, or one given; at the end the console holds no error, and nothing was asked for."""
     page, faults = tab
 
     def loaded(result: Any, viewport: Any = WINDOW, color_scheme: str = "light") -> Any:
-        file.write_text(report_html(result), encoding="utf-8")
+        file.write_text(result if isinstance(result, str) else report_html(result), encoding="utf-8")
         page.set_viewport_size(viewport)
         page.emulate_media(media="screen", color_scheme=color_scheme)
         page.goto(file.as_uri())
@@ -486,3 +490,33 @@ def test_what_is_opened_for_paper_is_closed_again(show: Callable[..., Any], make
     expect(folded).to_have_count(0, timeout=PATIENCE_MS)
     page.emulate_media(media="screen")
     expect(folded).to_have_count(some, timeout=PATIENCE_MS)
+
+
+def test_page_of_a_benchmark_draws_its_charts(show: Callable[..., Any]) -> None:
+    def table(rows: Any) -> list[BenchTable]:
+        return [BenchTable("All <of> them", ("rule", "rows"), [["any", str(len(rows))]])]
+
+    kinds: tuple[Chart, ...] = ("precision", "progress", "scaling")
+    suites = [
+        Suite(
+            kind,
+            f"Suite {kind}",
+            "What it <i>measures</i>.",
+            kind,
+            lambda budget: iter(()),
+            1.0,
+            1.0,
+            tables=table,
+        )
+        for kind in kinds
+    ]
+    rows = [
+        BenchRow(kind, "case <b>" if n % 2 else "=1+1", f"rule {n % 3}", size=2.0**n, time_s=1e-3 * 2**n,
+                 error=None if n == 5 else 10.0**-n, memory_mib=10.0 + n)
+        for kind in kinds for n in range(6)
+    ]  # fmt: skip
+    page = show(bench_html(Bench(True, 0, (), machine(), suites, rows, dict.fromkeys(kinds, 1.0))))
+    page.wait_for_function(
+        "() => [...document.querySelectorAll('[data-figure]')].every(p => p.dataset.drawn === 'true')"
+    )
+    assert page.locator(".plot").count() == 6
