@@ -7,6 +7,7 @@ import time
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from thorough import drawn
 
 from uwopt.documents.faults import nearest, path_text, show
 from uwopt.documents.reading import MAX_BYTES, read_document
@@ -179,14 +180,14 @@ def test_a_mapping_of_python_is_copied_to_plain_values(tmp_path):
     assert read_document(data).data == {"a": 2.5, "b": [1, 2], "c": str(tmp_path), "4": [1, 2]}
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=drawn(100, 1000))
 @given(st.text(max_size=80))
 def test_any_text_gives_values_or_a_fault(text):
     with contextlib.suppress(MissionError):
         compose(text, "fuzz.yaml")
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=drawn(100, 1000))
 @given(st.text(alphabet="ab:-[]{}&*<!?|>#'\" \n\t1.,", max_size=60))
 def test_any_yaml_like_text_gives_values_or_a_fault(text):
     with contextlib.suppress(MissionError):

@@ -11,6 +11,7 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from thorough import drawn
 
 from uwopt.errors import MissionError
 from uwopt.mission.mission import Mission, load_mission
@@ -485,7 +486,7 @@ missions = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=drawn(40, 400))
 @given(missions)
 def test_a_mission_survives_the_way_through_a_dict(data):
     mission = load_mission(data)
@@ -520,7 +521,7 @@ keys = sorted(
 )
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=drawn(100, 1000))
 @given(st.lists(st.tuples(st.sampled_from(sections), st.sampled_from(keys), values), max_size=5), values)
 def test_any_structure_is_a_mission_or_a_mission_error(changes, whole):
     data = copy.deepcopy(SMALL)

@@ -1,6 +1,6 @@
 """Fuzzing: NumPy's floating-point errors raised, warnings as errors, the same examples in every run.
 
-`UWOPT_FUZZ=20 .venv/bin/pytest tests/fuzz` draws 20 times as many examples, new ones in each run.
+`UWOPT_FUZZ=20 .venv/bin/pytest tests/fuzz` draws 50 times as many examples, new ones in each run.
 """
 
 from __future__ import annotations

@@ -41,15 +41,19 @@ HARDWARE = (
 )
 PHYSICS = ("auto", "full", "paper")
 SPANS = {field.name: field.cell.span for field in ALL_FIELDS}
-FUZZ = int(os.environ.get("UWOPT_FUZZ", drawn("0", "5")))
+FUZZ = float(os.environ.get("UWOPT_FUZZ", drawn("0.4", "5")))  # times the number of examples
 Draw = Any
 
 
 def examples(count: int) -> Any:
-    """Hypothesis's settings for so many examples, the same in every run unless UWOPT_FUZZ asks for more."""
+    """Hypothesis's settings for so many examples times UWOPT_FUZZ; without that for fewer, but no fewer than 4.
+
+    They are the same in every run unless UWOPT_FUZZ asks for as many or more.
+    """
+    alike = FUZZ < 1.0
     return settings(
-        max_examples=count * max(FUZZ, 1), derandomize=not FUZZ, deadline=None, database=None,
-        suppress_health_check=list(HealthCheck), print_blob=bool(FUZZ),
+        max_examples=max(math.ceil(count * FUZZ), min(count, 4)), derandomize=alike, deadline=None, database=None,
+        suppress_health_check=list(HealthCheck), print_blob=not alike,
         phases=[phase for phase in Phase if phase is not Phase.shrink],
     )  # fmt: skip
 
