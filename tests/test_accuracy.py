@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from importlib import util
 from pathlib import Path
 from types import ModuleType
@@ -14,6 +15,7 @@ import pytest
 from thorough import drawn
 
 import uwopt
+from uwopt.api import solving
 from uwopt.api.accuracy import estimator_of
 from uwopt.api.common import prepared
 from uwopt.api.evaluating import scene_settings
@@ -48,7 +50,7 @@ REFERENCE = Fineness(*[FINEST] * len(PARTS))
 HALF = coarsest(PARTS)
 #: Random cases by seed, in groups; by default those that are quick and whose errors come near to what is claimed.
 GROUPS = drawn(
-    [[(0, 3), (8, 1)], [(1, 3), (7, 3), (11, 2)]], [[(chunk, number) for number in range(4)] for chunk in range(60)]
+    [[(0, 3), (8, 1), (11, 2)]], [[(chunk, number) for number in range(4)] for chunk in range(60)]
 )  # fmt: skip
 NO_TRANSFER = 5e-2  # an image so blurred has none to speak of, and these digits of it do not matter:
 OF_TRANSFER = ("mtf_half_nyquist", "resolution_10_mm")
@@ -218,16 +220,20 @@ def test_evaluation_tells_errors_only_when_asked():
     assert {"accuracy", "evaluation", "catalogue", "total"} <= set(told.timing_s)
 
 
+@cache
+def finest_of_abe() -> Design:
+    """The published system in its mission, with the finest integrals."""
+    mission, built = prepared(ABE[0], "full", None), load_system(ABE[1])
+    problem, hardware = system_problem(mission, built)
+    given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
+    return evaluate_design(problem.with_fineness(REFERENCE), hardware, given, Objective.of(mission.objective))
+
+
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4])
 def test_evaluation_within_a_tolerance_is_that_near_to_the_finest(tolerance: float):
     found = uwopt.evaluate(*ABE, physics="full", tolerance=tolerance)
     assert found.accuracy["meets_tolerance"] and found.accuracy["largest"]["error_rel"] <= tolerance
-    mission, built = prepared(ABE[0], "full", None), load_system(ABE[1])
-    problem, hardware = system_problem(mission, built)
-    given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
-    finest = evaluate_design(
-        problem.with_fineness(REFERENCE), hardware, given, Objective.of(mission.objective)
-    )
+    finest = finest_of_abe()
     assert found.design is not None
     for name, value in found.design.scenes[0].figures.items():
         if is_number(value):
@@ -243,7 +249,8 @@ def test_evaluation_within_a_tolerance_is_that_near_to_the_finest(tolerance: flo
     )
 
 
-def test_a_search_tells_gap_and_residual_and_within_a_tolerance_errors():
+def test_a_search_tells_gap_and_residual_and_within_a_tolerance_errors(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(solving, "doubts", lambda *given: None)  # half of the time; tells nothing of errors
     mission = load_mission(REEF).with_changes(physics="full")
     plain = uwopt.solve(mission)
     assert plain.accuracy.keys() == {"gap_abs", "gap_rel", "kkt_residual"}
