@@ -289,21 +289,31 @@ def result_file(evaluated: Result, tmp_path: Path) -> Path:
     return file
 
 
+@pytest.fixture
+def infeasible_file(result_file: Path, evaluated: Result) -> Path:
+    """A result without a design: its page is written at once, for it has no pictures."""
+    result = replace(
+        evaluated, command="solve", status="infeasible", design=None, infeasible={"requirements": []}
+    )
+    result_file.write_text(result.to_json(), encoding="utf-8")
+    return result_file
+
+
 @pytest.mark.parametrize(("out", "written"), [
     ([], "report.html"), (["--out", "page.html"], "page.html"), (["--out", "new"], "new/report.html"),
     (["--out", "a/b/page.htm"], "a/b/page.htm"), (["--out", "there"], "there/report.html"),
 ])  # fmt: skip
 def test_report_goes_beside_the_result_or_where_it_is_asked_for(
-    result_file: Path, monkeypatch: pytest.MonkeyPatch, out: list[str], written: str
+    infeasible_file: Path, monkeypatch: pytest.MonkeyPatch, out: list[str], written: str
 ) -> None:
-    folder = result_file.parent
+    folder = infeasible_file.parent
     monkeypatch.chdir(folder)
     (folder / "there").mkdir()
-    done = run("report", result_file.name, *out)
+    done = run("report", infeasible_file.name, *out)
     assert done.exit_code == 0, done.stderr
     assert done.stdout == "" and "written: " in done.stderr
     assert (folder / written).read_text("utf-8").startswith("<!doctype html>")
-    assert run("report", result_file.name, *out, "--quiet").stderr == ""  # again, and silently
+    assert run("report", infeasible_file.name, *out, "--quiet").stderr == ""  # again, and silently
 
 
 def test_report_of_a_report_is_the_same(result_file: Path, evaluated: Result) -> None:
@@ -316,13 +326,9 @@ def test_report_of_a_report_is_the_same(result_file: Path, evaluated: Result) ->
     assert (out / "report.html").read_bytes() == before
 
 
-def test_report_of_an_infeasible_result_is_done(result_file: Path, evaluated: Result) -> None:
-    result = replace(
-        evaluated, command="solve", status="infeasible", design=None, infeasible={"requirements": []}
-    )
-    result_file.write_text(result.to_json(), encoding="utf-8")
-    assert run("report", result_file).exit_code == 0
-    assert "Why nothing fits" in (result_file.parent / "report.html").read_text("utf-8")
+def test_report_of_an_infeasible_result_is_done(infeasible_file: Path) -> None:
+    assert run("report", infeasible_file).exit_code == 0
+    assert "Why nothing fits" in (infeasible_file.parent / "report.html").read_text("utf-8")
 
 
 def test_report_refuses_what_is_no_result(tmp_path: Path, result_file: Path) -> None:
