@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -46,12 +45,6 @@ def test_table_tells_every_method(rows: Sequence[BenchRow]) -> None:
     assert [line[1] for line in table.rows] == ["exact", "nsga2", "ctaea"]
     late = [replace(row, error=0.5) if row.method == "nsga2" and row.error else row for row in rows]
     assert "not in" in fronts.table_of(late).rows[1][3]
-
-
-def test_latest_archive_is_the_one_that_stood_at_a_time() -> None:
-    history: list[tuple[float, Any]] = [(1.0, np.array([[1.0]])), (2.0, np.array([[2.0]]))]
-    assert len(fronts.latest(history, 0.5)) == 0
-    assert fronts.latest(history, 1.5)[0, 0] == 1.0
 
 
 def test_mission_without_an_exact_front_is_told_so() -> None:

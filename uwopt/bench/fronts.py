@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from statistics import median
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.api.common import prepared
 from uwopt.bench.contest import at_most, mission_of, sources_of
 from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite
 from uwopt.deadline import Deadline
@@ -35,26 +33,9 @@ LONGEST_RUN_S, SHORTEST_RUN_S = 10.0, 0.5
 EXACT = "exact"
 
 
-def exact_front(
-    mission: Mission | str | Path,
-    names: Sequence[str],
-    generic: Generic = "never",
-    *,
-    longest_s: float = LONGEST_S,
-) -> Front:
-    """The exact front over the parts that are sold, or those to be made too."""
-    wanted = mission if isinstance(mission, Mission) else prepared(mission, None, None)
-    return FrontSearch(problem_of(wanted, generic), Axes.of(names), deadline=Deadline.after(longest_s)).run()
-
-
 def problem_of(mission: Mission, generic: Generic) -> Problem:
     """Fresh tables of the parts that a mission allows."""
     return build_problem(mission, selected(mission, load_catalog(mission), generic=generic))
-
-
-def latest(history: Sequence[tuple[float, Array]], at_s: float) -> Any:
-    """The archive of a run as it stood."""
-    return next((values for when, values in reversed(history) if when <= at_s), [])
 
 
 # ---------------------------------------------------------------- runs as rows

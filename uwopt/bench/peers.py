@@ -176,7 +176,7 @@ def smooth_or_raise(referee: Referee) -> None:
 
 def genetic(referee: Referee, seed: int) -> None:
     """pymoo's genetic algorithm."""
-    from uwopt.solvers.population import pymoo_single
+    from uwopt.bench import pymoo_single
 
     ground = VectorGround(referee)
     if not ground.coding.empty:
@@ -228,8 +228,9 @@ PEERS: dict[str, Callable[[Referee, int], None]] = {
 
 def load_libraries() -> None:
     """Import what the peers need before any clock starts."""
-    for name in ("continuous.casadi_ipopt", "continuous.nlopt_algorithms", "population.pymoo_single"):
-        import_module(f"uwopt.solvers.{name}")
+    for name in ("casadi_ipopt", "nlopt_algorithms"):
+        import_module(f"uwopt.solvers.continuous.{name}")
+    import_module("uwopt.bench.pymoo_single")
     import_module("scipy.optimize")
 
 

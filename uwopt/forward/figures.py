@@ -7,7 +7,7 @@ requirement holds over a band.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -56,15 +56,6 @@ class DesignRows:
     light: ImageLight  # electrons per lm s of nameplate light
     sun: SunLight | None = None  # electrons per second of open shutter
     sharp: SharpRows | None = None  # what MTF and information depend on
-
-    def by_altitude(self) -> DesignRows:
-        """The same rows with each altitude contiguous, so that millions of designs are worked through faster."""
-
-        def packed(rows: Any) -> Any:
-            columns = {f.name: getattr(rows, f.name) for f in fields(rows)}
-            return replace(rows, **{k: np.asfortranarray(v) for k, v in columns.items() if np.ndim(v) == 2})
-
-        return replace(packed(self), view=packed(self.view), light=packed(self.light))
 
 
 def light_time_s(rows: DesignRows, settings: SettingRows) -> Array:

@@ -1,6 +1,6 @@
-"""Measure uwopt and print tables; with --write also into bench/results.md.
+"""Measure how fast uwopt is and print tables; with --write also into docs/speed.md.
 
-    python bench/run.py [--write] [--quick] [--note TEXT]
+    python docs/make_speed.py [--write] [--quick] [--note TEXT]
 
 Numbers are medians. They hold for the machine and the load they were measured under; where two things are
 compared, the ratio is of the same run. No test depends on them.
@@ -16,24 +16,51 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 from statistics import median
 from typing import Any
 
+import numpy as np
+
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 import uwopt  # noqa: E402
 from uwopt.bench.machine import processor  # noqa: E402
+from uwopt.deadline import Deadline  # noqa: E402
+from uwopt.errors import MissionError  # noqa: E402
+from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected  # noqa: E402
+from uwopt.forward.batch import Batch  # noqa: E402
+from uwopt.forward.designs import Designs  # noqa: E402
+from uwopt.forward.effects import effects_kept  # noqa: E402
+from uwopt.forward.figures import SettingRows  # noqa: E402
+from uwopt.mission.mission import Mission, load_mission  # noqa: E402
+from uwopt.objectives.axes import Axes  # noqa: E402
+from uwopt.solvers.front.search import Front, FrontSearch  # noqa: E402
 
 PROBLEMS = ROOT / "problems"
 REEF = PROBLEMS / "reef-mosaic.yaml"
 MISSIONS = sorted(p for p in PROBLEMS.glob("*.yaml") if not p.stem.endswith(".system"))
 LIBRARIES = ("numpy", "scipy", "casadi", "nlopt", "pydantic", "jerlov")
 Row = Sequence[str]
+N_DESIGNS = 500
+SETTINGS_A_DESIGN = 32
+CLEAR = {
+    "scene": {"water": "I", "seafloor": 0.3, "depth_m": 100.0},
+    "vehicle": {"altitude_m": 0.4, "speed_m_s": 0.1, "light_baseline_m": 0.5},
+    "requirements": {"overlap": 0.5, "max_blur_px": 1.0, "min_dof_m": 0.05, "min_snr_db": 25.0},
+}  # no veil is kept: clear water at short range
+SCENES: list[tuple[str, Any, float]] = [
+    ("clear water, 0.4 m", CLEAR, 0.01),
+    ("reef-mosaic", REEF, 0.005),
+    ("usgs-squid5", PROBLEMS / "usgs-squid5.yaml", 0.005),
+]
+FRONTS = (("power", "cost", "information"), ("power", "cost", "snr_db"))
+LONGEST_FRONT_S = 120.0
 
 
 def process_s(*arguments: str) -> float:
@@ -119,45 +146,11 @@ def search_row(name: str, physics: str, results: Sequence[Any]) -> Row:
     ]  # fmt: skip
 
 
-def throughput_table(repeats: int) -> list[str]:
-    """The forward model on designs of the catalogue."""
-    from throughput import CHUNK, N_LAMPS, measure
-
-    rows, n_designs = [], 0
-    for physics in ("paper", "full"):
-        found = measure(str(REEF), physics, repeats=repeats)
-        one, two = found.designs_per_s[1], found.designs_per_s[2]
-        n_designs = found.n_designs
-        rows.append(
-            [
-                physics,
-                f"{one / 1e6:.2f}",
-                f"{two / 1e6:.2f}",
-                f"{two / one:.2f}",
-                f"{found.integrals_per_s:,.0f}",
-            ]
-        )
-    return [
-        "## Forward model",
-        "",
-        f"{n_designs} designs of the catalogue with random settings, {N_LAMPS} lamps, in chunks of {CHUNK}; figures",
-        "of all requirements at every altitude. What depends on hardware alone (the integral of the lamps' light",
-        "over the image) is a table by then; how many of those integrals are worked out a second stands beside.",
-        "",
-        *table(
-            ["physics", "10⁶ designs/s, 1 thread", "2 threads", "2 against 1", "integrals/s, 1 thread"],
-            rows,
-        ),
-    ]
-
-
 def physics_table(repeats: int) -> list[str]:
     """Physics `full` and `auto` over the same batches of designs."""
-    from physics import N_DESIGNS, SCENES, compare
-
     rows: list[Row] = []
     for name, mission, tolerance in SCENES:
-        c = compare(name, mission, tolerance=tolerance, repeats=repeats)
+        c = compare(mission, tolerance=tolerance, repeats=repeats)
         rows.append(
             [
                 name, f"{tolerance:g}", ", ".join(c.kept) or "nothing", f"{c.full_s:.2f}", f"{c.auto_s:.2f}",
@@ -175,6 +168,121 @@ def physics_table(repeats: int) -> list[str]:
             rows,
         ),
     ]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One scene: seconds a batch in both physics, and the forward model's rate with tables built."""
+
+    kept: tuple[str, ...]
+    full_s: float
+    auto_s: float
+    designs_per_s: float  # full, tables built, all requirement figures
+
+
+def compare(mission: Any, *, tolerance: float, repeats: int) -> Comparison:
+    """Time both physics over the same designs."""
+    loaded = load_mission(mission).with_changes(physics="full", tolerance=tolerance)
+    problem = build_problem(loaded, selected(loaded, load_catalog(loaded), generic="never"))
+    designs, settings = drawn(problem, np.random.default_rng(0))
+
+    def full() -> None:
+        batch = Batch(problem, designs)
+        batch.figures(0, batch.rows(0), settings)
+
+    def auto() -> None:
+        batch = Batch(problem, designs)
+        lean = batch.with_effects(effects_kept(batch.influences(tolerance, [settings])))
+        lean.figures(0, lean.rows(0), settings)
+
+    batch = Batch(problem, designs)
+    rows = batch.rows(0)
+
+    def tabulated() -> None:
+        for _ in range(SETTINGS_A_DESIGN):
+            batch.figures(0, rows, settings)
+
+    full(), auto(), tabulated()  # path tables are built once a scene, whichever physics
+    times = [(timed_s(full), timed_s(auto), timed_s(tabulated)) for _ in range(repeats)]
+    full_s, auto_s, tabulated_s = (median(each) for each in zip(*times, strict=True))
+    kept = tuple(i.name for i in batch.influences(tolerance, [settings]) if i.kept)
+    return Comparison(kept, full_s, auto_s, N_DESIGNS * SETTINGS_A_DESIGN / tabulated_s)
+
+
+def drawn(problem: Any, rng: np.random.Generator) -> tuple[Designs, SettingRows]:
+    """Random hardware of the problem's parts with two lamps, and random settings."""
+    n, parts = N_DESIGNS, problem.parts
+
+    def pick(count: int) -> Any:
+        return rng.integers(count, size=n)
+
+    def log(low: float, high: float) -> Any:
+        return np.exp(rng.uniform(np.log(low), np.log(high), n))
+
+    designs = Designs(
+        camera=pick(len(parts.cameras)), lens=pick(len(parts.lenses)), port=pick(len(parts.ports)),
+        landscape=rng.random(n) < 0.5, light=pick(len(parts.lights)), count=np.full(n, 2), mount=problem.mounts[0],
+    )  # fmt: skip
+    exposure = log(1e-4, 1e-2)
+    return designs, SettingRows(
+        f_number=log(1.4, 16), exposure_s=exposure, pulse_s=exposure, gain=log(1, 20), level=rng.uniform(0.1, 1.0, n),
+        rate_hz=np.full(n, 2.0), dioptre_per_m=np.full(n, 1.0),
+    )  # fmt: skip
+
+
+def timed_s(task: Callable[[], Any]) -> float:
+    """Duration of one call."""
+    start = time.perf_counter()
+    task()
+    return time.perf_counter() - start
+
+
+def front_table() -> list[str]:
+    """Time, size and gap of the exact front of every mission."""
+    rows: list[Row] = []
+    for path in MISSIONS:
+        mission = load_mission(path)
+        for names in FRONTS:
+            try:
+                found, kind = front_of(mission, names, "never"), "sold"
+                if found.complete and not len(found.values):
+                    found, kind = front_of(mission, names, "allow"), "to be made too"
+            except MissionError as fault:
+                why = str(fault).partition(": objective: ")[2].partition(";")[0]
+                rows.append([path.stem, names[-1], *["-"] * 6, why])
+                continue
+            hardware = {
+                tuple(
+                    int(column[a.design[i]])
+                    for column in (some.imager, some.light, some.count, some.lighting)
+                )
+                for some, a, i in found.designs
+            }
+            bound = found.hypervolume_bound
+            rows.append(
+                [
+                    path.stem, names[-1], kind, f"{found.seconds:.1f}", str(len(found.values)), str(len(hardware)),
+                    str(found.account["evaluated"]), f"{1 - found.hypervolume / bound:.1e}" if bound else "-",
+                    "complete" if found.complete else "stopped",
+                ]
+            )  # fmt: skip
+    return [
+        "## Exact fronts",
+        "",
+        "Search in process, tables included; *gap*: the share of the hypervolume that bounds leave open; *evaluated*:",
+        f"combinations whose settings were solved; stopped after {LONGEST_FRONT_S:g} s.",
+        "",
+        *table(
+            ["mission", "power, cost and", "parts", "s", "points", "hardware", "evaluated", "gap", "status"],
+            rows,
+        ),
+    ]
+
+
+def front_of(mission: Mission, names: Sequence[str], generic: Generic) -> Front:
+    """The exact front over the parts that are sold, or those to be made too."""
+    problem = build_problem(mission, selected(mission, load_catalog(mission), generic=generic))
+    return FrontSearch(problem, Axes.of(names), deadline=Deadline.after(LONGEST_FRONT_S)).run()
 
 
 def audit_table(count: int) -> list[str]:
@@ -200,14 +308,14 @@ def spread(seconds: Sequence[float]) -> str:
     return f"{min(seconds):.2f} - {max(seconds):.2f}"
 
 
-def heading(note: str, repeats: int, command: str = "python bench/run.py --write") -> list[str]:
+def heading(note: str, repeats: int) -> list[str]:
     """Where and when this was measured."""
     versions = ", ".join(f"{name} {metadata.version(name)}" for name in LIBRARIES)
     load = " ".join(f"{value:.1f}" for value in os.getloadavg()) if hasattr(os, "getloadavg") else "unknown"
     return [
         "# Measured",
         "",
-        f"Written by `{command}`.",
+        "Written by `python docs/make_speed.py --write`.",
         "",
         f"- {datetime.now(UTC):%Y-%m-%d %H:%M} UTC, uwopt {uwopt.__version__}",
         f"- {platform.system()} {platform.machine()}, {processor()}, {os.cpu_count()} cores",
@@ -221,7 +329,7 @@ def heading(note: str, repeats: int, command: str = "python bench/run.py --write
 def main() -> None:
     """Measure, print, write."""
     parser = argparse.ArgumentParser(description="Measure uwopt.")
-    parser.add_argument("--write", action="store_true", help="write bench/results.md")
+    parser.add_argument("--write", action="store_true", help="write docs/speed.md")
     parser.add_argument("--quick", action="store_true", help="one run each and a short audit")
     parser.add_argument("--note", default="", help="a line on the circumstances")
     asked = parser.parse_args()
@@ -230,16 +338,16 @@ def main() -> None:
     print("\n".join(sections[0]), flush=True)
     for measure in (
         lambda: command_table(repeats),
-        lambda: throughput_table(repeats),
         lambda: physics_table(repeats),
         lambda: search_table(min(repeats, 3)),
         lambda: audit_table(40 if asked.quick else 1000),
+        *([] if asked.quick else [front_table]),
     ):
         sections.append(measure())
         print("\n" + "\n".join(sections[-1]), flush=True)
     if asked.write:
         text = "\n\n".join("\n".join(section) for section in sections) + "\n"
-        (ROOT / "bench" / "results.md").write_text(text, encoding="utf-8")
+        (ROOT / "docs" / "speed.md").write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

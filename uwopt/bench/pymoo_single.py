@@ -1,7 +1,7 @@
 """One objective by pymoo's genetic algorithm, at the setting that pymoo's documentation gives for integers.
 
-Beside `pymoo_front` the only module that imports pymoo; import it late. It shares nothing with the fronts but
-the coding of designs, which is handed over.
+Beside `solvers.population.pymoo_front` the only module that imports pymoo; import it late. It shares nothing
+with the fronts but the coding of designs, which is handed over.
 """
 
 from __future__ import annotations

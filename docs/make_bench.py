@@ -1,6 +1,6 @@
-"""Run `uwopt bench` on the missions of this folder's neighbour and write what the page says as bench/error.md.
+"""Run `uwopt bench` on the missions of `problems/` and write what its page says as docs/bench.md.
 
-    python bench/error.py [--quick] [--seconds S] [--out DIR] [--note TEXT]
+    python docs/make_bench.py [--quick] [--seconds S] [--out DIR] [--note TEXT]
 
 With --out also bench.html, bench.json and the CSV files. No test depends on the numbers.
 """
@@ -25,7 +25,7 @@ def markdown(bench: Bench, note: str) -> str:
     lines = [
         "# Error against run time",
         "",
-        "Written by `python bench/error.py`, as `uwopt bench problems` measures it.",
+        "Written by `python docs/make_bench.py`, as `uwopt bench problems` measures it.",
         "",
     ]
     facts = machine_facts(bench)
@@ -63,7 +63,7 @@ def main() -> None:
     asked = parser.parse_args()
 
     def keep(bench: Bench) -> None:
-        (ROOT / "bench" / "error.md").write_text(markdown(bench, asked.note), encoding="utf-8")
+        (ROOT / "docs" / "bench.md").write_text(markdown(bench, asked.note), encoding="utf-8")
         if asked.out:
             write_bench(bench, asked.out)
 
