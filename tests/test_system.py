@@ -8,6 +8,7 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from thorough import drawn
 
 from uwopt.catalog.inline import part_from_inline
 from uwopt.errors import CatalogError, MissionError
@@ -207,7 +208,7 @@ keys = sorted({key for model in (*schema["$defs"].values(), schema) for key in m
 FULL = {**yaml.safe_load(system_template()), "scenes": {"a": {}}}
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=drawn(100, 300), deadline=None)
 @given(st.lists(st.tuples(st.sampled_from(["", *FULL]), st.sampled_from(keys), values), max_size=5))
 def test_any_structure_is_a_system_or_a_mission_error(changes):
     data = copy.deepcopy(FULL)

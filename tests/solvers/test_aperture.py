@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hand_made_rows import scene
+from thorough import drawn
 
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
@@ -47,7 +48,7 @@ def chosen_at(rows: SceneRows, f_number: float, most: float = np.inf) -> tuple[C
     return chosen, float(bits[0])
 
 
-@pytest.mark.parametrize("defocus_px", [0.0, 5.0, 20.0, 60.0])
+@pytest.mark.parametrize("defocus_px", drawn([0.0, 20.0], [0.0, 5.0, 20.0, 60.0]))
 def test_the_confirmed_aperture_is_the_best_of_a_plain_search(defocus_px: float) -> None:
     rows = rows_with(defocus_px, light=3.0)
     start = ApertureProgram(rows, chosen_at(rows, 4.0)[0])

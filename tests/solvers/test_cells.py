@@ -22,6 +22,7 @@ from uwopt.solvers.settings.cells import CellResult, best_by_cells
 Array = NDArray[Any]
 GAP = 1e-4
 CAMERA_W = np.array([3.0])
+SEEDS = (0, 1, 4, 9, 12)  # even ones burn, odd ones pulse
 
 
 def solved(rows: list[SceneRows], wanted: Any, **more: Any) -> CellResult:
@@ -91,7 +92,7 @@ def random_rows(rng: np.random.Generator, *, kind: int, **more: Any) -> SceneRow
     return lit(look, **values)
 
 
-@pytest.mark.parametrize("seed", drawn(range(0, 14, 2), range(14)))
+@pytest.mark.parametrize("seed", drawn(SEEDS, range(14)))
 @pytest.mark.parametrize("wanted", ["power", "snr_db"])
 def test_least_power_and_most_snr_of_a_sharp_image(wanted: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -99,14 +100,14 @@ def test_least_power_and_most_snr_of_a_sharp_image(wanted: str, seed: int) -> No
     check(rows, wanted, seed)
 
 
-@pytest.mark.parametrize("seed", drawn(range(0, 14, 2), range(14)))
+@pytest.mark.parametrize("seed", drawn(SEEDS, range(14)))
 def test_most_information(seed: int) -> None:
     rng = np.random.default_rng(100 + seed)
     # 2e-4: where motion ends inside the Nyquist square, the bound's nodes and the model's differ by up to 1e-4.
     check(random_rows(rng, kind=[CONTINUOUS, PULSED][seed % 2]), "information", seed, gap=2e-4)
 
 
-@pytest.mark.parametrize("seed", drawn(range(0, 10, 2), range(10)))
+@pytest.mark.parametrize("seed", drawn(SEEDS[:3], range(10)))
 @pytest.mark.parametrize("wanted", ["power", "snr_db"])
 def test_sunlight_beside_lamps(wanted: str, seed: int) -> None:
     rng = np.random.default_rng(200 + seed)

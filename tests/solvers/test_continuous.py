@@ -18,6 +18,7 @@ import pytest
 from hand_made_rows import FLASHES, STEPS, scene
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from thorough import drawn
 
 from uwopt.errors import SolverError
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
@@ -157,7 +158,9 @@ LOGS = dict(
 )  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
+@settings(
+    max_examples=drawn(30, 200), deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+)
 @given(
     logs=st.fixed_dictionaries(LOGS),
     far=st.floats(0.5, 1.0),
