@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from uwopt.catalog.checkfile import TEMPLATE_KINDS, check_file, template
 from uwopt.catalog.load import load_catalog
+from uwopt.catalog.userparts import yaml_table
 from uwopt.errors import CatalogError
 
 LENS_HEADER = "id,manufacturer,focal_length_mm,f_number_min,f_number_max,optical_format_in,mounts,price\n"
@@ -120,10 +121,25 @@ def test_yaml_faults_carry_their_line(tmp_path):
 
 
 def test_broken_yaml_is_told_with_its_line(tmp_path):
-    assert (
-        "mine.yaml line 3: is not YAML"
-        in faults_of(written(tmp_path, "mine.yaml", "- part: lens\n  id: [a\n"))[0]
+    (fault,) = faults_of(written(tmp_path, "mine.yaml", "- part: lens\n  id: [a\n"))
+    assert fault.startswith("mine.yaml line 3 column 1: is not valid YAML")
+
+
+def test_cells_of_yaml_are_the_text_as_written(tmp_path):
+    text = (
+        "parts:\n- &first {part: lens, id: 010, model: '~', price: 1.50, note: null}\n- {<<: *first, id: b}\n"
     )
+    first, second = yaml_table(text, "mine.yaml").rows
+    assert first.cells == {"part": "lens", "id": "010", "model": "~", "price": "1.50", "note": ""}
+    assert second.cells == {**first.cells, "id": "b"} and (first.line, second.line) == (2, 3)
+
+
+def test_all_faults_of_yaml_parts_are_told_at_once(tmp_path):
+    text = "- part: lens\n  part: lens\n  id: *nowhere\n- just text\n"
+    faults = "\n".join(yaml_table(text, "mine.yaml").faults)
+    assert "mine.yaml line 2: [0].part stands twice (also in line 1); remove one." in faults
+    assert "mine.yaml line 3: alias *nowhere refers to nothing before it" in faults
+    assert "mine.yaml row 4: is not a part; write keys and values." in faults
 
 
 def test_csv_of_several_kinds_needs_a_part_column(tmp_path):

@@ -39,8 +39,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="long texts may be repeated by aliases without end",
         file="uwopt/catalog/userparts.py",
-        old="            if n_signs > MOST_BYTES:",
-        new="            if False:",
+        old="        if n_signs > MOST_BYTES:",
+        new="        if False:",
         test="tests/test_manners.py::test_aliases_that_repeat_a_long_text_are_refused",
     ),
     Defect(

@@ -42,15 +42,14 @@ LONGEST_S = 120.0  # for a certificate
 LEAST_S = 2.0  # the same, when a benchmark has hardly any time left
 
 
-def mission_of(source: str | None) -> Mission:
-    """A mission file, or the mission that `uwopt init` writes."""
+def mission_of(source: str | None, physics: str | None = None) -> Mission:
+    """A mission file, or the mission that `uwopt init` writes; in another physics if one is named."""
     if source is not None:
-        return prepared(source, None, None)
-    import yaml
-
+        return prepared(source, physics, None)
+    from uwopt.documents.yaml_lines import compose
     from uwopt.mission.templates import mission_template
 
-    return prepared(yaml.safe_load(mission_template()), None, None)
+    return prepared(compose(mission_template(), "mission")[0], physics, None)
 
 
 def sources_of(budget: Budget) -> list[tuple[str, str | None]]:

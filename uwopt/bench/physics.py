@@ -56,18 +56,13 @@ class Subject:
 
 def subjects(missions: Sequence[str]) -> Iterator[Subject]:
     """The best system of each mission, found by the exact search in physics `full`."""
-    from uwopt.api.common import prepared
+    from uwopt.bench.contest import mission_of
     from uwopt.forward.assembly import load_catalog
-    from uwopt.mission.templates import mission_template
     from uwopt.solvers.recommend import hardware_of, seek
 
-    sources: list[Any] = [str(name) for name in missions]
-    if not sources:
-        import yaml
-
-        sources = [yaml.safe_load(mission_template())]
+    sources: Sequence[str | None] = missions or (None,)
     for source in sources:
-        mission = prepared(source, "full", None)
+        mission = mission_of(source, "full")
         sought = seek(mission, load_catalog(mission), Objective.of(mission.objective), generic="never", top=1)
         if not sought.outcome.best:
             continue
@@ -78,7 +73,7 @@ def subjects(missions: Sequence[str]) -> Iterator[Subject]:
             (all_parts.cameras[found.camera],), (all_parts.lenses[found.lens],), (all_parts.ports[found.port],),
             (all_parts.lights[found.light],),
         )  # fmt: skip
-        name = Path(source).stem if isinstance(source, str) else mission.name
+        name = mission.name if source is None else Path(source).stem
         yield Subject(
             name,
             mission,

@@ -9,20 +9,18 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from uwopt.catalog.columns import COLUMNS, REQUIRED, TELLTALE, Cell, CellError, Column, parse_cell
 from uwopt.catalog.parts.cell import FROM_ZERO, beyond
 from uwopt.catalog.parts.kinds import ORDERED_PAIRS
 from uwopt.catalog.parts.part import KINDS, Kind
 from uwopt.catalog.tables import Row, Table, parse_table, read_text
+from uwopt.documents.faults import KeyPath
 from uwopt.documents.files import MOST_BYTES
-from uwopt.errors import CatalogError
-
-if TYPE_CHECKING:
-    import yaml
+from uwopt.errors import CatalogError, MissionError
 
 NESTED = "{...}"  # what is no cell: a mapping, or a list in a list
+MOST_VALUES = 500_000  # in a YAML file of parts, some ten thousand of them
 PRICE_COLUMNS = {
     column.name: column
     for column in (
@@ -207,55 +205,44 @@ def _unknown_column(file: str, name: str, known: Iterable[str]) -> str:
 
 def yaml_table(text: str, file: str) -> Table:
     """A YAML list of parts as a table, so that both forms are checked alike; cells keep their lines."""
-    import yaml  # slow to import, and most runs have no YAML parts
+    from uwopt.documents.yaml_lines import compose  # loads PyYAML, and most runs have no YAML parts
 
     try:
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
-    except RecursionError:
-        return Table(file, (), (), (f"{file}: is nested too deeply; a part is keys and values.",))
-    except yaml.MarkedYAMLError as fault:
-        line = fault.problem_mark.line + 1 if fault.problem_mark else 1
-        return Table(file, (), (), (f"{file} line {line}: is not YAML: {fault.problem}.",))
-    except yaml.YAMLError as fault:
-        return Table(file, (), (), (f"{file}: is not YAML: {' '.join(str(fault).split())}.",))
-    if isinstance(root, yaml.MappingNode) and len(root.value) == 1 and root.value[0][0].value == "parts":
-        root = root.value[0][1]
-    if not isinstance(root, yaml.SequenceNode):
-        return Table(
-            file, (), (), (f"{file}: must be a list of parts, each beginning with `- part: camera`.",)
-        )
-    rows, faults, n_signs = [], [], 0
-    for node in root.value:
-        line = node.start_mark.line + 1
-        if not isinstance(node, yaml.MappingNode):
+        root, lines, faults = compose(text, file, scalar=_plain_text, max_nodes=MOST_VALUES)
+    except MissionError as fault:
+        return Table(file, (), (), tuple(fault.faults))
+    place: KeyPath = ()
+    if isinstance(root, dict) and list(root) == ["parts"]:
+        root, place = root["parts"], ("parts",)
+    if not isinstance(root, list):
+        faults.append(f"{file}: must be a list of parts, each beginning with `- part: camera`.")
+        return Table(file, (), (), tuple(faults))
+    rows, n_signs = [], 0
+    for number, part in enumerate(root):
+        line = lines.get((*place, number), 1)
+        if not isinstance(part, dict):
             faults.append(f"{file} row {line}: is not a part; write keys and values.")
             continue
-        cells: dict[str, str] = {}
-        for key, value in node.value:
-            name = _yaml_text(key)
-            if name in cells:
-                faults.append(f"{file} row {key.start_mark.line + 1}: {name} stands twice.")
-            cells[name] = _yaml_text(value)
-            n_signs += len(cells[name])
-            if n_signs > MOST_BYTES:  # aliases grow a file beyond its size
-                raise CatalogError(
-                    f"{file}: its aliases stand for more than {MOST_BYTES / 1e6:.0f} MB of text."
-                )
+        cells = {name.strip(): _cell_text(value) for name, value in part.items()}
         rows.append(Row(file, line, cells))
+        n_signs += sum(map(len, cells.values()))
+        if n_signs > MOST_BYTES:  # aliases grow a file beyond its size
+            raise CatalogError(f"{file}: its aliases stand for more than {MOST_BYTES / 1e6:.0f} MB of text.")
     header = tuple(dict.fromkeys(name for row in rows for name in row.cells))
     return Table(file, header, tuple(rows), tuple(faults))
 
 
-def _yaml_text(node: yaml.Node) -> str:
-    import yaml
+def _plain_text(text: str) -> str:
+    """Plain YAML text as a cell holds it: as it was written, nothing for null."""
+    from uwopt.documents.yaml_lines import resolve_scalar
 
-    if isinstance(node, yaml.SequenceNode):
-        return "|".join(
-            _yaml_text(item) if isinstance(item, yaml.ScalarNode) else NESTED for item in node.value
-        )
-    if isinstance(node, yaml.ScalarNode):
-        return "" if node.tag == "tag:yaml.org,2002:null" else str(node.value).strip()
-    return NESTED
+    return "" if resolve_scalar(text) is None else text
+
+
+def _cell_text(value: object) -> str:
+    if isinstance(value, list):
+        return "|".join(item.strip() if isinstance(item, str) else NESTED for item in value)
+    return value.strip() if isinstance(value, str) else NESTED
 
 
 def read_prices(path: Path) -> list[PriceQuote]:

@@ -1,13 +1,15 @@
 """YAML with the line of every key.
 
 PyYAML's own loader follows YAML 1.1 (`no` is false, `1:30` is 90, `1e3` is text), forgets the lines and
-lets a later key overwrite an earlier one. So only its events are used; scalars follow YAML 1.2, every
-key remembers its line, duplicates are faults, and depth, size and aliases are bounded.
+lets a later key overwrite an earlier one. Its nodes know lines, but not where an alias stands, end at the first
+fault and recurse. So only its events are used; scalars follow YAML 1.2, every key remembers its line, duplicates
+are faults, and depth, size and aliases are bounded.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -34,22 +36,27 @@ _TAG = "tag:yaml.org,2002:"
 _PLAIN_TAGS = {_TAG + name for name in ("int", "float", "bool", "null", "seq", "map")}
 
 
-def compose(text: str, name: str) -> tuple[Any, dict[KeyPath, int], list[str]]:
-    """Root value, line of each key, and faults of YAML text; raises MissionError on a syntax error."""
-    return _Composer(name).compose(text)
+def compose(
+    text: str, name: str, *, scalar: Callable[[str], Any] | None = None, max_nodes: int = MAX_NODES
+) -> tuple[Any, dict[KeyPath, int], list[str]]:
+    """Root value, line of each key, and faults of YAML text; raises MissionError on a syntax error.
+
+    `scalar` makes a value of plain text: `resolve_scalar` unless told.
+    """
+    return _Composer(name, scalar or resolve_scalar, max_nodes).compose(text)
 
 
-def too_many(name: str) -> str:
+def too_many(name: str, max_nodes: int = MAX_NODES) -> str:
     """Fault of a source with too many values."""
     return (
-        f"{name}: holds more than {MAX_NODES} values (aliases counted as often as they are used); "
+        f"{name}: holds more than {max_nodes} values (aliases counted as often as they are used); "
         "put tables into CSV files."
     )
 
 
 def too_deep(name: str) -> str:
     """Fault of a source that is nested too deeply."""
-    return f"{name}: is nested more than {MAX_DEPTH} levels deep (or holds itself); a mission needs six."
+    return f"{name}: is nested more than {MAX_DEPTH} levels deep (or holds itself); six are enough."
 
 
 @dataclass
@@ -67,8 +74,8 @@ class _Open:
 class _Composer:
     """Plain values from YAML events, without recursion."""
 
-    def __init__(self, name: str):
-        self.name = name
+    def __init__(self, name: str, resolve: Callable[[str], Any], max_nodes: int):
+        self.name, self.resolve, self.max_nodes = name, resolve, max_nodes
         self.lines: dict[KeyPath, int] = {}
         self.faults: list[str] = []
         self.n_nodes = 0
@@ -130,7 +137,7 @@ class _Composer:
             return
         self._check_tag(event)
         plain = (event.tag is None and event.implicit[0]) or event.tag in _PLAIN_TAGS
-        value = resolve_scalar(event.value) if plain else event.value
+        value = self.resolve(event.value) if plain else event.value
         if event.anchor is not None:
             self.anchors[event.anchor] = (value, 1)
         self._next_path(event)
@@ -194,8 +201,8 @@ class _Composer:
 
     def _count(self, n: int) -> None:
         self.n_nodes += n
-        if self.n_nodes > MAX_NODES:
-            raise MissionError([*self.faults, too_many(self.name)])
+        if self.n_nodes > self.max_nodes:
+            raise MissionError([*self.faults, too_many(self.name, self.max_nodes)])
 
     def _check_tag(self, event: yaml.ScalarEvent | yaml.CollectionStartEvent) -> None:
         tag = event.tag
