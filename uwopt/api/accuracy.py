@@ -50,11 +50,11 @@ def checked_tolerance(tolerance: Any) -> float | None:
 
 def estimator_of_search(sought: Sought, goal: Objective, deadline: Deadline = NEVER) -> Estimator:
     """Errors of the best design of a search: of figures with its settings, of the objective with the best ones."""
-    from uwopt.solvers.explain.lamp_places import best_value, one_design
+    from uwopt.solvers.explain.one_hardware import best_of, problem_of
 
     found, problem = sought.outcome.best[0], sought.problem
     slow = scenes_need_cells(problem.scenes, goal)
-    small = one_design(problem, found, found.lighting.mount)
+    small = problem_of(problem, found)
     hardware = Hardware(0, 0, 0, found.landscape, 0, found.count, found.lighting.mount)
     given = given_of(problem, hardware_of(found), found.settings)
 
@@ -63,7 +63,7 @@ def estimator_of_search(sought: Sought, goal: Objective, deadline: Deadline = NE
         design = evaluate_design(at, hardware, given, goal)
         if slow:  # searched to a gap; the value at fixed settings tells of quality, but not of power
             return replace(design, objective_value=None) if goal.weight("power") else design
-        value = best_value(at, goal, found.count, deadline)
+        value = best_of(at, goal, deadline)
         told = goal.reported(value) if math.isfinite(value) else None
         return replace(design, objective_value=told)
 

@@ -17,12 +17,11 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.assembly import Generic
 from uwopt.forward.designs import Hardware
-from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import Certificate, Design
 from uwopt.solvers.explain.least_change import least_change, rounded_away
-from uwopt.solvers.explain.robustness import parts_of
+from uwopt.solvers.explain.one_hardware import problem_of
 from uwopt.solvers.recommend import Progress, Sought, seek
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.units import ratio_to_db
@@ -158,14 +157,9 @@ def deepest(
 
 def judged_by(mission: Mission, found: Sought, objective: Objective) -> Design:
     """The best design of a relaxed search, judged by the mission as it stands: what it misses shows."""
-    best, relaxed = found.outcome.best[0], found.problem
-    parts = Parts(*((part,) for _, part in parts_of(relaxed, best)))  # type: ignore[arg-type]
-    mount = best.lighting.mount
-    problem = Problem(
-        mission, parts, paper=relaxed.paper, owned_lights=relaxed.owned_lights, counts=(best.count, best.count),
-        mounts=[mount],
-    )  # fmt: skip
-    hardware = Hardware(0, 0, 0, best.landscape, 0, best.count, mount)
+    best = found.outcome.best[0]
+    problem = problem_of(found.problem, best, mission=mission)
+    hardware = Hardware(0, 0, 0, best.landscape, 0, best.count, best.lighting.mount)
     given = given_of(problem, hardware, best.settings)
     return evaluate_design(problem, hardware, given, objective)
 

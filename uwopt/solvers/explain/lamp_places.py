@@ -17,12 +17,11 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import SceneSettings
 from uwopt.forward.lamps import Mount
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import Design
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.robustness import parts_of, values_at
+from uwopt.solvers.explain.one_hardware import best_of, problem_of
 from uwopt.solvers.recommend import Sought, hardware_of
 from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL
 from uwopt.solvers.settings.best import scenes_need_cells
@@ -99,7 +98,7 @@ def reach(holds: Callable[[float], bool], sign: float) -> float:
 
 def missed_when_leaning(problem: Problem, found: Found, design: Design, by_deg: float) -> list[str]:
     """Requirements that break when the lamps lean and the settings stay as they are to be set."""
-    small = one_design(problem, found, leaning(found.lighting.mount, by_deg))
+    small = problem_of(problem, found, mount=leaning(found.lighting.mount, by_deg))
     hardware = replace(hardware_of(found), camera=0, lens=0, port=0, light=0, mount=small.mounts[0])
     model = DesignModel(small, hardware)
     missed = []
@@ -127,27 +126,11 @@ def settings_of(shown: dict[str, float | None]) -> SceneSettings:
     )  # fmt: skip
 
 
-def one_design(problem: Problem, found: Found, mount: Mount) -> Problem:
-    """A problem over one design's parts with its lamps at another mount."""
-    parts = Parts(*((part,) for _, part in parts_of(problem, found)))  # type: ignore[arg-type]
-    return Problem(
-        problem.mission, parts, paper=problem.paper, owned_lights=problem.owned_lights,
-        counts=(found.count, found.count), mounts=[mount], scenes=problem.scenes, effects=problem.effects,
-    )  # fmt: skip
-
-
 def value_at_mount(
     sought: Sought, found: Found, objective: Objective, mount: Mount, deadline: Deadline
 ) -> float:
     """Best objective of one design with its lamps at another mount; inf where it is not feasible."""
-    return best_value(one_design(sought.problem, found, mount), objective, found.count, deadline)
-
-
-def best_value(problem: Problem, objective: Objective, count: int, deadline: Deadline = NEVER) -> float:
-    """Best objective of a problem over one part of each kind; inf where it is not feasible."""
-    search = Search(problem, objective, top=1, deadline=deadline)
-    place = dict.fromkeys(("camera", "lens", "port", "light"), 0)
-    return values_at(search, search.prepare(), [place], count)[0]
+    return best_of(problem_of(sought.problem, found, mount=mount), objective, deadline)
 
 
 def polished_mount(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> dict[str, Any] | None:

@@ -13,11 +13,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from uwopt.deadline import Deadline
-from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.robustness import parts_of
+from uwopt.solvers.explain.one_hardware import problem_of
 from uwopt.solvers.recommend import Sought
 
 CLOSER = 0.02  # of a change: what is proven not to be enough is a change smaller by this share
@@ -87,11 +86,6 @@ def rounded_away(value: float, asked: float) -> float:
 
 def same_hardware(found: Sought, mission: Mission) -> Sought:
     """The best settings of a design's hardware for a mission."""
-    best, before = found.outcome.best[0], found.problem
-    parts = Parts(*((part,) for _, part in parts_of(before, best)))  # type: ignore[arg-type]
-    problem = Problem(
-        mission, parts, paper=before.paper, owned_lights=before.owned_lights, counts=(best.count, best.count),
-        mounts=[best.lighting.mount],
-    )  # fmt: skip
+    problem = problem_of(found.problem, found.outcome.best[0], mission=mission)
     search = Search(problem, Objective.of("power"), top=1)
     return Sought(found.selection, problem, search, search.run())

@@ -12,19 +12,16 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any
 
-import numpy as np
-
 from uwopt.catalog.records import Part, Quantity, exact
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.problem import Parts, Problem
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.imagers import limit
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.exact.search import NodeDesigns, Search
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain.one_hardware import KINDS, best_of, best_of_each, parts_of, problem_of
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
-from uwopt.tolerances import ROUND
 
 DOUBTFUL = ("estimated", "generic", "derived")
 UNITS_BY_SUFFIX = {
@@ -32,7 +29,6 @@ UNITS_BY_SUFFIX = {
     "_j": "J", "_s": "s", "_deg": "deg", "_mm": "mm", "_m": "m", "_frac": "", "_mb_s": "MB/s", "_lm_s_per_j": "lm s/J",
 }  # fmt: skip
 SLOW_S = 5.0  # for a rival, where settings have no closed form
-KINDS = ("camera", "lens", "port", "light")
 
 
 def unit_of(name: str, part: Part) -> str:
@@ -41,17 +37,6 @@ def unit_of(name: str, part: Part) -> str:
         return part.currency
     suffixes = sorted(UNITS_BY_SUFFIX, key=len, reverse=True)
     return next((UNITS_BY_SUFFIX[s] for s in suffixes if name.endswith(s)), "")
-
-
-def parts_of(problem: Problem, found: Found) -> list[tuple[str, Part]]:
-    """The four parts of a design by kind."""
-    parts = problem.parts
-    return [
-        ("camera", parts.cameras[found.camera]),
-        ("lens", parts.lenses[found.lens]),
-        ("port", parts.ports[found.port]),
-        ("light", parts.lights[found.light]),
-    ]
 
 
 def doubtful(part: Part) -> list[tuple[str, Quantity]]:
@@ -150,57 +135,7 @@ def values_with(
             place[kind] = len(lists[kind])
             lists[kind].append(at_end(lists[kind][0], end, only=name or None))
         places.append(place)
-    problem = small_problem(base, found, lists)
-    search = Search(problem, objective, top=1, deadline=deadline)
-    imagers = search.prepare()
-    return values_at(search, imagers, places, found.count)
-
-
-def small_problem(base: Problem, found: Found, lists: dict[str, list[Any]]) -> Problem:
-    """A problem over a few variants of one design's parts."""
-    parts = Parts(*(tuple(lists[kind]) for kind in KINDS))
-    return Problem(
-        base.mission, parts, paper=base.paper, owned_lights=base.owned_lights, counts=(found.count, found.count),
-        mounts=[found.lighting.mount], scenes=base.scenes,
-    )  # fmt: skip
-
-
-def values_at(search: Search, imagers: Any, places: Sequence[dict[str, int]], count: int) -> list[float]:
-    """Best objective of each variant over both orientations; those under one light are solved together."""
-    rows_of = [
-        np.nonzero(
-            (imagers.camera == place["camera"])
-            & (imagers.lens == place["lens"])
-            & (imagers.port == place["port"])
-        )[0]
-        for place in places
-    ]
-    best = np.full(len(places), np.inf)
-    for light in {place["light"] for place in places}:
-        mine = [n for n, place in enumerate(places) if place["light"] == light and len(rows_of[n])]
-        if mine:
-            rows = np.concatenate([rows_of[n] for n in mine])
-            owner = np.repeat(mine, [len(rows_of[n]) for n in mine])
-            np.minimum.at(best, owner, values_under(search, imagers, rows, light, count))
-    return [float(value) for value in best]
-
-
-def values_under(search: Search, imagers: Any, rows: Any, light_index: int, count: int) -> Any:
-    """Objective of these imagers under one light; inf where a limit is missed."""
-    problem, limits = search.problem, search.limits
-    optics = int(problem.lights.optics_index[light_index])
-    lighting = next(item for item in search.tables.lightings if item.optics == optics)
-    light, number = np.full(len(rows), light_index), np.full(len(rows), count)
-    to_buy = problem.lamps_to_buy(light, number)
-    cost = imagers.cost[rows] + to_buy * problem.lights.price[light]
-    limit_cost = imagers.limit_cost[rows] + to_buy * problem.lights.limit_price[light]
-    mass = imagers.mass_kg[rows] + number * problem.lights.mass_kg[light]
-    unique, back = np.unique(rows, return_inverse=True)
-    lights = [search.tables.exact(i, lighting, unique) for i in range(len(problem.scenes))]
-    pairs = NodeDesigns(unique, back, light, number, cost, mass)
-    value = search.solve(pairs, [seen.take(back) for seen in lights], lighting)[0]
-    within = (limit_cost <= limit(limits.cost) * ROUND) & (mass <= limit(limits.mass_kg) * ROUND)
-    return np.where(within, value, np.inf)
+    return best_of_each(problem_of(base, found, lists=lists), objective, places, deadline)
 
 
 def robustness(
@@ -216,9 +151,8 @@ def robustness(
     winner = sought.outcome.best[0]
     problem = sought.problem
     bad = {kind: at_end(part, "bad") for kind, part in parts_of(problem, winner)}
-    lists: dict[str, list[Any]] = {kind: [part] for kind, part in bad.items()}
-    at_bad = Search(small_problem(problem, winner, lists), objective, top=1, deadline=deadline)
-    bad_value = values_at(at_bad, at_bad.prepare(), [dict.fromkeys(KINDS, 0)], winner.count)[0]
+    at_bad = problem_of(problem, winner, lists={kind: [part] for kind, part in bad.items()})
+    bad_value = best_of(at_bad, objective, deadline)
     mixed = mixed_problem(problem, winner, bad)
     slow = scenes_need_cells(problem.scenes, objective)
     patience = deadline.at_most(SLOW_S) if slow else deadline

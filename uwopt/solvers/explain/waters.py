@@ -14,13 +14,10 @@ import numpy as np
 
 from uwopt.catalog.curves.spectra import water_types
 from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.problem import Parts, Problem
 from uwopt.forward.scene import LampLeg, SceneOptics, scene_optics
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.robustness import parts_of, values_at
+from uwopt.solvers.explain.one_hardware import best_of, parts_of, problem_of
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 
@@ -85,7 +82,7 @@ def verdict(
     problem = sought.problem
     slow = scenes_need_cells(problem.scenes, objective)
     shown = sought.outcome.best[: 1 if slow else MOST_SHOWN]
-    values = [value_in(problem, scenes, found, objective, deadline) for found in shown]
+    values = [best_of(problem_of(problem, found, scenes=scenes), objective, deadline) for found in shown]
     best = int(np.argmin(values))
     return {
         "feasible": math.isfinite(values[0]),
@@ -95,18 +92,3 @@ def verdict(
         else None,
         "changes": not math.isfinite(values[0]) or values[best] < values[0] - 1e-9 * abs(values[0]),
     }
-
-
-def value_in(
-    problem: Problem, scenes: list[SceneOptics], found: Found, objective: Objective, deadline: Deadline
-) -> float:
-    """Best objective of one hardware in other scenes; inf where it is not feasible."""
-    parts = Parts(*((part,) for _, part in parts_of(problem, found)))  # type: ignore[arg-type]
-    small = Problem(
-        problem.mission, parts, paper=False, owned_lights=problem.owned_lights, counts=(found.count, found.count),
-        mounts=[found.lighting.mount], scenes=scenes,
-    )  # fmt: skip
-    search = Search(small, objective, top=1, deadline=deadline)
-    return values_at(
-        search, search.prepare(), [dict.fromkeys(("camera", "lens", "port", "light"), 0)], found.count
-    )[0]

@@ -1,0 +1,100 @@
+"""One hardware of a search, or a few variants of it, solved again: other places, scenes, limits or estimates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from uwopt.catalog.records import Part
+from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.lamps import Mount
+from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.scene import SceneOptics
+from uwopt.mission.mission import Mission
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.imagers import limit
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.search import NodeDesigns, Search
+from uwopt.tolerances import ROUND
+
+KINDS = ("camera", "lens", "port", "light")
+
+
+def parts_of(problem: Problem, found: Found) -> list[tuple[str, Part]]:
+    """The four parts of a design by kind."""
+    parts = problem.parts
+    return [
+        ("camera", parts.cameras[found.camera]),
+        ("lens", parts.lenses[found.lens]),
+        ("port", parts.ports[found.port]),
+        ("light", parts.lights[found.light]),
+    ]
+
+
+def problem_of(
+    base: Problem, found: Found, *, mission: Mission | None = None, mount: Mount | None = None,
+    scenes: list[SceneOptics] | None = None, lists: Mapping[str, Sequence[Any]] | None = None,
+) -> Problem:  # fmt: skip
+    """A problem over one design's parts, count and mount, or over variants of them.
+
+    mission : another one brings its own scenes; scenes : in their place; lists : variants of each kind of part
+    """
+    lists = lists or {kind: [part] for kind, part in parts_of(base, found)}
+    own = base.scenes if mission is None else None
+    return Problem(
+        mission or base.mission, Parts(*(tuple(lists[kind]) for kind in KINDS)), paper=base.paper,
+        owned_lights=base.owned_lights, counts=(found.count, found.count), mounts=[mount or found.lighting.mount],
+        scenes=scenes or own, effects=base.effects,
+    )  # fmt: skip
+
+
+def best_of(problem: Problem, objective: Objective, deadline: Deadline = NEVER) -> float:
+    """Best objective of a problem over one part of each kind; inf where it is not feasible."""
+    return best_of_each(problem, objective, [dict.fromkeys(KINDS, 0)], deadline)[0]
+
+
+def best_of_each(
+    problem: Problem, objective: Objective, places: Sequence[dict[str, int]], deadline: Deadline = NEVER
+) -> list[float]:
+    """Best objective of each choice of parts over all orientations; those under one light are solved together.
+
+    places : of each choice, the index of its part in the problem's list of each kind
+    """
+    search = Search(problem, objective, top=1, deadline=deadline)
+    imagers, count = search.prepare(), problem.count_range[0]
+    rows_of = [
+        np.nonzero(
+            (imagers.camera == place["camera"])
+            & (imagers.lens == place["lens"])
+            & (imagers.port == place["port"])
+        )[0]
+        for place in places
+    ]
+    best = np.full(len(places), np.inf)
+    for light in {place["light"] for place in places}:
+        mine = [n for n, place in enumerate(places) if place["light"] == light and len(rows_of[n])]
+        if mine:
+            rows = np.concatenate([rows_of[n] for n in mine])
+            owner = np.repeat(mine, [len(rows_of[n]) for n in mine])
+            np.minimum.at(best, owner, values_under(search, imagers, rows, light, count))
+    return [float(value) for value in best]
+
+
+def values_under(search: Search, imagers: Any, rows: Any, light_index: int, count: int) -> Any:
+    """Objective of these imagers under one light; inf where a limit is missed."""
+    problem, limits = search.problem, search.limits
+    optics = int(problem.lights.optics_index[light_index])
+    lighting = next(item for item in search.tables.lightings if item.optics == optics)
+    light, number = np.full(len(rows), light_index), np.full(len(rows), count)
+    to_buy = problem.lamps_to_buy(light, number)
+    cost = imagers.cost[rows] + to_buy * problem.lights.price[light]
+    limit_cost = imagers.limit_cost[rows] + to_buy * problem.lights.limit_price[light]
+    mass = imagers.mass_kg[rows] + number * problem.lights.mass_kg[light]
+    unique, back = np.unique(rows, return_inverse=True)
+    lights = [search.tables.exact(i, lighting, unique) for i in range(len(problem.scenes))]
+    pairs = NodeDesigns(unique, back, light, number, cost, mass)
+    value = search.solve(pairs, [seen.take(back) for seen in lights], lighting)[0]
+    within = (limit_cost <= limit(limits.cost) * ROUND) & (mass <= limit(limits.mass_kg) * ROUND)
+    return np.where(within, value, np.inf)
