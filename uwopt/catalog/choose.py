@@ -260,11 +260,9 @@ def _with_owned_prices(catalog: Catalog, owned: Mapping[str, int], camera_count:
         if have == camera_count:
             return replace(part, price=exact(0.0, "user", "owned"))
         share = (camera_count - have) / camera_count
-        price = replace(
-            part.price, value=part.price.value * share, low=part.price.low * share, high=part.price.high * share,
-            source=f"{part.price.source}; {have} of {camera_count} owned",
-        )  # fmt: skip
-        return replace(part, price=price)
+        value, low, high = (end * share for end in (part.price.value, part.price.low, part.price.high))
+        source = f"{part.price.source}; {have} of {camera_count} owned"
+        return replace(part, price=replace(part.price, value=value, low=low, high=high, source=source))
 
     if not counts:
         return catalog

@@ -98,10 +98,11 @@ def _parsed(reader: Iterator[list[str]], lines: _NumberedLines, file: str) -> Ta
     header = tuple(cell.strip() for cell in first)
     separator = _wrong_separator(header)
     if separator:
-        return Table(
-            file, header, (), (f"{file} row {lines.number}: columns are separated by {separator}; "
-                               "export the table as comma-separated CSV with decimal points.",)
-        )  # fmt: skip
+        fault = (
+            f"{file} row {lines.number}: columns are separated by {separator}; "
+            "export the table as comma-separated CSV with decimal points."
+        )
+        return Table(file, header, (), (fault,))
     faults = [f"{file} row {lines.number}: column {name!r} stands twice." for name in _repeated(header)]
     faults += [f"{file} row {lines.number}: a column has no name." for name in header if not name][:1]
     rows = []

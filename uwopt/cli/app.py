@@ -112,10 +112,18 @@ def solve_command(
         from uwopt.api import solving as api
 
         result = api.solve(
-            mission, solver=solver.value, objective=wanted, physics=None if physics is None else physics.value,
-            top=top, audit=audit, seconds=limit_s, alternatives=out is not None, accuracy=accuracy,
-            tolerance=tolerance, progress=bar.report,
-        )  # fmt: skip
+            mission,
+            solver=solver.value,
+            objective=wanted,
+            physics=physics and physics.value,
+            top=top,
+            audit=audit,
+            seconds=limit_s,
+            alternatives=out is not None,
+            accuracy=accuracy,
+            tolerance=tolerance,
+            progress=bar.report,
+        )
     hand_over(result, as_json=as_json, out=out, quiet=quiet)
     return result_status(result)
 
@@ -145,9 +153,8 @@ def evaluate_command(
     from uwopt.api.evaluating import evaluate
 
     result = evaluate(
-        mission, system, physics=None if physics is None else physics.value, accuracy=accuracy,
-        tolerance=tolerance,
-    )  # fmt: skip
+        mission, system, physics=physics and physics.value, accuracy=accuracy, tolerance=tolerance
+    )
     hand_over(result, as_json=as_json, out=out, quiet=quiet)
     return result_status(result, check=check)
 

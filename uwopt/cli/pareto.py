@@ -54,8 +54,14 @@ def pareto_command(
         from uwopt.api.trading import pareto
 
         front = pareto(
-            mission, objectives=objectives.split(","), solver=solver, seconds=limit_s, seed=seed,
-            physics=None if physics is None else physics.value, alternatives=out is not None, progress=bar.report,
-        )  # fmt: skip
+            mission,
+            objectives=objectives.split(","),
+            solver=solver,
+            seconds=limit_s,
+            seed=seed,
+            physics=physics and physics.value,
+            alternatives=out is not None,
+            progress=bar.report,
+        )
     hand_over(front, as_json=as_json, out=out, quiet=quiet)
     return front_status(front)

@@ -130,8 +130,11 @@ def _refuse_unreadable(path: Path, shown: str, what: str) -> None:
 
 def _yaml_names(folder: Path) -> list[str]:
     try:
-        return [entry.name for entry, _ in zip(folder.iterdir(), range(500), strict=False)
-                if entry.suffix.lower() in (".yaml", ".yml", ".json")]  # fmt: skip
+        return [
+            entry.name
+            for entry, _ in zip(folder.iterdir(), range(500), strict=False)
+            if entry.suffix.lower() in (".yaml", ".yml", ".json")
+        ]
     except OSError:
         return []
 

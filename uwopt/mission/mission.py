@@ -21,25 +21,15 @@ from uwopt.mission import checks
 from uwopt.mission.keys import OBJECTIVES, to_objective
 from uwopt.mission.sections import (
     CatalogChoice,
-    Extra,
-    LightMount,
     Limits,
-    Orientation,
-    OwnedPart,
     Requirements,
     RequirementsOverride,
     Scene,
     Vehicle,
     VehicleOverride,
-    grid,
 )
 
 PIXELS_PER_CIRCLE = 2.0  # default circle of confusion outside physics `paper`
-
-__all__ = [
-    "CatalogChoice", "Extra", "LightMount", "Limits", "Mission", "Orientation", "OwnedPart", "Requirements",
-    "Scene", "SceneView", "Vehicle", "grid", "load_mission", "resolve_path", "sections",
-]  # fmt: skip
 
 Physics = Literal["auto", "full", "paper"]
 
@@ -105,15 +95,13 @@ class Mission(Section):
 
     @model_validator(mode="after")
     def _keys_agree(self) -> Mission:
-        faults = checks.cross_faults({
-            "vehicle": given_values(self.vehicle),
-            "requirements": given_values(self.requirements),
-            "limits": given_values(self.limits),
-            "scenes": [
-                given_values(s) | {n: given_values(getattr(s, n)) for n in ("vehicle", "requirements")}
-                for s in self.scenes
-            ],
-        })  # fmt: skip
+        scenes = [
+            given_values(scene)
+            | {name: given_values(getattr(scene, name)) for name in ("vehicle", "requirements")}
+            for scene in self.scenes
+        ]
+        given = {name: given_values(getattr(self, name)) for name in ("vehicle", "requirements", "limits")}
+        faults = checks.cross_faults({**given, "scenes": scenes})
         if faults:
             raise PydanticCustomError("cross_check", "{what}", {"what": faults[0][1]})
         return self
@@ -230,16 +218,27 @@ def resolve_path(text: str | Path, base_dir: Path | None) -> Path:
 
 def sections() -> dict[str, type[Section]]:
     """The sections of a mission file by name; "" is its top level."""
-    return {"": Mission, "vehicle": Vehicle, "requirements": Requirements, "limits": Limits,
-            "catalog": CatalogChoice, "scene": Scene}  # fmt: skip
+    return {
+        "": Mission,
+        "vehicle": Vehicle,
+        "requirements": Requirements,
+        "limits": Limits,
+        "catalog": CatalogChoice,
+        "scene": Scene,
+    }
 
 
 def _checked(document: Document) -> Mission:
     data, early = checks.in_one_form(document.data)
     return validated(
-        Mission, document, data, sections=sections(), origin=checks.origins, early=early,
+        Mission,
+        document,
+        data,
+        sections=sections(),
+        origin=checks.origins,
+        early=early,
         cross_faults=lambda raw: checks.cross_faults(_valid_parts(raw)),
-    )  # fmt: skip
+    )
 
 
 def _valid_parts(raw: Mapping[str, Any]) -> dict[str, Any]:

@@ -222,9 +222,13 @@ def load_system(source: str | Path | Mapping[str, Any] | System) -> System:
         return source
     document = read_document(source, "system")
     made = validated(
-        System, document, _in_one_form(document.data), sections=sections(), origin=_origins,
+        System,
+        document,
+        _in_one_form(document.data),
+        sections=sections(),
+        origin=_origins,
         cross_faults=lambda raw: _cross_faults(_valid_parts(raw)),
-    )  # fmt: skip
+    )
     made._base_dir, made._source_name = document.base_dir, document.name
     return made
 

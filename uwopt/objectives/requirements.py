@@ -18,7 +18,7 @@ from uwopt.forward.motion import least_overlap
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lenses
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.views import altitudes_m
-from uwopt.mission.mission import Limits
+from uwopt.mission.sections import Limits
 from uwopt.tolerances import BINDING_REL, SATISFIED_REL
 from uwopt.units import ratio_to_db
 
