@@ -60,62 +60,44 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.fixture(scope="module")
-def listened(browser: Any) -> Callable[[list[str]], Any]:
-    """Open an empty page, off the network, that tells a list what goes wrong and what is asked for."""
-
-    def opened(faults: list[str]) -> Any:
-        context = browser.new_context(viewport=WINDOW)
-        context.set_offline(True)
-        context.set_default_timeout(PATIENCE_MS)
-        page = context.new_page()
-        page.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
-        page.on("pageerror", lambda fault: faults.append(str(fault)))
-        page.on("request", lambda call: None if call.url.startswith(OWN) else faults.append(call.url))
-        return page
-
-    return opened
-
-
-@pytest.fixture(scope="module")
-def tab(listened: Callable[[list[str]], Any]) -> tuple[Any, list[str]]:
-    """One tab that all tests load their pages into, and its faults: it keeps the plot library compiled."""
+def tab(browser: Any) -> tuple[Any, list[str]]:
+    """One tab off the network for all pages, which keeps the plot library compiled, and what goes wrong in it."""
     faults: list[str] = []
-    return listened(faults), faults
+    context = browser.new_context(viewport=WINDOW)
+    context.set_offline(True)
+    context.set_default_timeout(PATIENCE_MS)
+    page = context.new_page()
+    page.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda fault: faults.append(str(fault)))
+    page.on("request", lambda call: None if call.url.startswith(OWN) else faults.append(call.url))
+    return page, faults
 
 
 @pytest.fixture
 def show(tab: tuple[Any, list[str]], file: Path) -> Iterator[Callable[..., Any]]:
-    """Load a result's page, or one given; at the end the console holds no error, and nothing was asked for."""
-    page, faults = tab
+    """Load a result's page, or one given, after a script that changes the browser.
 
-    def loaded(result: Any, viewport: Any = WINDOW, color_scheme: str = "light") -> Any:
+    At the end no error may stand in the console, and nothing was asked for.
+    """
+    page, faults = tab
+    tools, added = page.context.new_cdp_session(page), []
+
+    def loaded(result: Any, viewport: Any = WINDOW, color_scheme: str = "light", before: str = "") -> Any:
         file.write_text(result if isinstance(result, str) else report_html(result), encoding="utf-8")
         page.set_viewport_size(viewport)
         page.emulate_media(media="screen", color_scheme=color_scheme)
+        if before:
+            tools.send("Page.enable")
+            added.append(tools.send("Page.addScriptToEvaluateOnNewDocument", {"source": before}))
         page.goto(file.as_uri())
         return page
 
     yield loaded
+    for script in added:
+        tools.send("Page.removeScriptToEvaluateOnNewDocument", script)
+    tools.detach()
     page.mouse.move(0, 0)
     page.goto("about:blank")  # nothing goes on within another test
-    assert faults == []
-
-
-@pytest.fixture
-def show_after(listened: Callable[[list[str]], Any], file: Path) -> Iterator[Callable[..., Any]]:
-    """Load the page of a result into a tab of its own, where a script changed the browser before."""
-    faults: list[str] = []
-    page = listened(faults)
-
-    def loaded(script: str, result: Any, viewport: Any = WINDOW) -> Any:
-        file.write_text(report_html(result), encoding="utf-8")
-        page.set_viewport_size(viewport)
-        page.add_init_script(script)
-        page.goto(file.as_uri())
-        return page
-
-    yield loaded
-    page.context.close()
     assert faults == []
 
 
@@ -356,12 +338,12 @@ def test_view_in_three_dimensions_is_drawn_or_says_why_not(
         page.locator("#chosen h3", has_text="Point p3").wait_for()
 
 
-def test_page_without_webgl_says_so(show_after: Callable[..., Any], make_front: Make) -> None:
+def test_page_without_webgl_says_so(show: Callable[..., Any], make_front: Make) -> None:
     blind = """const old = HTMLCanvasElement.prototype.getContext;
         HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
           return /webgl/.test(kind) ? null : old.call(this, kind, ...more);  // as browsers without WebGL answer
         };"""
-    page = show_after(blind, make_front())
+    page = show(make_front(), before=blind)
     wait_drawn(page, "#pairs", 3)
     page.get_by_role("tab", name="Three dimensions").click()
     page.get_by_text("This browser has no WebGL").wait_for()
@@ -468,9 +450,9 @@ def test_texts_of_files_run_no_script(show: Callable[..., Any], make_front: Make
     assert poison[:20] in page.locator("h1").inner_text()
 
 
-def test_paper_has_the_plots_that_nobody_scrolled_to(show_after: Callable[..., Any], tank: Any) -> None:
+def test_paper_has_the_plots_that_nobody_scrolled_to(show: Callable[..., Any], tank: Any) -> None:
     busy = "window.requestIdleCallback = () => 0"  # a page that has no idle moment before it is printed
-    page = show_after(busy, tank, {"width": 1300, "height": 300})
+    page = show(tank, viewport={"width": 1300, "height": 300}, before=busy)
     page.locator("html[data-plots=ready]").wait_for()  # with the page, not with the first plot that is seen
     wanted = page.locator("[data-figure]").count()
     assert wanted > 3 and page.locator("[data-figure][data-drawn=true]").count() < wanted
