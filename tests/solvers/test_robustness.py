@@ -80,7 +80,7 @@ def test_rivals_stand_at_their_good_end_and_the_winner_at_its_bad_one() -> None:
     """1500 against 950."""
     found = sought().outcome.best[0]
     bad = {kind: at_end(part, "bad") for kind, part in parts_of(sought().problem, found)}
-    mixed = mixed_problem(sought().problem, found, bad)
+    mixed = mixed_problem(sought().problem, bad)
     assert [camera.price.value for camera in mixed.parts.cameras] == [1500.0, 950.0]
 
 

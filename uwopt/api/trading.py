@@ -273,7 +273,7 @@ class ParetoCall:
             made = replace(made, certificate=self.certificate(sought, front))
         values, founds, method = self.shown(sought)
         if len(values) == 0:
-            return self.without_points(made, sought)
+            return self.without_points(made)
         frame = self.frame(sought)
         with timed(timing, "evaluation"):
             points = self.points(sought, values, founds, method)
@@ -366,7 +366,7 @@ class ParetoCall:
         known = front.frame is not None or front.complete  # without a point there is no box to measure in
         return {
             "complete": front.complete,
-            "scope": scope(sought.selection, sought.problem),
+            "scope": scope(sought.problem),
             "hypervolume": front.hypervolume,
             "hypervolume_bound": front.hypervolume_bound if known else None,
             "gap_rel": gap / front.hypervolume_bound if front.hypervolume_bound > 0 else None,
@@ -465,7 +465,7 @@ class ParetoCall:
                 )
         return [{"code": code, "path": "objectives", "message": text} for code, text in out]
 
-    def without_points(self, made: FrontResult, sought: FrontSearched) -> FrontResult:
+    def without_points(self, made: FrontResult) -> FrontResult:
         """A result without a point: why nothing fits, as `solve` tells it."""
         if made.status != "infeasible":
             return made

@@ -44,7 +44,7 @@ def evaluate_design(
         contrasts.append(float(figures.contrast[0, scene.nominal]))
         bits = figures.information_bit_per_m2
         information.append(math.nan if bits is None else float(bits[0]))
-        terms = model.totals(index, figures)
+        terms = model.totals(figures)
         powers.append(float(terms["power_w"][0]))
         light_powers.append(float(figures.light_power_w[0]))
         peaks.append(float(figures.light_peak_power_w[0]))
@@ -53,7 +53,7 @@ def evaluate_design(
         scenes.append(
             SceneResult(
                 name=scene.name,
-                settings=plain_settings(model, index, settings, figures),
+                settings=plain_settings(model, settings, figures),
                 settings_to_set=None,
                 figures=plain_figures(model, index, settings, figures),
                 margins=[plain_margin(m) for m in margins],

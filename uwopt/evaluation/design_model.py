@@ -285,7 +285,7 @@ class DesignModel:
     ) -> list[MarginRows]:
         """Requirements of one scene and limits of the system in it."""
         scene, limits = self.problem.scenes[index], self.problem.mission.limits
-        terms = self.totals(index, figures)
+        terms = self.totals(figures)
         return [
             *scene_margins(
                 scene, self.rows[index], settings, figures, limits, level_tolerance_rel=level_tolerance_rel
@@ -347,7 +347,7 @@ class DesignModel:
             if not (part.inline and part.depth_rating_m is None)
         }
 
-    def totals(self, index: int, figures: Figures) -> dict[str, Array]:
+    def totals(self, figures: Figures) -> dict[str, Array]:
         """Cost, mass and power of the system, with the lights' power in one scene."""
         problem, hw = self.problem, self.hardware
         n = problem.mission.vehicle.camera_count

@@ -34,9 +34,7 @@ from uwopt.units import ratio_to_db, split_unit
 Array = NDArray[Any]
 
 
-def plain_settings(
-    model: DesignModel, index: int, settings: SettingRows, figures: Figures
-) -> dict[str, float | None]:
+def plain_settings(model: DesignModel, settings: SettingRows, figures: Figures) -> dict[str, float | None]:
     """Settings in the field's units."""
     kind = int(model.lights.kind[0])
     level, pulse = float(settings.level[0]), float(settings.pulse_s[0])
@@ -83,17 +81,17 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "frame_rate_min_hz": nominal_rate,
         "exposure_max_ms": blur_limit * 1e3,
         "exposure_ms": float(settings.exposure_s[0]) * 1e3,
-        "pulse_ms": plain_settings(model, index, settings, figures)["pulse_ms"],
+        "pulse_ms": plain_settings(model, settings, figures)["pulse_ms"],
         "f_number": float(settings.f_number[0]),
         "working_f_number": float(figures.working_f_number[0]),
         "gain": float(settings.gain[0]),
-        "flux_lm": plain_settings(model, index, settings, figures)["flux_lm"],
+        "flux_lm": plain_settings(model, settings, figures)["flux_lm"],
         "duty_frac": float(figures.duty_frac[0]),
         "dof_near_m": near,
         "dof_far_m": far,
         "dof_far_is_infinite": math.isinf(far),
         "dof_m": max(far - near, 0.0),
-        "focus_distance_m": plain_settings(model, index, settings, figures)["focus_distance_m"],
+        "focus_distance_m": plain_settings(model, settings, figures)["focus_distance_m"],
         "virtual_image_distance_m": virtual_image_m(model, index),
         "effective_focal_length_mm": effective_focal_mm(model, index),
         **illuminance(model, index, settings),
@@ -114,13 +112,13 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "veil_ratio": veil_ratio(figures, at),
         **sharpness_figures(model, index, settings, figures),
         "airy_diameter_um": airy_um(model, index, float(figures.working_f_number[0])),
-        "power_w": float(model.totals(index, figures)["power_w"][0]),
+        "power_w": float(model.totals(figures)["power_w"][0]),
         "light_power_w": float(figures.light_power_w[0]),
         "light_peak_power_w": float(figures.light_peak_power_w[0]),
-        "camera_power_w": float(model.totals(index, figures)["camera_power_w"][0]),
-        "cost": float(model.totals(index, figures)["cost"][0]),
+        "camera_power_w": float(model.totals(figures)["camera_power_w"][0]),
+        "cost": float(model.totals(figures)["cost"][0]),
         "currency": model.problem.mission.limits.currency,
-        "mass_kg": float(model.totals(index, figures)["mass_kg"][0]),
+        "mass_kg": float(model.totals(figures)["mass_kg"][0]),
         "data_rate_mb_s": float(figures.data_rate_mb_s[0]) * model.problem.mission.vehicle.camera_count,
         "information_bit_per_m2": at_one(figures.information_bit_per_m2),
     }

@@ -190,7 +190,7 @@ def backscatter_bound(field: LampField, view: Views, signal: Array) -> float:
 def worst_pixel_shares(field: LampField, view: Views) -> tuple[float, float]:
     """Most that each veil can be of the image-forming light in any pixel."""
     along, across = pixel_grid(view.tan_along, view.tan_across, n_points=PIXELS)
-    forward, back = field.veils_at_pixels(view, along, across)
+    forward, back = field.veils_at_pixels(along, across)
     return float(forward.max()) * FORWARD_MARGIN, float(back.max()) * margin(field)
 
 

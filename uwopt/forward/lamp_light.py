@@ -240,7 +240,7 @@ class LampField:
         has_veil = scatters and self.effects.veils
         return np.stack(signals, axis=1), np.stack(veil_sum, axis=1) if has_veil else None
 
-    def veils_at_pixels(self, view: Views, along: Array, across: Array) -> tuple[Array, Array]:
+    def veils_at_pixels(self, along: Array, across: Array) -> tuple[Array, Array]:
         """Forward veil and backscatter over the image-forming light at field points, farthest and nearest."""
         shares: list[tuple[Array, Array]] = []
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)

@@ -90,11 +90,11 @@ class SunField:
         floor = self.electrons(seafloor.lambertian_radiance(self.at_floor(), reflectance=scene.reflectance))
         image = log_sum(floor, scene.attenuation_per_m * path_m[:, None])
         every = log_sum(floor, scene.lamp_attenuation_per_m * path_m[:, None])
-        path = np.log(np.maximum(self.path_electrons(path_m, cos_field, range_m), TINY))
+        path = np.log(np.maximum(self.path_electrons(path_m, cos_field), TINY))
         fits = [chebyshev.chebfit(knots, log, degree) for log in (image, np.maximum(every, image), path)]
         return np.stack(fits, axis=1)
 
-    def path_electrons(self, path_m: Array, cos_field: Array, range_m: float) -> Array:
+    def path_electrons(self, path_m: Array, cos_field: Array) -> Array:
         """Electrons a second and m^2 of the light that the water between sends to the camera."""
         scene = self.scene
         if not scene.scattering or scene.scattering[0].table is None:

@@ -30,7 +30,7 @@ N_HALVING = 14  # steps from the first node towards 0, where forward peaks are i
 MAX_FORWARD_POWER = 1.999  # p ~ angle^-2 has no finite integral
 CHUNK = 16384  # points looked up at a time, so that intermediate arrays stay in the cache
 MAX_NORM_ERROR = 0.02
-MIN_LAST_ANGLE_RAD = np.radians(170.0)  # lamps beside a camera scatter back at 150-180 deg
+MIN_LAST_ANGLE_RAD = np.deg2rad(170.0)  # lamps beside a camera scatter back at 150-180 deg
 
 
 @dataclass(frozen=True, eq=False)
@@ -389,7 +389,7 @@ def _checked_knots(angle_rad: ArrayLike, phase_per_sr: ArrayLike) -> tuple[Float
         raise RangeError("the angles of a phase function must increase within 0 to 180 deg")
     if angle[-1] < MIN_LAST_ANGLE_RAD * (1 - 1e-9):
         raise RangeError(
-            f"a phase function ends at {np.degrees(angle[-1]):.4g} deg; it must reach 170 deg or more: extend it"
+            f"a phase function ends at {np.rad2deg(angle[-1]):.4g} deg; it must reach 170 deg or more: extend it"
         )
     if not np.all(np.isfinite(phase) & (phase > 0)):
         raise RangeError("the values of a phase function must be finite and above 0")
@@ -404,7 +404,7 @@ def _forward(at_rad: FloatArray, angle: FloatArray, log_phase: FloatArray) -> Fl
     if power >= MAX_FORWARD_POWER:
         raise RangeError(
             f"the phase function rises like angle^-{power:.3g} towards 0 deg, which has no finite integral; "
-            f"add angles below the first, {np.degrees(angle[0]):.3g} deg"
+            f"add angles below the first, {np.rad2deg(angle[0]):.3g} deg"
         )
     return np.asarray(log_phase[0] - max(power, 0.0) * np.log(at_rad / angle[0]), dtype=float)
 

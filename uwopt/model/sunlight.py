@@ -20,7 +20,7 @@ from uwopt.model.spectrum import FloatArray
 # Share of the horizontal irradiance that enters the water, sun and sky, for the sun at 60 deg: physics page,
 # section 8. Other elevations are relative to it.
 REFERENCE_TRANSMITTANCE = 0.95
-REFERENCE_ELEVATION_RAD = np.radians(60.0)
+REFERENCE_ELEVATION_RAD = np.deg2rad(60.0)
 N_AZIMUTH = 64  # of a mean over azimuth; trapezoid rule of a periodic function
 
 
@@ -274,6 +274,6 @@ def _checked_elevation(elevation_rad: ArrayLike) -> FloatArray:
         raise RangeError("a sun below the horizon gives no light: set sun_lux to 0")
     if not np.all(elevation <= np.pi / 2 * (1 + 1e-12)):
         raise RangeError(
-            f"elevation of the sun is {np.degrees(np.max(elevation)):g} deg; it must be at most 90 deg"
+            f"elevation of the sun is {np.rad2deg(np.max(elevation)):g} deg; it must be at most 90 deg"
         )
     return elevation

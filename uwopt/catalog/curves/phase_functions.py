@@ -158,7 +158,7 @@ def _petzold(station: str) -> PhaseFunction:
     from jerlov.petzold import CITATION
 
     measured = jerlov.petzold_scattering(station)
-    table = scattering.phase_table(np.radians(measured.angles_deg), measured.phase_function())
+    table = scattering.phase_table(np.deg2rad(measured.angles_deg), measured.phase_function())
     notes = [
         f"{station}, {measured.locale}, {measured.date}, {measured.wavelength_nm:g} nm; pure sea water included",
         f"backscatter ratio as printed: {measured.backscatter_ratio:g}",
@@ -177,7 +177,7 @@ def _petzold(station: str) -> PhaseFunction:
 
 def _custom(path: Path) -> PhaseFunction:
     angle_deg, value, includes_water = _read_curve(read_table(path))
-    angle_rad = np.radians(angle_deg)
+    angle_rad = np.deg2rad(angle_deg)
     try:
         if includes_water:
             b_per_m = scattering.scattering_coefficient_per_m(angle_rad, value)

@@ -159,7 +159,7 @@ def view_from_above(rig: RigMeasures, *, title: str, description: str) -> str:
         if rig.overlap is not None and rig.overlap > 0:
             middle = frame.y(-0.5 * advance)
             parts.append(text(frame.x(0), middle + 4, f"overlap {100 * rig.overlap:.0f} %", "middle"))
-    parts.append(motion_arrow(frame, rig))
+    parts.append(motion_arrow(rig))
     width = "along" if rig.image_width_is_along else "across"
     parts.append(text(WIDTH_PX - 12, HEIGHT_PX - 14, f"image width lies {width} the track", "end"))
     parts.append(scale_bar(frame))
@@ -235,7 +235,7 @@ def camera_across(frame: PageFrame, rig: RigMeasures, mast_m: float) -> str:
     return f'{body}<path class="solid" d="{arc}"/>'
 
 
-def motion_arrow(frame: PageFrame, rig: RigMeasures) -> str:
+def motion_arrow(rig: RigMeasures) -> str:
     """An arrow forward with the speed; nothing for a rig that stands still."""
     if rig.speed_m_s <= 0.0:
         return text(12, 24, "no motion")

@@ -222,7 +222,7 @@ def judge(model: DesignModel, spread: Spread, points: Array, objective: Objectiv
     for index, scene in enumerate(scenes):
         settings = spread.settings(index, points)
         figures = model.figures(index, settings, information=bool(objective.weight("information")))
-        terms = model.totals(index, figures)
+        terms = model.totals(figures)
         bits = figures.information_bit_per_m2
         by_scene.append(
             (

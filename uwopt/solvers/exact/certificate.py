@@ -37,7 +37,7 @@ def certificate(
         gap_abs=gap,
         gap_rel=None if gap is None or best is None else gap / max(abs(best), 1e-300),
         complete=outcome.complete,
-        scope=scope(selection, problem),
+        scope=scope(problem),
         **counted,
     )
 
@@ -67,7 +67,7 @@ def accounted(
     }
 
 
-def scope(selection: Selection, problem: Problem) -> str:
+def scope(problem: Problem) -> str:
     """In words, what the proof covers."""
     parts = problem.parts
     generic = sum(p.generic for p in all_parts(parts))

@@ -153,7 +153,7 @@ def robustness(
     bad = {kind: at_end(part, "bad") for kind, part in parts_of(problem, winner)}
     at_bad = problem_of(problem, winner, lists={kind: [part] for kind, part in bad.items()})
     bad_value = best_of(at_bad, objective, deadline)
-    mixed = mixed_problem(problem, winner, bad)
+    mixed = mixed_problem(problem, bad)
     slow = scenes_need_cells(problem.scenes, objective)
     patience = deadline.at_most(SLOW_S) if slow else deadline
     outcome = Search(mixed, objective, top=2, deadline=patience).run()
@@ -180,7 +180,7 @@ def robustness(
     }
 
 
-def mixed_problem(problem: Problem, winner: Found, bad: dict[str, Part]) -> Problem:
+def mixed_problem(problem: Problem, bad: dict[str, Part]) -> Problem:
     """The winner's parts at their bad end among all others at their good end."""
 
     def mixed(kind: str, parts: Sequence[Any]) -> tuple[Any, ...]:

@@ -147,7 +147,7 @@ class Trade:
         mine = some.take(design)
         limit = np.minimum(limit_w * ABOVE, some.power_limit_w)
         best = self._best(mine, Objective({self.quality: 1.0}), limit, cutoff=-np.asarray(wanted, float))
-        bound = self._quality_bound(mine, best, limit)
+        bound = self._quality_bound(best)
         quality = np.asarray(getattr(best, self.quality))
         return self._answers(
             mine, design, best, with_exposures(mine.rows, best.chosen), quality, limit_w, bound
@@ -163,7 +163,7 @@ class Trade:
             cutoff=cutoff,
         )  # fmt: skip
 
-    def _quality_bound(self, some: Hopeful, best: Best, limit_w: Array) -> Array:
+    def _quality_bound(self, best: Best) -> Array:
         """What no settings can beat: the value in closed form, or a bound beside it."""
         if best.lower_bound is not None:
             return np.where(np.isfinite(best.lower_bound), -best.lower_bound, -np.inf)

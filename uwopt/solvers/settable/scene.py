@@ -276,7 +276,7 @@ class SettableScene:
             some = self.model.figures(self.index, settings.take(np.nonzero(hopeful)[0]), information=True)
             assert some.information_bit_per_m2 is not None
             information[hopeful] = some.information_bit_per_m2
-        power = np.broadcast_to(self.model.totals(self.index, figures)["power_w"], (count,))
+        power = np.broadcast_to(self.model.totals(figures)["power_w"], (count,))
         snr_db = np.asarray(ratio_to_db(np.maximum(figures.snr[:, nominal], 1e-300)))
         none = np.zeros(count)
         contrast = figures.contrast[:, nominal]
