@@ -40,7 +40,7 @@ from uwopt.mission.mission import load_mission
 from uwopt.mission.system import load_system
 from uwopt.model.fineness import DEFAULT, Fineness, scaled
 from uwopt.objectives.objective import Objective
-from uwopt.results.result import Design, SceneResult
+from uwopt.results.design import Cost, Design, SceneResult, Totals, UsedHardware, UsedPart
 
 ROOT = Path(__file__).parents[1]
 REEF = ROOT / "problems" / "reef-mosaic.yaml"
@@ -58,10 +58,15 @@ LEAST_COVER = 0.99  # the issue's share of claims that must hold
 DEFAULT_ERROR = 1e-4  # and what every figure must be known to by default
 
 
+PART = UsedPart("part", "Part", generic=False)
+HARDWARE = UsedHardware(PART, PART, PART, PART, 1, 1, "landscape", [])
+TOTALS = Totals(Cost(0.0, 0.0, 0.0, "USD", 0.0, 0.0, 0.0), 1.0, 1.0, 1.0, 1.0)
+
+
 def made(value: float, objective: float = 1.0, **figures: Any) -> Design:
     """A design that says a figure."""
     scene = SceneResult("s", {}, None, {"a": value, "name": "x", "flag": True, **figures}, [])
-    return Design({}, objective, True, {}, [scene], [])
+    return Design(HARDWARE, objective, True, TOTALS, [scene], [])
 
 
 # ---------------------------------------------------------------- the estimate by itself

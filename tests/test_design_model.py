@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 
 import uwopt
-from uwopt.results.result import Design, Result
+from uwopt.results.design import Design
+from uwopt.results.result import Result
 
 GSD_PER_M = 5e-6 / (1.33 * 10e-3)  # pixel on the floor over the altitude
 ALONG_PER_M = 1000 * GSD_PER_M

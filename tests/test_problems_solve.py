@@ -19,7 +19,8 @@ from uwopt.api import solving
 from uwopt.api.common import prepared
 from uwopt.forward.assembly import load_catalog
 from uwopt.objectives.objective import Objective
-from uwopt.results.result import Design, Result
+from uwopt.results.design import Design
+from uwopt.results.result import Result
 from uwopt.solvers.recommend import design_of, seek
 
 PROBLEMS = Path(__file__).parents[1] / "problems"

@@ -12,7 +12,8 @@ import pytest
 import uwopt
 from uwopt.errors import UwoptError
 from uwopt.evaluation.recompute import ReplayError, mount_of, replay
-from uwopt.results.result import Design, Result
+from uwopt.results.design import Design, LampPlace
+from uwopt.results.result import Result
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
 TWO_SCENES: dict[str, Any] = {
@@ -102,7 +103,7 @@ def test_files_are_found_beside_the_mission_and_missed_when_they_move(tmp_path):
 def test_a_part_that_left_the_catalogue_is_named():
     result = stored(uwopt.solve(PROBLEMS / "paper-tool-window.yaml", top=1))
     design = result.recommendation
-    gone = changed(design, hardware=design.hardware | {"lens": {**design.hardware["lens"], "id": "acme-9mm"}})
+    gone = changed(design, hardware=changed(design.hardware, lens=changed(design.hardware.lens, id="acme-9mm")))
     with pytest.raises(UwoptError, match="acme-9mm"):
         assert_same_figures(result, gone)
 
@@ -118,11 +119,9 @@ def test_other_figures_than_the_files_are_refused():
 
 
 def test_lights_on_the_grid_are_one_mount_and_others_stand_one_by_one():
-    pair = [
-        {"x_m": 0.0, "y_m": y, "z_m": 0.0, "tilt_x_deg": 0.0, "tilt_y_deg": 5.0} for y in (0.8, -0.8, 0.8)
-    ]
+    pair = [LampPlace(0.0, y_m, 0.0, 0.0, 5.0) for y_m in (0.8, -0.8, 0.8)]
     assert (mount_of(pair, []).baseline_m, mount_of(pair, []).tilt_deg) == (0.8, 5.0)
-    moved = [*pair[:2], {**pair[2], "x_m": 0.1}]
+    moved = [*pair[:2], changed(pair[2], x_m=0.1)]
     assert len(mount_of(moved, []).explicit) == 3
 
 

@@ -219,7 +219,7 @@ DIMENSIONAL = re.compile(
     r"elevation|power|energy|mass|flux|illuminance|irradiance|radiance|attenuation|absorption|scattering|dioptre|"
     r"temperature|salinity|bandwidth|noise|current|reach)(?:_|$)"
 )
-NUMBERS = re.compile(r"\b(?:float|Array|FloatArray|NDArray|Quantity|ndarray)\b")
+NUMBERS = re.compile(r"\b(?:float|Number|Array|FloatArray|NDArray|Quantity|ndarray)\b")
 #: Ratios of angles, and units that the model uses but the list in units.py lacks.
 PURE = re.compile(r"^(?:cos|sin|tan)_|_(?:rel|frac)$|_(?:per_sr|e2)$")
 #: class.field: why it has no unit.

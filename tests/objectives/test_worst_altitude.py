@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import uwopt
-from uwopt.results.result import Margin
+from uwopt.results.design import Margin
 
 ALTITUDE_M, TOLERANCE_M = 2.0, 0.5
 LIMITS: dict[str, float] = {

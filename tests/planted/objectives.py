@@ -328,8 +328,8 @@ DEFECTS = (
     Defect(
         name="powers of scenes are added",
         file="uwopt/evaluation/design.py",
-        old='"power_w": max(powers)',
-        new='"power_w": sum(powers)',
+        old=" power_w=max(powers)",
+        new=" power_w=sum(powers)",
         test="tests/test_design_model.py::test_power_is_that_of_the_scene_with_the_most",
     ),
     Defect(

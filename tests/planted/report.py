@@ -71,22 +71,22 @@ DEFECTS = (
     Defect(
         name="owned pieces are paid in the printed bill",
         file="uwopt/report/text/tables.py",
-        old="due = None if price is None else max(0, number - owned) * price",
-        new="due = None if price is None else number * price",
+        old="due = None if price is None else row.to_buy * price",
+        new="due = None if price is None else row.count * price",
         test="tests/report/test_tables.py::test_estimates_are_marked_with_a_legend",
     ),
     Defect(
         name="owned pieces are paid in the table of parts",
         file="uwopt/report/write.py",
-        old='number = row["count"] - (row.get("owned") or 0)',
-        new='number = row["count"]',
+        old="return None if row.unit_price is None else row.to_buy * row.unit_price",
+        new="return None if row.unit_price is None else row.count * row.unit_price",
         test="tests/report/test_write.py::test_pieces_that_are_owned_are_not_paid",
     ),
     Defect(
         name="the price's status is ignored in the bill",
         file="uwopt/report/text/tables.py",
-        old='estimated = status in ("estimated", "to be made")',
-        new="estimated = False",
+        old="each if row.estimated else words.money(price, currency)",
+        new="words.money(price, currency)",
         test="tests/report/test_tables.py::test_estimates_are_marked_with_a_legend",
     ),
     Defect(
@@ -197,15 +197,15 @@ DEFECTS = (
     Defect(
         name="low prices of the bill are the high ones",
         file="uwopt/evaluation/bill.py",
-        old='"unit_price_low": price.low * rate',
-        new='"unit_price_low": price.high * rate',
+        old="in (price.value, price.low, price.high))",
+        new="in (price.value, price.high, price.high))",
         test="tests/test_design_model.py::test_owned_lamps_are_not_paid_and_estimates_are_told_apart",
     ),
     Defect(
         name="estimated prices are not told apart",
-        file="uwopt/evaluation/bill.py",
-        old='if row["price_status"] in ("estimated", "to be made"):',
-        new='if row["price_status"] in ("to be made",):',
+        file="uwopt/results/design.py",
+        old='return self.price_status in ("estimated", "to be made")',
+        new='return self.price_status in ("to be made",)',
         test="tests/test_design_model.py::test_owned_lamps_are_not_paid_and_estimates_are_told_apart",
     ),
     Defect(
@@ -217,9 +217,9 @@ DEFECTS = (
     ),
     Defect(
         name="owned pieces are counted in the cost",
-        file="uwopt/evaluation/bill.py",
-        old='number = row["count"] - row["owned"]',
-        new='number = row["count"]',
+        file="uwopt/results/design.py",
+        old="max(0, self.count - self.owned)",
+        new="max(0, self.count)",
         test="tests/test_design_model.py::test_owned_lamps_are_not_paid_and_estimates_are_told_apart",
     ),
     Defect(

@@ -10,12 +10,12 @@ TESTS = "tests/solvers/test_rounding.py::"
 DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a result whose optimum cannot be set is headed optimal", file="uwopt/api/solving.py",
-        old='"optimal" if is_settable(winner) and not wide', new='"optimal" if not wide',
+        old='"optimal" if winner.is_settable and not wide', new='"optimal" if not wide',
         test=f"{TESTS}test_result_is_not_headed_optimal_where_nothing_can_be_set",
     ),
     Defect(
         name="the best is recommended though it cannot be set", file="uwopt/solvers/recommend.py",
-        old="found[1:] if not is_settable(first) else []", new="[]",
+        old="found[1:] if not first.is_settable else []", new="[]",
         test=f"{TESTS}test_next_best_that_can_be_set_is_recommended",
     ),
     Defect(

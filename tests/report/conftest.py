@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from uwopt.results.design import Cost, Design, Margin, SceneResult
 from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint, FrontResult, Pick
-from uwopt.results.result import Certificate, Design, Margin, Result, SceneResult
+from uwopt.results.result import Certificate, Result
 
 SETTINGS = {
     "f_number": 2.8284, "exposure_ms": 0.0435678, "pulse_ms": None, "gain": 2.0, "gain_db": 6.0206, "flux_lm": 12345.6,
@@ -129,7 +131,7 @@ def front(*names: str, points: int = 8, **changes: Any) -> FrontResult:
             "information": 1e6 + 1e5 * index**2,
         }
         one = design(values["power"], lens=f"acme-lens-{index // 3}")
-        one.totals["cost"] = COST | {"value": values["cost"]}
+        one = replace(one, totals=replace(one.totals, cost=Cost(**COST | {"value": values["cost"]})))
         one.scenes[0].figures.update(snr_db=30.0 + index, gsd_mm=1.0 - 0.01 * index)
         made.append(
             FrontPoint(f"p{index + 1}", {n: values[n] for n in wanted}, f"c{index // 3}", "exact", one)

@@ -435,9 +435,13 @@ def test_texts_of_files_run_no_script(show: Callable[..., Any], make_front: Make
 
     poison = "</script><script>window.caught = 1</script><img src=x onerror='window.caught = 1'>"
     front = make_front()
-    for point in front.points:
-        for kind in ("camera", "lens", "port", "light"):
-            point.design.hardware[kind] |= {"id": f"{poison}{point.id}", "name": poison}
+    for index, point in enumerate(front.points):
+        parts = {
+            kind: replace(part, id=f"{poison}{point.id}", name=poison)
+            for kind, part in point.design.hardware.parts.items()
+        }
+        design = replace(point.design, hardware=replace(point.design.hardware, **parts))
+        front.points[index] = replace(point, design=design)
     page = show(
         replace(front, mission={"name": poison}, mission_file={"name": poison, "text": poison}, picks=[
             replace(pick, name=poison, definition=poison) for pick in front.picks

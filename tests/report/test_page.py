@@ -389,7 +389,7 @@ def test_only_pages_of_the_web_become_links(source: str, link: str) -> None:
 
 def test_links_tell_nobody_where_they_come_from(make_result: Make) -> None:
     result = make_result()
-    result.best.bom[0]["source"] = "www.shop.example/cam"
+    result.best.bom[0] = replace(result.best.bom[0], source="www.shop.example/cam")
     link = next(e for e in Tree(report_html(result)).tags("a") if e.attributes["href"].startswith("http"))
     assert link.attributes["href"] == "https://www.shop.example/cam"
     assert "noopener" in link.attributes["rel"]

@@ -100,7 +100,7 @@ def test_file_that_was_cut_off_is_told(put: Any, make_result: Make, share: float
      "recommendation.scenes[0].margins[1].colour is not known"),
     (("recommendation", "hardware", "lens"), ..., "recommendation.hardware.lens is missing"),
     (("recommendation", "hardware", "light_count"), "two", "recommendation.hardware.light_count is \"two\""),
-    (("recommendation", "hardware", "light_mounts", 0, "y_m"), None, "light_mounts[0].y_m is missing"),
+    (("recommendation", "hardware", "light_mounts", 0, "y_m"), None, "light_mounts[0].y_m is null, not a number"),
     (("recommendation", "totals", "cost"), 5, "recommendation.totals.cost is 5, not an object"),
     (("recommendation", "bom", 0, "count"), 1.5, "recommendation.bom[0].count is 1.5, not a whole number"),
     (("certificate", "loaded"), None, "certificate.loaded is null, not a whole number"),

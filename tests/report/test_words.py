@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from uwopt.report.text import words
+from uwopt.results.design import BillRow, Cost, Design, LampPlace
 
 
 @pytest.mark.parametrize(
@@ -40,15 +42,23 @@ def test_difference_that_is_rounding_only_is_zero() -> None:
     assert words.change(0.25, "W", 40.0) == "+0.250 W"
 
 
-def test_cost_without_estimates_says_so() -> None:
-    cost = {"value": 100.0, "currency": "EUR", "estimated": 0.0}
-    assert words.cost_sentence(cost) == "cost 100 EUR, nothing of it estimated"
+def with_cost(design: Design, value: float, currency: str, bom: list[BillRow]) -> Design:
+    """A design at this cost, nothing of it estimated."""
+    cost = Cost(value, value, value, currency, 0.0, 0.0, 0.0)
+    return replace(design, totals=replace(design.totals, cost=cost), bom=bom)
 
 
-def test_unknown_prices_are_not_passed_over() -> None:
-    bom = [{"count": 3, "owned": 1, "unit_price": None}, {"count": 1, "owned": 0, "unit_price": 5.0}]
+def test_cost_without_estimates_says_so(make_design: Callable[..., Design]) -> None:
+    design = with_cost(make_design(), 100.0, "EUR", [])
+    assert words.cost_sentence(design) == "cost 100 EUR, nothing of it estimated"
+
+
+def test_unknown_prices_are_not_passed_over(make_design: Callable[..., Design]) -> None:
+    row = make_design().bom[0]
+    bom = [replace(row, count=3, owned=1, unit_price=None), replace(row, count=1, owned=0, unit_price=5.0)]
     assert words.n_unpriced(bom) == 2
-    assert "without 2 parts of unknown price" in words.cost_sentence({"value": 5.0, "currency": "USD"}, 2)
+    design = with_cost(make_design(), 5.0, "USD", bom)
+    assert "without 2 parts of unknown price" in words.cost_sentence(design)
 
 
 @pytest.mark.parametrize(
@@ -81,7 +91,7 @@ def test_margin_that_is_rounding_only_is_zero(make_margin: Callable[..., Any]) -
 
 
 def test_lights_are_placed_in_words() -> None:
-    mounts = [{"x_m": 0, "y_m": y, "z_m": 0, "tilt_x_deg": 0, "tilt_y_deg": 0} for y in (0.8, -0.8)]
+    mounts = [LampPlace(0.0, y_m, 0.0, 0.0, 0.0) for y_m in (0.8, -0.8)]
     assert words.mounts_text(mounts) == "at +0.8 m, -0.8 m across track, aimed straight down"
 
 

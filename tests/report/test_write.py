@@ -6,6 +6,7 @@ import csv
 import io
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +39,9 @@ def test_front_is_written_as_json_table_and_page(tmp_path: Path, make_front: Mak
 
 def test_table_of_a_front_has_a_row_a_point_and_no_formula(make_front: Make) -> None:
     front = make_front(points=3)
-    front.points[0].design.hardware["camera"]["id"] = "=cmd()"
+    first, *rest = front.points
+    hardware = replace(first.design.hardware, camera=replace(first.design.hardware.camera, id="=cmd()"))
+    front = replace(front, points=[replace(first, design=replace(first.design, hardware=hardware)), *rest])
     rows = list(csv.DictReader(io.StringIO(write.front_csv(front))))
     assert [row["point"] for row in rows] == ["p1", "p2", "p3"]
     assert rows[0]["camera"] == "'=cmd()"

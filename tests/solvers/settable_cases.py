@@ -26,7 +26,8 @@ from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.report.text import words
-from uwopt.results.result import Design, Result
+from uwopt.results.design import Design
+from uwopt.results.result import Result
 from uwopt.solvers.settable.rounding import rounded_design
 from uwopt.solvers.settable.steps import light_levels, printed, stops
 

@@ -23,6 +23,7 @@ from uwopt.forward.figures import SettingRows
 from uwopt.forward.problem import Parts
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.tables import result_blocks
+from uwopt.results.design import SettableCheck
 from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import exact_settings, rounded_design
 from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL
@@ -231,7 +232,7 @@ def test_result_is_not_headed_optimal_where_nothing_can_be_set(unsettable: uwopt
 def test_no_settings_are_offered_where_none_holds(unsettable: uwopt.Result) -> None:
     assert unsettable.best is not None
     assert [scene.settings_to_set for scene in unsettable.best.scenes] == [None]
-    assert unsettable.best.rounded == {"feasible": False, "objective_value": None, "missed": ["mean_level"]}
+    assert unsettable.best.rounded == SettableCheck(feasible=False, objective_value=None, missed=["mean_level"])
     assert "not_settable" in [warning["code"] for warning in unsettable.warnings]
 
 

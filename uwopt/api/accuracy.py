@@ -17,8 +17,9 @@ from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
-from uwopt.results.result import Certificate, Design
-from uwopt.results.result import plain as plain_values
+from uwopt.results.design import Design, Note
+from uwopt.results.record import plain as plain_values
+from uwopt.results.result import Certificate
 from uwopt.solvers.recommend import Sought, hardware_of
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.solvers.settings.best import scenes_need_cells
@@ -132,7 +133,7 @@ def plain_accuracy(
     return plain
 
 
-def accuracy_warnings(measured: Accuracy | None, tolerance: float) -> list[dict[str, str]]:
+def accuracy_warnings(measured: Accuracy | None, tolerance: float) -> list[Note]:
     """That the tolerance could not be met, and by which figure."""
     if measured is None or measured.meets(tolerance):
         return []
@@ -141,4 +142,4 @@ def accuracy_warnings(measured: Accuracy | None, tolerance: float) -> list[dict[
         f"{worst['figure']} may err by {worst['error_rel']:.1e}, more than the {tolerance:g} that is asked of "
         "integrals, with the finest that are tried"
     )
-    return [{"code": "tolerance", "path": "tolerance", "message": text}]
+    return [Note("tolerance", "tolerance", text)]

@@ -16,6 +16,7 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
+from uwopt.results.design import Note
 from uwopt.results.result import Result
 from uwopt.version import __version__
 
@@ -40,9 +41,9 @@ def prepared(mission: Source | Mission, physics: str | None, objective: Any) -> 
     return made
 
 
-def selection_warnings(selection: Selection) -> list[dict[str, str]]:
+def selection_warnings(selection: Selection) -> list[Note]:
     """Patterns that match nothing."""
-    return [{"code": "pattern", "path": "catalog", "message": text} for text in selection.warnings]
+    return [Note("pattern", "catalog", text) for text in selection.warnings]
 
 
 def base_result(

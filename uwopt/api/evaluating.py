@@ -31,7 +31,8 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System, load_system
 from uwopt.objectives.objective import Objective
-from uwopt.results.result import Design, Margin, Result
+from uwopt.results.design import Design, Margin, Note
+from uwopt.results.result import Result
 from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL
 from uwopt.tolerances import SATISFIED_REL
 
@@ -142,7 +143,7 @@ def with_compatibility(
     faults = [f.rule for f in findings if f.severity == "fault" or f.rule == strict]
     faults += unwanted_kind(problem, mission)
     faults += [departure.rule for departure in elsewhere if departure.binds]
-    notes = [{"code": f.rule, "path": "hardware", "message": f.message} for f in findings]
+    notes = [Note(f.rule, "hardware", f.message) for f in findings]
     notes += [*(departure.note for departure in elsewhere), *breathing_notes(design), *design.warnings]
     notes += inexact_level_notes(design)
     if not faults:
@@ -165,11 +166,11 @@ def unwanted_kind(problem: Problem, mission: Mission) -> list[str]:
     )
 
 
-def inexact_level_notes(design: Design) -> list[dict[str, str]]:
+def inexact_level_notes(design: Design) -> list[Note]:
     """That a mean level is met as well as a gain in steps can, where `solve` meets it exactly."""
     text = f"the mean level is met to {100 * LEVEL_TOLERANCE_REL:g} %, a step of the gain; solve meets it exactly"
     return [
-        {"code": "outside_search", "path": "settings.gain", "message": f"{scene.name}: {text}"}
+        Note("outside_search", "settings.gain", f"{scene.name}: {text}")
         for scene in design.scenes
         for level in scene.margins
         if level.requirement == "mean_level" and level.satisfied
@@ -177,16 +178,16 @@ def inexact_level_notes(design: Design) -> list[dict[str, str]]:
     ]
 
 
-def breathing_notes(design: Design) -> list[dict[str, str]]:
+def breathing_notes(design: Design) -> list[Note]:
     """A warning where focusing so near changes the field of view, or leaves no image."""
     notes = []
     for scene in design.scenes:
         n, working = scene.figures["f_number"], scene.figures["working_f_number"]
         if n and working is None:
             text = f"{scene.name}: the focus lies within the focal length of the lens; there is no image"
-            notes.append({"code": "no_image", "path": "lens", "message": text})
+            notes.append(Note("no_image", "lens", text))
         if n and working and working / n > 1.02:
             share = 100 * (working / n - 1)
             text = f"{scene.name}: focused so near, the lens extends by {share:.1f} % and sees that much less"
-            notes.append({"code": "breathing", "path": "lens", "message": text})
+            notes.append(Note("breathing", "lens", text))
     return notes

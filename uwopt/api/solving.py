@@ -28,7 +28,8 @@ from uwopt.forward.effects import Influence
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
-from uwopt.results.result import Certificate, Design, Result, is_settable
+from uwopt.results.design import Design, Note
+from uwopt.results.result import Certificate, Result
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.explain.robustness import SLOW_S
 from uwopt.solvers.recommend import (
@@ -228,7 +229,7 @@ def found_result(
     made = replace(
         result,
         physics={**result.physics, "effects": [item.as_dict() for item in proven_in_full(influences)]},
-        status="stopped" if not proven else "optimal" if is_settable(winner) and not wide else "feasible",
+        status="stopped" if not proven else "optimal" if winner.is_settable and not wide else "feasible",
         recommendation=winner,
         runners_up=others,
         generic_alternative=generic,
@@ -312,12 +313,12 @@ def infeasible_result(
     )  # fmt: skip
 
 
-def half_warnings(sought: Sought, used: Sought) -> list[dict[str, str]]:
+def half_warnings(sought: Sought, used: Sought) -> list[Note]:
     """That parts on sale are proven not to fit, where the search with parts to be made was cut short."""
     if used is sought or used.outcome.complete or not sought.outcome.complete:
         return []
     text = "no combination of parts on sale fits, which is proven; the search with parts to be made was cut short"
-    return [{"code": "parts_on_sale", "path": "catalog.generic", "message": text}]
+    return [Note("parts_on_sale", "catalog.generic", text)]
 
 
 def audited(
@@ -336,38 +337,38 @@ def audited(
     return replace(result, audit=report)
 
 
-def gap_warnings(proof: Certificate) -> list[dict[str, str]]:
+def gap_warnings(proof: Certificate) -> list[Note]:
     """That the bounds on settings without a closed form did not close."""
     share = 100.0 * (proof.gap_rel or 0.0)
     text = f"no combination is more than {share:.2g} % better, but the settings' bounds do not close further"
-    return [{"code": "gap", "path": "objective", "message": text}]
+    return [Note("gap", "objective", text)]
 
 
-def haste_warnings(sought: Sought) -> list[dict[str, str]]:
+def haste_warnings(sought: Sought) -> list[Note]:
     """That the search was interrupted, if it was."""
     text = "interrupted: the best found so far, without the tests of its doubts"
     if not sought.outcome.best:
         text = "interrupted before a system was found"
-    return [{"code": "interrupted", "path": "", "message": text}] if sought.outcome.interrupted else []
+    return [Note("interrupted", "", text)] if sought.outcome.interrupted else []
 
 
-def cut_warnings() -> list[dict[str, str]]:
+def cut_warnings() -> list[Note]:
     """That what follows the proof was interrupted."""
     text = "interrupted: the system is proven, but not all that is usually told of it was worked out"
-    return [{"code": "interrupted", "path": "", "message": text}]
+    return [Note("interrupted", "", text)]
 
 
-def time_warnings(deadline: Deadline) -> list[dict[str, str]]:
+def time_warnings(deadline: Deadline) -> list[Note]:
     """What there was no time for."""
     if not deadline.left_out:
         return []
     text = "the time that was given is over; not worked out: " + "; ".join(dict.fromkeys(deadline.left_out))
-    return [{"code": "time", "path": "", "message": text}]
+    return [Note("time", "", text)]
 
 
 def interrupted(result: Result) -> bool:
     """Whether a person wants no more."""
-    return any(warning["code"] == "interrupted" for warning in result.warnings)
+    return any(warning.code == "interrupted" for warning in result.warnings)
 
 
 def proven_in_full(influences: Sequence[Influence]) -> list[Influence]:

@@ -28,8 +28,9 @@ from uwopt.objectives.axes import DEFAULT, FEWEST, MOST, Axes, Frame, plain_name
 from uwopt.objectives.dominance import hypervolume, igd_plus, nondominated
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnFunction, OwnObjective
+from uwopt.results.design import Design, Note
 from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint, FrontResult
-from uwopt.results.result import Design, Result
+from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import accounted, scope
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
@@ -436,7 +437,7 @@ class ParetoCall:
         influences = influences_of(sought.problem, hardware, given, self.builtin)
         return [item.as_dict() for item in proven_in_full(influences)]
 
-    def warned(self, sought: FrontSearched) -> list[dict[str, str]]:
+    def warned(self, sought: FrontSearched) -> list[Note]:
         """What should be known of how the front came about."""
         out = (
             [("no_exact", f"searched by population solvers alone: {self.left_out}")] if self.left_out else []
@@ -463,7 +464,7 @@ class ParetoCall:
                 out.append(
                     ("defect", f"{peer.algorithm} found more than the exact front allows; please report it")
                 )
-        return [{"code": code, "path": "objectives", "message": text} for code, text in out]
+        return [Note(code, "objectives", text) for code, text in out]
 
     def without_points(self, made: FrontResult) -> FrontResult:
         """A result without a point: why nothing fits, as `solve` tells it."""
@@ -473,7 +474,7 @@ class ParetoCall:
         if told is None:
             return made
         proof = None if told.certificate is None else told.to_dict()["certificate"]
-        cut = [warning for warning in told.warnings if warning["code"] == "time"]
+        cut = [warning for warning in told.warnings if warning.code == "time"]
         return replace(
             made,
             infeasible=told.infeasible,

@@ -44,7 +44,7 @@ class Bench:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
-        from uwopt.results.result import plain
+        from uwopt.results.record import plain
 
         made: dict[str, Any] = plain({
             "schema": SCHEMA, "quick": self.quick, "seed": self.seed, "missions": list(self.missions),

@@ -92,7 +92,7 @@ def defect_message(fault: Exception) -> str:
 
 def was_interrupted(result: Result | FrontResult) -> bool:
     """Whether the result holds only what was there when a person interrupted."""
-    return any(warning.get("code") == "interrupted" for warning in result.warnings)
+    return any(warning.code == "interrupted" for warning in result.warnings)
 
 
 def result_status(result: Result, *, check: bool = False) -> int:

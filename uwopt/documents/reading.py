@@ -7,7 +7,7 @@ found later can say where it stands.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -79,6 +79,8 @@ def _plain(value: Any, name: str, depth: int, counter: Iterator[int]) -> Any:
         raise MissionError(too_many(name))
     if depth > MAX_DEPTH:
         raise MissionError(too_deep(name))
+    if is_dataclass(value) and not isinstance(value, type):  # a record of a result, such as a lamp's place
+        value = {field.name: getattr(value, field.name) for field in fields(value)}
     if isinstance(value, Mapping):
         return {str(key): _plain(item, name, depth + 1, counter) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from uwopt.model.fineness import DEFAULT, Fineness
-from uwopt.results.result import Design
+from uwopt.results.design import Design
 
 Evaluate = Callable[[Fineness], Design]
 

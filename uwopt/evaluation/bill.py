@@ -2,52 +2,40 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
 from uwopt.catalog.records import Part, Quantity
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
+from uwopt.results.design import BillRow, Cost, LampPlace, UsedHardware, UsedPart
 
 
-def hardware_dict(problem: Problem, hw: Hardware) -> dict[str, Any]:
+def used_hardware(problem: Problem, hw: Hardware) -> UsedHardware:
     """The hardware by ids, and where its lights stand."""
     parts = problem.parts
-    mounts = (
-        [m.model_dump(mode="json") for m in hw.mount.explicit] if hw.mount.explicit else default_mounts(hw)
+    return UsedHardware(
+        camera=used_part(parts.cameras[hw.camera]),
+        lens=used_part(parts.lenses[hw.lens]),
+        port=used_part(parts.ports[hw.port]),
+        light=used_part(parts.lights[hw.light]),
+        camera_count=problem.mission.vehicle.camera_count,
+        light_count=hw.count,
+        orientation="landscape" if hw.landscape else "portrait",
+        light_mounts=lamp_places(hw),
     )
-    return {
-        **{
-            kind: {
-                "id": part.id,
-                "name": f"{part.manufacturer} {part.model}".strip() or part.id,
-                "generic": part.generic,
-            }
-            for kind, part in (
-                ("camera", parts.cameras[hw.camera]),
-                ("lens", parts.lenses[hw.lens]),
-                ("port", parts.ports[hw.port]),
-                ("light", parts.lights[hw.light]),
-            )
-        },
-        "camera_count": problem.mission.vehicle.camera_count,
-        "light_count": hw.count,
-        "orientation": "landscape" if hw.landscape else "portrait",
-        "light_mounts": mounts,
-    }
 
 
-def default_mounts(hw: Hardware) -> list[dict[str, float]]:
-    """Lamps alternately at plus and minus the baseline."""
-    return [
-        {
-            "x_m": 0.0,
-            "y_m": hw.mount.baseline_m * (1.0 if n % 2 == 0 else -1.0),
-            "z_m": 0.0,
-            "tilt_x_deg": 0.0,
-            "tilt_y_deg": hw.mount.tilt_deg,
-        }
-        for n in range(hw.count)
-    ]
+def used_part(part: Part) -> UsedPart:
+    """A part by its names."""
+    return UsedPart(part.id, f"{part.manufacturer} {part.model}".strip() or part.id, part.generic)
+
+
+def lamp_places(hw: Hardware) -> list[LampPlace]:
+    """Lamps where the mission has them, or alternately at plus and minus the baseline."""
+    if hw.mount.explicit:
+        return [LampPlace(**place.model_dump()) for place in hw.mount.explicit]
+    sides_m = (hw.mount.baseline_m, -hw.mount.baseline_m)
+    return [LampPlace(0.0, sides_m[n % 2], 0.0, 0.0, hw.mount.tilt_deg) for n in range(hw.count)]
 
 
 def bought(problem: Problem, hw: Hardware) -> list[tuple[str, Part, int, int]]:
@@ -72,50 +60,41 @@ def price_status(part: Part) -> str:
     return {"published": "list", "user": "own", "quoted": "quoted"}.get(part.price.status, part.price.status)
 
 
-def bill_of_materials(problem: Problem, hw: Hardware) -> list[dict[str, Any]]:
+def bill_of_materials(problem: Problem, hw: Hardware) -> list[BillRow]:
     """What to order: part, number, price with its range and status, source."""
     currency = problem.mission.limits.currency
     rows = []
     for kind, part, count, owned in bought(problem, hw):
         price = part.price or Quantity(0.0, 0.0, 0.0, "user")
         rate = problem.money(1.0, part.currency)
+        value, low, high = (rate * end if part.price else None for end in (price.value, price.low, price.high))
         rows.append(
-            {
-                "kind": kind, "id": part.id, "manufacturer": part.manufacturer, "model": part.model, "count": count,
-                "owned": owned, "unit_price": price.value * rate if part.price else None,
-                "unit_price_low": price.low * rate if part.price else None,
-                "unit_price_high": price.high * rate if part.price else None, "currency": currency,
-                "price_status": price_status(part), "price_date": part.price_date, "generic": part.generic,
-                "source": part.source_url, "price_basis": price.source,
-            }
+            BillRow(
+                kind=kind, id=part.id, manufacturer=part.manufacturer, model=part.model, count=count, owned=owned,
+                unit_price=value, unit_price_low=low, unit_price_high=high, currency=currency,
+                price_status=price_status(part), price_date=part.price_date, generic=part.generic,
+                source=part.source_url, price_basis=price.source,
+            )
         )  # fmt: skip
     extras = problem.mission.catalog.extras
     return rows + [
-        {
-            "kind": "extra", "id": extra.name, "manufacturer": "", "model": extra.name, "count": 1, "owned": 0,
-            "unit_price": extra.cost, "unit_price_low": extra.cost, "unit_price_high": extra.cost,
-            "currency": currency, "price_status": "own", "price_date": "", "generic": False, "source": "mission",
-            "price_basis": "",
-        }
+        BillRow(
+            kind="extra", id=extra.name, manufacturer="", model=extra.name, count=1, owned=0,
+            unit_price=extra.cost, unit_price_low=extra.cost, unit_price_high=extra.cost, currency=currency,
+            price_status="own", price_date="", generic=False, source="mission", price_basis="",
+        )
         for extra in extras
     ]  # fmt: skip
 
 
-def cost_range(problem: Problem, hw: Hardware) -> dict[str, Any]:
-    """Cost with the range that estimated prices leave, and how much of it is estimated."""
-    value = low = high = estimated = estimated_low = estimated_high = 0.0
-    for row in bill_of_materials(problem, hw):
-        number = row["count"] - row["owned"]
-        if row["unit_price"] is None:
-            continue
-        value += number * row["unit_price"]
-        low += number * row["unit_price_low"]
-        high += number * row["unit_price_high"]
-        if row["price_status"] in ("estimated", "to be made"):
-            estimated += number * row["unit_price"]
-            estimated_low += number * row["unit_price_low"]
-            estimated_high += number * row["unit_price_high"]
-    return {
-        "value": value, "low": low, "high": high, "currency": problem.mission.limits.currency,
-        "estimated": estimated, "estimated_low": estimated_low, "estimated_high": estimated_high,
-    }  # fmt: skip
+def cost_range(problem: Problem, rows: Sequence[BillRow]) -> Cost:
+    """Cost of a bill with the range that estimated prices leave, and how much of it is estimated."""
+
+    def total(price: str, *, of_estimates: bool = False) -> float:
+        wanted = (row for row in rows if row[price] is not None and (row.estimated or not of_estimates))
+        return float(sum(row.to_buy * row[price] for row in wanted))
+
+    prices = ("unit_price", "unit_price_low", "unit_price_high")
+    value, low, high = (total(price) for price in prices)
+    estimated = (total(price, of_estimates=True) for price in prices)
+    return Cost(value, low, high, problem.mission.limits.currency, *estimated)

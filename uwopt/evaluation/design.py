@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from uwopt.evaluation.bill import bill_of_materials, cost_range, hardware_dict
+from uwopt.evaluation.bill import bill_of_materials, cost_range, used_hardware
 from uwopt.evaluation.design_model import design_model
 from uwopt.evaluation.figures_by_name import light_notes, plain_figures, plain_settings, uneven_notes
 from uwopt.forward.designs import Hardware, SceneSettings
@@ -18,7 +18,7 @@ from uwopt.forward.figures import SettingRows
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import MarginRows, common_margins
-from uwopt.results.result import Design, Margin, SceneResult
+from uwopt.results.design import Design, Margin, SceneResult, Totals
 from uwopt.units import ratio_to_db
 
 UNBOUND = ("light_level", "mean_level", "common_f_number", "common_focus_m")  # met or not, never scarce
@@ -65,19 +65,20 @@ def evaluate_design(
     one = Terms(*(np.array([v]) for v in worst))
     minimised = float(objective.cost_to_minimise(one)[0])
     feasible = all(m.satisfied for s in scenes for m in s.margins)
+    bill = bill_of_materials(problem, hardware)
     return Design(
-        hardware=hardware_dict(problem, hardware),
+        hardware=used_hardware(problem, hardware),
         objective_value=objective.reported(minimised) if math.isfinite(minimised) else None,
         feasible=feasible,
-        totals={
-            "cost": cost_range(problem, hardware),
-            "power_w": max(powers),
-            "light_power_w": max(light_powers),
-            "light_peak_power_w": max(peaks),
-            "mass_kg": mass,
-        },
+        totals=Totals(
+            cost=cost_range(problem, bill),
+            power_w=max(powers),
+            light_power_w=max(light_powers),
+            light_peak_power_w=max(peaks),
+            mass_kg=mass,
+        ),
         scenes=scenes,
-        bom=bill_of_materials(problem, hardware),
+        bom=bill,
         warnings=[*light_notes(model), *uneven_notes(scenes)],
     )
 

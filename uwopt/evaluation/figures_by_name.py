@@ -28,7 +28,7 @@ from uwopt.model import lateral, sensor, sharpness
 from uwopt.model import lens as lens_model
 from uwopt.model.defocus import defocus_px, dome_decentring
 from uwopt.model.port import dome_virtual_image_distance_m
-from uwopt.results.result import SceneResult
+from uwopt.results.design import Note, SceneResult
 from uwopt.units import ratio_to_db, split_unit
 
 Array = NDArray[Any]
@@ -351,9 +351,9 @@ DARK_SHARE = 0.01  # of the image: a darker part is worth a warning
 UNEVEN, FAR_BELOW_DB = 0.1, 15.0  # least over mean light on the floor; darkest pixel below the mean
 
 
-def light_notes(model: DesignModel) -> list[dict[str, str]]:
+def light_notes(model: DesignModel) -> list[Note]:
     """Warnings of images that the lamps do not fill."""
-    notes: list[dict[str, str]] = []
+    notes: list[Note] = []
     for index, scene in enumerate(model.problem.scenes):
         if scene.paper:
             continue
@@ -363,15 +363,15 @@ def light_notes(model: DesignModel) -> list[dict[str, str]]:
                 f"{scene.name}: a lamp stands in the camera's view, or within {100 * LAMP_FRONT_M:g} cm of it; what "
                 "the water scatters there is not known, nor is what the lamp hides; move it outward"
             )
-            notes.append({"code": "lamp_in_view", "path": "vehicle.light_baseline_m", "message": text})
+            notes.append(Note("lamp_in_view", "vehicle.light_baseline_m", text))
         dark = model.dark_share(index)
         if dark > DARK_SHARE:
             text = f"{scene.name}: no light reaches {100 * dark:.0f} % of the image; widen the beam, tilt or add lamps"
-            notes.append({"code": "dark_image", "path": "light", "message": text})
+            notes.append(Note("dark_image", "light", text))
     return notes
 
 
-def uneven_notes(scenes: Sequence[SceneResult]) -> list[dict[str, str]]:
+def uneven_notes(scenes: Sequence[SceneResult]) -> list[Note]:
     """Warnings of images whose mean meets the requirements while parts of them are all but dark."""
     notes = []
     for scene in scenes:
@@ -384,5 +384,5 @@ def uneven_notes(scenes: Sequence[SceneResult]) -> list[dict[str, str]]:
         if darkest is not None:
             said += f", its SNR is {darkest:.1f} dB"
         said += "; ask for min_uniformity, snr_at: worst or min_contrast"
-        notes.append({"code": "uneven_light", "path": "light", "message": said})
+        notes.append(Note("uneven_light", "light", said))
     return notes

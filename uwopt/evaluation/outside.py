@@ -24,6 +24,7 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.system import PART_KINDS, System
 from uwopt.model.imaging import Lamps
 from uwopt.objectives.objective import Objective
+from uwopt.results.design import Note
 
 PLACE_DIGITS = 6  # of metres and of directions: lamps nearer to each other stand in one place
 MORE_LIGHT_REL = 1e-6  # a smaller working f-number counts from here on
@@ -41,9 +42,9 @@ class Departure:
     binds: bool = False
 
     @property
-    def note(self) -> dict[str, str]:
+    def note(self) -> Note:
         """As a warning of a result."""
-        return {"code": "outside_search", "path": self.path, "message": self.message}
+        return Note("outside_search", self.path, self.message)
 
 
 def departures(

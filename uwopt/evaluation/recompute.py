@@ -8,7 +8,7 @@ parts from the catalogue of today or from the system that was evaluated, the set
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,7 @@ from uwopt.mission.system import load_system
 from uwopt.model.effects import Effects
 from uwopt.model.fineness import Fineness
 from uwopt.model.port import lens_dioptre_per_m
-from uwopt.results.result import Design
+from uwopt.results.design import Design, LampPlace
 
 KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light")
 SAME_REL = 1e-5  # of the figures that tell whether the inputs are still those of the result
@@ -115,21 +115,21 @@ def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardwar
     from uwopt.forward.assembly import build_problem, load_catalog, owned_ids, selected
 
     chosen = design.hardware
-    to_be_made = any(chosen[kind]["generic"] for kind in KINDS)
+    to_be_made = any(part.generic for part in chosen.parts.values())
     allow = to_be_made or mission.catalog.generic == "allow"
     catalog = load_catalog(mission)
     selection = selected(mission, catalog, generic="allow" if allow else "never")
     problem = build_problem(mission, selection)
     rows = (problem.parts.cameras, problem.parts.lenses, problem.parts.ports, problem.parts.lights)
-    places = [place_of(chosen[kind]["id"], row) for kind, row in zip(KINDS, rows, strict=True)]
+    places = [place_of(part_id, row) for part_id, row in zip(chosen.ids, rows, strict=True)]
     if None in places:
-        camera, lens, port, light = (catalog.part(chosen[kind]["id"], kind) for kind in KINDS)
+        camera, lens, port, light = (catalog.part(chosen.parts[kind].id, kind) for kind in KINDS)
         parts = Parts((camera,), (lens,), (port,), (light,))  # type: ignore[arg-type]
         paper = mission.physics == "paper"
         problem = Problem(mission, parts, paper=paper, owned_lights=owned_ids(selection))
         places = [0, 0, 0, 0]
-    landscape, count = chosen["orientation"] == "landscape", int(chosen["light_count"])
-    mount = mount_of(chosen["light_mounts"], mission_mounts(mission))
+    landscape, count = chosen.orientation == "landscape", chosen.light_count
+    mount = mount_of(chosen.light_mounts, mission_mounts(mission))
     at = [place or 0 for place in places]
     return problem.with_mount(mount), Hardware(at[0], at[1], at[2], landscape, at[3], count, mount)
 
@@ -140,9 +140,9 @@ def place_of(part_id: str, parts: Sequence[Part]) -> int | None:
     return next((index for index, part in enumerate(parts) if plain_name(part.id) == wanted), None)
 
 
-def mount_of(mounts: list[dict[str, float]], declared: list[Mount]) -> Mount:
+def mount_of(mounts: list[LampPlace], declared: list[Mount]) -> Mount:
     """The lights' places: those of the declared grid where they are on it, else one by one."""
-    places = [LightMount.model_validate(m) for m in mounts]
+    places = [LightMount(**asdict(m)) for m in mounts]
     for one in declared:
         if one.explicit and [m.model_dump() for m in one.explicit] == [m.model_dump() for m in places]:
             return one

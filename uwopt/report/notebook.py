@@ -7,8 +7,9 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from uwopt.errors import RangeError
+from uwopt.results.design import Design
 from uwopt.results.front import FrontResult
-from uwopt.results.result import Design, Result
+from uwopt.results.result import Result
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -46,8 +47,8 @@ def objective_text(result: Result) -> str:
 def parts_text(design: Design) -> str:
     """Ids of the parts, with the number of lights."""
     hardware = design.hardware
-    light = f"{hardware.get('light_count') or 1} × {hardware['light']['id']}"
-    return " + ".join([*(hardware[kind]["id"] for kind in ("camera", "lens", "port")), light])
+    *ids, light = hardware.ids
+    return " + ".join([*ids, f"{hardware.light_count} × {light}"])
 
 
 # ---------------------------------------------------------------- HTML

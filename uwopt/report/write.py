@@ -12,10 +12,12 @@ import json
 import os
 import threading
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from uwopt.errors import OutputError
+from uwopt.results.design import BillRow
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
 
@@ -187,15 +189,14 @@ def json_text(result: Result | FrontResult, encoding: str = "utf-8") -> str:
     return text
 
 
-def bom_csv(rows: Sequence[Mapping[str, Any]]) -> str:
+def bom_csv(rows: Sequence[BillRow]) -> str:
     """A bill of materials as CSV that a spreadsheet takes for text and numbers only."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    columns = [*BOM_COLUMNS, *dict.fromkeys(key for row in rows for key in row if key not in BOM_COLUMNS)]
-    writer.writerow([defused(column) for column in columns])
+    writer.writerow(BOM_COLUMNS)
     for row in rows:
-        values = {"to_pay": to_pay(row), **row}
-        writer.writerow([defused(values.get(column)) for column in columns])
+        values = {"to_pay": to_pay(row), **asdict(row)}
+        writer.writerow([defused(values[column]) for column in BOM_COLUMNS])
     return text.getvalue()
 
 
@@ -210,13 +211,11 @@ def front_csv(front: FrontResult) -> str:
     return text.getvalue()
 
 
-def to_pay(row: Mapping[str, Any]) -> float | None:
+def to_pay(row: BillRow) -> float | None:
     """Price of the pieces of one row that are not owned yet; None when the price is unknown."""
-    number = row["count"] - (row.get("owned") or 0)
-    price = row.get("unit_price")
-    if number <= 0:
+    if not row.to_buy:
         return 0.0
-    return None if price is None else float(number * price)
+    return None if row.unit_price is None else row.to_buy * row.unit_price
 
 
 def defused(value: Any) -> Any:

@@ -11,7 +11,7 @@ from uwopt.errors import RangeError
 if TYPE_CHECKING:
     import pandas as pd
 
-    from uwopt.results.result import Design
+    from uwopt.results.design import Design
 
 Rows = list[dict[str, Any]]
 
@@ -33,7 +33,7 @@ def margin_rows(design: Design | None) -> Rows:
 
 def bill_rows(design: Design | None) -> Rows:
     """One row a line of the bill of materials."""
-    return [] if design is None else [dict(row) for row in design.bom]
+    return [] if design is None else [asdict(row) for row in design.bom]
 
 
 def settings_rows(design: Design | None) -> Rows:
@@ -61,11 +61,11 @@ def design_rows(designs: list[Design]) -> Rows:
     """One row a design: parts, objective, cost, power and mass."""
     return [
         {
-            **{kind: design.hardware[kind]["id"] for kind in ("camera", "lens", "port", "light")},
-            **{key: design.hardware.get(key) for key in ("camera_count", "light_count", "orientation")},
+            **{kind: part.id for kind, part in design.hardware.parts.items()},
+            **{key: design.hardware[key] for key in ("camera_count", "light_count", "orientation")},
             "objective": design.objective_value,
-            **{f"cost_{key}": value for key, value in (design.totals.get("cost") or {}).items()},
-            **{key: value for key, value in design.totals.items() if key != "cost"},
+            **{f"cost_{key}": value for key, value in asdict(design.totals.cost).items()},
+            **{key: value for key, value in asdict(design.totals).items() if key != "cost"},
         }
         for design in designs
     ]

@@ -6,13 +6,15 @@ whole design; those that share hardware lie on one curve of settings.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from uwopt.results.design import Design, Note
 from uwopt.results.frames import frame_of
-from uwopt.results.result import Design, design_from_dict, plain
+from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
 from uwopt.results.shown import Shown
 
 if TYPE_CHECKING:
@@ -21,109 +23,84 @@ if TYPE_CHECKING:
 FRONT_SCHEMA = "uwopt.front/1"
 
 
-@dataclass(frozen=True)
-class FrontObjective:
+@dataclass(frozen=True, config=RECORD)
+class FrontObjective(Record):
     """One axis of a front."""
 
-    name: str  # a term of `objectives.objective.UNITS`, or the name of the user's own function
-    direction: str  # minimise | maximise
-    unit: str
-    own: bool = False  # a function of the user's
+    name: str = Field(description="a built-in objective's, or of the user's own function")
+    direction: str = Field(description="minimise | maximise")
+    unit: str = Field(description="of its values")
+    own: Flag = Field(default=False, description="whether it is a function of the user's")
 
 
-@dataclass(frozen=True)
-class FrontPoint:
+@dataclass(frozen=True, config=RECORD)
+class FrontPoint(Record):
     """One design on the front, with its settings, figures and margins."""
 
-    id: str  # p1, p2, ... along the first objective
-    values: dict[str, float]  # by objective, in its unit, not negated
-    curve: str  # c1, c2, ...: points of one curve share hardware
-    method: str  # exact, or the name of the population solver that found it
-    design: Design
+    id: str = Field(description="p1, p2, ... along the first objective")
+    values: dict[str, Number] = Field(description="by objective, in its unit, not negated")
+    curve: str = Field(description="c1, c2, ...: points of one curve share hardware")
+    method: str = Field(description="exact, or the population solver that found it")
+    design: Design = Field(description="the whole design")
 
 
-@dataclass(frozen=True)
-class Pick:
+@dataclass(frozen=True, config=RECORD)
+class Pick(Record):
     """A point of the front with a name."""
 
-    name: str  # cheapest | least power | best image | knee
-    point: str  # id
-    definition: str  # one sentence
+    name: str = Field(description="cheapest | least power | best image | knee")
+    point: str = Field(description="the point's id")
+    definition: str = Field(description="one sentence")
 
 
-@dataclass(frozen=True)
-class FrontMethod:
+@dataclass(frozen=True, config=RECORD)
+class FrontMethod(Record):
     """How one solver did; hypervolumes are shares of the box from the exact front's best corner to the reference."""
 
-    name: str  # exact | nsga2 | nsga3 | ...
-    status: str  # complete | stopped | interrupted
-    seconds: float
-    n_points: int
-    hypervolume: float
-    hypervolume_ratio: float | None  # of the exact front's; None without one
-    igd_plus: float | None  # to the exact front, axes scaled to its range
-    evaluations: int
-    seed: int | None
-    history: list[list[float]] = field(default_factory=list)  # [seconds, hypervolume]
-    hypervolume_bound: float | None = None  # no front can have more (exact only)
+    name: str = Field(description="exact | nsga2 | nsga3 | ...")
+    status: str = Field(description="complete | stopped | interrupted")
+    seconds: Number = Field(description="that it took")
+    n_points: Whole = Field(description="that it found")
+    hypervolume: Number = Field(description="that its points dominate")
+    hypervolume_ratio: Number | None = Field(description="to the exact front's; null without one")
+    igd_plus: Number | None = Field(description="distance to the exact front, axes scaled to its range")
+    evaluations: Whole = Field(description="of designs")
+    seed: Whole | None = Field(description="null: nothing is drawn")
+    history: list[list[Number]] = Field(default_factory=list, description="[seconds, hypervolume]")
+    hypervolume_bound: Number | None = Field(default=None, description="no front can have more (exact only)")
 
 
-@dataclass(frozen=True, repr=False)
-class FrontResult(Shown):
+@dataclass(frozen=True, repr=False, config=RECORD)
+class FrontResult(Shown, FiledRecord):
     """The trade-off between two or three objectives, as it is written to front.json."""
 
-    status: str  # complete | stopped | interrupted | infeasible
-    mission: dict[str, Any]
-    physics: dict[str, Any]
-    objectives: list[FrontObjective]
-    uwopt_version: str
-    points: list[FrontPoint] = field(default_factory=list)
-    picks: list[Pick] = field(default_factory=list)
-    methods: list[FrontMethod] = field(default_factory=list)
-    peers: list[dict[str, Any]] = field(
-        default_factory=list
-    )  # {method, values, hardware: [4 ids]} of other fronts
-    reference: dict[str, Any] = field(default_factory=dict)  # {ideal, nadir, point, log}, by objective
-    certificate: dict[str, Any] | None = None
-    alternatives: list[dict[str, Any]] = field(default_factory=list)
-    infeasible: dict[str, Any] | None = None
-    assumptions: list[dict[str, Any]] = field(default_factory=list)
-    warnings: list[dict[str, str]] = field(default_factory=list)
-    accuracy: dict[str, Any] = field(default_factory=dict)
-    timing_s: dict[str, float] = field(default_factory=dict)
-    seed: int = 0
-    versions: dict[str, str] = field(default_factory=dict)
-    command: str = "pareto"
-    mission_file: dict[str, str] | None = None  # {name, text} as the user wrote it
-    schema: str = FRONT_SCHEMA
+    status: str = Field(description="complete | stopped | interrupted | infeasible")
+    mission: dict[str, Any] = Field(description="as understood, defaults filled in")
+    physics: dict[str, Any] = Field(description="which, how fine, and what is left out")
+    objectives: list[FrontObjective] = Field(description="the axes")
+    uwopt_version: str = Field(description="that wrote this")
+    points: list[FrontPoint] = Field(default_factory=list, description="along the first objective")
+    picks: list[Pick] = Field(default_factory=list, description="points worth a look first")
+    methods: list[FrontMethod] = Field(default_factory=list, description="the solvers that ran")
+    peers: list[dict[str, Any]] = Field(default_factory=list, description="points of the other solvers' fronts")
+    reference: dict[str, Any] = Field(default_factory=dict, description="the box that fronts are compared in")
+    certificate: dict[str, Any] | None = Field(default=None, description="how far the claim reaches")
+    alternatives: list[dict[str, Any]] = Field(default_factory=list, description="other makers' best, and why not")
+    infeasible: dict[str, Any] | None = Field(default=None, description="why nothing fits")
+    assumptions: list[dict[str, Any]] = Field(default_factory=list, description="what is not known but taken")
+    warnings: list[Note] = Field(default_factory=list, description="what to know of this front")
+    accuracy: dict[str, Any] = Field(default_factory=dict, description="errors of figures, where worked out")
+    timing_s: dict[str, Number] = Field(default_factory=dict, description="by part of the run")
+    seed: Whole = Field(default=0, description="of the population solvers")
+    versions: dict[str, str] = Field(default_factory=dict, description="of Python and libraries")
+    command: str = Field(default="pareto", description="always pareto")
+    mission_file: dict[str, str] | None = Field(default=None, description="name, folder, text as the user wrote it")
+    schema: str = Field(default=FRONT_SCHEMA, description="of this file")
 
     def point(self, name: str) -> FrontPoint:
         """A point by its id or by the name of its pick."""
         wanted = next((pick.point for pick in self.picks if pick.name == name), name)
         return next(point for point in self.points if point.id == wanted)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values, ready for JSON."""
-        data: dict[str, Any] = plain(self)
-        return data
-
-    def to_json(self) -> str:
-        """The front file's text."""
-        return json.dumps(self.to_dict(), indent=1, allow_nan=False, ensure_ascii=False)
-
-    @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> FrontResult:
-        """A front from plain values, as read from a front file."""
-        known = {f.name for f in fields(FrontResult)}
-        values = {key: value for key, value in data.items() if key in known}
-        values["objectives"] = [FrontObjective(**item) for item in values.get("objectives") or []]
-        values["points"] = [
-            FrontPoint(**{**item, "design": design_from_dict(item["design"])})
-            for item in values.get("points") or []
-        ]
-        values["picks"] = [Pick(**item) for item in values.get("picks") or []]
-        values["methods"] = [FrontMethod(**item) for item in values.get("methods") or []]
-        return FrontResult(**values)
 
     def frame(self, name: str = "points") -> pd.DataFrame:
         """A table of the front: points, picks, methods, assumptions or warnings."""
@@ -133,7 +110,7 @@ class FrontResult(Shown):
                 "picks": lambda: [asdict(pick) for pick in self.picks],
                 "methods": lambda: [asdict(method) for method in self.methods],
                 "assumptions": lambda: list(self.assumptions),
-                "warnings": lambda: list(self.warnings),
+                "warnings": lambda: [asdict(note) for note in self.warnings],
             },
             name,
         )
@@ -149,9 +126,9 @@ def point_row(point: FrontPoint, pick: str) -> dict[str, Any]:
     hardware, totals = point.design.hardware, point.design.totals
     row: dict[str, Any] = {"point": point.id, "pick": pick, "curve": point.curve, "method": point.method}
     row |= {f"objective: {name}": value for name, value in point.values.items()}
-    row |= {kind: hardware[kind]["id"] for kind in ("camera", "lens", "port", "light")}
+    row |= {kind: part.id for kind, part in hardware.parts.items()}
     row |= {key: hardware[key] for key in ("camera_count", "light_count", "orientation")}
-    row |= {f"cost_{end}": totals["cost"].get(end) for end in ("low", "high")}
+    row |= {"cost_low": totals.cost.low, "cost_high": totals.cost.high}
     for index, scene in enumerate(point.design.scenes):
         mark = f" [{scene.name}]" if index else ""
         row |= {f"{key}{mark}": value for key, value in scene.figures.items()}

@@ -6,89 +6,37 @@ that of the documented result file, schema `uwopt.result/1`.
 
 from __future__ import annotations
 
-import json
-import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from uwopt.results.design import Design, Note
 from uwopt.results.frames import bill_rows, design_rows, figure_rows, frame_of, margin_rows, settings_rows
+from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
 from uwopt.results.shown import Shown
 
 if TYPE_CHECKING:
     import pandas as pd
 
 RESULT_SCHEMA = "uwopt.result/1"
-NOT_SETTABLE = "not_settable"  # code of the warning that no settings to type in are offered
 
 
-@dataclass(frozen=True)
-class Margin:
-    """One requirement held against its limit, worst over the altitudes."""
-
-    requirement: str
-    value: float | None
-    limit: float | None
-    sense: str
-    margin: float | None
-    unit: str
-    at_altitude_m: float | None
-    satisfied: bool
-    binding: bool
-    word: str = ""  # in place of a value that is no number
-
-
-@dataclass(frozen=True)
-class SceneResult:
-    """Settings, figures at the nominal altitude, and margins of one scene."""
-
-    name: str
-    settings: dict[str, float | None]
-    settings_to_set: dict[str, float | None] | None  # rounded to what a person can set
-    figures: dict[str, Any]
-    margins: list[Margin]
-
-
-@dataclass(frozen=True)
-class Design:
-    """One system with its settings."""
-
-    hardware: dict[str, Any]
-    objective_value: float | None
-    feasible: bool
-    totals: dict[str, Any]
-    scenes: list[SceneResult]
-    bom: list[dict[str, Any]]
-    rounded: dict[str, Any] | None = None  # the settings to set, checked again
-    warnings: list[dict[str, str]] = field(default_factory=list)
-
-    def margins_frame(self) -> pd.DataFrame:
-        """All margins as a table, one row a requirement and scene."""
-        return frame_of({"margins": lambda: margin_rows(self)}, "margins")
-
-    def figures_frame(self) -> pd.DataFrame:
-        """All figures as a table, one column a scene."""
-        return frame_of({"figures": lambda: figure_rows(self)}, "figures").set_index("figure")
-
-    def bom_frame(self) -> pd.DataFrame:
-        """The bill of materials as a table."""
-        return frame_of({"bill": lambda: bill_rows(self)}, "bill")
-
-
-@dataclass(frozen=True)
-class Certificate:
+@dataclass(frozen=True, config=RECORD)
+class Certificate(Record):
     """How far the claim of an optimum reaches, and where every combination went."""
 
-    lower_bound: float | None
-    best_value: float | None
-    gap_abs: float | None
-    gap_rel: float | None
-    complete: bool
-    scope: str
-    loaded: int
-    selected: int
-    evaluated: int
-    discarded: list[dict[str, Any]]
+    lower_bound: Number | None = Field(description="no system can be better than this")
+    best_value: Number | None = Field(description="of the objective, as found")
+    gap_abs: Number | None = Field(description="between the two")
+    gap_rel: Number | None = Field(description="the same as a share of the best value")
+    complete: Flag = Field(description="whether the search came to its end")
+    scope: str = Field(description="what the proof covers, in words")
+    loaded: Whole = Field(description="combinations of all parts of the catalogue")
+    selected: Whole = Field(description="of them of parts that the mission allows")
+    evaluated: Whole = Field(description="of them evaluated")
+    discarded: list[dict[str, Any]] = Field(description="the others, by the first rule that applies")
 
     def adds_up(self) -> bool:
         """Whether every combination loaded is accounted for exactly once."""
@@ -99,35 +47,35 @@ class Certificate:
         return [{"rule": "evaluated", "count": self.evaluated}, *map(dict, self.discarded)]
 
 
-@dataclass(frozen=True, repr=False)
-class Result(Shown):
+@dataclass(frozen=True, repr=False, config=RECORD)
+class Result(Shown, FiledRecord):
     """What a command found, as it is written to result.json."""
 
-    command: str
-    status: str
-    mission: dict[str, Any]
-    physics: dict[str, Any]
-    objective: dict[str, Any]
-    uwopt_version: str
-    recommendation: Design | None = None
-    design: Design | None = None
-    runners_up: list[Design] = field(default_factory=list)
-    generic_alternative: Design | None = None
-    certificate: Certificate | None = None
-    infeasible: dict[str, Any] | None = None
-    assumptions: list[dict[str, Any]] = field(default_factory=list)
-    robustness: dict[str, Any] | None = None
-    solvers: list[dict[str, Any]] = field(default_factory=list)  # second opinions on the settings
-    audit: dict[str, Any] | None = None
-    warnings: list[dict[str, str]] = field(default_factory=list)
-    accuracy: dict[str, Any] = field(default_factory=dict)
-    timing_s: dict[str, float] = field(default_factory=dict)
-    seed: int = 0
-    versions: dict[str, str] = field(default_factory=dict)
-    schema: str = RESULT_SCHEMA
-    alternatives: list[dict[str, Any]] = field(default_factory=list)  # other makers' best, and why not
-    mission_file: dict[str, str] | None = None  # {name, folder, text} as the user wrote it
-    system: dict[str, Any] | None = None  # what was evaluated, inline parts included
+    command: str = Field(description="solve | evaluate")
+    status: str = Field(description="optimal | feasible | violated | infeasible | stopped")
+    mission: dict[str, Any] = Field(description="as understood, defaults filled in")
+    physics: dict[str, Any] = Field(description="which, how fine, and what is left out")
+    objective: dict[str, Any] = Field(description="name, direction, value and unit")
+    uwopt_version: str = Field(description="that wrote this")
+    recommendation: Design | None = Field(default=None, description="the best system")
+    design: Design | None = Field(default=None, description="the system that was evaluated")
+    runners_up: list[Design] = Field(default_factory=list, description="the next best, with other hardware")
+    generic_alternative: Design | None = Field(default=None, description="what parts to be made could give")
+    certificate: Certificate | None = Field(default=None, description="how far the claim reaches")
+    infeasible: dict[str, Any] | None = Field(default=None, description="why nothing fits")
+    assumptions: list[dict[str, Any]] = Field(default_factory=list, description="what is not known but taken")
+    robustness: dict[str, Any] | None = Field(default=None, description="what the estimates could change")
+    solvers: list[dict[str, Any]] = Field(default_factory=list, description="second opinions on the settings")
+    audit: dict[str, Any] | None = Field(default=None, description="the attack on what was discarded")
+    warnings: list[Note] = Field(default_factory=list, description="what to know of this result")
+    accuracy: dict[str, Any] = Field(default_factory=dict, description="gap, residual, and errors of figures")
+    timing_s: dict[str, Number] = Field(default_factory=dict, description="by part of the run")
+    seed: Whole = Field(default=0, description="of all that is drawn")
+    versions: dict[str, str] = Field(default_factory=dict, description="of Python and libraries")
+    schema: str = Field(default=RESULT_SCHEMA, description="of this file")
+    alternatives: list[dict[str, Any]] = Field(default_factory=list, description="other makers' best, and why not")
+    mission_file: dict[str, str] | None = Field(default=None, description="name, folder, text as the user wrote it")
+    system: dict[str, Any] | None = Field(default=None, description="what was evaluated, inline parts included")
 
     @property
     def best(self) -> Design | None:
@@ -146,64 +94,17 @@ class Result(Shown):
                 "designs": lambda: design_rows([*([best] if best else []), *self.runners_up]),
                 "certificate": lambda: [] if proof is None else proof.rows(),
                 "assumptions": lambda: list(self.assumptions),
-                "warnings": lambda: list(self.warnings),
+                "warnings": lambda: [asdict(note) for note in self.warnings],
             },
             name,
         )
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, ready for JSON."""
-        data = plain(self)
+        data = super().to_dict()
         absent = (
             ("design", "system")
             if self.command == "solve"
             else ("recommendation", "certificate", "generic_alternative", "alternatives")
         )
         return {key: value for key, value in data.items() if key not in absent}
-
-    def to_json(self) -> str:
-        """The result file's text."""
-        return json.dumps(self.to_dict(), indent=1, allow_nan=False, ensure_ascii=False)
-
-    @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> Result:
-        """A result from plain values, as read from a result file."""
-        known = {f.name for f in fields(Result)}
-        values = {key: value for key, value in data.items() if key in known}
-        for key in ("recommendation", "design", "generic_alternative"):
-            if values.get(key):
-                values[key] = design_from_dict(values[key])
-        values["runners_up"] = [design_from_dict(item) for item in values.get("runners_up") or []]
-        if values.get("certificate"):
-            values["certificate"] = Certificate(**values["certificate"])
-        return Result(**values)
-
-
-def design_from_dict(data: Mapping[str, Any]) -> Design:
-    """A design from plain values."""
-    values = dict(data)
-    values["scenes"] = [
-        SceneResult(**{**scene, "margins": [Margin(**margin) for margin in scene["margins"]]})
-        for scene in data["scenes"]
-    ]
-    return Design(**values)
-
-
-def is_settable(design: Design) -> bool:
-    """Whether no settings to set were looked for, or some were found with which every requirement holds."""
-    return design.rounded is None or bool(design.rounded.get("feasible"))
-
-
-def plain(value: Any) -> Any:
-    """Dataclasses, arrays and NumPy numbers as plain values; what is not finite becomes None."""
-    if is_dataclass(value) and not isinstance(value, type):
-        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value

@@ -25,7 +25,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
-from uwopt.results.result import NOT_SETTABLE, Design, is_settable
+from uwopt.results.design import NOT_SETTABLE, Design, Note, SettableCheck
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
@@ -91,9 +91,9 @@ def best_settable(sought: Sought, objective: Objective) -> tuple[Sought, Design]
     """
     found, currency = sought.outcome.best, sought.problem.mission.limits.currency
     first = design_of(sought, found[0], objective)
-    for index, other in enumerate(found[1:] if not is_settable(first) else [], 1):
+    for index, other in enumerate(found[1:] if not first.is_settable else [], 1):
         design = design_of(sought, other, objective)
-        if is_settable(design):
+        if design.is_settable:
             best = [other, *found[:index], *found[index + 1 :]]
             design = replace(
                 design, warnings=[better_but_unsettable(first, objective, currency), *design.warnings]
@@ -102,15 +102,15 @@ def best_settable(sought: Sought, objective: Objective) -> tuple[Sought, Design]
     return sought, first
 
 
-def better_but_unsettable(design: Design, objective: Objective, currency: str) -> dict[str, str]:
+def better_but_unsettable(design: Design, objective: Objective, currency: str) -> Note:
     """That other parts would be better by exact numbers that nobody can type in."""
-    names = ", ".join(str(design.hardware[kind]["id"]) for kind in ("camera", "lens", "port", "light"))
+    names = ", ".join(design.hardware.ids)
     value = format_quantity(design.objective_value, objective.unit(currency), 4)
     text = (
         f"with {names} the exact optimum is {value}, but no stop of the lens with steps of time, gain and light was "
         "found that meets every requirement there; recommended is the best of the next that can be set"
     )
-    return {"code": BETTER_UNSETTABLE, "path": "hardware", "message": text}
+    return Note(BETTER_UNSETTABLE, "hardware", text)
 
 
 def evaluated(problem: Problem, found: Found, objective: Objective) -> Design:
@@ -143,9 +143,8 @@ def with_rounded(problem: Problem, found: Found, design: Design, objective: Obje
     """
     again = rounded_design(problem, hardware_of(found), found.settings, objective).design
     missed = list(dict.fromkeys(m.requirement for s in again.scenes for m in s.margins if not m.satisfied))
-    rounded = {"feasible": again.feasible, "objective_value": again.objective_value, "missed": missed}
+    rounded = SettableCheck(again.feasible, again.objective_value if again.feasible else None, missed)
     if not again.feasible:
-        rounded["objective_value"] = None
         return replace(design, rounded=rounded, warnings=[*design.warnings, not_settable()])
     scenes = [
         replace(scene, settings_to_set=printed(other.settings))
@@ -154,16 +153,16 @@ def with_rounded(problem: Problem, found: Found, design: Design, objective: Obje
     return replace(design, scenes=scenes, rounded=rounded)
 
 
-def not_settable() -> dict[str, str]:
+def not_settable() -> Note:
     """That no stop, time, gain and level that can be set were found to keep every requirement."""
     text = (
         "no settings to type in are offered: no stop of the lens with steps of time, gain and light was found that "
         "meets every requirement; the settings shown are exact numbers"
     )
-    return {"code": NOT_SETTABLE, "path": "settings_to_set", "message": text}
+    return Note(NOT_SETTABLE, "settings_to_set", text)
 
 
-def part_warnings(problem: Problem, hardware: Hardware) -> list[dict[str, str]]:
+def part_warnings(problem: Problem, hardware: Hardware) -> list[Note]:
     """What should be known of these parts together: a lens rated for larger pixels, and the like."""
     parts = problem.parts
     findings = explain_pair(
@@ -171,7 +170,7 @@ def part_warnings(problem: Problem, hardware: Hardware) -> list[dict[str, str]]:
         parts.lights[hardware.light],
     )  # fmt: skip
     return [
-        {"code": f.rule, "path": "hardware", "message": f.message}
+        Note(f.rule, "hardware", f.message)
         for f in findings
         if f.severity == "warning"
     ]

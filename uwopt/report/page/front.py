@@ -16,8 +16,8 @@ from uwopt.report.text import words
 from uwopt.report.text.front_tables import pick_names
 from uwopt.report.text.tables import has_no_limit, kinds_by_id, scenes_to_set, shown_settings
 from uwopt.report.text.verdict import axis_name
+from uwopt.results.design import Design, SceneResult, UsedHardware
 from uwopt.results.front import FrontPoint, FrontResult
-from uwopt.results.result import Design, SceneResult
 from uwopt.units import symbol
 
 KINDS = ("camera", "lens", "port", "light")
@@ -130,7 +130,7 @@ def peer_values(front: FrontResult, columns: Sequence[PointColumn]) -> list[list
 
 def short_ids(front: FrontResult) -> dict[str, str]:
     """Ids of parts that fit a column: cut at a hyphen as soon as no other part of the front begins so."""
-    every = sorted({words.part_id(point.design.hardware[kind]) for point in front.points for kind in KINDS})
+    every = sorted({words.part_id(part) for point in front.points for part in point.design.hardware.parts.values()})
     return {name: short_id(name, [other for other in every if other != name]) for name in every}
 
 
@@ -146,10 +146,9 @@ def short_id(name: str, others: Sequence[str]) -> str:
 def beside(design: Design, name: str) -> float | None:
     """A total or a figure of the first scene."""
     if name == "cost":
-        value = (design.totals.get("cost") or {}).get("value")
-        return None if value is None else float(value)
+        return design.totals.cost.value
     if name == "power_w":
-        return scene_value(design.totals, {}, name)
+        return design.totals.power_w
     return scene_value(design.scenes[0].figures, design.scenes[0].settings, name)
 
 
@@ -165,15 +164,15 @@ def point_data(
     """One point: numbers and texts of its columns, parts, and all that its card shows."""
     design, hardware = point.design, point.design.hardware
     kinds = kinds_by_id(design)
-    counts = {"light": hardware.get("light_count") or 1}
+    parts, many = hardware.parts.values(), hardware.camera_count
     return {
         "id": words.one_line(point.id, 20), "pick": pick, "curve": words.one_line(point.curve, 20),
         "method": words.one_line(point.method, 20), "values": [value for _, value in numbers],
         "shown": texts.row(*(words.quantity(value, unit, 4) for unit, value in numbers)),
-        "parts": texts.row(*(words.part_id(hardware[kind]) for kind in KINDS)),
-        "short": texts.row(*(short[words.part_id(hardware[kind])] for kind in KINDS)),
-        "names": texts.row(*(words.part_name(hardware[kind]) for kind in KINDS)),
-        "counts": [counts.get(kind, hardware.get("camera_count") or 1) for kind in KINDS],
+        "parts": texts.row(*(words.part_id(part) for part in parts)),
+        "short": texts.row(*(short[words.part_id(part)] for part in parts)),
+        "names": texts.row(*(words.part_name(part) for part in parts)),
+        "counts": [many, many, many, hardware.light_count],
         "stand": texts.number(stand_text(hardware)),
         "cards": [texts.row(*card_texts(card)) for card in cards(design)],
         "scenes": [
@@ -210,10 +209,10 @@ def setting_pairs(scene: SceneResult) -> list[tuple[str, str]]:
     ]
 
 
-def stand_text(hardware: dict[str, Any]) -> str:
+def stand_text(hardware: UsedHardware) -> str:
     """How camera and lights stand."""
-    mounts = words.mounts_text(hardware.get("light_mounts") or [])
-    return f"{words.one_line(hardware.get('orientation') or '', 20)}" + (
+    mounts = words.mounts_text(hardware.light_mounts)
+    return f"{words.one_line(hardware.orientation, 20)}" + (
         f", lights {mounts}" if mounts else ""
     )
 

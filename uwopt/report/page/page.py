@@ -20,8 +20,10 @@ from uwopt.report.text import doubts, exactness, tables, words
 from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
 from uwopt.report.text.layout import Block, Line, fact_lines
 from uwopt.report.text.verdict import verdict
+from uwopt.results.design import Design
 from uwopt.results.front import FrontResult
-from uwopt.results.result import Certificate, Design, Result, plain
+from uwopt.results.record import plain
+from uwopt.results.result import Certificate, Result
 
 TITLES = {"solve": "Recommendation", "evaluate": "Evaluation of a given system", "pareto": "Trade-off"}
 GROUPS = {

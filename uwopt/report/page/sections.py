@@ -21,8 +21,9 @@ from uwopt.report.text.tables import (
     margin_texts,
     settings_block,
 )
+from uwopt.results.design import BillRow, Design, Margin
 from uwopt.results.front import FrontResult
-from uwopt.results.result import Design, Margin, Result
+from uwopt.results.result import Result
 from uwopt.units import UNIT_SUFFIXES, format_number
 
 #: Key figures.
@@ -118,7 +119,7 @@ def design_part(
         name=name, id=part_id, definition=definition, cards=cards(design),
         hardware=hardware_block(design, "Hardware"), settings=settings_block(result, design), bom=rows,
         legend=ESTIMATED_LEGEND if doubtful else "",
-        total=words.as_sentence(words.cost_sentence(design.totals.get("cost") or {}, words.n_unpriced(design.bom))),
+        total=words.as_sentence(words.cost_sentence(design)),
         scenes=list(scene_bars(design)), figures=figure_rows(design),
         scene_names=[words.one_line(scene.name, 60) for scene in design.scenes],
     )  # fmt: skip
@@ -129,17 +130,15 @@ def design_part(
 
 def cards(design: Design) -> list[Card]:
     """The key figures of a design; of several scenes, from the least to the most."""
-    totals = design.totals
-    cost = totals.get("cost") or {}
-    low, high = cost.get("low"), cost.get("high")
-    notes = [f"{words.money(low)} to {words.money(high)}"] if None not in (low, high) and low != high else []
+    totals, cost = design.totals, design.totals.cost
+    notes = [f"{words.money(cost.low)} to {words.money(cost.high)}"] if cost.low != cost.high else []
     if unpriced := words.n_unpriced(design.bom):
         notes.append(f"without {words.counted(unpriced, 'part')} of unknown price")
-    peak = totals.get("light_peak_power_w")
+    peak = totals.light_peak_power_w
     shown = [
-        Card("Cost", words.money(cost.get("value"), str(cost.get("currency") or "")), ", ".join(notes)),
+        Card("Cost", words.money(cost.value, cost.currency), ", ".join(notes)),
         Card(
-            "Power", words.quantity(totals.get("power_w"), "W"),
+            "Power", words.quantity(totals.power_w, "W"),
             f"{words.quantity(peak, 'W')} at peak" if peak else "",
         ),
     ]  # fmt: skip
@@ -152,8 +151,8 @@ def cards(design: Design) -> list[Card]:
             shown.append(
                 Card(BY_NAME[name].words.capitalize(), text, "over all scenes" if " to " in text else "")
             )
-    if totals.get("mass_kg") is not None:
-        shown.append(Card("Mass", words.quantity(totals["mass_kg"], "kg")))
+    if totals.mass_kg is not None:
+        shown.append(Card("Mass", words.quantity(totals.mass_kg, "kg")))
     return shown
 
 
@@ -238,18 +237,16 @@ def track(room: float) -> float:
 # ---------------------------------------------------------------- bill of materials
 
 
-def bom_row(row: Mapping[str, Any]) -> BomRow:
+def bom_row(row: BillRow) -> BomRow:
     """One part to buy, with its source as a link where it is a page."""
     line = bom_line(row)
-    name = words.one_line(f"{row.get('manufacturer') or ''} {row.get('model') or ''}".strip() or line.id, 80)
-    mark = "bad" if row.get("unit_price") is None else "warn" if line.estimated else "good"
-    texts = [
-        text.strip() for text in words.one_line(row.get("source") or "", 2000).split(" | ") if text.strip()
-    ]
+    name = words.one_line(f"{row.manufacturer} {row.model}".strip() or line.id, 80)
+    mark = "bad" if row.unit_price is None else "warn" if line.estimated else "good"
+    texts = [text.strip() for text in words.one_line(row.source, 2000).split(" | ") if text.strip()]
     sources = [(link_text(link) if (link := web_link(text)) else text, link) for text in texts]
     return BomRow(
         line.number, line.kind, name, "" if line.id == name else line.id, line.each, line.due, line.known, mark,
-        words.one_line(row.get("price_basis") or "", 300), sources,
+        words.one_line(row.price_basis, 300), sources,
     )  # fmt: skip
 
 

@@ -29,7 +29,7 @@ from uwopt.report.pictures.curves import (
 )
 from uwopt.report.pictures.maps import FloorMap, ImageMap, floor_map, image_map
 from uwopt.report.pictures.photograph import View, detail_view, whole_view
-from uwopt.results.result import Design
+from uwopt.results.design import Design
 
 Group = Literal["light", "sharp", "operation", "image", "drawing", "picture"]
 Kind = Literal["plotly", "svg", "image"]

@@ -8,7 +8,7 @@ from typing import Any
 from uwopt.report.text import words
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
 from uwopt.results.front import FrontResult
-from uwopt.results.result import Certificate, Design, Result
+from uwopt.results.result import Certificate, Result
 from uwopt.units import split_unit
 
 MOST_ASSUMPTIONS = 12
@@ -249,7 +249,7 @@ def rival_text(rival: Any) -> str:
         return words.one_line(rival)
     hardware = rival.get("hardware", rival)
     parts = [hardware[kind] for kind in ("camera", "lens", "port", "light") if hardware.get(kind)]
-    named = [words.part_id(part) if isinstance(part, Mapping) else words.one_line(part) for part in parts]
+    named = [words.one_line(part) for part in parts]
     count = hardware.get("light_count")
     return " + ".join(named) + (f", {words.counted(count, 'light')}" if count else "")
 
@@ -263,7 +263,7 @@ def quote_text(item: Any, result: Result) -> str:
     span = range_text(item.get("low"), item.get("high"), unit)
     standing = f" ~{words.quantity(item.get('value'), unit)}" + (f" ({span})" if span else "")
     rival = str(item.get("then_better") or "")
-    own = part_ids(result.best) if result.best is not None else []
+    own = result.best.hardware.ids if result.best is not None else []
     different = [name for name in rival.split(" + ") if name not in own]
     other = f"; then better with {' + '.join(different) or 'another number of lights'}" if rival else ""
     return words.one_line(
@@ -300,17 +300,12 @@ def second_opinion_block(result: Result) -> Block:
     return block("Second opinions", lines)
 
 
-def part_ids(design: Design) -> list[str]:
-    """Ids of camera, lens, port and light."""
-    return [str(design.hardware[kind].get("id")) for kind in ("camera", "lens", "port", "light")]
-
-
 def whose(result: Result, hardware: list[str]) -> str:
     """Which design of the result has this hardware."""
-    if result.best is not None and part_ids(result.best) == hardware:
+    if result.best is not None and result.best.hardware.ids == hardware:
         return "the recommendation"
     for number, design in enumerate(result.runners_up, start=2):
-        if part_ids(design) == hardware:
+        if design.hardware.ids == hardware:
             return f"runner-up {number}"
     return words.one_line(" + ".join(hardware), 120)
 

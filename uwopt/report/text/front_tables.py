@@ -27,7 +27,7 @@ def front_blocks(front: FrontResult) -> Iterator[Block | Text]:
     if front.infeasible:
         yield infeasible_block(front)
     if front.warnings:
-        yield block("Notes", [sentence(words.as_sentence(item["message"])) for item in front.warnings])
+        yield block("Notes", [sentence(words.as_sentence(item.message)) for item in front.warnings])
     if front.timing_s:
         yield sentence(f"Took {words.run_time_sentence(front.timing_s)}.", "dim")
 
@@ -85,8 +85,8 @@ def value_texts(front: FrontResult, point: FrontPoint) -> list[str]:
 def parts_text(point: FrontPoint) -> str:
     """Hardware by ids."""
     hardware = point.design.hardware
-    ids = [words.part_id(hardware[kind]) for kind in ("camera", "lens", "port", "light")]
-    return " + ".join(ids[:3]) + f" + {hardware['light_count']} x {ids[3]}"
+    *ids, light = (words.part_id(part) for part in hardware.parts.values())
+    return " + ".join(ids) + f" + {hardware.light_count} x {light}"
 
 
 def methods_block(front: FrontResult) -> Block:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from uwopt.report.text import words
 from uwopt.report.text.doubts import (
@@ -21,8 +20,9 @@ from uwopt.report.text.doubts import (
 )
 from uwopt.report.text.exactness import exactness_block, has_errors
 from uwopt.report.text.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
+from uwopt.results.design import BillRow, Design, Margin, Note, SceneResult
 from uwopt.results.front import FrontResult
-from uwopt.results.result import Design, Margin, Result, SceneResult, design_from_dict, is_settable
+from uwopt.results.result import Result
 
 ONE_COLUMN_A_SCENE = 3  # more scenes are shown one a row
 
@@ -58,7 +58,7 @@ def nearest_miss(result: Result | FrontResult) -> Design | None:
     """The design that came nearest to feasible, whether read from a file or made here."""
     miss = (result.infeasible or {}).get("nearest_miss")
     if isinstance(miss, dict):
-        return design_from_dict(miss)
+        return Design(**miss)
     return miss if isinstance(miss, Design) else None
 
 
@@ -95,14 +95,13 @@ def hardware_block(design: Design, title: str, note: Text | None = None) -> Bloc
     """Which parts, how many, and how they stand."""
     hardware = design.hardware
     table = columns(("part", "left"), ("", "right"), ("name", "left"), ("id", "left"), header=False)
-    for kind in ("camera", "lens", "port", "light"):
-        part = hardware[kind]
-        count = hardware.get("light_count" if kind == "light" else "camera_count") or 1
+    for kind, part in hardware.parts.items():
+        count = hardware.light_count if kind == "light" else hardware.camera_count
         table.add_row(Text(kind), Text(f"{count} x"), Text(words.part_name(part)), Text(words.part_id(part)))
-    height = {"landscape": "height", "portrait": "width"}.get(str(hardware.get("orientation")), "height")
+    height = {"landscape": "height", "portrait": "width"}.get(hardware.orientation, "height")
     facts = [
-        ("orientation", f"{hardware.get('orientation')}: the image's {height} along the motion"),
-        ("lights", words.mounts_text(hardware.get("light_mounts") or [])),
+        ("orientation", f"{hardware.orientation}: the image's {height} along the motion"),
+        ("lights", words.mounts_text(hardware.light_mounts)),
     ]
     return block(title, [*([note] if note else []), table, fact_lines(facts)])
 
@@ -117,7 +116,7 @@ def settings_block(result: Result | FrontResult, design: Design) -> Block:
 
 def scenes_to_set(design: Design) -> list[SceneResult]:
     """The scenes without settings to set that miss a requirement, which are nothing to offer."""
-    if is_settable(design):
+    if design.is_settable:
         return design.scenes
     return [replace(scene, settings_to_set=None) for scene in design.scenes]
 
@@ -169,8 +168,8 @@ def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
     rounded = design.rounded
     if not rounded:
         return []
-    if not is_settable(design):
-        missed = ", ".join(words.requirement_name(str(name)) for name in rounded.get("missed") or [])
+    if not design.is_settable:
+        missed = ", ".join(words.requirement_name(name) for name in rounded.missed)
         return [
             sentence(
                 "These are the exact optimum, not settings to type in: no stop of the lens with steps of time, gain "
@@ -179,7 +178,7 @@ def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
                 "red",
             )
         ]
-    value, exact = rounded.get("objective_value"), design.objective_value
+    value, exact = rounded.objective_value, design.objective_value
     if value is None or exact is None or isinstance(result, FrontResult):
         return [sentence("Rounded as shown and checked again: every requirement still holds.")]
     unit = str(result.objective.get("unit") or "")
@@ -257,14 +256,13 @@ def margin_texts(margin: Margin, kinds: Mapping[str, str]) -> tuple[str, str, st
 
 def kinds_by_id(design: Design) -> dict[str, str]:
     """Which kind of part an id names."""
-    return {str(part["id"]): kind for kind, part in design.hardware.items() if isinstance(part, dict)}
+    return {part.id: kind for kind, part in design.hardware.parts.items()}
 
 
 def totals_block(design: Design) -> Block:
     """Cost, power and mass in two lines."""
-    totals = design.totals
-    cost = words.cost_sentence(totals.get("cost") or {}, words.n_unpriced(design.bom))
-    return block("Cost, power and mass", [sentence(cost), sentence(words.power_sentence(totals))])
+    lines: list[Line] = [sentence(words.cost_sentence(design)), sentence(words.power_sentence(design.totals))]
+    return block("Cost, power and mass", lines)
 
 
 def bom_block(design: Design) -> Block:
@@ -308,23 +306,20 @@ class BomLine:
     estimated: bool
 
 
-def bom_line(row: Mapping[str, Any]) -> BomLine:
+def bom_line(row: BillRow) -> BomLine:
     """What to order, its price and how that is known."""
-    status = str(row.get("price_status") or "")
-    estimated = status in ("estimated", "to be made")
-    number, owned, currency = row["count"], row.get("owned") or 0, str(row.get("currency") or "")
-    price = row.get("unit_price")
-    each = words.estimated_text(price, row.get("unit_price_low"), row.get("unit_price_high"), currency)
-    due = None if price is None else max(0, number - owned) * price
-    known = [status, str(row.get("price_date") or ""), f"{owned} owned" if owned else ""]
+    price, currency = row.unit_price, row.currency
+    each = words.estimated_text(price, row.unit_price_low, row.unit_price_high, currency)
+    due = None if price is None else row.to_buy * price
+    known = [row.price_status, row.price_date, f"{row.owned} owned" if row.owned else ""]
     return BomLine(
-        str(number),
-        words.one_line(row.get("kind") or "", 12),
-        words.one_line(row.get("id") or "", 60),
-        each if estimated else words.money(price, currency),
-        ("~" if estimated and due else "") + words.money(due, currency),
+        str(row.count),
+        words.one_line(row.kind, 12),
+        words.one_line(row.id, 60),
+        each if row.estimated else words.money(price, currency),
+        ("~" if row.estimated and due else "") + words.money(due, currency),
         words.one_line(", ".join(word for word in known if word), 60),
-        estimated,
+        row.estimated,
     )
 
 
@@ -355,10 +350,9 @@ def runner_up_table(result: Result, best: Design, designs: Sequence[Design]) -> 
     shown = [name for name in ("cost", "power") if name != objective]
     table = columns(*heads, *((name, "right") for name in shown))
     for number, design in enumerate(designs, start=2):
-        cost = design.totals.get("cost") or {}
         figures = {
-            "cost": words.money(cost.get("value"), str(cost.get("currency") or "")),
-            "power": words.quantity(design.totals.get("power_w"), "W"),
+            "cost": words.money(design.totals.cost.value, design.totals.cost.currency),
+            "power": words.quantity(design.totals.power_w, "W"),
         }
         table.add_row(
             Text(str(number)),
@@ -390,7 +384,7 @@ def warning_blocks(result: Result | FrontResult) -> Iterator[Block]:
         yield block("Warnings", [sentence("- " + text) for text in texts])
 
 
-def warning_text(warning: dict[str, str]) -> str:
+def warning_text(warning: Note) -> str:
     """One warning with the key it is about."""
-    path, message = warning.get("path") or "", warning.get("message") or warning.get("code") or ""
+    path, message = warning.path, warning.message or warning.code
     return message if not path or message.startswith(path) else f"{path}: {message}"

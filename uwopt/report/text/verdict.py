@@ -17,8 +17,9 @@ from uwopt.report.text.doubts import (
     relaxations_of,
 )
 from uwopt.report.text.tables import nearest_miss
+from uwopt.results.design import Design
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
-from uwopt.results.result import Design, Result
+from uwopt.results.result import Result
 from uwopt.units import format_number
 
 OBJECTIVE_NAMES = {term: one.words for term, one in TERMS.items()}
@@ -38,8 +39,8 @@ def verdict(result: Result | FrontResult) -> tuple[str, str]:
 def system_text(design: Design) -> str:
     """`1 × camera with 1 × lens behind 1 × port, and 2 × light`."""
     hardware = design.hardware
-    many, lights = hardware.get("camera_count") or 1, hardware.get("light_count") or 1
-    names = {kind: words.part_name(hardware[kind]) for kind in ("camera", "lens", "port", "light")}
+    many, lights = hardware.camera_count, hardware.light_count
+    names = {kind: words.part_name(part) for kind, part in hardware.parts.items()}
     return (
         f"{many} × {names['camera']} with {many} × {names['lens']} behind {many} × {names['port']}"
         f", and {lights} × {names['light']}"
@@ -48,8 +49,7 @@ def system_text(design: Design) -> str:
 
 def best_sentence(result: Result, design: Design) -> str:
     """What to buy, what it costs and draws; of a given system, whether it does what is asked."""
-    cost = words.cost_sentence(design.totals.get("cost") or {}, words.n_unpriced(design.bom))
-    figures = f"{cost}; power {words.quantity(design.totals.get('power_w'), 'W')}"
+    figures = f"{words.cost_sentence(design)}; power {words.quantity(design.totals.power_w, 'W')}"
     if result.command == "evaluate":
         return f"{words.status_sentence(result)} by {system_text(design)}: {figures}".replace(
             "is met by", "is met with"
@@ -158,9 +158,8 @@ def picked_points(front: FrontResult) -> list[tuple[str, FrontPoint]]:
 def short_system(point: FrontPoint) -> str:
     """Camera and lights, by which people tell systems apart."""
     hardware = point.design.hardware
-    many = hardware.get("camera_count") or 1
-    camera, light = (words.part_name(hardware[kind]) for kind in ("camera", "light"))
-    return f"{many} × {camera} with {hardware.get('light_count') or 1} × {light}"
+    camera, light = words.part_name(hardware.camera), words.part_name(hardware.light)
+    return f"{hardware.camera_count} × {camera} with {hardware.light_count} × {light}"
 
 
 def value_texts(front: FrontResult, point: FrontPoint) -> list[str]:
@@ -234,8 +233,8 @@ def front_trust(front: FrontResult) -> str:
             said.append(f"{name} searched alone, so nothing is proven")
     if not front.methods:
         said.append(f"the search is {front.status}")
-    costs = [point.design.totals.get("cost") or {} for point in front.points]
-    shares = [c["estimated"] / c["value"] for c in costs if c.get("value") and c.get("estimated") is not None]
+    costs = [point.design.totals.cost for point in front.points]
+    shares = [cost.estimated / cost.value for cost in costs if cost.value]
     if shares:
         low, high = (format_number(100 * end, 2) for end in (min(shares), max(shares)))
         span = f"{low} %" if low == high else f"{low} to {high} %"

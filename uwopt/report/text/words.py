@@ -5,9 +5,9 @@ from __future__ import annotations
 import unicodedata
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import Any
 
-from uwopt.results.result import Certificate, Design, Margin, Result, is_settable
+from uwopt.results.design import BillRow, Design, LampPlace, Margin, Totals, UsedPart
+from uwopt.results.result import Certificate, Result
 from uwopt.units import format_number, format_quantity, split_unit, symbol
 
 STATUS_SENTENCES: Mapping[str, str] = {
@@ -257,49 +257,47 @@ def rule_name(rule: str) -> str:
     return (f"{one_line(kind)}: " if kind else "") + RULES.get(name, one_line(name.replace("_", " ")))
 
 
-def part_name(part: Mapping[str, Any]) -> str:
+def part_name(part: UsedPart) -> str:
     """Maker and model of a part."""
-    return one_line(part.get("name") or part.get("id") or "inline", 80)
+    return one_line(part.name or part.id or "inline", 80)
 
 
-def part_id(part: Mapping[str, Any]) -> str:
+def part_id(part: UsedPart) -> str:
     """Id of a part, with the mark of those that no shop sells as such."""
-    return one_line(part.get("id") or "inline", 60) + (" (to be made)" if part.get("generic") else "")
+    return one_line(part.id or "inline", 60) + (" (to be made)" if part.generic else "")
 
 
 def differing_parts(design: Design, best: Design) -> str:
     """What a design has that the best one has not: `lens kowa-lm6hc, 3 lights`."""
     mine, other = design.hardware, best.hardware
     words = [
-        f"{kind} {part_id(mine[kind])}"
-        for kind in ("camera", "lens", "port", "light")
-        if mine.get(kind, {}).get("id") != other.get(kind, {}).get("id")
+        f"{kind} {part_id(part)}"
+        for kind, part in mine.parts.items()
+        if part.id != other.parts[kind].id
     ]
-    if mine.get("light_count") != other.get("light_count"):
-        words.append(counted(mine.get("light_count") or 0, "light"))
-    if mine.get("orientation") != other.get("orientation"):
-        words.append(str(mine.get("orientation")))
-    if mine.get("light_mounts") != other.get("light_mounts") and mine.get("light_count") == other.get(
-        "light_count"
-    ):
-        words.append(f"lights {mounts_text(mine.get('light_mounts') or [])}")
+    if mine.light_count != other.light_count:
+        words.append(counted(mine.light_count, "light"))
+    if mine.orientation != other.orientation:
+        words.append(mine.orientation)
+    if mine.light_mounts != other.light_mounts and mine.light_count == other.light_count:
+        words.append(f"lights {mounts_text(mine.light_mounts)}")
     return ", ".join(words) or "the same hardware, other settings"
 
 
-def mounts_text(mounts: Sequence[Mapping[str, Any]]) -> str:
+def mounts_text(mounts: Sequence[LampPlace]) -> str:
     """Where the lights stand and how far they lean outward."""
     if not mounts:
         return ""
-    fore = any(m.get("x_m") or m.get("z_m") or m.get("tilt_x_deg") for m in mounts)
+    fore = any(m.x_m or m.z_m or m.tilt_x_deg for m in mounts)
     if fore:
         return "at " + "; ".join(
-            f"x {m['x_m']:g} m, y {m['y_m']:g} m, z {m['z_m']:g} m, tilt {m['tilt_x_deg']:g}/{m['tilt_y_deg']:g} deg"
+            f"x {m.x_m:g} m, y {m.y_m:g} m, z {m.z_m:g} m, tilt {m.tilt_x_deg:g}/{m.tilt_y_deg:g} deg"
             for m in mounts
         )
-    number = Counter(f"{m['y_m']:+g} m" for m in mounts)
+    number = Counter(f"{m.y_m:+g} m" for m in mounts)
     uneven = len(set(number.values())) > 1
     places = ", ".join(f"{n} at {place}" if uneven else place for place, n in number.items())
-    tilt = mounts[0].get("tilt_y_deg") or 0.0
+    tilt = mounts[0].tilt_y_deg
     return f"{'' if uneven else 'at '}{places} across track" + (
         f", tilted {tilt:g} deg outward" if tilt else ", aimed straight down"
     )
@@ -328,31 +326,32 @@ def as_sentence(text: str) -> str:
     return capital(text) + ("" if text.endswith(".") else ".")
 
 
-def cost_sentence(cost: Mapping[str, Any], n_unpriced: int = 0) -> str:
+def cost_sentence(design: Design) -> str:
     """`cost 4 210 USD, of which 2 300 estimated (1 700-3 400)`."""
-    text = f"cost {money(cost.get('value'), str(cost.get('currency') or ''))}"
-    if n_unpriced:
-        text += f", without {counted(n_unpriced, 'part')} of unknown price"
-    if not cost.get("estimated"):
+    cost = design.totals.cost
+    text = f"cost {money(cost.value, cost.currency)}"
+    if unpriced := n_unpriced(design.bom):
+        text += f", without {counted(unpriced, 'part')} of unknown price"
+    if not cost.estimated:
         return f"{text}, nothing of it estimated"
-    low, high = cost.get("estimated_low"), cost.get("estimated_high")
-    span = f" ({money(low)}-{money(high)})" if low is not None and high is not None and low != high else ""
-    return f"{text}, of which {money(cost['estimated'])} estimated{span}"
+    low, high = cost.estimated_low, cost.estimated_high
+    span = f" ({money(low)}-{money(high)})" if low != high else ""
+    return f"{text}, of which {money(cost.estimated)} estimated{span}"
 
 
-def power_sentence(totals: Mapping[str, Any]) -> str:
+def power_sentence(totals: Totals) -> str:
     """`power 3.05 W (lights 1.15 W on average, 638 W at peak), mass 1.08 kg`."""
     return (
-        f"power {quantity(totals.get('power_w'), 'W')}"
-        f" (lights {quantity(totals.get('light_power_w'), 'W')} on average,"
-        f" {quantity(totals.get('light_peak_power_w'), 'W')} at peak),"
-        f" mass {quantity(totals.get('mass_kg'), 'kg')}"
+        f"power {quantity(totals.power_w, 'W')}"
+        f" (lights {quantity(totals.light_power_w, 'W')} on average,"
+        f" {quantity(totals.light_peak_power_w, 'W')} at peak),"
+        f" mass {quantity(totals.mass_kg, 'kg')}"
     )
 
 
-def n_unpriced(bom: Sequence[Mapping[str, Any]]) -> int:
+def n_unpriced(bom: Sequence[BillRow]) -> int:
     """Pieces that must be bought at a price that nobody knows."""
-    return sum(max(0, row["count"] - (row.get("owned") or 0)) for row in bom if row.get("unit_price") is None)
+    return sum(row.to_buy for row in bom if row.unit_price is None)
 
 
 def objective_text(result: Result, value: float | None, digits: int = 4) -> str:
@@ -367,12 +366,12 @@ def status_sentence(result: Result) -> str:
         if missed:
             verb = "is" if len(missed) == 1 else "are"
             return f"{counted(len(missed), 'requirement')} {verb} missed"
-    if result.status == "feasible" and result.best is not None and not is_settable(result.best):
+    if result.status == "feasible" and result.best is not None and not result.best.is_settable:
         return "the exact design meets every requirement, but no settings that can be typed in were found that do"
-    if result.status == "feasible" and any(w.get("code") == "better_unsettable" for w in result.warnings):
+    if result.status == "feasible" and any(note.code == "better_unsettable" for note in result.warnings):
         return "the best that can be set; by exact numbers that cannot, other parts are better"
     if result.status == "stopped" and result.best is None:
-        interrupted = any(warning.get("code") == "interrupted" for warning in result.warnings)
+        interrupted = any(warning.code == "interrupted" for warning in result.warnings)
         return f"{'interrupted' if interrupted else 'stopped by a limit'} before a system was found"
     return STATUS_SENTENCES.get(result.status, result.status)
 

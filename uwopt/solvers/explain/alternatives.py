@@ -19,8 +19,8 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import Objective
 from uwopt.quantities import TERMS
+from uwopt.results.design import Design
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
-from uwopt.results.result import Design
 from uwopt.solvers.exact.account import RULES
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.designs import values_of
@@ -50,7 +50,7 @@ def beside_best(
             text = f"its best system has {abs(share):.3g} % {'more' if share > 0 else 'less'} {spoken(goal.name)}"
         return {**item, "values": values, "outcome": "worse", "text": text}
 
-    shown = {kind: {best.hardware[kind]["id"]} for kind in KINDS}
+    shown = {kind: {best.hardware.parts[kind].id} for kind in KINDS}
     return told(selection, problem, goal, shown, judged, deadline)
 
 
@@ -75,7 +75,7 @@ def beside_front(
             "text": f"{by.id} is at least as good in everything" + (f": {gains}" if gains else ""),
         }  # fmt: skip
 
-    shown = {kind: {p.design.hardware[kind]["id"] for p in front.points} for kind in KINDS}
+    shown = {kind: {p.design.hardware.parts[kind].id for p in front.points} for kind in KINDS}
     goal = Objective({axes.names[0]: 1.0})
     return told(selection, search.problem, goal, shown, judged, deadline)
 
@@ -104,7 +104,7 @@ def told(
             continue
         found = outcome.best[0]
         design = evaluated(problem, found, goal)
-        ids = {k: design.hardware[k]["id"] for k in ("camera", "lens", "port", "light")}
+        ids = {kind: part.id for kind, part in design.hardware.parts.items()}
         out.append(judged({**item, "hardware": ids}, design))
     return out
 

@@ -19,7 +19,8 @@ from uwopt.forward.assembly import Generic
 from uwopt.forward.designs import Hardware
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.results.result import Certificate, Design
+from uwopt.results.design import Design
+from uwopt.results.result import Certificate
 from uwopt.solvers.explain.least_change import least_change, rounded_away
 from uwopt.solvers.explain.one_hardware import problem_of
 from uwopt.solvers.recommend import Progress, Sought, seek

@@ -19,7 +19,7 @@ from uwopt.forward.designs import SceneSettings
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
-from uwopt.results.result import Design
+from uwopt.results.design import Design
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.one_hardware import best_of, problem_of
 from uwopt.solvers.recommend import Sought, hardware_of

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import NEAR
 from uwopt.quantities import TERMS
+from uwopt.results.design import Design
 from uwopt.results.front import FrontObjective, FrontPoint, Pick
-from uwopt.results.result import Design
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.search import Front
@@ -75,9 +75,9 @@ def values_of(design: Design, objectives: Sequence[FrontObjective]) -> dict[str,
     """What a design's evaluation says of the built-in objectives, the worst scene's."""
     figures = [scene.figures for scene in design.scenes]
     known: dict[str, Callable[[], Any]] = {
-        "power": lambda: design.totals["power_w"],
-        "cost": lambda: design.totals["cost"]["value"],
-        "mass": lambda: design.totals["mass_kg"],
+        "power": lambda: design.totals.power_w,
+        "cost": lambda: design.totals.cost.value,
+        "mass": lambda: design.totals.mass_kg,
         "snr_db": lambda: min(f["snr_db"] for f in figures),
         "gsd_mm": lambda: max(f["gsd_mm"] for f in figures),
         "contrast": lambda: min(1.0 if f["contrast"] is None else f["contrast"] for f in figures),

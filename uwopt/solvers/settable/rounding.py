@@ -22,7 +22,7 @@ from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.problem import Problem
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
 from uwopt.objectives.objective import Objective
-from uwopt.results.result import Design
+from uwopt.results.design import Design
 from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL, SettableScene, Tried, terms_of
 from uwopt.solvers.settable.steps import DIGITS, focus_distances_m, rates_hz, stops
 

@@ -1,0 +1,192 @@
+"""One system with its settings: parts, settings, figures, margins, totals and bill, as results hold it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from uwopt.results.frames import bill_rows, figure_rows, frame_of, margin_rows
+from uwopt.results.record import RECORD, Flag, Number, Record, Whole
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+NOT_SETTABLE = "not_settable"  # code of the note that no settings to type in are offered
+PART_KINDS = ("camera", "lens", "port", "light")
+
+
+@dataclass(frozen=True, config=RECORD)
+class Note(Record):
+    """What a user should know of an input, a design or a result."""
+
+    code: str = Field(description="which, in one word")
+    path: str = Field(description="the key that it is about")
+    message: str = Field(description="one sentence")
+
+
+@dataclass(frozen=True, config=RECORD)
+class UsedPart(Record):
+    """One part by its names."""
+
+    id: str = Field(description="in the catalogue, or of an inline record")
+    name: str = Field(description="maker and model")
+    generic: Flag = Field(description="to be made: a class of parts, no product")
+
+
+@dataclass(frozen=True, config=RECORD)
+class LampPlace(Record):
+    """Where a lamp stands, from the port, and how it leans."""
+
+    x_m: Number = Field(description="forward")
+    y_m: Number = Field(description="starboard")
+    z_m: Number = Field(description="down")
+    tilt_x_deg: Number = Field(description="forward")
+    tilt_y_deg: Number = Field(description="outward")
+
+
+@dataclass(frozen=True, config=RECORD)
+class UsedHardware(Record):
+    """Which parts, how many, and how they stand."""
+
+    camera: UsedPart = Field(description="each with its lens and port")
+    lens: UsedPart = Field(description="on the camera")
+    port: UsedPart = Field(description="before the lens")
+    light: UsedPart = Field(description="all lamps are of one kind")
+    camera_count: Whole = Field(description="cameras")
+    light_count: Whole = Field(description="lamps")
+    orientation: str = Field(description="landscape: the image's height along the motion; portrait: its width")
+    light_mounts: list[LampPlace] = Field(description="one a lamp")
+
+    @property
+    def parts(self) -> dict[str, UsedPart]:
+        """The four parts by kind."""
+        return {"camera": self.camera, "lens": self.lens, "port": self.port, "light": self.light}
+
+    @property
+    def ids(self) -> list[str]:
+        """Ids of camera, lens, port and light."""
+        return [part.id for part in self.parts.values()]
+
+
+@dataclass(frozen=True, config=RECORD)
+class Cost(Record):
+    """What is to pay, with the range that estimated prices leave."""
+
+    value: Number = Field(description="with all estimates at their central values")
+    low: Number = Field(description="with all estimates at their low ends")
+    high: Number = Field(description="with all estimates at their high ends")
+    currency: str = Field(description="of all of these")
+    estimated: Number = Field(description="how much of the value is estimated")
+    estimated_low: Number = Field(description="the same at the low ends")
+    estimated_high: Number = Field(description="the same at the high ends")
+
+
+@dataclass(frozen=True, config=RECORD)
+class Totals(Record):
+    """What the whole system costs, draws and weighs; of several scenes the most."""
+
+    cost: Cost = Field(description="of what is not owned")
+    power_w: Number | None = Field(description="on average")
+    light_power_w: Number | None = Field(description="of it the lamps'")
+    light_peak_power_w: Number | None = Field(description="while the lamps burn")
+    mass_kg: Number | None = Field(description="of all parts")
+
+
+@dataclass(frozen=True, config=RECORD)
+class BillRow(Record):
+    """One row of the bill of materials."""
+
+    kind: str = Field(description="camera | lens | port | light | extra")
+    id: str = Field(description="of the part")
+    manufacturer: str = Field(description="empty where there is none")
+    model: str = Field(description="maker's name of the part")
+    count: Whole = Field(description="how many are needed")
+    owned: Whole = Field(description="how many of them are there already")
+    unit_price: Number | None = Field(description="null where nobody knows it")
+    unit_price_low: Number | None = Field(description="low end of an estimate")
+    unit_price_high: Number | None = Field(description="high end of an estimate")
+    currency: str = Field(description="of the prices")
+    price_status: str = Field(description="list | own | quoted | derived | estimated | to be made | unknown")
+    price_date: str = Field(description="YYYY-MM-DD")
+    generic: Flag = Field(description="to be made: a class of parts, no product")
+    source: str = Field(description="where the part is described")
+    price_basis: str = Field(description="where the price is from")
+
+    @property
+    def to_buy(self) -> int:
+        """Pieces that are not owned yet."""
+        return max(0, self.count - self.owned)
+
+    @property
+    def estimated(self) -> bool:
+        """Whether nobody quotes the price."""
+        return self.price_status in ("estimated", "to be made")
+
+
+@dataclass(frozen=True, config=RECORD)
+class SettableCheck(Record):
+    """How a design does with the settings that a person can set."""
+
+    feasible: Flag = Field(description="whether every requirement still holds")
+    objective_value: Number | None = Field(description="what the objective becomes")
+    missed: list[str] = Field(description="requirements that the nearest settings miss")
+
+
+@dataclass(frozen=True, config=RECORD)
+class Margin(Record):
+    """One requirement held against its limit, worst over the altitudes."""
+
+    requirement: str = Field(description="its key in a mission, with the part's id where a part sets the limit")
+    value: Number | None = Field(description="what is reached")
+    limit: Number | None = Field(description="null where there is none")
+    sense: str = Field(description="<=, >= or =")
+    margin: Number | None = Field(description="what is left; negative: missed")
+    unit: str = Field(description="of value, limit and margin")
+    at_altitude_m: Number | None = Field(description="where it is worst; null where altitude does not matter")
+    satisfied: Flag = Field(description="whether it is met")
+    binding: Flag = Field(description="whether nothing is left of it")
+    word: str = Field(default="", description="in place of a value that is no number")
+
+
+@dataclass(frozen=True, config=RECORD)
+class SceneResult(Record):
+    """Settings, figures at the nominal altitude, and margins of one scene."""
+
+    name: str = Field(description="the scene's in the mission")
+    settings: dict[str, Number | None] = Field(description="the exact optimum, or as given")
+    settings_to_set: dict[str, Number | None] | None = Field(description="rounded to what a person can set")
+    figures: dict[str, Any] = Field(description="numbers by name, flags of what is infinite")
+    margins: list[Margin] = Field(description="one a requirement that applies")
+
+
+@dataclass(frozen=True, config=RECORD)
+class Design(Record):
+    """One system with its settings."""
+
+    hardware: UsedHardware = Field(description="parts, how many, and where the lights stand")
+    objective_value: Number | None = Field(description="in the objective's unit, not negated")
+    feasible: Flag = Field(description="whether every margin is met")
+    totals: Totals = Field(description="cost, power and mass")
+    scenes: list[SceneResult] = Field(min_length=1, description="in the mission's order")
+    bom: list[BillRow] = Field(description="what to order")
+    rounded: SettableCheck | None = Field(default=None, description="the settings to set, checked again")
+    warnings: list[Note] = Field(default_factory=list, description="what to know of this design")
+
+    @property
+    def is_settable(self) -> bool:
+        """Whether no settings to set were looked for, or some were found with which every requirement holds."""
+        return self.rounded is None or self.rounded.feasible
+
+    def margins_frame(self) -> pd.DataFrame:
+        """All margins as a table, one row a requirement and scene."""
+        return frame_of({"margins": lambda: margin_rows(self)}, "margins")
+
+    def figures_frame(self) -> pd.DataFrame:
+        """All figures as a table, one column a scene."""
+        return frame_of({"figures": lambda: figure_rows(self)}, "figures").set_index("figure")
+
+    def bom_frame(self) -> pd.DataFrame:
+        """The bill of materials as a table."""
+        return frame_of({"bill": lambda: bill_rows(self)}, "bill")
