@@ -78,8 +78,8 @@ DEFECTS = (
     Defect(
         name="the high end of a price stays in its currency",
         file="uwopt/evaluation/bill.py",
-        old='"unit_price_high": price.high * rate',
-        new='"unit_price_high": price.high',
+        old="unit_price_high=high, currency",
+        new="unit_price_high=price.high, currency",
         test="tests/test_design_model.py::test_prices_of_the_bill_are_in_the_missions_currency",
     ),
     Defect(
