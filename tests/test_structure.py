@@ -226,8 +226,8 @@ PURE = re.compile(r"^(?:cos|sin|tan)_|_(?:rel|frac)$|_(?:per_sr|e2)$")
 WITHOUT_UNIT: dict[str, str] = {
     "Terms.power": "terms of an objective, each in the unit that Objective.unit names",
     "Terms.mass": "as above",
-    "UnitBounds.power": "bounds on the terms of an objective, in their units",
-    "UnitBounds.mass": "as above",
+    "NodeBounds.power": "bounds on the terms of an objective, in their units",
+    "NodeBounds.mass": "as above",
     "LampChoices.power_per_light": "W per unit of light, which is lm s or share by kind",
     "Program.power_weight": "weight of a term",
     "Certificate.gap_abs": "in the unit of the objective",

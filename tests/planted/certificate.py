@@ -69,7 +69,7 @@ DEFECTS: tuple[Defect, ...] = (
         name="what is over budget also counts as evaluated",
         file="uwopt/solvers/exact/search.py",
         old="self.account.evaluated += len(keep)",
-        new="self.account.evaluated += len(unit)",
+        new="self.account.evaluated += len(node)",
         test=f"{RULES}test_a_search_that_does_not_bound_drops_designs_over_budget[cost]",
     ),
     Defect(

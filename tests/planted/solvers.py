@@ -105,7 +105,7 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{BOUNDS}test_a_unit_is_bounded_by_its_best[pulses-False]",
     ),
     Defect(
-        name="bound of a unit's power forgets its light",
+        name="bound of a node's power forgets its light",
         file="uwopt/solvers/exact/bounds.py",
         old="scene_power = np.where(used > 0, used * drawn, 0.0)",
         new="scene_power = 0.0 * used",
@@ -119,21 +119,21 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{BOUNDS}test_the_bound_of_a_unit_is_tight[least power-True]",
     ),
     Defect(
-        name="units are kept whose lamps are too dim",
+        name="nodes are kept whose lamps are too dim",
         file="uwopt/solvers/exact/bounds.py",
         old='("light", reachable),',
         new='("light", reachable | True),',
         test=f"{RULES}test_a_unit_falls_when_its_light_is_outside[light-False]",
     ),
     Defect(
-        name="units over budget are kept",
+        name="nodes over budget are kept",
         file="uwopt/solvers/exact/bounds.py",
         old='("cost", limit_cost <= limit(limits.cost) * ROUND),',
         new='("cost", limit_cost <= limit(limits.cost) * 1.5),',
         test=f"{RULES}test_a_unit_falls_when_its_light_is_outside[cost-False]",
     ),
     Defect(
-        name="units that are just affordable are discarded",
+        name="nodes that are just affordable are discarded",
         file="uwopt/solvers/exact/bounds.py",
         old='("cost", limit_cost <= limit(limits.cost) * ROUND),',
         new='("cost", limit_cost <= limit(limits.cost) * 0.999),',

@@ -20,7 +20,7 @@ from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.attack import attack
 from uwopt.solvers.exact.audit import BESIDE, audit
-from uwopt.solvers.exact.bounds import Bounds, UnitBounds
+from uwopt.solvers.exact.bounds import Bounds, NodeBounds
 from uwopt.solvers.exact.imagers import FittingPairs
 from uwopt.solvers.exact.search import Search
 
@@ -183,14 +183,14 @@ def test_a_search_cut_short_is_held_to_its_bound_beside_the_best(bound: float, p
 def test_it_fails_when_a_bound_throws_units_away(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bounds of one lens's power ten times too high: it is discarded unseen, by the rule `bound`."""
     case_, (_, sound) = world("power"), honest("power")
-    of_units = Bounds.of_units
+    of_nodes = Bounds.of_nodes
 
-    def too_high(self: Bounds, k: int, rows: Any) -> UnitBounds:
-        bounds = of_units(self, k, rows)
+    def too_high(self: Bounds, k: int, rows: Any) -> NodeBounds:
+        bounds = of_nodes(self, k, rows)
         its = self.imagers.lens[rows] == sound.best[0].lens
         return replace(bounds, value=np.where(its, 10.0 * bounds.value, bounds.value))
 
-    monkeypatch.setattr(Bounds, "of_units", too_high)
+    monkeypatch.setattr(Bounds, "of_nodes", too_high)
     for name, value in (("FIRST_BATCH", 1), ("LARGEST_BATCH", 1), ("TOO_FEW_TO_BOUND", 0)):
         monkeypatch.setattr(exact_search, name, value)
     search, outcome = case_.solve(top=1)

@@ -137,7 +137,7 @@ def bounds_of(name: str, *, coupled: bool, tables: type[FieldTables] = FieldTabl
     return Bounds(search.objective, imagers, made, coupled=coupled)
 
 
-# ---------------------------------------------------------------- units
+# ---------------------------------------------------------------- nodes
 
 
 @pytest.mark.parametrize("coupled", [False, True])
@@ -147,7 +147,7 @@ def test_a_unit_is_bounded_by_its_best(name: str, coupled: bool) -> None:
     _, imagers = searched(name)
     bounds, tried = bounds_of(name, coupled=coupled), 0
     for k, table in enumerate(bounds.light_tables):
-        unit = bounds.of_units(k, np.arange(len(imagers)))
+        unit = bounds.of_nodes(k, np.arange(len(imagers)))
         for row in range(len(imagers)):
             best = known(name).least(
                 camera=imagers.camera[row], lens=imagers.lens[row], port=imagers.port[row], light=table.light
@@ -172,7 +172,7 @@ def test_the_bound_of_a_unit_is_tight(name: str, coupled: bool) -> None:
     row = np.nonzero((imagers.camera == hw.camera) & (imagers.lens == hw.lens) & (imagers.port == hw.port))[0]
     k = next(i for i, table in enumerate(bounds.light_tables) if hw.light in table.light)
     light_w = best.power_w - 3.0
-    assert bounds.of_units(k, row).power[0] - 3.0 >= 0.99 * light_w
+    assert bounds.of_nodes(k, row).power[0] - 3.0 >= 0.99 * light_w
 
 
 @pytest.mark.parametrize("tables", [FieldTables, SignalTables])
@@ -182,7 +182,7 @@ def test_a_single_light_is_bounded_by_its_best(name: str, tables: type[FieldTabl
     _, imagers = searched(name)
     bounds, rows = bounds_of(name, coupled=True, tables=tables), np.arange(len(imagers))
     for k, table in enumerate(bounds.light_tables):
-        unit = bounds.of_units(k, rows)
+        unit = bounds.of_nodes(k, rows)
         rule, least = pair_rules(bounds, k, rows, unit, np.inf)
         for row in rows:
             own = dict(camera=imagers.camera[row], lens=imagers.lens[row], port=imagers.port[row])
@@ -198,7 +198,7 @@ def test_a_single_light_is_bounded_more_sharply_than_the_unit() -> None:
     search = one(wanted=FAST, physics="paper", light={"dim_levels": (0.9, 1.0)}).searcher()
     imagers, row = search.prepare(), np.arange(1)
     bounds = Bounds(search.objective, imagers, search.tables)
-    unit = bounds.of_units(0, row)
+    unit = bounds.of_nodes(0, row)
     _, least = pair_rules(bounds, 0, row, unit, np.inf)
     assert least[0] == pytest.approx(3.0 + 0.9 * 300.0) and unit.value[0] < 0.9 * least[0]
 
@@ -222,12 +222,12 @@ def test_a_group_of_ports_is_bounded_by_its_best(name: str) -> None:
             passes = np.logical_and.reduce([ok for _, ok in level.rules(rows, seen)])
             tables = OutlineTables(level, rows, seen, like)
             bounds = Bounds(search.objective, seen, tables, coupled=True)
-            units = [bounds.of_units(k, np.arange(4)) for k in range(len(tables.lightings))]
+            nodes = [bounds.of_nodes(k, np.arange(4)) for k in range(len(tables.lightings))]
             for row in range(4):
                 best = known(name).least(camera=camera[row], lens=lens[row], port=ports)
                 if best is not None:
                     assert passes[row], "discarded, and yet feasible"
-                    assert below(min(u.value[row] for u in units if u.rule[row] < 0), best)
+                    assert below(min(u.value[row] for u in nodes if u.rule[row] < 0), best)
 
 
 @pytest.mark.parametrize("name", MISSIONS)
@@ -259,7 +259,7 @@ def test_a_camera_that_reaches_a_ceiling_is_looked_at(name: str) -> None:
         best = known(name).least(camera=camera)
         if best is not None:
             search = world(name).searcher(ceiling=best.value + (FOUND - 1.0) * best.scale)
-            assert search._hopeful_cameras()[camera]
+            assert search._cameras_below_ceiling()[camera]
 
 
 # ---------------------------------------------------------------- signal and quality
@@ -267,7 +267,7 @@ def test_a_camera_that_reaches_a_ceiling_is_looked_at(name: str) -> None:
 
 @pytest.mark.parametrize("flat", [False, True])
 def test_the_integrated_signal_is_the_exact_one(flat: bool) -> None:
-    """The sieve's integral is the field mean's own, but for a millionth."""
+    """The signal_bounds's integral is the field mean's own, but for a millionth."""
     made = with_parts(
         one(wanted=FAST, flat=flat), lenses=[{"focal_length_mm": 12.0}], ports=[{"thickness_mm": 16.0}]
     )
@@ -299,7 +299,7 @@ def test_information_is_bounded_by_what_a_generic_search_finds() -> None:
     search, rng = made.searcher(), np.random.default_rng(0)
     imagers = search.prepare()
     rows = np.arange(len(imagers))
-    ceiling, unit = search.bounds.information_ceiling(rows), search.bounds.of_units(0, rows)
+    ceiling, unit = search.bounds.information_ceiling(rows), search.bounds.of_nodes(0, rows)
     for hardware in brute.buildable(search.problem):
         row = int(np.nonzero(imagers.camera == hardware.camera)[0][0])
         found = -attack(search.problem, hardware, search.objective, rng)
@@ -342,7 +342,7 @@ def test_a_contrast_that_the_forward_veil_forbids_is_discarded() -> None:
         wanted = {**FAST, "min_contrast": share * bound}
         other = one("contrast", wanted=wanted).searcher()
         other.prepare()
-        assert int((other.bounds.of_units(0, np.arange(1)).rule < 0).sum()) == found
+        assert int((other.bounds.of_nodes(0, np.arange(1)).rule < 0).sum()) == found
 
 
 # ---------------------------------------------------------------- small things that bounds are made of
@@ -377,7 +377,7 @@ def test_large_and_small_search_agree_on_the_best_of_the_enumeration(monkeypatch
     from uwopt.solvers.exact import search as exact_search
 
     for place, names in ((exact_search, ("FIRST_CHUNK", "FIRST_BATCH", "LARGEST_BATCH", "LARGEST_CHUNK")),
-                         (large, ("FIRST_PAIRS", "FIRST_LEAVES", "FIRST_UNITS"))):  # fmt: skip
+                         (large, ("FIRST_PAIRS", "FIRST_LEAVES", "FIRST_NODES"))):  # fmt: skip
         for name in names:
             monkeypatch.setattr(place, name, 1)
     monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)

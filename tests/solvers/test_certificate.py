@@ -106,7 +106,7 @@ def cut(monkeypatch: pytest.MonkeyPatch, calls: int, *, way: str = "small") -> t
     )
     for name in ("FIRST_CHUNK", "FIRST_BATCH", "LARGEST_BATCH"):
         monkeypatch.setattr(exact_search, name, 1)
-    for name in ("FIRST_PAIRS", "FIRST_LEAVES", "FIRST_UNITS"):
+    for name in ("FIRST_PAIRS", "FIRST_LEAVES", "FIRST_NODES"):
         monkeypatch.setattr(large, name, 1)
     monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)
     monkeypatch.setattr(exact_search, "MOST_IMAGERS", 10**9 if way == "small" else 0)

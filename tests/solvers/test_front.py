@@ -269,7 +269,7 @@ def test_pymoo_never_finds_more_than_the_bound(seed, names):
 @pytest.fixture
 def small_waves(monkeypatch):
     """Several waves even in a small catalogue."""
-    monkeypatch.setattr(front_module, "FIRST_UNITS", 2)
+    monkeypatch.setattr(front_module, "FIRST_NODES", 2)
     monkeypatch.setattr(front_module, "GROWTH", 1)
 
 

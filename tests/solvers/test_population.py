@@ -34,7 +34,7 @@ def test_every_vector_is_hardware_that_passes_the_rules_without_light(seed):
     lighting = [search.tables.lightings[k] for k in built.lighting]
     optics = search.problem.lights.optics_index[built.light]
     assert [one.optics for one in lighting] == list(optics)
-    assert coding.units.alive[built.imager, optics].all()
+    assert coding.nodes.alive[built.imager, optics].all()
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -42,7 +42,7 @@ def test_vectors_reach_every_imager_with_every_lamp_that_may_do(seed):
     search, coding, _ = coded(seed)
     built = coding.built(coding.random(20_000, np.random.default_rng(0)))
     reached = {(int(i), int(light)) for i, light in zip(built.imager, built.light, strict=True)}
-    alive = coding.units.alive[:, search.problem.lights.optics_index]
+    alive = coding.nodes.alive[:, search.problem.lights.optics_index]
     assert reached == {(int(i), int(light)) for i, light in np.argwhere(alive)}
 
 
@@ -62,7 +62,7 @@ def test_light_that_bounds_miss_is_missing_indeed(seed):
     vectors = coding.random(400, np.random.default_rng(2))
     built, lights = coding.built(vectors), search.problem.lights
     capacity = built.count * (lights.full_light * lights.output_factor)[built.light]
-    lacking = coding.units.lacking(built.imager, built.lighting, lights.kind[built.light], capacity)
+    lacking = coding.nodes.lacking(built.imager, built.lighting, lights.kind[built.light], capacity)
     coding.beyond = lambda built: np.zeros(len(built.imager))  # evaluate everything
     _, violation = Evaluator(search, axes, coding).evaluate(vectors)
     assert (violation <= 0.0).any()

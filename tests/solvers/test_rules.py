@@ -21,7 +21,7 @@ from uwopt.catalog.records import exact
 from uwopt.solvers.exact import large
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import RULES
-from uwopt.solvers.exact.bounds import UNIT_RULES, Bounds
+from uwopt.solvers.exact.bounds import NODE_RULES, Bounds
 from uwopt.solvers.exact.imagers import IMAGER_RULES, enumerate_imagers, fitting_pairs
 from uwopt.solvers.exact.outline import Level, OutlineRows, port_tree
 from uwopt.solvers.exact.screen import pair_rules
@@ -185,7 +185,7 @@ def test_an_outline_keeps_what_is_inside(rule: str) -> None:
     assert all(outline(sides(rule, fits=True)).values())
 
 
-# ---------------------------------------------------------------- lights of units
+# ---------------------------------------------------------------- lights of nodes
 
 
 @cache
@@ -202,7 +202,7 @@ LOOSE = 0.99  # in physics `paper` bounds are exact but for quantisation: a part
 
 
 def unit_limit(rule: str, *, fits: bool) -> Case:
-    """The one lamp on either side of a rule of units; outside of light and power by what bounds leave out."""
+    """The one lamp on either side of a rule of nodes; outside of light and power by what bounds leave out."""
     flux_lm, power_w = needed("paper")
     share = 1.0001 if fits else LOOSE
     exactly = 1.0 + (NEAR if fits else -NEAR)
@@ -221,7 +221,7 @@ def unit_rules(case_: Case, *, coupled: bool) -> list[str]:
     search = case_.searcher()
     imagers = search.prepare()
     bounds = Bounds(search.objective, imagers, search.tables, coupled=coupled)
-    return [UNIT_RULES[int(rule)] for rule in bounds.of_units(0, np.arange(1)).rule if rule >= 0]
+    return [NODE_RULES[int(rule)] for rule in bounds.of_nodes(0, np.arange(1)).rule if rule >= 0]
 
 
 def light_rules(case_: Case, threshold: float = np.inf) -> list[str]:
@@ -229,12 +229,12 @@ def light_rules(case_: Case, threshold: float = np.inf) -> list[str]:
     search = case_.searcher()
     imagers = search.prepare()
     bounds = Bounds(search.objective, imagers, search.tables, coupled=True)
-    unit = replace(bounds.of_units(0, np.arange(1)), rule=np.array([-1]))
+    unit = replace(bounds.of_nodes(0, np.arange(1)), rule=np.array([-1]))
     rule, _ = pair_rules(bounds, 0, np.arange(1), unit, threshold)
-    return [UNIT_RULES[int(one_)] for one_ in rule.ravel() if one_ >= 0]
+    return [NODE_RULES[int(one_)] for one_ in rule.ravel() if one_ >= 0]
 
 
-IN_TABLES = tuple(rule for rule in UNIT_RULES if rule != "bound")
+IN_TABLES = tuple(rule for rule in NODE_RULES if rule != "bound")
 
 
 @pytest.mark.parametrize("coupled", [False, True])
@@ -293,8 +293,8 @@ def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_rules_of_all_searches_are_known_here() -> None:
     """The certificate lists no other rule."""
-    assert set(RULES) == {*IMAGER_RULES, *UNIT_RULES}
-    assert large.UNIT_RULES is UNIT_RULES
+    assert set(RULES) == {*IMAGER_RULES, *NODE_RULES}
+    assert large.NODE_RULES is NODE_RULES
 
 
 @pytest.mark.parametrize("way", ["small", "large"])
@@ -326,7 +326,7 @@ def test_a_search_counts_what_a_rule_of_units_discards(
 
 @pytest.mark.parametrize("rule", ["cost", "mass_kg"])
 def test_a_search_that_does_not_bound_drops_designs_over_budget(rule: str) -> None:
-    """Few units are evaluated without bounds; their lights are held against the limits all the same."""
+    """Few nodes are evaluated without bounds; their lights are held against the limits all the same."""
     outcome = unit_limit(rule, fits=False).solve()[1]
     assert not outcome.best
     assert outcome.account.discarded[rule] == 1 and outcome.account.evaluated == 0

@@ -190,7 +190,7 @@ def found_result(
     from uwopt.solvers.explain.robustness import assumptions
 
     cut = alternative is not None and alternative.outcome.interrupted
-    in_haste = cut or sought.outcome.interrupted
+    cut_short = cut or sought.outcome.interrupted
     others: list[Design] = []
     with timed(timing, "evaluation"):
         try:
@@ -200,7 +200,7 @@ def found_result(
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
             cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
     best = sought.outcome.best[0]
-    in_haste = in_haste or cut
+    cut_short = cut_short or cut
     generic = None
     if alternative is not None and alternative.outcome.best:
         generic = design_of(alternative, alternative.outcome.best[0], goal)
@@ -208,12 +208,12 @@ def found_result(
     opinions: list[dict[str, Any]] = []
     try:
         with timed(timing, "robustness"):
-            if not in_haste:
+            if not cut_short:
                 doubt = deadline.within(
                     "how firm the answer is", lambda: doubts(sought, goal, winner, deadline), None
                 )
         with timed(timing, "second_opinion"):
-            if not in_haste:
+            if not cut_short:
                 opinions = deadline.within(
                     "second opinions", lambda: second_opinions(sought, goal, solver, deadline), []
                 )
@@ -242,7 +242,7 @@ def found_result(
             *result.warnings,
             *selection_warnings(sought.selection),
             *winner.warnings,
-            *(haste_warnings(sought) or (cut_warnings() if cut else [])),
+            *(interruption_warnings(sought) or (cut_warnings() if cut else [])),
             *(gap_warnings(proof) if wide and not second_best else []),
         ],
     )
@@ -308,12 +308,13 @@ def infeasible_result(
         certificate=proof,
         infeasible=why,
         warnings=[
-            *result.warnings, *haste_warnings(used), *half_warnings(sought, used), *selection_warnings(used.selection)
+            *result.warnings, *interruption_warnings(used), *on_sale_warnings(sought, used),
+            *selection_warnings(used.selection),
         ],
     )  # fmt: skip
 
 
-def half_warnings(sought: Sought, used: Sought) -> list[Note]:
+def on_sale_warnings(sought: Sought, used: Sought) -> list[Note]:
     """That parts on sale are proven not to fit, where the search with parts to be made was cut short."""
     if used is sought or used.outcome.complete or not sought.outcome.complete:
         return []
@@ -344,7 +345,7 @@ def gap_warnings(proof: Certificate) -> list[Note]:
     return [Note("gap", "objective", text)]
 
 
-def haste_warnings(sought: Sought) -> list[Note]:
+def interruption_warnings(sought: Sought) -> list[Note]:
     """That the search was interrupted, if it was."""
     text = "interrupted: the best found so far, without the tests of its doubts"
     if not sought.outcome.best:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.bounds import UNIT_RULES
+from uwopt.solvers.exact.bounds import NODE_RULES
 from uwopt.solvers.exact.imagers import (
     IMAGER_RULES,
     Imagers,
@@ -13,7 +13,7 @@ from uwopt.solvers.exact.imagers import (
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.ranking import Found
 
-RULES = (*IMAGER_RULES, *(rule for rule in UNIT_RULES if rule not in IMAGER_RULES))
+RULES = (*IMAGER_RULES, *(rule for rule in NODE_RULES if rule not in IMAGER_RULES))
 Sample = tuple[int, int, int, bool, int | None]  # camera, lens, port, landscape, lighting or None for any
 
 

@@ -23,7 +23,7 @@ from uwopt.units import db_to_ratio, ratio_to_db
 
 Array = NDArray[Any]
 MOST_PLACES = 1024  # rows and columns of a table of lights
-UNIT_RULES = ("light", "cost", "mass_kg", "power_w", "bound")
+NODE_RULES = ("light", "cost", "mass_kg", "power_w", "bound")
 
 
 @dataclass(frozen=True)
@@ -82,8 +82,8 @@ class Needs:
 
 
 @dataclass
-class UnitBounds:
-    """Bounds of every imager under one lighting; `rule` names why a unit cannot be feasible, -1: it may be."""
+class NodeBounds:
+    """Bounds of every imager under one lighting; `rule` names why a node cannot be feasible, -1: it may be."""
 
     value: Array
     power: Array
@@ -94,23 +94,23 @@ class UnitBounds:
     information: Array | float = np.inf  # bit/m2, worst scene
 
     @staticmethod
-    def none(n: int) -> UnitBounds:
+    def none(n: int) -> NodeBounds:
         """No bound at all: everything may be best."""
         low = np.full(n, -1e300)
-        return UnitBounds(low, low, low, low, np.full(n, np.inf), np.full(n, -1))
+        return NodeBounds(low, low, low, low, np.full(n, np.inf), np.full(n, -1))
 
     @staticmethod
-    def empty(n: int) -> UnitBounds:
+    def empty(n: int) -> NodeBounds:
         """No light yet: nothing can be reached."""
         inf = np.full(n, np.inf)
         lowest = np.full(n, -np.inf)
-        return UnitBounds(inf, inf.copy(), inf.copy(), inf.copy(), lowest, np.zeros(n, int), lowest.copy())
+        return NodeBounds(inf, inf.copy(), inf.copy(), inf.copy(), lowest, np.zeros(n, int), lowest.copy())
 
-    def better_of(self, other: UnitBounds) -> UnitBounds:
-        """The lower bound of two groups of lights; a unit fails only if both fail, by the later rule."""
+    def better_of(self, other: NodeBounds) -> NodeBounds:
+        """The lower bound of two groups of lights; a node fails only if both fail, by the later rule."""
         both = (self.rule >= 0) & (other.rule >= 0)
         rule = np.where(both, np.maximum(self.rule, other.rule), -1)
-        return UnitBounds(
+        return NodeBounds(
             np.minimum(self.value, other.value),
             np.minimum(self.power, other.power),
             np.minimum(self.cost, other.cost),
@@ -189,13 +189,13 @@ class Bounds:
             rows.kind,
         )
 
-    def of_units(self, k: int, rows: Array) -> UnitBounds:
+    def of_nodes(self, k: int, rows: Array) -> NodeBounds:
         """Bounds of these imagers under one lighting, worst scene."""
         table = self.light_tables[k]
         n = len(rows)
-        bounds = UnitBounds.empty(n)
+        bounds = NodeBounds.empty(n)
         if n == 0 or len(table.light) == 0:
-            bounds.rule[:] = UNIT_RULES.index("light")
+            bounds.rule[:] = NODE_RULES.index("light")
             return bounds
         for kind in np.unique(table.kind):
             own = table.kind == kind
@@ -208,7 +208,7 @@ class Bounds:
             self._corners[k, kind, name] = Corner.of(value, budget)
         return self._corners[k, kind, name]
 
-    def _kind_bounds(self, k: int, own: Array, kind: int, rows: Array) -> UnitBounds:
+    def _kind_bounds(self, k: int, own: Array, kind: int, rows: Array) -> NodeBounds:
         """Bounds from the lights of one kind: what capable lights cost, weigh and draw at least."""
         lighting, table, limits = self.tables.lightings[k], self.light_tables[k], self.limits
         imagers = self.imagers
@@ -262,7 +262,7 @@ class Bounds:
         if self.coupled and limits.power_w is not None:
             corner = self._corner(k, kind, "cost", table.cost[own][order], table.power_per_light[own][order])
             lights_cost = corner.within(at, most_drawn)
-        bounds = UnitBounds(
+        bounds = NodeBounds(
             np.zeros(n), imagers.camera_power_w[rows] + power, imagers.cost[rows] + lights_cost,
             imagers.mass_kg[rows] + least(table.mass_kg), snr_db, np.zeros(n, int), information,
         )  # fmt: skip
@@ -354,8 +354,8 @@ class Bounds:
         return known[scene_index]
 
     def _judged(
-        self, bounds: UnitBounds, reachable: Array, limit_cost: Array, rows: Array, contrast: Array | float
-    ) -> UnitBounds:
+        self, bounds: NodeBounds, reachable: Array, limit_cost: Array, rows: Array, contrast: Array | float
+    ) -> NodeBounds:
         """Objective of the bounds, infinite where a limit cannot be met, with the rule that says so."""
         limits, rule = self.limits, np.full(len(reachable), -1)
         checks = (
@@ -365,7 +365,7 @@ class Bounds:
             ("power_w", bounds.power <= limit(limits.power_w) * ROUND),
         )
         for name, passes in checks:
-            rule = np.where((rule < 0) & ~passes, UNIT_RULES.index(name), rule)
+            rule = np.where((rule < 0) & ~passes, NODE_RULES.index(name), rule)
         terms = Terms(
             bounds.power, bounds.cost, bounds.mass, bounds.snr_db, self.imagers.gsd_mm[rows], contrast,
             bounds.information,
@@ -373,7 +373,7 @@ class Bounds:
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
         if self.coupled:  # no light keeps within both budgets
-            rule = np.where((rule < 0) & ~np.isfinite(value), UNIT_RULES.index("power_w"), rule)
+            rule = np.where((rule < 0) & ~np.isfinite(value), NODE_RULES.index("power_w"), rule)
         value = np.where(rule >= 0, np.inf, value)
         return replace(bounds, value=value, rule=rule)
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.views import CORNERS_REACH
 from uwopt.objectives.objective import Terms
-from uwopt.solvers.exact.bounds import UNIT_RULES, Bounds
+from uwopt.solvers.exact.bounds import NODE_RULES, Bounds
 from uwopt.solvers.exact.imagers import (
     SAMPLES,
     FittingPairs,
@@ -43,7 +43,7 @@ FIRST_PAIRS, LARGEST_PAIRS = 512, 32768  # that are bounded together
 MOST_ROWS = 65536  # rows of an outline that are bounded together
 MOST_PENDING = 50_000  # imagers that wait for their search
 FIRST_LEAVES, LARGEST_LEAVES = 256, 16384  # imagers that are searched together
-FIRST_UNITS, LARGEST_UNITS = 8, 2048  # that are evaluated together once their light is known
+FIRST_NODES, LARGEST_NODES = 8, 2048  # that are evaluated together once their light is known
 MOST_PAIRS = 500_000  # imagers times lights that are bounded together
 MOST_SAMPLES = 1024  # discarded imagers remembered per rule, for an audit
 TAKEN = 1.0 + 1e-12  # of a threshold: outlines are summed in another order
@@ -152,7 +152,7 @@ class LargeSearch:
             like=self.bounds,
         )  # fmt: skip
         search.motorised = problem.lenses.motorised[imagers.lens]
-        self.sieve = Bounds(
+        self.signal_bounds = Bounds(
             search.objective, imagers, SignalTables(problem, imagers, like=self.like),
             lights=search.only.get("light"), coupled=True, like=self.bounds,
         )  # fmt: skip
@@ -314,15 +314,15 @@ class LargeSearch:
         )  # fmt: skip
         value, rules = np.full(len(index), np.inf), []
         for k in range(len(tables.lightings)):
-            unit = bounds.of_units(k, index)
-            value = np.minimum(value, np.where(unit.rule >= 0, np.inf, unit.value))
-            rules.append(unit.rule.astype(np.int8))
+            node = bounds.of_nodes(k, index)
+            value = np.minimum(value, np.where(node.rule >= 0, np.inf, node.value))
+            rules.append(node.rule.astype(np.int8))
         open_ = np.isfinite(value) & (value <= self.search.ranking.threshold() * TAKEN)
         closed = np.nonzero(~open_)[0]
         for k, found in enumerate(rules):
             lights = len(self.bounds.light_tables[k].light)
             weights = size[index[closed]] * lights
-            for number, name in enumerate(UNIT_RULES):
+            for number, name in enumerate(NODE_RULES):
                 mine = found[closed] == number
                 account.discarded[name] += int(weights[mine].sum())
                 if k == 0:
@@ -386,35 +386,35 @@ class LargeSearch:
         return left is None
 
     def _sift(self, lighting_index: Array, imager: Array) -> None:
-        """Evaluate the units that may still be best when their light is known, best first; count the others."""
+        """Evaluate the nodes that may still be best when their light is known, best first; count the others."""
         search, account = self.search, self.search.account
         value = np.full(len(imager), np.inf)
         for k in np.unique(lighting_index):
             every = np.nonzero(lighting_index == k)[0]
             step = max(1, MOST_PAIRS // len(self.bounds.light_tables[k].light))
             for mine in (every[start : start + step] for start in range(0, len(every), step)):
-                unit = self.sieve.of_units(int(k), imager[mine])
+                node = self.signal_bounds.of_nodes(int(k), imager[mine])
                 limit_value = search.ranking.threshold() * TAKEN
-                rule, value[mine] = pair_rules(self.sieve, int(k), imager[mine], unit, limit_value)
+                rule, value[mine] = pair_rules(self.signal_bounds, int(k), imager[mine], node, limit_value)
                 closed = ~np.isfinite(value[mine])
                 lost, rows = rule[closed], imager[mine[closed]]
-                for number, name in enumerate(UNIT_RULES):
+                for number, name in enumerate(NODE_RULES):
                     account.discarded[name] += int((lost == number).sum())
-                    units = np.nonzero((lost == number).any(axis=1))[0]
-                    search._sample(name, int(k) * len(rows) + units, rows)
-                account.discarded["bound"] += int((lost < 0).sum())  # what the unit's own bound discards
+                    nodes = np.nonzero((lost == number).any(axis=1))[0]
+                    search._sample(name, int(k) * len(rows) + nodes, rows)
+                account.discarded["bound"] += int((lost < 0).sum())  # what the node's own bound discards
         sizes = np.array([len(table.light) for table in self.bounds.light_tables])
         order = np.argsort(value, kind="stable")
         order = order[np.isfinite(value[order])]
-        position, batch = 0, FIRST_UNITS
+        position, batch = 0, FIRST_NODES
         while position < len(order):
             ahead = order[position : position + batch]
             useful = ahead[value[ahead] <= search.ranking.threshold() * TAKEN]
             account.discarded["bound"] += int(sizes[lighting_index[ahead]].sum())
             account.discarded["bound"] -= int(sizes[lighting_index[useful]].sum())
-            search.evaluate_units(lighting_index[useful], imager[useful])
+            search.evaluate_nodes(lighting_index[useful], imager[useful])
             position += len(ahead)
-            batch = min(4 * batch, LARGEST_UNITS)
+            batch = min(4 * batch, LARGEST_NODES)
 
     def _keep_winners(self) -> None:
         """Leave the search with the imagers of the best designs alone."""

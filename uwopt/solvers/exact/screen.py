@@ -1,6 +1,6 @@
-"""Every light of a unit on its own: a bound for each (imager, light, count) once the signal is known.
+"""Every light of a node on its own: a bound for each (imager, light, count) once the signal is known.
 
-The bound of a unit takes the best of its lights in each respect. Here each light must be bright enough within
+The bound of a node takes the best of its lights in each respect. Here each light must be bright enough within
 its own pulse, keep up with the frame rate, and fit all budgets at once.
 """
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lights
 from uwopt.objectives.objective import Terms
-from uwopt.solvers.exact.bounds import UNIT_RULES, Bounds, UnitBounds
+from uwopt.solvers.exact.bounds import NODE_RULES, Bounds, NodeBounds
 from uwopt.solvers.exact.imagers import limit
 from uwopt.tolerances import ROUND
 
@@ -22,10 +22,10 @@ MEETS = 1.0 + 1e-9  # a rate or a capacity met to rounding
 
 
 def pair_rules(
-    bounds: Bounds, k: int, rows: Array, unit: UnitBounds, threshold: float
+    bounds: Bounds, k: int, rows: Array, node: NodeBounds, threshold: float
 ) -> tuple[Array, Array]:
-    """For every imager (n) and light of one lighting (m) the rule that discards it, an index into `UNIT_RULES`; -1
-    where none does; and the least objective of the lights that none discards, inf without any (n). `unit` holds the
+    """For every imager (n) and light of one lighting (m) the rule that discards it, an index into `NODE_RULES`; -1
+    where none does; and the least objective of the lights that none discards, inf without any (n). `node` holds the
     bounds of these imagers under the lighting."""
     table, imagers, limits = bounds.light_tables[k], bounds.imagers, bounds.limits
     lamp = bounds.problem.lights.take(table.light)
@@ -51,8 +51,8 @@ def pair_rules(
     mass = imagers.mass_kg[rows, None] + table.mass_kg
     limit_cost = imagers.limit_cost[rows, None] + table.limit_cost
     terms = Terms(
-        power, imagers.cost[rows, None] + table.cost, mass, unit.snr_db[:, None], imagers.gsd_mm[rows, None], 1.0,
-        np.broadcast_to(unit.information, len(rows))[:, None],
+        power, imagers.cost[rows, None] + table.cost, mass, node.snr_db[:, None], imagers.gsd_mm[rows, None], 1.0,
+        np.broadcast_to(node.information, len(rows))[:, None],
     )  # fmt: skip
     with np.errstate(invalid="ignore"):
         value = bounds.objective.cost_to_minimise(terms)
@@ -64,9 +64,9 @@ def pair_rules(
         ("power_w", power <= limit(limits.power_w) * ROUND),
         ("bound", value <= threshold),
     ):
-        rule = np.where((rule < 0) & ~passes, np.int8(UNIT_RULES.index(name)), rule)
+        rule = np.where((rule < 0) & ~passes, np.int8(NODE_RULES.index(name)), rule)
     least = np.where(rule < 0, value, np.inf).min(axis=1, initial=np.inf)
-    return rule, np.maximum(least, np.where(unit.rule < 0, unit.value, np.inf))
+    return rule, np.maximum(least, np.where(node.rule < 0, node.value, np.inf))
 
 
 def level_set(wanted: Array, lamp: Lights) -> Array:

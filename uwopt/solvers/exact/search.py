@@ -1,7 +1,7 @@
 """The exact search: best design of a catalogue with a proof that nothing better is in it.
 
 Designs are imagers under a lighting (light optics at a mount) with a number of lamps of one light.
-Every (imager, lighting) is a unit with a lower bound on the objective; units are taken best first,
+Every (imager, lighting) is a node with a lower bound on the objective; nodes are taken best first,
 their signal is computed exactly, their lights and counts are solved in closed form, and the search
 stops when no bound beats the best. Each combination is counted once, by the first rule that discards
 it, so that the account adds up.
@@ -26,7 +26,7 @@ from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import Account, Outcome, Sample, snr_ceiling
-from uwopt.solvers.exact.bounds import UNIT_RULES, Bounds, LampChoices, UnitBounds
+from uwopt.solvers.exact.bounds import NODE_RULES, Bounds, LampChoices, NodeBounds
 from uwopt.solvers.exact.imagers import (
     Imagers,
     enumerate_imagers,
@@ -50,18 +50,18 @@ SAMPLES_A_TIME, MOST_SAMPLES = 64, 1024
 MOST_ROWS_AT_ONCE = 60_000
 FIRST_VEILS, LARGEST_VEILS = 8, 256  # imagers whose veils are worked out together
 ROUGH_GAP = 1e-2  # of bounds over settings that are searched cell by cell
-TOO_FEW_TO_BOUND = 8  # units: evaluating them is cheaper
+TOO_FEW_TO_BOUND = 8  # nodes: evaluating them is cheaper
 Sift = Callable[
     [Array, Array], None
-]  # evaluates units, given by lighting and imager, as far as they are worth it
+]  # evaluates nodes, given by lighting and imager, as far as they are worth it
 
 
 @dataclass(frozen=True)
 class NodeDesigns:
-    """Designs as (unit, light, count): `unit` points into `imager`."""
+    """Designs as (node, light, count): `node` points into `imager`."""
 
     imager: Array
-    unit: Array
+    node: Array
     light: Array
     count: Array
     cost: Array
@@ -71,7 +71,7 @@ class NodeDesigns:
         """These designs only; the list of imagers stays."""
         return NodeDesigns(
             self.imager,
-            self.unit[index],
+            self.node[index],
             self.light[index],
             self.count[index],
             self.cost[index],
@@ -106,7 +106,7 @@ class Search:
         """Enumerate, bound, evaluate best first."""
         start = time.perf_counter()
         self.progress(0.0, "imagers")
-        pairs = fitting_pairs(self.problem, cameras=self._hopeful_cameras())
+        pairs = fitting_pairs(self.problem, cameras=self._cameras_below_ceiling())
         if len(pairs.camera) * len(self.problem.parts.ports) * len(landscapes(self.problem)) > MOST_IMAGERS:
             from uwopt.solvers.exact.large import (
                 LargeSearch,  # a search of its own, of no use to small catalogues
@@ -129,14 +129,14 @@ class Search:
 
     def prepare(self) -> Imagers:
         """Enumerate imagers and tabulate lights: all that evaluation needs."""
-        imagers = self.imagers = enumerate_imagers(self.problem, cameras=self._hopeful_cameras())
+        imagers = self.imagers = enumerate_imagers(self.problem, cameras=self._cameras_below_ceiling())
         self.tables = FieldTables(self.problem, imagers)
         self.bounds = Bounds(self.objective, imagers, self.tables, lights=self.only.get("light"))
         self.ranking = Ranking(self.problem, imagers, top=self.top, ceiling=self.ceiling)
         self.motorised = self.problem.lenses.motorised[imagers.lens] if len(imagers) else np.empty(0, bool)
         return imagers
 
-    def _hopeful_cameras(self) -> Array:
+    def _cameras_below_ceiling(self) -> Array:
         """Cameras that are not beyond the ceiling by themselves."""
         rows, count = self.problem.cameras, self.problem.mission.vehicle.camera_count
         extra_cost, extra_mass, extra_power = self.problem.extras
@@ -206,14 +206,14 @@ class Search:
         return min(lowest, best, self.open_gap_bound), False
 
     def _best_first(self, rows: Array) -> float | None:
-        """Take the units of these imagers in order of their bound until none can beat the best.
+        """Take the nodes of these imagers in order of their bound until none can beat the best.
 
         Returns the lowest bound not looked at when time ran out, else None.
         """
         start = time.perf_counter()
         few = len(rows) * len(self.tables.lightings) <= TOO_FEW_TO_BOUND
         bounds = [
-            UnitBounds.none(len(rows)) if few else self.bounds.of_units(k, rows)
+            NodeBounds.none(len(rows)) if few else self.bounds.of_nodes(k, rows)
             for k in range(len(self.tables.lightings))
         ]
         self.bounds_s += time.perf_counter() - start
@@ -224,7 +224,7 @@ class Search:
         power = np.concatenate([b.power for b in bounds])
         rule = np.concatenate([b.rule for b in bounds])
         size = np.repeat([len(t.light) for t in self.bounds.light_tables], n)
-        for index, name in enumerate(UNIT_RULES):
+        for index, name in enumerate(NODE_RULES):
             failed = rule == index
             self.account.discarded[name] += int(size[failed].sum())
             self._sample(name, np.nonzero(failed)[0], rows)
@@ -243,7 +243,7 @@ class Search:
             self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
             try:
                 self.deadline.check()
-                (self.sift or self.evaluate_units)(useful // n, rows[useful % n])
+                (self.sift or self.evaluate_nodes)(useful // n, rows[useful % n])
             except OutOfTimeError:  # what was found of this batch stays; the batch counts as not reached
                 self.account.evaluated, self.account.discarded = before
                 rest = order[position:]
@@ -255,13 +255,13 @@ class Search:
         self._sample("bound", order[position:], rows)
         return None
 
-    def _sample(self, rule: str, units: Array, rows: Array, *, any_light: bool = False) -> None:
-        """Remember some of the units that a rule discards, evenly spread, for an audit."""
+    def _sample(self, rule: str, nodes: Array, rows: Array, *, any_light: bool = False) -> None:
+        """Remember some of the nodes that a rule discards, evenly spread, for an audit."""
         kept = self._samples.setdefault(rule, [])
-        if len(units) and len(kept) < MOST_SAMPLES:
-            step = max(1, len(units) // SAMPLES_A_TIME)
+        if len(nodes) and len(kept) < MOST_SAMPLES:
+            step = max(1, len(nodes) // SAMPLES_A_TIME)
             n = len(rows)
-            some = units[::step][: 2 * SAMPLES_A_TIME]
+            some = nodes[::step][: 2 * SAMPLES_A_TIME]
             kept += [self.imagers.sample(int(rows[u % n]), None if any_light else int(u // n)) for u in some]
 
     def discarded_samples(
@@ -273,10 +273,10 @@ class Search:
             rule: [(c, le, p, o, None) for c, le, p, o in samples]
             for rule, samples in imagers.samples.items()
         }
-        for rule, units in self._samples.items():
+        for rule, nodes in self._samples.items():
             pool = pools.setdefault(rule, [])
-            for place in rng.permutation(len(units))[: max(count, 1)]:
-                camera, lens, port, landscape, k = units[int(place)]
+            for place in rng.permutation(len(nodes))[: max(count, 1)]:
+                camera, lens, port, landscape, k = nodes[int(place)]
                 lights = None if k is None else self.bounds.light_tables[k].light
                 if lights is None or len(lights):  # a table of no lights holds no combination
                     light = None if lights is None else int(rng.choice(lights))
@@ -285,8 +285,8 @@ class Search:
 
     # ------------------------------------------------------------ evaluation
 
-    def evaluate_units(self, lighting_index: Array, imager: Array) -> None:
-        """Exact signal of these units, then all their lights and counts."""
+    def evaluate_nodes(self, lighting_index: Array, imager: Array) -> None:
+        """Exact signal of these nodes, then all their lights and counts."""
         for k in np.unique(lighting_index):
             rows = imager[lighting_index == k]
             lighting, table = self.tables.lightings[k], self.bounds.light_tables[k]
@@ -303,31 +303,31 @@ class Search:
     ) -> None:
         """Every (imager, light, count): drop what misses a limit or cannot win, solve the rest."""
         n_light = len(table.light)
-        unit = np.repeat(np.arange(len(imager)), n_light)
+        node = np.repeat(np.arange(len(imager)), n_light)
         item = np.tile(np.arange(n_light), len(imager))
         imagers, limits = self.imagers, self.limits
-        cost = imagers.cost[imager[unit]] + table.cost[item]
-        mass = imagers.mass_kg[imager[unit]] + table.mass_kg[item]
-        rule = np.full(len(unit), -1)
-        limit_cost = imagers.limit_cost[imager[unit]] + table.limit_cost[item]
-        rule = np.where(limit_cost > limit(limits.cost) * ROUND, UNIT_RULES.index("cost"), rule)
+        cost = imagers.cost[imager[node]] + table.cost[item]
+        mass = imagers.mass_kg[imager[node]] + table.mass_kg[item]
+        rule = np.full(len(node), -1)
+        limit_cost = imagers.limit_cost[imager[node]] + table.limit_cost[item]
+        rule = np.where(limit_cost > limit(limits.cost) * ROUND, NODE_RULES.index("cost"), rule)
         rule = np.where(
-            (rule < 0) & (mass > limit(limits.mass_kg) * ROUND), UNIT_RULES.index("mass_kg"), rule
+            (rule < 0) & (mass > limit(limits.mass_kg) * ROUND), NODE_RULES.index("mass_kg"), rule
         )
         floor = self.objective.cost_to_minimise(
             Terms(
-                imagers.camera_power_w[imager[unit]], cost, mass, np.full(len(unit), snr_ceiling(self.objective)),
-                imagers.gsd_mm[imager[unit]], 1.0, self.bounds.information_ceiling(imager)[unit],
+                imagers.camera_power_w[imager[node]], cost, mass, np.full(len(node), snr_ceiling(self.objective)),
+                imagers.gsd_mm[imager[node]], 1.0, self.bounds.information_ceiling(imager)[node],
             )
         )  # fmt: skip
-        rule = np.where((rule < 0) & (floor > self.ranking.threshold()), UNIT_RULES.index("bound"), rule)
-        for index, name in enumerate(UNIT_RULES):
+        rule = np.where((rule < 0) & (floor > self.ranking.threshold()), NODE_RULES.index("bound"), rule)
+        for index, name in enumerate(NODE_RULES):
             self.account.discarded[name] += int((rule == index).sum())
         keep = np.nonzero(rule < 0)[0]
         self.account.evaluated += len(keep)
         if len(keep):
             pairs = NodeDesigns(
-                imager, unit[keep], table.light[item[keep]], table.count[item[keep]], cost[keep], mass[keep]
+                imager, node[keep], table.light[item[keep]], table.count[item[keep]], cost[keep], mass[keep]
             )
             self._solve_pairs(pairs, lights, lighting)
 
@@ -338,7 +338,7 @@ class Search:
         worked out for those that may still win, best bound first.
         """
         if not self.problem.effects.veils:
-            self._rank(pairs, [light.take(pairs.unit) for light in lights], lighting)
+            self._rank(pairs, [light.take(pairs.node) for light in lights], lighting)
             return
         found = 0
         stages: tuple[Veils, ...] = ("none", "forward", "coarse")  # each costs more than the one before
@@ -350,17 +350,17 @@ class Search:
             kept = np.nonzero(np.isfinite(bound) & (bound <= self.ranking.threshold()))[0]
             if len(kept) == 0:
                 break
-            used, back = np.unique(pairs.unit[kept], return_inverse=True)
+            used, back = np.unique(pairs.node[kept], return_inverse=True)
             lights = [light.take(used) for light in lights]
-            pairs = replace(pairs.take(kept), imager=pairs.imager[used], unit=back.reshape(-1))
+            pairs = replace(pairs.take(kept), imager=pairs.imager[used], node=back.reshape(-1))
             bound = bound[kept]
-        solved = 0 if len(kept) == 0 else self._solve_hopeful(pairs, bound, lights, lighting)
+        solved = 0 if len(kept) == 0 else self._solve_best_first(pairs, bound, lights, lighting)
         self.account.evaluated -= found - solved
         self.account.discarded["bound"] += found - solved
 
     def _bound(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> Array:
         """Lower bounds on the objective from the light known so far; inf: infeasible with any veil."""
-        return self.solve(pairs, [light.take(pairs.unit) for light in lights], lighting, optimistic=True)[0]
+        return self.solve(pairs, [light.take(pairs.node) for light in lights], lighting, optimistic=True)[0]
 
     def _with_veils(
         self, imager: Array, lights: list[ImageLight], lighting: Lighting, veils: Veils
@@ -371,35 +371,35 @@ class Search:
             self.tables.exact(s, lighting, imager, known=light, veils=veils) for s, light in enumerate(lights)
         ]
 
-    def _solve_hopeful(
+    def _solve_best_first(
         self, pairs: NodeDesigns, bound: Array, lights: list[ImageLight], lighting: Lighting
     ) -> int:
         """Designs that may win, best bound first, with all their veils; how many were solved."""
         least = np.full(len(pairs.imager), np.inf)
-        np.minimum.at(least, pairs.unit, bound)
+        np.minimum.at(least, pairs.node, bound)
         order = np.argsort(least, kind="stable")
         position, batch, solved = 0, FIRST_VEILS, 0
         while position < len(order):
-            units = order[position : position + batch]
-            units = units[least[units] <= self.ranking.threshold()]
-            if len(units) == 0:
+            nodes = order[position : position + batch]
+            nodes = nodes[least[nodes] <= self.ranking.threshold()]
+            if len(nodes) == 0:
                 break
             full = self._with_veils(
-                pairs.imager[units], [light.take(units) for light in lights], lighting, "all"
+                pairs.imager[nodes], [light.take(nodes) for light in lights], lighting, "all"
             )
             place = np.full(len(pairs.imager), -1)
-            place[units] = np.arange(len(units))
-            some = pairs.take((place[pairs.unit] >= 0) & (bound <= self.ranking.threshold()))
-            self._rank(some, [light.take(place[some.unit]) for light in full], lighting)
-            solved += len(some.unit)
-            position += len(units)
+            place[nodes] = np.arange(len(nodes))
+            some = pairs.take((place[pairs.node] >= 0) & (bound <= self.ranking.threshold()))
+            self._rank(some, [light.take(place[some.node]) for light in full], lighting)
+            solved += len(some.node)
+            position += len(nodes)
             batch = min(2 * batch, LARGEST_VEILS)
         return solved
 
     def _rank(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
         """Solve these designs and put them in their place among the best."""
         solved = self.solve(pairs, lights, lighting)
-        self.ranking.add(pairs.imager[pairs.unit], pairs.light, pairs.count, lighting, *solved)
+        self.ranking.add(pairs.imager[pairs.node], pairs.light, pairs.count, lighting, *solved)
 
     def solve(
         self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting, *, optimistic: bool = False
@@ -409,7 +409,7 @@ class Search:
         `optimistic`: lower bounds for any veil that the lights may have. Raises OutOfTimeError past the deadline.
         """
         self.deadline.check()
-        imager, cost, mass = pairs.imager[pairs.unit], pairs.cost, pairs.mass_kg
+        imager, cost, mass = pairs.imager[pairs.node], pairs.cost, pairs.mass_kg
         rows = self.rows(imager, lights, pairs.light, pairs.count, lighting, optimistic=optimistic)
         motorised = self.motorised[imager]
         camera_power = self.imagers.camera_power_w[imager]

@@ -1,9 +1,9 @@
 """The exact front: every design of a catalogue that no other beats in all of two or three objectives.
 
 Each (imager, lighting) has an ideal: the least power, cost, ... and the best quality that any of its lights
-and settings could have. Units are taken in layers of ideals that no other ideal dominates; their lights and
+and settings could have. Nodes are taken in layers of ideals that no other ideal dominates; their lights and
 numbers are bounded again, one by one, with better and better bounds, and what some found point beats in every
-objective is discarded. What is left gets its curve of quality against power. When every unit is evaluated or
+objective is discarded. What is left gets its curve of quality against power. When every node is evaluated or
 beaten, no design of the catalogue can improve on the front by more than the volume that its open segments span.
 """
 
@@ -25,7 +25,7 @@ from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
 from uwopt.objectives.dominance import BestPoints, clearly, hypervolume, nondominated
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.account import RULES
-from uwopt.solvers.exact.bounds import UNIT_RULES
+from uwopt.solvers.exact.bounds import NODE_RULES
 from uwopt.solvers.exact.imagers import limit
 from uwopt.solvers.exact.light_tables import Lighting
 from uwopt.solvers.exact.search import Search
@@ -35,8 +35,8 @@ from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
-FIRST_UNITS, LARGEST_UNITS, GROWTH = 128, 16384, 6  # units taken together
-FIRST_SUNLIT, DESIGNS_SUNLIT = 4, 8  # units and designs together where settings have no closed form at all
+FIRST_NODES, LARGEST_NODES, GROWTH = 128, 16384, 6  # nodes taken together
+FIRST_SUNLIT, DESIGNS_SUNLIT = 4, 8  # nodes and designs together where settings have no closed form at all
 ROUGH_SEGMENT, FINEST_SEGMENT = 3e-3, 1e-6  # share of the box that a segment may span: at first, and ever
 FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
 WAVE_ROUNDS, REFINEMENTS = 1, 8  # of asking the segments of one wave, and of all that stayed
@@ -93,7 +93,7 @@ class FrontSearch:
     # ------------------------------------------------------------ run
 
     def run(self) -> Front:
-        """Bound all units, take them layer by layer, refine the curves."""
+        """Bound all nodes, take them layer by layer, refine the curves."""
         search = self.search
         imagers = search.prepare()
         self._count_imagers()
@@ -120,7 +120,7 @@ class FrontSearch:
             self.account["dominated" if rule == "bound" else rule] += count * illuminators
 
     def _count_left(self, lighting: Array) -> None:
-        """Units that were not reached."""
+        """Nodes that were not reached."""
         if len(lighting):
             self.account["not_reached"] = int(self._sizes()[lighting].sum())
 
@@ -128,14 +128,14 @@ class FrontSearch:
         return np.array([len(t.light) for t in self.search.bounds.light_tables])
 
     def _units(self) -> tuple[Array, Array, Array]:
-        """Ideals of all units that may be feasible, with their lighting and imager."""
+        """Ideals of all nodes that may be feasible, with their lighting and imager."""
         bounds, imagers = self.search.bounds, self.search.imagers
         every = np.arange(len(imagers))
         ideals, lightings, rows = [], [], []
         for k, lighting in enumerate(self.search.tables.lightings):
-            seen = bounds.of_units(k, every)
+            seen = bounds.of_nodes(k, every)
             size = len(bounds.light_tables[k].light)
-            for index, name in enumerate(UNIT_RULES):
+            for index, name in enumerate(NODE_RULES):
                 self.account["dominated" if name == "bound" else name] += (
                     int((seen.rule == index).sum()) * size
                 )
@@ -154,10 +154,10 @@ class FrontSearch:
         return np.concatenate(ideals), np.concatenate(lightings), np.concatenate(rows)
 
     def _layers(self, ideal: Array, lighting: Array, imager: Array, left: Array) -> bool:
-        """Evaluate units until each is evaluated or beaten by a point; whether that was reached."""
+        """Evaluate nodes until each is evaluated or beaten by a point; whether that was reached."""
         sizes, total = self._sizes(), max(len(ideal), 1)
         sunlit = any(scene.sunlit for scene in self.problem.scenes)
-        batch = FIRST_SUNLIT if sunlit else FIRST_UNITS
+        batch = FIRST_SUNLIT if sunlit else FIRST_NODES
         while left.any():
             rows = np.nonzero(left)[0]
             beaten = self.archive.beats(ideal[rows])
@@ -172,13 +172,13 @@ class FrontSearch:
             if not self._take(lighting[wave], imager[wave], DESIGNS_SUNLIT if sunlit else None):
                 return False
             left[wave] = False
-            batch = min(GROWTH * batch, FIRST_SUNLIT if sunlit else LARGEST_UNITS)
+            batch = min(GROWTH * batch, FIRST_SUNLIT if sunlit else LARGEST_NODES)
             self.history.append((time.perf_counter() - self.start, self.archive.values))
             self.progress(0.9 * (1.0 - left.sum() / total), f"front: {len(self.archive.values)} points")
         return True
 
     def _take(self, lighting: Array, imager: Array, designs: int | None) -> bool:
-        """Evaluate these units, so many designs at a time; cut short, they count as not reached, and points stay."""
+        """Evaluate these nodes, so many designs at a time; cut short, they count as not reached, and points stay."""
         before = dict(self.account)
         done = False
         try:
@@ -201,7 +201,7 @@ class FrontSearch:
         return True
 
     def _next(self, ideal: Array, batch: int) -> Array:
-        """Places of the units to take: ideals that no other dominates, then those next to them."""
+        """Places of the nodes to take: ideals that no other dominates, then those next to them."""
         first = nondominated(ideal)
         if first.sum() >= batch:
             return np.nonzero(first)[0][:batch]
@@ -225,26 +225,26 @@ class FrontSearch:
         search, table = self.search, self.search.bounds.light_tables[k]
         lighting, imagers, limits = search.tables.lightings[k], search.imagers, search.limits
         n_light = len(table.light)
-        unit = np.repeat(np.arange(len(imager)), n_light)
+        node = np.repeat(np.arange(len(imager)), n_light)
         item = np.tile(np.arange(n_light), len(imager))
-        dear = imagers.limit_cost[imager[unit]] + table.limit_cost[item] > limit(limits.cost) * ROUND
-        heavy = ~dear & (imagers.mass_kg[imager[unit]] + table.mass_kg[item] > limit(limits.mass_kg) * ROUND)
+        dear = imagers.limit_cost[imager[node]] + table.limit_cost[item] > limit(limits.cost) * ROUND
+        heavy = ~dear & (imagers.mass_kg[imager[node]] + table.mass_kg[item] > limit(limits.mass_kg) * ROUND)
         self.account["cost"] += int(dear.sum())
         self.account["mass_kg"] += int(heavy.sum())
         keep = ~dear & ~heavy
-        unit, item = unit[keep], item[keep]
+        node, item = node[keep], item[keep]
         lights: list[ImageLight] | None = None
         stages: tuple[Veils, ...] = ("none", "forward", "coarse") if self.problem.effects.veils else ()
         for stage in stages:
             lights = self._lights(lighting, imager, lights, stage)
-            kept = self._unbeaten(self._hopeful(k, imager[unit], unit, item, lights, optimistic=True))
+            kept = self._unbeaten(self._worth_solving(k, imager[node], node, item, lights, optimistic=True))
             if len(kept) == 0:
                 return None
-            used, back = np.unique(unit[kept], return_inverse=True)
+            used, back = np.unique(node[kept], return_inverse=True)
             imager, lights = imager[used], [light.take(used) for light in lights]
-            unit, item = back.reshape(-1), item[kept]
+            node, item = back.reshape(-1), item[kept]
         lights = self._lights(lighting, imager, lights, "all")
-        return self._hopeful(k, imager[unit], unit, item, lights, optimistic=False)
+        return self._worth_solving(k, imager[node], node, item, lights, optimistic=False)
 
     def _lights(
         self, lighting: Lighting, imager: Array, known: list[ImageLight] | None, veils: Veils
@@ -258,14 +258,14 @@ class FrontSearch:
             lights.append(tables.exact(s, lighting, imager, veils=veils, known=given[s]))
         return lights
 
-    def _hopeful(
-        self, k: int, imager: Array, unit: Array, item: Array, lights: list[ImageLight], *, optimistic: bool
+    def _worth_solving(
+        self, k: int, imager: Array, node: Array, item: Array, lights: list[ImageLight], *, optimistic: bool
     ) -> Hopeful:
         """Designs as rows of settings."""
         search, imagers, table = self.search, self.search.imagers, self.search.bounds.light_tables[k]
         light, count = table.light[item], table.count[item]
         rows = search.rows(
-            imager, [one.take(unit) for one in lights], light, count, search.tables.lightings[k],
+            imager, [one.take(node) for one in lights], light, count, search.tables.lightings[k],
             optimistic=optimistic,
         )  # fmt: skip
         contrast: Array | float = 0.0
@@ -515,7 +515,7 @@ class FrontSearch:
             frame = Frame.of(self.axes, every[kept])
             lower, upper = self._volumes()
             if len(open_ideals):
-                # both at once: what open segments and units that were not reached may add need not overlap
+                # both at once: what open segments and nodes that were not reached may add need not overlap
                 still = np.concatenate([every[kept], self._open_corners(), open_ideals])
                 upper = max(upper, hypervolume(still, frame))
         return Front(

@@ -76,7 +76,7 @@ class CodedHardware(Columns):
 
 
 @dataclass(frozen=True)
-class Units:
+class BoundedNodes:
     """What bounds say of imagers under lightings, without any integral.
 
     Where mounts are many, some of them stand for all, and nothing is known of the others.
@@ -85,19 +85,19 @@ class Units:
     alive: Array  # (n_imagers, n_optics): whether it may be feasible at some mount
     row_of: Array  # (n_lightings, n_kinds): row of `wanted`, -1 unknown
     wanted: Array  # (n_known, n_imagers): capacity that lamps of a kind need at least, lm or lm s
-    best_imager: Array  # units with the best ideals on the axes, by layers of dominance
+    best_imager: Array  # nodes with the best ideals on the axes, by layers of dominance
     best_lighting: Array
     best_ideal: Array  # (n_best, n_axes), less is better
 
     @staticmethod
-    def of(search: Search, axes: Sequence[str | OwnObjective]) -> Units:
-        """Bound as many units as is worth it."""
+    def of(search: Search, axes: Sequence[str | OwnObjective]) -> BoundedNodes:
+        """Bound as many nodes as is worth it."""
         tables, n, none = search.tables, len(search.imagers), np.empty(0, int)
         n_optics, n_mounts = len(search.problem.optics), max(1, len(search.problem.mounts))
         row_of = np.full((len(tables.lightings), len(KINDS)), -1)
         room = MOST_BOUNDED // max(1, n * n_optics)
         if room == 0 or n == 0:
-            return Units(
+            return BoundedNodes(
                 np.ones((n, n_optics), bool), row_of, np.empty((0, n)), none, none, np.empty((0, len(axes)))
             )
         some = np.unique(np.linspace(0, n_mounts - 1, min(room, n_mounts)).round().astype(int))
@@ -106,7 +106,7 @@ class Units:
         ideals, imager, lighting = [], [], []
         every = np.arange(n)
         for k in [optics * n_mounts + int(mount) for optics in range(n_optics) for mount in some]:
-            bounds = search.bounds.of_units(k, every)
+            bounds = search.bounds.of_nodes(k, every)
             may = np.nonzero(bounds.rule < 0)[0]
             if len(may) == 0:
                 continue
@@ -120,10 +120,10 @@ class Units:
             imager.append(may)
             lighting.append(np.full(len(may), k))
         if not ideals:
-            return Units(alive, row_of, np.empty((0, n)), none, none, np.empty((0, len(axes))))
+            return BoundedNodes(alive, row_of, np.empty((0, n)), none, none, np.empty((0, len(axes))))
         ideal = np.concatenate(ideals)
         best = layers(ideal, BEST_UNITS)
-        return Units(
+        return BoundedNodes(
             alive,
             row_of,
             np.stack(wanted),
@@ -165,7 +165,7 @@ def capacity_needed(search: Search, k: int, kind: int, rows: Array) -> Array:
 
 
 def ideal_of(search: Search, bounds: Any, axis: str | OwnObjective, rows: Array) -> Array:
-    """The best that units could be on one axis; 0 where no bound is known."""
+    """The best that nodes could be on one axis; 0 where no bound is known."""
     imagers = search.imagers
     known = {"power": bounds.power, "cost": bounds.cost, "mass": bounds.mass, "snr_db": -bounds.snr_db,
              "information": -np.broadcast_to(bounds.information, bounds.power.shape),
@@ -180,7 +180,7 @@ class Coding:
 
     def __init__(self, search: Search, axes: Sequence[str | OwnObjective]):
         self.search, self.axes = search, list(axes)
-        self.units = Units.of(search, axes)
+        self.nodes = BoundedNodes.of(search, axes)
         self._order_imagers()
         self._order_lights()
         self._order_mounts()
@@ -201,7 +201,7 @@ class Coding:
     def _order_imagers(self) -> None:
         """Cameras by price; of each the imagers with the finest ground sample first, then fast, then cheap."""
         imagers = self.search.imagers
-        may = np.nonzero(self.units.alive.any(axis=1))[0]
+        may = np.nonzero(self.nodes.alive.any(axis=1))[0]
         camera = imagers.camera[may]
         self.cameras = np.unique(camera)
         price = self.search.problem.cameras.price[self.cameras]
@@ -219,8 +219,8 @@ class Coding:
         lights = self.search.problem.lights
         lumens = lights.full_light * lights.output_factor
         order = np.lexsort((lights.price, lumens, lights.kind))
-        masks, back = np.unique(self.units.alive[self.imagers], axis=0, return_inverse=True)
-        self.mask_of = np.zeros(len(self.units.alive), int)
+        masks, back = np.unique(self.nodes.alive[self.imagers], axis=0, return_inverse=True)
+        self.mask_of = np.zeros(len(self.nodes.alive), int)
         self.mask_of[self.imagers] = back.reshape(-1)
         lists = [order[mask[lights.optics_index[order]]] for mask in masks]
         self.light_size = np.array([len(one) for one in lists], int)
@@ -301,7 +301,7 @@ class Coding:
         """Vectors with this hardware and settings at random."""
         vectors = self.random(len(built.imager), rng)
         top, column = dict(self.genes), {name: i for i, name in enumerate(self.names)}
-        place = np.full(len(self.units.alive), -1)
+        place = np.full(len(self.nodes.alive), -1)
         place[self.imagers] = np.arange(len(self.imagers))
         at = place[built.imager]
         camera = np.searchsorted(self.start, at, side="right") - 1
@@ -330,24 +330,24 @@ class Coding:
         return np.concatenate([first, drawn])[np.argsort(turn, kind="stable")]
 
     def seeds(self, most: int) -> CodedHardware:
-        """Designs of the best units with any lamps: what nothing dominates by cost, mass and the units' bounds."""
+        """Designs of the best nodes with any lamps: what nothing dominates by cost, mass and the nodes' bounds."""
         built, ideal = self.bounded()
         return built.take(layers(ideal, most))
 
     def bounded(self) -> tuple[CodedHardware, Array]:
-        """All designs of the best units with any lamps that limits allow, and the best that each could be."""
-        units, problem = self.units, self.search.problem
+        """All designs of the best nodes with any lamps that limits allow, and the best that each could be."""
+        nodes, problem = self.nodes, self.search.problem
         own = [np.nonzero(problem.lights.optics_index == optics)[0] for optics in range(len(problem.optics))]
-        optics = units.best_lighting // len(problem.mounts)
+        optics = nodes.best_lighting // len(problem.mounts)
         n_counts = self.high - self.low + 1
-        unit = np.repeat(np.arange(len(optics)), [len(own[o]) * n_counts for o in optics])
-        if len(unit) == 0:
-            return CodedHardware(unit, unit, unit, unit), np.empty((0, len(self.axes)))
+        node = np.repeat(np.arange(len(optics)), [len(own[o]) * n_counts for o in optics])
+        if len(node) == 0:
+            return CodedHardware(node, node, node, node), np.empty((0, len(self.axes)))
         light = np.concatenate([np.repeat(own[o], n_counts) for o in optics])
-        count = np.tile(np.arange(self.low, self.high + 1), len(unit) // n_counts)
-        built = CodedHardware(units.best_imager[unit], light, count, units.best_lighting[unit])
+        count = np.tile(np.arange(self.low, self.high + 1), len(node) // n_counts)
+        built = CodedHardware(nodes.best_imager[node], light, count, nodes.best_lighting[node])
         may = np.nonzero(self.beyond(built) <= 0.0)[0]
-        built, ideal = built.take(may), units.best_ideal[unit[may]].copy()
+        built, ideal = built.take(may), nodes.best_ideal[node[may]].copy()
         for column, axis in enumerate(self.axes):
             if axis in ("cost", "mass"):
                 ideal[:, column] = (
@@ -371,7 +371,7 @@ class Coding:
         price = lights.limit_price[built.light]
         cost = imagers.limit_cost[built.imager] + problem.lamps_to_buy(built.light, built.count) * price
         capacity = built.count * (lights.full_light * lights.output_factor)[built.light]
-        missing = self.units.lacking(built.imager, built.lighting, lights.kind[built.light], capacity)
+        missing = self.nodes.lacking(built.imager, built.lighting, lights.kind[built.light], capacity)
         for value, most in ((cost, limits.cost), (mass_kg_of(self.search, built), limits.mass_kg)):
             if most is not None:
                 missing = missing + log_excess(value, np.full(len(value), most * ROUND))

@@ -119,8 +119,8 @@ class Evaluator:
         if self.staged and len(place):
             lacking = lacking_without_veils(self.search, self.store, built)
             violation[place] = lacking
-            hopeful = np.nonzero(lacking <= 0.0)[0]
-            place, built = place[hopeful], built.take(hopeful)
+            open_ = np.nonzero(lacking <= 0.0)[0]
+            place, built = place[open_], built.take(open_)
         none = np.empty(0, int)
         if len(place) == 0:
             return Solved(place, built, Decoded([], [], violation[place]), none, {}, violation)

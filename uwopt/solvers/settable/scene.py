@@ -268,14 +268,16 @@ class SettableScene:
         every = np.ones(len(settings.f_number), bool)
         return self._terms(settings, self.model.figures(self.index, settings), every)
 
-    def _terms(self, settings: SettingRows, figures: Figures, hopeful: NDArray[np.bool_]) -> Tried:
+    def _terms(self, settings: SettingRows, figures: Figures, feasible_so_far: NDArray[np.bool_]) -> Tried:
         """Figures of the objective; information, which is dear, only where it matters."""
         count, nominal = len(settings.f_number), self.model.problem.scenes[self.index].nominal
         information = np.zeros(count)
-        if self.objective is not None and self.objective.weight("information") and hopeful.any():
-            some = self.model.figures(self.index, settings.take(np.nonzero(hopeful)[0]), information=True)
+        if self.objective is not None and self.objective.weight("information") and feasible_so_far.any():
+            some = self.model.figures(
+                self.index, settings.take(np.nonzero(feasible_so_far)[0]), information=True
+            )
             assert some.information_bit_per_m2 is not None
-            information[hopeful] = some.information_bit_per_m2
+            information[feasible_so_far] = some.information_bit_per_m2
         power = np.broadcast_to(self.model.totals(figures)["power_w"], (count,))
         snr_db = np.asarray(ratio_to_db(np.maximum(figures.snr[:, nominal], 1e-300)))
         none = np.zeros(count)

@@ -423,8 +423,8 @@ class CellSearch:
     def run(self) -> CellResult:
         """Halve the cells with the least bounds until none can beat the best by more than the gap."""
         pool, seen = self._bounded(self._roots())
-        hopeful = np.nonzero(self._open(pool))[0]
-        self._try_points(pool.take(hopeful), [(b.take(hopeful), r) for b, r in seen], list(PATTERNS))
+        open_ = np.nonzero(self._open(pool))[0]
+        self._try_points(pool.take(open_), [(b.take(open_), r) for b, r in seen], list(PATTERNS))
         pool, spent, turn = self._prune(pool), len(pool.design), 0
         budget = max(self.budget, FEWEST * min(self.n, 50))
         while len(pool.design) and spent < budget:
@@ -435,10 +435,10 @@ class CellSearch:
                 active, rest = pool, pool.take(np.empty(0, int))
             children, seen = self._bounded(self._halved(active))
             spent += len(active.design) * 2
-            hopeful = np.nonzero(self._open(children))[0]
+            open_ = np.nonzero(self._open(children))[0]
             some = [(PATTERNS[(4 * turn + k) % len(PATTERNS)]) for k in range(4)]
-            boxes = [(box.take(hopeful), reach) for box, reach in seen]
-            self._try_points(children.take(hopeful), boxes, some)
+            boxes = [(box.take(open_), reach) for box, reach in seen]
+            self._try_points(children.take(open_), boxes, some)
             pool = self._prune(Pool.joined([children, rest]))
             turn += 1
         np.minimum.at(self.closed, pool.design, pool.bound)
