@@ -62,7 +62,7 @@ def test_geometry_of_the_paper_tools_runs(number: int) -> None:
     along_m, along_px = (fov_x_m, width_px) if case["axis"] == "x" else (fov_y_m, height_px)
     exposure_s = operation.blur_exposure_s(
         case["max_blur_px"],
-        ground_sample_m=operation.ground_sample_m(along_m, resolution_px=along_px),
+        ground_sample_m=along_m / along_px,
         speed_m_s=case["speed_m_s"],
     )
     rate_hz = operation.frame_rate_hz(case["speed_m_s"], footprint_along_m=along_m, overlap=case["overlap"])
@@ -79,7 +79,7 @@ def test_geometry_of_the_paper_tools_window() -> None:
     fov_x_m = footprint_m(sensor_size_m=2448 * 3.45e-6, **view)
     fov_y_m = footprint_m(sensor_size_m=2048 * 3.45e-6, **view)
     assert (fov_x_m, fov_y_m) == (pytest.approx(2.11, abs=5e-3), pytest.approx(1.77, abs=5e-3))
-    sample_m = operation.ground_sample_m(fov_x_m, resolution_px=2448)
+    sample_m = fov_x_m / 2448
     exposure_s = operation.blur_exposure_s(1.0, ground_sample_m=sample_m, speed_m_s=1.0)
     assert exposure_s == pytest.approx(0.86e-3, abs=5e-6)
     rate_hz = operation.frame_rate_hz(1.0, footprint_along_m=fov_x_m, overlap=0.25)

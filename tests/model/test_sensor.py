@@ -78,13 +78,6 @@ def test_a_bayer_mosaic_has_two_green_pixels_in_four() -> None:
 # ---------------------------------------------------------------- gain and digital numbers
 
 
-def test_system_gain_follows_the_transmitted_bits() -> None:
-    # 5.556 DN16/e in a 12-bit image is 5.556 / 16, doubled by the gain
-    got = sensor.gain_dn_per_e(5.556, table_bits=16, bits=12, gain=2.0)
-    assert got == pytest.approx(0.6945)
-    assert sensor.gain_dn_per_e(np.array([1.0]), table_bits=np.array([8]), bits=np.array([12])) == 16.0
-
-
 def test_digital_mean_and_level_by_hand() -> None:
     # 0.5 * (3 + 100) + 64 = 115.5 DN of 1023
     camera = {"gain_dn_per_e": 0.5, "dark_e": 3.0, "offset_dn": 64.0}
@@ -221,14 +214,13 @@ def test_sensor_accepts_symbols(symbol: Any) -> None:
         [symbol],
         [
             sensor.snr(symbol, veil_e=5.0, dark_e=1.0, prnu_frac=0.01, **IMX250),
-            sensor.gain_dn_per_e(5.556, table_bits=16, bits=12, gain=symbol),
             sensor.digital_mean_dn(symbol, gain_dn_per_e=0.5, dark_e=3.0, offset_dn=64.0),
             sensor.mean_level(symbol, gain_dn_per_e=0.5, bits=10),
         ],
     )
     got = [float(value) for value in function(100.0)]
     plain = sensor.snr(100.0, veil_e=5.0, dark_e=1.0, prnu_frac=0.01, **IMX250)
-    assert got == pytest.approx([plain, 34.725, 115.5, 50.0 / 1023.0], rel=1e-12)
+    assert got == pytest.approx([plain, 115.5, 50.0 / 1023.0], rel=1e-12)
 
 
 @pytest.mark.parametrize(("other_signal_e", "other_veil_e"), [(40.0, 10.0), (300.0, 0.0), (5.0, 200.0)])

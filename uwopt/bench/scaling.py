@@ -7,7 +7,6 @@ own. From the parts as records to the proven optimum: tables of the problem, sea
 from __future__ import annotations
 
 import json
-import math
 import resource
 import subprocess
 import sys
@@ -20,7 +19,7 @@ from typing import Any
 from uwopt.bench.scaling_parts import DEPTH_M, made_parts
 from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite
 from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.problem import Problem
+from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.account import Outcome
@@ -29,7 +28,6 @@ from uwopt.solvers.exact.search import Search
 NAME = "scaling"
 QUICK_SIZES = (1e3, 1e4, 1e5, 1e6, 1e7)
 FULL_SIZES = (*QUICK_SIZES, 1e8, 1e9, 1e10)
-LARGEST_SIZE = 1e12  # what the design aims at; `sizes_up_to` makes the way there
 PHYSICS = "full"  # what every default run proves its optimum with
 QUICK_S, FULL_S = 15.0, 150.0
 START_S = 3.0  # a process, its imports and the making of the parts
@@ -76,16 +74,10 @@ def mission_for(name: str, physics: str = PHYSICS) -> Mission:
     return load_mission(plain)
 
 
-def sizes_up_to(largest: float, start: float = 1e3) -> tuple[float, ...]:
-    """Powers of ten."""
-    return tuple(10.0**n for n in range(round(math.log10(start)), round(math.log10(largest)) + 1))
-
-
-def search_of(mission: Mission, size: float, *, deadline: Deadline = NEVER) -> Search:
-    """The search over a made catalogue, ready to run."""
-    problem = Problem(mission, made_parts(size), paper=mission.physics == "paper")
-    objective = Objective.of(mission.objective)
-    return Search(problem, objective, top=1, deadline=deadline)
+def search_of(mission: Mission, parts: Parts, *, deadline: Deadline = NEVER) -> Search:
+    """The search over some parts, ready to run."""
+    problem = Problem(mission, parts, paper=mission.physics == "paper")
+    return Search(problem, Objective.of(mission.objective), top=1, deadline=deadline)
 
 
 def status_of(outcome: Outcome) -> str:
@@ -104,9 +96,7 @@ def measured(name: str, size: float, *, physics: str = PHYSICS, deadline: Deadli
     """One search in this process."""
     mission, parts = mission_for(name, physics), made_parts(size)
     elapsed, start_s = time.perf_counter(), time.process_time()
-    problem = Problem(mission, parts, paper=physics == "paper")
-    search = Search(problem, Objective.of(mission.objective), top=1, deadline=deadline)
-    outcome = search.run()
+    outcome = search_of(mission, parts, deadline=deadline).run()
     took_s, elapsed_s = time.process_time() - start_s, time.perf_counter() - elapsed
     found = outcome.best[0] if outcome.best else None
     ids = () if found is None else (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import Any
 
@@ -389,21 +389,3 @@ SUITE = Suite(
     time_name="time per design, s",
     tables=tables,
 )
-
-
-def flat_tables(water_per_m: float) -> Tables:
-    """Tables without a feature, whose integral has a closed form: for tests of the reference."""
-    ends = (float(FIRST_NM), float(LAST_NM))
-    return replace(
-        tables_of(LED_CLEAR),
-        lamp=(ends, (1.0, 1.0)),
-        photopic=(ends, (1.0, 1.0)),
-        reflectance=(ends, (0.3, 0.3)),
-        efficiency=((1.0, (ends, (0.5, 0.5))),),
-        absorption=(ends, (0.0, 0.0)),
-        scattering=(ends, (0.0, water_per_m)),
-        diffuse=(ends, (0.0, 0.0)),
-        pure_water=(ends, (0.0, 0.0)),
-        backscatter_ratio=0.0,
-        index=(1.3, *(0.0,) * 9),
-    )

@@ -16,11 +16,6 @@ Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi 
 # ---------------------------------------------------------------- coverage
 
 
-def ground_sample_m(footprint_m: Numeric, *, resolution_px: Numeric) -> Numeric:
-    """Floor per pixel, footprint over pixels; exact where the image is undistorted (pinhole, dome) [sym]."""
-    return footprint_m / resolution_px
-
-
 def flat_largest_pixel_m(
     range_m: Numeric,
     *,

@@ -56,30 +56,6 @@ def colour_mean_efficiency(red: Numeric, *, green: Numeric, blue: Numeric) -> Nu
 # ---------------------------------------------------------------- gain and digital numbers
 
 
-def gain_dn_per_e(
-    table_gain_dn_per_e: Numeric, *, table_bits: Numeric, bits: Numeric, gain: Numeric = 1.0
-) -> Numeric:
-    """System gain in the transmitted image.
-
-        K = K_table 2^(bits - table_bits) g                                                          [sym]
-
-    Parameters
-    ----------
-    table_gain_dn_per_e : (...,) [DN per electron] at gain 1, in DN of table_bits
-    table_bits, bits : broadcast, bit depth of the table and of the transmitted image
-    gain : broadcast, factor >= 1
-
-    Returns
-    -------
-    (...,) [DN of the transmitted image per electron].
-
-    References
-    ----------
-    Physics page, section 6 (6).
-    """
-    return table_gain_dn_per_e * 2.0 ** (bits - table_bits) * gain
-
-
 def digital_mean_dn(
     electrons_e: Numeric, *, gain_dn_per_e: Numeric, dark_e: Numeric = 0.0, offset_dn: Numeric = 0.0
 ) -> Numeric:
