@@ -277,8 +277,8 @@ The hand values are plain arithmetic, and for the spectral ones an integral over
 between the tables' entries. uwopt samples the spectrum on its own grid, hence the differences in (1) to (7).
 
 Two things are left to know about the tool. It leaves out the 1/π of equation (2), so its electrons are π
-times these. And it was run on twenty random configurations, repeated in `tests/test_paper_tool.py`: footprint,
-longest exposure, frame rate and virtual image agree to rounding; depth of field too, once the slip above is
+times these. And it was run on twenty random configurations, repeated in `tests/evaluation/test_paper_tool.py`:
+footprint, longest exposure, frame rate and virtual image agree to rounding; depth of field too, once the slip above is
 taken out (else within 1 %, and 2.4 % at one far end of 36 m); electrons, signal-to-noise ratio and image level
 within 0.6 % of the tool's divided by π.
 

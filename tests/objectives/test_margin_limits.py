@@ -215,7 +215,7 @@ IDS = [
 EACH = pytest.mark.parametrize(("name", "beyond"), CASES, ids=IDS)
 
 
-#: Held against each other in tests/test_one_set_of_rules.py.
+#: Held against each other in tests/api/test_one_set_of_rules.py.
 OF_SEVERAL_SCENES = {"common_f_number", "common_focus_m"}
 
 

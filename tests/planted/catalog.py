@@ -66,7 +66,7 @@ DEFECTS = (
         file="uwopt/forward/problem.py",
         old="np.maximum(count - owned[light], 0.0)",
         new="np.maximum(count, 0.0)",
-        test="tests/test_design_model.py::test_owned_lamps_are_not_paid_and_estimates_are_told_apart",
+        test="tests/evaluation/test_design_model.py::test_owned_lamps_are_not_paid_and_estimates_are_told_apart",
     ),
     Defect(
         name="money converted the wrong way",
@@ -80,7 +80,7 @@ DEFECTS = (
         file="uwopt/evaluation/bill.py",
         old="unit_price_high=high, currency",
         new="unit_price_high=price.high, currency",
-        test="tests/test_design_model.py::test_prices_of_the_bill_are_in_the_missions_currency",
+        test="tests/evaluation/test_design_model.py::test_prices_of_the_bill_are_in_the_missions_currency",
     ),
     Defect(
         name="a C camera takes CS lenses",
@@ -143,7 +143,7 @@ DEFECTS = (
         file="uwopt/catalog/readers/read_light.py",
         old="if stated is not None:\n        return exact(stated,",
         new="if stated is not None:\n        return exact(1.0,",
-        test="tests/test_hardware.py::test_catalogue_lamps_give_the_lumens_that_were_measured",
+        test="tests/forward/test_hardware.py::test_catalogue_lamps_give_the_lumens_that_were_measured",
     ),
     Defect(
         name="lobe of a flash by its whole angle",
@@ -199,7 +199,7 @@ DEFECTS = (
         file="uwopt/catalog/parts/camera.py",
         old='FROM_ZERO, span=(SMALLEST, 1e6), favours="low"',
         new='FROM_ZERO, span=(SMALLEST, 1e6), favours="high"',
-        test="tests/test_hardware.py::test_good_end_of_an_estimate_favours_the_design_and_the_bad_one_does_not",
+        test="tests/forward/test_hardware.py::test_good_end_of_an_estimate_favours_the_design_and_the_bad_one_does_not",
     ),
     Defect(
         name="measured lumens of a lamp are ignored in the search",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from planted.defect import Defect
 
-BOUNDS = "tests/test_effects.py::test_no_effect_changes_more_than_its_bound"
+BOUNDS = "tests/forward/test_effects.py::test_no_effect_changes_more_than_its_bound"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
@@ -33,6 +33,6 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/evaluation/design_model.py",
         old="return replace(means, worst_e=light.worst_e, worst_veil_e=light.worst_veil_e)",
         new="return light",
-        test="tests/test_light_in_parts.py::test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once",
+        test="tests/evaluation/test_light_in_parts.py::test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once",
     ),
 )

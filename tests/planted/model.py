@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from planted.defect import Defect
 
+FULL = "tests/evaluation/test_full_physics.py::"
+
 DEFECTS = (
     Defect(
         name="PRNU is not squared",
@@ -192,7 +194,7 @@ DEFECTS = (
         file="uwopt/forward/focus.py",
         old="return near, max(far, min(near, start_m) + depth)",
         new="return near, min(near, start_m) + depth",
-        test="tests/test_focus.py::test_all_of_the_altitudes_and_the_wanted_depth_are_sharp",
+        test="tests/forward/test_focus.py::test_all_of_the_altitudes_and_the_wanted_depth_are_sharp",
     ),
     Defect(
         name="dome's inner face of the wrong sign",
@@ -255,14 +257,14 @@ DEFECTS = (
         file="uwopt/evaluation/figures_by_name.py",
         old="float(disc.max()) if",
         new="float(disc.min()) if",
-        test="tests/test_design_model.py::test_corner_of_a_flat_ports_image_is_soft_by_its_longer_axis",
+        test="tests/evaluation/test_design_model.py::test_corner_of_a_flat_ports_image_is_soft_by_its_longer_axis",
     ),
     Defect(
         name="pixel on the floor without the dome's radius",
         file="uwopt/forward/views.py",
         old="return scale * (ranges + shape.outer_radius_m)",
         new="return scale * ranges",
-        test="tests/test_design_model.py::test_dome_pixel_counts_range_from_the_centre",
+        test="tests/evaluation/test_design_model.py::test_dome_pixel_counts_range_from_the_centre",
     ),
     Defect(
         name="turning takes blur away",
@@ -339,14 +341,14 @@ DEFECTS = (
         file="uwopt/model/imaging.py",
         old="radiance_in_water / np.square(n_water)",
         new="radiance_in_water",
-        test="tests/test_full_physics.py::test_mean_electrons_under_smooth_lobes[glass of the water's index]",
+        test=f"{FULL}test_mean_electrons_under_smooth_lobes[glass of the water's index]",
     ),
     Defect(
         name="window's loss off its axis twice",
         file="uwopt/model/imaging.py",
         old="loss * oblique / port",
         new="loss * oblique**2 / port",
-        test="tests/test_full_physics.py::"
+        test="tests/evaluation/test_full_physics.py::"
         "test_snr_contrast_and_veil_ratio_of_the_means[flat port, measured water, tilt outward]",
     ),
     Defect(
@@ -354,7 +356,7 @@ DEFECTS = (
         file="uwopt/model/imaging.py",
         old="flux * scattering_per_m, wavelength_nm",
         new="flux * scattering_per_m / np.pi, wavelength_nm",
-        test="tests/test_full_physics.py::test_snr_contrast_and_veil_ratio_of_the_means[glass of the water's index]",
+        test=f"{FULL}test_snr_contrast_and_veil_ratio_of_the_means[glass of the water's index]",
     ),
     Defect(
         name="cosine of the sun's path dropped",

@@ -5,8 +5,8 @@ from __future__ import annotations
 from planted.defect import Defect
 
 SCENE_ORDER = "tests/solvers/test_scene_order.py"
-ONE_SET = "tests/test_one_set_of_rules.py"
-FOCUS = "tests/test_focus.py"
+ONE_SET = "tests/api/test_one_set_of_rules.py"
+FOCUS = "tests/forward/test_focus.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(

@@ -232,7 +232,9 @@ def test_result_is_not_headed_optimal_where_nothing_can_be_set(unsettable: uwopt
 def test_no_settings_are_offered_where_none_holds(unsettable: uwopt.Result) -> None:
     assert unsettable.best is not None
     assert [scene.settings_to_set for scene in unsettable.best.scenes] == [None]
-    assert unsettable.best.rounded == SettableCheck(feasible=False, objective_value=None, missed=["mean_level"])
+    assert unsettable.best.rounded == SettableCheck(
+        feasible=False, objective_value=None, missed=["mean_level"]
+    )
     assert "not_settable" in [warning["code"] for warning in unsettable.warnings]
 
 

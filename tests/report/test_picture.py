@@ -26,7 +26,7 @@ from uwopt.report.pictures.photograph import (
     whole_view,
 )
 
-PROBLEMS = Path(__file__).parents[1] / "problems"
+PROBLEMS = Path(__file__).parents[2] / "problems"
 SHARP = Sharpness(
     working_f_number=4.0, wavelength_nm=530.0, pixel_pitch_m=4e-6, motion_blur_px=1.5, defocus_px=0.8,
     rated_pitch_px=0.9,

@@ -18,7 +18,7 @@ import uwopt
 from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
 
-PARTS = Path(__file__).parent / "rule_parts"
+PARTS = Path(__file__).parents[1] / "rule_parts"
 KINDS = {
     "camera": ("zz-global", "zz-rolling"), "lens": ("zz-12mm", "zz-12mm-motor", "zz-35mm"), "port": ("zz-window",),
     "light": ("zz-led", "zz-small-led", "zz-flash"),

@@ -25,8 +25,8 @@ from scipy.optimize import brentq, minimize_scalar
 import uwopt
 
 Array = NDArray[np.float64]
-DATA = Path(__file__).parents[1] / "uwopt" / "catalog" / "data"
-REFERENCE = Path(__file__).parent / "reference"
+DATA = Path(__file__).parents[2] / "uwopt" / "catalog" / "data"
+REFERENCE = Path(__file__).parents[1] / "reference"
 WAVES_NM = np.arange(380.0, 780.25, 0.5)  # finer than uwopt's own grid
 STEPS_NM = np.r_[0.25, np.full(WAVES_NM.size - 2, 0.5), 0.25]
 PLANCK_J_S, LIGHT_M_S, LUMENS_PER_W = 6.62607015e-34, 299_792_458.0, 683.002

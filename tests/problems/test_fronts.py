@@ -23,7 +23,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.front import FrontPoint, FrontResult
 from uwopt.solvers.recommend import seek
 
-PROBLEMS = Path(__file__).parents[1] / "problems"
+PROBLEMS = Path(__file__).parents[2] / "problems"
 SUNLIT = "usgs-squid5"  # settings have no closed form; its front is searched in the benchmark
 #: By default those that differ in kind: limits and heights, physics paper, the worst pixel, a lamp behind the camera,
 #: no motion, two cameras, parts to be made.

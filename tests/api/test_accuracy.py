@@ -42,7 +42,7 @@ from uwopt.model.fineness import DEFAULT, Fineness, scaled
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Cost, Design, SceneResult, Totals, UsedHardware, UsedPart
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 REEF = ROOT / "problems" / "reef-mosaic.yaml"
 ABE = (ROOT / "problems" / "whoi-abe.yaml", ROOT / "problems" / "whoi-abe.system.yaml")
 PARTS = Fineness.names()

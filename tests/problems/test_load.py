@@ -18,7 +18,7 @@ from uwopt.catalog.load import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.system import load_system
 
-PROBLEMS = Path(__file__).parents[1] / "problems"
+PROBLEMS = Path(__file__).parents[2] / "problems"
 SYSTEMS = sorted(path.name for path in PROBLEMS.glob("*.system.yaml"))
 MISSIONS = sorted(path.name for path in PROBLEMS.glob("*.yaml") if path.name not in SYSTEMS)
 WITHOUT_SOURCE = "reef-mosaic.yaml"

@@ -13,7 +13,7 @@ import pytest
 import uwopt
 from uwopt.results.result import Result
 
-PARTS = Path(__file__).parent / "rule_parts"
+PARTS = Path(__file__).parents[1] / "rule_parts"
 SYSTEM: dict[str, Any] = {
     "camera": "zz-global", "lens": "zz-12mm", "port": "zz-window", "light": "zz-led", "light_count": 1,
     "light_baseline_m": 0.8, "orientation": "landscape",

@@ -18,7 +18,7 @@ import pytest
 
 import uwopt
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 RUNS = json.loads((ROOT / "tests" / "reference" / "paper_tool_runs.json").read_text())["cases"]
 NUMBERS = range(len(RUNS))
 ENDLESS_M = 1000.0  # what the tool prints for an endless depth of field

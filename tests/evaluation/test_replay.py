@@ -15,7 +15,7 @@ from uwopt.evaluation.recompute import ReplayError, mount_of, replay
 from uwopt.results.design import Design, LampPlace
 from uwopt.results.result import Result
 
-PROBLEMS = Path(__file__).parents[1] / "problems"
+PROBLEMS = Path(__file__).parents[2] / "problems"
 TWO_SCENES: dict[str, Any] = {
     "name": "two", "physics": "full",
     "scenes": [
@@ -103,7 +103,9 @@ def test_files_are_found_beside_the_mission_and_missed_when_they_move(tmp_path):
 def test_a_part_that_left_the_catalogue_is_named():
     result = stored(uwopt.solve(PROBLEMS / "paper-tool-window.yaml", top=1))
     design = result.recommendation
-    gone = changed(design, hardware=changed(design.hardware, lens=changed(design.hardware.lens, id="acme-9mm")))
+    gone = changed(
+        design, hardware=changed(design.hardware, lens=changed(design.hardware.lens, id="acme-9mm"))
+    )
     with pytest.raises(UwoptError, match="acme-9mm"):
         assert_same_figures(result, gone)
 

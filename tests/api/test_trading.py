@@ -20,7 +20,7 @@ from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.own import OwnObjective
 from uwopt.results.front import FrontObjective, FrontResult
 
-PROBLEMS = Path(__file__).parents[1] / "problems"
+PROBLEMS = Path(__file__).parents[2] / "problems"
 MISSION = PROBLEMS / "mbari-lass-2013.yaml"  # few combinations
 TRIPLE = ("power", "cost", "snr_db")
 pytestmark = pytest.mark.usefixtures("unhurried")

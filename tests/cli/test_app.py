@@ -25,7 +25,7 @@ from uwopt.errors import SolverError
 from uwopt.results.result import Certificate, Result
 from uwopt.solvers.exact.search import Search
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 MISSION = ROOT / "problems" / "paper-tank.yaml"
 SYSTEM = ROOT / "problems" / "paper-tank.system.yaml"
 COMMANDS = [

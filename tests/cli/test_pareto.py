@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 import uwopt
 from uwopt.cli.app import app
 
-PROBLEMS = Path(__file__).parents[1] / "problems"
+PROBLEMS = Path(__file__).parents[2] / "problems"
 MISSION = PROBLEMS / "mbari-lass-2013.yaml"  # few combinations
 pytestmark = pytest.mark.usefixtures("unhurried")
 

@@ -12,7 +12,7 @@ from uwopt.forward.assembly import system_problem
 from uwopt.forward.lamp_light import image_light
 from uwopt.mission.system import load_system
 
-PROBLEMS = Path(__file__).parents[1] / "problems"
+PROBLEMS = Path(__file__).parents[2] / "problems"
 
 
 def tank() -> DesignModel:

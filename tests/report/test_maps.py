@@ -11,7 +11,7 @@ import pytest
 import uwopt
 from uwopt.report.pictures.maps import floor_map, image_map, image_points
 
-PROBLEMS = Path(__file__).parents[1] / "problems"
+PROBLEMS = Path(__file__).parents[2] / "problems"
 
 
 @pytest.fixture(

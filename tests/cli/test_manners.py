@@ -19,7 +19,7 @@ from uwopt.documents.files import MOST_BYTES
 from uwopt.errors import OutputError
 from uwopt.report.write import check_folder, write_files
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 MISSION = ROOT / "problems" / "paper-tank.yaml"
 SYSTEM = ROOT / "problems" / "paper-tank.system.yaml"
 FULL = Path("/dev/full")

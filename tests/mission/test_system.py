@@ -16,7 +16,7 @@ from uwopt.mission.mission import load_mission
 from uwopt.mission.system import System, load_system
 from uwopt.mission.templates import system_json_schema, system_template
 
-EXAMPLE = Path(__file__).parent / "reference" / "example_system.yaml"
+EXAMPLE = Path(__file__).parents[1] / "reference" / "example_system.yaml"
 CAMERA = {
     "resolution_x_px": 2448, "resolution_y_px": 2048, "pixel_pitch_um": 3.45, "read_noise_e": 2.4,
     "quantum_efficiency": 0.6,

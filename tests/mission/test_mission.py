@@ -18,7 +18,7 @@ from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.sections import grid
 from uwopt.mission.templates import mission_json_schema, mission_template
 
-EXAMPLE = Path(__file__).parent / "reference" / "example_mission.yaml"
+EXAMPLE = Path(__file__).parents[1] / "reference" / "example_mission.yaml"
 SMALL = {
     "scene": {"water": "II", "seafloor": "sand", "depth_m": 30},
     "vehicle": {"altitude_m": 2, "speed_m_s": 0.5},

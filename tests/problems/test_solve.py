@@ -23,7 +23,7 @@ from uwopt.results.design import Design
 from uwopt.results.result import Result
 from uwopt.solvers.recommend import design_of, seek
 
-PROBLEMS = Path(__file__).parents[1] / "problems"
+PROBLEMS = Path(__file__).parents[2] / "problems"
 MISSIONS = sorted(p.stem for p in PROBLEMS.glob("*.yaml") if not p.stem.endswith(".system"))
 SETTINGS = (
     "f_number", "exposure_ms", "pulse_ms", "gain", "dim_frac", "frame_rate_hz", "focus_distance_m",

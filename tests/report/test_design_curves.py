@@ -17,7 +17,7 @@ from uwopt.report.pictures.curves import (
 )
 from uwopt.report.pictures.maps import channel_fields, image_points
 
-PROBLEMS = Path(__file__).parents[1] / "problems"
+PROBLEMS = Path(__file__).parents[2] / "problems"
 
 
 @pytest.fixture(

@@ -13,7 +13,7 @@ import pytest
 import uwopt
 from uwopt.forward.focus import middle_focus, sharp_ends_m
 
-PARTS = Path(__file__).parent / "rule_parts"
+PARTS = Path(__file__).parents[1] / "rule_parts"
 KINDS = {"cameras": "zz-global", "lenses": "zz-12mm", "ports": "zz-window", "lights": "zz-led"}
 FOCAL_M = 1.33 * 12e-3  # physics `paper` behind a flat port
 COC_M = hypot(1936, 1216) * 5.86e-6 / 1500
