@@ -166,8 +166,8 @@ corners, the worst error is {whole_worst:.1f} % (median {whole_median:.1f} %).
 
 The arithmetic of `full` is checked apart from measurements: `tests/evaluation/test_full_physics.py` repeats it by
 brute force (traced rays, half-nanometre spectrum, integral over the image) for domes and flat ports, one to three lamps
-at any place and tilt, clear to turbid water. Electrons agree within 0.01 % for smooth lobes, within 0.1 % for a measured
-lobe and for beams that end sharply, within 1 % for a spot that fills a fiftieth of the image.
+at any place and tilt, clear to turbid water. Electrons agree within 0.01 % for smooth lobes, within 0.1 % for a
+measured lobe and for beams that end sharply, within 1 % for a spot that fills a fiftieth of the image.
 
 This page is written by `docs/make_full_table.py`; a test keeps it up to date.
 """
