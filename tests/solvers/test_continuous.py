@@ -28,9 +28,10 @@ from uwopt.solvers.continuous import solve_settings as continuous
 from uwopt.solvers.continuous.optimality import derivatives
 from uwopt.solvers.continuous.pieces import SmoothScene, SmoothSettings, pieces_of
 from uwopt.solvers.continuous.program import Program
-from uwopt.solvers.continuous.solve_settings import METHODS, ContinuousResult, solve_settings
+from uwopt.solvers.continuous.solve_settings import ContinuousResult, Method, solve_settings
 from uwopt.solvers.settings.best import best_settings
 
+METHODS: tuple[Method, ...] = ("casadi", "slsqp", "cobyla", "global")  # those that settle what they are given
 AGREE = 1e-4  # what a second opinion is asked for; the solvers reach about 1e-9
 CAMERA_W, COST, MASS_KG, GSD_MM = 3.0, 5.0, 1.0, 2.0
 POWER, SNR, SUM = Objective.of("power"), Objective.of("snr_db"), Objective.of({"power": 1.0, "snr_db": 2.0})

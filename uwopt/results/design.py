@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 NOT_SETTABLE = "not_settable"  # code of the note that no settings to type in are offered
-PART_KINDS = ("camera", "lens", "port", "light")
 
 
 @dataclass(frozen=True, config=RECORD)
@@ -56,7 +55,9 @@ class UsedHardware(Record):
     light: UsedPart = Field(description="all lamps are of one kind")
     camera_count: Whole = Field(description="cameras")
     light_count: Whole = Field(description="lamps")
-    orientation: str = Field(description="landscape: the image's height along the motion; portrait: its width")
+    orientation: str = Field(
+        description="landscape: the image's height along the motion; portrait: its width"
+    )
     light_mounts: list[LampPlace] = Field(description="one a lamp")
 
     @property
@@ -138,7 +139,9 @@ class SettableCheck(Record):
 class Margin(Record):
     """One requirement held against its limit, worst over the altitudes."""
 
-    requirement: str = Field(description="its key in a mission, with the part's id where a part sets the limit")
+    requirement: str = Field(
+        description="its key in a mission, with the part's id where a part sets the limit"
+    )
     value: Number | None = Field(description="what is reached")
     limit: Number | None = Field(description="null where there is none")
     sense: str = Field(description="<=, >= or =")

@@ -40,7 +40,6 @@ Method = Literal[
     "casadi", "slsqp", "cobyla", "global", "mma", "ccsaq", "lbfgs", "isres", "ags", "direct_l", "mlsl"
 ]
 Status = Literal["optimal", "feasible", "infeasible", "failed"]
-METHODS: tuple[Method, ...] = ("casadi", "slsqp", "cobyla", "global")  # those that settle what they are given
 #: Algorithms of NLopt one by one. Of these some only come near.
 ALGORITHMS: tuple[Method, ...] = (
     "slsqp", "mma", "ccsaq", "lbfgs", "cobyla", "isres", "ags", "direct_l", "mlsl"
