@@ -88,8 +88,10 @@ class Bench:
         self._reach_once()
         lights = self.problem.lights
         optics = int(lights.optics_index[hardware.light])
-        # Image means do not depend on how many lamps share the light: those at + and - mirror each other.
-        alike = not hardware.mount.explicit and not any(scene.at_worst for scene in self.problem.scenes)
+        # Image means do not depend on how many lamps share the light: those at + and - mirror each other. Pixels do.
+        alike = not hardware.mount.explicit and not any(
+            scene.at_worst or scene.view.requirements.min_uniformity for scene in self.problem.scenes
+        )
         place = replace(hardware, light=optics, count=0 if alike else hardware.count)
         key = (place, float(lights.output_factor[hardware.light]))
         if key not in self._models:
