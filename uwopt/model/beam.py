@@ -372,7 +372,8 @@ def _pchip(x: FloatArray, knots: FloatArray, values: FloatArray) -> FloatArray:
         w1, w2 = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
         same = secant[1:] * secant[:-1] > 0
         left, right = np.where(same, secant[:-1], 1.0), np.where(same, secant[1:], 1.0)
-        slope[1:-1] = np.where(same, (w1 + w2) / (w1 / left + w2 / right), 0.0)
+        with np.errstate(over="ignore"):  # beside a rise next to nothing the slope is nothing
+            slope[1:-1] = np.where(same, (w1 + w2) / (w1 / left + w2 / right), 0.0)
         slope[0] = _end_slope(h[0], h[1], secant[0], secant[1])
         slope[-1] = _end_slope(h[-1], h[-2], secant[-1], secant[-2])
     x = np.clip(x, knots[0], knots[-1])
