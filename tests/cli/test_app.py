@@ -22,6 +22,7 @@ from uwopt.api import solving as api
 from uwopt.api.evaluating import evaluate
 from uwopt.cli.app import app
 from uwopt.errors import SolverError
+from uwopt.results.basis import WhyNothing
 from uwopt.results.result import Certificate, Result
 from uwopt.solvers.exact.search import Search
 
@@ -293,7 +294,7 @@ def result_file(evaluated: Result, tmp_path: Path) -> Path:
 def infeasible_file(result_file: Path, evaluated: Result) -> Path:
     """A result without a design: its page is written at once, for it has no pictures."""
     result = replace(
-        evaluated, command="solve", status="infeasible", design=None, infeasible={"requirements": []}
+        evaluated, command="solve", status="infeasible", design=None, infeasible=WhyNothing([], [], None)
     )
     result_file.write_text(result.to_json(), encoding="utf-8")
     return result_file

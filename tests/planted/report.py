@@ -183,8 +183,8 @@ DEFECTS = (
     Defect(
         name="replay keeps what physics left out",
         file="uwopt/evaluation/recompute.py",
-        old='if not item["kept"]]',
-        new='if item["kept"]]',
+        old="if not effect.kept]",
+        new="if effect.kept]",
         test="tests/evaluation/test_replay.py::test_effects_that_were_left_out_stay_out",
     ),
     Defect(

@@ -91,14 +91,17 @@ def solved(**changes: Any) -> Result:
         "command": "solve", "status": "optimal", "uwopt_version": "0.1.0", "recommendation": best,
         "mission": {"name": "Reef [red]survey[/red]", "limits": {"currency": "USD"}},
         "physics": {
-            "name": "full", "effects": [{"name": "sun", "bound": 0.001, "kept": False}], "not_modelled": ["fish"]
+            "name": "full", "asked": "full", "tolerance": 0.005, "fineness": {"veil": 1.0}, "water_table": "measured",
+            "effects": [{"name": "sun", "bound": 0.001, "kept": False, "time_saved_s": 0.0}], "not_modelled": ["fish"],
         },
         "objective": {"name": "power", "direction": "minimise", "value": 40.0, "unit": "W"},
         "runners_up": [design(44.0, lens="acme-lens-2")],
         "generic_alternative": design(30.0, light="generic-lamp"), "certificate": certificate,
         "assumptions": [
-            {"path": "light.output_factor", "value": 0.7, "low": 0.5, "high": 1.0, "unit": "", "source": "class"},
-            {"path": "reef: water_table", "value": "measured", "low": None, "high": None, "unit": "", "source": "a"},
+            {"path": "light.output_factor", "part": "acme-lamp", "value": 0.7, "low": 0.5, "high": 1.0, "unit": "",
+             "status": "estimated", "source": "class"},
+            {"path": "reef: water_table", "part": "", "value": "measured", "low": None, "high": None, "unit": "",
+             "status": "assumed", "source": "a"},
         ],
         "robustness": {
             "max_regret": 2.5,

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import FrozenInstanceError, asdict, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from uwopt.errors import ResultError
 from uwopt.results.reading import read_result
@@ -138,3 +141,33 @@ def test_many_faults_are_summed_up(put: Any, make_front: Make) -> None:
 
 def test_key_of_a_later_version_at_the_top_is_no_fault(put: Any, make_result: Make) -> None:
     assert read_result(put(changed(make_result(), "novelty", value=1))) == make_result()
+
+
+def test_nearest_miss_is_held_against_the_layout_of_a_design(
+    put: Any, make_result: Make, make_design: Make
+) -> None:
+    why = {"requirements": [], "relaxations": [], "nearest_miss": make_design()}
+    result = make_result(status="infeasible", recommendation=None, infeasible=why)
+    assert read_result(put(result.to_json())) == result
+    text = refused(put(changed(result, "infeasible", "nearest_miss", "totals", "power_w", value="much")))
+    assert 'infeasible.nearest_miss.totals.power_w is "much", not a number' in text
+
+
+def test_numbers_of_numpy_come_back_as_plain_ones(put: Any, make_result: Make, make_design: Make) -> None:
+    design = make_design(np.float64(40.0))
+    scene = replace(design.scenes[0], figures={"snr_db": np.float32(30.5), "dof_far_m": np.inf})
+    result = make_result(recommendation=replace(design, scenes=[scene]), seed=np.int64(7))
+    again = read_result(put(result.to_json()))
+    assert type(result.recommendation.objective_value) is float and type(result.seed) is int
+    assert again.recommendation.scenes[0].figures == {"snr_db": 30.5, "dof_far_m": None}
+
+
+def test_record_tells_its_fields_by_key_and_cannot_be_changed(make_result: Make) -> None:
+    result = make_result()
+    assert result.objective["value"] == result.objective.value == 40.0
+    with pytest.raises(KeyError):
+        result.objective["adds_up"]
+    with pytest.raises(FrozenInstanceError):
+        result.objective.value = 3.0
+    with pytest.raises(ValidationError, match="colour"):
+        replace(result, objective={**asdict(result.objective), "colour": "red"})

@@ -16,6 +16,7 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
+from uwopt.results.basis import ObjectiveValue, UsedPhysics
 from uwopt.results.design import Note
 from uwopt.results.result import Result
 from uwopt.version import __version__
@@ -51,26 +52,24 @@ def base_result(
 ) -> Result:
     """What every result carries; physics `full` keeps every effect, however small."""
     tables = {scene.name: scene.water_table for scene in problem.scenes}
-    physics = {
-        "name": mission.physics,
-        "asked": mission.physics,
-        "tolerance": mission.tolerance,
-        "fineness": problem.fineness.by_part(),
-        "water_table": tables[problem.scenes[0].name] if len(set(tables.values())) == 1 else tables,
-        "effects": [
-            (item if mission.physics == "auto" else replace(item, kept=True, time_saved_s=0.0)).as_dict()
+    physics = UsedPhysics(
+        name=mission.physics,
+        asked=mission.physics,
+        tolerance=mission.tolerance,
+        fineness=problem.fineness.by_part(),
+        water_table=tables[problem.scenes[0].name] if len(set(tables.values())) == 1 else tables,
+        effects=[
+            (item if mission.physics == "auto" else replace(item, kept=True, time_saved_s=0.0)).used()
             for item in influences
         ],
-        "not_modelled": list(NOT_MODELLED),
-    }
+        not_modelled=list(NOT_MODELLED),
+    )
     return Result(
         command=command,
         status="feasible",
         mission=mission.to_dict(),
         physics=physics,
-        objective={
-            "name": goal.name, "direction": goal.direction, "value": None, "unit": goal.unit(mission.limits.currency)
-        },
+        objective=ObjectiveValue(goal.name, goal.direction, None, goal.unit(mission.limits.currency)),
         uwopt_version=__version__,
         seed=mission.seed,
         versions=versions(),

@@ -91,7 +91,7 @@ def evaluate(
         status="feasible" if design.feasible else "violated",
         design=design,
         system=built.to_dict(absolute_paths=True),
-        objective={**result.objective, "value": design.objective_value},
+        objective=replace(result.objective, value=design.objective_value),
         warnings=[*result.warnings, *design.warnings, *accuracy_warnings(measured, allowed)],
         accuracy=plain_accuracy(measured, allowed, None, []),
         timing_s={**timing, "total": time.perf_counter() - start},

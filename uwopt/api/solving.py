@@ -228,7 +228,7 @@ def found_result(
     second_best = any(warning["code"] == BETTER_UNSETTABLE for warning in winner.warnings)
     made = replace(
         result,
-        physics={**result.physics, "effects": [item.as_dict() for item in proven_in_full(influences)]},
+        physics=replace(result.physics, effects=[item.used() for item in proven_in_full(influences)]),
         status="stopped" if not proven else "optimal" if winner.is_settable and not wide else "feasible",
         recommendation=winner,
         runners_up=others,
@@ -237,7 +237,7 @@ def found_result(
         assumptions=assumptions(sought.problem, best),
         robustness=doubt,
         solvers=opinions,
-        objective={**result.objective, "value": winner.objective_value},
+        objective=replace(result.objective, value=winner.objective_value),
         warnings=[
             *result.warnings,
             *selection_warnings(sought.selection),

@@ -28,6 +28,7 @@ from uwopt.objectives.axes import DEFAULT, FEWEST, MOST, Axes, Frame, plain_name
 from uwopt.objectives.dominance import hypervolume, igd_plus, nondominated
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnFunction, OwnObjective
+from uwopt.results.basis import Assumption, UsedEffect
 from uwopt.results.design import Design, Note
 from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint, FrontResult
 from uwopt.results.result import Result
@@ -287,7 +288,7 @@ class ParetoCall:
         return replace(
             made, points=points, picks=picks, methods=self.methods(sought, frame), peers=self.peers_of_result(sought),
             reference=reference(made.objectives, frame), assumptions=self.assumed(sought, list(named.values())),
-            physics={**base.physics, "effects": self.effects(sought, first)},
+            physics=replace(base.physics, effects=self.effects(sought, first)),
             warnings=[*made.warnings, *self.warned(sought)],
         )  # fmt: skip
 
@@ -422,20 +423,20 @@ class ParetoCall:
                 })  # fmt: skip
         return out
 
-    def assumed(self, sought: FrontSearched, founds: list[Found]) -> list[dict[str, Any]]:
+    def assumed(self, sought: FrontSearched, founds: list[Found]) -> list[Assumption]:
         """Estimates that the named points rest on, each once."""
-        items: dict[tuple[Any, ...], dict[str, Any]] = {}
+        items: dict[tuple[str, str, str], Assumption] = {}
         for found in founds:
             for item in assumptions(sought.problem, found):
-                items.setdefault((item["path"], item.get("part"), str(item["value"])), item)
+                items.setdefault((item.path, item.part, str(item.value)), item)
         return list(items.values())
 
-    def effects(self, sought: FrontSearched, found: Found) -> list[dict[str, Any]]:
+    def effects(self, sought: FrontSearched, found: Found) -> list[UsedEffect]:
         """How much each effect matters to one design."""
         hardware = hardware_of(found)
         given = given_of(sought.problem, hardware, found.settings)
         influences = influences_of(sought.problem, hardware, given, self.builtin)
-        return [item.as_dict() for item in proven_in_full(influences)]
+        return [item.used() for item in proven_in_full(influences)]
 
     def warned(self, sought: FrontSearched) -> list[Note]:
         """What should be known of how the front came about."""

@@ -29,6 +29,7 @@ from uwopt.mission.system import load_system
 from uwopt.model.effects import Effects
 from uwopt.model.fineness import Fineness
 from uwopt.model.port import lens_dioptre_per_m
+from uwopt.results.basis import UsedPhysics
 from uwopt.results.design import Design, LampPlace
 
 KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light")
@@ -60,7 +61,7 @@ def replay(
     mission: Mapping[str, Any],
     design: Design,
     *,
-    physics: Mapping[str, Any],
+    physics: UsedPhysics,
     mission_file: Mapping[str, str] | None = None,
     system: Mapping[str, Any] | None = None,
 ) -> Replay:
@@ -85,7 +86,7 @@ def replay(
             problem, hardware = searched_problem(wanted, design)
         else:
             problem, hardware = evaluated_problem(wanted, system, physics)
-        fineness = Fineness(**physics.get("fineness", {}))
+        fineness = Fineness(**physics.fineness)
         if fineness != problem.fineness:
             problem = problem.with_fineness(fineness)
         model = DesignModel(problem, hardware)
@@ -156,14 +157,14 @@ def mount_of(mounts: list[LampPlace], declared: list[Mount]) -> Mount:
 
 
 def evaluated_problem(
-    mission: Mission, system: Mapping[str, Any], physics: Mapping[str, Any]
+    mission: Mission, system: Mapping[str, Any], physics: UsedPhysics
 ) -> tuple[Problem, Hardware]:
     """Tables of the system that was evaluated, without the effects that physics `auto` left out."""
     from uwopt.forward.assembly import system_problem
 
     problem, hardware = system_problem(mission, load_system(system))
     if mission.physics == "auto":
-        left_out = [item["name"] for item in physics.get("effects", []) if not item["kept"]]
+        left_out = [effect.name for effect in physics.effects if not effect.kept]
         problem = problem.with_effects(Effects().without(left_out))
     return problem, hardware
 

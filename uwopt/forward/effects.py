@@ -30,6 +30,7 @@ from uwopt.model import port
 from uwopt.model.effects import Effects
 from uwopt.model.image_mean import pixel_grid
 from uwopt.model.imaging import floor_point
+from uwopt.results.basis import UsedEffect
 
 Array = NDArray[Any]
 
@@ -49,10 +50,10 @@ class Influence:
     kept: bool
     time_saved_s: float  # estimated
 
-    def as_dict(self) -> dict[str, Any]:
-        """For a result."""
+    def used(self) -> UsedEffect:
+        """As a result tells it."""
         bound = None if np.isinf(self.bound) else self.bound
-        return {"name": self.name, "bound": bound, "kept": self.kept, "time_saved_s": self.time_saved_s}
+        return UsedEffect(self.name, bound, self.kept, self.time_saved_s)
 
 
 @dataclass(frozen=True)

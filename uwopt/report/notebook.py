@@ -41,7 +41,7 @@ def objective_text(result: Result) -> str:
     from uwopt.report.text import words
 
     goal = result.objective
-    return f"{words.one_line(goal.get('name') or '')} {words.quantity(goal.get('value'), str(goal.get('unit') or ''))}"
+    return f"{words.one_line(goal.name)} {words.quantity(goal.value, goal.unit)}"
 
 
 def parts_text(design: Design) -> str:
@@ -166,7 +166,7 @@ def figure(result: AnyResult, name: str, *, scene: int = 0, point: str | None = 
     picture = next((one for one in plot_makers()[name](made, scene) if one.id == name), None)
     if picture is None:
         raise RangeError(
-            f"physics {result.physics.get('name')} knows no field, so there is no figure {name!r}"
+            f"physics {result.physics.name} knows no field, so there is no figure {name!r}"
         )
     return go.Figure(picture.content).update_layout(title=picture.title, template="plotly_white", margin_t=64)
 

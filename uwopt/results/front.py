@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from uwopt.results.basis import Assumption, UsedPhysics, WhyNothing
 from uwopt.results.design import Design, Note
 from uwopt.results.frames import frame_of
 from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
@@ -76,7 +77,7 @@ class FrontResult(Shown, FiledRecord):
 
     status: str = Field(description="complete | stopped | interrupted | infeasible")
     mission: dict[str, Any] = Field(description="as understood, defaults filled in")
-    physics: dict[str, Any] = Field(description="which, how fine, and what is left out")
+    physics: UsedPhysics = Field(description="which, how fine, and what is left out")
     objectives: list[FrontObjective] = Field(description="the axes")
     uwopt_version: str = Field(description="that wrote this")
     points: list[FrontPoint] = Field(default_factory=list, description="along the first objective")
@@ -86,8 +87,8 @@ class FrontResult(Shown, FiledRecord):
     reference: dict[str, Any] = Field(default_factory=dict, description="the box that fronts are compared in")
     certificate: dict[str, Any] | None = Field(default=None, description="how far the claim reaches")
     alternatives: list[dict[str, Any]] = Field(default_factory=list, description="other makers' best, and why not")
-    infeasible: dict[str, Any] | None = Field(default=None, description="why nothing fits")
-    assumptions: list[dict[str, Any]] = Field(default_factory=list, description="what is not known but taken")
+    infeasible: WhyNothing | None = Field(default=None, description="why nothing fits")
+    assumptions: list[Assumption] = Field(default_factory=list, description="what is not known but taken")
     warnings: list[Note] = Field(default_factory=list, description="what to know of this front")
     accuracy: dict[str, Any] = Field(default_factory=dict, description="errors of figures, where worked out")
     timing_s: dict[str, Number] = Field(default_factory=dict, description="by part of the run")
@@ -109,7 +110,7 @@ class FrontResult(Shown, FiledRecord):
                 "points": self.rows,
                 "picks": lambda: [asdict(pick) for pick in self.picks],
                 "methods": lambda: [asdict(method) for method in self.methods],
-                "assumptions": lambda: list(self.assumptions),
+                "assumptions": lambda: [asdict(item) for item in self.assumptions],
                 "warnings": lambda: [asdict(note) for note in self.warnings],
             },
             name,

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from uwopt.results.basis import Assumption, ObjectiveValue, UsedPhysics, WhyNothing
 from uwopt.results.design import Design, Note
 from uwopt.results.frames import bill_rows, design_rows, figure_rows, frame_of, margin_rows, settings_rows
 from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
@@ -21,6 +22,14 @@ if TYPE_CHECKING:
     import pandas as pd
 
 RESULT_SCHEMA = "uwopt.result/1"
+
+
+@dataclass(frozen=True, config=RECORD)
+class RuleCount(Record):
+    """How many combinations a rule discards."""
+
+    rule: str = Field(description="the first that applies to them")
+    count: Whole = Field(description="combinations")
 
 
 @dataclass(frozen=True, config=RECORD)
@@ -36,15 +45,15 @@ class Certificate(Record):
     loaded: Whole = Field(description="combinations of all parts of the catalogue")
     selected: Whole = Field(description="of them of parts that the mission allows")
     evaluated: Whole = Field(description="of them evaluated")
-    discarded: list[dict[str, Any]] = Field(description="the others, by the first rule that applies")
+    discarded: list[RuleCount] = Field(description="the others, by the first rule that applies")
 
     def adds_up(self) -> bool:
         """Whether every combination loaded is accounted for exactly once."""
-        return self.loaded == self.evaluated + sum(item["count"] for item in self.discarded)
+        return self.loaded == self.evaluated + sum(item.count for item in self.discarded)
 
     def rows(self) -> list[dict[str, Any]]:
         """The account as rows: every combination is in one of them."""
-        return [{"rule": "evaluated", "count": self.evaluated}, *map(dict, self.discarded)]
+        return [{"rule": "evaluated", "count": self.evaluated}, *map(asdict, self.discarded)]
 
 
 @dataclass(frozen=True, repr=False, config=RECORD)
@@ -54,16 +63,16 @@ class Result(Shown, FiledRecord):
     command: str = Field(description="solve | evaluate")
     status: str = Field(description="optimal | feasible | violated | infeasible | stopped")
     mission: dict[str, Any] = Field(description="as understood, defaults filled in")
-    physics: dict[str, Any] = Field(description="which, how fine, and what is left out")
-    objective: dict[str, Any] = Field(description="name, direction, value and unit")
+    physics: UsedPhysics = Field(description="which, how fine, and what is left out")
+    objective: ObjectiveValue = Field(description="name, direction, value and unit")
     uwopt_version: str = Field(description="that wrote this")
     recommendation: Design | None = Field(default=None, description="the best system")
     design: Design | None = Field(default=None, description="the system that was evaluated")
     runners_up: list[Design] = Field(default_factory=list, description="the next best, with other hardware")
     generic_alternative: Design | None = Field(default=None, description="what parts to be made could give")
     certificate: Certificate | None = Field(default=None, description="how far the claim reaches")
-    infeasible: dict[str, Any] | None = Field(default=None, description="why nothing fits")
-    assumptions: list[dict[str, Any]] = Field(default_factory=list, description="what is not known but taken")
+    infeasible: WhyNothing | None = Field(default=None, description="why nothing fits")
+    assumptions: list[Assumption] = Field(default_factory=list, description="what is not known but taken")
     robustness: dict[str, Any] | None = Field(default=None, description="what the estimates could change")
     solvers: list[dict[str, Any]] = Field(default_factory=list, description="second opinions on the settings")
     audit: dict[str, Any] | None = Field(default=None, description="the attack on what was discarded")
@@ -93,7 +102,7 @@ class Result(Shown, FiledRecord):
                 "figures": lambda: figure_rows(best),
                 "designs": lambda: design_rows([*([best] if best else []), *self.runners_up]),
                 "certificate": lambda: [] if proof is None else proof.rows(),
-                "assumptions": lambda: list(self.assumptions),
+                "assumptions": lambda: [asdict(item) for item in self.assumptions],
                 "warnings": lambda: [asdict(note) for note in self.warnings],
             },
             name,

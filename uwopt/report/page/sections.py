@@ -324,7 +324,7 @@ def alternative(
     units = (
         {o.name: o.unit for o in result.objectives}
         if isinstance(result, FrontResult)
-        else {str(result.objective.get("name")): str(result.objective.get("unit") or "")}
+        else {result.objective.name: result.objective.unit}
     )
     item = items[0]
     values, outcome = item.get("values") or {}, words.one_line(item.get("outcome") or "", 30)

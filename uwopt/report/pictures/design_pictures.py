@@ -29,6 +29,7 @@ from uwopt.report.pictures.curves import (
 )
 from uwopt.report.pictures.maps import FloorMap, ImageMap, floor_map, image_map
 from uwopt.report.pictures.photograph import View, detail_view, whole_view
+from uwopt.results.basis import UsedPhysics
 from uwopt.results.design import Design
 
 Group = Literal["light", "sharp", "operation", "image", "drawing", "picture"]
@@ -61,7 +62,7 @@ def design_pictures(
     mission: Mapping[str, Any],
     design: Design,
     *,
-    physics: Mapping[str, Any],
+    physics: UsedPhysics,
     mission_file: Mapping[str, str] | None = None,
     system: Mapping[str, Any] | None = None,
     scene: int = 0,
@@ -90,7 +91,7 @@ def picture_pair(
     mission: Mapping[str, Any],
     design: Design,
     *,
-    physics: Mapping[str, Any],
+    physics: UsedPhysics,
     mission_file: Mapping[str, str] | None = None,
     system: Mapping[str, Any] | None = None,
     scene: int = 0,

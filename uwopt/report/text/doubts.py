@@ -7,6 +7,7 @@ from typing import Any
 
 from uwopt.report.text import words
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
+from uwopt.results.basis import Relaxed
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Certificate, Result
 from uwopt.units import split_unit
@@ -24,10 +25,10 @@ def certificate_block(result: Result, certificate: Certificate) -> Block:
 
 def claim_facts(result: Result, certificate: Certificate) -> list[tuple[str, str]]:
     """What is claimed, and how far the claim reaches."""
-    gap = words.quantity(certificate.gap_abs, str(result.objective.get("unit") or ""))
+    gap = words.quantity(certificate.gap_abs, result.objective.unit)
     if certificate.gap_rel is not None:
         gap += f" ({words.share(certificate.gap_rel)} of the best value)"
-    maximised = result.objective.get("direction") == "maximise"
+    maximised = result.objective.direction == "maximise"
     return [
         (
             "no system can be " + ("above" if maximised else "below"),
@@ -52,18 +53,15 @@ def account_lines(certificate: Certificate) -> list[Line]:
     account.add_row(Text(words.count_text(certificate.evaluated)), Text("evaluated"))
     account.add_row(Text(""), Text("discarded, each by the first rule that applies:"))
     for item in certificate.discarded:
-        if item["count"]:
-            account.add_row(
-                Text(words.count_text(item["count"])), Text("  " + words.rule_name(str(item["rule"])))
-            )
+        if item.count:
+            account.add_row(Text(words.count_text(item.count)), Text("  " + words.rule_name(item.rule)))
     return [account, sentence(words.account_sentence(certificate))]
 
 
 def infeasible_block(result: Result | FrontResult) -> Block:
     """The least that single requirements would have to give, and what excludes how much."""
-    why = result.infeasible or {}
     stopped = result.status == "stopped"
-    helpful = relaxations_of(why)
+    helpful = relaxations_of(result)
     lines: list[Line] = []
     if helpful:
         lines.append(sentence(HELPFUL))
@@ -72,14 +70,12 @@ def infeasible_block(result: Result | FrontResult) -> Block:
         lines.append(sentence("No single requirement stands in the way; at least two have to give."))
     table = columns(("combinations", "right"), ("excluded because", "left"))
     bounded = False
-    for item in why.get("requirements") or []:
-        name = str(item.get("name") or "")
-        if ": " in name:  # a part that the mission does not allow; the certificate counts those
+    for item in result.infeasible.requirements if result.infeasible is not None else []:
+        if ": " in item.name:  # a part that the mission does not allow; the certificate counts those
             continue
-        by_bound = bool(item.get("n_is_bound"))
-        bounded |= by_bound
-        count = words.count_text(item.get("n_excluded") or 0) + ("*" if by_bound else " ")
-        table.add_row(Text(count), Text(f"{words.rule_name(name)} ({words.one_line(name)})"))
+        bounded |= item.n_is_bound
+        count = words.count_text(item.n_excluded) + ("*" if item.n_is_bound else " ")
+        table.add_row(Text(count), Text(f"{words.rule_name(item.name)} ({words.one_line(item.name)})"))
     if table.row_count:
         lines += [Text(""), table]
     if bounded:
@@ -95,20 +91,19 @@ def miss_sentence(result: Result | FrontResult) -> Text | None:
 
 def miss_text(result: Result | FrontResult) -> str:
     """`meets all that is asked but signal to noise (min_snr): 28 dB instead of 30 dB`; "" if not known."""
-    helpful = relaxations_of(result.infeasible or {})
+    helpful = relaxations_of(result)
     if not helpful:
         return ""
     name, asked, possible = relaxation_texts(result, helpful[0])
     return f"meets all that is asked but {name}: {possible} instead of {asked}"
 
 
-def relaxations_of(why: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Relaxations that help, whether listed apart or with their requirement."""
-    own = [item for item in why.get("requirements") or [] if item.get("needed") is not None]
-    return [*(why.get("relaxations") or []), *own]
+def relaxations_of(result: Result | FrontResult) -> list[Relaxed]:
+    """Relaxations that help."""
+    return result.infeasible.relaxations if result.infeasible is not None else []
 
 
-def relaxation_table(result: Result | FrontResult, items: list[Mapping[str, Any]]) -> Grid:
+def relaxation_table(result: Result | FrontResult, items: list[Relaxed]) -> Grid:
     """What is asked and what could be had."""
     table = columns(("requirement", "left"), ("asked", "right"), ("possible", "right"))
     for item in items:
@@ -116,20 +111,14 @@ def relaxation_table(result: Result | FrontResult, items: list[Mapping[str, Any]
     return table
 
 
-def relaxation_texts(result: Result | FrontResult, item: Mapping[str, Any]) -> tuple[str, str, str]:
+def relaxation_texts(result: Result | FrontResult, item: Relaxed) -> tuple[str, str, str]:
     """Requirement, what is asked, what could be had."""
     currency = str((result.mission.get("limits") or {}).get("currency") or "")
-    name = str(item.get("name") or "")
-    needed, limit = item.get("needed"), item.get("limit")
-    if isinstance(needed, Mapping):
-        unit, needed = str(needed.get("unit") or ""), needed.get("value")
-    else:
-        unit = {"cost": currency, "min_snr": "dB"}.get(name, split_unit(name)[1])
-    possible = "left out" if needed is None else words.quantity(float(needed), unit, 4)
+    unit = {"cost": currency, "min_snr": "dB"}.get(item.name, split_unit(item.name)[1])
     return (
-        f"{words.requirement_name(name)} ({words.one_line(name)})",
-        words.quantity(limit, unit, 4),
-        possible,
+        f"{words.requirement_name(item.name)} ({words.one_line(item.name)})",
+        words.quantity(item.limit, unit, 4),
+        "left out" if item.needed is None else words.quantity(item.needed, unit, 4),
     )
 
 
@@ -182,17 +171,16 @@ def bad_ends_text(doubt: Mapping[str, Any]) -> str:
 def effect_lines(result: Result | FrontResult) -> list[str]:
     """Each effect with the bound of its influence, and whether the model keeps it here."""
     shown = []
-    for item in result.physics.get("effects") or []:
-        name, bound = words.one_line(str(item.get("name"))).replace("_", " "), item.get("bound")
-        if bound is None:
+    for item in result.physics.effects:
+        if item.bound is None:
             size = "asked for by a requirement or the objective"
-        elif bound == 0.0:
+        elif item.bound == 0.0:
             size = "not in this scene"
         else:
-            size = f"changes a requirement by up to {100 * bound:.2g} %"
-        saved_s = item.get("time_saved_s")
-        saved = f", about {float(saved_s):.2g} s saved" if saved_s else ""
-        shown.append(f"- {name}: {size}; {'kept' if item.get('kept') else 'left out'}{saved}")
+            size = f"changes a requirement by up to {100 * item.bound:.2g} %"
+        saved = f", about {item.time_saved_s:.2g} s saved" if item.time_saved_s else ""
+        name = words.one_line(item.name).replace("_", " ")
+        shown.append(f"- {name}: {size}; {'kept' if item.kept else 'left out'}{saved}")
     return ["effects:", *shown] if shown else []
 
 
@@ -353,18 +341,14 @@ def assumption_blocks(result: Result | FrontResult) -> Iterator[Block]:
 
 def model_block(result: Result | FrontResult) -> Block:
     """Which physics, what it leaves out here, and what it never has."""
-    physics = [f"physics {words.one_line(result.physics.get('name') or '')}"]
-    effects = result.physics.get("effects") or []
-    left = [str(effect.get("name")) for effect in effects if not effect.get("kept")]
+    physics = [f"physics {words.one_line(result.physics.name)}"]
+    left = [effect for effect in result.physics.effects if not effect.kept]
     if left:
-        bound = sum(float(effect.get("bound") or 0.0) for effect in effects if not effect.get("kept"))
-        physics.append(
-            f"left out as too small here (together at most {words.share(bound)}): {', '.join(left)}"
-        )
+        bound, names = sum(effect.bound or 0.0 for effect in left), ", ".join(effect.name for effect in left)
+        physics.append(f"left out as too small here (together at most {words.share(bound)}): {names}")
     lines: list[Line] = [sentence("; ".join(physics))]
-    missing = result.physics.get("not_modelled") or []
-    if missing:
-        lines.append(sentence("not modelled: " + "; ".join(map(str, missing))))
+    if result.physics.not_modelled:
+        lines.append(sentence("not modelled: " + "; ".join(result.physics.not_modelled)))
     lines += [sentence(text) for text in effect_lines(result)]
     return block("Model", lines)
 
@@ -372,15 +356,14 @@ def model_block(result: Result | FrontResult) -> Block:
 def assumption_lines(result: Result | FrontResult, *, whole: bool = False) -> list[Line]:
     """What the model takes for granted, then estimated numbers, one a line; the first of them unless `whole`."""
     most, longest = (len(result.assumptions), 400) if whole else (MOST_ASSUMPTIONS, LONGEST_REASON)
-    ranked = sorted(result.assumptions, key=lambda item: item.get("low") is not None)
+    ranked = sorted(result.assumptions, key=lambda item: item.low is not None)
     table = columns(("what", "left"), ("value", "right"), ("range", "right"), ("why", "left"))
     for item in ranked[:most]:
-        unit = str(item.get("unit") or "")
         table.add_row(
-            Text(words.one_line(item.get("path") or "", longest // 2)),
-            Text(assumed(item.get("value"), unit)),
-            Text(range_text(item.get("low"), item.get("high"), unit)),
-            Text(words.one_line(item.get("source") or "", longest)),
+            Text(words.one_line(item.path, longest // 2)),
+            Text(assumed(item.value, item.unit)),
+            Text(range_text(item.low, item.high, item.unit)),
+            Text(words.one_line(item.source, longest)),
         )
     rest = len(ranked) - most
     return [

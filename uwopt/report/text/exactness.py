@@ -47,9 +47,8 @@ def exactness_block(result: Result) -> Block:
 def parts_table(result: Result) -> Grid:
     """What each kind of integral contributes, and how finely it was taken."""
     table = columns(("integral", "left"), ("nodes", "right"), ("error", "right"), ("of", "left"))
-    fineness = result.physics.get("fineness") or {}
     for name, made in (result.accuracy.get("by_part") or {}).items():
-        factor = fineness.get(name)
+        factor = result.physics.fineness.get(name)
         table.add_row(
             Text(PARTS.get(name, words.one_line(name))),
             Text(nodes_text(factor)),
@@ -63,8 +62,8 @@ def tolerance_text(result: Result) -> str:
     """The tolerance and whether it is met; `evaluate` in physics `auto` shares it with effects left out."""
     accuracy, physics = result.accuracy, result.physics
     held = "met" if accuracy.get("meets_tolerance") else "not met"
-    if result.command == "evaluate" and physics.get("name") == "auto":
-        effects = error_text(physics.get("tolerance"))
+    if result.command == "evaluate" and physics.name == "auto":
+        effects = error_text(physics.tolerance)
         return f"{error_text(accuracy['tolerance'])} for integrals, {held}; {effects} for effects left out"
     return f"{error_text(accuracy['tolerance'])}, {held}"
 

@@ -55,11 +55,8 @@ def result_blocks(result: Result) -> Iterator[Block | Text]:
 
 
 def nearest_miss(result: Result | FrontResult) -> Design | None:
-    """The design that came nearest to feasible, whether read from a file or made here."""
-    miss = (result.infeasible or {}).get("nearest_miss")
-    if isinstance(miss, dict):
-        return Design(**miss)
-    return miss if isinstance(miss, Design) else None
+    """The design that came nearest to feasible."""
+    return result.infeasible.nearest_miss if result.infeasible is not None else None
 
 
 def headline(result: Result) -> Block:
@@ -72,8 +69,8 @@ def headline(result: Result) -> Block:
     lines: list[Line] = [title, Text(words.as_sentence(words.status_sentence(result)))]
     value = result.best.objective_value if result.best is not None else None
     if value is not None:
-        goal = words.one_line(result.objective.get("name") or "objective")
-        direction = words.one_line(result.objective.get("direction") or "")
+        goal = words.one_line(result.objective.name)
+        direction = words.one_line(result.objective.direction)
         lines.append(Text(f"Objective: {goal} {words.objective_text(result, value)} ({direction}d)."))
     return block("", lines)
 
@@ -181,7 +178,7 @@ def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
     value, exact = rounded.objective_value, design.objective_value
     if value is None or exact is None or isinstance(result, FrontResult):
         return [sentence("Rounded as shown and checked again: every requirement still holds.")]
-    unit = str(result.objective.get("unit") or "")
+    unit = result.objective.unit
     moved = words.change(value - exact, unit, exact)
     return [
         sentence(
@@ -345,7 +342,7 @@ def runner_up_blocks(result: Result) -> Iterator[Block]:
 
 def runner_up_table(result: Result, best: Design, designs: Sequence[Design]) -> Grid:
     """One row a design."""
-    objective = words.one_line(result.objective.get("name") or "objective", 24)
+    objective = words.one_line(result.objective.name, 24)
     heads = [("", "right"), ("has instead", "left"), (objective, "right"), ("difference", "right")]
     shown = [name for name in ("cost", "power") if name != objective]
     table = columns(*heads, *((name, "right") for name in shown))
@@ -369,7 +366,7 @@ def difference_text(result: Result, design: Design, best: Design) -> str:
     if design.objective_value is None or best.objective_value is None:
         return words.quantity(None)
     difference = design.objective_value - best.objective_value
-    text = words.change(difference, str(result.objective.get("unit") or ""), best.objective_value)
+    text = words.change(difference, result.objective.unit, best.objective_value)
     if best.objective_value and abs(difference) > 1e-9 * abs(best.objective_value):
         text += f" ({words.signed_share(difference / abs(best.objective_value))})"
     return text

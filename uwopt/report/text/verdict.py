@@ -68,16 +68,16 @@ def best_trust(result: Result, design: Design) -> str:
                 if not margin.satisfied
             )
         )
-        estimated = sum(1 for item in result.assumptions if item.get("low") is not None)
+        estimated = sum(1 for item in result.assumptions if item.low is not None)
         said = [f"missed: {', '.join(missed)}"] if missed else []
-        said.append(f"computed with physics {words.one_line(result.physics.get('name') or '')}")
+        said.append(f"computed with physics {words.one_line(result.physics.name)}")
         if estimated:
             said.append(f"{words.counted(estimated, 'number')} of it estimated, listed under assumptions")
         return "; ".join(said)
     said = [words.status_sentence(result)]
     proof = result.certificate
     if proof is not None and proof.gap_abs is not None:
-        gap = words.quantity(proof.gap_abs, str(result.objective.get("unit") or ""))
+        gap = words.quantity(proof.gap_abs, result.objective.unit)
         said.append(f"the gap between bound and best value is {gap}")
     doubt = result.robustness or {}
     if ends := bad_ends_text(doubt):
@@ -103,7 +103,7 @@ def nothing(result: Result | FrontResult) -> tuple[str, str]:
         first += f"; the nearest miss, {system_text(miss)}," + (
             f" {nearest}" if nearest else " is shown below"
         )
-    helpful = relaxations_of(result.infeasible or {})
+    helpful = relaxations_of(result)
     if helpful:
         changes = (relaxation_texts(result, item) for item in helpful)
         listed = ", ".join(f"{name.partition(' (')[0]} {possible}" for name, _, possible in changes)

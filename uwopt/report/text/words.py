@@ -356,7 +356,7 @@ def n_unpriced(bom: Sequence[BillRow]) -> int:
 
 def objective_text(result: Result, value: float | None, digits: int = 4) -> str:
     """A value of the objective with its unit."""
-    return format_quantity(value, str(result.objective.get("unit") or ""), digits)
+    return format_quantity(value, result.objective.unit, digits)
 
 
 def status_sentence(result: Result) -> str:
@@ -378,7 +378,7 @@ def status_sentence(result: Result) -> str:
 
 def account_sentence(certificate: Certificate) -> str:
     """Whether every combination is accounted for."""
-    gone = sum(int(item["count"]) for item in certificate.discarded)
+    gone = sum(item.count for item in certificate.discarded)
     verdict = "adds up" if certificate.adds_up() else "DOES NOT ADD UP, please report it"
     return (
         f"{count_text(certificate.evaluated)} evaluated + {count_text(gone)} discarded"

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import NEVER, Deadline
@@ -19,6 +18,7 @@ from uwopt.forward.assembly import Generic
 from uwopt.forward.designs import Hardware
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
+from uwopt.results.basis import Excluded, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
 from uwopt.solvers.explain.least_change import least_change, rounded_away
@@ -63,7 +63,7 @@ class Relaxation:
 def explain(
     mission: Mission, catalog: Catalog, objective: Objective, certificate: Certificate, *, generic: Generic,
     deadline: Deadline = NEVER, progress: Progress | None = None,
-) -> dict[str, Any]:  # fmt: skip
+) -> WhyNothing:  # fmt: skip
     """The `infeasible` part of a result."""
     relaxations = sorted(
         single_relaxations(
@@ -72,18 +72,10 @@ def explain(
         key=lambda r: r.miss_rel,
     )
     requirements = [
-        {"name": item["rule"], "n_excluded": item["count"], "n_is_bound": item["rule"] in BOUNDED}
-        for item in certificate.discarded
-        if item["count"]
+        Excluded(item.rule, item.count, item.rule in BOUNDED) for item in certificate.discarded if item.count
     ]
-    return {
-        "requirements": requirements,
-        "relaxations": [
-            {"name": r.name, "limit": r.limit, "needed": r.needed, "miss_rel": r.miss_rel}
-            for r in relaxations
-        ],
-        "nearest_miss": relaxations[0].design if relaxations else None,
-    }
+    helpful = [Relaxed(r.name, r.limit, r.needed, r.miss_rel) for r in relaxations]
+    return WhyNothing(requirements, helpful, relaxations[0].design if relaxations else None)
 
 
 BOUNDED = ("light", "bound", "power_w", "cost", "mass_kg")

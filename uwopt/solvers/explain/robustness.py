@@ -17,6 +17,7 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.problem import Parts, Problem
 from uwopt.objectives.objective import Objective
+from uwopt.results.basis import Assumption
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.one_hardware import KINDS, best_of, best_of_each, parts_of, problem_of
@@ -49,33 +50,24 @@ def doubtful(part: Part) -> list[tuple[str, Quantity]]:
     return found
 
 
-def assumptions(problem: Problem, found: Found) -> list[dict[str, Any]]:
+def assumptions(problem: Problem, found: Found) -> list[Assumption]:
     """Every number of the design that is estimated, and what the model assumes."""
     items = [
-        {
-            "path": f"{kind}.{name}", "part": part.id, "value": value.value, "low": value.low, "high": value.high,
-            "unit": unit_of(name, part), "status": value.status, "source": value.source,
-        }
+        Assumption(
+            f"{kind}.{name}", part.id, value.value, value.low, value.high, unit_of(name, part), value.status,
+            value.source,
+        )
         for kind, part in parts_of(problem, found)
         for name, value in doubtful(part)
     ]  # fmt: skip
     return items + model_assumptions(problem, found)
 
 
-def model_assumptions(problem: Problem, found: Found) -> list[dict[str, Any]]:
+def model_assumptions(problem: Problem, found: Found) -> list[Assumption]:
     """What the physics takes for granted here."""
 
-    def item(path: str, value: Any, source: str) -> dict[str, Any]:
-        return {
-            "path": path,
-            "part": "",
-            "value": value,
-            "low": None,
-            "high": None,
-            "unit": "",
-            "status": "assumed",
-            "source": source,
-        }
+    def item(path: str, value: Any, source: str) -> Assumption:
+        return Assumption(path, "", value, None, None, unit="", status="assumed", source=source)
 
     items = [item(f"{s.name}: water_table", s.water_table, "; ".join(s.notes)) for s in problem.scenes]
     light = problem.parts.lights[found.light]

@@ -1,0 +1,86 @@
+"""What a result rests on: objective, physics, assumptions; and, where there is none, what stood in the way."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from uwopt.results.design import Design
+from uwopt.results.record import RECORD, Flag, Number, Record, Whole
+
+
+@dataclass(frozen=True, config=RECORD)
+class ObjectiveValue(Record):
+    """What was to be best, and what it came to."""
+
+    name: str = Field(description="a term, or terms with their weights")
+    direction: str = Field(description="minimise | maximise")
+    value: Number | None = Field(description="of the best design; null without one")
+    unit: str = Field(description="of the value")
+
+
+@dataclass(frozen=True, config=RECORD)
+class UsedEffect(Record):
+    """A part of the physics that a scene may not need."""
+
+    name: str = Field(description="as in the list of effects")
+    bound: Number | None = Field(description="most that it changes, a share; null: a requirement asks for it")
+    kept: Flag = Field(description="whether the model has it here")
+    time_saved_s: Number = Field(description="by leaving it out, estimated")
+
+
+@dataclass(frozen=True, config=RECORD)
+class UsedPhysics(Record):
+    """Which physics, how finely, and what it leaves out."""
+
+    name: str = Field(description="auto | full | paper")
+    asked: str = Field(description="what the mission or the call asked for")
+    tolerance: Number = Field(description="of effects that may be left out, a share")
+    fineness: dict[str, Number] = Field(description="factor on the nodes of every integral")
+    water_table: str | dict[str, str] = Field(description="of all scenes, or by scene where they differ")
+    effects: list[UsedEffect] = Field(description="those that a scene may not need")
+    not_modelled: list[str] = Field(description="what no physics of this program has")
+
+
+@dataclass(frozen=True, config=RECORD)
+class Assumption(Record):
+    """Something that is not known, and what was taken for it."""
+
+    path: str = Field(description="the field, or the scene's key")
+    part: str = Field(description="id of the part; empty where it is of none")
+    value: Any = Field(description="what was taken")
+    low: Number | None = Field(description="low end of an estimated number")
+    high: Number | None = Field(description="high end of an estimated number")
+    unit: str = Field(description="of the numbers")
+    status: str = Field(description="estimated | assumed | ...")
+    source: str = Field(description="why it was taken")
+
+
+@dataclass(frozen=True, config=RECORD)
+class Excluded(Record):
+    """What a rule keeps from being a solution."""
+
+    name: str = Field(description="the rule")
+    n_excluded: Whole = Field(description="combinations that it discards first")
+    n_is_bound: Flag = Field(description="proven by a bound, before the settings were looked at")
+
+
+@dataclass(frozen=True, config=RECORD)
+class Relaxed(Record):
+    """A requirement whose change alone would let a system through."""
+
+    name: str = Field(description="the requirement")
+    limit: Number | None = Field(description="what is asked")
+    needed: Number | None = Field(description="what could be had; null: it would have to be left out")
+    miss_rel: Number = Field(description="how far apart the two are; large where that is not known")
+
+
+@dataclass(frozen=True, config=RECORD)
+class WhyNothing(Record):
+    """Why no system fits, and what would help."""
+
+    requirements: list[Excluded] = Field(description="rules in their order")
+    relaxations: list[Relaxed] = Field(description="the smallest change first")
+    nearest_miss: Design | None = Field(description="the design of the smallest change, by the mission as it stands")
