@@ -30,7 +30,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnFunction, OwnObjective
 from uwopt.results.basis import Assumption, UsedEffect
 from uwopt.results.design import Design, Note
-from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint, FrontResult
+from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint, FrontResult, Peer
 from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import accounted, scope
 from uwopt.solvers.exact.ranking import Found
@@ -400,7 +400,7 @@ class ParetoCall:
             )  # fmt: skip
         return out
 
-    def peers_of_result(self, sought: FrontSearched) -> list[dict[str, Any]]:
+    def peers_of_result(self, sought: FrontSearched) -> list[Peer]:
         """Points of the population solvers beside an exact front."""
         if sought.front is None:
             return []
@@ -416,11 +416,8 @@ class ParetoCall:
                     (parts.ports, f.port),
                     (parts.lights, f.light),
                 )
-                out.append({
-                    "method": peer.algorithm,
-                    "values": dict(zip(names, (peer.values[n] * signs).tolist(), strict=True)),
-                    "hardware": [group[index].id for group, index in kinds],
-                })  # fmt: skip
+                values = dict(zip(names, (peer.values[n] * signs).tolist(), strict=True))
+                out.append(Peer(peer.algorithm, values, [group[index].id for group, index in kinds]))
         return out
 
     def assumed(self, sought: FrontSearched, founds: list[Found]) -> list[Assumption]:

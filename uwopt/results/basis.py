@@ -1,4 +1,4 @@
-"""What a result rests on: objective, physics, assumptions; and, where there is none, what stood in the way."""
+"""What a result rests on: objective, physics, assumptions; what stood in the way of others, or of all."""
 
 from __future__ import annotations
 
@@ -84,3 +84,17 @@ class WhyNothing(Record):
     requirements: list[Excluded] = Field(description="rules in their order")
     relaxations: list[Relaxed] = Field(description="the smallest change first")
     nearest_miss: Design | None = Field(description="the design of the smallest change, by the mission as it stands")
+
+
+@dataclass(frozen=True, config=RECORD)
+class OtherMaker(Record):
+    """What a maker has to offer none of whose parts is shown."""
+
+    kind: str = Field(description="camera | light")
+    maker: str = Field(description="as the catalogue names it")
+    hardware: dict[str, str] | None = Field(default=None, description="ids by kind of its best system")
+    values: dict[str, Number] = Field(default_factory=dict, description="of the objectives, in their units")
+    outcome: str = Field(default="infeasible", description="worse | dominated | infeasible | not allowed")
+    by: str | None = Field(default=None, description="the point of a front that dominates it")
+    rule: str | None = Field(default=None, description="the last obstacle, where nothing fits")
+    text: str = Field(default="", description="why it was not chosen")

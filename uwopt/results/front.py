@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from uwopt.results.basis import Assumption, UsedPhysics, WhyNothing
+from uwopt.results.basis import Assumption, OtherMaker, UsedPhysics, WhyNothing
 from uwopt.results.design import Design, Note
 from uwopt.results.frames import frame_of
 from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
@@ -71,6 +71,15 @@ class FrontMethod(Record):
     hypervolume_bound: Number | None = Field(default=None, description="no front can have more (exact only)")
 
 
+@dataclass(frozen=True, config=RECORD)
+class Peer(Record):
+    """A point of another solver's front, to compare with."""
+
+    method: str = Field(description="the population solver")
+    values: dict[str, Number] = Field(description="by objective, in its unit, not negated")
+    hardware: list[str] = Field(description="ids of camera, lens, port and light")
+
+
 @dataclass(frozen=True, repr=False, config=RECORD)
 class FrontResult(Shown, FiledRecord):
     """The trade-off between two or three objectives, as it is written to front.json."""
@@ -83,10 +92,10 @@ class FrontResult(Shown, FiledRecord):
     points: list[FrontPoint] = Field(default_factory=list, description="along the first objective")
     picks: list[Pick] = Field(default_factory=list, description="points worth a look first")
     methods: list[FrontMethod] = Field(default_factory=list, description="the solvers that ran")
-    peers: list[dict[str, Any]] = Field(default_factory=list, description="points of the other solvers' fronts")
+    peers: list[Peer] = Field(default_factory=list, description="points of the other solvers' fronts")
     reference: dict[str, Any] = Field(default_factory=dict, description="the box that fronts are compared in")
     certificate: dict[str, Any] | None = Field(default=None, description="how far the claim reaches")
-    alternatives: list[dict[str, Any]] = Field(default_factory=list, description="other makers' best, and why not")
+    alternatives: list[OtherMaker] = Field(default_factory=list, description="other makers' best, and why not")
     infeasible: WhyNothing | None = Field(default=None, description="why nothing fits")
     assumptions: list[Assumption] = Field(default_factory=list, description="what is not known but taken")
     warnings: list[Note] = Field(default_factory=list, description="what to know of this front")

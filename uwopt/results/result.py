@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from uwopt.results.basis import Assumption, ObjectiveValue, UsedPhysics, WhyNothing
+from uwopt.results.basis import Assumption, ObjectiveValue, OtherMaker, UsedPhysics, WhyNothing
 from uwopt.results.design import Design, Note
 from uwopt.results.frames import bill_rows, design_rows, figure_rows, frame_of, margin_rows, settings_rows
 from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
@@ -82,7 +82,7 @@ class Result(Shown, FiledRecord):
     seed: Whole = Field(default=0, description="of all that is drawn")
     versions: dict[str, str] = Field(default_factory=dict, description="of Python and libraries")
     schema: str = Field(default=RESULT_SCHEMA, description="of this file")
-    alternatives: list[dict[str, Any]] = Field(default_factory=list, description="other makers' best, and why not")
+    alternatives: list[OtherMaker] = Field(default_factory=list, description="other makers' best, and why not")
     mission_file: dict[str, str] | None = Field(default=None, description="name, folder, text as the user wrote it")
     system: dict[str, Any] | None = Field(default=None, description="what was evaluated, inline parts included")
 

@@ -80,9 +80,9 @@ def front_data(front: FrontResult) -> dict[str, Any]:
             for pick in front.picks
         ],
         "peers": [
-            {"method": words.one_line(peer.get("method") or "", 30), "values": values,
+            {"method": words.one_line(peer.method, 30), "values": values,
              "shown": texts.row(*(words.quantity(v, c.unit, 4) for v, c in zip(values, columns, strict=False))),
-             "hardware": texts.number(words.one_line(" + ".join(map(str, peer.get("hardware") or [])), 200))}
+             "hardware": texts.number(words.one_line(" + ".join(peer.hardware), 200))}
             for peer, values in zip(front.peers, peer_values(front, columns), strict=True)
         ],
         "texts": texts.all,
@@ -93,7 +93,7 @@ def is_logarithmic(front: FrontResult, name: str) -> bool:
     """Whether an axis is scaled by logarithm: as the reference says, where all values are above 0."""
     asked = (front.reference.get("log") or {}).get(name, name in ("power", "cost"))
     every = [point.values[name] for point in front.points] + [
-        peer["values"].get(name) or 0.0 for peer in front.peers
+        peer.values.get(name) or 0.0 for peer in front.peers
     ]
     return bool(asked) and all(value > 0 for value in every)
 
@@ -121,7 +121,7 @@ def column(key: str, title: str, unit: str, values: Sequence[float | None]) -> P
 
 def peer_values(front: FrontResult, columns: Sequence[PointColumn]) -> list[list[float | None]]:
     """The objectives of other methods' points, in the units of the columns."""
-    known = [[peer["values"].get(o.name) for o in front.objectives] for peer in front.peers]
+    known = [[peer.values.get(o.name) for o in front.objectives] for peer in front.peers]
     return [
         [None if value is None else value / c.per for value, c in zip(row, columns, strict=False)]
         for row in known

@@ -21,6 +21,7 @@ from uwopt.report.text.tables import (
     margin_texts,
     settings_block,
 )
+from uwopt.results.basis import OtherMaker
 from uwopt.results.design import BillRow, Design, Margin
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
@@ -302,11 +303,11 @@ KEPT_OUT = "not allowed"
 def alternatives(result: Result | FrontResult) -> tuple[list[str], list[tuple[str, list[Alternative]]]]:
     """Heads of the objectives; then well-known makers: those with a chance first, those kept out last."""
     items = result.alternatives
-    names = list(dict.fromkeys(name for item in items for name in item.get("values") or {}))
-    groups: dict[tuple[str, ...], list[Mapping[str, Any]]] = {}
+    names = list(dict.fromkeys(name for item in items for name in item.values))
+    groups: dict[tuple[str, ...], list[OtherMaker]] = {}
     for number, item in enumerate(items):
-        alone = str(number) if item.get("hardware") else ""
-        key = (alone, str(item.get("outcome")), str(item.get("kind")), reason_text(item))
+        alone = str(number) if item.hardware else ""
+        key = (alone, item.outcome, item.kind, reason_text(item))
         groups.setdefault(key, []).append(item)
     many_first = sorted(groups.values(), key=lambda own: -len(own))
     rows = [alternative(result, own, names) for own in many_first]
@@ -318,7 +319,7 @@ def alternatives(result: Result | FrontResult) -> tuple[list[str], list[tuple[st
 
 
 def alternative(
-    result: Result | FrontResult, items: Sequence[Mapping[str, Any]], names: Sequence[str]
+    result: Result | FrontResult, items: Sequence[OtherMaker], names: Sequence[str]
 ) -> Alternative:
     """One row: a maker with its system, or all makers of one reason."""
     units = (
@@ -327,22 +328,20 @@ def alternative(
         else {result.objective.name: result.objective.unit}
     )
     item = items[0]
-    values, outcome = item.get("values") or {}, words.one_line(item.get("outcome") or "", 30)
-    kind = words.one_line(item.get("kind") or "", 20)
+    outcome, kind = words.one_line(item.outcome, 30), words.one_line(item.kind, 20)
     return Alternative(
-        ", ".join(words.one_line(item.get("maker") or "", 60) for item in items), kind + "s" * (len(items) > 1),
-        [words.one_line(part, 80) for part in (item.get("hardware") or {}).values()],
-        [words.quantity(values.get(name), units.get(name, ""), 4) for name in names],
+        ", ".join(words.one_line(item.maker, 60) for item in items), kind + "s" * (len(items) > 1),
+        [words.one_line(part, 80) for part in (item.hardware or {}).values()],
+        [words.quantity(item.values.get(name), units.get(name, ""), 4) for name in names],
         outcome, OUTCOMES.get(outcome, "warn"), reason_text(item),
     )  # fmt: skip
 
 
-def reason_text(item: Mapping[str, Any]) -> str:
+def reason_text(item: OtherMaker) -> str:
     """Why one maker's system was not chosen; where nothing fits, what stands in its way last."""
-    if item.get("text"):
-        return words.one_line(item["text"], 500)
-    rule = item.get("rule")
-    return f"no combination fits; the last obstacle: {words.rule_name(str(rule))}" if rule else ""
+    if item.text:
+        return words.one_line(item.text, 500)
+    return f"no combination fits; the last obstacle: {words.rule_name(item.rule)}" if item.rule else ""
 
 
 # ---------------------------------------------------------------- run

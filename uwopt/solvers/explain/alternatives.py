@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import Objective
 from uwopt.quantities import TERMS
+from uwopt.results.basis import OtherMaker
 from uwopt.results.design import Design
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
 from uwopt.solvers.exact.account import RULES
@@ -34,10 +36,10 @@ LONGEST_S = 5.0  # for all of them: what is not reached by then is left out
 
 def beside_best(
     selection: Selection, problem: Problem, goal: Objective, best: Design, deadline: Deadline = NEVER
-) -> list[dict[str, Any]]:
+) -> list[OtherMaker]:
     """Other makers' best systems beside a recommendation."""
 
-    def judged(item: dict[str, Any], design: Design) -> dict[str, Any]:
+    def judged(item: OtherMaker, design: Design) -> OtherMaker:
         value = design.objective_value
         least = best.objective_value or 0.0
         values = {} if value is None else {goal.name: value}
@@ -48,7 +50,7 @@ def beside_best(
         else:
             share = 100.0 * (value / least - 1.0) if least else 0.0
             text = f"its best system has {abs(share):.3g} % {'more' if share > 0 else 'less'} {spoken(goal.name)}"
-        return {**item, "values": values, "outcome": "worse", "text": text}
+        return replace(item, values=values, outcome="worse", text=text)
 
     shown = {kind: {best.hardware.parts[kind].id} for kind in KINDS}
     return told(selection, problem, goal, shown, judged, deadline)
@@ -56,24 +58,19 @@ def beside_best(
 
 def beside_front(
     selection: Selection, search: Search, axes: Axes, front: FrontResult, deadline: Deadline = NEVER
-) -> list[dict[str, Any]]:
+) -> list[OtherMaker]:
     """Other makers' systems of best first objective beside a front, and which of its points dominates each."""
 
-    def judged(item: dict[str, Any], design: Design) -> dict[str, Any]:
+    def judged(item: OtherMaker, design: Design) -> OtherMaker:
         values = values_of(design, front.objectives)
         by = dominating(values, front.points, front.objectives)
         if by is None:
-            return {
-                **item,
-                "values": values,
-                "outcome": "worse",
-                "text": "close to the front, between its points",
-            }
+            return replace(
+                item, values=values, outcome="worse", text="close to the front, between its points"
+            )
         gains = better_by(values, by, front.objectives)
-        return {
-            **item, "values": values, "outcome": "dominated", "by": by.id,
-            "text": f"{by.id} is at least as good in everything" + (f": {gains}" if gains else ""),
-        }  # fmt: skip
+        text = f"{by.id} is at least as good in everything" + (f": {gains}" if gains else "")
+        return replace(item, values=values, outcome="dominated", by=by.id, text=text)
 
     shown = {kind: {p.design.hardware.parts[kind].id for p in front.points} for kind in KINDS}
     goal = Objective({axes.names[0]: 1.0})
@@ -82,17 +79,14 @@ def beside_front(
 
 def told(
     selection: Selection, problem: Problem, goal: Objective, shown: dict[str, set[str]],
-    judged: Callable[[dict[str, Any], Design], dict[str, Any]], deadline: Deadline,
-) -> list[dict[str, Any]]:  # fmt: skip
+    judged: Callable[[OtherMaker, Design], OtherMaker], deadline: Deadline,
+) -> list[OtherMaker]:  # fmt: skip
     """One entry a maker whose parts are not shown."""
     patience, out = deadline.at_most(LONGEST_S), []
     for kind, maker, mask in other_makers(selection, problem, shown):
-        item: dict[str, Any] = {
-            "kind": kind, "maker": maker, "hardware": None, "values": {}, "outcome": "infeasible", "by": None,
-            "rule": None, "text": "",
-        }  # fmt: skip
+        item = OtherMaker(kind, maker)
         if mask is None:
-            out.append({**item, "outcome": "not allowed", "text": why_left_out(selection, kind, maker)})
+            out.append(replace(item, outcome="not allowed", text=why_left_out(selection, kind, maker)))
             continue
         if patience.passed():
             break
@@ -100,12 +94,12 @@ def told(
         outcome = search.run()
         if not outcome.best:
             if outcome.complete:
-                out.append({**item, "rule": furthest_rule(outcome.account.discarded)})
+                out.append(replace(item, rule=furthest_rule(outcome.account.discarded)))
             continue
         found = outcome.best[0]
         design = evaluated(problem, found, goal)
-        ids = {kind: part.id for kind, part in design.hardware.parts.items()}
-        out.append(judged({**item, "hardware": ids}, design))
+        ids = {name: part.id for name, part in design.hardware.parts.items()}
+        out.append(judged(replace(item, hardware=ids), design))
     return out
 
 
