@@ -181,6 +181,27 @@ DEFECTS = (
         test="tests/evaluation/test_replay.py::test_settings_of_a_result_come_back_in_si",
     ),
     Defect(
+        name="records take keys that they do not know",
+        file="uwopt/results/record.py",
+        old='extra="forbid"',
+        new='extra="ignore"',
+        test="tests/report/test_read.py::test_wrong_values_are_named_with_their_path",
+    ),
+    Defect(
+        name="numbers without end are written to a result",
+        file="uwopt/results/record.py",
+        old='inf_nan_mode="null"',
+        new='inf_nan_mode="constants"',
+        test="tests/results/test_record.py::test_what_is_not_finite_is_absent_at_any_depth",
+    ),
+    Defect(
+        name="text passes for a number in a result that is read",
+        file="uwopt/results/record.py",
+        old="Number = Annotated[float, Strict(), BeforeValidator(of_numpy)]",
+        new="Number = Annotated[float, BeforeValidator(of_numpy)]",
+        test="tests/report/test_read.py::test_wrong_values_are_named_with_their_path",
+    ),
+    Defect(
         name="replay keeps what physics left out",
         file="uwopt/evaluation/recompute.py",
         old="if not effect.kept]",

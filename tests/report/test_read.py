@@ -95,6 +95,7 @@ def test_file_that_was_cut_off_is_told(put: Any, make_result: Make, share: float
 @pytest.mark.parametrize(("path", "value", "words"), [
     (("status",), ..., "status is missing"),
     (("timing_s", "total"), "long", 'timing_s.total is "long", not a number'),
+    (("timing_s", "total"), "2.5", 'timing_s.total is "2.5", not a number'),
     (("recommendation", "scenes"), {}, "recommendation.scenes is an object, not a list"),
     (("recommendation", "scenes"), [], "recommendation.scenes is empty"),
     (("recommendation", "scenes", 0, "margins", 1, "value"), True,
