@@ -17,6 +17,7 @@ UNIT_SUFFIXES: tuple[str, ...] = (
     "_dn_per_e", "_deg_s", "_e_s", "_m_s", "_mb_s", "_per_m", "_per_s",
     "_m", "_mm", "_um", "_nm", "_m2", "_s", "_ms", "_us", "_hz", "_rad", "_deg", "_w", "_j", "_k",
     "_c", "_psu", "_lm", "_lx", "_lux", "_kg", "_g", "_e", "_dn", "_px", "_db", "_in", "_frac", "_pct",
+    "_h", "_wh", "_gb",
 )  # fmt: skip
 
 #: How a unit is printed, by its suffix without the underscore.
@@ -26,6 +27,7 @@ SYMBOLS: Mapping[str, str] = MappingProxyType(
         "lux": "lx", "e": "e⁻", "dn": "DN", "db": "dB", "in": "in", "pct": "%", "frac": "", "m2": "m²",
         "m_s": "m/s", "mb_s": "MB/s", "deg_s": "°/s", "e_s": "e⁻/s", "per_m": "1/m", "per_s": "1/s",
         "w_m2": "W/m²", "w_m2_nm": "W/(m² nm)", "w_m2_sr_nm": "W/(m² sr nm)", "cyc_per_px": "cycles/px",
+        "wh": "Wh", "gb": "GB",
         "bit_per_m2": "bit/m²", "lp_per_mm": "lp/mm", "lm_s_per_j": "lm s/J", "dn_per_e": "DN/e⁻",
     }
 )  # fmt: skip
@@ -47,7 +49,8 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = MappingProxyType(
         "speed": {"m_s": 1.0, "m_per_s": 1.0, "mps": 1.0, "ms": 1.0, "cm_s": 1e-2, "mm_s": 1e-3,
                   "km_h": 1 / 3.6, "kmh": 1 / 3.6, "kn": _KNOT_M_S, "kt": _KNOT_M_S, "knots": _KNOT_M_S},
         "power": {"w": 1.0, "mw": 1e-3, "kw": 1e3},
-        "energy": {"j": 1.0, "mj": 1e-3, "kj": 1e3},
+        "energy": {"j": 1.0, "mj": 1e-3, "kj": 1e3, "wh": 3600.0, "kwh": 3.6e6},
+        "storage": {"gb": 1.0, "mb": 1e-3, "tb": 1e3},
         "mass": {"kg": 1.0, "g": 1e-3, "lb": 0.45359237},
         "flux": {"lm": 1.0, "klm": 1e3},
         "illuminance": {"lux": 1.0, "lx": 1.0, "klux": 1e3},

@@ -202,6 +202,9 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("peak_power_w", high("limits.peak_power_w", 4.0 + 2 * 100.0 + 6.0, **PULSED)),
     ("mass_kg", high("limits.mass_kg", 0.5 + 0.1 + 0.3 + 2 * 0.7 + 3.0)),
     ("data_rate_mb_s", high("limits.data_rate_mb_s", 2.0 * 2000 * 1000 * 12 / 8 / 1e6)),
+    ("energy_wh", high("limits.energy_wh", (4.0 + 2 * 100.0 + 6.0) * 48.0, **{"vehicle.duration_h": 48.0})),
+    ("storage_gb", high(
+        "limits.storage_gb", 2.0 * 2000 * 1000 * 12 / 8 * 48.0 * 3600 / 1e9, **{"vehicle.duration_h": 48.0})),
     ("depth_rating_m (port)", lambda over: {"port.depth_rating_m": 300.0 / (1.0 + over)}),
     ("depth_rating_m (lamp)", lambda over: {"light.depth_rating_m": 300.0 / (1.0 + over)}),
     ("port_clears_view_mm", high("port.clear_diameter_mm", 2.0 * CORNER_MM, **FULL)),

@@ -136,6 +136,8 @@ def settle_all(
     terms = fixed_terms(model)
     limit = problem.mission.limits.power_w
     left = np.inf if limit is None else limit - terms["camera_power_w"]
+    if len(problem.scenes) == 1:
+        left = min(left, mean_light_limit_w(problem, terms))
     scenes = [
         SceneSearch(model, i, float(focus.dioptre_per_m[i][0]), left) for i in range(len(problem.scenes))
     ]
@@ -170,8 +172,14 @@ def one_pass(
         groups = [[s.candidates(f_numbers(*s.f_range, m)) for s, m in zip(scenes, meeting, strict=True)]]
     for group in groups:
         if all(len(columns[0]) for columns in group):
-            best = min(best, joined(group, objective, terms), key=lambda b: b[:2])
+            best = min(best, joined(scenes, group, objective, terms), key=lambda b: b[:2])
     return best
+
+
+def mean_light_limit_w(problem: Problem, terms: dict[str, float]) -> float:
+    """What an energy over the mission's hours leaves for the lamps on average."""
+    energy_wh, hours = problem.mission.limits.energy_wh, problem.mission.vehicle.duration_h
+    return np.inf if energy_wh is None else energy_wh / (hours or np.nan) - terms["camera_power_w"]
 
 
 def f_numbers(low: float, high: float, meeting: Array) -> Array:
@@ -183,7 +191,7 @@ def f_numbers(low: float, high: float, meeting: Array) -> Array:
 
 
 def joined(
-    found: list[list[Array]], objective: Objective, terms: dict[str, float]
+    scenes: list[SceneSearch], found: list[list[Array]], objective: Objective, terms: dict[str, float]
 ) -> tuple[float, float, float, list[dict[str, float]]]:
     """The best of all scenes together: every SNR found is tried as a floor, over which each draws its least."""
     floors = np.unique(np.concatenate([c[1] for c in found])) if objective.weight("snr_db") else np.zeros(1)
@@ -198,6 +206,10 @@ def joined(
             )
         )
     value = np.where(np.isfinite(light_w), value, np.inf)
+    if len(found) > 1:  # shares of the time, as the mission was drawn with them
+        shares = [float(s.model.problem.mission.scenes[s.index].time_share or 1 / len(found)) for s in scenes]
+        mean_w = sum(share * p for share, (p, _) in zip(shares, least, strict=True))
+        value = np.where(mean_w <= mean_light_limit_w(scenes[0].model.problem, terms), value, np.inf)
     k = int(np.lexsort((power, value))[0])
     settings = [
         {"time_s": float(c[2][at[k]]), "level": float(c[3][at[k]]), "f_number": float(c[4][at[k]])}
@@ -257,7 +269,7 @@ def misses_limits(model: DesignModel) -> bool:
     """Whether something that no setting changes is missed: coverage, money, mass, data."""
     names = (
         "max_gsd_mm", "min_swath_m", "cost", "mass_kg", "data_rate_mb_s", "frame_rate", "min_uniformity",
-        "min_contrast",
+        "min_contrast", "storage_gb",
     )  # fmt: skip
     for index in range(len(model.problem.scenes)):
         unit = model.settings(index, SceneSettings(gain=1.0))

@@ -6,11 +6,18 @@ import importlib.util
 import sys
 from pathlib import Path
 
+import pytest
+
+from uwopt.solvers.exact import large, outline
+from uwopt.solvers.exact import search as exact_search
+
 HELPERS = (
     "small_catalogues",
     "scene_search",
     "brute_force",
     "random_cases",
+    "agreement",
+    "energy_cases",
     "one_of_each",
     "settable_cases",
     "hand_made_rows",
@@ -25,3 +32,23 @@ for name in HELPERS:
         assert spec is not None and spec.loader is not None
         sys.modules[name] = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(sys.modules[name])
+
+
+@pytest.fixture(params=["as shipped", "bounds at work", "as if large"])
+def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Batches as shipped are larger than a small catalogue; batches of one make every bound count.
+
+    A large catalogue is searched from pairs of camera and lens on; here with few at a time.
+    """
+    if request.param == "as if large":
+        monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
+        for name, value in (("FIRST_PAIRS", 1), ("FIRST_LEAVES", 1), ("LARGEST_PAIRS", 4), ("BRANCHES", 2)):
+            monkeypatch.setattr(outline if name == "BRANCHES" else large, name, value)
+    if request.param != "as shipped":
+        for name, value in (
+            ("FIRST_BATCH", 1),
+            ("LARGEST_BATCH", 2),
+            ("TOO_FEW_TO_BOUND", 0),
+            ("FIRST_CHUNK", 2),
+        ):
+            monkeypatch.setattr(exact_search, name, value)

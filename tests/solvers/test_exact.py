@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import brute_force as brute
@@ -17,7 +16,8 @@ import numpy as np
 import pytest
 import random_cases as rc
 import small_catalogues as small
-from random_cases import CASES, FEW, TOP, Case, bench, case, enumerated, ids, lamp, planted, ranked, solved
+from agreement import agree
+from random_cases import CASES, FEW, bench, case, enumerated, lamp, planted, ranked, solved
 from thorough import drawn
 
 from uwopt.catalog.records import exact
@@ -26,9 +26,7 @@ from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import SceneSettings
 from uwopt.forward.focus import place_focus
 from uwopt.forward.part_columns import CONTINUOUS
-from uwopt.forward.problem import Parts, Problem
-from uwopt.solvers.exact import large, outline
-from uwopt.solvers.exact import search as exact_search
+from uwopt.forward.problem import Parts
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import exact_settings
@@ -46,28 +44,6 @@ EVERY_KIND = {
         "mass_kg", "power_w", "light", "bound",
     )),
 }  # fmt: skip
-BEATEN_REL = 1e-6  # the enumeration may find rounding, nothing more
-REACHED_REL = 2e-3  # what its grids of SNR against power may miss
-
-
-@pytest.fixture(params=["as shipped", "bounds at work", "as if large"])
-def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Batches as shipped are larger than a small catalogue; batches of one make every bound count.
-
-    A large catalogue is searched from pairs of camera and lens on; here with few at a time.
-    """
-    if request.param == "as if large":
-        monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
-        for name, value in (("FIRST_PAIRS", 1), ("FIRST_LEAVES", 1), ("LARGEST_PAIRS", 4), ("BRANCHES", 2)):
-            monkeypatch.setattr(outline if name == "BRANCHES" else large, name, value)
-    if request.param != "as shipped":
-        for name, value in (
-            ("FIRST_BATCH", 1),
-            ("LARGEST_BATCH", 2),
-            ("TOO_FEW_TO_BOUND", 0),
-            ("FIRST_CHUNK", 2),
-        ):
-            monkeypatch.setattr(exact_search, name, value)
 
 
 # ---------------------------------------------------------------- against enumeration
@@ -78,48 +54,6 @@ def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
 def test_search_equals_enumeration(seed: int) -> None:
     """Best designs, feasibility and account of every random case."""
     agree(case(seed), case(seed).solve()[1], ranked(enumerated(seed)))
-
-
-def agree(case_: Case, outcome: Outcome, best_of: dict[tuple[int, ...], Any]) -> None:
-    """The search's list is the enumeration's, its account adds up, its bound is not beaten."""
-    assert outcome.complete and outcome.account.adds_up()
-    assert outcome.account.total == combinations(case_.problem())
-    assert len(outcome.best) == min(TOP, len(best_of)), "feasible hardware missed or made up"
-    keys = [ids(found) for found in outcome.best]
-    assert len(set(keys)) == len(keys)
-    room = room_for_dark(case_, outcome)
-    for found, key, place in zip(outcome.best, keys, best_of.values(), strict=False):
-        for other in (best_of[key], place):  # the same hardware, and what enumeration puts in this place
-            assert found.minimised <= other.value + BEATEN_REL * other.scale + room, f"beaten by {other}"
-            assert found.minimised >= other.value - REACHED_REL * other.scale, f"out of reach: {other}"
-    if outcome.best:
-        first = next(iter(best_of.values()))
-        assert outcome.lower_bound <= first.value + BEATEN_REL * first.scale, f"bound beaten by {first}"
-        assert outcome.lower_bound <= outcome.best[0].minimised
-    values = [found.minimised for found in outcome.best]
-    assert all(a <= b + 1e-9 * abs(b) for a, b in pairwise(values))
-
-
-def room_for_dark(case_: Case, outcome: Outcome) -> float:
-    """What may be left of the optimum where SNR counts and sensors have dark current: 0.005 dB.
-
-    Exposure and dark current are not optimised together then, and the certificate's lower bound says so.
-    Everywhere else the gap is closed.
-    """
-    dark = any(part.dark_current_e_s and part.dark_current_e_s.value > 0 for part in case_.parts.cameras)
-    if case_.objective.weight("snr_db") and dark:
-        return 0.005 * case_.objective.weight("snr_db")
-    assert not outcome.best or outcome.lower_bound == outcome.best[0].minimised
-    return 0.0
-
-
-def combinations(problem: Problem) -> int:
-    """All combinations of a problem."""
-    low, high = problem.count_range
-    sizes = [len(getattr(problem.parts, kind)) for kind in ("cameras", "lenses", "ports", "lights")]
-    return (
-        math.prod(sizes) * (high - low + 1) * len(problem.mounts) * len(problem.mission.vehicle.orientations)
-    )
 
 
 FLASH_STEPS = lamp(

@@ -166,7 +166,7 @@ def bonmin(referee: Referee, seed: int) -> None:
 
 def smooth_or_raise(referee: Referee) -> None:
     """Whether the settings of this mission are a smooth program at all."""
-    why_not = why_not_smooth(referee.problem.scenes, referee.contest.objective)
+    why_not = why_not_smooth(referee.problem, referee.contest.objective)
     if why_not:
         raise NotApplicableError(why_not)
 

@@ -7,14 +7,16 @@ search uses; a search's claim is read back through this door.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from uwopt.evaluation.bill import bill_of_materials, cost_range, used_hardware
-from uwopt.evaluation.design_model import design_model
+from uwopt.evaluation.design_model import DesignModel, design_model
 from uwopt.evaluation.figures_by_name import light_notes, plain_figures, plain_settings, uneven_notes
 from uwopt.forward.designs import Hardware, SceneSettings
-from uwopt.forward.figures import SettingRows
+from uwopt.forward.figures import Figures, SettingRows
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import MarginRows, common_margins
@@ -32,7 +34,7 @@ def evaluate_design(
     """Everything a result says of one design with these settings."""
     model = design_model(problem, hardware)
     scenes, powers, snrs, peaks, light_powers = [], [], [], [], []
-    contrasts, information = [], []
+    contrasts, information, by_scene = [], [], []
     first: SettingRows | None = None
     for index, wanted in enumerate(given):
         scene = problem.scenes[index]
@@ -44,6 +46,7 @@ def evaluate_design(
         contrasts.append(float(figures.contrast[0, scene.nominal]))
         bits = figures.information_bit_per_m2
         information.append(math.nan if bits is None else float(bits[0]))
+        by_scene.append(figures)
         terms = model.totals(figures)
         powers.append(float(terms["power_w"][0]))
         light_powers.append(float(figures.light_power_w[0]))
@@ -59,6 +62,9 @@ def evaluate_design(
                 margins=[plain_margin(m) for m in margins],
             )
         )
+    if len(scenes) > 1:
+        together = [plain_margin(m) for m in model.duration_margins(by_scene)]
+        scenes = [replace(scene, margins=[*scene.margins, *together]) for scene in scenes]
     cost, mass = float(terms["cost"][0]), float(terms["mass_kg"][0])
     gsd_mm = max(float(view.gsd_m[0, 1]) * 1e3 for view in model.views)
     worst = (max(powers), cost, mass, min(snrs), gsd_mm, min(contrasts), min(information))
@@ -76,11 +82,25 @@ def evaluate_design(
             light_power_w=max(light_powers),
             light_peak_power_w=max(peaks),
             mass_kg=mass,
+            **used_up(model, by_scene),
         ),
         scenes=scenes,
         bom=bill,
         warnings=[*light_notes(model), *uneven_notes(scenes)],
     )
+
+
+def used_up(model: DesignModel, by_scene: Sequence[Figures]) -> dict[str, float | None]:
+    """What the whole mission uses up, as totals name it; None where no duration or battery is known."""
+    duration = model.problem.duration
+    mean_power_w = float(duration.mean([model.totals(f)["power_w"][0] for f in by_scene]))
+    mean_data_mb_s = float(duration.mean([model.data_rate_mb_s(f)[0] for f in by_scene]))
+    hours = duration.endurance_h(mean_power_w)
+    return {
+        "energy_wh": duration.energy_of(mean_power_w),
+        "storage_gb": duration.storage_of(mean_data_mb_s),
+        "endurance_h": hours if hours is None or math.isfinite(hours) else None,
+    }
 
 
 def plain_margin(row: MarginRows) -> Margin:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -32,7 +32,7 @@ from uwopt.model.image_mean import cells
 from uwopt.model.imaging import floor_point, lamp_light
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.model.veil.geometry import nearest_approach_m
-from uwopt.objectives.requirements import MarginRows, scene_margins, system_margins
+from uwopt.objectives.requirements import MarginRows, duration_margins, scene_margins, system_margins
 
 Array = NDArray[Any]
 
@@ -295,11 +295,27 @@ class DesignModel:
             *system_margins(
                 limits, cost_limit_value=terms["cost_limit_value"], power_w=terms["power_w"],
                 peak_power_w=figures.light_peak_power_w + terms["camera_power_w"], mass_kg=terms["mass_kg"],
-                data_rate_mb_s=figures.data_rate_mb_s * self.problem.mission.vehicle.camera_count,
+                data_rate_mb_s=self.data_rate_mb_s(figures),
                 depth_m=self.problem.mission.required_depth_m, ratings_m=self.ratings_m(),
                 accepted=self.accepted_unrated(),
             ),
+            *(self.duration_margins([figures]) if len(self.problem.scenes) == 1 else ()),
         ]  # fmt: skip
+
+    def duration_margins(self, by_scene: Sequence[Figures]) -> list[MarginRows]:
+        """Limits of energy and storage, which hold over all scenes together; of one scene they are in `margins`."""
+        duration = self.problem.duration
+        return list(
+            duration_margins(
+                duration,
+                mean_power_w=duration.mean([self.totals(f)["power_w"] for f in by_scene]),
+                mean_data_rate_mb_s=duration.mean([self.data_rate_mb_s(f) for f in by_scene]),
+            )
+        )
+
+    def data_rate_mb_s(self, figures: Figures) -> Array:
+        """Data rate of all cameras in one scene."""
+        return np.asarray(figures.data_rate_mb_s * self.problem.mission.vehicle.camera_count)
 
     def port_margins(self, index: int) -> list[MarginRows]:
         """Whether the corner ray of the view passes the port's clear aperture, where that is known."""

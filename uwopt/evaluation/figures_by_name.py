@@ -119,10 +119,21 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "cost": float(model.totals(figures)["cost"][0]),
         "currency": model.problem.mission.limits.currency,
         "mass_kg": float(model.totals(figures)["mass_kg"][0]),
-        "data_rate_mb_s": float(figures.data_rate_mb_s[0]) * model.problem.mission.vehicle.camera_count,
+        "data_rate_mb_s": float(model.data_rate_mb_s(figures)[0]),
+        **used_up_here(model, index, figures),
         "information_bit_per_m2": at_one(figures.information_bit_per_m2),
     }
     return with_flags(out)
+
+
+def used_up_here(model: DesignModel, index: int, figures: Figures) -> dict[str, float | None]:
+    """Energy and storage that a mission's time in one scene takes; None without a duration."""
+    duration = model.problem.duration
+    share = duration.shares[index]
+    return {
+        "energy_wh": duration.energy_of(share * float(model.totals(figures)["power_w"][0])),
+        "storage_gb": duration.storage_of(share * float(model.data_rate_mb_s(figures)[0])),
+    }
 
 
 def with_flags(figures: dict[str, Any]) -> dict[str, Any]:

@@ -38,6 +38,7 @@ from uwopt.forward.part_columns import (
 from uwopt.forward.scene import SceneOptics, glass_index, scene_optics
 from uwopt.forward.spectra import Contraction
 from uwopt.forward.views import port_shape
+from uwopt.mission.duration import Duration
 from uwopt.mission.mission import Mission
 from uwopt.model import fineness as fine
 from uwopt.model.beam import Beam
@@ -137,6 +138,17 @@ class Problem:
             float(sum(item.mass_kg or 0.0 for item in items)),
             float(sum(item.power_w or 0.0 for item in items)),
         )
+
+    @cached_property
+    def duration(self) -> Duration:
+        """How long the mission takes, and what it may use up."""
+        return Duration.of(self.mission)
+
+    @property
+    def scene_power_limit_w(self) -> float:
+        """Highest mean power in any one scene, by the limits of power and of energy; inf: none."""
+        limit_w = self.mission.limits.power_w
+        return min(np.inf if limit_w is None else limit_w, self.duration.scene_power_limit_w)
 
     def camera_power_w(self, cameras: Cameras) -> Array:
         """Power of all cameras and of what else every system carries."""

@@ -23,6 +23,8 @@ HARDWARE_KEYS = (
     "orientation",
 )
 
+WHOLE_MISSION_KEYS = ("duration_h", "battery_wh")
+
 REQUIRED_OF_VEHICLE = {"altitude_m": (1e-3, 1000.0), "speed_m_s": (0.0, 50.0)}
 
 Values = Mapping[str, Any]
@@ -157,6 +159,7 @@ def cross_faults(parts: Values) -> list[Fault]:
         faults += _rating_faults(parts["limits"], scene, vehicle)
     faults += _name_faults(scenes)
     faults += _share_faults(scenes)
+    faults += _duration_faults(parts["vehicle"], parts["limits"])
     faults += _currency_faults(parts["limits"])
     return list(dict.fromkeys(faults))
 
@@ -194,6 +197,10 @@ def _hardware_faults(scene: Values, index: int) -> Iterator[Fault]:
     for key in HARDWARE_KEYS:
         if key in (scene.get("vehicle") or {}):
             text = "cannot differ from scene to scene: the hardware is common to all; move it to vehicle"
+            yield ("scenes", index, "vehicle", key), text
+    for key in WHOLE_MISSION_KEYS:
+        if key in (scene.get("vehicle") or {}):
+            text = "is of the whole mission, not of one scene; move it to vehicle, and give the scene a time_share"
             yield ("scenes", index, "vehicle", key), text
 
 
@@ -233,6 +240,13 @@ def time_shares(given: Sequence[float | None]) -> tuple[float, ...]:
     shares = [rest if s is None else s for s in given]
     whole = sum(shares) or 1.0
     return tuple(share / whole for share in shares)
+
+
+def _duration_faults(vehicle: Values, limits: Values) -> Iterator[Fault]:
+    for key in ("energy_wh", "storage_gb"):
+        if limits.get(key) is not None and vehicle.get("duration_h") is None:
+            text = "is counted over the mission's time; add vehicle.duration_h, the hours that it takes"
+            yield ("limits", key), text
 
 
 def _currency_faults(limits: Values) -> Iterator[Fault]:

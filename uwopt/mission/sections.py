@@ -94,6 +94,14 @@ class Vehicle(Section):
         description="places and aims of the lights, taken in this order; instead of baseline and tilt",
     )
 
+    duration_h: Positive | None = Field(
+        default=None,
+        description="how long the mission takes in hours; energy and storage are counted over it",
+    )
+    battery_wh: Positive | None = Field(
+        default=None, description="energy of the battery in watt-hours, for the figure endurance"
+    )
+
     @model_validator(mode="before")
     @classmethod
     def _as_many_lights_as_mounts(cls, data: Any) -> Any:
@@ -222,6 +230,14 @@ class Limits(Section):
     peak_power_w: Positive | None = Field(
         default=None, description="highest electrical power at any moment in watts"
     )
+    energy_wh: Positive | None = Field(
+        default=None,
+        description="most energy over vehicle.duration_h in watt-hours, scenes weighed by their time_share",
+    )
+    storage_gb: Positive | None = Field(
+        default=None,
+        description="most storage for images over vehicle.duration_h in gigabytes (10^9 byte), uncompressed",
+    )
     mass_kg: Positive | None = Field(default=None, description="highest mass in kilograms")
     depth_rating_m: Annotated[float, Field(ge=0, le=11_000), NUMBER] | None = Field(
         default=None,
@@ -334,7 +350,8 @@ class Scene(Section):
         default=60.0, description="elevation of the sun in degrees above the horizon"
     )
     time_share: Share | None = Field(
-        default=None, description="share 0..1 of the mission's time spent here; equal unless given"
+        default=None,
+        description="share 0..1 of the mission's time spent here, for energy and storage; equal unless given",
     )
     vehicle: VehicleOverride | None = Field(
         default=None, description="keys of vehicle that differ in this scene"

@@ -30,7 +30,7 @@ scene:
   # phase_function: fournier-forand  # henyey-greenstein | petzold-<station> | a CSV (angle_deg, phase_per_sr)
   # sun_lux: 0                 # sunlight at the surface; 100000 on a bright day, 0 at night
   # sun_elevation_deg: 60
-  # time_share: 1.0            # with several scenes: share of the time spent here
+  # time_share: 1.0            # with several scenes: share of the time spent here, for energy and storage
 
 # How the camera is carried, and which hardware may be tried.
 vehicle:
@@ -46,6 +46,8 @@ vehicle:
   # light_tilt_deg: 0          # outward tilt: a number, or [least, most]
   # light_mounts:              # instead of baseline and tilt: place and aim of each light
   #   - {x_m: 0.3, y_m: 0.8, z_m: 0, tilt_x_deg: 0, tilt_y_deg: 10}
+  # duration_h: 8              # how long it takes: energy and storage are counted over it
+  # battery_wh: 500            # for the figure endurance
 
 # What the images must be. A requirement that is left out asks for nothing.
 requirements:
@@ -76,6 +78,8 @@ limits:
   # cost_basis: central        # central | high: the end of an estimated price that must fit
   power_w: 150
   # peak_power_w: 500
+  # energy_wh: 400             # over vehicle.duration_h
+  # storage_gb: 1000           # of uncompressed images, over vehicle.duration_h
   # mass_kg: 20
   depth_rating_m: 100          # left out: the deepest scene
   # data_rate_mb_s: 100
@@ -131,7 +135,7 @@ def system_template() -> str:
 
 def mission_json_schema() -> dict[str, Any]:
     """JSON schema of a mission file: `scene` or `scenes`, and what a scene may override."""
-    from uwopt.mission.checks import HARDWARE_KEYS
+    from uwopt.mission.checks import HARDWARE_KEYS, WHOLE_MISSION_KEYS
     from uwopt.mission.mission import Mission
 
     schema = Mission.model_json_schema(by_alias=True)
@@ -139,7 +143,7 @@ def mission_json_schema() -> dict[str, Any]:
     scene = definitions["Scene"]
     for override in ("VehicleOverride", "RequirementsOverride"):
         properties = definitions[override]["properties"]
-        for key in HARDWARE_KEYS:
+        for key in (*HARDWARE_KEYS, *WHOLE_MISSION_KEYS):
             properties.pop(key, None)
         scene["properties"] |= {
             key: value for key, value in properties.items() if key not in scene["properties"]

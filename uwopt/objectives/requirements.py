@@ -18,6 +18,7 @@ from uwopt.forward.motion import least_overlap
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lenses
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.views import altitudes_m
+from uwopt.mission.duration import Duration
 from uwopt.mission.sections import Limits
 from uwopt.tolerances import BINDING_REL, SATISFIED_REL
 from uwopt.units import ratio_to_db
@@ -265,3 +266,16 @@ def system_margins(
         if rating is not None or part not in accepted:
             known = 0.0 if rating is None else rating
             yield MarginRows(f"depth_rating_m ({part})", known * every, depth_m * every, ">=", "m")
+
+
+def duration_margins(
+    duration: Duration, *, mean_power_w: Array, mean_data_rate_mb_s: Array
+) -> Iterator[MarginRows]:
+    """What the whole mission may use up, from means over its scenes: energy and storage."""
+    every = np.ones(len(mean_power_w))
+    if np.isfinite(duration.energy_wh):
+        energy_wh = duration.energy_of(mean_power_w)
+        yield MarginRows("energy_wh", energy_wh, duration.energy_wh * every, "<=", "Wh")
+    if np.isfinite(duration.storage_gb):
+        storage_gb = duration.storage_of(mean_data_rate_mb_s)
+        yield MarginRows("storage_gb", storage_gb, duration.storage_gb * every, "<=", "GB")

@@ -93,6 +93,17 @@ class Totals(Record):
     light_power_w: Number | None = Field(description="of it the lamps'")
     light_peak_power_w: Number | None = Field(description="while the lamps burn")
     mass_kg: Number | None = Field(description="of all parts")
+    energy_wh: Number | None = Field(
+        default=None,
+        description="over the mission's duration, scenes weighed by their time; null without one",
+    )
+    storage_gb: Number | None = Field(
+        default=None,
+        description="of uncompressed images over the mission's duration, 10^9 byte; null without one",
+    )
+    endurance_h: Number | None = Field(
+        default=None, description="that the vehicle's battery lasts; null without one"
+    )
 
 
 @dataclass(frozen=True, config=RECORD)

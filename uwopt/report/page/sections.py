@@ -154,6 +154,14 @@ def cards(design: Design) -> list[Card]:
             )
     if totals.mass_kg is not None:
         shown.append(Card("Mass", words.quantity(totals.mass_kg, "kg")))
+    for name, value, unit in (
+        ("Energy", totals.energy_wh, "Wh"), ("Storage", totals.storage_gb, "GB"),
+        ("Battery lasts", totals.endurance_h, "h"),
+    ):  # fmt: skip
+        if value is not None:
+            shown.append(
+                Card(name, words.quantity(value, unit), "over the whole mission" if unit != "h" else "")
+            )
     return shown
 
 

@@ -71,6 +71,8 @@ REQUIREMENTS: Mapping[str, str] = {
     "peak_power_w": "peak power of the lamps",
     "mass_kg": "mass",
     "data_rate_mb_s": "data rate",
+    "energy_wh": "energy of the whole mission",
+    "storage_gb": "storage of the whole mission",
     "depth_rating_m": "depth rating",
 }
 
@@ -93,6 +95,7 @@ RULES: Mapping[str, str] = {
     "min_swath_m": "swath too narrow",
     "frame_rate": "camera too slow",
     "data_rate_mb_s": "data rate too high",
+    "storage_gb": "more images than the storage holds",
     "min_dof_m": "depth of field too short at every f-number",
     "max_blur_px": "blurred at the shortest exposure",
     "min_snr": "too little light for the wanted signal",
@@ -100,6 +103,7 @@ RULES: Mapping[str, str] = {
     "cost": "too expensive",
     "mass_kg": "too heavy",
     "power_w": "too much power",
+    "energy_wh": "too much energy over the mission",
     "bound": "proven not better than the systems shown",
     "not_reached": "not reached in the time allowed",
 }
@@ -271,9 +275,7 @@ def differing_parts(design: Design, best: Design) -> str:
     """What a design has that the best one has not: `lens kowa-lm6hc, 3 lights`."""
     mine, other = design.hardware, best.hardware
     words = [
-        f"{kind} {part_id(part)}"
-        for kind, part in mine.parts.items()
-        if part.id != other.parts[kind].id
+        f"{kind} {part_id(part)}" for kind, part in mine.parts.items() if part.id != other.parts[kind].id
     ]
     if mine.light_count != other.light_count:
         words.append(counted(mine.light_count, "light"))
@@ -346,7 +348,17 @@ def power_sentence(totals: Totals) -> str:
         f" (lights {quantity(totals.light_power_w, 'W')} on average,"
         f" {quantity(totals.light_peak_power_w, 'W')} at peak),"
         f" mass {quantity(totals.mass_kg, 'kg')}"
+        f"{used_up_clause(totals)}"
     )
+
+
+def used_up_clause(totals: Totals) -> str:
+    """`, energy 412 Wh, storage 86 GB, battery lasts 9.7 h` of what the mission lets know; else nothing."""
+    said = (
+        ("energy", totals.energy_wh, "Wh"), ("storage", totals.storage_gb, "GB"),
+        ("battery lasts", totals.endurance_h, "h"),
+    )  # fmt: skip
+    return "".join(f", {name} {quantity(value, unit)}" for name, value, unit in said if value is not None)
 
 
 def n_unpriced(bom: Sequence[BillRow]) -> int:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.scene import SceneOptics
+from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.solve_settings import FEASIBLE, solve_settings
 from uwopt.solvers.exact.imagers import limit
@@ -28,13 +27,15 @@ BONMIN_S = 10.0  # of processor time
 
 def smooth(sought: Sought, objective: Objective) -> bool:
     """Whether the continuous solvers' program holds what the mission asks."""
-    return not why_not_smooth(sought.problem.scenes, objective)
+    return not why_not_smooth(sought.problem, objective)
 
 
-def why_not_smooth(scenes: Sequence[SceneOptics], objective: Objective) -> str:
+def why_not_smooth(problem: Problem, objective: Objective) -> str:
     """What of a mission is no part of the continuous solvers' program; empty where nothing is."""
-    if scenes_need_cells(scenes, objective) or objective.weight("contrast"):
+    if scenes_need_cells(problem.scenes, objective) or objective.weight("contrast"):
         return "sun, sharpness, contrast and information are no part of its smooth program"
+    if problem.duration.over_scenes:
+        return "a limit of energy over several scenes is no part of its program"
     if min(objective.weight("power"), objective.weight("snr_db")) < 0.0:
         return "its program takes no negative weight of power or snr_db"
     return ""
@@ -83,7 +84,7 @@ def opinion(
         scene_rows_of(sought.search, found),
         **fixed_of(sought, found),
         objective=objective,
-        power_limit_w=limit(sought.problem.mission.limits.power_w),
+        power_limit_w=sought.problem.scene_power_limit_w,
         method=method,  # type: ignore[arg-type]
         max_seconds=None if math.isinf(deadline.left_s) else deadline.left_s,
     )
@@ -118,7 +119,7 @@ def mixed_opinion(sought: Sought, objective: Objective, *, max_seconds: float = 
         "agrees": False, "max_violation": None, "kkt_residual": None, "multipliers": {}, "iterations": 0,
         "run_time_s": 0.0,
     }  # fmt: skip
-    why_not = why_not_smooth(sought.problem.scenes, objective)
+    why_not = why_not_smooth(sought.problem, objective)
     if why_not:
         return {**told, "message": f"Bonmin was not run: {why_not}"}
     from uwopt.solvers.continuous.casadi_ipopt import solve_mixed
@@ -126,7 +127,7 @@ def mixed_opinion(sought: Sought, objective: Objective, *, max_seconds: float = 
 
     began = time.perf_counter()
     open_to_choice = shortlist(sought)
-    power_limit_w = limit(sought.problem.mission.limits.power_w)
+    power_limit_w = sought.problem.scene_power_limit_w
     candidates = [candidate_of(sought, found) for found in open_to_choice]
     program = MixedProgram(candidates, objective, power_limit_w)
     answer = solve_mixed(program, max_seconds=max_seconds)

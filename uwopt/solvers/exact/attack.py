@@ -218,7 +218,7 @@ class Spread:
 def judge(model: DesignModel, spread: Spread, points: Array, objective: Objective) -> tuple[Array, Array]:
     """Objective, minimised, and how much all margins together are missed (0: feasible) at these points."""
     scenes = model.problem.scenes
-    missed, by_scene = np.zeros(len(points)), []
+    missed, by_scene, every_scene = np.zeros(len(points)), [], []
     for index, scene in enumerate(scenes):
         settings = spread.settings(index, points)
         figures = model.figures(index, settings, information=bool(objective.weight("information")))
@@ -232,6 +232,9 @@ def judge(model: DesignModel, spread: Spread, points: Array, objective: Objectiv
         )  # fmt: skip
         for margin in model.margins(index, settings, figures):
             missed = missed + missed_share(margin)
+        every_scene.append(figures)
+    for margin in model.duration_margins(every_scene) if len(scenes) > 1 else ():
+        missed = missed + missed_share(margin)
     less_power, snr, contrast, information = np.min(by_scene, axis=0)  # the worst scene counts
     every = np.ones(len(points))
     value = objective.cost_to_minimise(

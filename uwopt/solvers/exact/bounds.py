@@ -23,7 +23,7 @@ from uwopt.units import db_to_ratio, ratio_to_db
 
 Array = NDArray[Any]
 MOST_PLACES = 1024  # rows and columns of a table of lights
-NODE_RULES = ("light", "cost", "mass_kg", "power_w", "bound")
+NODE_RULES = ("light", "cost", "mass_kg", "power_w", "energy_wh", "bound")
 
 
 @dataclass(frozen=True)
@@ -87,6 +87,7 @@ class NodeBounds:
 
     value: Array
     power: Array
+    mean_power_w: Array  # over the scenes' shares of time
     cost: Array
     mass: Array
     snr_db: Array
@@ -97,14 +98,15 @@ class NodeBounds:
     def none(n: int) -> NodeBounds:
         """No bound at all: everything may be best."""
         low = np.full(n, -1e300)
-        return NodeBounds(low, low, low, low, np.full(n, np.inf), np.full(n, -1))
+        return NodeBounds(low, low, low, low, low, np.full(n, np.inf), np.full(n, -1))
 
     @staticmethod
     def empty(n: int) -> NodeBounds:
         """No light yet: nothing can be reached."""
         inf = np.full(n, np.inf)
         lowest = np.full(n, -np.inf)
-        return NodeBounds(inf, inf.copy(), inf.copy(), inf.copy(), lowest, np.zeros(n, int), lowest.copy())
+        power, mean_power, cost, mass = (inf.copy() for _ in range(4))
+        return NodeBounds(inf, power, mean_power, cost, mass, lowest, np.zeros(n, int), lowest.copy())
 
     def better_of(self, other: NodeBounds) -> NodeBounds:
         """The lower bound of two groups of lights; a node fails only if both fail, by the later rule."""
@@ -113,6 +115,7 @@ class NodeBounds:
         return NodeBounds(
             np.minimum(self.value, other.value),
             np.minimum(self.power, other.power),
+            np.minimum(self.mean_power_w, other.mean_power_w),
             np.minimum(self.cost, other.cost),
             np.minimum(self.mass, other.mass),
             np.maximum(self.snr_db, other.snr_db),
@@ -213,7 +216,7 @@ class Bounds:
         lighting, table, limits = self.tables.lightings[k], self.light_tables[k], self.limits
         imagers = self.imagers
         n = len(rows)
-        power, capacity_needed = np.zeros(n), np.zeros(n)
+        power, mean_power, capacity_needed = np.zeros(n), np.zeros(n), np.zeros(n)
         snr_db, information = np.full(n, np.inf), np.full(n, np.inf)
         order = np.argsort(table.effective[own])
         capacity = table.effective[own][order]
@@ -244,7 +247,11 @@ class Bounds:
                     dimmest = self._dimmest(k, own) * (need.rate_hz if kind == FLASH else 1.0)
                     scene_power = np.maximum(scene_power, np.where(used > 0, dimmest, 0.0))
                 most_drawn = np.minimum(most_drawn, np.where(used > 0, power_left / used * ROUND, np.inf))
-            power = np.maximum(power, np.where(np.isfinite(wanted), scene_power, np.inf))
+            scene_power = np.where(np.isfinite(wanted), scene_power, np.inf)
+            power = np.maximum(power, scene_power)
+            mean_power += self.problem.duration.shares[index] * np.where(
+                np.isfinite(wanted), scene_power, 0.0
+            )
             if self.objective.weight("snr_db") or self.objective.weight("information"):
                 electrons = np.full(n, np.inf) if self._sunlit(index) else capacity[-1] * most
                 reached = self._snr_bound(index, electrons, rows)
@@ -263,7 +270,8 @@ class Bounds:
             corner = self._corner(k, kind, "cost", table.cost[own][order], table.power_per_light[own][order])
             lights_cost = corner.within(at, most_drawn)
         bounds = NodeBounds(
-            np.zeros(n), imagers.camera_power_w[rows] + power, imagers.cost[rows] + lights_cost,
+            np.zeros(n), imagers.camera_power_w[rows] + power, imagers.camera_power_w[rows] + mean_power,
+            imagers.cost[rows] + lights_cost,
             imagers.mass_kg[rows] + least(table.mass_kg), snr_db, np.zeros(n, int), information,
         )  # fmt: skip
         contrast, clear = self._contrast_bound(lighting, rows)
@@ -363,6 +371,7 @@ class Bounds:
             ("cost", limit_cost <= limit(limits.cost) * ROUND),
             ("mass_kg", bounds.mass <= limit(limits.mass_kg) * ROUND),
             ("power_w", bounds.power <= limit(limits.power_w) * ROUND),
+            ("energy_wh", bounds.mean_power_w <= self.problem.duration.mean_power_limit_w * ROUND),
         )
         for name, passes in checks:
             rule = np.where((rule < 0) & ~passes, NODE_RULES.index(name), rule)

@@ -33,7 +33,7 @@ PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule
 
 IMAGER_RULES = (
     "mount", "image_circle", "lens_rating", "view", "focus", "max_gsd_mm", "min_swath_m", "frame_rate",
-    "data_rate_mb_s", "min_dof_m", "max_blur_px", "cost", "mass_kg", "power_w",
+    "data_rate_mb_s", "storage_gb", "min_dof_m", "max_blur_px", "cost", "mass_kg", "power_w", "energy_wh",
 )  # fmt: skip
 
 
@@ -255,6 +255,8 @@ def rules(
         "data_rate_mb_s",
         all_of(extra.rate_hz * cameras.frame_mb * count <= rate_limit * ROUND for extra in focused),
     )
+    rates = [extra.rate_hz * cameras.frame_mb * count for extra in focused]
+    yield "storage_gb", problem.duration.mean(rates) <= problem.duration.mean_data_limit_mb_s * ROUND
     yield "min_dof_m", common_f_number(lenses, focused)
     yield (
         "max_blur_px",
@@ -267,6 +269,7 @@ def rules(
     yield "cost", cost <= limit(limits.cost) * ROUND
     yield "mass_kg", mass <= limit(limits.mass_kg) * ROUND
     yield "power_w", power <= limit(limits.power_w) * ROUND
+    yield "energy_wh", power <= problem.duration.mean_power_limit_w * ROUND
 
 
 def limit(value: float | None) -> float:

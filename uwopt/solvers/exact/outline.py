@@ -377,6 +377,7 @@ class Level:
         every = np.ones(len(rows), bool)
         for name in ("max_gsd_mm", "min_swath_m", "frame_rate", "data_rate_mb_s", "min_dof_m"):
             passes[name] = every.copy()
+        duration, rates = problem.duration, []
         for scene, seen in zip(problem.scenes, imagers.scenes, strict=True):
             needs, focused = scene.view.requirements, seen.focused
             far = self.path_m(scene, rows, float(scene.range_m[-1]), high=False)
@@ -388,13 +389,16 @@ class Level:
             passes["frame_rate"] &= focused.rate_hz <= cameras.max_rate_hz[rows.camera] * COARSE_ROUND
             data = focused.rate_hz * cameras.frame_mb[rows.camera] * count
             passes["data_rate_mb_s"] &= data <= limit(limits.data_rate_mb_s) * COARSE_ROUND
+            rates.append(data)
             passes["min_dof_m"] &= np.isfinite(focused.n_low) & (
                 focused.n_low <= focused.n_high * COARSE_ROUND
             )
+        passes["storage_gb"] = duration.mean(rates) <= duration.mean_data_limit_mb_s * COARSE_ROUND
         passes["max_blur_px"] = cameras.min_exposure_s[rows.camera] <= limits.max_exposure_ms * 1e-3
         passes["cost"] = imagers.limit_cost <= limit(limits.cost) * COARSE_ROUND
         passes["mass_kg"] = imagers.mass_kg <= limit(limits.mass_kg) * COARSE_ROUND
         passes["power_w"] = imagers.camera_power_w <= limit(limits.power_w) * COARSE_ROUND
+        passes["energy_wh"] = imagers.camera_power_w <= duration.mean_power_limit_w * COARSE_ROUND
         return list(passes.items())
 
 

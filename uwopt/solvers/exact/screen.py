@@ -30,7 +30,8 @@ def pair_rules(
     table, imagers, limits = bounds.light_tables[k], bounds.imagers, bounds.limits
     lamp = bounds.problem.lights.take(table.light)
     shape = (len(rows), len(table.light))
-    able, power = np.ones(shape, bool), np.zeros(shape)
+    able, power, mean_power = np.ones(shape, bool), np.zeros(shape), np.zeros(shape)
+    duration = bounds.problem.duration
     pulsed, flash = table.kind == PULSED, table.kind == FLASH
     for scene_index in range(len(imagers.scenes)):
         need = bounds._needs(scene_index, rows)
@@ -47,7 +48,9 @@ def pair_rules(
         able &= (wanted <= table.effective * MEETS) & (longest > 0)
         able &= (rate <= lamp.max_rate_hz * MEETS) | (table.kind == CONTINUOUS)
         power = np.maximum(power, np.where(able, drawn, np.inf))
+        mean_power = mean_power + duration.shares[scene_index] * np.where(able, drawn, 0.0)
     power = power + imagers.camera_power_w[rows, None]
+    mean_power = mean_power + imagers.camera_power_w[rows, None]
     mass = imagers.mass_kg[rows, None] + table.mass_kg
     limit_cost = imagers.limit_cost[rows, None] + table.limit_cost
     terms = Terms(
@@ -62,6 +65,7 @@ def pair_rules(
         ("cost", limit_cost <= limit(limits.cost) * ROUND),
         ("mass_kg", mass <= limit(limits.mass_kg) * ROUND),
         ("power_w", power <= limit(limits.power_w) * ROUND),
+        ("energy_wh", mean_power <= duration.mean_power_limit_w * ROUND),
         ("bound", value <= threshold),
     ):
         rule = np.where((rule < 0) & ~passes, np.int8(NODE_RULES.index(name)), rule)

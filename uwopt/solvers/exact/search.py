@@ -38,6 +38,7 @@ from uwopt.solvers.exact.light_tables import FieldTables, Lighting
 from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.settings.best import GAP, best_settings
 from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.tolerances import ROUND, TIE
 
 Array = NDArray[Any]
@@ -416,13 +417,14 @@ class Search:
         fixed = Terms(camera_power, cost, mass, np.zeros(len(imager)), self.imagers.gsd_mm[imager])
         hardware = np.unique(np.stack([imager, pairs.light]), axis=1, return_inverse=True)[1].reshape(-1)
         best = best_settings(
-            rows, motorised, self.objective, camera_power, limit(self.limits.power_w),
+            rows, motorised, self.objective, camera_power, self.problem.scene_power_limit_w,
             gap_rel=ROUGH_GAP if optimistic else GAP, constant=self.objective.cost_to_minimise(fixed),
             cutoff=self.ranking.threshold(), hardware=hardware, top=None if optimistic else self.top,
+            mean_limit=MeanLimit.of(self.problem),
         )  # fmt: skip
         chosen = best.chosen
         power = camera_power + np.max([c.light_power_w for c in chosen], axis=0)
-        feasible = best.feasible & (power <= limit(self.limits.power_w) * ROUND)
+        feasible = best.feasible & (power <= self.problem.scene_power_limit_w * ROUND)
         terms = Terms(
             power, cost, mass, best.snr_db, self.imagers.gsd_mm[imager], best.contrast, best.information
         )

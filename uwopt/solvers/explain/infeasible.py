@@ -45,6 +45,8 @@ RELAXABLE: dict[str, tuple[str, str, str | None]] = {
     "peak_power_w": ("limits", "peak_power_w", None),
     "mass_kg": ("limits", "mass_kg", "mass"),
     "data_rate_mb_s": ("limits", "data_rate_mb_s", None),
+    "energy_wh": ("limits", "energy_wh", None),
+    "storage_gb": ("limits", "storage_gb", None),
     "depth_rating_m": ("limits", "depth_rating_m", None),
 }
 
@@ -78,7 +80,7 @@ def explain(
     return WhyNothing(requirements, helpful, relaxations[0].design if relaxations else None)
 
 
-BOUNDED = ("light", "bound", "power_w", "cost", "mass_kg")
+BOUNDED = ("light", "bound", "power_w", "energy_wh", "cost", "mass_kg")
 
 
 def single_relaxations(

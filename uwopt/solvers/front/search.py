@@ -31,6 +31,7 @@ from uwopt.solvers.exact.light_tables import Lighting
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.trade_curves import Answers, Curves, Hopeful, Trade
 from uwopt.solvers.settings import closed_form
+from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
@@ -280,7 +281,7 @@ class FrontSearch:
         )  # fmt: skip
         return Hopeful(
             np.full(len(imager), k), imager, light, count, rows, search.motorised[imager],
-            imagers.camera_power_w[imager], fixed, limit(search.limits.power_w),
+            imagers.camera_power_w[imager], fixed, search.problem.scene_power_limit_w, MeanLimit.of(search.problem),
         )  # fmt: skip
 
     def _unbeaten(self, some: Hopeful) -> Array:

@@ -24,6 +24,7 @@ from uwopt.solvers.exact.bounds import bit_per_px_bound
 from uwopt.solvers.settings import closed_form, dark
 from uwopt.solvers.settings.best import Best, best_settings, settings_at_dark
 from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.units import db_to_ratio
 
 Array = NDArray[Any]
@@ -49,6 +50,7 @@ class Hopeful(Columns):
     camera_power_w: Array
     fixed: Array  # (n, n_axes) values of the axes, those of the settings left at 0
     power_limit_w: float
+    mean_limit: MeanLimit | None = None
 
     def __len__(self) -> int:
         return len(self.imager)
@@ -160,7 +162,7 @@ class Trade:
         constant = some.camera_power_w if goal.weight("power") else 0.0
         return best_settings(
             some.rows, some.motorised, goal, some.camera_power_w, limit_w, gap_rel=self.gap_rel, constant=constant,
-            cutoff=cutoff,
+            cutoff=cutoff, mean_limit=some.mean_limit,
         )  # fmt: skip
 
     def _quality_bound(self, best: Best) -> Array:
@@ -231,6 +233,8 @@ class Trade:
         ok &= np.isfinite(np.max([c.light_power_w for c in chosen], axis=0))
         power = some.camera_power_w + np.where(ok, np.max([c.light_power_w for c in chosen], axis=0), np.nan)
         ok &= power <= some.power_limit_w * ABOVE
+        if some.mean_limit is not None:
+            ok &= some.mean_limit.met_by(chosen, some.camera_power_w)
         quality = information_of(some.rows, chosen, ok)
         power = np.where(ok, power, np.nan)
         every = np.arange(len(some))

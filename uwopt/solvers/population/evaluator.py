@@ -20,9 +20,8 @@ from uwopt.forward.views import focus_map
 from uwopt.model.port import FocusMap
 from uwopt.objectives.objective import MAXIMISED, Terms
 from uwopt.objectives.own import OwnObjective
-from uwopt.objectives.requirements import MarginRows, scene_margins, system_margins
+from uwopt.objectives.requirements import MarginRows, duration_margins, scene_margins, system_margins
 from uwopt.quantities import TERMS
-from uwopt.solvers.exact.imagers import limit
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.coding import CodedHardware, Coding, cost_of, mass_kg_of
@@ -127,7 +126,7 @@ class Evaluator:
         scenes = range(len(self.problem.scenes))
         seen = [self.store.seen(s, built.imager, built.lighting, built.count) for s in scenes]
         rows = [self._scene_rows(s, built, seen[s]) for s in scenes]
-        light_limit_w = limit(self.problem.mission.limits.power_w) - self._camera_power_w(built)
+        light_limit_w = self.problem.scene_power_limit_w - self._camera_power_w(built)
         motorised = self.search.motorised[built.imager]
         decoded = self.coding.decoded(vectors[place], rows, motorised, light_limit_w)
         violation[place] = decoded.missing
@@ -136,7 +135,8 @@ class Evaluator:
             return Solved(place, built, decoded, none, {}, violation)
         some = built.take(fits)
         made = [self._figures(s, some, seen[s].take(fits), decoded, fits) for s in scenes]
-        missed = np.sum([self._missed(s, some, *made[s]) for s in scenes], axis=0)
+        missed = np.sum([missed_of(self._margins(s, some, *made[s]), len(fits)) for s in scenes], axis=0)
+        missed += missed_of(self._over_scenes(some, [figures for _, _, figures in made]), len(fits))
         violation[place[fits]] = missed
         holds = np.nonzero(missed <= 0.0)[0]
         figures = {name: c[holds] for name, c in self._named(made, some).items()}
@@ -183,18 +183,17 @@ class Evaluator:
         scene = self.problem.scenes[s]
         return rows, settings, figures_of(scene, rows, settings, information=self.information)
 
-    def _missed(
-        self, s: int, built: CodedHardware, rows: DesignRows, settings: SettingRows, figures: Figures
-    ) -> Array:
-        """By how much margins are missed in one scene; 0 where every requirement holds."""
-        total = np.zeros(len(built.imager))
-        for margin in self._margins(s, built, rows, settings, figures):
-            lost = ~margin.satisfied
-            if lost.any():
-                size = np.maximum(np.abs(np.where(np.isfinite(margin.limit), margin.limit, 1.0)), 1e-12)
-                by = np.nan_to_num(-margin.margin / size, nan=1.0, posinf=MOST_MISS)
-                total += np.where(lost, np.clip(by, LEAST_MISS, MOST_MISS), 0.0)
-        return total
+    def _over_scenes(self, built: CodedHardware, figures: Sequence[Figures]) -> list[MarginRows]:
+        """Limits of energy and storage over all scenes together."""
+        duration, count = self.problem.duration, self.problem.mission.vehicle.camera_count
+        camera_power = self._camera_power_w(built)
+        return list(
+            duration_margins(
+                duration,
+                mean_power_w=duration.mean([camera_power + f.light_power_w for f in figures]),
+                mean_data_rate_mb_s=duration.mean([count * f.data_rate_mb_s for f in figures]),
+            )
+        )
 
     def _margins(
         self, s: int, built: CodedHardware, rows: DesignRows, settings: SettingRows, figures: Figures
@@ -280,6 +279,18 @@ class Evaluator:
             found[kind] = column
             found[f"{kind}_id"] = np.array([part.id for part in every])[column]
         return found
+
+
+def missed_of(margins: Sequence[MarginRows], count: int) -> Array:
+    """By how much margins of so many designs are missed; 0 where every requirement holds."""
+    total = np.zeros(count)
+    for margin in margins:
+        lost = ~margin.satisfied
+        if lost.any():
+            size = np.maximum(np.abs(np.where(np.isfinite(margin.limit), margin.limit, 1.0)), 1e-12)
+            by = np.nan_to_num(-margin.margin / size, nan=1.0, posinf=MOST_MISS)
+            total += np.where(lost, np.clip(by, LEAST_MISS, MOST_MISS), 0.0)
+    return total
 
 
 def lacking_without_veils(search: Search, store: LightStore, built: CodedHardware) -> Array:

@@ -25,6 +25,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
 from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL, SettableScene, Tried, terms_of
 from uwopt.solvers.settable.steps import DIGITS, focus_distances_m, rates_hz, stops
+from uwopt.tolerances import SATISFIED_REL
 
 FAR_M = 10_000.0  # what a focus at infinity, or beyond, is set to
 HOPELESS = 0.05  # share by which a requirement is missed that no finer rate or focus can mend
@@ -96,13 +97,15 @@ def evaluated(problem: Problem, hardware: Hardware, given: list[SceneSettings], 
 
 def holds(model: DesignModel, given: Sequence[SceneSettings]) -> bool:
     """Whether these settings meet every requirement in a model."""
+    by_scene = []
     for index, one in enumerate(given):
         settings = model.settings(index, one)
         figures = model.figures(index, settings)
+        by_scene.append(figures)
         margins = model.margins(index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL)
         if not all(bool(m.satisfied[0]) for m in margins):
             return False
-    return True
+    return len(by_scene) == 1 or all(bool(m.satisfied[0]) for m in model.duration_margins(by_scene))
 
 
 def variants(model: DesignModel, optimum: Sequence[SettingRows]) -> Iterator[tuple[list[float], list[float]]]:
@@ -140,6 +143,9 @@ def best_common(
         every = np.zeros(len(tried[0].shortfall), np.intp)
         tried = [one.take(one.best_of_each(every)) for one in tried]
     missed = np.max([one.shortfall for one in tried], axis=0)
+    mean_power_w = model.problem.duration.mean([one.power_w for one in tried])
+    over = mean_power_w / model.problem.duration.mean_power_limit_w - 1.0
+    missed = np.maximum(missed, np.where(over > SATISFIED_REL, over, 0.0))
     value = np.max([one.value for one in tried], axis=0)
     if objective is not None:
         value = np.where(missed == 0.0, objective.cost_to_minimise(terms_of(tried)), np.inf)

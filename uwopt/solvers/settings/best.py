@@ -13,6 +13,7 @@ from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings import closed_form, dark
+from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.units import ratio_to_db
 
 if TYPE_CHECKING:
@@ -52,13 +53,13 @@ def best_settings(
     rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
     power_limit_w: float | Array, *,
     gap_rel: float = GAP, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
-    top: int | None = None,
+    top: int | None = None, mean_limit: MeanLimit | None = None,
 ) -> Best:  # fmt: skip
     """Settings that are best for an objective; the keywords as in `cells.best_by_cells`, for where it is used."""
     if not needs_cells(rows, objective):
         return best_in_the_dark(
             rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-            cutoff=cutoff, hardware=hardware, top=top,
+            cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit,
         )  # fmt: skip
     if objective.weight("information") or any(r.sunlit for r in rows):
         from uwopt.solvers.settings.cells import (
@@ -67,11 +68,11 @@ def best_settings(
 
         return _of_cells(best_by_cells(
             rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-            cutoff=cutoff, hardware=hardware, top=top,
+            cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit,
         ))  # fmt: skip
     return best_where_sharp(
         rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-        cutoff=cutoff, hardware=hardware, top=top,
+        cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit,
     )  # fmt: skip
 
 
@@ -86,14 +87,14 @@ def _of_cells(found: CellResult) -> Best:
 def best_where_sharp(
     rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
     power_limit_w: float | Array, *,
-    constant: Array | float, cutoff: float | Array, **more: Any,
+    constant: Array | float, cutoff: float | Array, mean_limit: MeanLimit | None, **more: Any,
 ) -> Best:  # fmt: skip
     """Best settings whose image is sharp enough as well.
 
     Without that requirement the closed form holds and is a bound: where its settings happen to be sharp they
     are best; where it finds none, there are none; where it cannot beat the cutoff, neither can sharp settings.
     """
-    easy = best_closed(rows, motorised, objective, camera_power_w, power_limit_w, constant=constant)
+    easy = best_closed(rows, motorised, objective, camera_power_w, power_limit_w, constant, mean_limit)
     lower = easy.lower_bound
     if lower is None:
         lower = np.where(easy.feasible, value_of(easy, objective, constant), np.inf)
@@ -102,17 +103,17 @@ def best_where_sharp(
     open_ = np.isfinite(lower) & ~feasible & (lower <= cutoff)
     return searched_where(
         open_, replace(easy, feasible=feasible, lower_bound=lower), rows, motorised, objective, camera_power_w,
-        power_limit_w, constant=constant, cutoff=cutoff, **more,
+        power_limit_w, constant=constant, cutoff=cutoff, mean_limit=mean_limit, **more,
     )  # fmt: skip
 
 
 def best_in_the_dark(
     rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
     power_limit_w: float | Array, *,
-    gap_rel: float, constant: Array | float, cutoff: float | Array, **more: Any,
+    gap_rel: float, constant: Array | float, cutoff: float | Array, mean_limit: MeanLimit | None, **more: Any,
 ) -> Best:  # fmt: skip
     """Best settings in closed form; where dark current leaves more than the gap open, searched over cells."""
-    easy = best_closed(rows, motorised, objective, camera_power_w, power_limit_w, constant=constant)
+    easy = best_closed(rows, motorised, objective, camera_power_w, power_limit_w, constant, mean_limit)
     lower = easy.lower_bound
     if lower is None:
         return easy
@@ -121,7 +122,7 @@ def best_in_the_dark(
     close = value - known <= gap_rel * np.maximum(np.abs(known), NO_RELATIVE_GAP)
     return searched_where(
         np.isfinite(lower) & ~close & (lower <= cutoff), easy, rows, motorised, objective, camera_power_w,
-        power_limit_w, gap_rel=gap_rel, constant=constant, cutoff=cutoff, **more,
+        power_limit_w, gap_rel=gap_rel, constant=constant, cutoff=cutoff, mean_limit=mean_limit, **more,
     )  # fmt: skip
 
 
@@ -190,6 +191,7 @@ def best_closed(
     camera_power_w: Array,
     power_limit_w: float | Array,
     constant: Array | float = 0.0,
+    mean_limit: MeanLimit | None = None,
 ) -> Best:
     """Best settings in closed form.
 
@@ -198,15 +200,16 @@ def best_closed(
     settle it. Least power is settled with its dark electrons where that need not be the joint optimum; where SNR
     counts too, the bound says what is left. Rows for bounds are answered with a bound at once.
     """
+    given = (motorised, objective, camera_power_w, power_limit_w, mean_limit)
     if not any(np.any(r.dark_current_e_s > 0) for r in rows):
-        return closed_at(rows, settings_at_dark(rows, motorised, objective, camera_power_w, power_limit_w))
+        return closed_at(rows, settings_at_dark(rows, *given))
     if rows[0].optimistic:
         rows = [dark.relaxed(r) for r in rows]
-        return closed_at(rows, settings_at_dark(rows, motorised, objective, camera_power_w, power_limit_w))
+        return closed_at(rows, settings_at_dark(rows, *given))
     start = rows = [dark.at_time(r, r.time_min_s) for r in rows]
     ever = np.zeros(len(motorised), bool)
     for _ in range(DARK_ROUNDS):
-        found = settings_at_dark(rows, motorised, objective, camera_power_w, power_limit_w)
+        found = settings_at_dark(rows, *given)
         ever |= found[1]
         updated = [closed_form.with_exposure(r, c) for r, c in zip(rows, found[0], strict=True)]
         settled = np.logical_and.reduce(
@@ -221,9 +224,12 @@ def best_closed(
     best = closed_at(rows, found)
     best = replace(best, feasible=best.feasible & settled)
     if not objective.weight("snr_db"):
-        return with_joint_optimum(best, rows, motorised, ever)
+        best = with_joint_optimum(best, rows, motorised, ever)
+        if mean_limit is not None:
+            best = replace(best, feasible=best.feasible & mean_limit.met_by(best.chosen, camera_power_w))
+        return best
     free = [dark.relaxed(r) for r in start]
-    bound = closed_at(free, settings_at_dark(free, motorised, objective, camera_power_w, power_limit_w))
+    bound = closed_at(free, settings_at_dark(free, *given))
     lower = np.where(bound.feasible, value_of(bound, objective, constant), np.inf)
     return replace(best, lower_bound=lower)
 
@@ -281,6 +287,7 @@ def settings_at_dark(
     objective: Objective,
     camera_power_w: Array,
     power_limit_w: float | Array,
+    mean_limit: MeanLimit | None = None,
 ) -> tuple[list[closed_form.Chosen], Array, Array]:
     """Best settings with the dark electrons of the rows.
 
@@ -293,10 +300,14 @@ def settings_at_dark(
     else:
         top = closed_form.greatest_snr(rows, motorised, power_limit_w - camera_power_w)
         goal = np.nan_to_num(top, nan=0.0) * (1 - 1e-12)
+        if mean_limit is not None:
+            goal = mean_limit.highest_snr(rows, motorised, goal, camera_power_w)
         if objective.single is None and objective.weight("power"):
             goal = weighted_goal(rows, motorised, goal, objective.weight("power"), weight)
         chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=goal)
         feasible &= np.isfinite(top)
+    if mean_limit is not None:
+        feasible &= mean_limit.met_by(chosen, camera_power_w)
     return chosen, feasible, snr_of(rows, chosen)
 
 

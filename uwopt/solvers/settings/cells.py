@@ -29,6 +29,7 @@ from uwopt.solvers.settings.cell_tangent import (
     typical_bit_per_px,
 )
 from uwopt.solvers.settings.closed_form import Chosen, nominal_contrast
+from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
@@ -73,7 +74,7 @@ def best_by_cells(
     rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
     power_limit_w: float | Array, *,
     gap_rel: float = 1e-4, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
-    top: int | None = None, most_cells: int = MOST_CELLS,
+    top: int | None = None, most_cells: int = MOST_CELLS, mean_limit: MeanLimit | None = None,
 ) -> CellResult:  # fmt: skip
     """Best settings of n designs to a relative gap of the objective, worst scene.
 
@@ -89,13 +90,14 @@ def best_by_cells(
     fixed = np.broadcast_to(np.asarray(constant, float), (n,))
     light_limit_w = np.broadcast_to(power_limit_w - camera_power_w, (n,))
     ceiling = np.broadcast_to(np.asarray(cutoff, float), (n,))
+    camera = np.broadcast_to(np.asarray(camera_power_w, float), (n,))
     results = []
     for mine in groups:
         search = CellSearch(
             [r.take(mine) for r in rows], objective, light_limit_w[mine],
             own_f_number=len(rows) > 1 and bool(motorised[mine[0]]), gap_rel=gap_rel, constant=fixed[mine],
             cutoff=ceiling[mine], hardware=None if hardware is None else hardware[mine], top=top,
-            most_cells=most_cells,
+            most_cells=most_cells, mean_limit=mean_limit, camera_power_w=camera[mine],
         )  # fmt: skip
         results.append(search.run())
     return results[0] if len(results) == 1 else merged(groups, results, n)
@@ -128,10 +130,12 @@ class CellSearch:
     def __init__(
         self, rows: list[SceneRows], objective: Objective, light_limit_w: Array, *, own_f_number: bool,
         gap_rel: float, constant: Array, cutoff: Array, hardware: Array | None, top: int | None, most_cells: int,
+        mean_limit: MeanLimit | None = None, camera_power_w: Array | float = 0.0,
     ):  # fmt: skip
         self.rows, self.constant, self.cutoff = rows, constant, cutoff
         self.hardware = np.arange(len(constant)) if hardware is None else hardware
-        self.top = top
+        self.top, self.mean_limit = top, mean_limit
+        self.camera_power_w = np.broadcast_to(camera_power_w, constant.shape)
         self.n = len(constant)
         self.scenes = [SceneCells(r, light_limit_w) for r in rows]
         self.sunlit = [r.sunlit for r in rows]
@@ -144,7 +148,8 @@ class CellSearch:
         self.weight = {**weight, "power": 1.0} if self.power_decides else weight
         self.offset = np.zeros(self.n) if self.power_decides else constant
         quality = any(self.weight[q] for q in QUALITIES)
-        self.mixed = quality and (bool(self.weight["power"]) or any(self.sunlit))
+        traded = bool(self.weight["power"]) or mean_limit is not None  # the level is no matter of course
+        self.mixed = quality and (traded or any(self.sunlit))
         self.share = (0.0, 0.5, 1.0) if self.mixed else (1.0,) if quality else (0.0,)
         self.gap = gap_rel * (0.3 if self.weight["information"] else 0.99)
         self.budget = max(most_cells, FEWEST)
@@ -283,6 +288,8 @@ class CellSearch:
                 pool.lo[:, self.u_dim[s]], pool.hi[:, self.u_dim[s]] = lo, hi
                 box = replace(box, u_lo=np.clip(np.maximum(box.u_lo, u_lo), 0.0, box.u_hi))
             seen.append((box, reach))
+        if self.mean_limit is not None:
+            alive &= self.mean_limit.holds([r.power_w for _, r in seen], self.camera_power_w[pool.design])
         index = np.nonzero(alive)[0]
         return pool.take(index), [
             (box.take(index), Reach(**{f.name: getattr(r, f.name)[index] for f in fields(Reach)}))
@@ -363,6 +370,8 @@ class CellSearch:
     def _keep(self, design: Array, points: list[Points]) -> None:
         """Remember the points that beat what their designs had."""
         fits = np.logical_and.reduce([p.fits for p in points])
+        if self.mean_limit is not None:
+            fits &= self.mean_limit.met_by([p.chosen for p in points], self.camera_power_w[design])
         index = np.nonzero(fits)[0]
         if len(index) == 0:
             return

@@ -1,0 +1,51 @@
+"""Random cases with a limit of energy that binds, beside those that have none: drawn by generators of their own."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any
+
+import brute_force as brute
+import numpy as np
+import small_catalogues as small
+from random_cases import Case, bench, case, enumerated
+
+HOURS = (0.5, 8.0, 4000.0)
+
+
+@cache
+def energy_case(seed: int) -> Case:
+    """A random case whose energy is what one of its designs needs, or a little more or less, over hours of its own."""
+    base, rng = case(seed), np.random.default_rng([seed, 41])
+    hours = small.pick(rng, HOURS)
+    fits = [one for one in enumerated(seed) if math.isfinite(one.value)]
+    shares = shares_of(rng, len(base.mission.scenes))
+    chosen = small.pick(rng, fits)
+    mean_w = mean_power_w(bench(seed).model(chosen.hardware), chosen.settings, shares)
+    limit_wh = mean_w * hours * small.pick(rng, [0.9, 0.98, 1.0, 1.05])
+    data = base.mission.to_dict()
+    for scene, share in zip(data["scenes"], shares, strict=True):
+        scene["time_share"] = share
+    data["vehicle"]["duration_h"], data["limits"]["energy_wh"] = hours, limit_wh
+    changed = base.mission.with_changes(**{key: data[key] for key in ("scenes", "vehicle", "limits")})
+    return Case(base.parts, changed, base.objective)
+
+
+def shares_of(rng: np.random.Generator, count: int) -> list[float]:
+    """Shares of the time: all, or most of it in one of two scenes."""
+    if count == 1:
+        return [1.0]
+    first = small.pick(rng, [0.1, 0.25, 0.8])
+    return [first, 1.0 - first]
+
+
+def mean_power_w(model: Any, settings: list[dict[str, float]], shares: list[float]) -> float:
+    """Mean over the scenes of cameras and lamps at given settings."""
+    camera_w = brute.fixed_terms(model)["camera_power_w"]
+    focus = brute.place_focus(model.problem.scenes, model.maps, model.views)
+    lamps_w = []
+    for index, numbers in enumerate(settings):
+        scene = brute.SceneSearch(model, index, float(focus.dioptre_per_m[index][0]), np.inf)
+        lamps_w.append(float(model.figures(index, scene.setting_rows(numbers)).light_power_w[0]))
+    return camera_w + sum(share * w for share, w in zip(shares, lamps_w, strict=True))
