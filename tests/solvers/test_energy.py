@@ -118,10 +118,12 @@ def test_storage_discards_by_the_mean_over_scenes() -> None:
         assert (outcome.account.discarded["storage_gb"] > 0) is not bool(found)
 
 
-@pytest.mark.parametrize("seed", [10, 14, 24, 39])
-def test_bounds_of_the_mean_power_are_no_higher_than_what_designs_draw(seed: int) -> None:
-    case = energy_case(seed)
+def test_bounds_of_the_mean_power_are_no_higher_than_what_designs_draw() -> None:
+    """A tenth of the time in a scene that asks for far more light."""
+    case = planted("power", (BURNING,), {"max_blur_px": 1.0}, scenes=(
+        {"min_snr_db": 22.0, "time_share": 0.1}, {"min_snr_db": 10.0, "time_share": 0.9}))  # fmt: skip
     search, outcome = case.solve()
+    assert outcome.best
     shares = [scene.time_share or 0.0 for scene in case.mission.scenes]
     for found in outcome.best:
         k = next(i for i, one in enumerate(search.tables.lightings) if one is found.lighting)
