@@ -148,7 +148,9 @@ def test_a_fineness_is_above_zero_and_never_leaves_less_than_two_nodes():
 
 def effects_cases() -> ModuleType:
     """The random missions and systems that physics `auto` is tested on."""
-    spec = util.spec_from_file_location("effects_cases", Path(__file__).parents[1] / "forward" / "test_effects.py")
+    spec = util.spec_from_file_location(
+        "effects_cases", Path(__file__).parents[1] / "forward" / "test_effects.py"
+    )
     assert spec is not None and spec.loader is not None
     module = util.module_from_spec(spec)
     spec.loader.exec_module(module)

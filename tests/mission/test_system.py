@@ -87,7 +87,7 @@ BAD = [
     ({**SMALL, "light": {**LIGHT, "beam_angle_deg": 80}}, "and beam_angle_deg are both given"),
     ({**SMALL, "light": {**LIGHT, "beam_half_angle_deg": 95}}, "is not below 90"),
     ({**SMALL, "orientation": "any"}, "orientation = 'any' is not one of landscape, portrait"),
-    ({**SMALL, "light_count": 0}, "light_count = 0 is below 1"),
+    ({**SMALL, "light_count": -1}, "light_count = -1 is below 0"),
     ({**SMALL, "light_count": 2, "light_mounts": [{}]}, "light_count = 2 but light_mounts has 1 place(s)"),
     ({**SMALL, "f_number": 4}, "f_number belongs under settings"),
     ({**SMALL, "setings": {}}, "did you mean settings?"),

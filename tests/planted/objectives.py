@@ -34,8 +34,8 @@ DEFECTS = (
     Defect(
         name="the light's depth rating is no margin",
         file="uwopt/evaluation/design_model.py",
-        old="            for part in (port, light)\n",
-        new="            for part in (port,)\n",
+        old="for part in ((port,) if self.unlit else (port, light))",
+        new="for part in (port,)",
         test=f"{OUTSIDE}[depth_rating_m (lamp)]",
     ),
     Defect(

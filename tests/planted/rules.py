@@ -72,4 +72,18 @@ DEFECTS: tuple[Defect, ...] = (
         new="share = 0.5",
         test=f"{FOCUS}::test_the_common_focus_needs_the_least_f_number",
     ),
+    Defect(
+        name="evenness of a lamp that is not there refuses the sun",
+        file="uwopt/solvers/exact/search.py",
+        old="even |= np.array([self.problem.unlit(int(one)) for one in light])",
+        new="even |= np.array([False for one in light])",
+        test="tests/api/test_without_lamps.py::test_lamps_evenness_is_nothing_to_the_sun",
+    ),
+    Defect(
+        name="a lamp is billed where none is used",
+        file="uwopt/evaluation/bill.py",
+        old="*([] if problem.unlit(hw.light) else lamps),",
+        new="*lamps,",
+        test="tests/api/test_without_lamps.py::test_nothing_is_bought_set_or_judged_of_a_lamp",
+    ),
 )

@@ -19,9 +19,9 @@ def used_hardware(problem: Problem, hw: Hardware) -> UsedHardware:
         port=used_part(parts.ports[hw.port]),
         light=used_part(parts.lights[hw.light]),
         camera_count=problem.mission.vehicle.camera_count,
-        light_count=hw.count,
+        light_count=0 if problem.unlit(hw.light) else hw.count,
         orientation="landscape" if hw.landscape else "portrait",
-        light_mounts=lamp_places(hw),
+        light_mounts=[] if problem.unlit(hw.light) else lamp_places(hw),
     )
 
 
@@ -43,11 +43,12 @@ def bought(problem: Problem, hw: Hardware) -> list[tuple[str, Part, int, int]]:
     parts, n = problem.parts, problem.mission.vehicle.camera_count
     light = parts.lights[hw.light]
     owned = min(hw.count, problem.owned_lights.get(light.id, 0))
+    lamps: list[tuple[str, Part, int, int]] = [("light", light, hw.count, owned)]
     return [
         ("camera", parts.cameras[hw.camera], n, 0),
         ("lens", parts.lenses[hw.lens], n, 0),
         ("port", parts.ports[hw.port], n, 0),
-        ("light", light, hw.count, owned),
+        *([] if problem.unlit(hw.light) else lamps),
     ]
 
 

@@ -38,6 +38,8 @@ Array = NDArray[Any]
 
 DARK_CELLS = 80  # a side of the image, where its unlit share is counted
 
+LAMP_MARGINS = ("light_level_max", "light_level", "min_uniformity")  # say nothing where there is no lamp
+
 
 class DesignModel:
     """One hardware choice of a problem, ready to be asked for figures in every scene."""
@@ -286,7 +288,7 @@ class DesignModel:
         """Requirements of one scene and limits of the system in it."""
         scene, limits = self.problem.scenes[index], self.problem.mission.limits
         terms = self.totals(figures)
-        return [
+        margins = [
             *scene_margins(
                 scene, self.rows[index], settings, figures, limits, level_tolerance_rel=level_tolerance_rel
             ),
@@ -301,6 +303,12 @@ class DesignModel:
             ),
             *(self.duration_margins([figures]) if len(self.problem.scenes) == 1 else ()),
         ]  # fmt: skip
+        return [m for m in margins if not (self.unlit and m.requirement in LAMP_MARGINS)]
+
+    @property
+    def unlit(self) -> bool:
+        """Whether the design does without lamps."""
+        return self.problem.unlit(self.hardware.light)
 
     def duration_margins(self, by_scene: Sequence[Figures]) -> list[MarginRows]:
         """Limits of energy and storage, which hold over all scenes together; of one scene they are in `margins`."""
@@ -359,7 +367,7 @@ class DesignModel:
         light = self.problem.parts.lights[self.hardware.light]
         return {
             part.id: part.depth_rating_m
-            for part in (port, light)
+            for part in ((port,) if self.unlit else (port, light))
             if not (part.inline and part.depth_rating_m is None)
         }
 

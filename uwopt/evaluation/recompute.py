@@ -129,8 +129,9 @@ def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardwar
         paper = mission.physics == "paper"
         problem = Problem(mission, parts, paper=paper, owned_lights=owned_ids(selection))
         places = [0, 0, 0, 0]
-    landscape, count = chosen.orientation == "landscape", chosen.light_count
-    mount = mount_of(chosen.light_mounts, mission_mounts(mission))
+    landscape, count = chosen.orientation == "landscape", max(chosen.light_count, 1)
+    declared = mission_mounts(mission)
+    mount = mount_of(chosen.light_mounts, declared) if chosen.light_mounts else declared[0]
     at = [place or 0 for place in places]
     return problem.with_mount(mount), Hardware(at[0], at[1], at[2], landscape, at[3], count, mount)
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Literal
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, matches, select
 from uwopt.catalog.load import load_catalog as _load_catalog
+from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.errors import CatalogError, MissionError
 from uwopt.forward.designs import Hardware
 from uwopt.forward.lamps import Mount
@@ -38,6 +41,7 @@ def selected(
     """The parts that the mission allows; `depth_m` replaces the depth they must be rated for."""
     names = Choice.__dataclass_fields__
     wanted = {name: getattr(mission.catalog, name) for name in names if name != "generic"}
+    wanted["lights"] = light_patterns(mission)
     choice = Choice(**wanted, generic=generic)
     made = select(
         catalog,
@@ -50,6 +54,15 @@ def selected(
     if idle:
         raise MissionError([f"{mission.source_name}: {text}" for text in idle])
     return made
+
+
+def light_patterns(mission: Mission) -> Sequence[str]:
+    """Patterns of the lights that may be used; where the mission may do without, no lamp is one of them."""
+    fewest, most = mission.vehicle.light_count
+    if most == 0:
+        return (NO_LAMP.id,)
+    patterns = mission.catalog.lights
+    return (*patterns, NO_LAMP.id) if patterns and fewest == 0 else patterns
 
 
 def names_nothing(mission: Mission, catalog: Catalog, warning: str) -> bool:
@@ -80,7 +93,10 @@ def load_catalog(mission: Mission | None = None) -> Catalog:
         return _load_catalog()
     files = [str(mission.resolve_path(name)) for name in mission.catalog.files]
     prices = None if mission.catalog.prices is None else str(mission.resolve_path(mission.catalog.prices))
-    return _load_catalog(files, prices, mission.base_dir)
+    catalog = _load_catalog(files, prices, mission.base_dir)
+    if mission.vehicle.light_count[0] > 0:
+        return catalog
+    return replace(catalog, lights=(*catalog.lights, NO_LAMP))
 
 
 def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]:
@@ -93,6 +109,8 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
 
     def part(kind: str) -> Any:
         named = getattr(system, kind)
+        if kind == "light" and (system.light_count == 0 or named == NO_LAMP.id):
+            return NO_LAMP
         if isinstance(named, str):
             return selection.catalog.part(named, kind)  # type: ignore[arg-type]
         try:
@@ -101,6 +119,7 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
             raise CatalogError([f"{system.source_name}: {kind}: {text}" for text in error.faults]) from None
 
     parts = Parts((part("camera"),), (part("lens"),), (part("port"),), (part("light"),))
+    count = max(system.light_count, 1)
     if system.light_mounts:
         mount = Mount(explicit=tuple(system.light_mounts))
     else:
@@ -115,10 +134,10 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
         mount = Mount(explicit=explicit) if len(explicit) == system.light_count else Mount(baseline, tilt)
     problem = Problem(
         mission, parts, paper=mission.physics == "paper", owned_lights=owned_ids(selection),
-        counts=(system.light_count, system.light_count), mounts=[mount],
+        counts=(count, count), mounts=[mount],
     )  # fmt: skip
     refuse_unknown(system, problem)
-    return problem, Hardware(0, 0, 0, system.orientation == "landscape", 0, system.light_count, mount)
+    return problem, Hardware(0, 0, 0, system.orientation == "landscape", 0, count, mount)
 
 
 def refuse_unknown(system: System, problem: Problem) -> None:

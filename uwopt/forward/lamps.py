@@ -159,12 +159,12 @@ class Mount:
 
 
 def light_counts(mission: Mission) -> tuple[int, int]:
-    """Fewest and most lamps; explicit mounts say how many there are."""
+    """Fewest and most lamps; explicit mounts say how many there are. Where none will do, one part stands for none."""
     if mission.vehicle.light_mounts:
         count = mission.vehicle.light_counts[-1]
         return count, count
-    low, high = mission.vehicle.light_counts.start, mission.vehicle.light_counts.stop - 1
-    return low, high
+    low, high = mission.vehicle.light_count
+    return max(low, 1), max(high, 1)
 
 
 def mission_mounts(mission: Mission) -> list[Mount]:

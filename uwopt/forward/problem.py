@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog import money
+from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Lens, Light, Port
 from uwopt.forward.lamps import (
     Mount,
@@ -158,6 +159,10 @@ class Problem:
         """One port in one scene's water."""
         plain = port_shape(self.ports, port_index, self.scenes[scene_index])
         return plain._replace(window_angle=self.effects.window_angle)
+
+    def unlit(self, light: int) -> bool:
+        """Whether this light stands for no lamp."""
+        return self.parts.lights[light].id == NO_LAMP.id
 
     def lamps_to_buy(self, light: Array, count: Array) -> Array:
         """How many of `count` lamps are not owned yet."""

@@ -156,6 +156,7 @@ def cross_faults(parts: Values) -> list[Fault]:
             inside = key in (scene.get(section) or {})
             faults.append((("scenes", index, section, key) if inside else (section, key), text))
         faults += _hardware_faults(scene, index)
+        faults += _dark_faults(scene, index, vehicle)
         faults += _rating_faults(parts["limits"], scene, vehicle)
     faults += _name_faults(scenes)
     faults += _share_faults(scenes)
@@ -174,8 +175,19 @@ def _vehicle_faults(vehicle: Values) -> Iterator[tuple[str, str, str]]:
     if mounts is not None and counts is not None and counts[1] > len(mounts):
         text = f"reaches {counts[1]} but light_mounts has {len(mounts)} place(s); add places or lower it"
         yield "vehicle", "light_count", text
+    if mounts is not None and counts is not None and counts[0] == 0:
+        text = "begins at 0 but light_mounts says where lamps stand; begin at 1, or leave light_mounts out"
+        yield "vehicle", "light_count", text
     if mounts is not None and len(mounts) == 0:
         yield "vehicle", "light_mounts", "is empty; list at least one place, or leave the key out"
+
+
+def _dark_faults(scene: Values, index: int, vehicle: Values) -> Iterator[tuple[KeyPath, str]]:
+    """Without lamps only the sun shows anything."""
+    counts = vehicle.get("light_count")
+    if counts is not None and counts[0] == 0 and not scene.get("sun_lux"):
+        text = "is 0, and vehicle.light_count begins at 0: nothing would be seen; give the sun's lux, or begin at 1"
+        yield ("scenes", index, "sun_lux"), text
 
 
 def _snr_faults(wanted: Values) -> Iterator[tuple[str, str, str]]:

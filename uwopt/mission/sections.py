@@ -79,9 +79,10 @@ class Vehicle(Section):
         description="side of the image along the motion: landscape its height, portrait its width, or any",
     )
     camera_count: Count = Field(default=1, description="number of cameras, each with lens and port")
-    light_count: Annotated[tuple[int, int], whole_range(1, MAX_LIGHTS)] = Field(
+    light_count: Annotated[tuple[int, int], whole_range(0, MAX_LIGHTS)] = Field(
         default=(1, 8),
-        description=f"number of lights, or [least, most], whole numbers from 1 to {MAX_LIGHTS}",
+        description=f"number of lights, or [least, most], whole numbers from 0 to {MAX_LIGHTS}; 0 where the sun "
+        "serves",
     )
     light_baseline_m: Annotated[float | tuple[float, float], number_or_range(0, 20)] = Field(
         default=0.5, description="distance across track from port to lights in metres, or [least, most]"

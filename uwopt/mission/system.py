@@ -26,6 +26,7 @@ from uwopt.documents.faults import KeyPath, nearest
 from uwopt.documents.key_types import (
     CHOICE,
     NUMBER,
+    WHOLE,
     Count,
     NonNegative,
     Positive,
@@ -118,10 +119,12 @@ class System(Section):
         description="port: an id of the catalogue, or an inline record"
     )
     light: Annotated[PartId | Annotated[InlineLight, Tag(INLINE)], _FORM] = Field(
-        description="light: an id of the catalogue, or an inline record"
+        description="light: an id of the catalogue, or an inline record; no-lamp with light_count 0"
     )
     camera_count: Count = Field(default=1, description="number of cameras, each with lens and port")
-    light_count: Count = Field(default=1, description="number of lights; that of light_mounts unless given")
+    light_count: Annotated[int, Field(ge=0, le=MAX_LIGHTS), WHOLE] = Field(
+        default=1, description="number of lights, 0 for none; that of light_mounts unless given"
+    )
     light_baseline_m: Annotated[float, Field(ge=0, le=20), NUMBER] | None = Field(
         default=None,
         description="distance across track from port to lights in metres; the mission's unless given",

@@ -83,7 +83,9 @@ class WhyNothing(Record):
 
     requirements: list[Excluded] = Field(description="rules in their order")
     relaxations: list[Relaxed] = Field(description="the smallest change first")
-    nearest_miss: Design | None = Field(description="the design of the smallest change, by the mission as it stands")
+    nearest_miss: Design | None = Field(
+        description="the design of the smallest change, by the mission as it stands"
+    )
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -95,7 +95,9 @@ class FrontResult(Shown, FiledRecord):
     peers: list[Peer] = Field(default_factory=list, description="points of the other solvers' fronts")
     reference: dict[str, Any] = Field(default_factory=dict, description="the box that fronts are compared in")
     certificate: dict[str, Any] | None = Field(default=None, description="how far the claim reaches")
-    alternatives: list[OtherMaker] = Field(default_factory=list, description="other makers' best, and why not")
+    alternatives: list[OtherMaker] = Field(
+        default_factory=list, description="other makers' best, and why not"
+    )
     infeasible: WhyNothing | None = Field(default=None, description="why nothing fits")
     assumptions: list[Assumption] = Field(default_factory=list, description="what is not known but taken")
     warnings: list[Note] = Field(default_factory=list, description="what to know of this front")
@@ -104,7 +106,9 @@ class FrontResult(Shown, FiledRecord):
     seed: Whole = Field(default=0, description="of the population solvers")
     versions: dict[str, str] = Field(default_factory=dict, description="of Python and libraries")
     command: str = Field(default="pareto", description="always pareto")
-    mission_file: dict[str, str] | None = Field(default=None, description="name, folder, text as the user wrote it")
+    mission_file: dict[str, str] | None = Field(
+        default=None, description="name, folder, text as the user wrote it"
+    )
     schema: str = Field(default=FRONT_SCHEMA, description="of this file")
 
     def point(self, name: str) -> FrontPoint:

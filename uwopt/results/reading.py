@@ -17,6 +17,8 @@ from uwopt.results.result import RESULT_SCHEMA, Result
 
 MOST_FAULTS = 8
 AGAIN = "write it again with --out"
+
+
 def read_result(path: str | Path) -> Result | FrontResult:
     """The result or front in a file; raises ResultError with what is wrong and a way out."""
     data = read_json(path)
@@ -95,7 +97,11 @@ def fault_sentence(detail: ErrorDetails) -> str:
     return f"{path} is {described(detail['input'])}, not {WANTED.get(kind, detail['msg'])}"
 
 
-STANDS_ALONE = {"missing": "is missing", "unexpected_keyword_argument": "is not known", "too_short": "is empty"}
+STANDS_ALONE = {
+    "missing": "is missing",
+    "unexpected_keyword_argument": "is not known",
+    "too_short": "is empty",
+}
 WANTED = {
     "float_type": "a number", "int_type": "a whole number", "string_type": "text", "bool_type": "true or false",
     "list_type": "a list", "dict_type": "an object", "dataclass_type": "an object",

@@ -82,9 +82,15 @@ class Result(Shown, FiledRecord):
     seed: Whole = Field(default=0, description="of all that is drawn")
     versions: dict[str, str] = Field(default_factory=dict, description="of Python and libraries")
     schema: str = Field(default=RESULT_SCHEMA, description="of this file")
-    alternatives: list[OtherMaker] = Field(default_factory=list, description="other makers' best, and why not")
-    mission_file: dict[str, str] | None = Field(default=None, description="name, folder, text as the user wrote it")
-    system: dict[str, Any] | None = Field(default=None, description="what was evaluated, inline parts included")
+    alternatives: list[OtherMaker] = Field(
+        default_factory=list, description="other makers' best, and why not"
+    )
+    mission_file: dict[str, str] | None = Field(
+        default=None, description="name, folder, text as the user wrote it"
+    )
+    system: dict[str, Any] | None = Field(
+        default=None, description="what was evaluated, inline parts included"
+    )
 
     @property
     def best(self) -> Design | None:

@@ -169,8 +169,4 @@ def part_warnings(problem: Problem, hardware: Hardware) -> list[Note]:
         parts.cameras[hardware.camera], parts.lenses[hardware.lens], parts.ports[hardware.port],
         parts.lights[hardware.light],
     )  # fmt: skip
-    return [
-        Note(f.rule, "hardware", f.message)
-        for f in findings
-        if f.severity == "warning"
-    ]
+    return [Note(f.rule, "hardware", f.message) for f in findings if f.severity == "warning"]

@@ -21,7 +21,7 @@ from uwopt.catalog.parts.cell import (
     Range,
 )
 from uwopt.catalog.parts.part import Part, PartKind, shown, shown_depth
-from uwopt.catalog.parts.quantity import Curve, Known, Status
+from uwopt.catalog.parts.quantity import Curve, Known, Status, exact
 from uwopt.documents.key_types import NUMBER
 
 LightKind = Literal["continuous", "pulsed_led", "flash"]
@@ -253,3 +253,10 @@ KIND = PartKind(
     summary=_summary,
     inline_doc="A light in a system file; all numbers are of one lamp.",
 )
+
+
+#: Stands where a mission may do without lamps: it draws nothing, costs nothing, and gives next to no light.
+NO_LAMP = Light(
+    id="no-lamp", model="no lamp", price=exact(0.0), mass_g=exact(0.0), flux_lm=exact(1e-6), power_w=exact(0.0),
+    output_factor=exact(1.0), beam_angle_deg=exact(120.0), beam_medium="water", depth_rating_m=11_000.0,
+)  # fmt: skip

@@ -130,7 +130,9 @@ def peer_values(front: FrontResult, columns: Sequence[PointColumn]) -> list[list
 
 def short_ids(front: FrontResult) -> dict[str, str]:
     """Ids of parts that fit a column: cut at a hyphen as soon as no other part of the front begins so."""
-    every = sorted({words.part_id(part) for point in front.points for part in point.design.hardware.parts.values()})
+    every = sorted(
+        {words.part_id(part) for point in front.points for part in point.design.hardware.parts.values()}
+    )
     return {name: short_id(name, [other for other in every if other != name]) for name in every}
 
 
@@ -212,9 +214,7 @@ def setting_pairs(scene: SceneResult) -> list[tuple[str, str]]:
 def stand_text(hardware: UsedHardware) -> str:
     """How camera and lights stand."""
     mounts = words.mounts_text(hardware.light_mounts)
-    return f"{words.one_line(hardware.orientation, 20)}" + (
-        f", lights {mounts}" if mounts else ""
-    )
+    return f"{words.one_line(hardware.orientation, 20)}" + (f", lights {mounts}" if mounts else "")
 
 
 def front_cards(front: FrontResult) -> list[Card]:

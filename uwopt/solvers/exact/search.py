@@ -461,6 +461,7 @@ class Search:
             )  # fmt: skip
             if needs.min_uniformity is not None and not optimistic:
                 even = self._even_enough(index, imager, light, count, lighting, needs.min_uniformity)
+                even |= np.array([self.problem.unlit(int(one)) for one in light])
                 rows = replace(rows, time_max_s=np.where(even, rows.time_max_s, -1.0))
             result.append(replace(rows, optimistic=optimistic))
         return result
