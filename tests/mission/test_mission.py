@@ -396,6 +396,7 @@ def test_the_template_covers_every_key_and_loads():
         *data["scenes"][0],
         *data["vehicle"],
         *data["requirements"],
+        *data["reserve"],
         *data["limits"],
         *data["catalog"],
     }

@@ -10,7 +10,7 @@ import ast
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from math import hypot, log10, sqrt
+from math import hypot, log2, log10, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +35,7 @@ MISSION: dict[str, Any] = {
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "light_baseline_m": 0.5, "light_count": [2, 2]},
     "catalog": {"extras": [{"name": "housing", "cost": 50.0, "mass_kg": 3.0, "power_w": 6.0}]},
-    "requirements": {"circle_of_confusion_px": 2.0}, "limits": {},
+    "requirements": {"circle_of_confusion_px": 2.0}, "limits": {}, "reserve": {},
 }  # fmt: skip
 SYSTEM: dict[str, Any] = {
     "camera": {"resolution_x_px": 2000, "resolution_y_px": 1000, "pixel_pitch_um": 5.0, "read_noise_e": 5.0,
@@ -124,10 +124,18 @@ def contrast() -> float:
     return signal / (signal + forward + back)
 
 
-def uniformity() -> float:
-    result = uwopt.evaluate(changed(MISSION, FULL), changed(SYSTEM, FULL))
+def figure(name: str, changes: dict[str, Any]) -> float:
+    result = uwopt.evaluate(changed(MISSION, changes), changed(SYSTEM, changes))
     assert result.design is not None
-    return float(result.design.scenes[0].figures["uniformity"])
+    return float(result.design.scenes[0].figures[name])
+
+
+def uniformity() -> float:
+    return figure("uniformity", FULL)
+
+
+def airy_px() -> float:
+    return figure("airy_diameter_um", {}) / 5.0
 
 
 Changes = dict[str, Any]
@@ -172,6 +180,23 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("saturation_fraction", lambda over: {"requirements.highlight_ratio": (1.0 + over) / reached("mean_level")}),
     ("saturation_fraction", lambda over: {
         "camera.saturation_e": 2.0 * reached("electrons_signal"), "requirements.highlight_ratio": 2.0 * (1.0 + over)}),
+    ("max_blur_px", high("requirements.max_blur_px", BLUR_PX / 0.8, **{"reserve.blur": 0.2})),
+    ("min_swath_m", low("requirements.min_swath_m", 2000 * GSD_M / 1.1, **{"reserve.swath": 0.1})),
+    ("min_dof_m", low("requirements.min_dof_m", (FAR_M - NEAR_M) / 1.1, **{"reserve.dof": 0.1})),
+    ("min_snr_db", lambda over: {
+        "requirements.min_snr_db": snr_db() * (1.0 + over) - 3.0, "reserve.snr_db": 3.0}),
+    ("min_snr_db", lambda over: {
+        "requirements.min_snr": 10.0 ** ((snr_db() * (1.0 + over) - 3.0) / 20.0), "reserve.snr_db": 3.0}),
+    ("max_skew_px", lambda over: {
+        "requirements.refuse": ["skew"], "camera.shutter": "rolling", "vehicle.speed_m_s": 0.5 * 2.0 / SKEW_PX * (
+            1.0 + over)}),
+    ("min_swath_m", lambda over: {
+        "requirements.refuse": ["swath"], "requirements.overlap": 0.0,
+        "vehicle.altitude_m": 1.0 / (2000 * PIXEL_M / FOCAL_M) / (1.0 + over)}),
+    ("lens_stop_down", low("requirements.lens_stop_down", 2.0 * log2(4.0 / 1.4))),
+    ("max_airy_px", lambda over: {"requirements.max_airy_px": airy_px() / (1.0 + over)}),
+    ("max_airy_px", lambda over: {
+        "requirements.refuse": ["airy"], "settings.f_number": 4.0 * 2.0 / airy_px() * (1.0 + over)}),
     ("f_number_min", low("lens.f_number_min", 4.0)),
     ("f_number_max", high("lens.f_number_max", 4.0)),
     ("nearest_focus_m", low("lens.min_object_distance_m", 2.0)),
@@ -207,6 +232,10 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
         "limits.storage_gb", 2.0 * 2000 * 1000 * 12 / 8 * 48.0 * 3600 / 1e9, **{"vehicle.duration_h": 48.0})),
     ("depth_rating_m (port)", lambda over: {"port.depth_rating_m": 300.0 / (1.0 + over)}),
     ("depth_rating_m (lamp)", lambda over: {"light.depth_rating_m": 300.0 / (1.0 + over)}),
+    ("depth_rating_m (port)", lambda over: {
+        "port.depth_rating_m": 375.0 / (1.0 + over), "reserve.depth": 1.25}),
+    ("depth_rating_m (lamp)", lambda over: {
+        "light.depth_rating_m": 330.0 / (1.0 + over), "requirements.refuse": ["depth"]}),
     ("port_clears_view_mm", high("port.clear_diameter_mm", 2.0 * CORNER_MM, **FULL)),
 ]  # fmt: skip
 NAMES = [name for name, _ in CASES]

@@ -41,8 +41,8 @@ DEFECTS = (
     Defect(
         name="a part rated for half the depth passes",
         file="uwopt/objectives/requirements.py",
-        old="known * every, depth_m * every",
-        new="2.0 * known * every, depth_m * every",
+        old="known * every, deep, ",
+        new="2.0 * known * every, deep, ",
         test=f"{OUTSIDE}[depth_rating_m (port)]",
     ),
     Defect(

@@ -59,7 +59,7 @@ class Case:
 def case(seed: int) -> Case:
     """A random case whose limits are, in a part of the cases, just what one of its designs needs."""
     rng = np.random.default_rng(seed)
-    parts, plain = small.parts(rng, 3 if THOROUGH else 2), small.mission(rng)
+    parts, plain = small.parts(rng, 3 if THOROUGH else 2), small.with_in_hand(small.mission(rng), seed)
     objective = Objective.of(plain["objective"])
     free = Case(parts, small.loaded(plain), objective)
     limits, wanted = limits_that_bind(rng, free)

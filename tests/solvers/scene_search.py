@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.evaluation.design_model import DesignModel
+from uwopt.evaluation.figures_by_name import airy_um
 from uwopt.forward.figures import SettingRows, depth_of_field_m, skew_px
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
@@ -112,6 +113,11 @@ class SceneSearch:
         The depth of field that is asked for, or the nominal altitude.
         """
         low, high = float(self.model.lenses.f_number_min[0]), float(self.model.lenses.f_number_max[0])
+        if low < high:
+            low *= 2.0 ** (self.needs.lens_stop_down / 2.0)
+        high = min(high, self._airy_f_number())
+        if low > high * (1 + 1e-12):
+            return 1.0, 0.0
         depth = self.needs.min_dof_m
         first, last = float(self.scene.range_m[0]), float(self.scene.range_m[-1])
         if depth is None:
@@ -137,6 +143,13 @@ class SceneSearch:
             middle = 0.5 * (dull + clear)
             dull, clear = (dull, middle) if sharp(middle) else (middle, clear)
         return clear, high
+
+    def _airy_f_number(self) -> float:
+        """The f-number at which the Airy disc, as a design's figures tell it, has the pixels that are allowed."""
+        if self.needs.max_airy_px is None:
+            return np.inf
+        pitch_um = float(self.cam.pixel_pitch_m[0]) * 1e6
+        return self.needs.max_airy_px * pitch_um / airy_um(self.model, self.index, self.factor)
 
     @property
     def possible(self) -> bool:

@@ -232,6 +232,26 @@ def mission(rng: Rng) -> dict[str, Any]:
     return plain
 
 
+def in_hand(seed: int) -> dict[str, dict[str, Any]]:
+    """Reserves, a lens stopped down and refusals of a case, from a generator of their own: the rest stays as it is."""
+    rng = np.random.default_rng([seed, 1])
+    wanted: dict[str, Any] = {}
+    reserve: dict[str, Any] = {}
+    if chance(rng, 0.3):
+        reserve = {"snr_db": 1.0, "blur": 0.1, "dof": 0.1}
+    if chance(rng, 0.25):
+        wanted["lens_stop_down"] = pick(rng, [0.5, 1.0, 2.0])
+    if chance(rng, 0.25):
+        wanted["max_airy_px"] = between(rng, 0.8, 4)
+    return {"requirements": wanted, "reserve": reserve}
+
+
+def with_in_hand(plain: dict[str, Any], seed: int) -> dict[str, Any]:
+    """The mission with what is kept in hand."""
+    more = in_hand(seed)
+    return {**plain, **{key: {**plain.get(key, {}), **own} for key, own in more.items()}}
+
+
 def loaded(plain: dict[str, Any], limits: dict[str, float] | None = None, **wanted: float) -> Mission:
     """The mission with more limits and requirements on top."""
     return load_mission(

@@ -38,7 +38,7 @@ EVERY_KIND = {
     *(f"{kind} {dimming}" for kind in ("continuous", "pulsed_led", "flash") for dimming in ("dial", "steps")),
     "cost", "mass_kg", "power_w", "peak_power_w", "data_rate_mb_s", "max_gsd_mm", "min_swath_m", "overlap",
     "frame_interval_s", "max_blur_px", "max_skew_px", "min_dof_m", "min_snr_db", "mean_level", "min_contrast",
-    "min_uniformity",
+    "min_uniformity", "lens_stop_down", "max_airy_px", "reserve",
     *(f"rule {rule}" for rule in (
         "mount", "image_circle", "view", "focus", "frame_rate", "max_gsd_mm", "min_swath_m", "min_dof_m", "cost",
         "mass_kg", "power_w", "light", "bound",
@@ -177,7 +177,8 @@ def kinds_of(seed: int) -> set[str]:
     lights = {f"{p.kind} {'steps' if p.dim_levels else 'dial'}" for p in case_.parts.lights}
     irises = {f"{p.aperture_control} iris, {len(mission.scenes)} scenes" for p in case_.parts.lenses}
     rules = {f"rule {rule}" for rule, count in solved(seed).account.discarded.items() if count}
-    more = {f"{mission.physics}, {len(mission.scenes)} scenes", str(mission.objective)}
+    kept = {"reserve"} if mission.reserve.snr_db else set()
+    more = kept | {f"{mission.physics}, {len(mission.scenes)} scenes", str(mission.objective)}
     return {key for key in asked if asked[key]} | lights | irises | rules | more
 
 

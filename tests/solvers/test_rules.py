@@ -97,6 +97,8 @@ def imager_limits() -> dict[str, Limit]:
         "min_swath_m": Limit("wanted", "min_swath_m", DISTANCE_M, least=False),
         "frame_rate": Limit("camera", "max_frame_rate_hz", RATE_HZ, least=True),
         "data_rate_mb_s": Limit("limits", "data_rate_mb_s", 4.5 * RATE_HZ, least=True),
+        "lens_stop_down": Limit("lens", "f_number_max", 2.0 * 2.0**0.75, least=True,
+                                more={"wanted": {"lens_stop_down": 1.5}}),
         "min_dof_m": Limit("lens", "f_number_max", f_number_of_depth(0.6), least=True, near=1e-5,
                            more={"wanted": {**SHARP, "min_dof_m": 0.6}, "vehicle": DEEP}),
         "max_blur_px": Limit("camera", "min_exposure_us", 500.0, least=False, more=SHORT),

@@ -22,6 +22,7 @@ from uwopt.errors import MissionError
 from uwopt.evaluation.accuracy import coarsest
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.influences import influences_of
+from uwopt.evaluation.leaning import tilt_notes
 from uwopt.evaluation.outside import Departure, departures
 from uwopt.forward.assembly import load_catalog, system_problem
 from uwopt.forward.designs import Hardware, SceneSettings
@@ -92,7 +93,12 @@ def evaluate(
         design=design,
         system=built.to_dict(absolute_paths=True),
         objective=replace(result.objective, value=design.objective_value),
-        warnings=[*result.warnings, *design.warnings, *accuracy_warnings(measured, allowed)],
+        warnings=[
+            *result.warnings,
+            *design.warnings,
+            *tilt_notes(problem, hardware, given),
+            *accuracy_warnings(measured, allowed),
+        ],
         accuracy=plain_accuracy(measured, allowed, None, []),
         timing_s={**timing, "total": time.perf_counter() - start},
     )

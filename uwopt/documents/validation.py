@@ -169,6 +169,8 @@ def unknown_key(key: str, value: Any, here: str, places: Mapping[str, tuple[str,
     if key in places:
         return "is a section of its own here; move it to the left margin" if here else "is unknown here"
     plain = key.casefold().replace("-", "_").replace(" ", "_")
+    if own := _other_unit(plain, value, places[here]):
+        return f"is unknown; the key is {own[0]}{own[1]}"
     for exact in (True, False):
         for name, keys in places.items():
             inside = name == here

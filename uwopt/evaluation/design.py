@@ -14,7 +14,13 @@ import numpy as np
 
 from uwopt.evaluation.bill import bill_of_materials, cost_range, used_hardware
 from uwopt.evaluation.design_model import DesignModel, design_model
-from uwopt.evaluation.figures_by_name import light_notes, plain_figures, plain_settings, uneven_notes
+from uwopt.evaluation.figures_by_name import (
+    light_notes,
+    plain_figures,
+    plain_settings,
+    stop_notes,
+    uneven_notes,
+)
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import Figures, SettingRows
 from uwopt.forward.problem import Problem
@@ -86,7 +92,7 @@ def evaluate_design(
         ),
         scenes=scenes,
         bom=bill,
-        warnings=[*light_notes(model), *uneven_notes(scenes)],
+        warnings=[*light_notes(model), *uneven_notes(scenes), *stop_notes(model)],
     )
 
 
@@ -122,4 +128,5 @@ def plain_margin(row: MarginRows) -> Margin:
         satisfied=bool(row.satisfied[0]),
         binding=bool(row.binding[0]) and finite(limit) and finite(value) and row.requirement not in UNBOUND,
         word="no signal" if lost else "",
+        reserve=row.reserve,
     )

@@ -25,11 +25,12 @@ from uwopt.forward.lamp_light import ImageLight, LampField, SunLight, image_ligh
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Lights
 from uwopt.forward.problem import Problem
-from uwopt.forward.sharpness import SharpRows, sharpness_of
+from uwopt.forward.sharpness import SharpRows, airy_wavelength_nm, sharpness_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import focus_map, table_reach_m, views
 from uwopt.model.image_mean import cells
 from uwopt.model.imaging import floor_point, lamp_light
+from uwopt.model.lens import airy_diameter_m
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.model.veil.geometry import nearest_approach_m
 from uwopt.objectives.requirements import MarginRows, duration_margins, scene_margins, system_margins
@@ -209,7 +210,7 @@ class DesignModel:
     # ------------------------------------------------------------ settings
 
     def settings(self, index: int, given: SceneSettings) -> SettingRows:
-        """Settings with their defaults: widest aperture, longest exposure that fits, gain for the wanted level."""
+        """Settings with their defaults: widest aperture that is wanted, longest exposure, gain for the wanted level."""
         scene, rows = self.problem.scenes[index], self.rows[index]
         needs, limits = scene.view.requirements, self.problem.mission.limits
         speed = scene.view.vehicle.speed_m_s
@@ -221,7 +222,7 @@ class DesignModel:
             dioptre = self._default_dioptre_per_m(index)
             if given.focus_distance_m is not None:
                 dioptre = float(lens_dioptre_per_m(given.focus_distance_m, focus_map=self.maps[index]))
-        f_number = given.f_number or float(self.lenses.f_number_min[0])
+        f_number = given.f_number or float(self.lenses.f_number_from(needs.lens_stop_down)[0])
         level = 1.0 if given.level is None else given.level
         cam, lights = self.cameras, self.lights
         offset, readout = float(cam.exposure_offset_s[0]), float(cam.readout_s[0])
@@ -286,20 +287,21 @@ class DesignModel:
         self, index: int, settings: SettingRows, figures: Figures, *, level_tolerance_rel: float = 1e-6
     ) -> list[MarginRows]:
         """Requirements of one scene and limits of the system in it."""
-        scene, limits = self.problem.scenes[index], self.problem.mission.limits
-        terms = self.totals(figures)
+        scene, mission = self.problem.scenes[index], self.problem.mission
+        limits, terms = mission.limits, self.totals(figures)
         margins = [
             *scene_margins(
                 scene, self.rows[index], settings, figures, limits, level_tolerance_rel=level_tolerance_rel
             ),
+            *self.airy_margins(index, figures),
             *self.port_margins(index),
             *self.evenness_margins(index),
             *system_margins(
                 limits, cost_limit_value=terms["cost_limit_value"], power_w=terms["power_w"],
                 peak_power_w=figures.light_peak_power_w + terms["camera_power_w"], mass_kg=terms["mass_kg"],
                 data_rate_mb_s=self.data_rate_mb_s(figures),
-                depth_m=self.problem.mission.required_depth_m, ratings_m=self.ratings_m(),
-                accepted=self.accepted_unrated(),
+                depth_m=mission.required_depth_m, ratings_m=self.ratings_m(),
+                accepted=self.accepted_unrated(), depth_reserve_m=mission.required_depth_m - mission.asked_depth_m,
             ),
             *(self.duration_margins([figures]) if len(self.problem.scenes) == 1 else ()),
         ]  # fmt: skip
@@ -324,6 +326,18 @@ class DesignModel:
     def data_rate_mb_s(self, figures: Figures) -> Array:
         """Data rate of all cameras in one scene."""
         return np.asarray(figures.data_rate_mb_s * self.problem.mission.vehicle.camera_count)
+
+    def airy_margins(self, index: int, figures: Figures) -> list[MarginRows]:
+        """The Airy disc in pixels, where the mission limits it."""
+        wanted = self.problem.scenes[index].view.requirements.max_airy_px
+        if wanted is None:
+            return []
+        optics, efficiency = int(self.lights.optics_index[0]), int(self.cameras.qe_index[0])
+        disc_m = airy_diameter_m(
+            airy_wavelength_nm(self.problem, index, optics, efficiency), working_f_number=figures.working_f_number
+        )
+        disc_px = np.asarray(disc_m / self.cameras.pixel_pitch_m)
+        return [MarginRows("max_airy_px", disc_px, np.full(len(disc_px), wanted), "<=", "px")]
 
     def port_margins(self, index: int) -> list[MarginRows]:
         """Whether the corner ray of the view passes the port's clear aperture, where that is known."""

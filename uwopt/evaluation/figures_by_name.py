@@ -19,10 +19,10 @@ from uwopt.forward.figures import (
     full_light_lm,
     open_s,
 )
-from uwopt.forward.lamps import LAMP_FRONT_M, relative_spectrum
+from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
-from uwopt.forward.sharpness import arriving, mean_wavelength_nm
+from uwopt.forward.sharpness import airy_wavelength_nm, arriving
 from uwopt.forward.views import field_dioptres_per_m
 from uwopt.model import lateral, sensor, sharpness
 from uwopt.model import lens as lens_model
@@ -345,14 +345,9 @@ def centre_db(model: DesignModel, index: int, settings: SettingRows) -> float | 
 
 def airy_um(model: DesignModel, index: int, working_f_number: float) -> float:
     """Airy disc at the electron-weighted mean wavelength of the light that arrives."""
-    problem = model.problem
-    scene, contraction = problem.scenes[index], problem.contractions[index]
-    spectrum = int(contraction.spectrum_of[int(model.lights.optics_index[0])])
-    seen = arriving(scene, contraction, spectrum, int(model.cameras.qe_index[0]))
-    if not seen.sum() > 0:  # nothing arrives: the lamp's own colour
-        seen = relative_spectrum(contraction.spectrum_names[spectrum], scene.wavelength_nm)
-    mean_nm = mean_wavelength_nm(scene, seen)
-    return float(lens_model.airy_diameter_m(mean_nm, working_f_number=working_f_number)) * 1e6
+    optics, efficiency = int(model.lights.optics_index[0]), int(model.cameras.qe_index[0])
+    wave_nm = airy_wavelength_nm(model.problem, index, optics, efficiency)
+    return float(lens_model.airy_diameter_m(wave_nm, working_f_number=working_f_number)) * 1e6
 
 
 # ---------------------------------------------------------------- what should be known of the light
@@ -397,3 +392,13 @@ def uneven_notes(scenes: Sequence[SceneResult]) -> list[Note]:
         said += "; ask for min_uniformity, snr_at: worst or min_contrast"
         notes.append(Note("uneven_light", "light", said))
     return notes
+
+
+def stop_notes(model: DesignModel) -> list[Note]:
+    """That a lens of one opening cannot be stopped down, where the mission asks for it."""
+    wanted = max(scene.view.requirements.lens_stop_down for scene in model.problem.scenes)
+    if not wanted or not model.lenses.one_opening[0]:
+        return []
+    lens = model.problem.parts.lenses[model.hardware.lens].id
+    text = f"{lens} has one opening: {wanted:g} stops down cannot be asked of it, and are not"
+    return [Note("one_opening", "requirements.lens_stop_down", text)]

@@ -78,6 +78,15 @@ class Lenses(Columns):
     limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
 
+    @property
+    def one_opening(self) -> Array:
+        """Whether the iris cannot be moved: there is nothing to stop down."""
+        return np.asarray(self.f_number_max <= self.f_number_min)
+
+    def f_number_from(self, stops_down: float) -> Array:
+        """The smallest f-number to use when lenses are closed by so many stops, N_min 2^(stops / 2)."""
+        return np.where(self.one_opening, 1.0, 2.0 ** (stops_down / 2.0)) * self.f_number_min
+
 
 @dataclass(frozen=True)
 class Ports(Columns):

@@ -19,7 +19,7 @@ from uwopt.forward.part_columns import (
     Lights,
 )
 from uwopt.forward.problem import Problem
-from uwopt.forward.sharpness import SharpRows
+from uwopt.forward.sharpness import SharpRows, airy_f_number
 
 if TYPE_CHECKING:
     from uwopt.forward.sharpness import SharpRows
@@ -176,6 +176,10 @@ def setting_rows(
     allowed = (focused.rate_hz <= lamp.max_rate_hz * (1 + 1e-12)) | (lamp.kind == CONTINUOUS)
     if needs.max_skew_px is not None:
         allowed &= (focused.skew_px <= needs.max_skew_px) | (lamp.kind != CONTINUOUS)
+    n_high = focused.n_high
+    if needs.max_airy_px is not None:
+        working = airy_f_number(problem, scene_index, needs.max_airy_px, camera, light)
+        n_high = np.minimum(n_high, working / focused.working_factor)
     shining = image_light.scaled(lamp.output_factor)
     return SceneRows(
         signal_e=shining.signal_e,
@@ -218,7 +222,7 @@ def setting_rows(
         max_level=max_level,
         working_factor=focused.working_factor,
         n_low=focused.n_low,
-        n_high=focused.n_high,
+        n_high=n_high,
         min_snr=needs.min_snr or 0.0,
         mean_level=needs.mean_level,
         highlight_ratio=needs.highlight_ratio,

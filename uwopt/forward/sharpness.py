@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
+from uwopt.forward.lamps import relative_spectrum
 from uwopt.forward.motion import motion_along
 from uwopt.forward.part_columns import (
     Cameras,
@@ -27,6 +28,7 @@ from uwopt.forward.views import RMS_FIELD, Views, altitudes_m, field_dioptres_pe
 from uwopt.model import lateral, operation, sharpness
 from uwopt.model.defocus import defocus_px
 from uwopt.model.lateral import SpreadTable
+from uwopt.model.lens import airy_diameter_m
 from uwopt.model.sharpness import Sharpness
 from uwopt.model.spectrum import trapezoid_weights_nm
 
@@ -221,6 +223,25 @@ def mean_wavelength_nm(scene: SceneOptics, arriving_e: Array) -> float:
     if not arriving_e.sum() > TINY:
         return float(scene.wavelength_nm.mean())
     return float((arriving_e * scene.wavelength_nm).sum() / arriving_e.sum())
+
+
+def airy_wavelength_nm(problem: Problem, scene_index: int, optics: int, efficiency: int) -> float:
+    """Wavelength of the Airy disc: the mean of the electrons that arrive, else of the lamp's own colour."""
+    scene, contraction = problem.scenes[scene_index], problem.contractions[scene_index]
+    spectrum = int(contraction.spectrum_of[optics])
+    seen = arriving(scene, contraction, spectrum, efficiency)
+    if not seen.sum() > 0:
+        seen = relative_spectrum(contraction.spectrum_names[spectrum], scene.wavelength_nm)
+    return mean_wavelength_nm(scene, seen)
+
+
+def airy_f_number(problem: Problem, scene_index: int, limit_px: float, camera: Array, light: Array) -> Array:
+    """The working f-number at which the Airy disc of these cameras under these lamps has so many pixels."""
+    optics, efficiency = problem.lights.optics_index[light], problem.cameras.qe_index[camera]
+    pairs, back = np.unique(np.stack([optics, efficiency]), axis=1, return_inverse=True)
+    wave_nm = np.array([airy_wavelength_nm(problem, scene_index, int(a), int(b)) for a, b in pairs.T])
+    disc_m = airy_diameter_m(wave_nm, working_f_number=1.0)
+    return np.asarray(limit_px * problem.cameras.pixel_pitch_m[camera] / disc_m[back.reshape(-1)])
 
 
 def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, efficiency: int) -> SpreadTable:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal, get_args
 
 from uwopt.documents.faults import nearest, show
-from uwopt.documents.key_types import one_of, refusal, to_number, to_text
+from uwopt.documents.key_types import one_of, refusal, to_choice, to_number, to_text
 from uwopt.quantities import TERMS
 
 JERLOV_TYPES = ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")
 SEAFLOORS = ("sand", "hard", "coral", "organic", "benthic-average")
 OBJECTIVES = tuple(TERMS)
+Refusal = Literal["airy", "skew", "swath", "depth"]
+REFUSALS: tuple[str, ...] = get_args(Refusal)
 
 
 def to_water(value: Any) -> str:
@@ -99,6 +101,18 @@ def _objective_name(value: Any) -> str:
     if plain not in OBJECTIVES:
         raise one_of(plain, OBJECTIVES)
     return plain
+
+
+def to_refusals(value: Any) -> Any:
+    """A list of refusals, each once; `all` stands for all of them."""
+    given = [value] if isinstance(value, str) else value
+    if not isinstance(given, (list, tuple)):
+        return value
+    names = [to_choice(word) for word in given]
+    for word in names:
+        if not isinstance(word, str) or word not in (*REFUSALS, "all"):
+            raise one_of(str(word), (*REFUSALS, "all"))
+    return REFUSALS if "all" in names else tuple(dict.fromkeys(names))
 
 
 def to_currency_code(value: Any) -> str:

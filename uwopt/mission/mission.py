@@ -19,6 +19,7 @@ from uwopt.documents.reading import Document, read_document
 from uwopt.documents.validation import validated
 from uwopt.mission import checks
 from uwopt.mission.keys import OBJECTIVES, to_objective
+from uwopt.mission.reserves import REFUSED_DEPTH, Reserve, ReserveOrWord, asked_of, held_of, kept_of
 from uwopt.mission.sections import (
     CatalogChoice,
     Limits,
@@ -39,6 +40,7 @@ class SceneView:
     """One scene as a solver sees it: its overrides applied, its share of time known.
 
     `requirements.circle_of_confusion_px` is filled in; None there means the rule of physics `paper`.
+    `requirements` are what designs must meet, the mission's reserve included; `asked` are those without it.
     """
 
     index: int
@@ -46,6 +48,11 @@ class SceneView:
     vehicle: Vehicle
     requirements: Requirements
     time_share: float
+    asked: Requirements
+
+    def kept(self, key: str) -> float:
+        """How much of a limit is reserve, in the requirement's unit."""
+        return kept_of(self.asked, self.requirements, key)
 
 
 class Mission(Section):
@@ -71,6 +78,10 @@ class Mission(Section):
     vehicle: Vehicle = Field(description="section vehicle with altitude_m and speed_m_s")
     requirements: Requirements = Field(
         default_factory=lambda: Requirements(), description="section of what the images must be"
+    )
+    reserve: ReserveOrWord = Field(
+        default_factory=lambda: Reserve(),
+        description="section of what is kept in hand of each requirement, or the word recommended",
     )
     limits: Limits = Field(
         default_factory=lambda: Limits(), description="section of what the system may cost, draw and weigh"
@@ -126,10 +137,22 @@ class Mission(Section):
         return {"name": Path(self._source_name).name, "folder": folder, "text": self._source_text}
 
     @property
-    def required_depth_m(self) -> float:
-        """Depth that ports and lights must be rated for: as limited, else that of the deepest scene."""
+    def asked_depth_m(self) -> float:
+        """Depth that ports and lights are asked to be rated for: as limited, else that of the deepest scene."""
         given = self.limits.depth_rating_m
         return max(scene.depth_m for scene in self.scenes) if given is None else given
+
+    @property
+    def depth_factor(self) -> float:
+        """Depth that ports and lights must be rated for, over the one asked for."""
+        overrides = [scene.requirements for scene in self.scenes]
+        words = [self.requirements.refuse if own is None or own.refuse is None else own.refuse for own in overrides]
+        return max(self.reserve.depth, REFUSED_DEPTH if any("depth" in each for each in words) else 1.0)
+
+    @property
+    def required_depth_m(self) -> float:
+        """Depth that ports and lights must be rated for, reserve included."""
+        return self.asked_depth_m * self.depth_factor
 
     @property
     def time_shares(self) -> tuple[float, ...]:
@@ -148,12 +171,10 @@ class Mission(Section):
         wanted = checks.overridden(given_values(self.requirements), given_values(scene.requirements))
         if self.physics != "paper" and wanted.get("circle_of_confusion_px") is None:
             wanted["circle_of_confusion_px"] = PIXELS_PER_CIRCLE
+        carried = Vehicle.model_validate(vehicle)
+        asked = asked_of(Requirements.model_validate(wanted), carried)
         return SceneView(
-            index,
-            scene,
-            Vehicle.model_validate(vehicle),
-            Requirements.model_validate(wanted),
-            self.time_shares[index],
+            index, scene, carried, held_of(asked, self.reserve), self.time_shares[index], asked
         )
 
     def resolve_path(self, text: str | Path) -> Path:
@@ -222,6 +243,7 @@ def sections() -> dict[str, type[Section]]:
         "": Mission,
         "vehicle": Vehicle,
         "requirements": Requirements,
+        "reserve": Reserve,
         "limits": Limits,
         "catalog": CatalogChoice,
         "scene": Scene,

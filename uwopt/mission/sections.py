@@ -203,6 +203,19 @@ class Requirements(Section):
     colour: Annotated[Literal["any", "mono", "colour"], CHOICE] = Field(
         default="any", description="sensor of the camera: any, mono or colour"
     )
+    lens_stop_down: Annotated[float, Field(ge=0, le=10), NUMBER] = Field(
+        default=0.0,
+        description="stops that the lens is closed from its widest opening at least, recommended 1; "
+        "a lens of one opening is taken as it is",
+    )
+    max_airy_px: Positive | None = Field(
+        default=None, description="largest diameter of the Airy disc in pixels, recommended 2"
+    )
+    refuse: Annotated[tuple[words.Refusal, ...], BeforeValidator(words.to_refusals)] = Field(
+        default=(),
+        description="list of what an expert would refuse, each held as if its key were given: airy (max_airy_px 2), "
+        "skew (max_skew_px 2), swath (min_swath_m 1 in a survey with overlap), depth (reserve.depth 1.1); all for all",
+    )
 
     @property
     def min_snr(self) -> float | None:

@@ -69,6 +69,18 @@ requirements:
   # min_mtf_half_nyquist: 0.3
   # shutter: any               # any | global | rolling
   # colour: any                # any | mono | colour
+  lens_stop_down: 1            # stops that the lens is closed from its widest opening, where it can be; 0 unless given
+  # max_airy_px: 2             # diffraction: diameter of the Airy disc
+  refuse: all                  # airy | skew | swath | depth: what an expert would refuse, one by one or all
+
+# What is kept in hand of each requirement. `reserve: recommended` says the same in a word; left out: nothing.
+reserve:
+  snr_db: 3
+  blur: 0.2                    # shares of what is asked
+  swath: 0.1
+  dof: 0.1
+  depth: 1.25                  # depth rating over the depth asked
+  tilt_deg: 3                  # how far each lamp may lean in or out
 
 # What the system may cost, draw and weigh. A limit that is left out limits nothing.
 limits:

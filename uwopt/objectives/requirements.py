@@ -42,6 +42,7 @@ class MarginRows:
     at_altitude_m: Array | None = None
     tolerance_rel: float = SATISFIED_REL
     tolerance_abs: float = 0.0  # rounding, where the limit may be 0
+    reserve: float = 0.0  # how much of the limit is kept in hand, beyond what is asked for
 
     @property
     def margin(self) -> Array:
@@ -93,7 +94,18 @@ def scene_margins(
             np.full(len(figures.light_x), scene.range_m[scene.nominal]), level_tolerance_rel,
         )  # fmt: skip
     yield MarginRows("saturation_fraction", figures.saturation_fraction, at_all(figures, 1.0), "<=", "")
+    if needs.lens_stop_down:
+        yield stop_down_margin(needs.lens_stop_down, rows, settings, figures)
     yield from setting_margins(rows, settings, figures, limits)
+
+
+def stop_down_margin(
+    stops: float, rows: DesignRows, settings: SettingRows, figures: Figures
+) -> MarginRows:
+    """How far the lens is closed from its widest opening, 2 log2(N / N_min); of a lens of one opening no matter."""
+    closed = 2.0 * np.log2(settings.f_number / rows.lenses.f_number_min)
+    value = np.where(rows.lenses.one_opening, np.inf, closed)
+    return MarginRows("lens_stop_down", value, at_all(figures, stops), ">=", "stops")
 
 
 def at_all(figures: Figures, value: float) -> Array:
@@ -115,7 +127,9 @@ def motion_margins(
     needs, three = scene.view.requirements, altitudes_m(scene)
     if needs.max_blur_px is not None:
         value, where = worst(figures.blur_px, three, highest=True)
-        yield MarginRows("max_blur_px", value, at_all(figures, needs.max_blur_px), "<=", "px", where)
+        kept = scene.view.kept("max_blur_px")
+        limit = at_all(figures, needs.max_blur_px)
+        yield MarginRows("max_blur_px", value, limit, "<=", "px", where, reserve=kept)
     if needs.max_skew_px is not None:
         value, where = worst(figures.skew_px, three, highest=True)
         yield MarginRows("max_skew_px", value, at_all(figures, needs.max_skew_px), "<=", "px", where)
@@ -142,7 +156,8 @@ def depth_of_field_margins(scene: SceneOptics, figures: Figures) -> Iterator[Mar
         return
     sharp = figures.dof_near_m < figures.dof_far_m  # else centre and corner are nowhere sharp together
     length = np.where(sharp, figures.dof_far_m - np.where(sharp, figures.dof_near_m, 0.0), 0.0)
-    yield MarginRows("min_dof_m", length, at_all(figures, depth), ">=", "m")
+    kept = scene.view.kept("min_dof_m")
+    yield MarginRows("min_dof_m", length, at_all(figures, depth), ">=", "m", reserve=kept)
 
 
 def common_margins(lenses: Lenses, settings: SettingRows, first: SettingRows) -> Iterator[MarginRows]:
@@ -163,7 +178,8 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         yield MarginRows("max_gsd_mm", value, at_all(figures, needs.max_gsd_mm), "<=", "mm", where)
     if needs.min_swath_m is not None:
         value, where = worst(rows.view.footprint_across_m, three, highest=False)
-        yield MarginRows("min_swath_m", value, at_all(figures, needs.min_swath_m), ">=", "m", where)
+        kept = scene.view.kept("min_swath_m")
+        yield MarginRows("min_swath_m", value, at_all(figures, needs.min_swath_m), ">=", "m", where, reserve=kept)
     if needs.min_snr is not None:
         use_darkest = needs.snr_at == "worst" and figures.snr_darkest is not None
         snr = figures.snr_darkest if use_darkest else figures.snr
@@ -171,7 +187,8 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         value, where = worst(snr, scene.range_m, highest=False)
         limit_db = float(ratio_to_db(needs.min_snr))
         value_db = np.asarray(ratio_to_db(np.maximum(value, 1e-300)))
-        yield MarginRows("min_snr_db", value_db, at_all(figures, limit_db), ">=", "dB", where)
+        kept = scene.view.kept("min_snr_db")
+        yield MarginRows("min_snr_db", value_db, at_all(figures, limit_db), ">=", "dB", where, reserve=kept)
     if figures.mtf_half_nyquist is not None and needs.min_mtf_half_nyquist is not None:
         value, where = worst(figures.mtf_half_nyquist, three, highest=False)
         least = at_all(figures, needs.min_mtf_half_nyquist)
@@ -250,8 +267,9 @@ def pulse_margins(rows: DesignRows, settings: SettingRows, triggered: Array) -> 
 def system_margins(
     limits: Limits, *, cost_limit_value: Array, power_w: Array, peak_power_w: Array, mass_kg: Array,
     data_rate_mb_s: Array, depth_m: float, ratings_m: dict[str, float | None], accepted: frozenset[str],
+    depth_reserve_m: float = 0.0,
 ) -> Iterator[MarginRows]:  # fmt: skip
-    """Limits of the whole system: money, power, mass, data and depth."""
+    """Limits of the whole system: money, power, mass, data and depth, of which `depth_reserve_m` is kept in hand."""
     every = np.ones(len(power_w))
     for name, value, limit, unit in (
         ("cost", cost_limit_value, limits.cost, limits.currency),
@@ -265,7 +283,8 @@ def system_margins(
     for part, rating in ratings_m.items():
         if rating is not None or part not in accepted:
             known = 0.0 if rating is None else rating
-            yield MarginRows(f"depth_rating_m ({part})", known * every, depth_m * every, ">=", "m")
+            deep = depth_m * every
+            yield MarginRows(f"depth_rating_m ({part})", known * every, deep, ">=", "m", reserve=depth_reserve_m)
 
 
 def duration_margins(

@@ -162,6 +162,14 @@ class Margin(Record):
     satisfied: Flag = Field(description="whether it is met")
     binding: Flag = Field(description="whether nothing is left of it")
     word: str = Field(default="", description="in place of a value that is no number")
+    reserve: Number = Field(default=0.0, description="how much of the limit is kept in hand, beyond what is asked for")
+
+    @property
+    def asked(self) -> float | None:
+        """The limit that the mission asks for; the one held is stricter by the reserve."""
+        if self.limit is None:
+            return None
+        return self.limit + self.reserve if self.sense == "<=" else self.limit - self.reserve
 
 
 @dataclass(frozen=True, config=RECORD)

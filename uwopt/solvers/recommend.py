@@ -18,6 +18,7 @@ from uwopt.catalog.compatibility import explain_pair
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import SolverError
 from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.leaning import settings_of, tilt_notes
 from uwopt.forward.assembly import Generic, build_problem, selected
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
@@ -81,7 +82,13 @@ def design_of(sought: Sought, found: Found, objective: Objective, *, with_roundi
     hardware, design = hardware_of(found), evaluated(problem, found, objective)
     check_claim(design, found, objective)
     design = replace(design, warnings=[*part_warnings(problem, hardware), *design.warnings])
-    return with_rounded(problem, found, design, objective) if with_rounding else design
+    return with_tilt(problem, hardware, with_rounded(problem, found, design, objective)) if with_rounding else design
+
+
+def with_tilt(problem: Problem, hardware: Hardware, design: Design) -> Design:
+    """A design with warnings of what lamps lose that lean as far as the mission's reserve, at the settings to set."""
+    given = [settings_of(scene.settings_to_set or scene.settings) for scene in design.scenes]
+    return replace(design, warnings=[*design.warnings, *tilt_notes(problem, hardware, given)])
 
 
 def best_settable(sought: Sought, objective: Objective) -> tuple[Sought, Design]:

@@ -223,6 +223,7 @@ def scene_bars(design: Design) -> Iterator[SceneBars]:
 def bar(margin: Margin, kinds: Mapping[str, str]) -> Bar:
     """One margin as a bar; without a limit other than 0, or met exactly by rule, there is no bar."""
     name, value, limit, left, at = margin_texts(margin, kinds)
+    limit += f" ({words.reserve_text(margin)})" if margin.reserve else ""
     room = relative_room(margin)
     text = "" if room is None else words.share(0.0 if abs(room) < 1e-6 and margin.satisfied else room)
     if room is not None and room > 99.5:

@@ -19,6 +19,7 @@ from uwopt.report.text.doubts import (
     second_opinion_block,
 )
 from uwopt.report.text.exactness import exactness_block, has_errors
+from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
 from uwopt.results.design import BillRow, Design, Margin, Note, SceneResult
 from uwopt.results.front import FrontResult
@@ -72,6 +73,8 @@ def headline(result: Result) -> Block:
         goal = words.one_line(result.objective.name)
         direction = words.one_line(result.objective.direction)
         lines.append(Text(f"Objective: {goal} {words.objective_text(result, value)} ({direction}d)."))
+    if result.best is not None and (first := fails_first(result.best)):
+        lines.append(sentence(words.as_sentence(first)))
     return block("", lines)
 
 
@@ -191,20 +194,29 @@ def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
 def margin_blocks(design: Design) -> Iterator[Block]:
     """Every margin, scene by scene; what is the same in all scenes once, for the system."""
     if len(design.scenes) == 1:
-        yield block("Margins", [margin_table(design.scenes[0].margins, design)])
+        yield block("Margins", margin_lines(design.scenes[0].margins, design))
         return
     common = common_margins(design.scenes)
     for scene in design.scenes:
         own = [margin for margin in scene.margins if margin not in common]
-        yield block(f"Margins in scene {words.one_line(scene.name, 60)}", [margin_table(own, design)])
+        yield block(f"Margins in scene {words.one_line(scene.name, 60)}", margin_lines(own, design))
     if common:
-        yield block("Margins in every scene", [margin_table(common, design)])
+        yield block("Margins in every scene", margin_lines(common, design))
 
 
 def common_margins(scenes: Sequence[SceneResult]) -> list[Margin]:
     """Margins that are the same in all scenes."""
     first, *rest = scenes
     return [margin for margin in first.margins if all(margin in other.margins for other in rest)]
+
+
+def margin_lines(margins: Sequence[Margin], design: Design) -> list[Line]:
+    """The table, and how much of its limits is kept in reserve."""
+    kinds = kinds_by_id(design)
+    kept = [
+        f"{words.requirement_name(m.requirement, kinds)} {words.reserve_text(m)}" for m in margins if m.reserve
+    ]
+    return [margin_table(margins, design), *([sentence(f"In these limits: {'; '.join(kept)}.")] if kept else [])]
 
 
 def margin_table(margins: Sequence[Margin], design: Design) -> Grid:

@@ -16,6 +16,7 @@ from uwopt.report.text.doubts import (
     relaxation_texts,
     relaxations_of,
 )
+from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.tables import nearest_miss
 from uwopt.results.design import Design
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
@@ -69,12 +70,12 @@ def best_trust(result: Result, design: Design) -> str:
             )
         )
         estimated = sum(1 for item in result.assumptions if item.low is not None)
-        said = [f"missed: {', '.join(missed)}"] if missed else []
+        said = [f"missed: {', '.join(missed)}"] if missed else [text for text in (fails_first(design),) if text]
         said.append(f"computed with physics {words.one_line(result.physics.name)}")
         if estimated:
             said.append(f"{words.counted(estimated, 'number')} of it estimated, listed under assumptions")
         return "; ".join(said)
-    said = [words.status_sentence(result)]
+    said = [text for text in (words.status_sentence(result), fails_first(design)) if text]
     proof = result.certificate
     if proof is not None and proof.gap_abs is not None:
         gap = words.quantity(proof.gap_abs, result.objective.unit)

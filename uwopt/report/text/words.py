@@ -52,6 +52,8 @@ REQUIREMENTS: Mapping[str, str] = {
     "mean_level": "mean image level",
     "saturation_fraction": "highlights, share of saturation",
     "f_number_min": "f-number, widest of the lens",
+    "lens_stop_down": "lens closed from its widest opening",
+    "max_airy_px": "Airy disc",
     "f_number_max": "f-number, smallest of the lens",
     "gain_min": "gain as a ratio, lowest",
     "gain_max": "gain as a ratio, highest",
@@ -96,6 +98,7 @@ RULES: Mapping[str, str] = {
     "frame_rate": "camera too slow",
     "data_rate_mb_s": "data rate too high",
     "storage_gb": "more images than the storage holds",
+    "lens_stop_down": "lens cannot be closed as far as asked",
     "min_dof_m": "depth of field too short at every f-number",
     "max_blur_px": "blurred at the shortest exposure",
     "min_snr": "too little light for the wanted signal",
@@ -188,6 +191,17 @@ def margin_text(margin: Margin) -> str:
     scale = max(abs(margin.limit or 0.0), abs(margin.value or 0.0))
     small = abs(margin.margin) <= (1e-6 if margin.satisfied else 1e-12) * scale  # 1e-6: what counts as met
     return format_quantity(0.0 if small else margin.margin, margin.unit)
+
+
+def reserve_text(margin: Margin) -> str:
+    """What a limit is made of: `3 dB reserve on 30.00 dB asked`."""
+    joint = "of" if margin.sense == "<=" else "on"
+    return f"{kept_text(margin)} reserve {joint} {quantity(margin.asked, margin.unit, 4)} asked"
+
+
+def kept_text(margin: Margin) -> str:
+    """How much of a limit is reserve."""
+    return f"{digits_of(round(margin.reserve, 9))} {symbol(margin.unit)}".strip()
 
 
 def setting_text(name: str, value: float | None) -> str:

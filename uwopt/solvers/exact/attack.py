@@ -134,8 +134,9 @@ class Spread:
         sunlit = model.rows[index].sun is not None
         dimmest = max(light.min_level[0], DIMMEST_IN_SUN if sunlit else DIMMEST)
         levelled = model.problem.scenes[index].view.requirements.mean_level is not None
+        widest = lens.f_number_from(model.problem.scenes[index].view.requirements.lens_stop_down)[0]
         return [
-            (lens.f_number_min[0], lens.f_number_max[0]), (shortest, max(longest, shortest)), (dimmest, 1.0),
+            (widest, max(widest, lens.f_number_max[0])), (shortest, max(longest, shortest)), (dimmest, 1.0),
             (1.0, np.e if levelled else max(cam.max_gain[0], 1.0)),
             (shut_s, max(open_s, shut_s) if sunlit else shut_s),
         ]  # fmt: skip

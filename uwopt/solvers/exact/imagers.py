@@ -33,7 +33,8 @@ PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule
 
 IMAGER_RULES = (
     "mount", "image_circle", "lens_rating", "view", "focus", "max_gsd_mm", "min_swath_m", "frame_rate",
-    "data_rate_mb_s", "storage_gb", "min_dof_m", "max_blur_px", "cost", "mass_kg", "power_w", "energy_wh",
+    "data_rate_mb_s", "storage_gb", "lens_stop_down", "min_dof_m", "max_blur_px", "cost", "mass_kg", "power_w",
+    "energy_wh",
 )  # fmt: skip
 
 
@@ -196,7 +197,7 @@ def imagers_behind(
             Focused(
                 dioptre_per_m=dioptre,
                 working_factor=factor,
-                n_low=np.maximum(lenses.f_number_min, focus.n_depth[index]),
+                n_low=np.maximum(lenses.f_number_from(requirements.lens_stop_down), focus.n_depth[index]),
                 n_high=lenses.f_number_max,
                 rate_hz=required_rate_hz(requirements, speed, view.footprint_along_m).max(axis=1),
                 blur_time_s=blur_time_s(scene, problem.shape(port, index), view),
@@ -257,6 +258,7 @@ def rules(
     )
     rates = [extra.rate_hz * cameras.frame_mb * count for extra in focused]
     yield "storage_gb", problem.duration.mean(rates) <= problem.duration.mean_data_limit_mb_s * ROUND
+    yield "lens_stop_down", stops_down(problem, lenses)
     yield "min_dof_m", common_f_number(lenses, focused)
     yield (
         "max_blur_px",
@@ -302,6 +304,12 @@ def focus_reached(lenses: Any, focused: Focused) -> Array:
         distance = 1.0 / focused.dioptre_per_m
     beyond_focal = distance > lenses.focal_length_m
     return np.asarray(beyond_focal & (distance * ROUND >= lenses.min_object_distance_m))
+
+
+def stops_down(problem: Problem, lenses: Any) -> Array:
+    """Whether the lens can be closed as far as the mission asks."""
+    most = max(scene.view.requirements.lens_stop_down for scene in problem.scenes)
+    return np.asarray(lenses.f_number_from(most) <= lenses.f_number_max * ROUND)
 
 
 def common_f_number(lenses: Any, focused: list[Focused]) -> Array:

@@ -23,7 +23,7 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.forward.views import Views, focus_map, port_transmission
 from uwopt.model import lens, port
-from uwopt.solvers.exact.imagers import Imagers, SceneImagers, limit
+from uwopt.solvers.exact.imagers import Imagers, SceneImagers, limit, stops_down
 from uwopt.solvers.exact.light_tables import FieldTables, Rectangles
 from uwopt.tolerances import COARSE_ROUND
 
@@ -352,8 +352,8 @@ class Level:
         rate = required_rate_hz(needs, scene.view.vehicle.speed_m_s, 2.0 * nearest.along_high_m)
         return SceneImagers(view, Focused(
             nothing, self.lens_focus.factor[index][rows.lens, rows.group],
-            np.maximum(lenses.f_number_min[rows.lens], n_depth), lenses.f_number_max[rows.lens], rate,
-            self.blur_time_s(scene, rows), nothing,
+            np.maximum(lenses.f_number_from(needs.lens_stop_down)[rows.lens], n_depth),
+            lenses.f_number_max[rows.lens], rate, self.blur_time_s(scene, rows), nothing,
         ))  # fmt: skip
 
     def coc_m(self, scene: SceneOptics, rows: OutlineRows) -> Array:
@@ -375,9 +375,11 @@ class Level:
         cameras, count = problem.cameras, problem.mission.vehicle.camera_count
         passes: dict[str, Array] = {"focus": self.lens_focus.focuses[rows.lens, rows.group]}
         every = np.ones(len(rows), bool)
-        for name in ("max_gsd_mm", "min_swath_m", "frame_rate", "data_rate_mb_s", "min_dof_m"):
+        for name in ("max_gsd_mm", "min_swath_m", "frame_rate", "data_rate_mb_s", "storage_gb"):
             passes[name] = every.copy()
         duration, rates = problem.duration, []
+        passes["lens_stop_down"] = stops_down(problem, problem.lenses)[rows.lens]
+        passes["min_dof_m"] = every.copy()
         for scene, seen in zip(problem.scenes, imagers.scenes, strict=True):
             needs, focused = scene.view.requirements, seen.focused
             far = self.path_m(scene, rows, float(scene.range_m[-1]), high=False)

@@ -17,6 +17,7 @@ from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.assembly import Generic
 from uwopt.forward.designs import Hardware
 from uwopt.mission.mission import Mission
+from uwopt.mission.reserves import REFUSED, asked_when_held
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Excluded, Relaxed, WhyNothing
 from uwopt.results.design import Design
@@ -35,6 +36,8 @@ RELAXABLE: dict[str, tuple[str, str, str | None]] = {
     "min_dof_m": ("requirements", "min_dof_m", None),
     "max_blur_px": ("requirements", "max_blur_px", None),
     "max_skew_px": ("requirements", "max_skew_px", None),
+    "max_airy_px": ("requirements", "max_airy_px", None),
+    "lens_stop_down": ("requirements", "lens_stop_down", None),
     "overlap": ("requirements", "overlap", None),
     "mean_level": ("requirements", "mean_level", None),
     "min_contrast": ("requirements", "min_contrast", "contrast"),
@@ -117,6 +120,9 @@ def single_relaxations(
             found = deepest(found, relaxed, catalog, goal, generic=generic, deadline=deadline)
         design = judged_by(mission, found, objective)
         needed = rated_depth(found) if by_depth else reached_value(design, key)
+        if needed is not None:
+            kept = mission.depth_factor
+            needed = needed / kept if by_depth else asked_when_held(mission.reserve, key, needed)
         if best is None and not by_depth and needed is not None:
 
             def search(wanted: Mission, goal: Objective = goal) -> Sought:
@@ -160,19 +166,19 @@ def judged_by(mission: Mission, found: Sought, objective: Objective) -> Design:
 
 
 def asked_value(mission: Mission, section: str, key: str) -> float | None:
-    """What the mission asks for, in any scene the first that does; None when none does."""
+    """What the mission asks for without its reserve, in any scene the first that does; None when none does."""
     if key == "depth_rating_m":
-        return mission.required_depth_m or None
+        return mission.asked_depth_m or None
     if section == "limits":
         value = getattr(mission.limits, key)
         return None if value is None else float(value)
     for view in mission.views:
         if key == "min_snr_db":
-            ratio = view.requirements.min_snr
+            ratio = view.asked.min_snr
             value = None if ratio is None else float(ratio_to_db(ratio))
         else:
-            value = getattr(view.requirements, key)
-        if value is not None:
+            value = getattr(view.asked, key)
+        if value is not None and (value or key != "lens_stop_down"):
             return float(value)
     return None
 
@@ -181,13 +187,19 @@ def without(mission: Mission, section: str, key: str) -> Mission | None:
     """The mission without one requirement, in all scenes; None when it cannot be dropped."""
     data = mission.to_dict()
     names = ["min_snr_db", "min_snr"] if key == "min_snr_db" else [key]
-    for name in names:
-        data[section].pop(name, None)
-        for scene in data["scenes"]:
-            (scene.get(section) or {}).pop(name, None)
+    for own in (data[section], *(scene.get(section) or {} for scene in data["scenes"])):
+        for name in names:
+            own.pop(name, None)
+        if own.get("refuse"):
+            own["refuse"] = [word for word in own["refuse"] if word not in words_of(key)]
     if key == "overlap" and mission.requirements.frame_interval_s is None and mission.vehicle.speed_m_s == 0:
         return None
     return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
+
+
+def words_of(key: str) -> list[str]:
+    """The refusals that stand for a key."""
+    return [word for word, (held, _) in REFUSED.items() if held == key]
 
 
 def with_limit(mission: Mission, section: str, key: str, asked: float, value: float) -> Mission:
@@ -203,6 +215,8 @@ def with_limit(mission: Mission, section: str, key: str, asked: float, value: fl
         own = place.get(section) or {}
         if own.get(key) is not None:
             own[key] = weaker(float(own[key]))
+        elif set(own.get("refuse") or ()).intersection(words_of(key)):
+            own[key] = weaker(asked)
     return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
 
 
@@ -216,15 +230,16 @@ def rated_depth(found: Sought) -> float | None:
 
 def reached_value(design: Design, key: str) -> float | None:
     """What the design reaches of a requirement, at its worst over altitudes and scenes."""
-    values = [
-        margin.value
+    found = [
+        (margin.sense, margin.value)
         for scene in design.scenes
         for margin in scene.margins
         if margin.requirement == key and margin.value is not None
     ]
-    if not values:
+    values = [value for _, value in found]
+    if not found:
         return None
-    return min(values) if key.startswith("min") or key == "overlap" else max(values)
+    return min(values) if found[0][0] == ">=" else max(values)
 
 
 def miss(limit: float | None, needed: float | None) -> float:

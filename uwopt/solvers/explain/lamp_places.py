@@ -15,7 +15,7 @@ import numpy as np
 
 from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design_model import DesignModel
-from uwopt.forward.designs import SceneSettings
+from uwopt.evaluation.leaning import leaning, settings_of
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
@@ -30,21 +30,6 @@ TRIED_DEG = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 BISECTIONS = 3
 POLISH_ROUNDS = 12
 FIRST_STEP = (0.025, 1.25)  # half a grid step of baseline [m] and tilt [deg]
-STEEPEST_DEG = 80.0
-
-
-def leaning(mount: Mount, by_deg: float) -> Mount:
-    """The mount with every lamp leaning further outward across the track by an angle."""
-    if mount.explicit:
-        return Mount(
-            explicit=tuple(
-                m.model_copy(
-                    update={"tilt_y_deg": max(-STEEPEST_DEG, min(STEEPEST_DEG, m.tilt_y_deg + by_deg))}
-                )
-                for m in mount.explicit
-            )
-        )
-    return replace(mount, tilt_deg=max(-STEEPEST_DEG, min(STEEPEST_DEG, mount.tilt_deg + by_deg)))
 
 
 def tilt_tolerance(
@@ -110,20 +95,6 @@ def missed_when_leaning(problem: Problem, found: Found, design: Design, by_deg: 
         )
         missed += [m.requirement for m in margins if not bool(m.satisfied[0])]
     return missed
-
-
-def settings_of(shown: dict[str, float | None]) -> SceneSettings:
-    """Settings of a result as the model takes them."""
-
-    def seconds(name: str) -> float | None:
-        value = shown.get(name)
-        return None if value is None else value * 1e-3
-
-    return SceneSettings(
-        f_number=shown["f_number"], exposure_s=seconds("exposure_ms"), pulse_s=seconds("pulse_ms"),
-        gain=shown["gain"], level=shown["dim_frac"], rate_hz=shown["frame_rate_hz"],
-        focus_distance_m=shown["focus_distance_m"],
-    )  # fmt: skip
 
 
 def value_at_mount(

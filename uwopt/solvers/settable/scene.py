@@ -96,11 +96,12 @@ class SettableScene:
     # ------------------------------------------------------------ what there is to try
 
     def keep_depth(self, stops: Array) -> NDArray[np.bool_]:
-        """Which f-numbers keep the wanted depth sharp; no light changes that."""
+        """Which f-numbers keep the wanted depth sharp and the lens as far closed as asked; no light changes that."""
         tried = self._settings(stops, np.ones(len(stops)), np.ones(len(stops)), np.zeros(len(stops)))
         scene = self.model.problem.scenes[self.index]
         margins = depth_of_field_margins(scene, figures_of(scene, self.means[0], tried))
-        return np.logical_and.reduce([m.satisfied for m in margins], axis=0) | np.zeros(len(stops), bool)
+        widest = float(self.model.lenses.f_number_from(self.needs.lens_stop_down)[0])
+        return np.logical_and.reduce([m.satisfied for m in margins], axis=0) & (stops >= widest * (1 - EDGE))
 
     def best_by_stop(self, stops: Array) -> Tried:
         """The best settings at each of these f-numbers."""

@@ -1,0 +1,84 @@
+"""Planted defects of reserves, of lenses stopped down, and of what is refused."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+RESERVES = "tests/mission/test_reserves.py"
+LIMITS = "tests/objectives/test_margin_limits.py"
+RULES = "tests/solvers/test_rules.py"
+EXACT = "tests/solvers/test_exact.py"
+MISSION = "uwopt/mission/reserves.py"
+
+DEFECTS: tuple[Defect, ...] = (
+    Defect(
+        name="a reserve of blur allows more of it",
+        file=MISSION,
+        old="1.0 - reserve.blur",
+        new="1.0 + reserve.blur",
+        test=f"{RESERVES}::test_a_reserve_tightens_what_is_held[max_blur_px-0.8]",
+    ),
+    Defect(
+        name="no reserve of a ratio of signal to noise",
+        file=MISSION,
+        old='"min_snr_given": reserve.snr_ratio',
+        new='"min_snr_given": 1.0',
+        test=f"{RESERVES}::test_a_reserve_in_decibels_multiplies_a_ratio",
+    ),
+    Defect(
+        name="a narrow swath is refused without a survey",
+        file=MISSION,
+        old="vehicle.speed_m_s > 0.0 and wanted.overlap is not None",
+        new="vehicle.speed_m_s > 0.0",
+        test=f"{RESERVES}::test_a_narrow_swath_is_refused_in_a_survey_alone",
+    ),
+    Defect(
+        name="a refusal beats the key that is given",
+        file=MISSION,
+        old="if word in wanted.refuse and getattr(wanted, key) is None and (",
+        new="if word in wanted.refuse and (",
+        test=f"{RESERVES}::test_a_refusal_stands_for_a_requirement_that_is_not_given[skew-max_skew_px-2]",
+    ),
+    Defect(
+        name="the depth's reserve is forgotten",
+        file="uwopt/mission/mission.py",
+        old="return self.asked_depth_m * self.depth_factor",
+        new="return self.asked_depth_m",
+        test=f"{RESERVES}::test_depth_rating_is_asked_for_with_its_reserve[given0-50.0]",
+    ),
+    Defect(
+        name="a margin does not say its reserve",
+        file="uwopt/objectives/requirements.py",
+        old='yield MarginRows("max_blur_px", value, limit, "<=", "px", where, reserve=kept)',
+        new='yield MarginRows("max_blur_px", value, limit, "<=", "px", where)',
+        test="tests/evaluation/test_reserves.py::test_a_margin_says_what_is_asked_and_what_is_kept",
+    ),
+    Defect(
+        name="half as many stops close a lens",
+        file="uwopt/forward/part_columns.py",
+        old="2.0 ** (stops_down / 2.0)",
+        new="2.0 ** (stops_down / 4.0)",
+        test=f"{RULES}::test_a_rule_discards_what_is_a_millionth_outside[lens_stop_down]",
+    ),
+    Defect(
+        name="a lens of one opening must be closed",
+        file="uwopt/forward/part_columns.py",
+        old="np.where(self.one_opening, 1.0, ",
+        new="np.where(False, 1.0, ",
+        test="tests/evaluation/test_reserves.py::test_a_lens_of_one_opening_is_taken_as_it_is",
+    ),
+    Defect(
+        name="the search lets the Airy disc grow",
+        file="uwopt/forward/setting_rows.py",
+        old="n_high = np.minimum(n_high, working / focused.working_factor)",
+        new="n_high = np.minimum(n_high, 2.0 * working / focused.working_factor)",
+        test="tests/solvers/test_reserves.py::test_the_airy_disc_ends_the_f_numbers",
+    ),
+    Defect(
+        name="the Airy disc is held against the f-number at infinity",
+        file="uwopt/forward/setting_rows.py",
+        old="working / focused.working_factor)",
+        new="working)",
+        test="tests/solvers/test_reserves.py::test_the_airy_disc_ends_the_f_numbers",
+    ),
+)

@@ -1,0 +1,119 @@
+"""What a mission keeps in hand: reserves on what it asks for, and defaults of what an expert would refuse.
+
+Here and nowhere else do requirements as asked become requirements as held: search, evaluation and explanations see
+the latter alone. The former stay beside them, so that a margin can say how much of its limit is reserve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from uwopt.documents.key_types import NUMBER, Section, one_of
+from uwopt.mission.sections import Requirements, Vehicle
+from uwopt.units import db_to_ratio, ratio_to_db
+
+RECOMMENDED = "recommended"
+RECOMMENDED_RESERVE: Mapping[str, float] = {
+    "snr_db": 3.0, "blur": 0.20, "swath": 0.10, "dof": 0.10, "depth": 1.25, "tilt_deg": 3.0,
+}  # fmt: skip
+REFUSED_DEPTH = 1.1  # rating over depth: less than 10 % in hand
+
+
+class Reserve(Section):
+    """What designs keep in hand of each requirement; what is left out keeps nothing."""
+
+    snr_db: Annotated[float, Field(ge=0, le=40), NUMBER] = Field(
+        default=0.0, description="reserve of the signal-to-noise ratio in decibels, recommended 3"
+    )
+    blur: Annotated[float, Field(ge=0, le=0.9), NUMBER] = Field(
+        default=0.0, description="share of the allowed motion blur that stays unused, recommended 0.2"
+    )
+    swath: Annotated[float, Field(ge=0, le=10), NUMBER] = Field(
+        default=0.0, description="share by which the swath is wider than asked for, recommended 0.1"
+    )
+    dof: Annotated[float, Field(ge=0, le=10), NUMBER] = Field(
+        default=0.0, description="share by which the depth of field is longer than asked for, recommended 0.1"
+    )
+    depth: Annotated[float, Field(ge=1, le=10), NUMBER] = Field(
+        default=1.0, description="depth rating over the depth that it is asked for, recommended 1.25"
+    )
+    tilt_deg: Annotated[float, Field(ge=0, le=30), NUMBER] = Field(
+        default=0.0,
+        description="degrees that every lamp may lean inward or outward before what is asked for is lost, "
+        "recommended 3; checked of the answer, with a warning",
+    )
+
+    @property
+    def snr_ratio(self) -> float:
+        """The reserve of the signal-to-noise ratio as a factor."""
+        return float(db_to_ratio(self.snr_db))
+
+
+def to_reserve(value: Any) -> Any:
+    """The values of the word `recommended`; else as given."""
+    if not isinstance(value, str):
+        return value
+    if value.strip().casefold() != RECOMMENDED:
+        raise one_of(value, (RECOMMENDED,), "or give keys such as {snr_db: 3, blur: 0.2}")
+    return dict(RECOMMENDED_RESERVE)
+
+
+#: The key that each refusal holds, with its default; `depth` is held by the depth rating.
+REFUSED: Mapping[str, tuple[str, float]] = {
+    "airy": ("max_airy_px", 2.0), "skew": ("max_skew_px", 2.0), "swath": ("min_swath_m", 1.0)
+}  # fmt: skip
+
+
+def asked_of(wanted: Requirements, vehicle: Vehicle) -> Requirements:
+    """Requirements with the default of each refusal in place; a key that the mission gives stays as it is.
+
+    The swath is refused in a survey alone: at speed, with an overlap.
+    """
+    survey = vehicle.speed_m_s > 0.0 and wanted.overlap is not None
+    made = {
+        key: value
+        for word, (key, value) in REFUSED.items()
+        if word in wanted.refuse and getattr(wanted, key) is None and (survey or word != "swath")
+    }
+    return wanted.model_copy(update=made) if made else wanted
+
+
+def factors_of(reserve: Reserve) -> dict[str, float]:
+    """What is held over what is asked for, by key."""
+    return {
+        "min_snr_given": reserve.snr_ratio,
+        "max_blur_px": 1.0 - reserve.blur,
+        "min_swath_m": 1.0 + reserve.swath,
+        "min_dof_m": 1.0 + reserve.dof,
+    }
+
+
+def held_of(asked: Requirements, reserve: Reserve) -> Requirements:
+    """Requirements as designs must meet them: those asked for, and the reserve on top."""
+    made = {
+        key: value * factor
+        for key, factor in factors_of(reserve).items()
+        if factor != 1.0 and (value := getattr(asked, key)) is not None
+    }
+    if asked.min_snr_db is not None and reserve.snr_db:
+        made["min_snr_db"] = asked.min_snr_db + reserve.snr_db
+    return asked.model_copy(update=made) if made else asked
+
+
+def asked_when_held(reserve: Reserve, key: str, held: float) -> float:
+    """What a mission asks for when this is what must be held: the reserve taken off again."""
+    return held - reserve.snr_db if key == "min_snr_db" else held / factors_of(reserve).get(key, 1.0)
+
+
+def kept_of(asked: Requirements, held: Requirements, key: str) -> float:
+    """How much of a held limit is reserve, in the requirement's unit; 0 where nothing is asked."""
+    if key == "min_snr_db" and asked.min_snr_given is not None and held.min_snr_given is not None:
+        return float(ratio_to_db(held.min_snr_given / asked.min_snr_given))
+    first, last = getattr(asked, key), getattr(held, key)
+    return 0.0 if first is None or last is None else abs(last - first)
+
+
+ReserveOrWord = Annotated[Reserve, BeforeValidator(to_reserve)]

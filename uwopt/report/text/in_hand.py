@@ -1,0 +1,50 @@
+"""What makes a design fail first: the requirement with the least in hand of what is asked for.
+
+Judged by what the result says of its margins. What is only a matter of a setting with room left (overlap and rate,
+gain, highlights, light level) is passed over, and so are budgets: they break no image.
+"""
+
+from __future__ import annotations
+
+from uwopt.report.text import words
+from uwopt.results.design import Design, Margin
+from uwopt.units import db_to_ratio
+
+BREAKING = (
+    "max_blur_px", "max_skew_px", "dof_near_m", "dof_far_m", "min_dof_m", "max_gsd_mm", "min_swath_m", "min_snr_db",
+    "min_contrast", "min_uniformity", "min_mtf_half_nyquist", "max_airy_px", "depth_rating_m",
+)  # fmt: skip
+ALIKE = 1e-6  # of what is asked: so near, two requirements fail together
+MOST_NAMED = 3
+
+
+def share_in_hand(margin: Margin) -> float | None:
+    """What is left of a requirement as a share of what is asked for, reserve included; of decibels as a ratio."""
+    asked = margin.asked
+    if margin.requirement.partition(" (")[0] not in BREAKING or margin.margin is None or not asked:
+        return None
+    left = margin.margin + margin.reserve
+    return float(db_to_ratio(left)) - 1.0 if margin.unit == "dB" else left / abs(asked)
+
+
+def fails_first(design: Design) -> str:
+    """`fails first: signal to noise, 0 dB in hand (3 dB reserve kept)`; "" where nothing could, or something does."""
+    if not design.feasible:
+        return ""
+    found = [
+        (share, number, scene.name, margin)
+        for scene in design.scenes
+        for number, margin in enumerate(scene.margins)
+        if (share := share_in_hand(margin)) is not None
+    ]
+    if not found:
+        return ""
+    least = min(share for share, *_ in found)
+    named: dict[str, str] = {}
+    for share, _, scene, margin in found:
+        if share <= least + ALIKE:
+            name = words.requirement_name(margin.requirement)
+            place = f" in {words.one_line(scene, 40)}" if len(design.scenes) > 1 else ""
+            kept = f" ({words.kept_text(margin)} reserve kept)" if margin.reserve else ""
+            named.setdefault(name, f"{name}{place}, {words.margin_text(margin)} in hand{kept}")
+    return f"fails first: {'; '.join(list(named.values())[:MOST_NAMED])}"
