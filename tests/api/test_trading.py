@@ -15,6 +15,7 @@ import pytest
 
 import uwopt
 from uwopt.api.trading import ParetoCall, check_claim, history, reference
+from uwopt.deadline import NEVER
 from uwopt.errors import MissionError, SolverError
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.own import OwnObjective
@@ -329,7 +330,7 @@ def test_run_reads_names_as_axes_do():
         [" Power", "SNR-dB"],
         Axes.of([" Power", "SNR-dB"]),
         ["exact"],
-        None,
+        NEVER,
         0,
         None,
     )

@@ -47,6 +47,7 @@ Progress = Callable[[float, str], None]
 EXACT, PEER = "exact", "nsga2"
 EXACT_S = 120.0  # for the exact front, unless the call says otherwise
 PEER_S, PEER_ALONE_S = 10.0, 30.0  # for a population solver, beside the exact front and without it
+FIGURES_SHARE, FIGURES_S = 0.3, 8.0  # of a time that is set, and at most [s]: for the figures of a front's points
 VEILED_REL = 1e-4  # veils are integrated for many images at once and for one, on grids that differ
 VEILED = ("contrast", "information", "snr_db")
 
@@ -183,6 +184,7 @@ class ParetoCall:
             else list(axes.names)
         )
         self.deadline, self.seed, self.left_out = deadline, seed, ""
+        self.figures_s = min(FIGURES_SHARE * deadline.left_s, FIGURES_S)
         self.progress = progress or (lambda share, what: None)
 
     @property
@@ -234,8 +236,12 @@ class ParetoCall:
         return FrontSearched(selection, problem, search, front, peers, cut)
 
     def turn(self, n_waiting: int, usual_s: float) -> Deadline:
-        """One solver's time: an even share of what is left for those that wait, or the usual time."""
-        return self.deadline.at_most(self.deadline.left_s / n_waiting if self.limited else usual_s)
+        """One solver's time: an even share of what is left for those that wait, or the usual time.
+
+        Some of a time that was set is kept for the figures of the points that are shown.
+        """
+        searching_s = self.deadline.left_s - self.figures_s
+        return self.deadline.at_most(max(searching_s, 0.0) / n_waiting if self.limited else usual_s)
 
     @property
     def limited(self) -> bool:
