@@ -119,6 +119,50 @@ def test_least_change_of_depth_is_that_of_the_part_rated_deepest(parts, catalog)
     assert told(mission(parts, depth_m=800.0), catalog)["depth_rating_m"] == 500.0
 
 
+KEPT = {"snr_db": 3.0, "blur": 0.2, "swath": 0.1, "dof": 0.1, "depth": 1.25}
+
+
+@pytest.mark.parametrize(
+    ("key", "name", "asked", "taken_off"),
+    [
+        ("min_snr_db", "min_snr", 90.0, lambda reached: reached - 3.0),
+        ("min_swath_m", "min_swath_m", 9.0, lambda reached: reached / 1.1),
+    ],
+    ids=["min_snr", "min_swath_m"],
+)
+def test_what_is_possible_is_told_without_the_reserve(parts, catalog, key, name, asked, taken_off):
+    plain = mission(parts, **{key: asked})
+    reached = told(plain, catalog)[name]
+    possible = told(plain.with_changes(reserve=KEPT), catalog)[name]
+    assert possible == pytest.approx(taken_off(reached), rel=0.01)  # limits are rounded to three digits
+
+
+@pytest.mark.parametrize(("name", "asked"), [("max_blur_px", 0.1), ("min_dof_m", 3.9)])
+def test_limit_said_to_be_possible_with_a_reserve_is_enough(parts, catalog, name, asked):
+    base = {"max_blur_px": 1.0} if name != "max_blur_px" else {"min_snr_db": 27.0}
+
+    def kept(**wanted):
+        return mission(parts, **{**base, **wanted}).with_changes(reserve=KEPT)
+
+    possible = told(kept(**{name: asked}), catalog)[name]
+    assert fits(kept(**{name: possible}), catalog)
+    assert not fits(kept(**{name: possible + 0.03 * (asked - possible)}), catalog)
+
+
+def test_depth_that_is_possible_is_the_rating_less_its_reserve(parts, catalog):
+    deep = mission(parts, depth_m=800.0).with_changes(reserve=KEPT)
+    assert told(deep, catalog)["depth_rating_m"] == pytest.approx(500.0 / 1.25)
+
+
+def test_a_refusal_is_weakened_as_its_key_would_be(parts, catalog):
+    # 1 m is refused; twice that is held, and 12 mm over 11.3 mm of sensor see 1.42 m of floor from 2 m
+    wide = {"reserve": {"swath": 1.0}}
+    refused = told(mission(parts, refuse=["swath"]).with_changes(**wide), catalog)
+    given = told(mission(parts, min_swath_m=1.0).with_changes(**wide), catalog)
+    assert refused["min_swath_m"] == given["min_swath_m"]
+    assert refused["min_swath_m"] == pytest.approx(2.0 * 1936 * 5.86e-3 / (12.0 * 1.33) / 2.0, rel=0.01)
+
+
 @pytest.mark.parametrize(
     ("value", "asked", "rounded"),
     [(2.7134, 1.0, 2.72), (2.71, 1.0, 2.71), (0.061239, 0.5, 0.0612), (1234.5, 0.0, 1240.0), (-3.217, 1.0, -3.22)],

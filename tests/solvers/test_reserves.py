@@ -27,6 +27,11 @@ def test_the_search_stops_the_lens_down():
     assert f_number(one(wanted={"lens_stop_down": 2.0})) == pytest.approx(4.0)
 
 
+def test_a_lens_of_one_opening_is_searched_as_it_is():
+    single = {"f_number_min": 4.0, "f_number_max": 4.0}
+    assert f_number(one(lens=single, wanted={"lens_stop_down": 1.0})) == pytest.approx(4.0)
+
+
 def test_the_airy_disc_ends_the_f_numbers():
     """2.44 lambda N_w = 1 px of 4 um, N_w = N (1 + m) with the focus on the dome's image, 50 mm or so away."""
     limited = one(wanted={"max_airy_px": 1.0})
