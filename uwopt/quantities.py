@@ -44,6 +44,8 @@ QUANTITIES = (
     Compared("light_count", "number of lights", ""),
     Compared("frame_rate_hz", "frame rate", "Hz"),
     Compared("swath_m", "swath", "m", "more"),
+    Compared("line_spacing_m", "distance between lines", "m", "more"),
+    Compared("area_m2_h", "area in an hour", "m2/h", "more"),
     Compared("blur_px", "motion blur", "px"),
     Compared("dof_m", "depth of field", "m", "more"),
     Compared("dof_near_m", "near end of sharp depth", "m"),

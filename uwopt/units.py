@@ -35,7 +35,8 @@ SYMBOLS: Mapping[str, str] = MappingProxyType(
 _DEGREES = math.pi / 180.0
 _MINUTE_S = 60.0
 _FOOT_M = 0.3048  # international foot, exact
-_KNOT_M_S = 1852.0 / 3600.0  # international nautical mile per hour, exact
+S_PER_H = 3600.0
+_KNOT_M_S = 1852.0 / S_PER_H  # international nautical mile per hour, exact
 
 #: Units that people write, by dimension: factor to the dimension's SI unit. Wider than UNIT_SUFFIXES
 #: on purpose: a hint must understand `altitude_ft` to say what `altitude_m` would be.
@@ -43,13 +44,13 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
         "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "km": 1e3,
                    "ft": _FOOT_M, "inch": _FOOT_M / 12.0, "in": _FOOT_M / 12.0},
-        "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": _MINUTE_S, "h": 3600.0},
+        "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": _MINUTE_S, "h": S_PER_H},
         "angle": {"deg": _DEGREES, "rad": 1.0, "mrad": 1e-3},
         "angular rate": {"deg_s": _DEGREES, "rad_s": 1.0, "deg_per_s": _DEGREES},
         "speed": {"m_s": 1.0, "m_per_s": 1.0, "mps": 1.0, "ms": 1.0, "cm_s": 1e-2, "mm_s": 1e-3,
                   "km_h": 1 / 3.6, "kmh": 1 / 3.6, "kn": _KNOT_M_S, "kt": _KNOT_M_S, "knots": _KNOT_M_S},
         "power": {"w": 1.0, "mw": 1e-3, "kw": 1e3},
-        "energy": {"j": 1.0, "mj": 1e-3, "kj": 1e3, "wh": 3600.0, "kwh": 3.6e6},
+        "energy": {"j": 1.0, "mj": 1e-3, "kj": 1e3, "wh": S_PER_H, "kwh": 3.6e6},
         "storage": {"gb": 1.0, "mb": 1e-3, "tb": 1e3},
         "mass": {"kg": 1.0, "g": 1e-3, "lb": 0.45359237},
         "flux": {"lm": 1.0, "klm": 1e3},

@@ -17,7 +17,7 @@ DEFECTS = (
     ),
     Defect(
         name="storage of an hour counts a minute",
-        file="uwopt/mission/duration.py",
+        file="uwopt/units.py",
         old="S_PER_H = 3600.0",
         new="S_PER_H = 60.0",
         test=BY_HAND,
@@ -63,5 +63,12 @@ DEFECTS = (
         old="imagers.camera_power_w[rows] + power, imagers.camera_power_w[rows] + mean_power,",
         new="imagers.camera_power_w[rows] + power, imagers.camera_power_w[rows] + power,",
         test=f"{SEARCH}test_bounds_of_the_mean_power_are_no_higher_than_what_designs_draw",
+    ),
+    Defect(
+        name="sidelap does not narrow a line",
+        file="uwopt/mission/reserves.py",
+        old="(S_PER_H * vehicle.speed_m_s * (1.0 - wanted.sidelap))",
+        new="(S_PER_H * vehicle.speed_m_s)",
+        test="tests/mission/test_coverage.py::test_area_in_an_hour_asks_for_a_swath",
     ),
 )

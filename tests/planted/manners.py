@@ -81,8 +81,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="each solver of a front has all the time",
         file="uwopt/api/trading.py",
-        old="self.deadline.left_s / n_waiting if self.limited",
-        new="self.deadline.left_s if self.limited",
+        old="max(searching_s, 0.0) / n_waiting if self.limited",
+        new="max(searching_s, 0.0) if self.limited",
         test=f"{DEADLINE}::test_solvers_of_a_front_share_the_time",
     ),
 )

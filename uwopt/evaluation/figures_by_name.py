@@ -29,7 +29,7 @@ from uwopt.model import lens as lens_model
 from uwopt.model.defocus import defocus_px, dome_decentring
 from uwopt.model.port import dome_virtual_image_distance_m
 from uwopt.results.design import Note, SceneResult
-from uwopt.units import ratio_to_db, split_unit
+from uwopt.units import S_PER_H, ratio_to_db, split_unit
 
 Array = NDArray[Any]
 
@@ -77,6 +77,8 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "blur_px": float(figures.blur_px[0, 1]),
         "skew_px": float(figures.skew_px[0, 1]),
         "swath_m": across,
+        "line_spacing_m": across * (1.0 - needs.sidelap),
+        "area_m2_h": across * (1.0 - needs.sidelap) * speed * S_PER_H,
         "overlap": float(figures.overlap[0, 1]),
         "frame_rate_min_hz": nominal_rate,
         "exposure_max_ms": blur_limit * 1e3,

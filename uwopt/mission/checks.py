@@ -151,6 +151,7 @@ def cross_faults(parts: Values) -> list[Fault]:
         for section, key, text in (
             *_vehicle_faults(vehicle),
             *_snr_faults(wanted),
+            *_area_faults(vehicle, wanted),
             *_rate_faults(vehicle, wanted),
         ):
             inside = key in (scene.get(section) or {})
@@ -188,6 +189,11 @@ def _dark_faults(scene: Values, index: int, vehicle: Values) -> Iterator[tuple[K
     if counts is not None and counts[0] == 0 and not scene.get("sun_lux"):
         text = "is 0, and vehicle.light_count begins at 0: nothing would be seen; give the sun's lux, or begin at 1"
         yield ("scenes", index, "sun_lux"), text
+
+
+def _area_faults(vehicle: Values, wanted: Values) -> Iterator[tuple[str, str, str]]:
+    if wanted.get("min_area_m2_h") is not None and vehicle.get("speed_m_s") == 0:
+        yield "requirements", "min_area_m2_h", "is asked, but vehicle.speed_m_s is 0: nothing is covered; give a speed"
 
 
 def _snr_faults(wanted: Values) -> Iterator[tuple[str, str, str]]:

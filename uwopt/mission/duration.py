@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from uwopt.mission.mission import Mission
+from uwopt.units import S_PER_H
 
-S_PER_H = 3600.0
 MB_PER_GB = 1000.0
 
 

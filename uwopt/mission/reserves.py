@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field
 
 from uwopt.documents.key_types import NUMBER, Section, one_of
 from uwopt.mission.sections import Requirements, Vehicle
-from uwopt.units import db_to_ratio, ratio_to_db
+from uwopt.units import S_PER_H, db_to_ratio, ratio_to_db
 
 RECOMMENDED = "recommended"
 RECOMMENDED_RESERVE: Mapping[str, float] = {
@@ -70,6 +70,8 @@ REFUSED: Mapping[str, tuple[str, float]] = {
 def asked_of(wanted: Requirements, vehicle: Vehicle) -> Requirements:
     """Requirements with the default of each refusal in place; a key that the mission gives stays as it is.
 
+    Area per hour is swath x (1 - sidelap) x speed, so that it asks for a swath.
+
     The swath is refused in a survey alone: at speed, with an overlap.
     """
     survey = vehicle.speed_m_s > 0.0 and wanted.overlap is not None
@@ -78,6 +80,9 @@ def asked_of(wanted: Requirements, vehicle: Vehicle) -> Requirements:
         for word, (key, value) in REFUSED.items()
         if word in wanted.refuse and getattr(wanted, key) is None and (survey or word != "swath")
     }
+    if wanted.min_area_m2_h is not None and vehicle.speed_m_s > 0.0:
+        swath_m = wanted.min_area_m2_h / (S_PER_H * vehicle.speed_m_s * (1.0 - wanted.sidelap))
+        made["min_swath_m"] = max(swath_m, wanted.min_swath_m or made.get("min_swath_m", 0.0))
     return wanted.model_copy(update=made) if made else wanted
 
 

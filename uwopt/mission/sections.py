@@ -181,6 +181,13 @@ class Requirements(Section):
     min_swath_m: NonNegative | None = Field(
         default=None, description="least footprint across track in metres"
     )
+    sidelap: Annotated[float, Field(ge=0, lt=1), NUMBER] = Field(
+        default=0.0, description="overlap of neighbouring lines across track, a share 0..1"
+    )
+    min_area_m2_h: Positive | None = Field(
+        default=None,
+        description="least area covered in an hour in square metres, sidelap taken off and turns left out",
+    )
     mean_level: Annotated[float, Field(gt=0, lt=1), NUMBER] | None = Field(
         default=None,
         description="wanted mean image level, a share 0..1 of full scale; the gain is chosen for it",

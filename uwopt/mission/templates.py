@@ -62,6 +62,8 @@ requirements:
   # snr_at: mean               # mean | worst pixel
   max_gsd_mm: 1.0              # largest pixel on the floor
   # min_swath_m: 1.0
+  # min_area_m2_h: 1000        # covered in an hour, the sidelap taken off
+  # sidelap: 0.2                # of neighbouring lines, a share 0..1
   mean_level: 0.3              # wanted mean image level, share of full scale; the gain is chosen for it
   # highlight_ratio: 1.5       # brightest detail over the mean, must not saturate
   # min_contrast: 0.5          # image-forming light over all light
