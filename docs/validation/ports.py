@@ -66,13 +66,13 @@ def flat_case(
 
 
 def colour_spread_px(range_m: float, focal_mm: float, gap_mm: float, glass_mm: float) -> float:
-    """Rms radius [px] of the floor point in the image's corner over the electrons that arrive: each colour's ray is sought."""
+    """Rms radius [px] of the floor point at 80 % of the image's half diagonal over the electrons that arrive: each colour's ray is sought."""
     index = common.index_of_water(10.0, 35.0)
     a, b, kd = common.jerlov("II")
     k = np.clip(kd, a + 0.0183 * b, a + b)
     weight = common.led() * common.efficiency(CAMERA) * common.WAVES_NM / index**2
     weight = weight * np.exp(-(k + a + b) * range_m) * common.STEPS_NM
-    corner = math.hypot(WIDTH, HEIGHT) * PITCH_M / (2e-3 * focal_mm)
+    corner = 0.8 * math.hypot(WIDTH, HEIGHT) * PITCH_M / (2e-3 * focal_mm)
     ray = dict(gap=1e-3 * gap_mm, glass=1e-3 * glass_mm, range_m=range_m, n_g=1.5)
     n_green = float(np.interp(550.0, common.WAVES_NM, index))
     target = flat_floor(corner, 0.0, n_w=n_green, **ray)[0]

@@ -282,7 +282,7 @@ def dome_power_per_m(n_water: float) -> float:
 def test_corner_of_a_dome_image_is_soft_by_its_obliquity(n_water: float) -> None:
     # The image of infinity lies at P / cos of the field angle; the lens is focused on the axis, at 2 m of water
     power = dome_power_per_m(n_water)
-    secant = math.sqrt(1.0 + (1000**2 + 500**2) * (PIXEL_M / FOCAL_M) ** 2)
+    secant = math.sqrt(1.0 + 0.8**2 * (1000**2 + 500**2) * (PIXEL_M / FOCAL_M) ** 2)  # 80 % of the half diagonal
     focus_per_m = power + 1.0 / n_water / (2.0 + RADIUS_M)
     disc_m = FOCAL_M**2 / (4.0 * (1.0 - FOCAL_M * focus_per_m)) * power * (secant - 1.0)
     assert figures_of(port=DOME)["defocus_corner_px"] == pytest.approx(disc_m / PIXEL_M, rel=1e-9)
@@ -292,7 +292,7 @@ def test_corner_of_a_flat_ports_image_is_soft_by_its_longer_axis(n_water: float)
     # Without gap and glass a ray of tangent u in air lands at x = d u / sqrt(q), q = n^2 + (n^2 - 1) u^2: its
     # neighbours along the radius cross at dx/du = d n^2 / q^1.5, those across it farther off, at x / u.
     port = {"geometry": "flat", "gap_mm": 0.0, "thickness_mm": 1e-3, "refractive_index": 1.5}
-    q = n_water**2 + (n_water**2 - 1.0) * (1000**2 + 500**2) * (PIXEL_M / FOCAL_M) ** 2
+    q = n_water**2 + (n_water**2 - 1.0) * 0.8**2 * (1000**2 + 500**2) * (PIXEL_M / FOCAL_M) ** 2
     focus_per_m, tangential_per_m = n_water / 2.0, q**1.5 / (2.0 * n_water**2)
     disc_m = FOCAL_M**2 / (4.0 * (1.0 - FOCAL_M * focus_per_m)) * (tangential_per_m - focus_per_m)
     assert figures_of(port=port)["defocus_corner_px"] == pytest.approx(
@@ -308,7 +308,7 @@ def test_dome_pixel_counts_range_from_the_centre() -> None:
 
 def test_sharp_depth_at_the_corner_of_a_dome_begins_later(n_water: float) -> None:
     power = dome_power_per_m(n_water)
-    secant = math.sqrt(1.0 + (1000**2 + 500**2) * (PIXEL_M / FOCAL_M) ** 2)
+    secant = math.sqrt(1.0 + 0.8**2 * (1000**2 + 500**2) * (PIXEL_M / FOCAL_M) ** 2)  # 80 % of the half diagonal
     focus_per_m = power + 1.0 / n_water / (2.0 + RADIUS_M)
     half_per_m = 4.0 * 2.0 * PIXEL_M * (1.0 - FOCAL_M * focus_per_m) / FOCAL_M**2
     near_m = 1.0 / n_water / (focus_per_m + half_per_m - power * secant) - RADIUS_M

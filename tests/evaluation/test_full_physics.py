@@ -23,6 +23,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, minimize_scalar
 
 import uwopt
+from uwopt.model.image_mean import FRAME_MAY_MISS, frame_places, reached_by_most
 
 Array = NDArray[np.float64]
 DATA = Path(__file__).parents[2] / "uwopt" / "catalog" / "data"
@@ -673,6 +674,33 @@ def test_darkest_pixel(name: str) -> None:
     signal, veil = electrons_at(*at), forward_at(*at) + backscatter_at(*at)
     least = float((signal / np.sqrt(noise_variance(signal + veil))).min())
     assert figures(case)["snr_db_min"] == pytest.approx(20 * math.log10(least), abs=0.002)
+
+
+OVER_FRAME_DB = {  # reached: light falls to a corner by up to 20 dB, and shares are counted to 1/377 of the image
+    "two lamps, clear water": 0.1, "flat port, measured water, tilt outward": 0.1, "most turbid": 0.2,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", OVER_FRAME_DB)
+def test_snr_that_95_percent_of_the_image_reach(name: str) -> None:
+    case, cells = SMOOTH_CASES[name], (np.arange(65) + 0.5) * 2.0 / 65 - 1.0
+    at = (case, cells[:, None], cells[None, :])
+    signal, veil = electrons_at(*at), forward_at(*at) + backscatter_at(*at)
+    counted = np.sort((signal / np.sqrt(noise_variance(signal + veil))).ravel())
+    twentieth = 20 * math.log10(float(counted[int(0.05 * counted.size)]))
+    assert figures(case)["snr_db_p05"] == pytest.approx(twentieth, abs=OVER_FRAME_DB[name])
+
+
+@pytest.mark.parametrize(("half_angle", "lamps"), [(8.0, (Lamp(y=0.3),)), (12.0, pair(0.5))])
+def test_places_of_the_frame_are_enough_for_small_spots(half_angle: float, lamps: tuple[Lamp, ...]) -> None:
+    # light falls by 3 dB from one place to the next at the image's edge: against cells of 1/129 of its side
+    case, cells = Case(half_angle=half_angle, lamps=lamps), (np.arange(129) + 0.5) * 2.0 / 129 - 1.0
+    counted = np.sort(electrons_at(case, cells[:, None], cells[None, :]).ravel())
+    along, across = frame_places(np.ones(1), np.ones(1))
+    reached = reached_by_most(electrons_at(case, across[0], along[0]), FRAME_MAY_MISS)
+    assert 20 * math.log10(float(reached)) == pytest.approx(
+        20 * math.log10(float(counted[int(0.05 * counted.size)])), abs=0.7
+    )
 
 
 def test_a_pixel_without_light_has_no_snr_in_decibel() -> None:

@@ -33,9 +33,9 @@ def test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once() -> 
         optics=optics,
         mount=hardware.mount,
         count=hardware.count,
-        pixels=True,
+        pixels="darkest",
     ).scaled(model.lights.output_factor)
-    in_parts = model.image_light(0, pixels=True)
+    in_parts = model.image_light(0, pixels="darkest")
     for name in ("signal_e", "forward_e", "backscatter_e", "worst_e", "worst_veil_e"):
         assert np.array_equal(getattr(in_parts, name), getattr(at_once, name)), name
     assert in_parts.worst_e is not None

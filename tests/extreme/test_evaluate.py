@@ -98,7 +98,7 @@ def test_waters_from_vacuum_to_ink(
     a, b, kd = water
     result = evaluated(
         physics, scene={"water": cases.flat_water(tmp_path, a_per_m=a, b_per_m=b, kd_per_m=kd)},
-        requirements={"min_snr": 0.5, "min_contrast": 0.01, "snr_at": "worst"},
+        requirements={"min_snr": 0.5, "min_contrast": 0.01, "snr_at": "worst_px"},
     )  # fmt: skip
     figures = cases.assert_sound(result)
     if physics == "full" and b == 0.0:

@@ -21,7 +21,7 @@ MISSION: dict[str, Any] = {
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30.0, "sun_lux": 2e4},
     "vehicle": {"altitude_m": 1.5, "altitude_tolerance_m": 0.2, "speed_m_s": 0.2, "light_baseline_m": 0.4},
     "requirements": {
-        "overlap": 0.5, "max_blur_px": 2.0, "min_snr_db": 20.0, "snr_at": "worst", "min_mtf_half_nyquist": 0.1,
+        "overlap": 0.5, "max_blur_px": 2.0, "min_snr_db": 20.0, "snr_at": "worst_px", "min_mtf_half_nyquist": 0.1,
         "min_dof_m": 0.1, "dof_at": "corner",
     },
 }  # fmt: skip
@@ -64,7 +64,7 @@ def test_a_batch_gives_what_one_design_at_a_time_gives(batch: Batch) -> None:
         )  # fmt: skip
         one = DesignModel(batch.problem, hardware).figures(0, given.take(np.array([i])), information=True)
         for name in ("electrons_signal", "electrons_forward", "electrons_backscatter", "electrons_sun", "snr",
-                     "snr_darkest", "mean_level", "contrast", "blur_px", "mtf_half_nyquist",
+                     "snr_pixels", "mean_level", "contrast", "blur_px", "mtf_half_nyquist",
                      "information_bit_per_m2", "light_power_w", "dof_near_m"):  # fmt: skip
             np.testing.assert_allclose(
                 getattr(many, name)[i], getattr(one, name)[0], rtol=SAME, atol=1e-9, err_msg=f"{name} of {i}"

@@ -51,7 +51,7 @@ def random_mission(rng: np.random.Generator) -> dict[str, Any]:
     altitude = between(rng, 0.1, 8.0)
     requirements: dict[str, Any] = {
         "frame_interval_s": 2.0, "min_snr_db": 20.0, "max_gsd_mm": 5.0, "min_swath_m": 0.1,
-        "snr_at": rng.choice(["mean", "mean", "worst"]).item(), "min_dof_m": 0.1 * altitude,
+        "snr_at": rng.choice(["mean", "mean", "worst_px"]).item(), "min_dof_m": 0.1 * altitude,
         "dof_at": rng.choice(["axis", "corner"]).item(),
     }  # fmt: skip
     if rng.random() < 0.5:

@@ -459,7 +459,7 @@ scene = st.fixed_dictionaries(
     optional={
         "speed_m_s": st.floats(0, 5),
         "min_snr": positive,
-        "requirements": st.fixed_dictionaries({}, optional={"overlap": share, "snr_at": st.just("worst")}),
+        "requirements": st.fixed_dictionaries({}, optional={"overlap": share, "snr_at": st.just("worst_px")}),
         "sun_lux": st.floats(0, 1e5),
     },
 )

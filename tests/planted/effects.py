@@ -31,7 +31,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="darkest pixel taken for the mean where pixels count",
         file="uwopt/evaluation/design_model.py",
-        old="return replace(means, worst_e=light.worst_e, worst_veil_e=light.worst_veil_e)",
+        old="return means.with_pixels(light)",
         new="return light",
         test="tests/evaluation/test_light_in_parts.py::test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once",
     ),

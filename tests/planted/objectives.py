@@ -552,8 +552,8 @@ DEFECTS = (
     Defect(
         name="the brightest pixel for the darkest",
         file="uwopt/forward/figures.py",
-        old="**at_pixels).min(axis=2)",
-        new="**at_pixels).max(axis=2)",
+        old="reached_by_most(np.asarray(sensor.snr(",
+        new="-reached_by_most(-np.asarray(sensor.snr(",
         test="tests/evaluation/test_full_physics.py::test_darkest_pixel[one lamp, dome]",
     ),
     Defect(

@@ -11,6 +11,8 @@ CELLS = "tests/solvers/test_cell_bounds.py::"
 CERTIFICATE = "tests/solvers/test_certificate.py::"
 DOUBT = "tests/solvers/test_robustness.py::"
 
+FRAME = "tests/solvers/test_over_frame.py::"
+
 DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a pulse is taken as short as can be though dark current helps the wanted level",
@@ -404,5 +406,55 @@ DEFECTS: tuple[Defect, ...] = (
         old="np.asarray(floor <= self.ceiling)",
         new="np.asarray(floor <= 0.5 * self.ceiling)",
         test=f"{BOUNDS}test_a_camera_that_reaches_a_ceiling_is_looked_at[pulses]",
+    ),
+    Defect(
+        name="the darkest pixel for 95 % of the image",
+        file="uwopt/model/image_mean.py",
+        old="    if may_miss == 0:\n",
+        new="    if may_miss >= 0:\n",
+        test=f"{FRAME}test_the_darkest_few_may_miss",
+    ),
+    Defect(
+        name="a tenth of the image may miss the SNR",
+        file="uwopt/model/image_mean.py",
+        old="FRAME_SHARE = 0.95",
+        new="FRAME_SHARE = 0.90",
+        test=f"{FRAME}test_a_twentieth_of_the_image_lies_beyond_the_place_that_counts",
+    ),
+    Defect(
+        name="no pixel may miss in the window of light",
+        file="uwopt/solvers/settings/closed_form.py",
+        old="rows.may_miss if at_worst else 0",
+        new="0",
+        test=f"{FRAME}test_light_for_an_snr_of_20_over_most_pixels[2-10.0]",
+    ),
+    Defect(
+        name="a mean as bright as what most pixels reach",
+        file="uwopt/solvers/exact/bounds.py",
+        old="return FRAME_SHARE * LATTICE_MARGIN if",
+        new="return 1.0 if",
+        test=f"{FRAME}test_the_mean_may_be_darker_than_what_most_of_the_image_has[frame-0.95]",
+    ),
+    Defect(
+        name="no pixel may miss at a point of a cell",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="reached_by_most(each, rows.may_miss)",
+        new="reached_by_most(each, 0)",
+        test="tests/solvers/test_cells.py::test_an_snr_that_most_pixels_reach[given0-power]",
+    ),
+    Defect(
+        name="cells without the mean SNR that pixels are asked for",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="        if rows.worst_e is None:  # what",
+        new="        if rows.min_snr > 0:  # what",
+        test="tests/solvers/test_cell_bounds.py::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it"
+        "[signal over the frame with dark current]",
+    ),
+    Defect(
+        name="a corner's sharpness counts in the outermost pixel",
+        file="uwopt/forward/views.py",
+        old="CORNER_FIELD = 0.8",
+        new="CORNER_FIELD = 1.0",
+        test="tests/evaluation/test_design_model.py::test_sharp_depth_at_the_corner_of_a_dome_begins_later",
     ),
 )

@@ -200,11 +200,12 @@ class SceneSearch:
             dim = wanted > cam.max_gain[0]
         if needs.min_snr is not None:
             snr = np.asarray(sensor.snr(signal, veil_e=veil, **noise))
-            if needs.snr_at == "worst" and seen.worst_e is not None:
+            if needs.snr_at != "mean" and seen.worst_e is not None:
                 pixel = seen.worst_e[0] * light_x[..., None, None]
                 over = 0.0 if seen.worst_veil_e is None else seen.worst_veil_e[0] * light_x[..., None, None]
                 there = {name: np.asarray(value)[..., None] for name, value in noise.items()}
-                snr = np.asarray(sensor.snr(pixel, veil_e=over, **there)).min(axis=-1)
+                each = np.sort(np.asarray(sensor.snr(pixel, veil_e=over, **there)), axis=-1)
+                snr = each[..., seen.may_miss]
             dim = dim | (snr.min(axis=-1) < needs.min_snr)
         return np.asarray(sensor.snr(signal, veil_e=veil, **noise))[..., nominal], dim, bright
 

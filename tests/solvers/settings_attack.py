@@ -34,9 +34,14 @@ def sharp(*, blur: float = 2000.0, place: float = 4.0, rms: float = 6.0, rated: 
 
 def lit(
     sharpness: SharpRows | None = None, *, sun: tuple[float, float] | None = None, veil: float | None = None,
-    open_max_s: float | None = None, min_mtf: float = 0.0, min_contrast: float = 0.0, **changed: Any,
+    open_max_s: float | None = None, min_mtf: float = 0.0, min_contrast: float = 0.0, may_miss: int | None = None,
+    **changed: Any,
 ) -> SceneRows:  # fmt: skip
-    """Three altitudes under lamps, with sun (signal, veil) where a test wants it."""
+    """Three altitudes under lamps, with sun (signal, veil) where a test wants it.
+
+    `may_miss`: the SNR is asked of twenty pixels, each with lamps, sun and veil of its own, of which so many may
+    miss it.
+    """
     values: dict[str, Any] = dict(signal_e=[120.0, 100.0, 80.0], nominal=1)
     values.update(changed)
     rows = scene(**values)
@@ -48,7 +53,22 @@ def lit(
         more.update(sun_signal_e_s=sun[0] * shape, sun_veil_e_s=sun[1] * shape[:, ::-1])
     if open_max_s is not None:
         more["open_max_s"] = np.array([open_max_s])
-    return replace(rows, **more)
+    rows = replace(rows, **more)
+    return rows if may_miss is None else in_pixels(rows, may_miss)
+
+
+def in_pixels(rows: SceneRows, may_miss: int) -> SceneRows:
+    """The rows with twenty pixels: three are dark, the others brighter than the mean."""
+    lamps, sun, veil = np.random.default_rng(5).uniform([[1.05], [0.9], [0.5]], [[1.5], [1.2], [1.2]], (3, 20))
+    lamps[:3] = 0.1
+
+    def spread(column: Array | None, share: Array) -> Array | None:
+        return None if column is None else column[:, :, None] * share
+
+    return replace(
+        rows, may_miss=may_miss, worst_e=spread(rows.signal_e, lamps), worst_veil_e=spread(rows.veil_e, veil),
+        worst_sun_signal_e_s=spread(rows.sun_signal_e_s, sun), worst_sun_veil_e_s=spread(rows.sun_veil_e_s, veil),
+    )  # fmt: skip
 
 
 # ---------------------------------------------------------------- the equations, written out
@@ -90,7 +110,7 @@ def figures(
         + (r.prnu_frac[:, None] * (signal + veil)) ** 2
     )
     snr = signal / np.sqrt(noise)
-    ok &= (snr >= r.min_snr * (1 - 1e-8)).all(axis=1)
+    ok &= (snr_asked(r, snr, x, k, dark, open_s / n_w**2) >= r.min_snr * (1 - 1e-8)).all(axis=1)
     with np.errstate(invalid="ignore"):
         contrast = signal / (signal + veil)
     if r.min_contrast:
@@ -111,6 +131,19 @@ def figures(
         power=u * drawn[kind], snr_db=20 * np.log10(np.maximum(snr[:, r.nominal], 1e-300)),
         contrast=contrast[:, r.nominal], information=bits, ok=ok,
     )  # fmt: skip
+
+
+def snr_asked(r: SceneRows, of_mean: Array, x: Array, k: Array, dark: Array, y: Array) -> Array:
+    """The SNR that is asked for by altitude: of the mean, or of the pixels without the darkest few."""
+    if r.worst_e is None:
+        return of_mean
+    one, veil = r.worst_e * x[:, :, None], (0.0 if r.worst_veil_e is None else r.worst_veil_e) * x[:, :, None]
+    if r.worst_sun_signal_e_s is not None and r.worst_sun_veil_e_s is not None:
+        one = one + r.worst_sun_signal_e_s * y[:, None, None]
+        veil = veil + r.worst_sun_veil_e_s * y[:, None, None]
+    read, prnu = (column[:, None, None] for column in (r.read_noise_e, r.prnu_frac))
+    noise = read**2 + 1.0 / 12.0 / k[:, :, None] ** 2 + one + veil + dark[:, :, None] + (prnu * (one + veil)) ** 2
+    return np.asarray(np.sort(one / np.sqrt(noise), axis=2)[:, :, r.may_miss])
 
 
 def sample(

@@ -179,7 +179,7 @@ def requirements(rng: Rng, speed_m_s: float) -> dict[str, Any]:
         wanted["min_dof_m"] = between(rng, 0.02, 0.8)
     if chance(rng, 0.85):
         wanted["min_snr_db"] = float(rng.uniform(8, 36))
-        wanted["snr_at"] = pick(rng, ["mean", "mean", "worst"])
+        wanted["snr_at"] = pick(rng, ["mean", "mean", "worst_px"])
     if chance(rng, 0.3):
         wanted["mean_level"] = pick(rng, [0.1, 0.3, 0.5])
     if chance(rng, 0.3):

@@ -32,6 +32,12 @@ BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
     "power in steps under the sun": (dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0, **STEPS), "power"),
     "pulses under the sun": (dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0, **LED), "power"),
     "information of pulses under the sun": (dict(sun=(3e4, 2e4), open_max_s=5e-3, **LED), "information"),
+    "power over the frame under the sun": (
+        dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0, may_miss=3), "power",
+    ),
+    "signal over the frame with dark current": (
+        dict(may_miss=3, min_snr=10.0, veil=30.0, dark_current_e_s=50.0, min_mtf=0.1), "snr_db",
+    ),
     "signal against power": (dict(sun=(1e4, 1e4), open_max_s=5e-3), {"snr_db": 1.0, "power": 0.1}),
 }  # fmt: skip
 

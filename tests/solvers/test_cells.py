@@ -197,3 +197,17 @@ def test_factors_of_the_transfer_are_concave_in_logarithms(factor: Any, null: fl
     assert (np.diff(slope) <= 1e-9).all()
     # Midpoint differences of the values: an independent slope, with its second-order error.
     assert np.allclose(np.diff(value) / np.diff(at), 0.5 * (slope[1:] + slope[:-1]), rtol=2e-3, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"),
+    [
+        (dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0), "power"),
+        (dict(veil=30.0, dark_current_e_s=50.0, min_mtf=0.1), {"snr_db": 1.0, "power": 0.05}),
+    ],
+)
+def test_an_snr_that_most_pixels_reach(given: dict[str, Any], wanted: Any) -> None:
+    """Three of twenty pixels are dark and may miss it; the others are brighter than the mean."""
+    found, strict = (check(lit(may_miss=k, **given), wanted, 0) for k in (3, 0))
+    assert found.feasible[0]
+    assert found.lower_bound[0] < strict.lower_bound[0]

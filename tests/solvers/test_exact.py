@@ -44,6 +44,7 @@ EVERY_KIND = {
         "mass_kg", "power_w", "light", "bound",
     )),
 }  # fmt: skip
+OVER_FRAME = drawn((9, 10, 24), CASES)  # by default those that are quick and whose answers it changes
 
 
 # ---------------------------------------------------------------- against enumeration
@@ -54,6 +55,14 @@ EVERY_KIND = {
 def test_search_equals_enumeration(seed: int) -> None:
     """Best designs, feasibility and account of every random case."""
     agree(case(seed), case(seed).solve()[1], ranked(enumerated(seed)))
+
+
+@pytest.mark.usefixtures("batches")
+@pytest.mark.parametrize("seed", OVER_FRAME)
+def test_search_over_the_frame_equals_enumeration(seed: int) -> None:
+    """The same with an SNR that 95 % of the image must reach."""
+    over_frame = case(seed, over_frame=True)
+    agree(over_frame, over_frame.solve()[1], ranked(enumerated(seed, over_frame=True)))
 
 
 FLASH_STEPS = lamp(

@@ -30,7 +30,7 @@ LEAST_ROOM = 0.1  # of a tolerance, for what can be made finer, where the floor 
 MOST_ROUNDS = 12  # of the search for the cheapest fineness: every part can go up its whole ladder
 PAPER_PARTS = ("spectrum",)
 OBJECTIVE = ("", "objective")  # in place of scene and figure
-AS_DECIBELS = ("_db", "_db_min", "_db_centre")
+AS_DECIBELS = ("_db", "_db_p05", "_db_min", "_db_centre")
 BELL_PER_NEPER = math.log(10.0) / 20.0  # relative change of a ratio for 1 dB
 
 

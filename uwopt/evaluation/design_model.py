@@ -25,6 +25,7 @@ from uwopt.forward.lamp_light import ImageLight, LampField, SunLight, image_ligh
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Lights
 from uwopt.forward.problem import Problem
+from uwopt.forward.scene import Pixels
 from uwopt.forward.sharpness import SharpRows, airy_wavelength_nm, sharpness_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import focus_map, table_reach_m, views
@@ -59,7 +60,7 @@ class DesignModel:
         ]
         self.problem = problem.reaching([table_reach_m(view) for view in self.views])
         self._known: dict[Any, Any] = {}  # what no setting changes, worked out once
-        self.rows = [self._rows(i, pixels=scene.at_worst) for i, scene in enumerate(problem.scenes)]
+        self.rows = [self._rows(i, pixels=scene.pixels) for i, scene in enumerate(problem.scenes)]
 
     def _once(self, key: Any, make: Callable[[], Any]) -> Any:
         """What `make` gives, kept: settings come and go, the light's integrals stay."""
@@ -67,7 +68,7 @@ class DesignModel:
             self._known[key] = make()
         return self._known[key]
 
-    def _rows(self, index: int, *, pixels: bool) -> DesignRows:
+    def _rows(self, index: int, *, pixels: Pixels | None) -> DesignRows:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
         return DesignRows(
             cameras=self.cameras,
@@ -81,16 +82,19 @@ class DesignModel:
             sun=self.sun_light(index, pixels=pixels),
         )
 
-    def snr_at_worst(self, index: int, settings: SettingRows) -> float | None:
-        """Lowest SNR over the image at the nominal altitude; None in physics `paper`, which knows no field."""
+    def snr_at(self, pixels: Pixels, index: int, settings: SettingRows) -> float | None:
+        """Lowest SNR over the image, or that of all but a share of it, at the nominal altitude.
+
+        None in physics `paper`, which knows no field.
+        """
         scene = self.problem.scenes[index]
         if scene.paper:
             return None
         rows = self.rows[index]
-        if rows.light.worst_e is None:
-            rows = self._once(("rows", index), lambda: self._rows(index, pixels=True))
-        darkest = figures_of(scene, rows, settings).snr_darkest
-        return None if darkest is None else float(darkest[0, scene.nominal])
+        if scene.pixels != pixels:
+            rows = self._once(("rows", index, pixels), lambda: self._rows(index, pixels=pixels))
+        reached = figures_of(scene, rows, settings).snr_pixels
+        return None if reached is None else float(reached[0, scene.nominal])
 
     def light_at_centre(self, index: int) -> ImageLight:
         """Electrons per lm s of nameplate light in the middle of the image; the veils together as one."""
@@ -169,13 +173,13 @@ class DesignModel:
         )
         return sharp
 
-    def sun_light(self, index: int, *, pixels: bool = False, channel: str | None = None) -> SunLight | None:
+    def sun_light(self, index: int, *, pixels: Pixels | None = None, channel: str | None = None) -> SunLight | None:
         """Electrons per second from the sun."""
         key = ("sun", index, pixels, channel)
         sun: SunLight | None = self._once(key, lambda: self._sun_light(index, pixels, channel))
         return sun
 
-    def _sun_light(self, index: int, pixels: bool, channel: str | None) -> SunLight | None:
+    def _sun_light(self, index: int, pixels: Pixels | None, channel: str | None) -> SunLight | None:
         hw = self.hardware
         return sun_light(
             self.problem,
@@ -189,14 +193,14 @@ class DesignModel:
             pixels=pixels,
         )
 
-    def image_light(self, index: int, *, pixels: bool = False, channel: str | None = None) -> ImageLight:
+    def image_light(self, index: int, *, pixels: Pixels | None = None, channel: str | None = None) -> ImageLight:
         """Electrons per lm s of nameplate light."""
         key = ("light", index, pixels, channel)
         light: ImageLight = self._once(key, lambda: self._image_light(index, pixels, channel))
         return light
 
-    def _image_light(self, index: int, pixels: bool, channel: str | None) -> ImageLight:
-        hw, split = self.hardware, pixels and not self.problem.paper
+    def _image_light(self, index: int, pixels: Pixels | None, channel: str | None) -> ImageLight:
+        hw, split = self.hardware, pixels is not None and not self.problem.paper
         light = image_light(
             self.problem, index, self.views[index], np.array([hw.camera]), port_index=hw.port,
             optics=int(self.lights.optics_index[0]), mount=hw.mount, count=hw.count, pixels=pixels, channel=channel,
@@ -205,7 +209,7 @@ class DesignModel:
         if not split:
             return light
         means = self.image_light(index, channel=channel)  # the costly integrals, often known already
-        return replace(means, worst_e=light.worst_e, worst_veil_e=light.worst_veil_e)
+        return means.with_pixels(light)
 
     # ------------------------------------------------------------ settings
 

@@ -23,7 +23,7 @@ from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.sharpness import airy_wavelength_nm, arriving
-from uwopt.forward.views import field_dioptres_per_m
+from uwopt.forward.views import CORNER_FIELD, field_dioptres_per_m
 from uwopt.model import lateral, sensor, sharpness
 from uwopt.model import lens as lens_model
 from uwopt.model.defocus import defocus_px, dome_decentring
@@ -69,7 +69,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
     cam = model.cameras
     mean_level = float(figures.mean_level[0, at])
     blur_limit = float(blur_time_s(_at_nominal(scene), model.shapes[index], _nominal_view(view))[0])
-    worst = model.snr_at_worst(index, settings)
+    most, worst = (model.snr_at(pixels, index, settings) for pixels in ("frame", "darkest"))
     out: dict[str, Any] = {
         "fov_x_m": across if landscape else along,
         "fov_y_m": along if landscape else across,
@@ -107,6 +107,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "saturation_fraction": float(figures.saturation_fraction[0]),
         "snr": snr,
         "snr_db": decibels(snr),
+        "snr_db_p05": None if most is None else decibels(most),
         "snr_db_min": None if worst is None else decibels(worst),
         "snr_db_centre": centre_db(model, index, settings),
         **colour_figures(model, index, settings, figures),
@@ -182,7 +183,10 @@ SHARPNESS = (
 def sharpness_figures(
     model: DesignModel, index: int, settings: SettingRows, figures: Figures
 ) -> dict[str, float | None]:
-    """MTF where the mission wants the image sharp, and what colours and defocus do at the corner."""
+    """MTF where the mission wants the image sharp, and what colours and defocus do at the corner.
+
+    The corner is the field at 80 % of the half diagonal in all of them.
+    """
     scene, problem, view = model.problem.scenes[index], model.problem, model.views[index]
     if scene.paper:
         return dict.fromkeys(SHARPNESS)
@@ -201,7 +205,7 @@ def sharpness_figures(
     )
     spectrum = int(problem.contractions[index].spectrum_of[int(model.lights.optics_index[0])])
     electrons = arriving(scene, problem.contractions[index], spectrum, int(model.cameras.qe_index[0]))
-    corner, shape = np.hypot(view.tan_along, view.tan_across), model.shapes[index]
+    corner, shape = CORNER_FIELD * np.hypot(view.tan_along, view.tan_across), model.shapes[index]
     colour = 0.0
     if not shape.is_dome:
         spread = lateral.lateral_colour_px(
@@ -240,7 +244,7 @@ def decentring(model: DesignModel, index: int, f_number: float) -> dict[str, flo
     scene = model.problem.scenes[index]
     moved = dome_decentring(
         float(scene.range_m[scene.nominal]),
-        cos_field=float(1.0 / np.sqrt(1.0 + view.tan_along[0] ** 2 + view.tan_across[0] ** 2)),
+        cos_field=float(1.0 / np.hypot(1.0, CORNER_FIELD * np.hypot(view.tan_along[0], view.tan_across[0]))),
         focus_map=model.maps[index], f_number=f_number, focal_length_m=float(view.focal_length_m[0]),
         pixel_pitch_m=float(model.cameras.pixel_pitch_m[0]),
     )  # fmt: skip

@@ -18,7 +18,7 @@ from uwopt.forward.designs import Designs
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
 from uwopt.forward.lamp_light import ImageLight, Veils, image_light
 from uwopt.forward.problem import Problem
-from uwopt.forward.scene import SceneOptics
+from uwopt.forward.scene import Pixels, SceneOptics
 from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import Views, focus_map, table_reach_m, views
@@ -47,7 +47,7 @@ class Batch:
         return self._signals[index]
 
     def _light(
-        self, index: int, *, veils: Veils, pixels: bool = False, known: ImageLight | None = None
+        self, index: int, *, veils: Veils, pixels: Pixels | None = None, known: ImageLight | None = None
     ) -> ImageLight:
         """Electrons per lm s behind the lamps' windows, group by group."""
         d, view = self.designs, self.views[index]
@@ -118,15 +118,15 @@ class Batch:
             for rows, port, optics in self.groups(by_curve=True, some=some)
         ]  # fmt: skip
 
-    def rows(self, index: int, *, pixels: bool | None = None) -> DesignRows:
+    def rows(self, index: int, *, pixels: Pixels | None = None) -> DesignRows:
         """Hardware of all designs in one scene, light integrals included, with the problem's effects."""
         d, problem, view = self.designs, self.problem, self.views[index]
         scene = problem.scenes[index]
-        worst = scene.at_worst if pixels is None else pixels
+        asked = pixels or scene.pixels
         light = self._light(
             index,
             veils="all",
-            pixels=worst and not scene.paper,
+            pixels=None if scene.paper else asked,
             known=None if scene.paper else self.signal(index),
         )
         lights = problem.lights.take(d.light)
@@ -139,7 +139,7 @@ class Batch:
             focus_map=self._focus_map(scene, index),
             lever_m=levers_m(scene, problem.ports.outer_radius_m[d.port]),
             light=light.scaled(lights.output_factor),
-            sun=sun_light(problem, index, view, d.camera, port_index=d.port, mount=d.mount, pixels=worst),
+            sun=sun_light(problem, index, view, d.camera, port_index=d.port, mount=d.mount, pixels=asked),
         )
 
     def _focus_map(self, scene: SceneOptics, index: int) -> FocusMap:

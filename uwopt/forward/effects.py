@@ -128,14 +128,14 @@ def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dic
     )  # fmt: skip
     signal = group.signal_e
     if signal is None:
-        signal = field.light(view, pixels=False, veils="none").signal_e
+        signal = field.light(view, veils="none").signal_e
     signal_s = time.perf_counter() - start
     if scene.scatters:
         found["forward_veil"] = (forward_bound(field, view), signal_s)
         start = time.perf_counter()
         bound = backscatter_bound(field, view, signal)
         found["backscatter"] = (bound, FULL_OVER_COARSE * (time.perf_counter() - start))
-    if needs.snr_at == "worst" and needs.min_snr is not None and scene.scatters:
+    if scene.at_worst and scene.scatters:
         forward, back = worst_pixel_shares(field, view)
         found["forward_veil"] = (max(found["forward_veil"][0], forward), found["forward_veil"][1])
         found["backscatter"] = (max(found["backscatter"][0], back), found["backscatter"][1])

@@ -24,6 +24,7 @@ from uwopt.forward.views import Views, altitudes_m
 from uwopt.model import lens as lens_model
 from uwopt.model import light as light_model
 from uwopt.model import operation, sensor
+from uwopt.model.image_mean import reached_by_most
 from uwopt.model.port import FocusMap, water_distance_m
 
 Array = NDArray[Any]
@@ -86,7 +87,7 @@ class Figures:
     electrons_dark: Array
     contrast: Array  # (n, n_altitudes), 0 where there is no light at all
     snr: Array  # (n, n_altitudes)
-    snr_darkest: Array | None
+    snr_pixels: Array | None  # what the pixels reach that it is asked of
     mean_level: Array  # (n, n_altitudes)
     saturation_fraction: Array
     blur_px: Array
@@ -156,7 +157,7 @@ def figures_of(
         electrons_dark=dark,
         contrast=share_of(seen.signal_e, every),
         snr=snr,
-        snr_darkest=None if seen.worst_e is None else darkest_snr(seen, noise),
+        snr_pixels=None if seen.worst_e is None else snr_of_pixels(seen, noise, rows.light.may_miss),
         mean_level=np.asarray(level),
         saturation_fraction=saturation_fraction(scene, cam, level, every, dark),
         blur_px=blur_px(scene, rows, blur_s),
@@ -178,7 +179,7 @@ def figures_of(
 
 @dataclass(frozen=True)
 class Electrons:
-    """Electrons of n designs, image means (n, n_altitudes) and at the pixels that may be worst."""
+    """Electrons of n designs, image means (n, n_altitudes) and at the pixels that an SNR is asked of."""
 
     signal_e: Array
     forward_e: Array | None
@@ -220,12 +221,12 @@ def share_of(part: Array, whole: Array) -> Array:
     return np.asarray(part / np.where(whole > 0.0, whole, 1.0))
 
 
-def darkest_snr(seen: Electrons, noise: dict[str, Array]) -> Array:
-    """Lowest SNR over the pixels, (n, n_altitudes)."""
+def snr_of_pixels(seen: Electrons, noise: dict[str, Array], may_miss: int) -> Array:
+    """The SNR that all but `may_miss` of the pixels reach, (n, n_altitudes)."""
     assert seen.worst_e is not None
     veil = 0.0 if seen.worst_veil_e is None else seen.worst_veil_e
     at_pixels = {name: column[:, :, None] for name, column in noise.items()}
-    return np.asarray(sensor.snr(seen.worst_e, veil_e=veil, **at_pixels).min(axis=2))
+    return reached_by_most(np.asarray(sensor.snr(seen.worst_e, veil_e=veil, **at_pixels)), may_miss)
 
 
 def forms_image(rows: DesignRows, settings: SettingRows) -> Array:

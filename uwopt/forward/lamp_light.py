@@ -19,9 +19,17 @@ from uwopt.forward.lamps import (
     one_side,
 )
 from uwopt.forward.problem import Problem
+from uwopt.forward.scene import Pixels
 from uwopt.forward.views import Views
 from uwopt.model import beam as beams
-from uwopt.model.image_mean import along_symmetric, field_mean, pixel_grid
+from uwopt.model.image_mean import (
+    FRAME_MAY_MISS,
+    along_symmetric,
+    field_mean,
+    frame_places,
+    pixel_grid,
+    reached_by_most,
+)
 from uwopt.model.imaging import local_gain
 from uwopt.model.veil.mean import mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain
@@ -48,14 +56,21 @@ class ImageLight(Columns):
     signal_e: Array
     forward_e: Array | None = None
     backscatter_e: Array | None = None
-    worst_e: Array | None = None  # at the pixels that may be the worst
+    worst_e: Array | None = None  # at the pixels that the SNR is asked of: those that may decide
     worst_veil_e: Array | None = None
     most_veil_e: Array | None = None  # of bounds: no veil is more; the others are then no less than they say
+    may_miss: int = 0  # so many of the pixels may be darker than the SNR allows
 
     @property
     def veil_e(self) -> Array | None:
         """Electrons that form no image."""
         return added(self.forward_e, self.backscatter_e)
+
+    def with_pixels(self, there: ImageLight) -> ImageLight:
+        """These means with the pixels of another."""
+        return replace(
+            self, worst_e=there.worst_e, worst_veil_e=there.worst_veil_e, may_miss=there.may_miss
+        )
 
 
 @dataclass(frozen=True)
@@ -100,15 +115,16 @@ class LampField:
     # ------------------------------------------------------------ means
 
     def light(
-        self, view: Views, *, pixels: bool, veils: Veils, means: bool = True, known: ImageLight | None = None
-    ) -> ImageLight:
+        self, view: Views, *, pixels: Pixels | None = None, veils: Veils, means: bool = True,
+        known: ImageLight | None = None,
+    ) -> ImageLight:  # fmt: skip
         """All light of these imagers; `known` holds what has been worked out already.
 
         Without `means` only the pixels count, and the darkest stands for the mean.
         """
         if not means:
-            worst, worst_veil = self.at_worst_pixels(view, veils=veils != "none")
-            return ImageLight(worst.min(axis=2), worst_e=worst, worst_veil_e=worst_veil)
+            assert pixels is not None
+            return self.at_asked_pixels(view, pixels, veils=veils != "none")
         columns = view.collecting_m2[:, None]
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
         if self.problem.paper:
@@ -127,10 +143,9 @@ class LampField:
         light = ImageLight(signal, forward, backscatter)
         if veils == "coarse" and self.effects.backscatter and self.scene.scatters and self.is_wide():
             light = self.between_bounds(view, light)
-        if not pixels:
+        if pixels is None:
             return light
-        worst, worst_veil = self.at_worst_pixels(view, veils=veils != "none")
-        return replace(light, worst_e=worst, worst_veil_e=worst_veil)
+        return light.with_pixels(self.at_asked_pixels(view, pixels, veils=veils != "none"))
 
     def common(self, range_m: float) -> dict[str, Any]:
         """What all field functions take."""
@@ -205,6 +220,28 @@ class LampField:
 
     # ------------------------------------------------------------ pixels
 
+    def at_asked_pixels(self, view: Views, pixels: Pixels, *, veils: bool) -> ImageLight:
+        """Signal and veil at the pixels that may decide whether an SNR holds; the darkest stands for the mean.
+
+        Where no veil and no sun change their order, the pixels that may miss an SNR are the darkest.
+        """
+        may_miss = 0
+        if pixels == "darkest":
+            signal, veil_there = self.at_worst_pixels(view, veils=veils)
+        else:
+            places = frame_places(view.tan_along, view.tan_across)
+            signal, veil_there = self.at_pixels(view, *places, veils=veils)
+            if veil_there is None and not self.sunlit:
+                signal = reached_by_most(signal, FRAME_MAY_MISS)[:, :, None]
+            else:
+                may_miss = FRAME_MAY_MISS
+        return ImageLight(signal.min(axis=2), worst_e=signal, worst_veil_e=veil_there, may_miss=may_miss)
+
+    @property
+    def sunlit(self) -> bool:
+        """Whether the sun's light comes on top of the lamps'."""
+        return self.scene.sunlit and self.effects.sunlight
+
     def at_worst_pixels(self, view: Views, *, veils: bool) -> tuple[Array, Array | None]:
         """Signal and veil at every pixel of a grid that some setting could make the worst."""
         along, across = pixel_grid(
@@ -212,7 +249,7 @@ class LampField:
             n_points=self.problem.pixels_a_side(self.scene_index),
         )  # fmt: skip
         signal, veil_there = self.at_pixels(view, along, across, veils=veils)
-        if self.scene.sunlit and self.effects.sunlight:  # which is worst depends on lamps and sun together
+        if self.sunlit:  # which is worst depends on lamps and sun together
             return signal, veil_there
         keep = worst_candidates(signal, veil_there)
         return signal[:, :, keep], None if veil_there is None else veil_there[:, :, keep]
@@ -278,13 +315,13 @@ def worst_candidates(signal: Array, veil_there: Array | None) -> Array:
 
 def image_light(
     problem: Problem, scene_index: int, view: Views, camera: Array, *, port_index: int, optics: int, mount: Mount,
-    count: int = 2, channel: str | None = None, pixels: bool = False, veils: Veils = "all", means: bool = True,
+    count: int = 2, channel: str | None = None, pixels: Pixels | None = None, veils: Veils = "all", means: bool = True,
     known: ImageLight | None = None,
 ) -> ImageLight:  # fmt: skip
     """Electrons per lm s of light behind the lamps' windows, by altitude: the constants of the imaging chain.
 
     All rows of `view` share the port; `camera` says whose sensor each is. `channel` picks one colour.
-    `pixels`: also at the pixels that may be the worst; without `means` there alone. `veils` says which
+    `pixels`: also at the pixels that an SNR is asked of; without `means` there alone. `veils` says which
     are worked out, beside what is `known`.
     """
     efficiency = problem.cameras.qe_index[camera]

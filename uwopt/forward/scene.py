@@ -25,6 +25,8 @@ from uwopt.model.spectrum import resample, wavelength_grid_nm
 
 Array = NDArray[Any]
 LampLeg = Literal["diffuse", "least", "most"]
+Pixels = Literal["darkest", "frame"]  # which an SNR may be asked of: the darkest one, or all but a share of the image
+SNR_PIXELS: dict[str, Pixels | None] = {"mean": None, "worst": "frame", "worst_px": "darkest"}
 
 PAPER_N_WATER = 1.33
 DESIGN_WAVELENGTH_NM = 550.0  # rays and virtual images are computed for green light
@@ -87,10 +89,17 @@ class SceneOptics:
         )
 
     @property
-    def at_worst(self) -> bool:
-        """Whether the SNR is asked of the worst pixel."""
+    def pixels(self) -> Pixels | None:
+        """Which pixels the SNR is asked of; None: of the image's mean alone."""
         needs = self.view.requirements
-        return not self.paper and needs.snr_at == "worst" and needs.min_snr is not None
+        if self.paper or needs.min_snr is None:
+            return None
+        return SNR_PIXELS[needs.snr_at]
+
+    @property
+    def at_worst(self) -> bool:
+        """Whether the SNR is asked of pixels, not of the mean."""
+        return self.pixels is not None
 
     @property
     def sunlit(self) -> bool:

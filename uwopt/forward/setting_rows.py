@@ -34,7 +34,8 @@ class SceneRows(Columns):
 
     `signal_e`: image-forming electrons per lm s of nameplate light at N_w = 1, image mean, by altitude;
     `veil_e`: electrons of the same light that form no image. `worst_e` and `worst_veil_e`: both at the
-    pixels that may be the worst, (n, n_altitudes, n_pixels), or None when the requirement holds for the mean.
+    pixels that the SNR is asked of, (n, n_altitudes, n_pixels), or None when it is asked of the mean; `may_miss`
+    of them may fall short.
     `sun_*`: electrons per second of open shutter at N_w = 1, None without sun.
     Times are those that collect light: exposure plus offset, or the pulse.
     """
@@ -75,6 +76,7 @@ class SceneRows(Columns):
     optimistic: bool = False  # a bound, for any veil: no veil counts, and no level is asked of the gain
     veil_e: Array | None = None
     worst_veil_e: Array | None = None
+    may_miss: int = 0
     most_veil_e: Array | None = None  # of bounds: the veil is no more than this
     sun_signal_e_s: Array | None = None
     sun_veil_e_s: Array | None = None
@@ -186,6 +188,7 @@ def setting_rows(
         worst_e=shining.worst_e,
         veil_e=shining.veil_e,
         worst_veil_e=shining.worst_veil_e,
+        may_miss=shining.may_miss,
         most_veil_e=shining.most_veil_e,
         open_max_s=sunlit_cap,
         sun_signal_e_s=None if sun is None else sun.signal_e_s,

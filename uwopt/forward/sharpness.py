@@ -24,7 +24,7 @@ from uwopt.forward.part_columns import (
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.spectra import TINY, Contraction
-from uwopt.forward.views import RMS_FIELD, Views, altitudes_m, field_dioptres_per_m
+from uwopt.forward.views import CORNER_FIELD, RMS_FIELD, Views, altitudes_m, field_dioptres_per_m
 from uwopt.model import lateral, operation, sharpness
 from uwopt.model.defocus import defocus_px
 from uwopt.model.lateral import SpreadTable
@@ -182,7 +182,7 @@ def sharp_rows(
         k = np.where(flat, 2.0 * np.pi * slope, 0.0)
         return k * view.tan_along / radius, k * view.tan_across / radius
 
-    place_k, rms_k = lateral_k(1.0 if at_corner else 0.0), lateral_k(float(RMS_FIELD))
+    place_k, rms_k = lateral_k(CORNER_FIELD if at_corner else 0.0), lateral_k(float(RMS_FIELD))
     curves, index = np.unique(cameras.qe_index, return_inverse=True)
     colours = [arriving(scene, contraction, spectrum, int(q)) for q in curves]
     spreads = tuple(spread_of(scene, contraction, spectrum, int(q)) for q in curves) if flat.any() else ()

@@ -17,11 +17,12 @@ from uwopt.catalog.curves import spectra
 from uwopt.forward.lamp_light import SunLight
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
+from uwopt.forward.scene import Pixels
 from uwopt.forward.spectra import TINY, efficiency_curve
 from uwopt.forward.views import Views
 from uwopt.model import port, seafloor, sunlight
 from uwopt.model.fineness import scaled
-from uwopt.model.image_mean import along_symmetric, gauss, pixel_grid
+from uwopt.model.image_mean import along_symmetric, frame_places, gauss, pixel_grid
 from uwopt.model.imaging import field_loss, floor_point, radiance_weight
 from uwopt.model.spectrum import resample
 
@@ -47,8 +48,8 @@ class SunField:
             problem.efficiencies[efficiency], self.scene.wavelength_nm, channel=channel
         )
 
-    def light(self, view: Views, *, pixels: bool = False, half_grid: bool = False) -> SunLight:
-        """Daylight of these imagers; with `pixels` also at every point of the grid that lamps are seen on."""
+    def light(self, view: Views, *, pixels: Pixels | None = None, half_grid: bool = False) -> SunLight:
+        """Daylight of these imagers; with `pixels` also at every point that lamps are seen at."""
         nodes, weights = gauss(scaled(IMAGE_ORDER, self.fineness))
         half, share = 0.5 * (nodes + 1.0), weights
         along = view.tan_along[:, None, None] * half[:, None]
@@ -58,10 +59,13 @@ class SunField:
             for part in self.at_points(view, *np.broadcast_arrays(along, across))
         ]
         signal, forward, path = np.moveaxis(np.stack(parts, axis=1), -1, 0)
-        if not pixels:
+        if pixels is None:
             return SunLight(signal, forward, path)
-        points = self.problem.pixels_a_side(self.scene_index)
-        grid = pixel_grid(view.tan_along, view.tan_across, half=half_grid, n_points=points)
+        if pixels == "frame":
+            grid = frame_places(view.tan_along, view.tan_across)
+        else:
+            points = self.problem.pixels_a_side(self.scene_index)
+            grid = pixel_grid(view.tan_along, view.tan_across, half=half_grid, n_points=points)
         there = np.stack(self.at_points(view, *grid), axis=1)
         return SunLight(signal, forward, path, there[..., 0], there[..., 1] + there[..., 2])
 
@@ -158,16 +162,16 @@ def log_sum(weight: Array, optical: Array) -> Array:
 
 def sun_light(
     problem: Problem, scene_index: int, view: Views, camera: Array, *, port_index: Array, mount: Mount | None = None,
-    count: int = 2, channel: str | None = None, pixels: bool = False,
+    count: int = 2, channel: str | None = None, pixels: Pixels | None = None,
 ) -> SunLight | None:  # fmt: skip
     """Electrons per second of open shutter from the sun; None without sun.
 
-    With `pixels` at the grid that the lamps at `mount` are seen on.
+    With `pixels` also where the lamps at `mount` are seen.
     """
     if not problem.scenes[scene_index].sunlit or not problem.effects.sunlight:
         return None
 
-    half = pixels and mount is not None and along_symmetric(mount.lamps(count))
+    half = pixels == "darkest" and mount is not None and along_symmetric(mount.lamps(count))
     efficiency = problem.cameras.qe_index[camera]
     columns: dict[str, Any] = {}
     for window in np.unique(port_index):

@@ -160,7 +160,9 @@ class Requirements(Section):
         default=None, description="least depth of field in metres; without it the nominal altitude is sharp"
     )
     dof_at: Annotated[Literal["axis", "corner"], CHOICE] = Field(
-        default="axis", description="place in the image where the depth of field must hold: axis or corner"
+        default="axis",
+        description="where in the image the depth of field must hold: axis, or corner (the field at 80 % of the half "
+        "diagonal as well; recommended)",
     )
     circle_of_confusion_px: Annotated[float, Field(gt=0, le=1e6), at_least(1e-3), NUMBER] | None = Field(
         default=None,
@@ -174,8 +176,10 @@ class Requirements(Section):
         alias="min_snr",
         description="least signal-to-noise ratio as a ratio, instead of min_snr_db",
     )
-    snr_at: Annotated[Literal["mean", "worst"], CHOICE] = Field(
-        default="mean", description="place in the image where the SNR must hold: mean or worst pixel"
+    snr_at: Annotated[Literal["mean", "worst", "worst_px"], CHOICE] = Field(
+        default="mean",
+        description="where in the image the SNR must hold: mean, worst (95 % of the frame reach it; recommended) "
+        "or worst_px (the darkest pixel)",
     )
     max_gsd_mm: Positive | None = Field(default=None, description="largest pixel on the floor in millimetres")
     min_swath_m: NonNegative | None = Field(

@@ -23,6 +23,9 @@ WIDEST_SPOT_RAD = np.deg2rad(85.0)  # a beam that reaches further from the verti
 MOST_ORDER = 768
 MAX_NODES_AT_ONCE = 400_000
 PIXELS_A_SIDE = 17  # of the grid on which the worst pixel is looked for
+FRAME_PLACES, FRAME_STEP = 377, 233  # Fibonacci numbers: a lattice whose points share out the image's area evenly
+FRAME_SHARE = 0.95  # of the image: what is reached there counts as reached over the frame
+FRAME_MAY_MISS = int(FRAME_PLACES * (1.0 - FRAME_SHARE))
 
 
 def field_mean(
@@ -242,6 +245,36 @@ def pixel_grid(
     along_nodes = nodes[n_points // 2 :] if half else nodes
     along, across = (g.ravel() for g in np.meshgrid(along_nodes, nodes, indexing="ij"))
     return tan_along[:, None] * along, tan_across[:, None] * across
+
+
+def frame_places(tan_along: Array, tan_across: Array) -> tuple[Array, Array]:
+    """Places that share out each image evenly: tangents [1], (n, FRAME_PLACES) each.
+
+        u_i = 2 (i + 1/2) / F - 1,   v_i = 2 ((i F' mod F) + 1/2) / F - 1,   F, F' Fibonacci numbers
+
+    No two stand in one row or column, so that an image's symmetry makes no groups of equal light: shares of the
+    image are counted to 1/F of it.
+
+    References
+    ----------
+    Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, SIAM 1992: good lattice points.
+    """
+    index = np.arange(FRAME_PLACES)
+    along = (2.0 * index + 1.0) / FRAME_PLACES - 1.0
+    across = (2.0 * (index * FRAME_STEP % FRAME_PLACES) + 1.0) / FRAME_PLACES - 1.0
+    return tan_along[:, None] * along, tan_across[:, None] * across
+
+
+def reached_by_most(values: Array, may_miss: int) -> Array:
+    """What all but k = `may_miss` values on the last axis reach: the (k + 1)-th of them in rising order."""
+    if may_miss == 0:
+        return np.asarray(values.min(axis=-1))
+    return np.asarray(np.partition(values, may_miss, axis=-1)[..., may_miss])
+
+
+def needed_by_most(values: Array, may_miss: int) -> Array:
+    """What serves all but k = `may_miss` of those on the last axis, each of which needs its value."""
+    return -reached_by_most(-values, may_miss)
 
 
 def along_symmetric(lamps: Lamps) -> bool:

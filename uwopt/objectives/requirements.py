@@ -181,8 +181,8 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         kept = scene.view.kept("min_swath_m")
         yield MarginRows("min_swath_m", value, at_all(figures, needs.min_swath_m), ">=", "m", where, reserve=kept)
     if needs.min_snr is not None:
-        use_darkest = needs.snr_at == "worst" and figures.snr_darkest is not None
-        snr = figures.snr_darkest if use_darkest else figures.snr
+        at_pixels = scene.at_worst and figures.snr_pixels is not None
+        snr = figures.snr_pixels if at_pixels else figures.snr
         assert snr is not None
         value, where = worst(snr, scene.range_m, highest=False)
         limit_db = float(ratio_to_db(needs.min_snr))

@@ -177,12 +177,16 @@ class SmoothScene:
 
 
 def wanted_pixels(rows: SceneRows) -> tuple[tuple[float, float], ...]:
-    """Signal and total per lm s of the pixels and altitudes that min_snr is asked of; a worse one covers others."""
+    """Signal and total per lm s of the pixels and altitudes that min_snr is asked of; a worse one covers others.
+
+    Of pixels that may miss it those are left out that need most light with the lowest noise: settings that serve
+    the others serve enough, though where noise changes their order a little less light might do.
+    """
     if rows.worst_e is None:
         signal, veil = rows.signal_e[0], None if rows.veil_e is None else rows.veil_e[0]
     else:
-        signal = rows.worst_e[0].ravel()
-        veil = None if rows.worst_veil_e is None else rows.worst_veil_e[0].ravel()
+        signal = asked(rows, rows.worst_e)
+        veil = None if rows.worst_veil_e is None else asked(rows, rows.worst_veil_e)
     pairs = sorted((float(s), float(v)) for s, v in zip(signal, np.zeros_like(signal) if veil is None else veil,
                                                         strict=True))  # fmt: skip
     kept: list[tuple[float, float]] = []
@@ -190,6 +194,18 @@ def wanted_pixels(rows: SceneRows) -> tuple[tuple[float, float], ...]:
         if not kept or over > kept[-1][1]:
             kept.append((one, over))
     return tuple((one, one + over) for one, over in kept)
+
+
+def asked(rows: SceneRows, at_pixels: Array) -> Array:
+    """A column of the pixels of the only design without those that may miss the SNR, of all altitudes in one row."""
+    assert rows.worst_e is not None
+    one, veil = rows.worst_e[0], 0.0 if rows.worst_veil_e is None else rows.worst_veil_e[0]
+    light = sensor.light_for_snr(
+        rows.min_snr, signal_per_light_e=one, total_per_light_e=one + veil,
+        read_noise_e=float(rows.read_noise_e[0]), prnu_frac=float(rows.prnu_frac[0]),
+    )  # fmt: skip
+    kept = np.argsort(light, axis=1, kind="stable")[:, : one.shape[1] - rows.may_miss]
+    return np.take_along_axis(at_pixels[0], kept, axis=1).ravel()
 
 
 @dataclass(frozen=True)

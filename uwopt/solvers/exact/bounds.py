@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
+from uwopt.forward.scene import SceneOptics
 from uwopt.model import sensor, sharpness
+from uwopt.model.image_mean import FRAME_SHARE
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.imagers import Imagers, limit
 from uwopt.solvers.exact.light_tables import FieldTables, Lighting
@@ -23,6 +25,7 @@ from uwopt.units import db_to_ratio, ratio_to_db
 
 Array = NDArray[Any]
 MOST_PLACES = 1024  # rows and columns of a table of lights
+LATTICE_MARGIN = 0.95  # of a share of the image that is counted at places: discs are met to 0.01 of the image
 NODE_RULES = ("light", "cost", "mass_kg", "power_w", "energy_wh", "bound")
 
 
@@ -398,12 +401,13 @@ class Bounds:
         """Fewest electrons for the SNR, wanted at every altitude, and for the mean level at the highest
         gain, wanted at the nominal one; quantisation and dark current are left out."""
         cameras = self.problem.cameras.take(self.imagers.camera[rows])
-        needs = self.problem.scenes[scene_index].view.requirements
+        scene = self.problem.scenes[scene_index]
+        needs = scene.view.requirements
         need = np.zeros(len(rows))
         if self._sunlit(scene_index):  # the sun may bring all of it
             return need, need
         if needs.min_snr:
-            need = sensor.electrons_for_snr(
+            need = least_mean_frac(scene) * sensor.electrons_for_snr(
                 needs.min_snr, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
             )
         if needs.mean_level is None or self.problem.effects.veils:  # veils help to fill the range
@@ -460,3 +464,11 @@ class Bounds:
                 most, read_noise_e=cameras.read_noise_e, gain_dn_per_e=np.inf, prnu_frac=cameras.prnu_frac
             )
         return np.asarray(ratio_to_db(np.fmax(snr, 1e-300)))  # a mean level below black has no number
+
+
+def least_mean_frac(scene: SceneOptics) -> float:
+    """Least mean signal of an image over that of the pixel that must reach the SNR.
+
+    No mean is below its darkest pixel. Where a share of the image may be dark, the mean has at least the rest's.
+    """
+    return FRAME_SHARE * LATTICE_MARGIN if scene.pixels == "frame" else 1.0

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from uwopt.forward.lamp_light import ImageLight, Veils, image_light
 from uwopt.forward.lamps import Mount, on_axis_gain, one_side
 from uwopt.forward.problem import Problem
+from uwopt.forward.scene import Pixels
 from uwopt.forward.views import table_reach_m
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, flat_slope_m
@@ -136,7 +137,7 @@ class FieldTables:
     # ------------------------------------------------------------ exact
 
     def exact(
-        self, scene_index: int, lighting: Lighting, rows: Array, *, count: int = 2, pixels: bool = False,
+        self, scene_index: int, lighting: Lighting, rows: Array, *, count: int = 2, pixels: Pixels | None = None,
         veils: Veils = "all", means: bool = True, known: ImageLight | None = None,
     ) -> ImageLight:  # fmt: skip
         """Electrons per lm s of these imagers at every altitude; see `Problem.image_light`."""

@@ -21,6 +21,7 @@ from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.floor_light import uniformity
 from uwopt.forward.lamp_light import ImageLight, SunLight, Veils
 from uwopt.forward.problem import Problem
+from uwopt.forward.scene import Pixels
 from uwopt.forward.setting_rows import SceneRows, setting_rows
 from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.sun_light import sun_light
@@ -449,14 +450,14 @@ class Search:
         result = []
         for index, seen in enumerate(lights):
             needs = self.problem.scenes[index].view.requirements
-            at_worst = self.problem.scenes[index].at_worst
-            if at_worst:
+            pixels = self.problem.scenes[index].pixels
+            if pixels is not None:
                 veils: Veils = "none" if optimistic else "all"
                 seen = self._with_pixels(index, imager, count, lighting, seen, veils)
             rows = setting_rows(
                 self.problem, index, camera=self.imagers.camera[imager], light=light, count=count,
                 focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
-                sun=self._sun(index, imager, count, lighting, pixels=at_worst),
+                sun=self._sun(index, imager, count, lighting, pixels=pixels),
                 sharp=self._sharp(index, imager, lighting),
             )  # fmt: skip
             if needs.min_uniformity is not None and not optimistic:
@@ -480,7 +481,7 @@ class Search:
         ).take(back)  # fmt: skip
 
     def _sun(
-        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, *, pixels: bool
+        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, *, pixels: Pixels | None
     ) -> SunLight | None:
         """The sun's light in these images; the pixels looked at depend on the number of lamps."""
         parts, places = [], []
@@ -540,7 +541,7 @@ class Search:
         seen: ImageLight,
         veils: Veils,
     ) -> ImageLight:
-        """With the light at the worst pixels; the share of lamps on each side depends on their number."""
+        """With the light at the pixels that the SNR is asked of: their share of each lamp depends on the number."""
         unique, back = np.unique(np.stack([imager, count]), axis=1, return_inverse=True)
         parts = []
         for number in np.unique(unique[1]):
@@ -550,10 +551,9 @@ class Search:
                 lighting,
                 unique[0, mine],
                 count=int(number),
-                pixels=True,
+                pixels=self.problem.scenes[scene_index].pixels,
                 means=False,
                 veils=veils,
             )
             parts.append((mine, at))
-        pixels = ImageLight.in_places(parts, unique.shape[1]).take(back.reshape(-1))
-        return replace(seen, worst_e=pixels.worst_e, worst_veil_e=pixels.worst_veil_e)
+        return seen.with_pixels(ImageLight.in_places(parts, unique.shape[1]).take(back.reshape(-1)))

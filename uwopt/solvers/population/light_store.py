@@ -100,7 +100,7 @@ class LightStore:
         if scene.at_worst:
             there = self.pixels[scene_index].rows(by_count)
             assert there is not None
-            light = replace(light, worst_e=there.worst_e, worst_veil_e=there.worst_veil_e)
+            light = light.with_pixels(there)
         view = self.imagers.scenes[scene_index].view
         area = view.collecting_m2[imager] / view.collecting_m2[self.images[image]]
         optics = np.array([item.optics for item in self.search.tables.lightings])[lighting]
@@ -153,14 +153,15 @@ class LightStore:
         return ImageLight.in_places(parts, len(keys))
 
     def _pixels(self, scene_index: int, keys: Array) -> ImageLight:
-        """Light at the pixels that may be the worst, by number of lamps."""
+        """Light at the pixels that the SNR is asked of, by number of lamps."""
         tables, (pairs, count) = self.search.tables, np.divmod(keys, self.n_counts)
+        pixels = self.problem.scenes[scene_index].pixels
         parts = []
         for k, mine, imager in self._split(pairs):
             for number in np.unique(count[mine]):
                 own = count[mine] == number
                 light = tables.exact(
-                    scene_index, tables.lightings[k], imager[own], count=int(number), pixels=True, means=False,
+                    scene_index, tables.lightings[k], imager[own], count=int(number), pixels=pixels, means=False,
                 )  # fmt: skip
                 parts.append((mine[own], light))
         return ImageLight.in_places(parts, len(keys))
@@ -169,7 +170,7 @@ class LightStore:
         """The sun's light; by lighting and number of lamps where the worst pixels count."""
         scene, lightings = self.problem.scenes[scene_index], self.search.tables.lightings
         if not scene.at_worst:
-            return self._sun(scene_index, self.images[keys], pixels=False)
+            return self._sun(scene_index, self.images[keys], pixels=None)
         pairs, count = np.divmod(keys, self.n_counts)
         parts: SunLight | None = None
         order = []
@@ -177,7 +178,7 @@ class LightStore:
             for number in np.unique(count[mine]):
                 own = count[mine] == number
                 sun = self._sun(
-                    scene_index, imager[own], pixels=True, mount=lightings[k].mount, count=int(number)
+                    scene_index, imager[own], pixels=scene.pixels, mount=lightings[k].mount, count=int(number)
                 )
                 if sun is None:
                     return None

@@ -309,6 +309,8 @@ def few_pixels(model: DesignModel, index: int) -> DesignModel:
     lamp, sun = rows.light, rows.sun
     if lamp.worst_e is None or sun is None or sun.worst_e_s is None or not sun.worst_e_s.mean() > 0:
         return model
+    if lamp.may_miss:  # then the darkest ones do not tell
+        return model
     with np.errstate(divide="ignore"):
         share = np.nan_to_num(sun.worst_e_s.mean() / lamp.worst_e.mean(), posinf=1.0)
     keep = np.unique(np.concatenate([

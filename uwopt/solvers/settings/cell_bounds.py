@@ -18,6 +18,7 @@ from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
 from uwopt.model import sensor
+from uwopt.model.image_mean import reached_by_most
 from uwopt.model.lateral import spread_mtf
 from uwopt.model.sharpness import (
     HALF_NYQUIST_CYC_PER_PX,
@@ -221,7 +222,8 @@ class SceneCells:
         power = drawn * np.where(pulsed, least_energy, bottom)
         alive &= np.isfinite(power)
         snr, contrast = self._snr_and_contrast(rows, box, bottom, top, x_lo, x_cap, y_lo, y_hi)
-        alive &= snr >= rows.min_snr * (1 - 1e-9)
+        if rows.worst_e is None:  # what pixels reach may be more than the mean has
+            alive &= snr >= rows.min_snr * (1 - 1e-9)
         return Reach(alive, power, snr, contrast, x_lo, x_cap, high, bottom, top)
 
     def steps(self, d: Array, bottom: Array, top: Array) -> tuple[Array, Array]:
@@ -375,7 +377,8 @@ def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) ->
             elif sun is not None:
                 one, veil = one + sun.signal_e[:, :, None], veil + (sun.total_e - sun.signal_e)[:, :, None]
             at_pixels = {name: column[:, :, None] for name, column in noise.items()}
-            lowest = sensor.snr(one, veil_e=veil, **at_pixels).min(axis=(1, 2))
+            each = np.asarray(sensor.snr(one, veil_e=veil, **at_pixels))
+            lowest = reached_by_most(each, rows.may_miss).min(axis=1)
         ratio = rows.highlight_ratio
         brightest = (total + dark).max(axis=1)
         holds = lowest >= rows.min_snr * (1 - MEETS)
@@ -433,12 +436,9 @@ def window_over(
                 low = np.maximum(low, np.where(steep & (excess < 0), spare / excess, 0.0).max(axis=1))
         for altitude in range(total.shape[1]):
             wanted = closed_form.light_for_snr(
-                quiet, altitude, rows.min_snr, worst=rows.worst_e is not None, sun=helping
-            )
-            if (
-                helping is not None
-            ):  # with sun and lamps of another contrast no X is ruled out by this formula
-                wanted = np.where(np.isfinite(wanted), wanted, 0.0)
+                quiet, altitude, rows.min_snr, worst=rows.worst_e is not None, sun=helping,
+                never=np.inf if helping is None else 0.0,  # with sun of another contrast it rules no X out
+            )  # fmt: skip
             low = np.maximum(low, wanted)
         if rows.min_contrast > 0.0 and not rows.optimistic:
             low, high = contrast_window(rows, y_lo, y_hi, low, high)

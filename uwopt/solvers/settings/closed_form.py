@@ -21,6 +21,7 @@ from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import light, sensor
+from uwopt.model.image_mean import needed_by_most
 from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
@@ -165,15 +166,22 @@ def nominal_contrast(rows: SceneRows) -> Array:
 
 
 def light_for_snr(
-    rows: SceneRows, altitude: int, snr: Array | float, *, worst: bool, sun: Sun | None = None
-) -> Array:
-    """Least X that reaches an SNR at one altitude, with the gain at its best; at the worst of its pixels.
+    rows: SceneRows, altitude: int, snr: Array | float, *, worst: bool, sun: Sun | None = None,
+    never: float = np.inf,
+) -> Array:  # fmt: skip
+    """Least X that reaches an SNR at one altitude, with the gain at its best; at all its pixels that may not miss it.
 
     The gain lowers quantisation noise; it is as high as the wanted mean level or saturation lets it
     be. Up to the X where the highest gain fills the range, that gain counts; beyond it the noise
-    follows the level. SNR grows with X throughout, so the larger of the two answers that apply holds.
+    follows the level. SNR grows with X throughout, so the larger of the two answers that apply holds, and
+    all but k pixels reach it from the X that is the (k + 1)-th greatest of theirs. `never` is what a pixel
+    asks for that no X serves.
     """
     at_worst = worst and rows.worst_e is not None
+
+    def for_most(each: Array) -> Array:
+        return needed_by_most(np.where(np.isfinite(each), each, never), rows.may_miss if at_worst else 0)
+
     if at_worst and rows.worst_e is not None:
         signal = rows.worst_e[:, altitude]
         veil: Any = 0.0 if rows.worst_veil_e is None else rows.worst_veil_e[:, altitude]
@@ -203,14 +211,14 @@ def light_for_snr(
     total = rows.total_e
     if rows.mean_level is not None:
         wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
-        return np.asarray(
+        return for_most(
             sensor.light_for_snr(
                 wanted,
                 level_per_light_e=total[:, rows.nominal, None],
                 level_dn=wanted_dn[:, None],
                 other_level_e=other[:, min(rows.nominal, other.shape[1] - 1), None],
                 **common,
-            ).max(axis=1)
+            )
         )
     brightest = total.max(axis=1)[:, None]
     other_brightest = other.max(axis=1)[:, None]
@@ -221,7 +229,7 @@ def light_for_snr(
     following = sensor.light_for_snr(
         wanted, level_per_light_e=brightest, level_dn=headroom_dn, other_level_e=other_brightest, **common
     )
-    return np.asarray(np.where(at_top_gain <= fills, at_top_gain, np.maximum(following, fills)).max(axis=1))
+    return for_most(np.where(at_top_gain <= fills, at_top_gain, np.maximum(following, fills)))
 
 
 def reach(rows: SceneRows) -> tuple[Array, Array]:

@@ -1,0 +1,97 @@
+"""An SNR that 95 % of the image must reach: places, order of pixels, and the light that serves them, by hand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hand_made_rows import scene
+from scipy.optimize import brentq
+
+from uwopt.model.image_mean import (
+    FRAME_MAY_MISS,
+    FRAME_PLACES,
+    frame_places,
+    needed_by_most,
+    reached_by_most,
+)
+from uwopt.solvers.exact.bounds import least_mean_frac
+from uwopt.solvers.settings import closed_form
+from uwopt.solvers.settings.closed_form import Sun
+
+SQUARE = np.array([1.0]), np.array([1.0])
+COUNTED = 1.0 / FRAME_PLACES  # to so much of the image are shares counted
+
+
+def radius_of(share: float) -> float:
+    """Radius about the middle of a square of half width 1 outside which this share of it lies."""
+
+    def outside(r: float) -> float:
+        inside = 4.0 * (math.sqrt(r * r - 1.0) + r * r * (math.pi / 4.0 - math.acos(1.0 / r)))
+        return 1.0 - inside / 4.0 - share
+
+    return float(brentq(outside, 1.0, math.sqrt(2.0)))
+
+
+def test_a_twentieth_of_the_image_lies_beyond_the_place_that_counts() -> None:
+    along, across = frame_places(*SQUARE)
+    # light that falls to one side, along and across: 5 % of the image lie within 0.1 of its edge
+    for side in (along, across):
+        assert reached_by_most(side, FRAME_MAY_MISS)[0] == pytest.approx(-0.9, abs=2.0 * COUNTED)
+    # and to all corners: 5 % lie farther out than a circle that the square's four segments cut
+    found = reached_by_most(-np.hypot(along, across), FRAME_MAY_MISS)[0]
+    assert -found == pytest.approx(radius_of(0.05), abs=0.01)
+
+
+def test_places_share_out_the_image_evenly() -> None:
+    along, across = frame_places(*SQUARE)
+    for u, v in ((0.5, 0.5), (-0.3, 0.8), (0.1, -0.6)):
+        inside = ((along < u) & (across < v)).mean()
+        assert inside == pytest.approx(0.25 * (1.0 + u) * (1.0 + v), abs=0.01)
+    assert np.unique(along).size == np.unique(across).size == FRAME_PLACES
+
+
+def test_the_darkest_few_may_miss() -> None:
+    values = np.array([[5.0, 1.0, 4.0, 2.0, 3.0]])
+    assert [float(reached_by_most(values, k)[0]) for k in (0, 1, 2)] == [1.0, 2.0, 3.0]
+    assert [float(needed_by_most(values, k)[0]) for k in (0, 1, 2)] == [5.0, 4.0, 3.0]
+    assert needed_by_most(np.array([[np.inf, 7.0, np.inf]]), 2)[0] == 7.0
+
+
+def pixels(signal_e: list[float], **changed: Any) -> Any:
+    """A sensor with shot noise alone, and pixels of one altitude: SNR^2 = mu."""
+    rows = scene(read_noise_e=0.0, gain_dn_per_e=1e9, full_scale_dn=1e18, **changed)
+    return replace(rows, worst_e=np.array([[signal_e]]))
+
+
+@pytest.mark.parametrize(("may_miss", "dimmest_e"), [(0, 2.0), (1, 3.0), (2, 10.0)])
+def test_light_for_an_snr_of_20_over_most_pixels(may_miss: int, dimmest_e: float) -> None:
+    rows = replace(pixels([10.0, 2.0, 30.0, 3.0]), may_miss=may_miss)
+    # 400 electrons in the dimmest that may not miss: X = 400 / (electrons per lm s)
+    found = closed_form.light_for_snr(rows, 0, 20.0, worst=True)
+    assert found[0] == pytest.approx(400.0 / dimmest_e, rel=1e-9)
+
+
+def test_pixels_that_no_light_serves_may_miss_too() -> None:
+    rows = replace(pixels([0.0, 8.0, 16.0]), may_miss=1, read_noise_e=np.array([1e-3]))
+    assert closed_form.light_for_snr(rows, 0, 20.0, worst=True)[0] == pytest.approx(50.0, rel=1e-8)
+    assert closed_form.light_for_snr(replace(rows, may_miss=0), 0, 20.0, worst=True)[0] == np.inf
+
+
+def test_a_pixel_in_the_sun_needs_the_rest_alone() -> None:
+    rows = replace(pixels([4.0, 4.0, 4.0]), may_miss=1)
+    # 100, 200 and 300 electrons of the sun: the second needs 400 - 200 of 4 a lm s
+    there = np.array([[[300.0, 100.0, 200.0]]])
+    sun = Sun(np.array([[200.0]]), np.array([[200.0]]), there, there)
+    assert closed_form.light_for_snr(rows, 0, 20.0, worst=True, sun=sun)[0] == pytest.approx(50.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(("pixels_asked", "least"), [(None, 1.0), ("darkest", 1.0), ("frame", 0.95)])
+def test_the_mean_may_be_darker_than_what_most_of_the_image_has(pixels_asked: Any, least: float) -> None:
+    """An even image of which a twentieth is black has 95 % of its light; no even or falling one has less."""
+    asked: Any = type("Asked", (), {"pixels": pixels_asked})()
+    frac = least_mean_frac(asked)
+    assert 0.8 * least <= frac <= least
