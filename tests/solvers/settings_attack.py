@@ -58,8 +58,8 @@ def lit(
 
 
 def in_pixels(rows: SceneRows, may_miss: int) -> SceneRows:
-    """The rows with twenty pixels: three are dark, the others brighter than the mean."""
-    lamps, sun, veil = np.random.default_rng(5).uniform([[1.05], [0.9], [0.5]], [[1.5], [1.2], [1.2]], (3, 20))
+    """The rows with twenty pixels: three are dark, the others far brighter than the mean."""
+    lamps, sun, veil = np.random.default_rng(5).uniform([[3.0], [0.9], [0.5]], [[4.0], [1.2], [1.2]], (3, 20))
     lamps[:3] = 0.1
 
     def spread(column: Array | None, share: Array) -> Array | None:

@@ -198,7 +198,8 @@ def wanted_pixels(rows: SceneRows) -> tuple[tuple[float, float], ...]:
 
 def asked(rows: SceneRows, at_pixels: Array) -> Array:
     """A column of the pixels of the only design without those that may miss the SNR, of all altitudes in one row."""
-    assert rows.worst_e is not None
+    if rows.worst_e is None or rows.may_miss == 0:
+        return np.asarray(at_pixels[0].ravel())
     one, veil = rows.worst_e[0], 0.0 if rows.worst_veil_e is None else rows.worst_veil_e[0]
     light = sensor.light_for_snr(
         rows.min_snr, signal_per_light_e=one, total_per_light_e=one + veil,
