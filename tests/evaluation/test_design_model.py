@@ -11,6 +11,11 @@ from typing import Any
 import pytest
 
 import uwopt
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.assembly import system_problem
+from uwopt.forward.focus import place_focus
+from uwopt.mission.mission import load_mission
+from uwopt.mission.system import load_system
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 
@@ -314,6 +319,23 @@ def test_sharp_depth_at_the_corner_of_a_dome_begins_later(n_water: float) -> Non
     near_m = 1.0 / n_water / (focus_per_m + half_per_m - power * secant) - RADIUS_M
     needs = {"min_dof_m": 0.1, "dof_at": "corner", "circle_of_confusion_px": 2.0}
     assert figures_of(port=DOME, requirements=needs)["dof_near_m"] == pytest.approx(near_m, rel=1e-9)
+
+
+@pytest.mark.parametrize("dof_at", ["axis", "corner"])
+def test_focus_lies_between_centre_and_corner_where_both_must_be_sharp(n_water: float, dof_at: str) -> None:
+    # No depth of field is asked for: the centre alone is in focus; with the corner, at 80 % of the half diagonal,
+    # the lens is set half way between their images, and N = f^2 (D_corner - D) / (c (1 - f D)) keeps both to c = 2 px
+    power = dome_power_per_m(n_water)
+    secant = math.sqrt(1.0 + 0.8**2 * (1000**2 + 500**2) * (PIXEL_M / FOCAL_M) ** 2)
+    bent = power * (secant - 1.0) if dof_at == "corner" else 0.0
+    focus_per_m = power + 1.0 / n_water / (2.0 + RADIUS_M) + 0.5 * bent
+    scene: dict[str, Any] = {"name": "one", **SCENE}
+    mission = load_mission({"scenes": [scene], "vehicle": SPEED, "requirements": {"dof_at": dof_at}, "physics": "full"})
+    model = DesignModel(*system_problem(mission, load_system({**SYSTEM, "port": DOME})))
+    focus = place_focus(model.problem.scenes, model.maps, model.views)
+    assert focus.dioptre_per_m[0][0] == pytest.approx(focus_per_m, rel=1e-9)
+    f_number = FOCAL_M**2 * 0.5 * bent / (2.0 * PIXEL_M * (1.0 - FOCAL_M * focus_per_m))
+    assert focus.n_depth[0][0] == pytest.approx(f_number, rel=1e-9)
 
 
 def test_rolling_blurs_across_the_track() -> None:

@@ -191,7 +191,7 @@ def test_an_effect_left_out_has_no_figure_of_its_own() -> None:
     assert not kept["backscatter"] and not kept["forward_veil"]
     figures = result.design.scenes[0].figures  # type: ignore[union-attr]
     assert figures["electrons_backscatter"] is None and figures["electrons_forward"] is None
-    assert figures["defocus_corner_px"] is None
+    assert figures["lateral_colour_px"] is None and not kept["lateral_colour"]
 
 
 def test_smallest_bounds_are_left_out_until_the_tolerance_is_spent() -> None:

@@ -255,8 +255,8 @@ DEFECTS = (
     Defect(
         name="astigmatism of a flat port swapped",
         file="uwopt/evaluation/figures_by_name.py",
-        old="float(disc.max()) if",
-        new="float(disc.min()) if",
+        old='"defocus_corner_px": float(disc.max())',
+        new='"defocus_corner_px": float(disc.min())',
         test="tests/evaluation/test_design_model.py::test_corner_of_a_flat_ports_image_is_soft_by_its_longer_axis",
     ),
     Defect(

@@ -598,4 +598,12 @@ DEFECTS = (
         new="quantity(",
         test="tests/report/test_tables.py::test_margin_without_a_signal_says_so_in_text_and_page",
     ),
+    Defect(
+        name="corners are sharp only where a depth of field is asked for",
+        file="uwopt/forward/focus.py",
+        old='return scene.view.requirements.dof_at == "corner" and not scene.paper',
+        new='return scene.view.requirements.min_dof_m is not None and scene.view.requirements.dof_at == "corner"',
+        test="tests/evaluation/test_design_model.py"
+        "::test_focus_lies_between_centre_and_corner_where_both_must_be_sharp[corner]",
+    ),
 )

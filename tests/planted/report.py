@@ -264,4 +264,18 @@ DEFECTS = (
         new="veils = (figures.electrons_forward,)",
         test="tests/evaluation/test_full_physics.py::test_snr_contrast_and_veil_ratio_of_the_means[one lamp, dome]",
     ),
+    Defect(
+        name="a spot is not called one",
+        file="uwopt/report/text/frame.py",
+        old="SPOT_BELOW = 0.3",
+        new="SPOT_BELOW = 0.03",
+        test="tests/report/test_frame.py::test_a_spot_and_soft_corners_are_called_so[0.29-2.01-True]",
+    ),
+    Defect(
+        name="the mean told as what most of the frame has",
+        file="uwopt/report/text/frame.py",
+        old='("95 % of the frame", "snr_db_p05")',
+        new='("95 % of the frame", "snr_db")',
+        test="tests/report/test_frame.py::test_mean_most_and_darkest_stand_side_by_side_in_text_and_page",
+    ),
 )

@@ -231,7 +231,7 @@ def sharpness_figures(
         "mtf_half_nyquist": float(sharpness.mtf_half_nyquist(at)[0]),
         "resolution_10_mm": float(resolution_m[0]) * 1e3,
         "lateral_colour_px": colour if problem.effects.lateral_colour else None,
-        "defocus_corner_px": float(disc.max()) if problem.effects.image_curvature else None,
+        "defocus_corner_px": float(disc.max()),  # even where nothing depends on it: it is told with every image
         **decentring(model, index, float(f_number[0])),
     }
 
@@ -395,7 +395,7 @@ def uneven_notes(scenes: Sequence[SceneResult]) -> list[Note]:
         said = f"{scene.name}: very uneven light: the darkest place of the floor has {100 * even:.2g} % of the mean"
         if darkest is not None:
             said += f", its SNR is {darkest:.1f} dB"
-        said += "; ask for min_uniformity, snr_at: worst or min_contrast"
+        said += "; ask for snr_at: worst or min_uniformity"
         notes.append(Note("uneven_light", "light", said))
     return notes
 

@@ -111,10 +111,7 @@ def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dic
     found = dict.fromkeys(Effects.names(), (0.0, 0.0))
     shape = problem.shape(group.port, group.scene_index)
     view = group.view
-    at_corner = needs.dof_at == "corner" and (
-        needs.min_dof_m is not None or needs.min_mtf_half_nyquist is not None
-    )
-    if at_corner or information:
+    if needs.dof_at == "corner" or information:
         found["image_curvature"] = found["lateral_colour"] = (KEPT, 0.0)
     if not shape.is_dome:
         corner = np.hypot(view.tan_along, view.tan_across)

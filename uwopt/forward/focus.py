@@ -29,11 +29,12 @@ def place_focus(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap], se
     """Put the focus where what must be sharp needs the smallest f-number.
 
     One focus serves all scenes, because behind a sealed port it cannot be touched. Where no depth of field is
-    asked for, the nominal altitude must be sharp: an image is wanted. Physics `paper` focuses at the altitude of
-    its one scene.
+    asked for, the nominal altitude must be sharp: an image is wanted, and of one that must be sharp in its corners
+    too neither they nor the centre are in focus. Physics `paper` focuses at the altitude of its one scene.
     """
     count = len(seen[0].tan_along)
-    if len(scenes) == 1 and (scenes[0].paper or scenes[0].view.requirements.min_dof_m is None):
+    at_nominal = scenes[0].view.requirements.min_dof_m is None and not held_at_corner(scenes[0])
+    if len(scenes) == 1 and (scenes[0].paper or at_nominal):
         at_altitude = port.lens_dioptre_per_m(scenes[0].range_m[scenes[0].nominal], focus_map=maps[0])
         dioptre = np.full(count, float(at_altitude))
     else:
@@ -63,9 +64,8 @@ def middle_focus(intervals: Sequence[tuple[Array, Array]], coc_m: Sequence[Array
 
 
 def held_at_corner(scene: SceneOptics) -> bool:
-    """Whether the wanted depth of field must hold in the corners too."""
-    needs = scene.view.requirements
-    return needs.dof_at == "corner" and needs.min_dof_m is not None and not scene.paper
+    """Whether what must be sharp must be so in the corners too: a depth of field, or the nominal altitude."""
+    return scene.view.requirements.dof_at == "corner" and not scene.paper
 
 
 def sharp_ends_m(scene: SceneOptics, start_m: float = np.inf) -> tuple[float, float]:

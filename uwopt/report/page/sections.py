@@ -10,6 +10,7 @@ from urllib.parse import urlsplit
 from uwopt.quantities import BY_NAME
 from uwopt.report.text import words
 from uwopt.report.text.doubts import plain_fact
+from uwopt.report.text.frame import frame_facts
 from uwopt.report.text.layout import Block
 from uwopt.report.text.tables import (
     ESTIMATED_LEGEND,
@@ -89,6 +90,7 @@ class SceneBars:
     name: str
     bars: list[Bar]
     binding: str
+    frame: list[tuple[str, str]]  # the image as a whole, in words
 
 
 @dataclass(frozen=True)
@@ -217,7 +219,7 @@ def scene_bars(design: Design) -> Iterator[SceneBars]:
         said = [
             f"{head}: {'; '.join(own)}." for head, own in (("Missed", missed), ("What binds", names)) if own
         ]
-        yield SceneBars(words.one_line(scene.name, 60), bars, " ".join(said))
+        yield SceneBars(words.one_line(scene.name, 60), bars, " ".join(said), frame_facts([scene]))
 
 
 def bar(margin: Margin, kinds: Mapping[str, str]) -> Bar:

@@ -19,6 +19,7 @@ from uwopt.report.text.doubts import (
     second_opinion_block,
 )
 from uwopt.report.text.exactness import exactness_block, has_errors
+from uwopt.report.text.frame import frame_facts
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
 from uwopt.results.design import BillRow, Design, Margin, Note, SceneResult
@@ -86,6 +87,8 @@ def design_blocks(result: Result, design: Design) -> Iterator[Block]:
     yield hardware_block(design, "Recommendation" if result.command == "solve" else "System")
     yield settings_block(result, design)
     yield from margin_blocks(design)
+    if facts := frame_facts(design.scenes):
+        yield block("The image as a whole", [fact_lines(facts)])
     yield totals_block(design)
     if design.bom:
         yield bom_block(design)

@@ -1,0 +1,45 @@
+"""The image as a whole, in words: what its mean, most of it and its darkest pixel have, and how soft its corners are.
+
+Said of every design whether asked for or not: a mean alone hides a lit spot in the dark.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from uwopt.report.text import words
+from uwopt.results.design import SceneResult
+
+SPOT_BELOW = 0.3  # least over mean light on the floor
+SOFT_ABOVE_PX = 2.0  # blur of the corners by focus and port
+OF_SNR = (("mean", "snr_db"), ("95 % of the frame", "snr_db_p05"), ("darkest pixel", "snr_db_min"))
+
+
+def frame_facts(scenes: Sequence[SceneResult]) -> list[tuple[str, str]]:
+    """What is to be said of the images of some scenes, as names and values; nothing in physics without a field."""
+    found = []
+    for scene in scenes:
+        place = f" in {words.one_line(scene.name, 40)}" if len(scenes) > 1 else ""
+        found += [(name + place, text) for name, text in facts_of(scene.figures)]
+    return found
+
+
+def facts_of(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Signal to noise, evenness of the light and sharpness of the corners of one image."""
+    if figures.get("mtf_half_nyquist") is None:  # physics `paper` knows no field
+        return []
+    even, soft = figures.get("uniformity"), figures.get("defocus_corner_px")
+    facts = [("signal to noise", ", ".join(f"{name} {snr_text(figures.get(key))}" for name, key in OF_SNR))]
+    if even is not None:
+        spot = ": a spot, the rest is dark" if even < SPOT_BELOW else ""
+        facts.append(("evenness of the light", f"the darkest floor has {words.share(even)} of the mean{spot}"))
+    if soft is not None:
+        blurred = ": soft corners" if soft > SOFT_ABOVE_PX else ""
+        facts.append(("blur of the corners", f"{words.quantity(soft, 'px')}{blurred}"))
+    return facts
+
+
+def snr_text(value: float | None) -> str:
+    """Decibels; a pixel without any light has none."""
+    return "no light" if value is None else words.quantity(value, "dB")
