@@ -16,6 +16,7 @@ from uwopt.api.accuracy import (
 )
 from uwopt.api.common import Source, base_result, prepared
 from uwopt.api.floats import own_float_rules
+from uwopt.api.risks import with_risks
 from uwopt.api.timing import timed
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.errors import MissionError
@@ -87,7 +88,7 @@ def evaluate(
         elsewhere = departures(asked, load_catalog(asked), built, problem, hardware, given, goal)
         design = with_compatibility(evaluated(problem), problem, wanted, elsewhere)
     result = base_result("evaluate", wanted, goal, problem, influences)
-    return replace(
+    made = replace(
         result,
         status="feasible" if design.feasible else "violated",
         design=design,
@@ -102,6 +103,7 @@ def evaluate(
         accuracy=plain_accuracy(measured, allowed, None, []),
         timing_s={**timing, "total": time.perf_counter() - start},
     )
+    return with_risks(made)
 
 
 def scene_settings(problem: Problem, hardware: Hardware, system: System, name: str) -> SceneSettings:

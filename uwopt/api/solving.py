@@ -18,6 +18,7 @@ from uwopt.api.accuracy import (
 )
 from uwopt.api.common import Progress, Source, base_result, prepared, selection_warnings
 from uwopt.api.floats import own_float_rules
+from uwopt.api.risks import with_risks
 from uwopt.api.timing import timed
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
@@ -135,7 +136,9 @@ def solve(
         result = audited(result, sought, goal, audit, wanted.seed, timing, deadline)
     timing.update({f"search_{name}": value for name, value in sought.outcome.timing_s.items()})
     timing["total"] = time.perf_counter() - start
-    return replace(result, timing_s=timing, warnings=[*result.warnings, *time_warnings(deadline)])
+    return with_risks(
+        replace(result, timing_s=timing, warnings=[*result.warnings, *time_warnings(deadline)])
+    )
 
 
 def searched(

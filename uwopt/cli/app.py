@@ -17,6 +17,7 @@ from uwopt.cli.bench import bench_command
 from uwopt.cli.catalog import catalog_app
 from uwopt.cli.options import (
     AccuracyOption,
+    FullOption,
     JsonOption,
     MissionArgument,
     PhysicsOption,
@@ -96,6 +97,7 @@ def solve_command(
     ] = None,
     accuracy: AccuracyOption = False,
     tolerance: ToleranceOption = None,
+    full: FullOption = False,
     as_json: JsonOption = False,
     out: OutOption = None,
     quiet: QuietOption = False,
@@ -124,7 +126,7 @@ def solve_command(
             tolerance=tolerance,
             progress=bar.report,
         )
-    hand_over(result, as_json=as_json, out=out, quiet=quiet)
+    hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet)
     return result_status(result)
 
 
@@ -141,6 +143,7 @@ def evaluate_command(
     ] = False,
     accuracy: AccuracyOption = False,
     tolerance: ToleranceOption = None,
+    full: FullOption = False,
     as_json: JsonOption = False,
     out: OutOption = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No notes.")] = False,
@@ -155,7 +158,7 @@ def evaluate_command(
     result = evaluate(
         mission, system, physics=physics and physics.value, accuracy=accuracy, tolerance=tolerance
     )
-    hand_over(result, as_json=as_json, out=out, quiet=quiet)
+    hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet)
     return result_status(result, check=check)
 
 

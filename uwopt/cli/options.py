@@ -33,6 +33,10 @@ ToleranceOption = Annotated[
     typer.Option(metavar="SHARE", help="Largest error of any figure, such as 0.001; coarser is faster."),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON and nothing else.")]
+FullOption = Annotated[
+    bool,
+    typer.Option("--full", help="Print all there is: proof, every requirement, other choices, assumptions."),
+]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")]
 
 

@@ -13,8 +13,10 @@ if TYPE_CHECKING:
     from uwopt.results.result import Result
 
 
-def hand_over(result: Result | FrontResult, *, as_json: bool, out: str | None, quiet: bool) -> None:
-    """Write the files and print the result; a result that cannot be written is printed all the same."""
+def hand_over(
+    result: Result | FrontResult, *, as_json: bool, out: str | None, quiet: bool, full: bool = False
+) -> None:
+    """Write the files and print the result, on one page or in full; what cannot be written is printed all the same."""
     from uwopt.report.text.console import ProgressBar, print_blocks, print_text
     from uwopt.report.write import json_text, write_front, write_results
     from uwopt.results.front import FrontResult
@@ -38,10 +40,14 @@ def hand_over(result: Result | FrontResult, *, as_json: bool, out: str | None, q
         from uwopt.report.text.front_tables import front_blocks
 
         print_blocks(front_blocks(result))
-    else:
+    elif full:
         from uwopt.report.text.tables import result_blocks
 
         print_blocks(result_blocks(result))
+    else:
+        from uwopt.report.text.short import short_text_blocks
+
+        print_blocks(short_text_blocks(result))
     if refused is not None:
         raise refused
     if written and not quiet:

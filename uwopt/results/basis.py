@@ -59,6 +59,15 @@ class Assumption(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class Risk(Record):
+    """What may go wrong with a system."""
+
+    what: str = Field(description="in a few words")
+    because: str = Field(description="why; empty where it needs no reason")
+    figure: str = Field(description="how much, with its unit; empty where there is no number")
+
+
+@dataclass(frozen=True, config=RECORD)
 class Excluded(Record):
     """What a rule keeps from being a solution."""
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from uwopt.results.basis import Assumption, ObjectiveValue, OtherMaker, UsedPhysics, WhyNothing
+from uwopt.results.basis import Assumption, ObjectiveValue, OtherMaker, Risk, UsedPhysics, WhyNothing
 from uwopt.results.design import Design, Note
 from uwopt.results.frames import bill_rows, design_rows, figure_rows, frame_of, margin_rows, settings_rows
 from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
@@ -74,6 +74,7 @@ class Result(Shown, FiledRecord):
     infeasible: WhyNothing | None = Field(default=None, description="why nothing fits")
     assumptions: list[Assumption] = Field(default_factory=list, description="what is not known but taken")
     robustness: dict[str, Any] | None = Field(default=None, description="what the estimates could change")
+    risks: list[Risk] = Field(default_factory=list, description="what may go wrong, the most serious first")
     solvers: list[dict[str, Any]] = Field(default_factory=list, description="second opinions on the settings")
     audit: dict[str, Any] | None = Field(default=None, description="the attack on what was discarded")
     warnings: list[Note] = Field(default_factory=list, description="what to know of this result")

@@ -217,7 +217,7 @@ def scene_bars(design: Design) -> Iterator[SceneBars]:
         names = list(dict.fromkeys(b.name for b in bars if b.state == "binding"))
         missed = list(dict.fromkeys(b.name for b in bars if b.state == "missed"))
         said = [
-            f"{head}: {'; '.join(own)}." for head, own in (("Missed", missed), ("What binds", names)) if own
+            f"{head}: {'; '.join(own)}." for head, own in (("Missed", missed), ("At its limit", names)) if own
         ]
         yield SceneBars(words.one_line(scene.name, 60), bars, " ".join(said), frame_facts([scene]))
 

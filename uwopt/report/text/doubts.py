@@ -125,7 +125,7 @@ def relaxation_texts(result: Result | FrontResult, item: Relaxed) -> tuple[str, 
 def robustness_block(result: Result) -> Block:
     """What the estimated numbers could change."""
     doubt = result.robustness or {}
-    facts = [("regret", regret_text(result))]
+    facts = [("could be beaten by", regret_text(result))]
     if doubt.get("complete") is False:
         facts.append(("", "the search for a rival was cut short, and single quotes were not tried: settings have "
                           "no closed form here, and each takes long"))  # fmt: skip
@@ -134,7 +134,7 @@ def robustness_block(result: Result) -> Block:
     facts += [("other water", water_text(other, result)) for other in doubt.get("waters") or []]
     facts += tilt_facts(doubt)
     quotes = doubt.get("quotes_that_matter") or []
-    facts.append(("quotes that matter", "" if quotes else f"none: {NO_QUOTE_MATTERS}"))
+    facts.append(("to ask for first", "" if quotes else f"nothing: {NO_QUOTE_MATTERS}"))
     lines: list[Line] = [fact_lines(facts)]
     if quotes:
         lines.append(
@@ -152,11 +152,11 @@ def regret_text(result: Result) -> str:
     regret = doubt.get("max_regret")
     if isinstance(regret, (int, float)):
         if regret <= 0:
-            return "0: no end of the estimates makes another system better"
+            return "none: no end of the estimates makes another system better"
         value = words.objective_text(result, float(regret))
-        return f"{value}: the most by which a rival could be better, the estimates at their ends"
+        return f"{value} at most, the estimates at their ends"
     if doubt.get("feasible_at_bad_end") is False:
-        return "unbounded: with its estimates at their bad ends this system is not feasible"
+        return "any that fits: with its estimates at their bad ends this system misses a requirement"
     return ""
 
 
@@ -198,29 +198,37 @@ def tilt_facts(doubt: Mapping[str, Any]) -> list[tuple[str, str]]:
             out, inward = (f"{v:.1f}°" + (" or more" if v >= most else "") for v in shown)
             return f"{out} outward, {inward} inward"
 
-        broken = ", ".join(words.one_line(name) for name in tilt["first_to_break"])
+        broken = ", ".join(words.requirement_name(name) for name in tilt["first_to_break"])
         facts.append(("tilt may be off", f"{ends('held')} as set" + (f" (then {broken})" if broken else "")))
         facts.append(("", f"{ends('readjusted')} if light, exposure and gain are set anew"))
     better = doubt.get("outside_certificate")
     if better and better["gain_rel"] > 1e-6:
         facts.append(
             (
-                "improvement outside the certificate",
-                f"{100 * better['gain_rel']:.2g} % with baseline {better['baseline_m']:.3f} m, "
+                "lamps between the places tried",
+                f"{100 * better['gain_rel']:.2g} % better with baseline {better['baseline_m']:.3f} m, "
                 f"tilt {better['tilt_deg']:.2f}°",
             )
         )
     return facts
 
 
+#: What is taken for the loss of light between lamp and floor, by the name in a result.
+LAMP_LOSSES = {
+    "K_d, within a + b_b and c": "lamp light lost as daylight is",
+    "a + b_b, the least": "as little lamp light lost as can be",
+    "c, the most": "as much lamp light lost as can be",
+}
+
+
 def water_text(other: Mapping[str, Any], result: Result) -> str:
     """What becomes of the recommendation when another water table, or another K, is believed."""
     case = other.get("case") or {}
-    leg = words.one_line(case.get("lamp_attenuation", ""))
-    table = f"{words.one_line(case.get('water_table', ''))}, lamp leg with K = {leg}"
+    lost = str(case.get("lamp_attenuation", ""))
+    table = f"{words.one_line(case.get('water_table', ''))} table, {LAMP_LOSSES.get(lost, words.one_line(lost))}"
     value = other.get("objective_value")
     if value is None:
-        held = f"{table}: this system is not feasible in it"
+        held = f"{table}: this system misses a requirement"
     else:
         held = f"{table}: this system then has {words.objective_text(result, float(value))}"
     if not other.get("changes"):
@@ -246,17 +254,22 @@ def quote_text(item: Any, result: Result) -> str:
     """One number worth asking for: whose, how it stands, and who wins otherwise."""
     if not isinstance(item, Mapping):
         return words.one_line(item)
-    number = split_unit(str(item.get("field") or ""))[0].replace("_", " ")
-    unit = str(item.get("unit") or "")
-    span = range_text(item.get("low"), item.get("high"), unit)
-    standing = f" ~{words.quantity(item.get('value'), unit)}" + (f" ({span})" if span else "")
     rival = str(item.get("then_better") or "")
     own = result.best.hardware.ids if result.best is not None else []
     different = [name for name in rival.split(" + ") if name not in own]
     other = f"; then better with {' + '.join(different) or 'another number of lights'}" if rival else ""
-    return words.one_line(
-        f"{number} of {item.get('part') or item.get('id') or item.get('path')}{standing}{other}"
-    )
+    return words.one_line(quoted_number(item) + other)
+
+
+def quoted_number(item: Any) -> str:
+    """`price of acme-lamp ~2 300 USD (1 700 to 3 400 USD)`."""
+    if not isinstance(item, Mapping):
+        return words.one_line(item)
+    number = split_unit(str(item.get("field") or ""))[0].removesuffix("_frac").replace("_", " ")
+    unit = str(item.get("unit") or "")
+    span = range_text(item.get("low"), item.get("high"), unit)
+    standing = f" ~{words.quantity(item.get('value'), unit)}" + (f" ({span})" if span else "")
+    return f"{number} of {item.get('part') or item.get('id') or item.get('path')}{standing}"
 
 
 def second_opinion_block(result: Result) -> Block:

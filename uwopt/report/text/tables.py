@@ -64,10 +64,7 @@ def nearest_miss(result: Result | FrontResult) -> Design | None:
 def headline(result: Result) -> Block:
     """Name of the mission, verdict and value of the objective."""
     name = words.one_line(result.mission.get("name") or "mission", 80)
-    style = {"optimal": "bold green", "feasible": "bold green", "stopped": "bold yellow"}.get(
-        result.status, "bold red"
-    )
-    title = Joined((Text(name, "bold"), Text(": "), Text(result.status, style)))
+    title = Joined((Text(name, "bold"), Text(": "), Text(result.status, status_style(result))))
     lines: list[Line] = [title, Text(words.as_sentence(words.status_sentence(result)))]
     value = result.best.objective_value if result.best is not None else None
     if value is not None:
@@ -77,6 +74,12 @@ def headline(result: Result) -> Block:
     if result.best is not None and (first := fails_first(result.best)):
         lines.append(sentence(words.as_sentence(first)))
     return block("", lines)
+
+
+def status_style(result: Result) -> str:
+    """How the status of a result is printed."""
+    good = "bold green"
+    return {"optimal": good, "feasible": good, "stopped": "bold yellow"}.get(result.status, "bold red")
 
 
 # ---------------------------------------------------------------- one design
@@ -124,9 +127,10 @@ def scenes_to_set(design: Design) -> list[SceneResult]:
     return [replace(scene, settings_to_set=None) for scene in design.scenes]
 
 
-def settings_table(scenes: Sequence[SceneResult]) -> Grid:
-    """The settings of all scenes in the form that fits their number."""
-    return settings_by_column(scenes) if len(scenes) <= ONE_COLUMN_A_SCENE else settings_by_row(scenes)
+def settings_table(scenes: Sequence[SceneResult], *, exact: bool = True) -> Grid:
+    """The settings of all scenes in the form that fits their number; of one scene the exact optimum too if wanted."""
+    few = len(scenes) <= ONE_COLUMN_A_SCENE
+    return settings_by_column(scenes, exact=exact) if few else settings_by_row(scenes)
 
 
 def shown_settings(scenes: Sequence[SceneResult]) -> list[str]:
@@ -137,9 +141,9 @@ def shown_settings(scenes: Sequence[SceneResult]) -> list[str]:
     return [name for name in words.SETTINGS if name in present]
 
 
-def settings_by_column(scenes: Sequence[SceneResult]) -> Grid:
+def settings_by_column(scenes: Sequence[SceneResult], *, exact: bool) -> Grid:
     """One row a setting; one column a scene, and the exact value of a single scene."""
-    exact_too = len(scenes) == 1 and scenes[0].settings_to_set is not None
+    exact_too = exact and len(scenes) == 1 and scenes[0].settings_to_set is not None
     heads = [("setting", "left")] + [
         (words.one_line(scene.name, 24) if len(scenes) > 1 else "set", "right") for scene in scenes
     ]
@@ -238,7 +242,7 @@ def margin_table(margins: Sequence[Margin], design: Design) -> Grid:
 
 
 #: What stands behind a margin.
-MARKS = {"met": Text(""), "binding": Text("binding", "yellow"), "missed": Text("MISSED", "bold red")}
+MARKS = {"met": Text(""), "binding": Text("at its limit", "yellow"), "missed": Text("MISSED", "bold red")}
 
 
 def has_no_limit(margin: Margin) -> bool:

@@ -11,7 +11,7 @@ from uwopt.results.result import Certificate, Result
 from uwopt.units import format_number, format_quantity, split_unit, symbol
 
 STATUS_SENTENCES: Mapping[str, str] = {
-    "optimal": "proven best: no combination that the certificate covers is better",
+    "optimal": "best of the catalogue under these assumptions, proven",
     "feasible": "every requirement is met",
     "violated": "requirements are missed",
     "infeasible": "no system of the catalogue meets every requirement",
@@ -65,7 +65,7 @@ REQUIREMENTS: Mapping[str, str] = {
     "min_pulse_ms": "pulse, shortest",
     "light_duty": "duty of the lamp",
     "light_rate": "rate of the lamp",
-    "shutter_open_ms": "all rows open for the pulse",
+    "shutter_open_ms": "whole sensor open for the pulse",
     "common_f_number": "f-number, one for all scenes",
     "common_focus_m": "focus, one for all scenes",
     "cost": "cost",

@@ -78,7 +78,7 @@ def scope(problem: Problem) -> str:
         + (f" ({generic} of these parts generic)" if generic else " (real parts only)")
         + f", {low} to {high} lights, {len(problem.mounts)} mount(s), "
         f"{' and '.join(problem.mission.vehicle.orientations)}; estimates at their central values; "
-        "focus in the dioptric middle of the wanted depth; "
+        "focus where both ends of the wanted depth are equally sharp; "
         f"physics {'paper' if problem.paper else 'full'}"
         + (
             "; under the sun the whole shutter within the blur limit"

@@ -1,0 +1,353 @@
+"""What may go wrong with a recommended or given system, the most serious first, from what its result knows.
+
+Every rule looks at the result alone and gives risks with a weight: 100 for what fails now, about 80 for what fails
+when estimates turn out badly, about 50 for what is worse than the figures say, below 30 for what is good to know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+from uwopt.results.basis import Risk
+from uwopt.results.design import Design, Margin, Note, SceneResult
+from uwopt.results.result import Result
+from uwopt.units import db_to_ratio, format_quantity, split_unit
+
+Weighed = Iterator[tuple[float, Risk]]
+
+#: What is asked for, in words that stand in a sentence; others are told by their key.
+ASKED = {
+    "max_blur_px": "motion blur", "max_skew_px": "skew", "overlap": "overlap", "max_gsd_mm": "pixel on the floor",
+    "min_swath_m": "swath", "min_snr_db": "signal to noise", "min_snr": "signal to noise",
+    "min_dof_m": "depth of field", "dof_near_m": "depth of field", "dof_far_m": "depth of field",
+    "min_uniformity": "evenness of the light", "power_w": "power", "peak_power_w": "peak power", "mass_kg": "mass",
+    "mean_level": "image brightness", "saturation_fraction": "highlights", "depth_rating_m": "depth rating",
+    "min_mtf_half_nyquist": "sharpness", "frame_interval_s": "time between images", "data_rate_mb_s": "data rate",
+}  # fmt: skip
+#: Ends of the ranges that settings may have: nothing is lost where one is reached.
+OF_SETTINGS = (
+    "f_number_min", "f_number_max", "gain_min", "gain_max", "max_exposure_ms", "min_exposure_ms", "light_level_max",
+    "light_level", "max_pulse_ms", "min_pulse_ms", "light_duty", "light_rate", "shutter_open_ms", "common_f_number",
+    "common_focus_m", "nearest_focus_m", "frame_rate", "frame_interval_s", "cost",
+)  # fmt: skip
+NOTHING_IN_HAND = 0.02  # of a limit
+EVEN, VERY_UNEVEN = 0.3, 0.1  # darkest place against the mean
+SEEN_PX = 2.0  # a blur, skew or coloured edge wider than this is seen
+STEADY_DEG = 3.0  # as well as a lamp's direction is kept on a vehicle
+DEPTH_IN_HAND = 0.1
+MOST_GAIN_DB = 12.0
+MOST_WHITE_BALANCE = 4.0
+MUCH_ESTIMATED = 0.3  # of the price
+
+#: Weights of notes by code; of those that are not named, the last. 0: another rule tells it, or it is no risk.
+NOTES = {
+    "not_settable": 95.0, "no_image": 90.0, "dark_image": 77.0, "lamp_in_view": 68.0, "better_unsettable": 24.0,
+    "uneven_light": 0.0, "pattern": 0.0, "tolerance": 0.0, "interrupted": 0.0, "time": 0.0,
+}  # fmt: skip
+OTHER_NOTE = 15.0
+
+
+def with_risks(result: Result) -> Result:
+    """The result with its risks filled in."""
+    return replace(result, risks=risks_of(result))
+
+
+def risks_of(result: Result) -> list[Risk]:
+    """What may go wrong, most serious first; nothing where there is no system."""
+    design = result.best
+    if design is None:
+        return []
+    found = [item for rule in RULES for item in rule(result, design)]
+    return [risk for _, risk in sorted(found, key=lambda item: -item[0])]
+
+
+# ---------------------------------------------------------------- what is asked for
+
+
+def missed(result: Result, design: Design) -> Weighed:
+    """Requirements that fail as it stands."""
+    for name, margin in {asked_name(m): m for m in margins(design) if not m.satisfied}.items():
+        yield 100.0, Risk(f"{name} is not as asked for", "the requirement is missed", against_limit(margin))
+
+
+def at_bad_ends(result: Result, design: Design) -> Weighed:
+    """Requirements that may fail when estimated numbers turn out badly."""
+    if (result.robustness or {}).get("feasible_at_bad_end") is not False:
+        return
+    number = sum(
+        1 for item in result.assumptions if item.low != item.high and not item.path.endswith(".price")
+    )
+    because = "with its estimated numbers at the bad ends of their ranges a requirement is missed"
+    if names := in_hand_names(design):
+        because += f", for nothing is in hand in {names}"
+    yield 80.0, Risk("it may not do what is asked", because, counted(number, "estimated number"))
+
+
+def nothing_in_hand(result: Result, design: Design) -> Weighed:
+    """Requirements that are met to the last digit; where estimates tell the same, they do."""
+    least = tight(design)
+    if not least or (result.robustness or {}).get("feasible_at_bad_end") is False:
+        return
+    because = (
+        f"nothing is in hand in {in_hand_names(design)}: whatever is a little worse than computed misses it"
+    )
+    yield (
+        52.0,
+        Risk("it may not do what is asked", because, f"{asked_name(least[0])} {against_limit(least[0])}"),
+    )
+
+
+def shallow(result: Result, design: Design) -> Weighed:
+    """A depth rating that is used up."""
+    for margin in margins(design):
+        left = room(margin) if margin.satisfied and stem_of(margin.requirement) == "depth_rating_m" else None
+        if left is not None and left < DEPTH_IN_HAND:
+            part = margin.requirement.partition(" (")[2].rstrip(")")
+            because = f"{part or 'a part'} is rated for little more than the depth of the mission"
+            yield 62.0, Risk("a part may not stand the pressure", because, against_limit(margin))
+
+
+# ---------------------------------------------------------------- water and lamps
+
+
+def in_other_water(result: Result, design: Design) -> Weighed:
+    """Descriptions of the same water in which a requirement is missed."""
+    waters = (result.robustness or {}).get("waters") or []
+    failed = sum(1 for water in waters if water.get("objective_value") is None)
+    if failed:
+        because = "measured tables of this type of water differ, and so does what is lost on the lamps' way"
+        yield 60.0 + 15.0 * failed / len(waters), Risk(
+            "in water a little different it may fail", because, f"fails in {failed} of {len(waters)} other waters"
+        )  # fmt: skip
+
+
+def lamps_off(result: Result, design: Design) -> Weighed:
+    """How little the lamps may lean from where they are aimed."""
+    tilt = (result.robustness or {}).get("tilt") or {}
+    held, helped = least_of(tilt, "held"), least_of(tilt, "readjusted")
+    if held is None or held >= STEADY_DEG:
+        return
+    names = listed(
+        dict.fromkeys(ASKED.get(stem_of(name), plain(name)) for name in tilt.get("first_to_break", []))
+    )
+    because = f"when one leans further, {names or 'a requirement'} cannot be kept"
+    if helped is not None and helped > held:
+        because += f"; with light, exposure and gain set anew up to {helped:.1f}° can be borne"
+    weight = 70.0 if helped is None or helped < STEADY_DEG else 45.0
+    yield weight, Risk("a lamp slightly off its aim spoils the images", because, f"{held:.1f}° as set")
+
+
+def uneven(result: Result, design: Design) -> Weighed:
+    """Light that leaves part of the image dark."""
+    scene, value = worst(design, "uniformity", least=True)
+    if scene is None or value >= EVEN:
+        return
+    because = f"the darkest place of the floor{in_scene(design, scene)} gets so much less light than the mean"
+    figure = f"{100 * value:.2g} % of the mean light"
+    if (snr_db := scene.figures.get("snr_db_min")) is not None:
+        figure += f", signal to noise there {format_quantity(snr_db, 'dB')}"
+    yield (78.0 if value < VERY_UNEVEN else 50.0), Risk("part of the image is dark", because, figure)
+
+
+# ---------------------------------------------------------------- what the optics do beside what was asked
+
+
+#: Figure, risk, reason: what is seen when it is wider than two pixels.
+SEEN = (
+    ("defocus_corner_px", "corners of the image are out of focus", "depth of field holds on the axis alone"),
+    ("skew_px", "moving scenes are skewed", "the rolling shutter reads row after row while the vehicle moves"),
+    ("lateral_colour_px", "edges blur or get coloured rims", "the flat port bends colours by different amounts"),
+)  # fmt: skip
+
+
+def seen_in_the_image(result: Result, design: Design) -> Weighed:
+    """Faults of the image that no requirement holds."""
+    for name, what, because in SEEN:
+        scene, value = worst(design, name)
+        if scene is not None and value > SEEN_PX:
+            weight = 40.0 + min(35.0, value)
+            yield weight, Risk(what, because + in_scene(design, scene), f"{format_quantity(value, 'px')}")
+
+
+def weak_colours(result: Result, design: Design) -> Weighed:
+    """Channels that must be amplified much."""
+    for colour in ("red", "blue"):
+        scene, value = worst(design, f"white_balance_{colour}")
+        if scene is not None and value > MOST_WHITE_BALANCE:
+            because = f"so little {colour} arrives that white balance lifts it, and its noise"
+            yield 42.0, Risk(f"{colour} is mostly noise", because, f"white balance x {value:.2g}")
+
+
+def wide_open(result: Result, design: Design) -> Weighed:
+    """A lens at its widest."""
+    if any(m.requirement == "f_number_min" and m.binding for m in margins(design)):
+        stop = min(s.settings.get("f_number") or 0.0 for s in design.scenes)
+        because = (
+            "every lens is least sharp there, above all in the corners; stopping down asks for more light"
+        )
+        yield 35.0, Risk("the lens is used wide open", because, f"f/{stop:.3g}")
+
+
+def high_gain(result: Result, design: Design) -> Weighed:
+    """Gain in place of light."""
+    gain_db = max((s.settings.get("gain_db") or 0.0) for s in design.scenes)
+    if gain_db > MOST_GAIN_DB:
+        because = "little of the pixel's capacity is used, so highlights are lost early"
+        yield 26.0, Risk("gain stands in for light", because, format_quantity(gain_db, "dB"))
+
+
+# ---------------------------------------------------------------- money and choice
+
+
+def price(result: Result, design: Design) -> Weighed:
+    """A price above the limit at its high end, or one that nobody has quoted."""
+    cost = design.totals.cost
+    limit = (result.mission.get("limits") or {}).get("cost")
+    share = cost.estimated / cost.value if cost.value else 0.0
+    because = f"{100 * share:.0f} % of the price is estimated"
+    if limit is not None and cost.value <= limit < cost.high:
+        figure = f"up to {whole(cost.high)} against {whole(limit)} {cost.currency}"
+        yield 58.0, Risk("it may cost more than allowed", because, figure)
+    elif share > MUCH_ESTIMATED:
+        figure = f"{whole(cost.low)} to {whole(cost.high)} {cost.currency}"
+        yield 30.0 + 20.0 * share, Risk("the price is not known", because, figure)
+    if unknown := sum(row.to_buy for row in design.bom if row.unit_price is None):
+        because = "nobody tells their price, so the sum leaves them out"
+        yield 57.0, Risk("parts without a price", because, counted(unknown, "part"))
+
+
+def to_be_made(result: Result, design: Design) -> Weighed:
+    """Parts that no shop sells."""
+    kinds = [kind for kind, part in design.hardware.parts.items() if part.generic]
+    if kinds:
+        because = f"{listed(kinds)} must be found or made; figures and prices are those of their class"
+        yield 65.0, Risk("parts that no shop sells under a name", because, f"{len(kinds)} of 4 parts")
+
+
+def better_elsewhere(result: Result, design: Design) -> Weighed:
+    """What may be the better system after all."""
+    doubt = result.robustness or {}
+    if result.status == "stopped" and result.certificate is not None:
+        gap = format_quantity(result.certificate.gap_abs, result.objective.unit)
+        yield (
+            40.0,
+            Risk("a better system may exist", "the search was stopped before it was done", f"by up to {gap}"),
+        )
+    if quotes := doubt.get("quotes_that_matter"):
+        because = "one estimated number, known better, would change the answer"
+        yield 28.0, Risk("another system may be the better buy", because, counted(len(quotes), "such number"))
+    elif (doubt.get("max_regret") or 0.0) > 0.0:
+        because = "estimated numbers decide between them"
+        figure = f"by up to {format_quantity(doubt['max_regret'], result.objective.unit)}"
+        yield 20.0, Risk("another system may be the better buy", because, figure)
+
+
+def noted(result: Result, design: Design) -> Weighed:
+    """What the run and the parts have noted."""
+    messages: dict[str, Note] = {
+        note.message or note.code: note for note in [*result.warnings, *design.warnings]
+    }
+    for message, note in messages.items():
+        if weight := NOTES.get(note.code, OTHER_NOTE):
+            yield weight, Risk(message, "", "")
+
+
+RULES: Sequence[Callable[[Result, Design], Weighed]] = (
+    missed, at_bad_ends, nothing_in_hand, shallow, in_other_water, lamps_off, uneven, seen_in_the_image, weak_colours,
+    wide_open, high_gain, price, to_be_made, better_elsewhere, noted,
+)  # fmt: skip
+
+
+# ---------------------------------------------------------------- margins and figures
+
+
+def margins(design: Design) -> list[Margin]:
+    """All margins of all scenes."""
+    return [margin for scene in design.scenes for margin in scene.margins]
+
+
+def tight(design: Design) -> list[Margin]:
+    """Requirements on the images and the vehicle in which next to nothing is in hand, the tightest first."""
+    found = [(left, m) for m in margins(design) if stem_of(m.requirement) not in OF_SETTINGS
+             and m.satisfied and (left := room(m)) is not None and left < NOTHING_IN_HAND]  # fmt: skip
+    return [margin for _, margin in sorted(found, key=lambda item: item[0])]
+
+
+def in_hand_names(design: Design) -> str:
+    """The same in words."""
+    return listed(dict.fromkeys(asked_name(margin) for margin in tight(design)))
+
+
+def room(margin: Margin) -> float | None:
+    """What is left as a share of the limit, of decibels as a ratio; None where it is no room that can be used up."""
+    if margin.margin is None or not margin.limit or margin.sense not in ("<=", ">="):
+        return None
+    return db_to_ratio(margin.margin) - 1.0 if margin.unit == "dB" else margin.margin / abs(margin.limit)
+
+
+def asked_name(margin: Margin) -> str:
+    """A requirement in words."""
+    return ASKED.get(stem_of(margin.requirement), plain(margin.requirement))
+
+
+def against_limit(margin: Margin) -> str:
+    """`29.0 dB against 30.0 dB`."""
+    value = (
+        margin.word if margin.value is None and margin.word else format_quantity(margin.value, margin.unit)
+    )
+    return f"{value} against {format_quantity(margin.limit, margin.unit)}"
+
+
+def stem_of(requirement: str) -> str:
+    """The key without the part that it is about."""
+    return requirement.partition(" (")[0]
+
+
+def plain(requirement: str) -> str:
+    """A key as words."""
+    name = split_unit(stem_of(requirement))[0].removeprefix("min_").removeprefix("max_")
+    return name.replace("_", " ")
+
+
+def worst(design: Design, figure: str, *, least: bool = False) -> tuple[SceneResult | None, float]:
+    """The scene that has the most of a figure, or the least, and how much."""
+    known = [
+        (float(s.figures[figure]), s)
+        for s in design.scenes
+        if isinstance(s.figures.get(figure), (int, float))
+    ]
+    if not known:
+        return None, 0.0
+    value, scene = (min if least else max)(known, key=lambda item: item[0])
+    return scene, value
+
+
+def least_of(tilt: dict[str, float | None], name: str) -> float | None:
+    """The smaller of both ways that a lamp can lean."""
+    known = [v for way in ("outward", "inward") if (v := tilt.get(f"{name}_{way}_deg")) is not None]
+    return min(known, default=None)
+
+
+# ---------------------------------------------------------------- words
+
+
+def whole(amount: float) -> str:
+    """An amount of money without cents."""
+    return format_quantity(float(round(amount)))
+
+
+def in_scene(design: Design, scene: SceneResult) -> str:
+    """Which scene, where there are several."""
+    return f" in {scene.name}" if len(design.scenes) > 1 else ""
+
+
+def counted(number: int, noun: str) -> str:
+    """`1 part`, `2 parts`."""
+    return f"{number} {noun}" + ("" if number == 1 else "s")
+
+
+def listed(names: Sequence[str] | dict[str, None]) -> str:
+    """`a`, `a and b`, `a, b and c`."""
+    given = list(names)
+    return " and ".join([", ".join(given[:-1]), given[-1]] if len(given) > 1 else given)

@@ -1,0 +1,280 @@
+"""The one page that a buyer reads first: buy, set, what it costs, the greatest risks, what to measure or quote first.
+
+What belongs to it is decided here, for text and HTML alike; proof, margins and what a search works with stand behind
+`--full` and in the folds of the HTML page.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from uwopt.quantities import BY_NAME, TERMS
+from uwopt.report.text import words
+from uwopt.report.text.doubts import HELPFUL, miss_sentence, quoted_number, relaxation_table, relaxations_of
+from uwopt.report.text.layout import Block, Joined, Line, Text, block, columns, fact_lines, sentence
+from uwopt.report.text.tables import (
+    hardware_block,
+    nearest_miss,
+    rounding_lines,
+    scenes_to_set,
+    settings_table,
+    status_style,
+)
+from uwopt.results.basis import Risk
+from uwopt.results.design import BillRow, Design
+from uwopt.results.result import Result
+from uwopt.units import format_number
+
+MOST_RISKS = 3
+MOST_QUESTIONS = 4
+NUMBERS = ("", "The greatest risk", "The two greatest risks", "The three greatest risks")
+FIGURES = ("gsd_mm", "swath_m", "snr_db", "dof_m", "frame_rate_hz")
+DEAR = 0.1  # a part's share of the doubt in the price from which a quote is worth asking for
+HINT = (
+    "--full adds the proof, every requirement, other choices and all that is assumed; --out DIR writes a page with "
+    "pictures."
+)
+
+
+def short_text_blocks(result: Result) -> Iterator[Block | Text]:
+    """The page as text: name and verdict, its sections, and where the rest is."""
+    yield Block("", (title_line(result), *verdict_lines(result)))
+    yield from short_blocks(result)
+    yield sentence(HINT, "dim")
+
+
+def short_blocks(result: Result) -> Iterator[Block]:
+    """The sections of the page, which text and HTML share."""
+    design = result.best
+    if design is None:
+        yield from nothing_blocks(result)
+        return
+    given = result.command == "evaluate"
+    yield buy_block(design, "The system" if given else "Buy")
+    yield set_block(result, design)
+    yield cost_block(result, design)
+    yield risk_block(result.risks)
+    if asked := [*questions(result, design)][:MOST_QUESTIONS]:
+        yield block("Measure or quote first", numbered(asked))
+
+
+# ---------------------------------------------------------------- verdict
+
+
+def title_line(result: Result) -> Joined:
+    """The mission's name, and how far the answer may be believed."""
+    name = words.one_line(result.mission.get("name") or "mission", 80)
+    return Joined((Text(name, "bold"), Text(": "), Text(words.status_sentence(result), status_style(result))))
+
+
+def verdict_lines(result: Result) -> list[Line]:
+    """What the answer is best in, and what images it takes."""
+    if result.best is None:
+        return []
+    return [sentence(goal_sentence(result, result.best)), sentence(image_sentence(result.best))]
+
+
+def goal_sentence(result: Result, design: Design) -> str:
+    """`Goal: least power, 3.06 W as set.`, the value at the settings to type in where there are any."""
+    goal, rounded = result.objective, design.rounded
+    name = TERMS[goal.name].words if goal.name in TERMS else words.one_line(goal.name.replace("_", " "))
+    as_set = rounded is not None and design.is_settable and rounded.objective_value is not None
+    value = rounded.objective_value if rounded is not None and as_set else design.objective_value
+    most = "most" if goal.direction == "maximise" else "least"
+    return f"Goal: {most} {name}, {words.objective_text(result, value)}{' as set' if as_set else ''}."
+
+
+def image_sentence(design: Design) -> str:
+    """What the images are, from the least to the most where there are several scenes."""
+    shown = []
+    for name in FIGURES:
+        values = [scene.figures.get(name, scene.settings.get(name)) for scene in design.scenes]
+        known = [float(v) for v in values if isinstance(v, (int, float))]
+        if known:
+            low, high = (words.quantity(end, BY_NAME[name].unit) for end in (min(known), max(known)))
+            shown.append(f"{BY_NAME[name].words} {low}" + (f" to {high}" if low != high else ""))
+    return f"Images: {', '.join(shown)}." if shown else ""
+
+
+# ---------------------------------------------------------------- buy and set
+
+
+def buy_block(design: Design, title: str) -> Block:
+    """Parts with number and what is to pay for them, as a range."""
+    table = columns(("", "right"), ("part", "left"), ("name", "left"), ("to pay", "right"))
+    for row in design.bom:
+        kind = words.one_line(row.kind, 12)
+        table.add_row(Text(f"{row.count} x"), Text(kind), Text(bought_name(row)), Text(to_pay_text(row)))
+    if not design.bom:
+        table = hardware_block(design, "").lines[0]  # type: ignore[assignment]
+    return block(title, [table])
+
+
+def bought_name(row: BillRow) -> str:
+    """Maker and model; of a class of parts its name and that it is to be made."""
+    if row.generic:
+        return f"{words.one_line(row.model or row.id, 50)} (to be made)"
+    return words.one_line(f"{row.manufacturer} {row.model}".strip() or row.id, 60)
+
+
+def to_pay_text(row: BillRow) -> str:
+    """What the pieces that are not owned cost together, as a range where it is not known."""
+    if not row.to_buy:
+        return "owned"
+    if row.unit_price is None:
+        return "price unknown"
+    low, high = row.unit_price_low, row.unit_price_high
+    if low is None or high is None:
+        low = high = row.unit_price
+    return span_text(low * row.to_buy, high * row.to_buy, row.currency)
+
+
+def span_text(low: float, high: float, currency: str) -> str:
+    """`5 097 to 19 297 USD`, or one amount."""
+    if words.money(low) == words.money(high):
+        return words.money(high, currency)
+    return f"{words.money(low)} to {words.money(high, currency)}"
+
+
+def set_block(result: Result, design: Design) -> Block:
+    """Settings to type in, and how camera and lights stand."""
+    hardware = design.hardware
+    height = {"landscape": "height", "portrait": "width"}.get(hardware.orientation, "height")
+    stands = [
+        ("camera", f"{hardware.orientation}: the image's {height} along the motion"),
+        ("lights", words.mounts_text(hardware.light_mounts)),
+    ]
+    lines: list[Line] = [settings_table(scenes_to_set(design), exact=False), fact_lines(stands)]
+    if not design.is_settable:
+        lines += rounding_lines(result, design)
+    return block("Set", lines)
+
+
+# ---------------------------------------------------------------- what it costs
+
+
+def cost_block(result: Result, design: Design) -> Block:
+    """Money as a range, and against the limit; power and mass."""
+    cost, totals = design.totals.cost, design.totals
+    text = span_text(cost.low, cost.high, cost.currency)
+    if words.money(cost.low) != words.money(cost.high):
+        text += f", most likely {words.money(cost.value)}"
+    if cost.value:
+        text += f"; {format_number(100 * cost.estimated / cost.value, 2)} % of it estimated, not quoted"
+    if unpriced := words.n_unpriced(design.bom):
+        text += f"; without {words.counted(unpriced, 'part')} of unknown price"
+    facts = [("price", text)]
+    limit = (result.mission.get("limits") or {}).get("cost")
+    if isinstance(limit, (int, float)) and cost.high > limit:
+        end = "Its high end" if cost.value <= limit else "It"
+        facts.append(("", f"{end} is above your limit of {words.money(float(limit), cost.currency)}."))
+    facts.append(("power", power_text(design)))
+    if totals.mass_kg is not None:
+        facts.append(("mass", words.quantity(totals.mass_kg, "kg")))
+    return block("What it costs", [fact_lines(facts)])
+
+
+def power_text(design: Design) -> str:
+    """`3.05 W on average, the lamps 638 W while they burn`."""
+    totals = design.totals
+    peak = totals.light_peak_power_w
+    text = f"{words.quantity(totals.power_w, 'W')} on average"
+    if peak and peak > (totals.power_w or 0.0):
+        text += f", the lamps {words.quantity(peak, 'W')} while they burn"
+    return text
+
+
+# ---------------------------------------------------------------- risks, and what to ask
+
+
+def risk_block(risks: Sequence[Risk]) -> Block:
+    """The most serious risks, each with its reason and figure."""
+    shown = [risk_text(risk) for risk in risks[:MOST_RISKS]]
+    title = NUMBERS[len(shown)] or "Risks"
+    return block(title, numbered(shown) if shown else [sentence("None that this result knows of.")])
+
+
+def risk_text(risk: Risk) -> str:
+    """`It may cost more than allowed (up to 900 USD): the price is estimated.`"""
+    figure = f" ({words.one_line(risk.figure)})" if risk.figure else ""
+    reason = f": {words.one_line(risk.because)}" if risk.because else ""
+    return words.as_sentence(words.one_line(risk.what) + figure + reason)
+
+
+def questions(result: Result, design: Design) -> Iterator[str]:
+    """What is worth knowing before the order, in the order in which it can change the answer."""
+    doubt = result.robustness or {}
+    if decisive := [quoted_number(item) for item in doubt.get("quotes_that_matter") or []][:MOST_QUESTIONS]:
+        yield f"Ask for what decides between this and another system: {words.listed(decisive)}."
+    waters = doubt.get("waters") or []
+    failed = [water for water in waters if water.get("objective_value") is None]
+    if failed:
+        yield (
+            "Measure the water where you will work (beam attenuation, or at least Secchi depth): this system does what "
+            f"is asked in {len(waters) - len(failed)} of {len(waters)} other descriptions of it."
+        )
+    yield from quotes(design)
+    if estimated := estimated_facts(result):
+        yield f"Ask the makers for what is only estimated: {words.listed(estimated)}."
+
+
+def quotes(design: Design) -> Iterator[str]:
+    """Parts that nobody has quoted, those with the widest range first."""
+    total = sum(map(width, design.bom))
+    for row in sorted(design.bom, key=width, reverse=True):
+        unknown = row.to_buy > 0 and row.unit_price is None
+        if unknown or (total > 0.0 and width(row) >= DEAR * total):
+            yield f"Ask for a quote: {row.to_buy} x {bought_name(row)}, {to_pay_text(row)}."
+
+
+def width(row: BillRow) -> float:
+    """How far apart the ends of a price are, of all pieces to buy."""
+    low, high = row.unit_price_low, row.unit_price_high
+    return 0.0 if low is None or high is None else (high - low) * row.to_buy
+
+
+#: Estimated facts that decide how much light is measured, in words; the others matter less.
+LIGHT_FACTS = {
+    "light.output_factor": "how much light leaves the lamp", "camera.qe_scale": "quantum efficiency of the camera",
+    "camera.read_noise_e": "its read noise", "lens.transmission_frac": "transmission of the lens",
+}  # fmt: skip
+
+
+def estimated_facts(result: Result) -> list[str]:
+    """Estimated numbers of the light's way, where they can break a requirement."""
+    if (result.robustness or {}).get("feasible_at_bad_end") is not False:
+        return []
+    known = {item.path: item for item in result.assumptions if item.low != item.high}
+    facts = []
+    for path, name in LIGHT_FACTS.items():
+        if (item := known.get(path)) is not None and item.low is not None and item.high is not None:
+            low, high = words.quantity(item.low), words.quantity(item.high, item.unit)
+            facts.append(f"{name} ({low} to {high})")
+    return facts
+
+
+def numbered(texts: Sequence[str]) -> list[Line]:
+    """Sentences with their numbers, in two columns so that long ones hang."""
+    return [fact_lines((f"{number}.", words.as_sentence(text)) for number, text in enumerate(texts, start=1))]
+
+
+# ---------------------------------------------------------------- nothing
+
+
+def nothing_blocks(result: Result) -> Iterator[Block]:
+    """What would let a system through, and the system that comes nearest."""
+    helpful = relaxations_of(result)
+    lines: list[Line] = []
+    if helpful:
+        lines = [sentence(HELPFUL), relaxation_table(result, helpful)]
+    elif result.status == "stopped":
+        lines = [sentence("Give it more time, or a mission with fewer parts to choose from.")]
+    elif result.infeasible:
+        lines = [sentence("No single requirement stands in the way; at least two have to give.")]
+    if lines:
+        yield block("What would help", lines)
+    miss = nearest_miss(result)
+    if miss is not None:
+        note = miss_sentence(result)
+        system = buy_block(miss, "What comes nearest")
+        yield Block(system.title, (*([note] if note else []), *system.lines))
