@@ -1,4 +1,4 @@
-"""Write the output that the README shows: a fresh run, with some lines left out.
+"""Write the output that the README shows: a fresh run's page, and some lines of its full text.
 
     python docs/make_readme_output.py
 
@@ -12,24 +12,27 @@ import contextlib
 import io
 import re
 import sys
+from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 README = ROOT / "README.md"
-BEGIN, END = "<!-- output: begin -->", "<!-- output: end -->"
+
+if TYPE_CHECKING:
+    from uwopt.results.result import Result
+
+#: What stands between the marks of this name: the page that `solve` prints, and lines of what `--full` prints.
+PAGE, FULL = "output", "full output"
 CUT = "  [...]"
 
-#: What is shown of a section: None for all of it, else lines that contain one of these.
+#: What is shown of a section of the full text: None for all of it, else lines that contain one of these.
 SHOWN: dict[str, tuple[str, ...] | None] = {
-    "": None,
-    "Recommendation": None,
-    "Settings to type in": None,
     "Margins": (
         "requirement  ", "motion blur", "overlap", "depth of field", "pixel on", "signal to noise", "  cost  ",
         "depth rating",
     ),
-    "Cost, power and mass": None,
     "Certificate": (
         "no system can", "best found", "gap  ", "combinations loaded", "of them of parts", "  evaluated",
         "discarded, each", "depth rating too", "image circle", "pixel on", "depth of field", "too expensive",
@@ -39,16 +42,28 @@ SHOWN: dict[str, tuple[str, ...] | None] = {
 }  # fmt: skip
 
 
-def fresh_output() -> str:
-    """What `uwopt solve problems/reef-mosaic.yaml` prints."""
-    from uwopt.api.solving import solve
+def printed(blocks: Iterable[Any]) -> str:
+    """Blocks as a pipe gets them."""
     from uwopt.report.text.console import print_blocks
-    from uwopt.report.text.tables import result_blocks
 
     text = io.StringIO()
     with contextlib.redirect_stdout(text):
-        print_blocks(result_blocks(solve(ROOT / "problems" / "reef-mosaic.yaml")))
+        print_blocks(blocks)
     return text.getvalue()
+
+
+def page_of(result: Result) -> str:
+    """What `solve` prints."""
+    from uwopt.report.text.short import short_text_blocks
+
+    return printed(short_text_blocks(result)).rstrip("\n")
+
+
+def full_of(result: Result) -> str:
+    """What is shown of what `solve --full` prints."""
+    from uwopt.report.text.tables import result_blocks
+
+    return shortened(printed(result_blocks(result)))
 
 
 def sections(text: str) -> list[tuple[str, list[str]]]:
@@ -78,19 +93,32 @@ def shortened(text: str) -> str:
     return "\n\n".join(shown)
 
 
-def pasted(readme: str) -> str:
+def marks(name: str) -> tuple[str, str]:
+    """What the output of a name stands between."""
+    return f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
+
+
+def pasted(readme: str, name: str) -> str:
     """The output that the README shows."""
-    block = readme.split(BEGIN)[1].split(END)[0]
+    begin, end = marks(name)
+    block = readme.split(begin)[1].split(end)[0]
     return block.split("```text\n")[1].split("\n```")[0]
 
 
+def with_output(readme: str, name: str, output: str) -> str:
+    """The README with another output."""
+    begin, end = marks(name)
+    before, rest = readme.split(begin)
+    return f"{before}{begin}\n```text\n{output}\n```\n{end}{rest.split(end)[1]}"
+
+
 def main() -> None:
-    """Replace the output in the README."""
-    text = README.read_text(encoding="utf-8")
-    before, rest = text.split(BEGIN)
-    after = rest.split(END)[1]
-    block = f"{BEGIN}\n```text\n{shortened(fresh_output())}\n```\n{END}"
-    README.write_text(before + block + after, encoding="utf-8")
+    """Replace both outputs in the README."""
+    from uwopt.api.solving import solve
+
+    result = solve(ROOT / "problems" / "reef-mosaic.yaml", alternatives=True)
+    text = with_output(README.read_text(encoding="utf-8"), PAGE, page_of(result))
+    README.write_text(with_output(text, FULL, full_of(result)), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ from uwopt.bench import run as bench_run
 from uwopt.cli import status as cli_status
 from uwopt.cli.app import app
 from uwopt.mission.mission import load_mission
+from uwopt.results.reading import read_result
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -57,10 +58,12 @@ def output_module() -> ModuleType:
 
 
 @pytest.fixture(scope="module")
-def outputs(done: dict[str, Done]) -> tuple[str, str]:
-    """The output that the README shows, and what the command printed."""
+def outputs(done: dict[str, Done], folder: Path) -> tuple[str, str]:
+    """The page and the lines of the full text that the README shows, and those of the run."""
     module = output_module()
-    return module.pasted(README), module.shortened(done[AS_PROCESS].out)
+    shown = [module.pasted(README, name) for name in (module.PAGE, module.FULL)]
+    fresh = [done[AS_PROCESS].out.rstrip("\n"), module.full_of(read_result(folder / "reef" / "result.json"))]
+    return "\n".join(shown), "\n".join(fresh)
 
 
 def words(line: str) -> str:
@@ -188,11 +191,11 @@ def test_account_shown_adds_up_to_all_combinations_of_a_fresh_run(outputs: tuple
 
 def test_output_shown_names_the_parts_and_the_objective_of_a_fresh_run(outputs: tuple[str, str]):
     shown, fresh = outputs
-    parts = re.compile(r"^  (?:camera|lens|port|light) .* (\S+)$", re.MULTILINE)
-    assert len(parts.findall(shown)) >= 4
+    parts = re.compile(r"^  \d+ x  (?:camera|lens|port|light) +(.+?)   ", re.MULTILINE)
+    assert len(parts.findall(shown)) == 4
     assert parts.findall(shown) == parts.findall(fresh)
-    assert shown.splitlines()[2] == fresh.splitlines()[2]
-    assert shown.splitlines()[2].startswith("Objective: power ")
+    assert shown.splitlines()[1] == fresh.splitlines()[1]
+    assert shown.splitlines()[1].startswith("Goal: least power, ")
 
 
 def test_mission_shown_is_the_one_that_is_solved():

@@ -10,14 +10,14 @@ DEFECTS = (
         file="uwopt/report/text/tables.py",
         old='{"<=": "at most ", ">=": "at least "}',
         new='{"<=": "at most ", ">=": "at most "}',
-        test="tests/report/test_tables.py::test_margins_show_value_limit_margin_and_binding",
+        test="tests/report/test_tables.py::test_margins_show_value_limit_margin_and_what_is_at_its_limit",
     ),
     Defect(
         name="at most is printed as at least",
         file="uwopt/report/text/tables.py",
         old='{"<=": "at most ", ">=": "at least "}',
         new='{"<=": "at least ", ">=": "at least "}',
-        test="tests/report/test_tables.py::test_margins_show_value_limit_margin_and_binding",
+        test="tests/report/test_tables.py::test_margins_show_value_limit_margin_and_what_is_at_its_limit",
     ),
     Defect(
         name="a missed requirement is printed as met",
@@ -31,7 +31,7 @@ DEFECTS = (
         file="uwopt/report/text/tables.py",
         old='return "binding" if margin.binding else "met"',
         new='return "met"',
-        test="tests/report/test_tables.py::test_margins_show_value_limit_margin_and_binding",
+        test="tests/report/test_tables.py::test_margins_show_value_limit_margin_and_what_is_at_its_limit",
     ),
     Defect(
         name="missed margins without a number are left out",

@@ -148,7 +148,9 @@ def test_real_result_is_drawn_whole(show: Callable[..., Any], tank: Any) -> None
 def test_recommendation_and_nearest_miss_open(
     show: Callable[..., Any], make_result: Make, make_design: Make
 ) -> None:
-    assert "Buy 1 ×" in show(make_result()).locator(".verdict").first.inner_text()
+    page = show(make_result())
+    assert page.get_by_role("heading", name="Buy", exact=True).is_visible()
+    assert "1 700 to 3 400 USD" in page.locator("#short").inner_text().replace("\u00a0", " ")
     why = {"requirements": [], "relaxations": [], "nearest_miss": make_design()}
     page = show(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=why))
     assert page.get_by_role("heading", name="Why nothing fits").is_visible()
@@ -463,6 +465,22 @@ def test_paper_has_the_plots_that_nobody_scrolled_to(show: Callable[..., Any], t
     page.pdf()
     assert page.locator("[data-figure][data-drawn=true] .main-svg >> nth=0").count() == 1
     assert page.locator("[data-figure]:not([data-drawn=true])").count() == 0
+
+
+def test_proof_is_folded_until_its_link_or_paper_asks_for_it(
+    show: Callable[..., Any], make_result: Make
+) -> None:
+    from playwright.sync_api import expect
+
+    page = show(make_result())
+    proof = page.get_by_role("heading", name="Certificate")
+    expect(proof).to_be_hidden()
+    page.locator(".contents a[href='#trust']").click()
+    expect(proof).to_be_visible()
+    page.locator("#trust summary").first.click()
+    expect(proof).to_be_hidden()
+    page.emulate_media(media="print")
+    expect(proof).to_be_visible(timeout=PATIENCE_MS)
 
 
 def test_what_is_opened_for_paper_is_closed_again(show: Callable[..., Any], make_front: Make) -> None:

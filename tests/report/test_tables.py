@@ -54,10 +54,10 @@ def test_settings_to_set_are_shown_with_all_their_digits(make_result: Make) -> N
     assert "light level 62 % 61.7 %" in text
 
 
-def test_margins_show_value_limit_margin_and_binding(make_result: Make) -> None:
+def test_margins_show_value_limit_margin_and_what_is_at_its_limit(make_result: Make) -> None:
     text = flat(text_of(make_result()))
     assert "motion blur 0.5000 px at most 1.000 px 0.500 px 1.75 m" in text
-    assert "overlap along track 0.6000 at least 0.6000 0 binding" in text
+    assert "overlap along track 0.6000 at least 0.6000 0 at its limit" in text
     assert "depth rating of the light 300.0 m at least 100.0 m 200 m" in text
 
 
@@ -82,7 +82,7 @@ def test_settings_to_set_that_miss_a_requirement_are_not_shown(make_result: Make
     )
     text = flat(text_of(make_result(recommendation=best)))
     assert "Settings to type in" not in text
-    assert "These are the exact optimum, not settings to type in" in text
+    assert "These are exact values, not settings to type in" in text
     assert "The nearest misses motion blur." in text
     assert "exposure 43.5678 µs gain" in text  # the exact value alone
 

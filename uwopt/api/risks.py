@@ -118,7 +118,7 @@ def in_other_water(result: Result, design: Design) -> Weighed:
     if failed:
         because = "measured tables of this type of water differ, and so does what is lost on the lamps' way"
         yield 60.0 + 15.0 * failed / len(waters), Risk(
-            "in water a little different it may fail", because, f"fails in {failed} of {len(waters)} other waters"
+            "it fails in water a little different", because, f"in {failed} of {len(waters)} other waters"
         )  # fmt: skip
 
 
@@ -280,10 +280,15 @@ def in_hand_names(design: Design) -> str:
 
 
 def room(margin: Margin) -> float | None:
-    """What is left as a share of the limit, of decibels as a ratio; None where it is no room that can be used up."""
-    if margin.margin is None or not margin.limit or margin.sense not in ("<=", ">="):
+    """What is left as a share of what is asked for, its reserve included; of decibels as a ratio.
+
+    None where it is no room that can be used up.
+    """
+    asked = margin.asked
+    if margin.margin is None or not asked or margin.sense not in ("<=", ">="):
         return None
-    return db_to_ratio(margin.margin) - 1.0 if margin.unit == "dB" else margin.margin / abs(margin.limit)
+    left = margin.margin + margin.reserve
+    return float(db_to_ratio(left)) - 1.0 if margin.unit == "dB" else left / abs(asked)
 
 
 def asked_name(margin: Margin) -> str:

@@ -164,6 +164,14 @@ document.querySelectorAll("[data-figure]").forEach((element) => {
 });
 
 /* where one is */
+/* what is folded opens when a link leads to it */
+function unfold() {
+  const fold = location.hash && document.getElementById(location.hash.slice(1))?.querySelector(":scope > details.fold");
+  if (fold) fold.open = true;
+}
+addEventListener("hashchange", unfold);
+unfold();
+
 const links = new Map([...document.querySelectorAll(".contents a")].map((a) => [a.hash.slice(1), a]));
 const here = new IntersectionObserver((entries) => entries.forEach((e) => {
   if (!e.isIntersecting) return;

@@ -53,12 +53,18 @@ def environment() -> Any:
     made.filters["line_kind"] = line_kind
     made.filters["anchor"] = safe_id
     made.filters["capital"] = words.capital
+    made.filters["tied"] = tied
     return made
 
 
 def line_kind(line: Line) -> str:
     """Which of the kinds of lines one is."""
     return {Text: "text", Joined: "joined", Grid: "grid", Facts: "facts"}[type(line)]
+
+
+def tied(text: str) -> str:
+    """Text whose numbers and their ranges do not break at the blank between thousands."""
+    return re.sub(r"(?<=\d) (?=\d{3}\b)", "\u00a0", text)
 
 
 def safe_id(text: object) -> str:

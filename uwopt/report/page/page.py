@@ -18,7 +18,9 @@ from uwopt.report.page.sections import DesignPart
 from uwopt.report.page.svg import clean_svg
 from uwopt.report.text import doubts, exactness, tables, words
 from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
+from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.layout import Block, Line, fact_lines
+from uwopt.report.text.short import goal_sentence, short_blocks
 from uwopt.report.text.verdict import verdict
 from uwopt.results.design import Design
 from uwopt.results.front import FrontResult
@@ -73,19 +75,30 @@ def report_html(result: Result | FrontResult) -> str:
     table = front_data(front) if front and front.points else None
     facts = front_facts(front, pictures) if table and front else None
     data = {"figures": pictures.drawn, "front": table}
-    first, second = verdict(result)
+    first, second = opening(result)
     scripts = ("front.js", "page.js") if data["front"] else ("page.js",)
     return rendered(
         "page.html", scripts, data, result=result, front=front, version=result.uwopt_version, table=table,
         quantity=words.quantity, title=TITLES.get(result.command, "Result"),
         name=words.one_line(result.mission.get("name") or "Mission", 120), first=first, second=second,
         parts=parts, pictures=pictures, groups=GROUPS, facts=facts,
+        short=list(short_blocks(result)) if isinstance(result, Result) else [],
         alternatives=page_parts.alternatives(result), why=why_block(result), trust=list(trust_blocks(result)),
         others=list(tables.runner_up_blocks(result)) if isinstance(result, Result) else [],
         stages=page_parts.stages(result.timing_s), run_time=words.run_time_sentence(result.timing_s),
         mission_text=mission_text(result), raw=packed(compact_json(result.to_dict())),
         raw_name="front.json" if front else "result.json", status=status_words(result),
     )  # fmt: skip
+
+
+def opening(result: Result | FrontResult) -> tuple[str, str]:
+    """What stands under the title: of one system how far the answer may be believed, and what it is best in."""
+    if isinstance(result, FrontResult) or result.best is None:
+        return verdict(result)
+    said = [goal_sentence(result, result.best)]
+    if first := fails_first(result.best):
+        said.append(words.as_sentence(first))
+    return words.as_sentence(words.status_sentence(result)), " ".join(said)
 
 
 # ---------------------------------------------------------------- designs and their pictures
@@ -219,7 +232,8 @@ def status_words(result: Result | FrontResult) -> tuple[str, str]:
         "stopped": "warn",
         "interrupted": "warn",
     }
-    return words.one_line(result.status, 30), mark.get(result.status, "bad")
+    text = "best of the catalogue" if result.status == "optimal" else words.one_line(result.status, 30)
+    return text, mark.get(result.status, "bad")
 
 
 def mission_text(result: Result | FrontResult) -> str:

@@ -234,7 +234,7 @@ def water_text(other: Mapping[str, Any], result: Result) -> str:
     if not other.get("changes"):
         return held + "; of those shown it stays the best"
     best = other.get("best_of_shown")
-    return held + (f"; {' + '.join(best)} is then better" if best else "; none of those shown is")
+    return held + (f"; {' + '.join(best)} is then better" if best else "; so does all else that is shown")
 
 
 def rival_text(rival: Any) -> str:

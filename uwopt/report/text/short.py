@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import words
 from uwopt.report.text.doubts import HELPFUL, miss_sentence, quoted_number, relaxation_table, relaxations_of
+from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.layout import Block, Joined, Line, Text, block, columns, fact_lines, sentence
 from uwopt.report.text.tables import (
     hardware_block,
@@ -68,10 +69,13 @@ def title_line(result: Result) -> Joined:
 
 
 def verdict_lines(result: Result) -> list[Line]:
-    """What the answer is best in, and what images it takes."""
+    """What the answer is best in, what images it takes, and what fails first."""
     if result.best is None:
         return []
-    return [sentence(goal_sentence(result, result.best)), sentence(image_sentence(result.best))]
+    said = [goal_sentence(result, result.best), image_sentence(result.best)]
+    if first := fails_first(result.best):
+        said.append(words.as_sentence(first))
+    return [sentence(text) for text in said]
 
 
 def goal_sentence(result: Result, design: Design) -> str:

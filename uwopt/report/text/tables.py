@@ -179,7 +179,7 @@ def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
         missed = ", ".join(words.requirement_name(name) for name in rounded.missed)
         return [
             sentence(
-                "These are the exact optimum, not settings to type in: no stop of the lens with steps of time, gain "
+                "These are exact values, not settings to type in: no stop of the lens with steps of time, gain "
                 "and light was found that meets every requirement. The nearest misses "
                 f"{missed or 'some requirements'}.",
                 "red",

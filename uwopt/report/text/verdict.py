@@ -76,10 +76,6 @@ def best_trust(result: Result, design: Design) -> str:
             said.append(f"{words.counted(estimated, 'number')} of it estimated, listed under assumptions")
         return "; ".join(said)
     said = [text for text in (words.status_sentence(result), fails_first(design)) if text]
-    proof = result.certificate
-    if proof is not None and proof.gap_abs is not None:
-        gap = words.quantity(proof.gap_abs, result.objective.unit)
-        said.append(f"the gap between bound and best value is {gap}")
     doubt = result.robustness or {}
     if ends := bad_ends_text(doubt):
         said.append(f"with all estimates at their bad ends {ends}")

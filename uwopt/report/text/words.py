@@ -15,7 +15,7 @@ STATUS_SENTENCES: Mapping[str, str] = {
     "feasible": "every requirement is met",
     "violated": "requirements are missed",
     "infeasible": "no system of the catalogue meets every requirement",
-    "stopped": "stopped by a limit before the proof was complete; the gap below is valid",
+    "stopped": "stopped by a limit before the proof was complete, so better may exist",
 }
 
 #: Settings in the order in which they are set, with their unit.

@@ -1,0 +1,158 @@
+"""The one page that comes first: what a buyer needs, in a buyer's words, the same in text and HTML."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from uwopt.api.risks import with_risks
+from uwopt.report.page.page import report_html
+from uwopt.report.text.console import print_blocks
+from uwopt.report.text.short import short_text_blocks
+from uwopt.report.text.tables import result_blocks
+from uwopt.results.basis import Risk
+from uwopt.results.result import Result
+
+Make = Callable[..., Any]
+#: What belongs to the proof or to the search, and nobody who buys can read.
+NOT_FOR_BUYERS = (
+    "regret", "unbounded", "binding", "binds", "lamp leg", "K =", "K_d", "a + b_b", "dioptric", "rows open",
+    "quotes that matter", "proven best", "certificate", "lower bound", "gap", "combination", "enumerat", "incumbent",
+    "objective", "minimis", "maximis", "optimum", "feasible", "node", "hypervolume", "None", "nan",
+)  # fmt: skip
+KEY = re.compile(r"\b[a-z]+_[a-z_]+\b")  # of a file, such as min_snr_db
+WATERS = [
+    {"case": {"water_table": "measured", "lamp_attenuation": "a + b_b, the least"}, "objective_value": 41.0},
+    {"case": {"water_table": "measured", "lamp_attenuation": "c, the most"}, "objective_value": None, "changes": True},
+    {"case": {"water_table": "other", "lamp_attenuation": "K_d, within a + b_b and c"}, "objective_value": None},
+]  # fmt: skip
+TILT = {
+    "held_outward_deg": 0.0, "held_inward_deg": 0.3, "readjusted_outward_deg": 2.5, "readjusted_inward_deg": 16.0,
+    "first_to_break": ["mean_level", "min_snr_db"], "tried_up_to_deg": 16.0,
+}  # fmt: skip
+
+
+def text_of(result: Result, full: bool = False) -> str:
+    """What is printed, on one line."""
+    stream = io.StringIO()
+    print_blocks((result_blocks if full else short_text_blocks)(result), stream)
+    return " ".join(stream.getvalue().split())
+
+
+@pytest.fixture
+def doubtful(make_result: Make) -> Result:
+    """A result that has everything to doubt."""
+    made = make_result()
+    places = {"gain_rel": 0.1, "baseline_m": 1.0, "tilt_deg": 3.0}
+    doubt = {"feasible_at_bad_end": False, "max_regret": None, "waters": WATERS, "tilt": TILT}
+    doubt = made.robustness | doubt | {"outside_certificate": places}
+    return with_risks(replace(made, robustness=doubt))
+
+
+def test_page_has_its_five_sections_in_their_order(doubtful: Result) -> None:
+    text = text_of(doubtful)
+    heads = ["Buy", "Set", "What it costs", "The three greatest risks", "Measure or quote first", "--full"]
+    assert sorted(heads, key=text.index) == heads
+
+
+def test_first_line_tells_how_far_the_answer_may_be_believed(doubtful: Result) -> None:
+    verdict, _, rest = text_of(doubtful).partition(" Goal: ")
+    assert verdict == "Reef [red]survey[/red]: best of the catalogue under these assumptions, proven"
+    assert rest.startswith("least power, 40.50 W as set.")
+
+
+def test_parts_are_bought_at_what_is_left_to_pay_as_a_range(doubtful: Result) -> None:
+    # of two lamps at 1 700 to 3 400 USD one is owned
+    text = text_of(doubtful)
+    assert "2 x light Acme Lamp 1 700 to 3 400 USD" in text
+    assert "price 3 610 to 5 310 USD, most likely 4 210; 55 % of it estimated, not quoted" in text  # 2300 / 4210
+    assert "Ask for a quote: 1 x Acme Lamp, 1 700 to 3 400 USD." in text
+
+
+def test_limit_that_the_high_end_exceeds_is_told(make_result: Make) -> None:
+    high = "Its high end is above your limit of 5 000 USD."
+    for limit, told in ((5000.0, high), (6000.0, ""), (4000.0, "It is above")):
+        text = text_of(make_result(mission={"name": "x", "limits": {"cost": limit, "currency": "USD"}}))
+        assert told in text
+        assert ("above your limit" in text) == bool(told)
+
+
+def test_settings_are_those_to_set_without_the_exact_ones(doubtful: Result) -> None:
+    text = text_of(doubtful)
+    assert "exposure 12.345 ms gain 6.1 dB" in text and "43.5678" not in text
+
+
+def test_three_risks_are_shown_with_figure_and_reason(make_result: Make) -> None:
+    risks = [Risk(f"risk {n}", f"reason {n}", f"{n} W" if n != 2 else "") for n in (1, 2, 3, 4)]
+    text = text_of(make_result(risks=risks))
+    assert "1. Risk 1 (1 W): reason 1. 2. Risk 2: reason 2. 3. Risk 3 (3 W): reason 3." in text
+    assert "isk 4" not in text
+
+
+def test_what_decides_is_asked_first_then_the_water(doubtful: Result) -> None:
+    asked = text_of(doubtful).partition("Measure or quote first")[2]
+    assert asked.index("price of acme-lamp") < asked.index("1 of 3 other descriptions") < asked.index("light leaves")
+
+
+@pytest.mark.parametrize("kind", ["doubtful", "plain", "violated", "infeasible", "stopped", "not settable"])
+def test_page_has_no_words_of_the_search(
+    doubtful: Result, make_result: Make, make_design: Make, make_scene: Make, make_margin: Make, kind: str
+) -> None:
+    missed = make_scene("reef", margins=[make_margin("max_blur_px", 2.0, 1.0, "<=", "px", satisfied=False)])
+    why = {
+        "requirements": [{"name": "min_snr", "n_excluded": 12_000, "n_is_bound": True}],
+        "relaxations": [{"name": "cost", "limit": 500.0, "needed": 620.0, "miss_rel": 0.24}],
+        "nearest_miss": make_design(scenes=[missed]),
+    }
+    unset = replace(make_design(), rounded={"feasible": False, "objective_value": 41.0, "missed": ["max_blur_px"]})
+    nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None}
+    result = {
+        "doubtful": doubtful,
+        "plain": make_result(warnings=[]),
+        "violated": make_result(command="evaluate", status="violated", design=make_design(scenes=[missed]), **nothing),
+        "infeasible": make_result(status="infeasible", infeasible=why, **nothing),
+        "stopped": make_result(status="stopped"),
+        "not settable": make_result(status="feasible", recommendation=unset),
+    }[kind]  # fmt: skip
+    text = text_of(with_risks(result))
+    assert [word for word in NOT_FOR_BUYERS if re.search(rf"\b{re.escape(word)}", text)] == []
+    assert KEY.findall(text) == []
+
+
+def test_all_words_of_the_search_are_gone_from_doubts_too(doubtful: Result) -> None:
+    text = text_of(doubtful, full=True).casefold()
+    for word in ("regret", "unbounded", "lamp leg", "k_d", "a + b_b", "quotes that matter", "proven best", "binding"):
+        assert word not in text
+    assert "any that fits: with its estimates at their bad ends this system misses a requirement" in text
+    assert "other table, lamp light lost as daylight is: this system misses a requirement" in text
+
+
+def test_missed_requirement_of_a_given_system_is_the_greatest_risk(
+    make_result: Make, make_design: Make, make_scene: Make, make_margin: Make
+) -> None:
+    missed = make_margin("max_blur_px", 2.0, 1.0, "<=", "px", satisfied=False)
+    design = make_design(scenes=[make_scene("reef", margins=[missed])])
+    result = make_result(command="evaluate", status="violated", recommendation=None, design=design)
+    text = text_of(with_risks(result))
+    assert "1. Motion blur is not as asked for (2.00 px against 1.00 px)" in text
+    assert "The system" in text and "Buy" not in text
+
+
+def test_nothing_fits_tells_what_would_help(make_result: Make, make_design: Make) -> None:
+    why = {"requirements": [], "relaxations": [{"name": "cost", "limit": 500.0, "needed": 620.0, "miss_rel": 0.24}],
+           "nearest_miss": make_design()}  # fmt: skip
+    text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=why))
+    assert "What would help" in text and "cost (cost) 500.0 USD 620.0 USD" in text
+    assert "What comes nearest" in text and "2 x light Acme Lamp" in text
+
+
+def test_html_begins_with_the_sections_of_the_text(doubtful: Result) -> None:
+    page = " ".join(re.sub(r"<[^>]+>", " ", report_html(doubtful).partition('<section id="short"')[2]).split())
+    for words in ("Buy", "1 700 to 3 400 USD", "What it costs", "most likely 4 210", "The three greatest risks",
+                  "Measure or quote first", "light leaves the lamp"):  # fmt: skip
+        assert page.index(words) < page.index("Certificate")
