@@ -15,8 +15,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the best is recommended though it cannot be set", file="uwopt/solvers/recommend.py",
-        old="found[1:] if not first.is_settable else []", new="[]",
+        old="if other.minimised >= value - much:", new="if other.minimised >= first.objective_value - much:",
         test=f"{TESTS}test_next_best_that_can_be_set_is_recommended",
+    ),
+    Defect(
+        name="what settings to set cost is nothing", file="uwopt/solvers/recommend.py",
+        old="place, value, much = 0, value_as_set(first, objective),",
+        new="place, value, much = 0, found[0].minimised if first.is_settable else math.inf,",
+        test=f"{TESTS}test_what_is_better_as_set_is_recommended",
     ),
     Defect(
         name="settings that miss a requirement are offered", file="uwopt/solvers/recommend.py",

@@ -266,6 +266,32 @@ def test_next_best_that_can_be_set_is_recommended() -> None:
     assert result.certificate.gap_abs == pytest.approx(1.0, rel=1e-6)
 
 
+def test_what_is_better_as_set_is_recommended() -> None:
+    # A reaches the SNR at half its 200 W in 10.5 us, no less: set in whole microseconds it takes full power. B draws
+    # 130 W and gives a fifth more light than half of A, so that 10 us are enough.
+    camera = {"min_exposure_us": exact(1.0), "exposure_offset_us": exact(0.0), "black_level_dn": 0.0}
+    half = replace(BURNING, id="a", flux_lm=exact(1e7), dim_levels=(0.5,))
+
+    def case_of(objective: str, lights: tuple[Any, ...], wanted: dict[str, float]) -> rc.Case:
+        made = rc.planted(objective, lights, {"max_blur_px": 1.0, **wanted}, camera=camera)
+        made = with_lens(made, aperture_control="fixed", f_number_max=exact(1.4))
+        limits = made.mission.limits.model_copy(update={"max_exposure_ms": 0.0105})
+        return replace(made, mission=made.mission.model_copy(update={"limits": limits}))
+
+    _, best = best_of(case_of("snr_db", (half,), {}))
+    wanted = {"min_snr_db": best.snr_db - 1e-6}
+    a = replace(half, dim_levels=(0.5, 1.0))
+    b = replace(half, id="b", flux_lm=exact(0.6e7), power_w=exact(130.0), dim_levels=(1.0,))
+    result = solved_with(case_of("power", (a, b), wanted))
+    assert result.best is not None and result.best.rounded is not None
+    assert result.best.hardware["light"]["id"] == "b"
+    assert result.best.rounded.objective_value == pytest.approx(result.best.objective_value)
+    assert [design.hardware["light"]["id"] for design in result.runners_up] == ["a"]
+    assert result.runners_up[0].objective_value < result.best.objective_value - 29
+    (note,) = [w for w in result.warnings if w.code == "better_unsettable"]
+    assert "settings that can be set" in note.message
+
+
 # ---------------------------------------------------------------- marks
 
 

@@ -82,6 +82,12 @@ class Objective:
                 total = total + sign * weight * getattr(terms, name)
         return total
 
+    def minimised(self, reported: float) -> float:
+        """The value that solvers minimise, from the value as the mission reads it."""
+        if self.single is None:
+            return reported
+        return self.weights[self.single] * (-reported if self.single in MAXIMISED else reported)
+
     def reported(self, minimised: float) -> float:
         """The value as the mission reads it: a maximised figure is not negated."""
         if self.single is None:

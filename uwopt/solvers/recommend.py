@@ -37,6 +37,7 @@ from uwopt.units import format_quantity
 
 Progress = Callable[[float, str], None]
 GENERIC_GAIN = 0.10
+WORTH_REL = 0.05  # of the objective: what settings to set must cost the best before the next are tried
 BETTER_UNSETTABLE = "better_unsettable"  # code of the warning that better parts cannot be set
 
 
@@ -92,31 +93,52 @@ def with_tilt(problem: Problem, hardware: Hardware, design: Design) -> Design:
 
 
 def best_settable(sought: Sought, objective: Objective) -> tuple[Sought, Design]:
-    """The best design that a person can set, and the search with it at the head of those it found.
+    """The best design as a person can set it, and the search with it at the head of those it found.
 
-    Where none of them can be set it is the best all the same, with a warning.
+    By exact numbers the first is best. Where it cannot be set, or what can be set costs it much, the next may be
+    better as set; none can be better as set than by exact numbers, so few are tried. Where none can be set, the
+    first is recommended all the same, with a warning.
     """
-    found, currency = sought.outcome.best, sought.problem.mission.limits.currency
-    first = design_of(sought, found[0], objective)
-    for index, other in enumerate(found[1:] if not first.is_settable else [], 1):
+    found = sought.outcome.best
+    first = chosen = design_of(sought, found[0], objective)
+    place, value, much = 0, value_as_set(first, objective), WORTH_REL * abs(found[0].minimised)
+    for index, other in enumerate(found[1:], 1):
+        if other.minimised >= value - much:
+            break
         design = design_of(sought, other, objective)
-        if design.is_settable:
-            best = [other, *found[:index], *found[index + 1 :]]
-            design = replace(
-                design, warnings=[better_but_unsettable(first, objective, currency), *design.warnings]
-            )
-            return replace(sought, outcome=replace(sought.outcome, best=best)), design
-    return sought, first
+        own = value_as_set(design, objective)
+        if own < value - much:
+            place, value, chosen = index, own, design
+    if place == 0:
+        return sought, first
+    best = [found[place], *found[:place], *found[place + 1 :]]
+    note = better_but_unsettable(first, chosen, objective, sought.problem.mission.limits.currency)
+    chosen = replace(chosen, warnings=[note, *chosen.warnings])
+    return replace(sought, outcome=replace(sought.outcome, best=best)), chosen
 
 
-def better_but_unsettable(design: Design, objective: Objective, currency: str) -> Note:
+def value_as_set(design: Design, objective: Objective) -> float:
+    """The minimised objective with the settings to set; inf where there are none."""
+    value = design.rounded.objective_value if design.rounded is not None else None
+    return math.inf if value is None else objective.minimised(value)
+
+
+def better_but_unsettable(first: Design, chosen: Design, objective: Objective, currency: str) -> Note:
     """That other parts would be better by exact numbers that nobody can type in."""
-    names = ", ".join(design.hardware.ids)
-    value = format_quantity(design.objective_value, objective.unit(currency), 4)
-    text = (
-        f"with {names} the exact optimum is {value}, but no stop of the lens with steps of time, gain and light was "
-        "found that meets every requirement there; recommended is the best of the next that can be set"
-    )
+
+    def told(value: float | None) -> str:
+        return format_quantity(value, objective.unit(currency), 4)
+
+    names = ", ".join(first.hardware.ids)
+    text = f"with {names} the exact optimum is {told(first.objective_value)}, but "
+    if first.is_settable and first.rounded is not None and chosen.rounded is not None:
+        as_set, ours = told(first.rounded.objective_value), told(chosen.rounded.objective_value)
+        text += f"{as_set} with settings that can be set; recommended is what is better as set, {ours}"
+    else:
+        text += (
+            "no stop of the lens with steps of time, gain and light was found that meets every requirement there; "
+            "recommended is the best of the next that can be set"
+        )
     return Note(BETTER_UNSETTABLE, "hardware", text)
 
 
