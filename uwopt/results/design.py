@@ -144,6 +144,7 @@ class SettableCheck(Record):
     feasible: Flag = Field(description="whether every requirement still holds")
     objective_value: Number | None = Field(description="what the objective becomes")
     missed: list[str] = Field(description="requirements that the nearest settings miss")
+    power_w: Number | None = Field(default=None, description="mean power with these settings [W]")
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -172,13 +172,14 @@ def with_rounded(problem: Problem, found: Found, design: Design, objective: Obje
     """
     again = rounded_design(problem, hardware_of(found), found.settings, objective).design
     missed = list(dict.fromkeys(m.requirement for s in again.scenes for m in s.margins if not m.satisfied))
-    rounded = SettableCheck(again.feasible, again.objective_value if again.feasible else None, missed)
     if not again.feasible:
+        rounded = SettableCheck(False, None, missed)
         return replace(design, rounded=rounded, warnings=[*design.warnings, not_settable()])
     scenes = [
         replace(scene, settings_to_set=printed(other.settings))
         for scene, other in zip(design.scenes, again.scenes, strict=True)
     ]
+    rounded = SettableCheck(True, again.objective_value, missed, again.totals.power_w)
     return replace(design, scenes=scenes, rounded=rounded)
 
 

@@ -179,10 +179,10 @@ def cost_block(result: Result, design: Design) -> Block:
 
 
 def power_text(design: Design) -> str:
-    """`3.05 W on average, the lamps 638 W while they burn`."""
-    totals = design.totals
+    """`3.05 W on average, the lamps 638 W while they burn`, at the settings to type in where there are any."""
+    totals, as_set = design.totals, design.rounded.power_w if design.rounded is not None else None
     peak = totals.light_peak_power_w
-    text = f"{words.quantity(totals.power_w, 'W')} on average"
+    text = f"{words.quantity(totals.power_w if as_set is None else as_set, 'W')} on average"
     if peak and peak > (totals.power_w or 0.0):
         text += f", the lamps {words.quantity(peak, 'W')} while they burn"
     return text
