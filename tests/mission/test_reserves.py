@@ -124,7 +124,7 @@ def test_what_a_file_says_comes_back_without_the_reserve():
         ({"reserve": {"blur": 20}}, "reserve.blur = 20 is above 0.9"),
         ({"reserve": {"depth": 0.8}}, "reserve.depth = 0.8 is below 1"),
         ({"reserve": {"snr": 3}}, "reserve.snr is unknown; the key is snr_db"),
-        ({"wanted": {"refuse": ["airi"]}}, "is not one of airy, skew, swath, depth, all; did you mean 'airy'?"),
+        ({"wanted": {"refuse": ["airi"]}}, "is not one of airy, skew, swath, depth, lamp, all; did you mean 'airy'?"),
         ({"wanted": {"lens_stop_down": -1}}, "requirements.lens_stop_down = -1 is below 0"),
     ],
 )

@@ -138,6 +138,20 @@ def airy_px() -> float:
     return figure("airy_diameter_um", {}) / 5.0
 
 
+def beside_the_view(clear_m: float) -> list[dict[str, float]]:
+    """Two lamps 0.5 m below the port, this far from the plane of the rays to the side of the image.
+
+    Behind the flat port a ray at the edge, tangent 0.5 in air, goes 5 mm of gap, 10 mm of glass and water.
+    """
+    problem = Design(dict(FULL)).model.problem
+    indices = (problem.scenes[0].n_water, float(problem.ports.refractive_index[0]))
+    sine = 0.5 / hypot(0.5, 1.0)
+    water, glass = (sine / index / sqrt(1.0 - (sine / index) ** 2) for index in indices)
+    edge_m = 0.005 * 0.5 + 0.010 * glass + 0.5 * water
+    side_m = edge_m + clear_m * hypot(1.0, water)
+    return [{"y_m": side_m, "z_m": 0.5}, {"y_m": -side_m, "z_m": 0.5}]
+
+
 Changes = dict[str, Any]
 
 
@@ -236,6 +250,8 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
         "port.depth_rating_m": 375.0 / (1.0 + over), "reserve.depth": 1.25}),
     ("depth_rating_m (lamp)", lambda over: {
         "light.depth_rating_m": 330.0 / (1.0 + over), "requirements.refuse": ["depth"]}),
+    ("lamp_clear_m", lambda over: {
+        **FULL, "requirements.refuse": ["lamp"], "vehicle.light_mounts": beside_the_view(0.02 / (1.0 + over))}),
     ("port_clears_view_mm", high("port.clear_diameter_mm", 2.0 * CORNER_MM, **FULL)),
 ]  # fmt: skip
 NAMES = [name for name, _ in CASES]

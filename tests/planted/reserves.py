@@ -68,6 +68,20 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_reserves.py::test_a_lens_of_one_opening_is_searched_as_it_is",
     ),
     Defect(
+        name="the search lets lamps stand in the view",
+        file="uwopt/solvers/exact/search.py",
+        old="np.where(clear, rows.time_max_s, -1.0)",
+        new="np.where(clear, rows.time_max_s, rows.time_max_s)",
+        test="tests/solvers/test_reserves.py::test_a_lamp_in_the_view_is_refused[vehicle1-refuse1-False]",
+    ),
+    Defect(
+        name="a lamp may stand as near to the view as it likes",
+        file="uwopt/forward/lamp_views.py",
+        old="clear >= LAMP_FRONT_M * (1 - 1e-9)",
+        new="clear >= -LAMP_FRONT_M",
+        test="tests/solvers/test_reserves.py::test_a_lamp_in_the_view_is_refused[vehicle1-refuse1-False]",
+    ),
+    Defect(
         name="leaning lamps may not use the reserve up",
         file="uwopt/evaluation/leaning.py",
         old='if margin.sense == "<=" else -margin.reserve',

@@ -65,3 +65,21 @@ def test_a_reserve_is_the_requirement_that_much_stricter(objective):
     values = [case.solve()[1].best[0].minimised for case in (plain, kept, loose)]
     assert values[0] == pytest.approx(values[1], rel=1e-9)
     assert values[0] > values[2] * (1 + 1e-6) or objective == "snr_db"
+
+
+SEEN = {"light_mounts": [{"y_m": 0.45, "z_m": 1.0}], "light_count": 1}  # 1 m down the view is 0.54 m wide a side
+CLEAR = {"light_mounts": [{"y_m": 0.58, "z_m": 1.0}], "light_count": 1}
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "refuse", "fits"), [(SEEN, [], True), (SEEN, ["lamp"], False), (CLEAR, ["lamp"], True)]
+)
+def test_a_lamp_in_the_view_is_refused(vehicle, refuse, fits):
+    """Behind the dome the ray at the edge has the tangent 0.5 from its centre 80 mm above: 1.08 m / 2 at 1 m."""
+    case = one(vehicle=vehicle, wanted={"refuse": refuse, "min_snr_db": 5.0})
+    assert bool(case.solve()[1].best) == fits
+
+
+def test_physics_paper_has_its_lamps_on_the_axis_and_refuses_none():
+    case = one(vehicle=SEEN, wanted={"refuse": ["lamp"], "min_snr_db": 5.0}, physics="paper")
+    assert case.solve()[1].best

@@ -22,6 +22,8 @@ from uwopt.forward.figures import (
 from uwopt.forward.floor_light import footprint_light, uniformity
 from uwopt.forward.focus import Focus, place_focus
 from uwopt.forward.lamp_light import ImageLight, LampField, SunLight, image_light
+from uwopt.forward.lamp_views import lamp_clearance_m, lamps_refused
+from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Lights
 from uwopt.forward.problem import Problem
@@ -33,14 +35,14 @@ from uwopt.model.image_mean import cells
 from uwopt.model.imaging import floor_point, lamp_light
 from uwopt.model.lens import airy_diameter_m
 from uwopt.model.port import lens_dioptre_per_m
-from uwopt.model.veil.geometry import nearest_approach_m
 from uwopt.objectives.requirements import MarginRows, duration_margins, scene_margins, system_margins
 
 Array = NDArray[Any]
 
 DARK_CELLS = 80  # a side of the image, where its unlit share is counted
 
-LAMP_MARGINS = ("light_level_max", "light_level", "min_uniformity")  # say nothing where there is no lamp
+#: Margins that say nothing where there is no lamp.
+LAMP_MARGINS = ("light_level_max", "light_level", "min_uniformity", "lamp_clear_m")
 
 
 class DesignModel:
@@ -136,10 +138,9 @@ class DesignModel:
 
     def lamp_clearance_m(self, index: int) -> float:
         """Least distance of a lamp's middle from any ray of the image, at the lowest altitude."""
-        view, scene = self.views[index], self.problem.scenes[index]
-        return float(self._once(("clearance", index), lambda: nearest_approach_m(
-            view.tan_along, view.tan_across, shape=self.shapes[index], range_m=float(scene.range_m[0]),
-            lamps=self.hardware.mount.lamps(self.hardware.count),
+        return float(self._once(("clearance", index), lambda: lamp_clearance_m(
+            self.problem, index, self.views[index], port=np.array([self.hardware.port]), mount=self.hardware.mount,
+            count=self.hardware.count,
         )[0]))  # fmt: skip
 
     def _dark_share(self, index: int) -> float:
@@ -300,6 +301,7 @@ class DesignModel:
             *self.airy_margins(index, figures),
             *self.port_margins(index),
             *self.evenness_margins(index),
+            *self.lamp_margins(index),
             *system_margins(
                 limits, cost_limit_value=terms["cost_limit_value"], power_w=terms["power_w"],
                 peak_power_w=figures.light_peak_power_w + terms["camera_power_w"], mass_kg=terms["mass_kg"],
@@ -373,6 +375,14 @@ class DesignModel:
         worst = int(reached.argmin())
         value, where = np.array([reached[worst]]), np.array([scene.range_m[worst]])
         return [MarginRows("min_uniformity", value, np.array([wanted]), ">=", "", where)]
+
+    def lamp_margins(self, index: int) -> list[MarginRows]:
+        """How far lamps stand from the view, where one in it is refused."""
+        if not lamps_refused(self.problem, index):
+            return []
+        clear, front = np.array([self.lamp_clearance_m(index)]), np.array([LAMP_FRONT_M])
+        where = np.array([float(self.problem.scenes[index].range_m[0])])
+        return [MarginRows("lamp_clear_m", clear, front, ">=", "m", where)]
 
     def accepted_unrated(self) -> frozenset[str]:
         """Parts of this design whose unknown depth rating the mission accepts, however it spells their ids."""

@@ -12,7 +12,7 @@ from uwopt.quantities import TERMS
 JERLOV_TYPES = ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")
 SEAFLOORS = ("sand", "hard", "coral", "organic", "benthic-average")
 OBJECTIVES = tuple(TERMS)
-Refusal = Literal["airy", "skew", "swath", "depth"]
+Refusal = Literal["airy", "skew", "swath", "depth", "lamp"]
 REFUSALS: tuple[str, ...] = get_args(Refusal)
 
 

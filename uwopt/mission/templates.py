@@ -73,7 +73,7 @@ requirements:
   # colour: any                # any | mono | colour
   lens_stop_down: 1            # stops that the lens is closed from its widest opening, where it can be; 0 unless given
   # max_airy_px: 2             # diffraction: diameter of the Airy disc
-  refuse: all                  # airy | skew | swath | depth: what an expert would refuse, one by one or all
+  refuse: all                  # airy | skew | swath | depth | lamp: what an expert would refuse, one by one or all
 
 # What is kept in hand of each requirement. `reserve: recommended` says the same in a word; left out: nothing.
 reserve:

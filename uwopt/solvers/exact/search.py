@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.floor_light import uniformity
 from uwopt.forward.lamp_light import ImageLight, SunLight, Veils
+from uwopt.forward.lamp_views import keeps_clear, lamps_refused
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
 from uwopt.forward.setting_rows import SceneRows, setting_rows
@@ -464,6 +465,10 @@ class Search:
                 even = self._even_enough(index, imager, light, count, lighting, needs.min_uniformity)
                 even |= np.array([self.problem.unlit(int(one)) for one in light])
                 rows = replace(rows, time_max_s=np.where(even, rows.time_max_s, -1.0))
+            if lamps_refused(self.problem, index) and not optimistic:
+                clear = self._clear_of_lamps(index, imager, count, lighting)
+                clear |= np.array([self.problem.unlit(int(one)) for one in light])
+                rows = replace(rows, time_max_s=np.where(clear, rows.time_max_s, -1.0))
             result.append(replace(rows, optimistic=optimistic))
         return result
 
@@ -531,6 +536,18 @@ class Search:
             for row, number in unique.T
         ]  # fmt: skip
         return np.asarray((np.array(least) >= wanted * (1 - 1e-9))[back.reshape(-1)])
+
+    def _clear_of_lamps(self, scene_index: int, imager: Array, count: Array, lighting: Lighting) -> Array:
+        """Whether no lamp stands in these images."""
+        clear = np.ones(len(imager), bool)
+        for number in np.unique(count):
+            mine = np.nonzero(count == number)[0]
+            unique, back = np.unique(imager[mine], return_inverse=True)
+            clear[mine] = keeps_clear(
+                self.problem, scene_index, self.imagers.scenes[scene_index].view.take(unique),
+                port=self.imagers.port[unique], mount=lighting.mount, count=int(number),
+            )[back]  # fmt: skip
+        return clear
 
     def _with_pixels(
         self,

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import Columns
 from uwopt.forward.floor_light import uniformity
 from uwopt.forward.lamp_light import ImageLight, SunLight
+from uwopt.forward.lamp_views import keeps_clear, lamps_refused
 from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.solvers.exact.search import Search
@@ -211,9 +212,10 @@ class LightStore:
         return made
 
     def _even(self, scene_index: int, keys: Array) -> Array | None:
-        """Whether floors are lit evenly enough; one integral an image and number of lamps."""
+        """Whether floors are lit evenly enough by lamps out of view; one integral an image and number of lamps."""
         wanted = self.problem.scenes[scene_index].view.requirements.min_uniformity
-        if wanted is None:
+        watched = lamps_refused(self.problem, scene_index)
+        if wanted is None and not watched:
             return None
         known = self.evens[scene_index]
         view = self.imagers.scenes[scene_index].view
@@ -224,11 +226,16 @@ class LightStore:
             pair, number = divmod(int(key), self.n_counts)
             k, image = divmod(pair, len(self.images))
             imager, lighting = self.images[image], self.search.tables.lightings[k]
-            least = uniformity(
-                self.problem, scene_index, view.take(np.array([imager])), port_index=int(self.imagers.port[imager]),
-                optics=lighting.optics, mount=lighting.mount, count=number,
-            ).min()  # fmt: skip
-            known[int(key)] = bool(least >= wanted * (1 - 1e-9))
+            one, port = view.take(np.array([imager])), self.imagers.port[imager]
+            known[int(key)] = not watched or bool(keeps_clear(
+                self.problem, scene_index, one, port=np.array([port]), mount=lighting.mount, count=number
+            )[0])  # fmt: skip
+            if wanted is not None and known[int(key)]:
+                least = uniformity(
+                    self.problem, scene_index, one, port_index=int(port), optics=lighting.optics, mount=lighting.mount,
+                    count=number,
+                ).min()  # fmt: skip
+                known[int(key)] = bool(least >= wanted * (1 - 1e-9))
         return np.array([known[int(key)] for key in unique])[back.reshape(-1)]
 
 
