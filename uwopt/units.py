@@ -16,15 +16,15 @@ UNIT_SUFFIXES: tuple[str, ...] = (
     "_w_m2_sr_nm", "_w_m2_nm", "_w_m2", "_cyc_per_px", "_bit_per_m2", "_lp_per_mm", "_lm_s_per_j",
     "_dn_per_e", "_deg_s", "_e_s", "_m_s", "_mb_s", "_per_m", "_per_s",
     "_m", "_mm", "_um", "_nm", "_m2", "_s", "_ms", "_us", "_hz", "_rad", "_deg", "_w", "_j", "_k",
-    "_c", "_psu", "_lm", "_lx", "_lux", "_kg", "_g", "_e", "_dn", "_px", "_db", "_in", "_frac", "_pct",
-    "_h", "_wh", "_gb",
+    "_c", "_psu", "_ntu", "_lm", "_lx", "_lux", "_kg", "_g", "_e", "_dn", "_px", "_db", "_in", "_frac",
+    "_pct", "_h", "_wh", "_gb",
 )  # fmt: skip
 
 #: How a unit is printed, by its suffix without the underscore.
 SYMBOLS: Mapping[str, str] = MappingProxyType(
     {
         "um": "µm", "us": "µs", "hz": "Hz", "deg": "°", "w": "W", "j": "J", "k": "K", "c": "°C", "psu": "PSU",
-        "lux": "lx", "e": "e⁻", "dn": "DN", "db": "dB", "in": "in", "pct": "%", "frac": "", "m2": "m²",
+        "ntu": "NTU", "lux": "lx", "e": "e⁻", "dn": "DN", "db": "dB", "in": "in", "pct": "%", "frac": "", "m2": "m²",
         "m_s": "m/s", "mb_s": "MB/s", "deg_s": "°/s", "e_s": "e⁻/s", "per_m": "1/m", "per_s": "1/s",
         "w_m2": "W/m²", "w_m2_nm": "W/(m² nm)", "w_m2_sr_nm": "W/(m² sr nm)", "cyc_per_px": "cycles/px",
         "wh": "Wh", "gb": "GB",
@@ -60,6 +60,7 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = MappingProxyType(
         "pixels": {"px": 1.0, "pix": 1.0, "pixels": 1.0, "pixel": 1.0},
         "level": {"db": 1.0},
         "salinity": {"psu": 1.0, "ppt": 1.0},
+        "turbidity": {"ntu": 1.0, "fnu": 1.0, "ftu": 1.0},
         "temperature": {"c": 1.0, "degc": 1.0, "celsius": 1.0},
     }
 )  # fmt: skip

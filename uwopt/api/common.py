@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from uwopt.catalog.choose import Selection
+from uwopt.catalog.curves.clarity import Clarity
 from uwopt.forward.effects import Influence
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
-from uwopt.results.basis import ObjectiveValue, UsedPhysics
+from uwopt.results.basis import ObjectiveValue, UsedPhysics, UsedWater
 from uwopt.results.design import Note
 from uwopt.results.result import Result
 from uwopt.version import __version__
@@ -63,6 +64,7 @@ def base_result(
             for item in influences
         ],
         not_modelled=list(NOT_MODELLED),
+        waters=[used_water(scene.name, scene.clarity) for scene in problem.scenes if scene.clarity],
     )
     return Result(
         command=command,
@@ -74,6 +76,15 @@ def base_result(
         seed=mission.seed,
         versions=versions(),
         mission_file=mission.source_file,
+    )  # fmt: skip
+
+
+def used_water(scene: str, known: Clarity) -> UsedWater:
+    """What a result says of a water that was made from a reading."""
+    relation = known.relation
+    return UsedWater(
+        scene, relation.key, known.value, known.c_per_m(), known.c_per_m("low"), known.c_per_m("high"),
+        known.profiles["central"].name, f"{relation.text} ({relation.source})", relation.advice,
     )  # fmt: skip
 
 

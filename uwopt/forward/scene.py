@@ -16,8 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.curves import phase_functions, spectra
+from uwopt.catalog.curves.clarity import Clarity, ClarityEnd, clarity
 from uwopt.errors import RangeError
 from uwopt.mission.mission import SceneView
+from uwopt.mission.sections import Scene
 from uwopt.model import fineness as fine
 from uwopt.model import water
 from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr
@@ -69,6 +71,7 @@ class SceneOptics:
     n_water: float  # at the design wavelength
     n_water_spectrum: Array
     water_table: str
+    clarity: Clarity | None = None  # the reading that the water was made from
     notes: tuple[str, ...] = field(default=())
     scattering: tuple[Scattering, ...] = ()  # none in physics `paper`, or where the water's b is unknown
     diffuse_attenuation_per_m: Array | None = None  # K_d, of daylight
@@ -128,17 +131,20 @@ def scene_optics(
     water_table: str | None = None,
     lamp_leg: LampLeg = "diffuse",
     fineness: fine.Fineness = fine.DEFAULT,
+    water_end: ClarityEnd = "central",
 ) -> SceneOptics:
     """Tabulate one scene.
 
     `water_table` and `lamp_leg` override the scene's table and K on the way from lamp to floor, to test a
     decision against them: K_d where it lies between a + b_b (`least`) and c (`most`), or one of these ends.
+    `water_end` takes the clearest or the murkiest water that a reading such as a visibility leaves open.
     `fineness` sets the step of the spectral grid, and goes with the scene to all other integrals.
     """
     scene = view.scene
     grid = wavelength_grid_nm(GRID_SPAN_NM / round(GRID_SPAN_NM / GRID_STEP_NM * fineness.spectrum))
-    table = water_table or scene.water_table or ("solonenko-mobley" if paper else None)
-    profile = spectra.water_profile(str(scene.water), table=table, base_dir=base_dir)  # type: ignore[arg-type]
+    table = water_table or table_of(scene, paper=paper)
+    known = clarity_of(scene, table)
+    profile = known.profiles[water_end] if known else water_of(scene, table, base_dir)
     scattering: tuple[Scattering, ...] = ()
     if not paper:
         grid = np.union1d(grid, kinks_nm(profile, grid, scene.backscatter_ratio))
@@ -182,11 +188,30 @@ def scene_optics(
         n_water=PAPER_N_WATER if paper else float(np.interp(DESIGN_WAVELENGTH_NM, grid, index)),
         n_water_spectrum=index,
         water_table=profile.table,
+        clarity=known,
         notes=profile.notes + floor.notes,
         scattering=scattering,
         diffuse_attenuation_per_m=daylight_attenuation(profile, grid, c),
         fineness=fineness,
     )
+
+
+def table_of(scene: Scene, *, paper: bool) -> str | None:
+    """The table of Jerlov types that a scene's water is from; None: measured where that has the type."""
+    return scene.water_table or ("solonenko-mobley" if paper else None)
+
+
+def clarity_of(scene: Scene, table: str | None) -> Clarity | None:
+    """The waters that a scene's reading may mean; None where its water is a type or a file."""
+    if scene.clarity is None:
+        return None
+    key, value = scene.clarity
+    return clarity(key, value, table, scene.water)
+
+
+def water_of(scene: Scene, table: str | None, base_dir: Path | None) -> spectra.WaterProfile:
+    """The water of a scene's type or file."""
+    return spectra.water_profile(str(scene.water), table=table, base_dir=base_dir)  # type: ignore[arg-type]
 
 
 def daylight_attenuation(profile: spectra.WaterProfile, grid: Array, c_per_m: Array) -> Array:

@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from uwopt.errors import MissionError
+from uwopt.errors import CatalogError, MissionError
 from uwopt.forward.lamps import LAMP_FRONT_M
+from uwopt.forward.scene import clarity_of, table_of
 from uwopt.mission.mission import Mission, SceneView
 from uwopt.model.scattering import FOURNIER_FORAND_RATIOS
 
@@ -21,6 +22,7 @@ def check_physical(mission: Mission) -> None:
         faults += light_faults(view)
         if mission.physics != "paper":
             faults += [*lamp_front_faults(view), *sun_faults(view), *scattering_faults(view)]
+        faults += clarity_faults(view, paper=mission.physics == "paper")
     if faults:
         raise MissionError([f"{mission.source_name}: {text}" for text in dict.fromkeys(faults)])
 
@@ -80,6 +82,14 @@ def scattering_faults(view: SceneView) -> Iterator[str]:
             f"scene {scene.name!r}: backscatter_ratio = {scene.backscatter_ratio:g} is outside {low:g} to {high:g}, "
             "which phase function fournier-forand takes; correct it, or set phase_function: henyey-greenstein"
         )
+
+
+def clarity_faults(view: SceneView, *, paper: bool) -> Iterator[str]:
+    """A reading that no water of the wanted type has."""
+    try:
+        clarity_of(view.scene, table_of(view.scene, paper=paper))
+    except CatalogError as fault:
+        yield f"scene {view.scene.name!r}: {fault}"
 
 
 def sun_faults(view: SceneView) -> Iterator[str]:

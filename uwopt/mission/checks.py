@@ -12,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from uwopt.documents.faults import KeyPath
 from uwopt.documents.key_types import given_values, keys_of
+from uwopt.mission.keys import CLARITY_KEYS, JERLOV_TYPES
 from uwopt.mission.sections import Requirements, Vehicle
 
 HARDWARE_KEYS = (
@@ -81,6 +82,10 @@ def _scene_in_one_form(scene: Values, index: int) -> tuple[dict[str, Any], list[
     faults: list[Fault] = []
     if made.get("name") is None:
         made["name"] = f"scene {index + 1}"
+    if all(made.get(key) is None for key in ("water", *CLARITY_KEYS)):
+        types, others = ", ".join(JERLOV_TYPES), ", ".join(CLARITY_KEYS)
+        text = f"is missing; give the Jerlov type ({types}), the name of a CSV profile, or one of {others}"
+        faults.append((("scenes", index, "water"), text))
     for section, model in (("vehicle", Vehicle), ("requirements", Requirements)):
         nested = made.get(section)
         if nested is not None and not isinstance(nested, Mapping):
@@ -158,6 +163,7 @@ def cross_faults(parts: Values) -> list[Fault]:
             faults.append((("scenes", index, section, key) if inside else (section, key), text))
         faults += _hardware_faults(scene, index)
         faults += _dark_faults(scene, index, vehicle)
+        faults += _clarity_faults(scene, index)
         faults += _rating_faults(parts["limits"], scene, vehicle)
     faults += _name_faults(scenes)
     faults += _share_faults(scenes)
@@ -220,6 +226,17 @@ def _hardware_faults(scene: Values, index: int) -> Iterator[Fault]:
         if key in (scene.get("vehicle") or {}):
             text = "is of the whole mission, not of one scene; move it to vehicle, and give the scene a time_share"
             yield ("scenes", index, "vehicle", key), text
+
+
+def _clarity_faults(scene: Values, index: int) -> Iterator[Fault]:
+    given = [key for key in CLARITY_KEYS if scene.get(key) is not None]
+    for key in given[1:]:
+        text = f"and {given[0]} are both given; keep {given[0]}, which is known better"
+        yield ("scenes", index, key), text
+    water = scene.get("water")
+    if given and isinstance(water, str) and water.casefold().endswith(".csv"):
+        text = f"= {water!r} says all of this water; leave out {given[0]}, or name a Jerlov type for its colour"
+        yield ("scenes", index, "water"), text
 
 
 def _rating_faults(limits: Values, scene: Values, vehicle: Values) -> Iterator[Fault]:

@@ -10,6 +10,7 @@ from uwopt.documents.key_types import one_of, refusal, to_choice, to_number, to_
 from uwopt.quantities import TERMS
 
 JERLOV_TYPES = ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")
+CLARITY_KEYS = ("c_per_m", "visibility_m", "secchi_m", "turbidity_ntu")  # the best known first
 SEAFLOORS = ("sand", "hard", "coral", "organic", "benthic-average")
 OBJECTIVES = tuple(TERMS)
 Refusal = Literal["airy", "skew", "swath", "depth", "lamp"]

@@ -341,8 +341,26 @@ class Scene(Section):
     """Water, floor and light of one place; keys of `vehicle` and `requirements` may be overridden here."""
 
     name: Text = Field(default="scene 1", description="name of the scene, each its own")
-    water: Annotated[str, BeforeValidator(words.to_water)] = Field(
-        description=f"Jerlov type ({', '.join(words.JERLOV_TYPES)}) or the name of a CSV profile"
+    water: Annotated[str, BeforeValidator(words.to_water)] | None = Field(
+        default=None,
+        description=f"Jerlov type ({', '.join(words.JERLOV_TYPES)}) or the name of a CSV profile; beside one of "
+        f"{', '.join(words.CLARITY_KEYS)} the type whose colour that water has",
+    )
+    c_per_m: Annotated[float, Field(ge=0.055, le=20), NUMBER] | None = Field(
+        default=None,
+        description="beam attenuation at 530 nm in 1/m, the water's own included, instead of water; of all "
+        "readings the one to have",
+    )
+    visibility_m: Annotated[float, Field(ge=0.3, le=80), NUMBER] | None = Field(
+        default=None,
+        description="farthest distance in metres at which a black disc is seen horizontally in daylight, instead of "
+        "water",
+    )
+    secchi_m: Annotated[float, Field(ge=0.4, le=80), NUMBER] | None = Field(
+        default=None, description="Secchi depth in metres, instead of water"
+    )
+    turbidity_ntu: Annotated[float, Field(ge=0.02, le=15), NUMBER] | None = Field(
+        default=None, description="turbidity in NTU or FNU, instead of water; leaves most open of all readings"
     )
     water_table: Annotated[Literal["measured", "solonenko-mobley"], CHOICE] | None = Field(
         default=None,
@@ -385,6 +403,12 @@ class Scene(Section):
     requirements: RequirementsOverride | None = Field(
         default=None, description="keys of requirements that differ in this scene"
     )
+
+    @property
+    def clarity(self) -> tuple[str, float] | None:
+        """The key and value of how far one sees in this water; None where a type or a file says all."""
+        found = ((key, getattr(self, key)) for key in words.CLARITY_KEYS)
+        return next(((key, value) for key, value in found if value is not None), None)
 
 
 def grid(low: float, high: float, step: float) -> tuple[float, ...]:

@@ -21,6 +21,10 @@ physics: auto
 # Where it works. Several places that one system must serve: write `scenes:` and a list.
 scene:
   water: II                    # Jerlov type I IA IB II III 1C 3C 5C 7C 9C, or a CSV profile
+  # c_per_m: 0.4               # better, instead of water: what was measured there; c is the attenuation at 530 nm
+  # visibility_m: 12           # or how far a black disc is seen horizontally
+  # secchi_m: 10               # or the Secchi depth
+  # turbidity_ntu: 0.3         # or the turbidity, which leaves most open
   # water_table: measured      # measured | solonenko-mobley
   seafloor: coral              # sand | hard | coral | organic | benthic-average | 0..1 | a CSV spectrum
   depth_m: 30
@@ -150,6 +154,7 @@ def system_template() -> str:
 def mission_json_schema() -> dict[str, Any]:
     """JSON schema of a mission file: `scene` or `scenes`, and what a scene may override."""
     from uwopt.mission.checks import HARDWARE_KEYS, WHOLE_MISSION_KEYS
+    from uwopt.mission.keys import CLARITY_KEYS
     from uwopt.mission.mission import Mission
 
     schema = Mission.model_json_schema(by_alias=True)
@@ -169,6 +174,7 @@ def mission_json_schema() -> dict[str, Any]:
         "$ref": "#/$defs/Scene",
         "description": "the one scene, instead of scenes",
     }
+    scene["anyOf"] = [{"required": [key]} for key in ("water", *CLARITY_KEYS)]
     schema["required"] = [key for key in schema["required"] if key != "scenes"]
     schema["oneOf"] = [{"required": ["scene"]}, {"required": ["scenes"]}]
     return _titled(schema, "uwopt mission")

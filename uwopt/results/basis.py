@@ -32,6 +32,21 @@ class UsedEffect(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class UsedWater(Record):
+    """The water that a reading was taken for."""
+
+    scene: str = Field(description="name of the scene")
+    key: str = Field(description="c_per_m | visibility_m | secchi_m | turbidity_ntu")
+    given: Number = Field(description="the reading, in the key's unit")
+    c_per_m: Number = Field(description="beam attenuation at 530 nm that was taken")
+    c_low_per_m: Number = Field(description="the same of the clearest water that the reading leaves open")
+    c_high_per_m: Number = Field(description="the same of the murkiest")
+    water: str = Field(description="what it is made of")
+    source: str = Field(description="the relation and where it was published")
+    advice: str = Field(description="what is measured best")
+
+
+@dataclass(frozen=True, config=RECORD)
 class UsedPhysics(Record):
     """Which physics, how finely, and what it leaves out."""
 
@@ -42,6 +57,7 @@ class UsedPhysics(Record):
     water_table: str | dict[str, str] = Field(description="of all scenes, or by scene where they differ")
     effects: list[UsedEffect] = Field(description="those that a scene may not need")
     not_modelled: list[str] = Field(description="what no physics of this program has")
+    waters: list[UsedWater] = Field(default_factory=list, description="those that were made from a reading")
 
 
 @dataclass(frozen=True, config=RECORD)

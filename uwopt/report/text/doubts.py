@@ -132,6 +132,8 @@ def robustness_block(result: Result) -> Block:
     facts.append(("rival", rival_text(doubt.get("rival"))))
     facts.append(("at the bad ends", bad_ends_text(doubt)))
     facts += [("other water", water_text(other, result)) for other in doubt.get("waters") or []]
+    advice = dict.fromkeys(water.advice for water in result.physics.waters)
+    facts += [("the water", words.one_line(text)) for text in advice]
     facts += tilt_facts(doubt)
     quotes = doubt.get("quotes_that_matter") or []
     facts.append(("to ask for first", "" if quotes else f"nothing: {NO_QUOTE_MATTERS}"))
@@ -226,6 +228,8 @@ def water_text(other: Mapping[str, Any], result: Result) -> str:
     case = other.get("case") or {}
     lost = str(case.get("lamp_attenuation", ""))
     table = f"{words.one_line(case.get('water_table', ''))} table, {LAMP_LOSSES.get(lost, words.one_line(lost))}"
+    if reading := case.get("reading"):
+        table = words.one_line(reading)
     value = other.get("objective_value")
     if value is None:
         held = f"{table}: this system misses a requirement"

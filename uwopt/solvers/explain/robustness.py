@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any
 
+from uwopt.catalog.curves.clarity import Clarity
 from uwopt.catalog.records import Part, Quantity, exact
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FAVOURED
@@ -69,7 +70,8 @@ def model_assumptions(problem: Problem, found: Found) -> list[Assumption]:
     def item(path: str, value: Any, source: str) -> Assumption:
         return Assumption(path, "", value, None, None, unit="", status="assumed", source=source)
 
-    items = [item(f"{s.name}: water_table", s.water_table, "; ".join(s.notes)) for s in problem.scenes]
+    items = [from_reading(s.name, s.clarity) for s in problem.scenes if s.clarity]
+    items += [item(f"{s.name}: water_table", s.water_table, "; ".join(s.notes)) for s in problem.scenes]
     light = problem.parts.lights[found.light]
     if light.beam_medium == "not stated" and not problem.paper:
         items.append(
@@ -86,6 +88,14 @@ def model_assumptions(problem: Problem, found: Found) -> list[Assumption]:
     if problem.cameras.prnu_frac[found.camera] == 0 and not problem.paper:
         items.append(item("camera.prnu_frac", 0.0, "not published; taken as none"))
     return items
+
+
+def from_reading(scene: str, known: Clarity) -> Assumption:
+    """The attenuation that a visibility, a Secchi depth or a turbidity was taken for."""
+    return Assumption(
+        f"{scene}: {known.relation.key}", "", known.c_per_m(), known.c_per_m("low"), known.c_per_m("high"),
+        unit="1/m", status="derived", source=f"c at 530 nm; {known.explained}",
+    )  # fmt: skip
 
 
 # ---------------------------------------------------------------- regret

@@ -1,7 +1,9 @@
-"""Whether the recommendation rests on the choice of water table, or of K on the way from lamp to floor.
+"""Whether the recommendation rests on how well the water is known: what a reading of it leaves open, which table of
+types is right, and what K is on the way from lamp to floor.
 
-Two published tables of the Jerlov types disagree by up to three times. The systems shown are solved
-again in the other table's water; a full search in it is a change of `scene.water_table` away.
+A visibility or a Secchi depth leaves the attenuation open within a range, and two published tables of the Jerlov types
+disagree by up to three times. The systems shown are solved again in the clearest and the murkiest water of the reading
+and in the other table's water; a full search in it is a change of `scene.c_per_m` or `scene.water_table` away.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from uwopt.catalog.curves.clarity import ClarityEnd
 from uwopt.catalog.curves.spectra import water_types
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.scene import LampLeg, SceneOptics, scene_optics
@@ -25,6 +28,7 @@ MOST_SHOWN = 3  # systems that are solved again in each water
 LAMP_LEGS: dict[LampLeg, str] = {
     "diffuse": "K_d, within a + b_b and c", "least": "a + b_b, the least", "most": "c, the most",
 }  # fmt: skip
+READING_ENDS: dict[ClarityEnd, str] = {"low": "clearest", "high": "murkiest"}
 OTHER: dict[str, Literal["measured", "solonenko-mobley"]] = {
     "measured": "solonenko-mobley",
     "solonenko-mobley": "measured",
@@ -32,14 +36,41 @@ OTHER: dict[str, Literal["measured", "solonenko-mobley"]] = {
 
 
 def in_other_waters(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
-    """The systems shown, solved again with the other water table and with both bounds of K on the lamp leg."""
+    """The systems shown, solved again with the water's range, the other table and both bounds of K on the lamp leg."""
     problem = sought.problem
     if problem.paper or not sought.outcome.best:
         return []
     return [
         {"case": name, **verdict(sought, objective, scenes, deadline)}
-        for name, scenes in variants(problem.mission, problem.scenes)
+        for name, scenes in (
+            *ends_of_readings(problem.mission, problem.scenes),
+            *variants(problem.mission, problem.scenes),
+        )
     ]
+
+
+def ends_of_readings(
+    mission: Mission, scenes: Sequence[SceneOptics]
+) -> Iterator[tuple[dict[str, str], list[SceneOptics]]]:
+    """The clearest and the murkiest water that the readings leave open, in all scenes at once."""
+    if not any(scene.clarity for scene in scenes):
+        return
+    for end, name in READING_ENDS.items():
+        made = [
+            scene_optics(
+                mission.scene_view(i), paper=False, base_dir=mission.base_dir, fineness=scene.fineness, water_end=end,
+            )
+            if scene.clarity
+            else scene
+            for i, scene in enumerate(scenes)
+        ]  # fmt: skip
+        said = [
+            f"{s.clarity.relation.key} {s.clarity.value:g} with c = {s.clarity.c_per_m(end):.3g} 1/m at 530 nm"
+            for s in scenes
+            if s.clarity
+        ]
+        case = {"water_table": table_names(made), "lamp_attenuation": LAMP_LEGS["diffuse"]}
+        yield {"reading": f"{name} water of {', '.join(dict.fromkeys(said))}", **case}, made
 
 
 def variants(
@@ -53,8 +84,12 @@ def variants(
             made = [changed_scene(mission, i, scene, table, leg) for i, scene in enumerate(scenes)]
             if any(one is not None for one in made):
                 full = [one or scene for one, scene in zip(made, scenes, strict=True)]
-                names = sorted({scene.water_table for scene in full})
-                yield {"water_table": " and ".join(names), "lamp_attenuation": LAMP_LEGS[leg]}, full
+                yield {"water_table": table_names(full), "lamp_attenuation": LAMP_LEGS[leg]}, full
+
+
+def table_names(scenes: Sequence[SceneOptics]) -> str:
+    """The tables of all scenes."""
+    return " and ".join(sorted({scene.water_table for scene in scenes}))
 
 
 def changed_scene(
@@ -63,8 +98,9 @@ def changed_scene(
     """One scene in another water; None where there is no other."""
     name = scene.water_table
     if table is not None:
-        other = OTHER.get(name)
-        if other is None or scene.view.scene.water not in water_types(other):
+        other, water = OTHER.get(name), scene.view.scene.water
+        of_no_type = scene.clarity is not None and water is None
+        if other is None or not (of_no_type or water in water_types(other)):
             return None
         name = other
     elif not scene.scattering:
