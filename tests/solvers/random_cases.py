@@ -21,6 +21,7 @@ from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.search import Search
 
 TOP = 4
+READINGS = 8  # names the generator of what is read of the water, which must not change the cases' other draws
 #: Of the first hundred random cases some that are enumerated quickly and, together, meet every kind of part, wish and
 #: rule, most of them with designs that are feasible; a test lists the kinds.
 CHOSEN = (
@@ -66,6 +67,7 @@ def case(seed: int, *, over_frame: bool = False) -> Case:
     parts, plain = small.parts(rng, 3 if THOROUGH else 2), small.with_in_hand(small.mission(rng), seed)
     if over_frame and "min_snr_db" in plain["requirements"]:
         plain["requirements"] |= {"snr_at": "worst", "min_snr_db": plain["requirements"]["min_snr_db"] - EASED_DB}
+    plain = small.with_readings(np.random.default_rng([seed, READINGS]), plain)
     objective = Objective.of(plain["objective"])
     free = Case(parts, small.loaded(plain), objective)
     limits, wanted = limits_that_bind(rng, free)

@@ -29,6 +29,12 @@ COLOURS = {
 }
 LOBE = Curve((0.0, 10.0, 20.0, 30.0, 40.0, 60.0, 90.0), (1.0, 0.97, 0.8, 0.5, 0.2, 0.03, 0.0))
 MOUNTS = ("C", "C", "C", "C", "C", "CS", "CS", "S")
+#: a + b at 530 nm: Williamson and Hollins (2022) as printed; Solonenko and Mobley (2015) between 525 and 550 nm.
+C_PER_M = {
+    "measured": {"II": 0.0607 + 0.18, "III": 0.0806 + 0.291, "1C": 0.0948 + 0.432, "3C": 0.128 + 0.652,
+                 "5C": 0.169 + 1.21},
+    "solonenko-mobley": {"II": 0.4312, "III": 1.0975, "1C": 0.4586, "3C": 1.2108, "5C": 1.543},
+}  # fmt: skip
 OBJECTIVES: tuple[Any, ...] = (
     "power", "power", "cost", "mass", "snr_db", "gsd_mm", {"power": 1.0, "cost": 0.01}, {"power": 0.2, "snr_db": 1.0},
     {"cost": 0.001, "snr_db": 0.5}, {"mass": 1.0, "gsd_mm": 2.0, "power": 0.1},
@@ -250,6 +256,18 @@ def with_in_hand(plain: dict[str, Any], seed: int) -> dict[str, Any]:
     """The mission with what is kept in hand."""
     more = in_hand(seed)
     return {**plain, **{key: {**plain.get(key, {}), **own} for key, own in more.items()}}
+
+
+def with_readings(rng: Rng, plain: dict[str, Any]) -> dict[str, Any]:
+    """The same waters, some given by what is read of them: the attenuation of their type, that its table is made of."""
+    table = "solonenko-mobley" if plain["physics"] == "paper" else "measured"
+    scenes = []
+    for given in plain["scenes"]:
+        if chance(rng, 0.5) and given["water"] != "I":  # no mission may ask for water so clear by its attenuation
+            read = {"c_per_m": C_PER_M[table][given["water"]], "water_table": table}
+            given = {key: value for key, value in given.items() if key != "water"} | read
+        scenes.append(given)
+    return {**plain, "scenes": scenes}
 
 
 def loaded(plain: dict[str, Any], limits: dict[str, float] | None = None, **wanted: float) -> Mission:

@@ -82,10 +82,6 @@ def _scene_in_one_form(scene: Values, index: int) -> tuple[dict[str, Any], list[
     faults: list[Fault] = []
     if made.get("name") is None:
         made["name"] = f"scene {index + 1}"
-    if all(made.get(key) is None for key in ("water", *CLARITY_KEYS)):
-        types, others = ", ".join(JERLOV_TYPES), ", ".join(CLARITY_KEYS)
-        text = f"is missing; give the Jerlov type ({types}), the name of a CSV profile, or one of {others}"
-        faults.append((("scenes", index, "water"), text))
     for section, model in (("vehicle", Vehicle), ("requirements", Requirements)):
         nested = made.get(section)
         if nested is not None and not isinstance(nested, Mapping):
@@ -144,6 +140,17 @@ def make_paths_absolute(data: dict[str, Any], resolve: Callable[[str], str]) -> 
     catalog["files"] = [resolve(name) for name in catalog["files"]]
     if catalog["prices"] is not None:
         catalog["prices"] = resolve(catalog["prices"])
+
+
+def missing_waters(scenes: Any) -> list[Fault]:
+    """Scenes, as a file gives them, that say nothing of their water."""
+    types, others = ", ".join(JERLOV_TYPES), ", ".join(CLARITY_KEYS)
+    text = f"is missing; give the Jerlov type ({types}), the name of a CSV profile, or one of {others}"
+    return [
+        (("scenes", index, "water"), text)
+        for index, scene in enumerate(scenes if isinstance(scenes, (list, tuple)) else ())
+        if isinstance(scene, Mapping) and all(scene.get(key) is None for key in ("water", *CLARITY_KEYS))
+    ]
 
 
 def cross_faults(parts: Values) -> list[Fault]:

@@ -112,7 +112,7 @@ class Mission(Section):
             for scene in self.scenes
         ]
         given = {name: given_values(getattr(self, name)) for name in ("vehicle", "requirements", "limits")}
-        faults = checks.cross_faults({**given, "scenes": scenes})
+        faults = [*checks.missing_waters(scenes), *checks.cross_faults({**given, "scenes": scenes})]
         if faults:
             raise PydanticCustomError("cross_check", "{what}", {"what": faults[0][1]})
         return self
@@ -258,7 +258,7 @@ def _checked(document: Document) -> Mission:
         data,
         sections=sections(),
         origin=checks.origins,
-        early=early,
+        early=[*early, *checks.missing_waters(data.get("scenes"))],
         cross_faults=lambda raw: checks.cross_faults(_valid_parts(raw)),
     )
 

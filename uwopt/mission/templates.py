@@ -21,10 +21,8 @@ physics: auto
 # Where it works. Several places that one system must serve: write `scenes:` and a list.
 scene:
   water: II                    # Jerlov type I IA IB II III 1C 3C 5C 7C 9C, or a CSV profile
-  # c_per_m: 0.4               # better, instead of water: what was measured there; c is the attenuation at 530 nm
-  # visibility_m: 12           # or how far a black disc is seen horizontally
-  # secchi_m: 10               # or the Secchi depth
-  # turbidity_ntu: 0.3         # or the turbidity, which leaves most open
+  # c_per_m: 0.4               # recommended instead of water: what was measured, the beam attenuation at 530 nm;
+                               # or visibility_m (a black disc seen horizontally), secchi_m or turbidity_ntu
   # water_table: measured      # measured | solonenko-mobley
   seafloor: coral              # sand | hard | coral | organic | benthic-average | 0..1 | a CSV spectrum
   depth_m: 30

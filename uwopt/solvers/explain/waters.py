@@ -65,12 +65,12 @@ def ends_of_readings(
             for i, scene in enumerate(scenes)
         ]  # fmt: skip
         said = [
-            f"{s.clarity.relation.key} {s.clarity.value:g} with c = {s.clarity.c_per_m(end):.3g} 1/m at 530 nm"
+            f"{s.clarity.relation.key} {s.clarity.value:g} (c = {s.clarity.c_per_m(end):.3g} 1/m at 530 nm)"
             for s in scenes
             if s.clarity
         ]
         case = {"water_table": table_names(made), "lamp_attenuation": LAMP_LEGS["diffuse"]}
-        yield {"reading": f"{name} water of {', '.join(dict.fromkeys(said))}", **case}, made
+        yield {"reading": f"{name} water that fits {', '.join(dict.fromkeys(said))}", **case}, made
 
 
 def variants(
