@@ -33,7 +33,7 @@ MOUNTS = ("C", "C", "C", "C", "C", "CS", "CS", "S")
 C_PER_M = {
     "measured": {"II": 0.0607 + 0.18, "III": 0.0806 + 0.291, "1C": 0.0948 + 0.432, "3C": 0.128 + 0.652,
                  "5C": 0.169 + 1.21},
-    "solonenko-mobley": {"II": 0.4312, "III": 1.0975, "1C": 0.4586, "3C": 1.2108, "5C": 1.543},
+    "solonenko-mobley": {"II": 0.43116, "III": 1.09748, "1C": 0.4586, "3C": 1.2108, "5C": 1.543},
 }  # fmt: skip
 OBJECTIVES: tuple[Any, ...] = (
     "power", "power", "cost", "mass", "snr_db", "gsd_mm", {"power": 1.0, "cost": 0.01}, {"power": 0.2, "snr_db": 1.0},

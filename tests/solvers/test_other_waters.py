@@ -19,7 +19,11 @@ from uwopt.solvers.explain.robustness import assumptions
 from uwopt.solvers.explain.waters import in_other_waters
 from uwopt.solvers.recommend import Sought
 
-C_PER_M = {"IB": 0.0519 + 0.124, "III": 0.0806 + 0.291, "1C": 0.0948 + 0.432}  # at 530 nm, Williamson and Hollins (2022)
+C_PER_M = {
+    "IB": 0.0519 + 0.124,
+    "III": 0.0806 + 0.291,
+    "1C": 0.0948 + 0.432,
+}  # at 530 nm, Williamson and Hollins (2022)
 STRONG = {"dim_min_frac": 0.0001, "flux_lm": 3e6, "power_w": 30_000.0}
 
 
@@ -56,7 +60,11 @@ def test_clearer_water_takes_less_light(key: str, clearest_first: tuple[float, .
 
 def test_the_same_water_by_three_readings_gives_one_answer():
     # 1C: c 0.0948 + 0.432 = 0.5268; K_d 0.1266: visibility 4.8 / c = 9.11 m; Secchi 8.69 / (c + K_d) = 13.3 m
-    by_c, visibility, secchi = power_w(c_per_m=0.5268), power_w(visibility_m=9.1116), power_w(secchi_m=13.2999)
+    by_c, visibility, secchi = (
+        power_w(c_per_m=0.5268),
+        power_w(visibility_m=9.1116),
+        power_w(secchi_m=13.2999),
+    )
     assert (visibility, secchi) == pytest.approx((by_c, by_c), rel=1e-4)
 
 
