@@ -201,5 +201,7 @@ def test_the_eyes_band_may_stand_for_530_nm(name: str):
     nm = np.arange(400.0, 701.0)
     kd = np.interp(nm, water.kd_wavelength_nm, water.kd_per_m)
     weight = np.interp(nm, eye.wavelength_nm, eye.value) * np.exp(-0.5 * kd / kd.min())
-    seen = float(np.sum(weight * np.interp(nm, water.wavelength_nm, water.attenuation_per_m)) / np.sum(weight))
+    seen = float(
+        np.sum(weight * np.interp(nm, water.wavelength_nm, water.attenuation_per_m)) / np.sum(weight)
+    )
     assert seen == pytest.approx(at_530(water, water.attenuation_per_m), rel=0.101)
