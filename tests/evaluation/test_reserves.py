@@ -113,3 +113,11 @@ def test_a_lean_inward_and_one_outward_are_both_tried():
     ]
     # Lamps aimed straight down at 0.6 m to the side light the image better inward: outward alone is lost.
     assert len(texts) == 1 and "outward" in texts[0] and "min_snr_db" in texts[0]
+
+
+def test_a_lens_as_far_closed_as_asked_is_no_risk():
+    # two stops and no more: the setting stands at its limit by choice, and nothing wears it out
+    result = evaluated(settings={"f_number": 3.6}, lens_stop_down=2.0)
+    stopped = margins(result)["lens_stop_down"]
+    assert stopped.margin == pytest.approx(0.0, abs=1e-9)
+    assert not any("stop" in risk.because for risk in result.risks)

@@ -82,6 +82,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_reserves.py::test_a_lamp_in_the_view_is_refused[vehicle1-refuse1-False]",
     ),
     Defect(
+        name="a lens closed as far as asked is a risk",
+        file="uwopt/api/risks.py",
+        old='"cost", "lens_stop_down",',
+        new='"cost",',
+        test="tests/evaluation/test_reserves.py::test_a_lens_as_far_closed_as_asked_is_no_risk",
+    ),
+    Defect(
         name="leaning lamps may not use the reserve up",
         file="uwopt/evaluation/leaning.py",
         old='if margin.sense == "<=" else -margin.reserve',

@@ -24,13 +24,14 @@ ASKED = {
     "min_uniformity": "evenness of the light", "power_w": "power", "peak_power_w": "peak power", "mass_kg": "mass",
     "mean_level": "image brightness", "saturation_fraction": "highlights", "depth_rating_m": "depth rating",
     "min_mtf_half_nyquist": "sharpness", "frame_interval_s": "time between images", "data_rate_mb_s": "data rate",
+    "max_airy_px": "sharpness against diffraction", "lamp_clear_m": "room between lamps and view",
 }  # fmt: skip
 #: Ends of the ranges that settings may have, and what a setting with room left can mend.
 OF_SETTINGS = (
     "f_number_min", "f_number_max", "gain_min", "gain_max", "max_exposure_ms", "min_exposure_ms", "light_level_max",
     "light_level", "max_pulse_ms", "min_pulse_ms", "light_duty", "light_rate", "shutter_open_ms", "common_f_number",
     "common_focus_m", "nearest_focus_m", "frame_rate", "frame_interval_s", "overlap", "saturation_fraction",
-    "cost",
+    "cost", "lens_stop_down",
 )  # fmt: skip
 NOTHING_IN_HAND = 0.02  # of a limit
 EVEN, VERY_UNEVEN = 0.3, 0.1  # darkest place against the mean
