@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,7 @@ FOOTPRINT_CELLS = 60  # a side of the grid on which the darkest place of the flo
 
 def floor_illuminance_per_lm(
     x_m: Array, y_m: Array, *, lamps: Lamps, beam: beams.Beam, range_m: float, weight: Array, attenuation_per_m: Array,
-    edge_share: bool = False, n_ranges: int = LAMP_RANGES,
+    edge_share: bool = False, n_ranges: int = LAMP_RANGES, leg: LegLoss | None = None,
 ) -> Array:  # fmt: skip
     """Illuminance on the floor per lumen of all lamps [1/m^2], water's loss on the lamp leg included.
 
@@ -51,6 +52,7 @@ def floor_illuminance_per_lm(
     weight : (n,) V(lambda) times the lamp's spectrum and the steps; attenuation_per_m : (n,) K(lambda)
     edge_share : points are cells of a regular grid, and a sharp beam counts by the share it covers
     n_ranges : of `lamp_leg_loss`
+    leg : the water's loss where it has been tabulated for all of these points; None: it is tabulated here
 
     References
     ----------
@@ -65,8 +67,37 @@ def floor_illuminance_per_lm(
         )
         if edge_share:
             vacuum = vacuum * covered_share(cos_beam, np.cos(beams.edge_half_angle_rad(beam)))
-        total += share * vacuum * lamp_leg_loss(range_lamp, share_of_wave, attenuation_per_m, n_ranges)
+        if leg is None:
+            lost = lamp_leg_loss(range_lamp, share_of_wave, attenuation_per_m, n_ranges)
+        else:
+            lost = leg.at(range_lamp)
+        total += share * vacuum * lost
     return total
+
+
+@dataclass(frozen=True)
+class LegLoss:
+    """Logarithm of the mean of exp(-K r) over a spectrum at even ranges [m]."""
+
+    range_m: Array
+    log_mean: Array
+
+    @staticmethod
+    def between(
+        nearest_m: float, farthest_m: float, share_of_wave: Array, attenuation_per_m: Array, n_ranges: int
+    ) -> LegLoss:
+        """The table from the nearest to the farthest range."""
+        ranges = np.linspace(nearest_m, farthest_m, n_ranges)
+        lit = share_of_wave > 0.0  # what the lamp does not emit may be attenuated far less
+        optical = ranges[:, None] * attenuation_per_m[lit]
+        least = optical.min(axis=1)
+        with np.errstate(under="ignore"):
+            return LegLoss(ranges, np.log(np.exp(-(optical - least[:, None])) @ share_of_wave[lit]) - least)
+
+    def at(self, range_m: Array) -> Array:
+        """The loss at these ranges [m], its logarithm interpolated linearly."""
+        with np.errstate(under="ignore"):
+            return np.asarray(np.exp(np.interp(range_m, self.range_m, self.log_mean)))
 
 
 def lamp_leg_loss(
@@ -77,13 +108,23 @@ def lamp_leg_loss(
     The second difference of the logarithm is at most the variance of K times the step squared / 8:
     under 1e-5 for a footprint a few metres deep.
     """
-    ranges = np.linspace(float(range_m.min()), float(range_m.max()), n_ranges)
-    lit = share_of_wave > 0.0  # what the lamp does not emit may be attenuated far less
-    optical = ranges[:, None] * attenuation_per_m[lit]
-    least = optical.min(axis=1)
-    with np.errstate(under="ignore"):
-        log_mean = np.log(np.exp(-(optical - least[:, None])) @ share_of_wave[lit]) - least
-        return np.exp(np.interp(range_m, ranges, log_mean))
+    ends_m = float(range_m.min()), float(range_m.max())
+    return LegLoss.between(*ends_m, share_of_wave, attenuation_per_m, n_ranges).at(range_m)
+
+
+def leg_loss_over(
+    x_m: Array, y_m: Array, *, lamps: Lamps, range_m: float, weight: Array, attenuation_per_m: Array, n_ranges: int
+) -> LegLoss:  # fmt: skip
+    """The loss between any of the lamps and any place among floor points that reach to the footprint's edge [m].
+
+    No place is nearer than a lamp's height, and none farther than one of the edge: distance is convex.
+    """
+    heights_m = [range_m - z for z in lamps.z_m]
+    far_m = [
+        float(np.sqrt(np.square(x_m - x) + np.square(y_m - y) + height**2).max())
+        for x, y, height in zip(lamps.x_m, lamps.y_m, heights_m, strict=True)
+    ]
+    return LegLoss.between(min(heights_m), max(far_m), weight / weight.sum(), attenuation_per_m, n_ranges)
 
 
 def footprint_illuminance_per_lm(
@@ -95,14 +136,17 @@ def footprint_illuminance_per_lm(
     The footprint is traced through the port: behind a flat one its corners are drawn in. The mean is
     over floor area, each field point weighted with |d(x, y) / d(u, v)| = (r/t) dr/dt of the radial map.
     """
-    common: dict[str, Any] = dict(
-        lamps=lamps, beam=beam, range_m=range_m, weight=weight, attenuation_per_m=attenuation_per_m,
-        n_ranges=scaled(LAMP_RANGES, fineness.spectrum),
-    )  # fmt: skip
+    water: dict[str, Any] = dict(weight=weight, attenuation_per_m=attenuation_per_m, range_m=range_m)
     cells_a_side = scaled(FOOTPRINT_CELLS, fineness.places)
     needed = cells_needed if beams.has_sharp_edge(beam) else orders_needed
     images = np.array([tan_along]), np.array([tan_across])
     order = int(needed(*images, shape, range_m, lamps, beam, fineness.image)[0])
+
+    grid = np.linspace(-1.0, 1.0, cells_a_side + 1)
+    u, v = np.meshgrid(grid, grid, indexing="ij")
+    x_m, y_m, _ = floor_point(tan_along * u, tan_across * v, shape=shape, range_m=range_m)
+    leg = leg_loss_over(x_m, y_m, lamps=lamps, n_ranges=scaled(LAMP_RANGES, fineness.spectrum), **water)
+    common: dict[str, Any] = dict(lamps=lamps, beam=beam, leg=leg, **water)
 
     def part(u: Array, v: Array, **of_lamps: Any) -> tuple[Array, Array]:
         along, across = np.meshgrid(tan_along * u, tan_across * v, indexing="ij")
@@ -111,13 +155,11 @@ def footprint_illuminance_per_lm(
         return area, floor_illuminance_per_lm(x_m, y_m, **(common | of_lamps))
 
     mean = footprint_mean(part, order, *images, shape=shape, range_m=range_m, lamps=lamps, beam=beam)
-    grid = np.linspace(-1.0, 1.0, cells_a_side + 1)
 
     def there(u: Array, v: Array) -> Array:
         x_m, y_m, _ = floor_point(tan_along * u, tan_across * v, shape=shape, range_m=range_m)
         return floor_illuminance_per_lm(x_m, y_m, **common)
 
-    u, v = np.meshgrid(grid, grid, indexing="ij")
     return mean, least_of(there, u.ravel(), v.ravel(), 2.0 / cells_a_side)
 
 
