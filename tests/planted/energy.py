@@ -4,6 +4,8 @@ from planted.defect import Defect
 
 DURATION = "tests/evaluation/test_duration.py::"
 SEARCH = "tests/solvers/test_energy.py::"
+SWITCHED = "tests/evaluation/test_switching_off.py::"
+SWITCHED_SEARCH = "tests/solvers/test_switching.py::"
 BY_HAND = f"{DURATION}test_energy_storage_and_endurance_are_those_by_hand"
 OVER_SCENES = f"{SEARCH}test_cells_and_closed_form_agree_on_energy_over_two_scenes"
 
@@ -70,5 +72,54 @@ DEFECTS = (
         old="(S_PER_H * vehicle.speed_m_s * (1.0 - wanted.sidelap))",
         new="(S_PER_H * vehicle.speed_m_s)",
         test="tests/mission/test_coverage.py::test_area_in_an_hour_asks_for_a_swath",
+    ),
+    Defect(
+        name="lamps that are off between images need no warm-up",
+        file="uwopt/forward/switching.py",
+        old="lights.warm_up_s + cameras.readout_s, np.inf)",
+        new="cameras.readout_s, np.inf)",
+        test=f"{SWITCHED}test_a_lander_draws_milliwatts_with_lamps_and_camera_off_between_images",
+    ),
+    Defect(
+        name="lamps that must not be switched go off",
+        file="uwopt/forward/switching.py",
+        old="off & lights.switchable & (lights.kind == CONTINUOUS)",
+        new="off & (lights.kind == CONTINUOUS)",
+        test=f"{SWITCHED}test_lamps_that_stay_on_burn_all_the_time",
+    ),
+    Defect(
+        name="one lamp's standby stands for all",
+        file="uwopt/forward/switching.py",
+        old="lights.standby_w * count, 0.0)",
+        new="lights.standby_w, 0.0)",
+        test=f"{SWITCHED}test_a_lander_draws_milliwatts_with_lamps_and_camera_off_between_images",
+    ),
+    Defect(
+        name="cameras wake up in no time",
+        file="uwopt/forward/part_columns.py",
+        old='"on_s": known["wake_up_s"] + np.minimum(',
+        new='"on_s": np.minimum(',
+        test=f"{SWITCHED}test_a_lander_draws_milliwatts_with_lamps_and_camera_off_between_images",
+    ),
+    Defect(
+        name="power of lamps that are off between images is bounded as if they burnt on",
+        file="uwopt/solvers/exact/bounds.py",
+        old="return np.minimum(1.0, rate_hz * (lead_s + time_s))",
+        new="return np.ones(len(rate_hz))",
+        test=f"{SWITCHED_SEARCH}test_bounds_are_no_higher_than_what_switched_lamps_draw",
+    ),
+    Defect(
+        name="most light within a power forgets the warm-up of a step",
+        file="uwopt/solvers/settings/closed_form.py",
+        old="left = (share / rows.rate_hz)[:, None] - levels * lead_s[:, None]",
+        new="left = (share / rows.rate_hz)[:, None] - 0.0 * levels * lead_s[:, None]",
+        test=f"{SWITCHED_SEARCH}test_most_light_within_a_power_by_hand",
+    ),
+    Defect(
+        name="cells let lamps that are off between images burn on",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="timed, duty = self.timed[d], rows.on_share(box.t_lo)",
+        new="timed, duty = self.timed[d], np.ones(len(d))",
+        test=f"{SWITCHED_SEARCH}test_cells_and_closed_form_agree_on_switched_lamps",
     ),
 )

@@ -181,7 +181,7 @@ DEFECTS = (
     Defect(
         name="peak power without the camera",
         file="uwopt/evaluation/design_model.py",
-        old='peak_power_w=figures.light_peak_power_w + terms["camera_power_w"]',
+        old='peak_power_w=figures.light_peak_power_w + terms["camera_peak_power_w"]',
         new="peak_power_w=figures.light_peak_power_w",
         test=f"{OUTSIDE}[peak_power_w]",
     ),

@@ -49,12 +49,26 @@ class SceneSearch:
         self.full_w = (
             float(self.light.pulse_energy_j[0] * self.rate if flash else self.light.full_power_w[0]) * count
         )
-        self.power_limit_w = power_limit_w
+        self.lead_s, self.standby_w = self._switching()
+        self.power_limit_w = power_limit_w - self.standby_w
         self.time = self._time_range()
         self.levels = self._levels()
         self.f_range = self._f_range()
 
     # ------------------------------------------------------------ what hardware allows
+
+    def _switching(self) -> tuple[float, float]:
+        """How long a lamp is on beside the time that collects light (inf: all the time), and what it draws when off."""
+        off = self.scene.view.vehicle.lamps_between_images == "off" and self.light.switchable[0]
+        if self.kind != CONTINUOUS or not off:
+            return (0.0 if self.kind == PULSED else np.inf), 0.0
+        lead_s = float(self.light.warm_up_s[0] + self.cam.readout_s[0])
+        return lead_s, float(self.light.standby_w[0]) * self.model.hardware.count
+
+    def power_w(self, level: Array, time_s: Array) -> Array:
+        """Mean power of all lamps, those that are off between images by the time that they burn."""
+        on = 1.0 if np.isinf(self.lead_s) else np.minimum(1.0, (self.lead_s + time_s) * self.rate)
+        return np.asarray(self.full_w * level * on + self.standby_w)
 
     def _time_range(self) -> tuple[float, float]:
         """Shortest and longest time that collects light, from the data sheets' limits; low > high: none."""
@@ -268,7 +282,9 @@ class SceneSearch:
         levels, free = self.levels
         if self.kind != PULSED and free and np.isfinite(self.power_limit_w) and self.full_w > 0:
             levels = np.unique(
-                np.append(levels, np.clip(self.power_limit_w / self.full_w, levels[0], levels[-1]))
+                np.append(
+                    levels, np.clip(self.power_limit_w / self._full_at(self.time[1]), levels[0], levels[-1])
+                )
             )
         self.pinned = levels
         x = np.stack([least[[0, -1]], most[[0, -1]]], axis=1)
@@ -277,6 +293,10 @@ class SceneSearch:
                 np.sqrt(self.lumen * levels[:, None, None] * self.times[[0, -1]][:, None] / x) / self.factor
             )
         return f_number[np.isfinite(f_number)]
+
+    def _full_at(self, time_s: float) -> float:
+        """Power at full level for a time of light."""
+        return float(self.power_w(np.array(1.0), np.array(time_s))) - self.standby_w
 
     def candidates(self, f_number: Array) -> list[Array]:
         """The feasible candidates at these f-numbers: power, SNR, time, level and f-number, (n,) each."""
@@ -302,6 +322,10 @@ class SceneSearch:
                 light_x = self._at_its_own_time(end, square / level)
                 add(light_x * square / level, np.array(level), light_x)
             add(self.times, np.array(level), level * self.times / square)
+            if self.kind == CONTINUOUS and 0 < self.full_w * self.rate < np.inf > max(self.power_limit_w, self.lead_s):
+                longest = self.power_limit_w / (self.full_w * self.rate * level) - self.lead_s
+                affordable = np.array([np.clip(longest, *self.time) if longest > 0 else self.time[0]])
+                add(affordable, np.array(level), level * affordable / square)
         time_s, level, light_x = (np.concatenate(parts, axis=1).ravel() for parts in (t, u, x))
         f_number = np.repeat(f_number, len(time_s) // len(f_number))
         levels = self.levels[0]
@@ -315,8 +339,8 @@ class SceneSearch:
         time_s, level, light_x, f_number = time_s[ok], level[ok], light_x[ok], f_number[ok]
         snr = self.image(light_x, time_s)[0]
         dim, bright = self.image(light_x * (1 + 1e-9), time_s)[1], self.image(light_x * (1 - 1e-9), time_s)[2]
-        power = self.full_w * level * (np.minimum(1.0, time_s * self.rate) if self.kind == PULSED else 1.0)
-        good = ~dim & ~bright & (power <= self.power_limit_w * (1 + 1e-9))
+        power = self.power_w(level, time_s)
+        good = ~dim & ~bright & (power - self.standby_w <= self.power_limit_w * (1 + 1e-9))
         return [column[good] for column in (power, snr, time_s, level, f_number)]
 
     def _at_its_own_time(self, end: Array, time_per_light: Array) -> Array:

@@ -304,7 +304,7 @@ class DesignModel:
             *self.lamp_margins(index),
             *system_margins(
                 limits, cost_limit_value=terms["cost_limit_value"], power_w=terms["power_w"],
-                peak_power_w=figures.light_peak_power_w + terms["camera_power_w"], mass_kg=terms["mass_kg"],
+                peak_power_w=figures.light_peak_power_w + terms["camera_peak_power_w"], mass_kg=terms["mass_kg"],
                 data_rate_mb_s=self.data_rate_mb_s(figures),
                 depth_m=mission.required_depth_m, ratings_m=self.ratings_m(),
                 accepted=self.accepted_unrated(), depth_reserve_m=mission.required_depth_m - mission.asked_depth_m,
@@ -403,7 +403,7 @@ class DesignModel:
         """Cost, mass and power of the system, with the lights' power in one scene."""
         problem, hw = self.problem, self.hardware
         n = problem.mission.vehicle.camera_count
-        extra_cost, extra_mass, extra_power = problem.extras
+        extra_cost, extra_mass, _ = problem.extras
         port = problem.ports.take(np.array([hw.port]))
         lamps_to_buy = problem.lamps_to_buy(np.array([hw.light]), np.array([hw.count]))
 
@@ -414,12 +414,13 @@ class DesignModel:
         mass = (
             n * (self.cameras.mass_kg + self.lenses.mass_kg + port.mass_kg) + hw.count * self.lights.mass_kg
         )
-        camera_power = n * self.cameras.power_w + extra_power
+        camera_power = problem.carried_power_w(figures.camera_power_w)
         return {
             "cost": money("price"),
             "cost_limit_value": money("limit_price"),
             "mass_kg": mass + extra_mass,
             "camera_power_w": camera_power,
+            "camera_peak_power_w": problem.camera_power_w(self.cameras),
             "power_w": camera_power + figures.light_power_w,
         }
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward import switching
 from uwopt.forward.columns import Columns
 from uwopt.forward.focus import held_at_corner
 from uwopt.forward.lamp_light import ImageLight, SunLight, added
@@ -96,6 +97,7 @@ class Figures:
     dof_near_m: Array
     dof_far_m: Array
     focus_distance_m: Array
+    camera_power_w: Array  # of one camera, on average
     light_power_w: Array
     light_peak_power_w: Array
     duty_frac: Array
@@ -141,7 +143,7 @@ def figures_of(
         offset_dn=cam.black_level_dn[:, None],
     )
     near, far = depth_of_field_m(scene, rows, settings)
-    power, peak = power_w(rows, settings, collected_s)
+    power, peak = power_w(scene, rows, settings, collected_s)
     snr = np.asarray(sensor.snr(seen.signal_e, veil_e=veil, **noise))
     blur_s = collected_s if rows.sun is None else open_s(rows, settings)
     apertures = dict(f_number=settings.f_number, working_f_number=working, blur_s=blur_s)
@@ -166,6 +168,7 @@ def figures_of(
         dof_near_m=near,
         dof_far_m=far,
         focus_distance_m=np.asarray(water_distance_m(settings.dioptre_per_m, focus_map=rows.focus_map)),
+        camera_power_w=switching.camera_power_w(scene.view.vehicle, cam, settings.rate_hz),
         light_power_w=power,
         light_peak_power_w=peak,
         duty_frac=np.asarray(light_model.duty_frac(collected_s, frame_rate_hz=settings.rate_hz)),
@@ -315,15 +318,19 @@ def overlap(scene: SceneOptics, view: Views, rate_hz: Array) -> Array:
     return np.asarray(shared)
 
 
-def power_w(rows: DesignRows, settings: SettingRows, collected_s: Array) -> tuple[Array, Array]:
+def power_w(
+    scene: SceneOptics, rows: DesignRows, settings: SettingRows, collected_s: Array
+) -> tuple[Array, Array]:
     """Mean and peak electrical power of all lights."""
-    lights, count = rows.lights, rows.count
+    lights, count, vehicle = rows.lights, rows.count, scene.view.vehicle
+    lead_s = switching.lead_s(vehicle, lights, rows.cameras)
+    pulse_s = np.where(lights.kind == PULSED, settings.pulse_s, collected_s)
     burning = light_model.continuous_power_w(settings.level, full_power_w=lights.full_power_w, count=count)
     pulsed = light_model.pulsed_led_power_w(
         settings.level,
         full_power_w=lights.full_power_w,
         count=count,
-        pulse_s=np.where(lights.kind == PULSED, settings.pulse_s, collected_s),
+        pulse_s=pulse_s + np.where(np.isfinite(lead_s), lead_s, 0.0),
         frame_rate_hz=settings.rate_hz,
     )
     flashing = light_model.flash_power_w(
@@ -332,7 +339,9 @@ def power_w(rows: DesignRows, settings: SettingRows, collected_s: Array) -> tupl
         frame_rate_hz=settings.rate_hz,
         charging_efficiency=1.0,  # the pulse's energy is counted at the supply
     )
-    mean = np.where(lights.kind == CONTINUOUS, burning, np.where(lights.kind == PULSED, pulsed, flashing))
+    timed = (lights.kind == PULSED) | np.isfinite(lead_s)
+    mean = np.where(timed, pulsed, np.where(lights.kind == FLASH, flashing, burning))
+    mean = mean + switching.standby_w(vehicle, lights, count)
     peak = np.where(lights.kind == FLASH, flashing, burning)
     return np.asarray(mean), np.asarray(peak)
 

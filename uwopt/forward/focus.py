@@ -149,3 +149,4 @@ class Focused(Columns):
     rate_hz: Array
     blur_time_s: Array
     skew_px: Array  # of a rolling shutter under lamps that burn; 0 for a global one
+    beside_w: Array  # what its cameras draw here beyond the scene where they draw least

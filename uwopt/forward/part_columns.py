@@ -61,6 +61,8 @@ class Cameras(Columns):
     limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
     power_w: Array
+    standby_w: Array  # where it is switched off between images
+    on_s: Array  # that an image keeps it on then: waking up, the longest exposure, the transfer
 
 
 @dataclass(frozen=True)
@@ -121,6 +123,9 @@ class Lights(Columns):
     max_duty: Array
     max_rate_hz: Array  # inf when no limit; of a flash 1 / recycle time
     flash_duration_s: Array
+    switchable: Array  # may be off between images
+    warm_up_s: Array
+    standby_w: Array
     optics_index: Array  # into the list of distinct (beam, spectrum)
     price: Array
     limit_price: Array  # what counts against a budget: the price, or its high end
@@ -188,6 +193,7 @@ def camera_rows(
     end: End = "central",
     paper: bool = False,
     high_basis: bool = False,
+    longest_exposure_s: float = 0.0,
 ) -> tuple[Cameras, list[dict[str, Curve]]]:
     """Cameras as columns, and the distinct efficiency curves they point to.
 
@@ -218,6 +224,7 @@ def camera_rows(
             "bits": bits,
             "max_gain": db_to_ratio(known["max_gain_db"]),
             "max_rate_hz": rate,
+            "on_s": known["wake_up_s"] + np.minimum(known["max_exposure_s"], longest_exposure_s) + 1.0 / rate,
             "readout_s": np.where(rolling & np.isfinite(rate), 1.0 / np.maximum(rate, 1e-9), 0.0),
             "frame_mb": frame_mb,
             "qe_index": np.array(qe_index, int),
@@ -318,6 +325,7 @@ def light_rows(
             "min_level": known["dim_min_frac"],
             "dims_freely": np.array([part.dim_levels is None for part in parts], bool),
             "max_duty": known["max_duty_frac"],
+            "switchable": np.array([part.switchable == "yes" for part in parts], bool),
             "max_rate_hz": rate,
             "optics_index": np.array(optics_index, int),
         }

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from uwopt.catalog import money
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Lens, Light, Port
+from uwopt.forward import switching
 from uwopt.forward.lamps import (
     Mount,
     distinct_optics,
@@ -60,6 +61,16 @@ class Parts:
     lights: tuple[Light, ...]
 
 
+def switched(mission: Mission, parts: Parts) -> Parts:
+    """The parts, with estimates of what they draw while they are off where the mission switches them."""
+    vehicles = [view.vehicle for view in mission.views]
+    if switching.any_off(vehicles, "lamps_between_images"):
+        parts = replace(parts, lights=tuple(switching.light_with_estimates(p) for p in parts.lights))
+    if switching.any_off(vehicles, "camera_between_images"):
+        parts = replace(parts, cameras=tuple(switching.camera_with_estimates(p) for p in parts.cameras))
+    return parts
+
+
 class Problem:
     """Tables of one mission over chosen parts, at one end of the estimates."""
 
@@ -78,7 +89,8 @@ class Problem:
         effects: Effects = FULL,
         fineness: fine.Fineness = fine.DEFAULT,
     ):
-        self.mission, self.parts, self.paper, self.end = mission, parts, paper, end
+        self.mission, self.parts, self.paper, self.end = mission, switched(mission, parts), paper, end
+        parts = self.parts
         self.known_models: dict[Any, Any] = {}  # by hardware; see `design_model.design_model`
         self.effects = PAPER if paper else effects
         self.owned_lights = owned_lights or {}
@@ -97,8 +109,9 @@ class Problem:
         ]
         high = mission.limits.cost_basis == "high"
         self.cameras, self.efficiencies = camera_rows(
-            parts.cameras, money=self.money, end=end, paper=paper, high_basis=high
-        )
+            parts.cameras, money=self.money, end=end, paper=paper, high_basis=high,
+            longest_exposure_s=mission.limits.max_exposure_ms * 1e-3,
+        )  # fmt: skip
         self.lenses: Lenses = lens_rows(parts.lenses, money=self.money, end=end, high_basis=high)
         self.ports: Ports = port_rows(
             parts.ports, money=self.money, glass_index=glass_index, end=end, high_basis=high
@@ -152,8 +165,24 @@ class Problem:
         return min(np.inf if limit_w is None else limit_w, self.duration.scene_power_limit_w)
 
     def camera_power_w(self, cameras: Cameras) -> Array:
-        """Power of all cameras and of what else every system carries."""
+        """Power of all cameras and of what else every system carries, while they are on."""
         return np.asarray(self.mission.vehicle.camera_count * cameras.power_w + self.extras[2])
+
+    def carried_power_w(self, one_camera_w: Array) -> Array:
+        """Mean power of all cameras and of what else every system carries, from that of one camera."""
+        return np.asarray(self.mission.vehicle.camera_count * one_camera_w + self.extras[2])
+
+    def camera_powers_w(self, cameras: Cameras, rates_hz: Sequence[Array | float] | None = None) -> list[Array]:
+        """The same by scene, at the frame rate of each; at none: no less at any rate."""
+        rates = [0.0] * len(self.scenes) if rates_hz is None else rates_hz
+        return [
+            self.carried_power_w(switching.camera_power_w(scene.view.vehicle, cameras, rate))
+            for scene, rate in zip(self.scenes, rates, strict=True)
+        ]
+
+    def least_camera_power_w(self, cameras: Cameras, rates_hz: Sequence[Array | float] | None = None) -> Array:
+        """The least of them over the scenes."""
+        return np.asarray(np.min(self.camera_powers_w(cameras, rates_hz), axis=0))
 
     def shape(self, port_index: int, scene_index: int) -> PortShape:
         """One port in one scene's water."""

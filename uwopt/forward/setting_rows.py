@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward import switching
 from uwopt.forward.columns import Columns
 from uwopt.forward.focus import Focused
 from uwopt.forward.lamp_light import ImageLight, SunLight
@@ -86,6 +87,8 @@ class SceneRows(Columns):
     min_mtf: float = 0.0  # at half the Nyquist frequency
     sharp: SharpRows | None = None  # only where MTF or information are asked for
     open_max_s: Array | None = None  # longest open shutter under the sun; None: as long as the lamps need
+    lead_s: Array | None = None  # that lamps burn beside the time that collects light; inf or None: all the time
+    idle_w: Array | None = None  # drawn whatever the light: lamps that are off, cameras beside their least scene
     spare_dark_s: Array | None = (
         None  # of bounds: further exposure whose dark current may fill the wanted level
     )
@@ -99,6 +102,34 @@ class SceneRows(Columns):
     def sunlit(self) -> bool:
         """Whether light counts that does not come from the lamps."""
         return self.sun_signal_e_s is not None
+
+    @property
+    def leads_s(self) -> Array:
+        """How long lamps are on beside the time that collects light: 0 of pulses, inf of what does not go off."""
+        burning = np.full(len(self.kind), np.inf) if self.lead_s is None else self.lead_s
+        return np.where(self.kind == PULSED, 0.0, burning)
+
+    @property
+    def timed(self) -> Array:
+        """Whether a shorter time saves power: of pulsed LEDs, and lamps that are off between images."""
+        return np.isfinite(self.leads_s)
+
+    @property
+    def switched(self) -> bool:
+        """Whether some lamps that burn are off between images."""
+        return self.lead_s is not None and bool(np.isfinite(self.lead_s).any())
+
+    def on_share(self, time_s: Array) -> Array:
+        """Share of the time that lights draw power when they collect light for a time."""
+        timed, leads_s = self.timed, self.leads_s
+        with np.errstate(invalid="ignore"):
+            share = np.minimum(1.0, (np.where(timed, leads_s, 0.0) + time_s) * self.rate_hz)
+        return np.where(timed, share, 1.0)
+
+    @property
+    def idle(self) -> Array | float:
+        """What is drawn whatever the light."""
+        return 0.0 if self.idle_w is None else self.idle_w
 
     def open_s(self, exposure_s: Array) -> Array:
         """Time that collects sunlight in an exposure."""
@@ -178,6 +209,7 @@ def setting_rows(
     allowed = (focused.rate_hz <= lamp.max_rate_hz * (1 + 1e-12)) | (lamp.kind == CONTINUOUS)
     if needs.max_skew_px is not None:
         allowed &= (focused.skew_px <= needs.max_skew_px) | (lamp.kind != CONTINUOUS)
+    vehicle = scene.view.vehicle
     n_high = focused.n_high
     if needs.max_airy_px is not None:
         working = airy_f_number(problem, scene_index, needs.max_airy_px, camera, light)
@@ -229,4 +261,6 @@ def setting_rows(
         min_snr=needs.min_snr or 0.0,
         mean_level=needs.mean_level,
         highlight_ratio=needs.highlight_ratio,
+        lead_s=switching.lead_s(vehicle, lamp, cam),
+        idle_w=switching.standby_w(vehicle, lamp, count) + focused.beside_w,
     )

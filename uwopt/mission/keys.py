@@ -155,3 +155,8 @@ def to_part_fields(value: Any) -> tuple[str, ...]:
             mend = f"did you mean {near}?" if near else "name fields such as price, power_w, read_noise_e"
             raise refusal(f"holds {show(name)}, which no part has", mend)
     return tuple(names)
+
+
+def to_on_off(value: Any) -> Any:
+    """On or off, which YAML also reads as true and false."""
+    return ("on" if value else "off") if isinstance(value, bool) else value

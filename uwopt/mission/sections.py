@@ -34,6 +34,7 @@ MAX_LIGHTS = 64
 BASELINE_STEP_M, TILT_STEP_DEG = 0.05, 2.5  # the declared grid of mounts
 
 Orientation = Literal["landscape", "portrait"]
+BetweenImages = Annotated[Literal["on", "off"], BeforeValidator(words.to_on_off), CHOICE]
 
 
 class LightMount(Section):
@@ -101,6 +102,15 @@ class Vehicle(Section):
     )
     battery_wh: Positive | None = Field(
         default=None, description="energy of the battery in watt-hours, for the figure endurance"
+    )
+    lamps_between_images: BetweenImages = Field(
+        default="on",
+        description="whether lamps that burn stay on between images: on or off; off is recommended below an image in "
+        "some seconds",
+    )
+    camera_between_images: BetweenImages = Field(
+        default="on",
+        description="whether cameras stay on between images: on or off; off is recommended below an image a minute",
     )
 
     @model_validator(mode="before")

@@ -160,6 +160,12 @@ class Camera(Part):
     power_w: Annotated[
         Known, Cell("electrical power in watts", POSITIVE, span=(1e-9, 1e9), favours="low", inline=OR_ZERO)
     ] = None
+    wake_up_s: Annotated[
+        Known, Cell("time from switching the camera on to an image in seconds", FROM_ZERO, favours="low")
+    ] = None
+    standby_w: Annotated[
+        Known, Cell("power of the camera while it is switched off in watts", FROM_ZERO, favours="low")
+    ] = None
     perf_quality: ClassVar[Annotated[Literal["A", "B", "C", "D"], Cell("grade of the sensor's figures")]]
     snr_max_db: ClassVar[
         Annotated[float, Cell("best ratio of signal to noise, as EMVA 1288 measures it", POSITIVE)]

@@ -148,6 +148,16 @@ class Light(Part):
         0.0
     )
     dim_status: Annotated[Status, UNSEEN] = "published"
+    switchable: Annotated[
+        Literal["yes", "no"],
+        Cell("whether a lamp that burns may go off between images: yes, or no as discharge lamps"),
+    ] = "yes"
+    warm_up_s: Annotated[
+        Known, Cell("time from switching a lamp on to full light in seconds", FROM_ZERO, favours="low")
+    ] = None
+    standby_w: Annotated[
+        Known, Cell("power of a lamp that is switched off in watts", FROM_ZERO, favours="low")
+    ] = None
     min_pulse_us: Annotated[
         Known,
         Cell(

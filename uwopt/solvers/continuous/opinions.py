@@ -36,6 +36,9 @@ def why_not_smooth(problem: Problem, objective: Objective) -> str:
         return "sun, sharpness, contrast and information are no part of its smooth program"
     if problem.duration.over_scenes:
         return "a limit of energy over several scenes is no part of its program"
+    vehicles = [scene.view.vehicle for scene in problem.scenes]
+    if any("off" in (v.lamps_between_images, v.camera_between_images) for v in vehicles):
+        return "lamps and cameras that are off between images are no part of its program"
     if min(objective.weight("power"), objective.weight("snr_db")) < 0.0:
         return "its program takes no negative weight of power or snr_db"
     return ""

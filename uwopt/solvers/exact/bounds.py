@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward import switching
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.scene import SceneOptics
 from uwopt.model import sensor, sharpness
@@ -244,10 +245,11 @@ class Bounds:
             if affordable is not None:
                 drawn = affordable.within(at, limit(limits.cost) * ROUND - imagers.limit_cost[rows])
             with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-                used = wanted if kind == CONTINUOUS else light_time * need.rate_hz
+                used = self._used(k, own, kind, need, light_time, wanted)
                 scene_power = np.where(used > 0, used * drawn, 0.0)
                 if self.coupled and kind != PULSED:
-                    dimmest = self._dimmest(k, own) * (need.rate_hz if kind == FLASH else 1.0)
+                    on = need.rate_hz if kind == FLASH else self._on_share(k, own, need.rate_hz, 0.0)
+                    dimmest = self._dimmest(k, own) * on
                     scene_power = np.maximum(scene_power, np.where(used > 0, dimmest, 0.0))
                 most_drawn = np.minimum(most_drawn, np.where(used > 0, power_left / used * ROUND, np.inf))
             scene_power = np.where(np.isfinite(wanted), scene_power, np.inf)
@@ -282,6 +284,24 @@ class Bounds:
         return self._judged(
             bounds, reachable, imagers.limit_cost[rows] + least(table.limit_cost), rows, contrast
         )
+
+    def _used(
+        self, k: int, own: Array, kind: int, need: Needs, light_time: Array, wanted: Array
+    ) -> Array:
+        """Mean light [lm] that is paid for at least: all that burns, for as long as it is on."""
+        if kind != CONTINUOUS:
+            return np.asarray(light_time * need.rate_hz)
+        return np.asarray(wanted * self._on_share(k, own, need.rate_hz, need.longest_s))
+
+    def _on_share(self, k: int, own: Array, rate_hz: Array, time_s: Array | float) -> Array:
+        """Least share of the time that any of these lamps burns for a time of light; 1 where they burn on."""
+        lamp = self.problem.lights.take(self.light_tables[k].light[own])
+        vehicles = [scene.view.vehicle for scene in self.problem.scenes]
+        switched = np.any([switching.are_switched(vehicle, lamp) for vehicle in vehicles], axis=0)
+        lead_s = float(np.where(switched, lamp.warm_up_s, np.inf).min(initial=np.inf))
+        if not np.isfinite(lead_s):
+            return np.ones(len(rate_hz))
+        return np.minimum(1.0, rate_hz * (lead_s + time_s))
 
     def _contrast_bound(self, lighting: Lighting, rows: Array) -> tuple[Array | float, Array]:
         """Most contrast that the forward veil alone leaves, worst scene, and whether it is enough in all.

@@ -8,7 +8,7 @@ counts what it discards first.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -202,8 +202,12 @@ def imagers_behind(
                 rate_hz=required_rate_hz(requirements, speed, view.footprint_along_m).max(axis=1),
                 blur_time_s=blur_time_s(scene, problem.shape(port, index), view),
                 skew_px=shutter_skew_px(scene, problem.shape(port, index), view, cameras.readout_s),
+                beside_w=np.zeros(len(camera)),
             )
         )
+    powers = problem.camera_powers_w(cameras, [extra.rate_hz for extra in focused])
+    least = np.min(powers, axis=0)
+    focused = [replace(f, beside_w=power - least) for f, power in zip(focused, powers, strict=True)]
     alive = np.ones(len(camera), bool)
     for rule, passes in rules(problem, cameras, lenses, port, seen, focused):
         failed = alive & ~passes
@@ -267,11 +271,12 @@ def rules(
             for extra in focused
         ),
     )
-    _, cost, mass, power = totals(problem, cameras, lenses, port)
+    _, cost, mass = totals(problem, cameras, lenses, port)
+    powers = problem.camera_powers_w(cameras, [extra.rate_hz for extra in focused])
     yield "cost", cost <= limit(limits.cost) * ROUND
     yield "mass_kg", mass <= limit(limits.mass_kg) * ROUND
-    yield "power_w", power <= limit(limits.power_w) * ROUND
-    yield "energy_wh", power <= problem.duration.mean_power_limit_w * ROUND
+    yield "power_w", np.max(powers, axis=0) <= limit(limits.power_w) * ROUND
+    yield "energy_wh", problem.duration.mean(powers) <= problem.duration.mean_power_limit_w * ROUND
 
 
 def limit(value: float | None) -> float:
@@ -320,15 +325,15 @@ def common_f_number(lenses: Any, focused: list[Focused]) -> Array:
 
 def totals(
     problem: Problem, cameras: Any, lenses: Any, port: int | Array
-) -> tuple[Array, Array, Array, Array]:
-    """Cost, cost that counts against the budget, mass and power of everything but the lights."""
+) -> tuple[Array, Array, Array]:
+    """Cost, cost that counts against the budget, and mass of everything but the lights."""
     count = problem.mission.vehicle.camera_count
-    extra_cost, extra_mass, extra_power = problem.extras
+    extra_cost, extra_mass, _ = problem.extras
     ports = problem.ports
     cost = count * (cameras.price + lenses.price + ports.price[port]) + extra_cost
     limit_cost = count * (cameras.limit_price + lenses.limit_price + ports.limit_price[port]) + extra_cost
     mass = count * (cameras.mass_kg + lenses.mass_kg + ports.mass_kg[port]) + extra_mass
-    return cost, limit_cost, mass, count * cameras.power_w + extra_power
+    return cost, limit_cost, mass
 
 
 def joined(
@@ -346,14 +351,15 @@ def joined(
     lens = stack([b.lens for b in blocks]).astype(int)
     port = stack([np.full(len(b.camera), b.port) for b in blocks]).astype(int)
     landscape = stack([np.full(len(b.camera), b.landscape) for b in blocks]).astype(bool)
-    cost, limit_cost, mass, power = totals(
-        problem, problem.cameras.take(camera), problem.lenses.take(lens), port
-    )
+    cameras = problem.cameras.take(camera)
+    cost, limit_cost, mass = totals(problem, cameras, problem.lenses.take(lens), port)
     scenes = []
     for index in range(len(problem.scenes)):
         own = [b.scenes[index] for b in blocks]
         if own:
             scenes.append(SceneImagers.joined(own))
+    rates = [s.focused.rate_hz for s in scenes] if scenes else None
+    power = problem.least_camera_power_w(cameras, rates)
     gsd = np.max([s.view.gsd_m[:, 1] for s in scenes], axis=0) * 1e3 if scenes else np.empty(0)
     return Imagers(
         camera, lens, port, landscape, cost, limit_cost, mass, power, gsd, scenes, discarded, samples

@@ -218,7 +218,7 @@ class LargeSearch:
         """What each pair costs at least: no light, the cheapest port, the smallest pixel."""
         problem, pairs, level = self.problem, self.pairs, self.levels[0]
         cameras, lenses, ports = problem.cameras, problem.lenses, problem.ports
-        count, (extra_cost, extra_mass, extra_power) = problem.mission.vehicle.camera_count, problem.extras
+        count, (extra_cost, extra_mass, _) = problem.mission.vehicle.camera_count, problem.extras
         gsd_mm = np.full(len(pairs.camera), np.inf)
         for group in range(len(level.groups.start)):
             rows = self._rows(np.arange(len(pairs.camera)), group, landscape=True)
@@ -231,7 +231,7 @@ class LargeSearch:
         information = np.inf if self.search.objective.weight("information") else 0.0
         return self.search.objective.cost_to_minimise(
             Terms(
-                count * cameras.power_w[pairs.camera] + extra_power, count * cost + extra_cost,
+                problem.least_camera_power_w(cameras)[pairs.camera], count * cost + extra_cost,
                 count * mass + extra_mass, np.full(len(pairs.camera), self.snr_ceiling), gsd_mm, 1.0, information,
             )
         )  # fmt: skip

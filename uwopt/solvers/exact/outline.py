@@ -313,7 +313,7 @@ class Level:
         problem, g = self.problem, self.groups
         cameras, lenses = problem.cameras, problem.lenses
         count = problem.mission.vehicle.camera_count
-        extra_cost, extra_mass, extra_power = problem.extras
+        extra_cost, extra_mass, _ = problem.extras
 
         def total(name: str, ports: Array) -> Array:
             return np.asarray(
@@ -323,10 +323,12 @@ class Level:
 
         scenes = [self.scene_imagers(index, rows) for index in range(len(problem.scenes))]
         gsd_m = np.max([scene.view.gsd_m for scene in scenes], axis=0)
+        rates = [scene.focused.rate_hz for scene in scenes]
+        power_w = problem.least_camera_power_w(cameras.take(rows.camera), rates)
         return Imagers(
             rows.camera, rows.lens, g.order[g.start][rows.group], rows.landscape,
             total("price", g.price) + extra_cost, total("limit_price", g.limit_price) + extra_cost,
-            total("mass_kg", g.mass_kg) + extra_mass, count * cameras.power_w[rows.camera] + extra_power,
+            total("mass_kg", g.mass_kg) + extra_mass, power_w,
             gsd_m * 1e3, scenes, {}, {},
         )  # fmt: skip
 
@@ -353,7 +355,7 @@ class Level:
         return SceneImagers(view, Focused(
             nothing, self.lens_focus.factor[index][rows.lens, rows.group],
             np.maximum(lenses.f_number_from(needs.lens_stop_down)[rows.lens], n_depth),
-            lenses.f_number_max[rows.lens], rate, self.blur_time_s(scene, rows), nothing,
+            lenses.f_number_max[rows.lens], rate, self.blur_time_s(scene, rows), nothing, nothing,
         ))  # fmt: skip
 
     def coc_m(self, scene: SceneOptics, rows: OutlineRows) -> Array:

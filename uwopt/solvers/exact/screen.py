@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward import switching
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lights
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.bounds import NODE_RULES, Bounds, NodeBounds
@@ -32,6 +33,7 @@ def pair_rules(
     shape = (len(rows), len(table.light))
     able, power, mean_power = np.ones(shape, bool), np.zeros(shape), np.zeros(shape)
     duration = bounds.problem.duration
+    switched = [switching.are_switched(scene.view.vehicle, lamp) for scene in bounds.problem.scenes]
     pulsed, flash = table.kind == PULSED, table.kind == FLASH
     for scene_index in range(len(imagers.scenes)):
         need = bounds._needs(scene_index, rows)
@@ -43,7 +45,10 @@ def pair_rules(
             time = np.where(pulsed, pulse, np.where(flash, share, longest))
             wanted = np.where(light_time[:, None] > 0, light_time[:, None] / time, 0.0)
             given = np.where(pulsed, wanted, table.effective * level_set(wanted / table.effective, lamp))
-            drawn = given * np.where(flash, rate, np.where(pulsed, pulse * rate, 1.0))
+            lead_s = np.where(switched[scene_index], lamp.warm_up_s, np.inf)
+            most = np.where(given > 0, light_time[:, None] / given, 0.0)  # time that the light takes at least
+            on = np.where(switched[scene_index], np.minimum(1.0, rate * (lead_s + most)), 1.0)
+            drawn = given * np.where(flash, rate, np.where(pulsed, pulse * rate, on))
             drawn = np.where(wanted > 0, drawn * table.power_per_light, 0.0)
         able &= (wanted <= table.effective * MEETS) & (longest > 0)
         able &= (rate <= lamp.max_rate_hz * MEETS) | (table.kind == CONTINUOUS)

@@ -142,10 +142,11 @@ class Search:
     def _cameras_below_ceiling(self) -> Array:
         """Cameras that are not beyond the ceiling by themselves."""
         rows, count = self.problem.cameras, self.problem.mission.vehicle.camera_count
-        extra_cost, extra_mass, extra_power = self.problem.extras
+        extra_cost, extra_mass, _ = self.problem.extras
         floor = self.objective.cost_to_minimise(
             Terms(
-                count * rows.power_w + extra_power, count * rows.price + extra_cost, count * rows.mass_kg + extra_mass,
+                self.problem.least_camera_power_w(rows), count * rows.price + extra_cost,
+                count * rows.mass_kg + extra_mass,
                 np.full(len(rows.price), snr_ceiling(self.objective)), np.zeros(len(rows.price)), 1.0, np.inf,
             )
         )  # fmt: skip

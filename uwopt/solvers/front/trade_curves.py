@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
-from uwopt.forward.part_columns import FLASH, PULSED
+from uwopt.forward.part_columns import FLASH
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.bounds import bit_per_px_bound
@@ -60,14 +60,14 @@ class Hopeful(Columns):
         """Power with the lights at full level for the longest time, cameras included; the worst scene's."""
         drawn = []
         for r in self.rows:
-            share = np.where(r.kind == PULSED, np.minimum(1.0, r.time_max_s * r.rate_hz), 1.0)
-            drawn.append(full_draw_w(r) * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0))
+            share = r.on_share(r.time_max_s)
+            drawn.append(full_draw_w(r) * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0) + r.idle)
         return np.minimum(self.camera_power_w + np.max(drawn, axis=0), self.power_limit_w)
 
     @property
     def stepped(self) -> Array:
         """Whether only the steps of the lights change the power, in every scene."""
-        return np.asarray(np.logical_and.reduce([~r.dims_freely & (r.kind != PULSED) for r in self.rows]))
+        return np.asarray(np.logical_and.reduce([~r.dims_freely & ~r.timed for r in self.rows]))
 
 
 @dataclass(frozen=True)
@@ -369,7 +369,7 @@ def first_limits_w(some: Hopeful, least_w: Array) -> Array:
     stepped = some.stepped
     if not stepped.any():
         return even
-    steps = np.concatenate([r.levels * full_draw_w(r)[:, None] for r in some.rows], axis=1)
+    steps = np.concatenate([(r.levels * full_draw_w(r)[:, None]).T + r.idle for r in some.rows]).T
     steps = np.where((steps >= least_w[:, None] / ABOVE) & (steps <= far[:, None] * ABOVE), steps, np.nan)
     steps = np.sort(np.where(np.isnan(steps), np.inf, steps), axis=1)
     width = max(LIMITS, steps.shape[1])

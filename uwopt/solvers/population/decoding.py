@@ -169,7 +169,7 @@ class SceneRange:
         self.rows, self.shares = rows, shares
         with np.errstate(divide="ignore", invalid="ignore"):
             drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
-            share = light_limit_w / drawn
+            share = (light_limit_w - rows.idle) / drawn
         self.power_share = np.where(np.isnan(share), np.inf, share)
         self.low: Array | None = None
         self.high: Array | None = None
@@ -182,7 +182,7 @@ class SceneRange:
         """Range of levels; of a lamp with steps the one step that its share picks."""
         rows = self.rows
         top = np.minimum(rows.max_level, 1.0)
-        top = np.where(rows.kind == PULSED, top, np.minimum(top, self.power_share * (1 + 1e-9)))
+        top = np.where(rows.timed, top, np.minimum(top, self.power_share * (1 + 1e-9)))
         usable = np.where(rows.dims_freely[:, None], np.nan, rows.levels)
         usable = np.where(usable <= top[:, None] * (1 + SLACK), usable, np.nan)
         if self.low is not None and self.high is not None:
@@ -233,7 +233,7 @@ class SceneRange:
         low, high = self._window(dark_rows, sun)
         per_level = rows.light_lm * time_s / square
         with np.errstate(divide="ignore", invalid="ignore"):
-            duty = np.where(rows.kind == PULSED, np.minimum(1.0, time_s * rows.rate_hz), 1.0)
+            duty = rows.on_share(time_s)
             u_low = np.maximum(self.u_low, low / per_level)
             u_high = np.minimum(
                 np.minimum(self.u_high, high / per_level), self.power_share * (1 + 1e-9) / duty

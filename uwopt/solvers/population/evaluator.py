@@ -136,7 +136,7 @@ class Evaluator:
         some = built.take(fits)
         made = [self._figures(s, some, seen[s].take(fits), decoded, fits) for s in scenes]
         missed = np.sum([missed_of(self._margins(s, some, *made[s]), len(fits)) for s in scenes], axis=0)
-        missed += missed_of(self._over_scenes(some, [figures for _, _, figures in made]), len(fits))
+        missed += missed_of(self._over_scenes([figures for _, _, figures in made]), len(fits))
         violation[place[fits]] = missed
         holds = np.nonzero(missed <= 0.0)[0]
         figures = {name: c[holds] for name, c in self._named(made, some).items()}
@@ -183,14 +183,17 @@ class Evaluator:
         scene = self.problem.scenes[s]
         return rows, settings, figures_of(scene, rows, settings, information=self.information)
 
-    def _over_scenes(self, built: CodedHardware, figures: Sequence[Figures]) -> list[MarginRows]:
+    def _power_w(self, figures: Figures) -> Array:
+        """Mean power of everything in one scene."""
+        return self.problem.carried_power_w(figures.camera_power_w) + figures.light_power_w
+
+    def _over_scenes(self, figures: Sequence[Figures]) -> list[MarginRows]:
         """Limits of energy and storage over all scenes together."""
         duration, count = self.problem.duration, self.problem.mission.vehicle.camera_count
-        camera_power = self._camera_power_w(built)
         return list(
             duration_margins(
                 duration,
-                mean_power_w=duration.mean([camera_power + f.light_power_w for f in figures]),
+                mean_power_w=duration.mean([self._power_w(f) for f in figures]),
                 mean_data_rate_mb_s=duration.mean([count * f.data_rate_mb_s for f in figures]),
             )
         )
@@ -200,12 +203,13 @@ class Evaluator:
     ) -> list[MarginRows]:
         """Every requirement that settings touch; cost, mass, depth and view were checked with the hardware."""
         problem, limits = self.problem, self.problem.mission.limits
-        camera_power, nothing = self._camera_power_w(built), np.zeros(len(built.imager))
+        nothing = np.zeros(len(built.imager))
+        camera_peak = problem.camera_power_w(rows.cameras)
         return [
             *scene_margins(problem.scenes[s], rows, settings, figures, limits),
             *system_margins(
-                limits, cost_limit_value=nothing, power_w=camera_power + figures.light_power_w,
-                peak_power_w=camera_power + figures.light_peak_power_w, mass_kg=nothing,
+                limits, cost_limit_value=nothing, power_w=self._power_w(figures),
+                peak_power_w=camera_peak + figures.light_peak_power_w, mass_kg=nothing,
                 data_rate_mb_s=figures.data_rate_mb_s * problem.mission.vehicle.camera_count, depth_m=0.0,
                 ratings_m={}, accepted=frozenset(),
             ),
@@ -234,7 +238,7 @@ class Evaluator:
 
         light_w = worst(lambda k, r, t, f: f.light_power_w, most=True)
         found: dict[str, Array] = {
-            "power_w": self._camera_power_w(built) + light_w,
+            "power_w": worst(lambda k, r, t, f: self._power_w(f), most=True),
             "light_power_w": light_w,
             "cost": cost_of(self.search, built),
             "mass_kg": mass_kg_of(self.search, built),

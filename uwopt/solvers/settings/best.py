@@ -45,8 +45,12 @@ def scenes_need_cells(scenes: Sequence[SceneOptics], objective: Objective) -> bo
 
 
 def needs_cells(rows: list[SceneRows], objective: Objective) -> bool:
-    """Whether the closed form does not hold."""
-    return bool(objective.weight("information")) or any(r.sunlit or r.min_mtf > 0 for r in rows)
+    """Whether the closed form does not hold.
+
+    Power that falls with the time as well as with the level is not convex along the SNR: no weighing of both.
+    """
+    weighs = bool(objective.weight("snr_db") and objective.weight("power")) and any(r.switched for r in rows)
+    return bool(objective.weight("information")) or weighs or any(r.sunlit or r.min_mtf > 0 for r in rows)
 
 
 def best_settings(
@@ -61,7 +65,8 @@ def best_settings(
             rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
             cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit,
         )  # fmt: skip
-    if objective.weight("information") or any(r.sunlit for r in rows):
+    weighs = bool(objective.weight("snr_db") and objective.weight("power"))
+    if objective.weight("information") or any(r.sunlit or (weighs and r.switched) for r in rows):
         from uwopt.solvers.settings.cells import (
             best_by_cells,  # brings scipy.special, which no closed form needs
         )
@@ -223,7 +228,7 @@ def best_closed(
         rows = updated
     best = closed_at(rows, found)
     best = replace(best, feasible=best.feasible & settled)
-    if not objective.weight("snr_db"):
+    if not objective.weight("snr_db") and not any(r.switched for r in rows):
         best = with_joint_optimum(best, rows, motorised, ever)
         if mean_limit is not None:
             best = replace(best, feasible=best.feasible & mean_limit.met_by(best.chosen, camera_power_w))

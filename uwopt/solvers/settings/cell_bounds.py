@@ -89,11 +89,13 @@ class SceneCells:
         self.sunlit = rows.sunlit
         with np.errstate(divide="ignore", invalid="ignore"):
             drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
-            share = light_limit_w / drawn
+            share = (light_limit_w - rows.idle) / drawn
         self.share = np.where(np.isnan(share), np.inf, share)  # level allowed by mean power
-        burning = rows.kind != PULSED
+        self.timed, self.leads_s = rows.timed, np.where(rows.timed, rows.leads_s, 0.0)
         top = np.minimum(rows.max_level, 1.0)
-        self.u_max = np.where(burning, np.minimum(top, self.share * (1 + 1e-9)), top)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            most = self.share * (1 + 1e-9) / rows.on_share(rows.time_min_s)
+        self.u_max = np.where(rows.kind == PULSED, top, np.minimum(top, np.where(np.isnan(most), np.inf, most)))
         self.u_min = np.where(rows.dims_freely, rows.min_level, 0.0)
         self.constant_window = None
         if not self.sunlit and not np.any(rows.dark_current_e_s > 0):
@@ -201,10 +203,9 @@ class SceneCells:
             low, high = window_over(rows, y_lo, y_hi, shortest, longest)
         per_level_lo = rows.light_lm * box.t_lo / n2_hi
         per_level_hi = rows.light_lm * box.t_hi / n2_lo
-        pulsed = rows.kind == PULSED
-        duty = np.where(pulsed, np.minimum(1.0, box.t_lo * rows.rate_hz), 1.0)
+        timed, duty = self.timed[d], rows.on_share(box.t_lo)
         with np.errstate(divide="ignore", invalid="ignore"):
-            top = np.minimum(box.u_hi, np.where(pulsed, self.share[d] * (1 + 1e-9) / duty, np.inf))
+            top = np.minimum(box.u_hi, np.where(timed, self.share[d] * (1 + 1e-9) / duty, np.inf))
             top = np.minimum(top, np.where(per_level_lo > 0, high / per_level_lo * (1 + SLACK), np.inf))
             bottom = np.maximum(box.u_lo, low / per_level_hi * (1 - SLACK))
         bottom, top = self.steps(d, bottom, top)
@@ -217,9 +218,9 @@ class SceneCells:
         x_cap, x_lo = (np.where(alive, np.maximum(x, 0.0), 0.0) for x in (x_cap, x_lo))
         with np.errstate(divide="ignore", invalid="ignore"):
             least_energy = np.maximum(bottom * duty, low * n2_lo / rows.light_lm * np.minimum(
-                1.0 / box.t_hi, rows.rate_hz))  # fmt: skip
+                1.0 / box.t_hi, rows.rate_hz * (1.0 + self.leads_s[d] / box.t_hi)))  # fmt: skip
         drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
-        power = drawn * np.where(pulsed, least_energy, bottom)
+        power = drawn * np.where(timed, least_energy, bottom) + rows.idle
         alive &= np.isfinite(power)
         snr, contrast = self._snr_and_contrast(rows, box, bottom, top, x_lo, x_cap, y_lo, y_hi)
         if rows.worst_e is None:  # what pixels reach may be more than the mean has
@@ -315,7 +316,7 @@ class SceneCells:
         drawn_most = (
             np.where(full_w > 0, self.share[d], 0.0) * full_w
         )  # a flash that never fires draws nothing
-        fits &= holds & (power <= drawn_most * (1 + 2e-9))
+        fits &= holds & (power - rows.idle <= drawn_most * (1 + 2e-9))
         if rows.min_mtf > 0:
             along, across = self.mtf_parts(d, f_number, f_number)
             assert self.sharp is not None
@@ -337,7 +338,7 @@ class SceneCells:
         else:
             low, high = window_over(rows, y, y, exposure, exposure)
         per_level = rows.light_lm * time_s / square
-        duty = np.where(rows.kind == PULSED, np.minimum(1.0, time_s * rows.rate_hz), 1.0)
+        duty = rows.on_share(time_s)
         with np.errstate(divide="ignore", invalid="ignore"):
             least = np.maximum(u_lo, low / per_level)
             top = np.minimum(np.minimum(u_hi, high / per_level), self.share[d] * (1 + 1e-9) / duty)

@@ -172,11 +172,14 @@ def power_tangent(scene: SceneCells, d: Array, box: Box, shift: Array, centre: A
     rows = scene.rows
     kind, rate = rows.kind[d], rows.rate_hz[d]
     drawn = np.where(kind == FLASH, rows.pulse_energy_j[d] * rate, rows.full_power_w[d])
-    short = (kind == PULSED) & (box.t_hi * rate <= 1 + 1e-9)
-    long = (kind == PULSED) & ~short
-    duty = np.where(long, np.minimum(1.0, box.t_lo * rate), 1.0)
-    at_centre = drawn * centre[:, 2] * np.where(short, centre[:, 1] * rate, duty)
-    slope = shift[:, :, 2] + np.where(short, 1.0, 0.0)[:, None] * shift[:, :, 1]
+    lead_s, timed = scene.leads_s[d], scene.timed[d]
+    short = timed & ((lead_s + box.t_hi) * rate <= 1 + 1e-9)
+    duty = np.where(timed & ~short, np.minimum(1.0, (lead_s + box.t_lo) * rate), 1.0)
+    on_s = lead_s + centre[:, 1]
+    at_centre = drawn * centre[:, 2] * np.where(short, on_s * rate, duty)
+    slope = shift[:, :, 2] + np.where(short, centre[:, 1] / on_s, 0.0)[:, None] * shift[:, :, 1]
     floor = DIMMEST * scene.u_max[d]  # levels below it have no vertex
     unseen = drawn * np.where(box.u_lo < floor, floor, 0.0)
-    return np.asarray(at_centre[:, None] * (1.0 + slope) - unseen[:, None])
+    idle = np.broadcast_to(rows.idle, rate.shape if rows.idle_w is None else rows.kind.shape)
+    idle = idle if rows.idle_w is None else idle[d]
+    return np.asarray(at_centre[:, None] * (1.0 + slope) - unseen[:, None] + idle[:, None])

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
-from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
+from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings.cell_bounds import Box, Points, Reach, SceneCells
@@ -224,11 +224,13 @@ class CellSearch:
         return pool
 
     def _cut_at_kinks(self, pool: Pool, s: int, rows: SceneRows) -> Pool:
-        """A pulsed LED's duty of 1, the time from which its mean power is capped, a flash's whole duration."""
+        """A duty of 1 of pulsed LEDs and of lamps off between images, the time from which their mean power is capped,
+        a flash's whole duration."""
         dim = self.t_dim[s]
         with np.errstate(divide="ignore", invalid="ignore"):
-            full = np.where(rows.kind == PULSED, -np.log(rows.rate_hz), np.nan)
-            capped = full + np.log(self.scenes[s].share / self.scenes[s].u_max)
+            on_s = np.where(rows.timed, 1.0 / rows.rate_hz, np.nan)  # at a duty of 1
+            leads_s, share = self.scenes[s].leads_s, self.scenes[s].share / self.scenes[s].u_max
+            full, capped = np.log(on_s - leads_s), np.log(on_s * share - leads_s)
         for kink in (full, capped):
             at = kink[pool.design]
             inside = (at > pool.lo[:, dim] + 1e-12) & (at < pool.hi[:, dim] - 1e-12)

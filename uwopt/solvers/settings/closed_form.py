@@ -315,14 +315,11 @@ def stepped_level(rows: SceneRows, need: Array, cap: Array) -> Array:
 
 def drawn_power_w(rows: SceneRows, level: Array, time_s: Array) -> Array:
     """Mean electrical power of all lights (PHYSICS section 1)."""
-    burning = light.continuous_power_w(level, full_power_w=rows.full_power_w, count=1)
-    pulsed = light.pulsed_led_power_w(
-        level, full_power_w=rows.full_power_w, count=1, pulse_s=time_s, frame_rate_hz=rows.rate_hz
-    )
+    burning = light.continuous_power_w(level, full_power_w=rows.full_power_w, count=1) * rows.on_share(time_s)
     flashing = light.flash_power_w(
         rows.pulse_energy_j * level, count=1, frame_rate_hz=rows.rate_hz, charging_efficiency=1.0
     )
-    return np.where(rows.kind == CONTINUOUS, burning, np.where(rows.kind == PULSED, pulsed, flashing))
+    return np.where(rows.kind == FLASH, flashing, burning) + rows.idle
 
 
 def peak_power_w(rows: SceneRows, level: Array) -> Array:
@@ -402,23 +399,33 @@ def best_over(rows: SceneRows, f_numbers: Array, low: Array, high: Array, power_
 def most_light(rows: SceneRows, f_number: Array, low: Array, high: Array, power_limit_w: Array) -> Array:
     """Greatest X in the window that the lights reach at this f-number within a mean power; NaN: none."""
     square = np.square(f_number * rows.working_factor)
+    left_w = power_limit_w - rows.idle
+    burnt = np.isfinite(rows.leads_s) & (rows.kind == CONTINUOUS)
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(
             rows.kind == FLASH,
-            power_limit_w / (rows.pulse_energy_j * rows.rate_hz),
-            power_limit_w / rows.full_power_w,
+            left_w / (rows.pulse_energy_j * rows.rate_hz),
+            left_w / rows.full_power_w,
         )
         share = np.where(np.isnan(share), np.inf, share)
         energy_cap = np.where(rows.kind == PULSED, share / rows.rate_hz, np.inf)
         level_cap = np.where(rows.kind == PULSED, np.inf, share)
         energy_cap = np.where(np.isnan(energy_cap), np.inf, energy_cap)
+        # Off between images: a dial at the longest time, at the level that it leaves; a step for as long as it may.
+        level_cap = np.where(
+            burnt, np.where(rows.dims_freely, share / rows.on_share(rows.time_max_s), np.inf), level_cap
+        )
+        lead_s = np.where(burnt, rows.leads_s, 0.0)
     top = np.minimum(np.minimum(level_cap, rows.max_level), 1.0)
     levels = np.where(rows.dims_freely[:, None], np.nan, rows.levels)
     levels = np.where(levels <= top[:, None] * (1 + SLACK), levels, np.nan)
     levels[:, 0] = np.where(rows.dims_freely, np.where(top >= rows.min_level, top, np.nan), levels[:, 0])
     floor_level = np.where(rows.dims_freely[:, None], rows.min_level[:, None], levels)
     with np.errstate(divide="ignore", invalid="ignore"):
-        most = np.minimum(levels * rows.time_max_s[:, None], energy_cap[:, None])
+        left = (share / rows.rate_hz)[:, None] - levels * lead_s[:, None]
+        shortened = (burnt & ~rows.dims_freely)[:, None] & (levels > share[:, None])
+        energy = np.where(shortened, left, energy_cap[:, None])
+        most = np.minimum(levels * rows.time_max_s[:, None], energy)
         least = floor_level * rows.time_min_s[:, None]
         scale = (rows.light_lm / square)[:, None]
         light_x = np.minimum(most * scale, high[:, None])

@@ -1,0 +1,105 @@
+"""Lamps and cameras that are off between images, in the exact search: against enumeration and by hand."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import brute_force as brute
+import numpy as np
+import pytest
+from agreement import agree
+from energy_cases import switched_case
+from random_cases import CHOSEN, lamp, planted, ranked, solved
+from settings_attack import lit, sharp
+from thorough import drawn
+
+from uwopt.evaluation.design import evaluate_design
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.recommend import hardware_of
+from uwopt.solvers.settable.rounding import given_of
+from uwopt.solvers.settings.best import GAP, best_settings
+from uwopt.solvers.settings.cells import best_by_cells
+from uwopt.solvers.settings.closed_form import most_light
+
+SEEDS = drawn(
+    (9, 10, 14, 17, 24, 32, 33, 39, 44, 45, 54, 79, 81, 91), tuple(s for s in CHOSEN if solved(s).best)
+)
+
+
+@pytest.mark.usefixtures("batches")
+@pytest.mark.parametrize("seed", SEEDS)
+def test_search_with_lamps_off_between_images_equals_enumeration(seed: int) -> None:
+    case = switched_case(seed)
+    found = brute.enumerate_all(brute.Bench(case.problem()), case.objective)
+    agree(case, case.solve()[1], ranked(found), gap_rel=2 * GAP)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_claims_hold_with_lamps_off_between_images(seed: int) -> None:
+    case = switched_case(seed)
+    for found in case.solve()[1].best:
+        problem, hardware = case.problem(), hardware_of(found)
+        design = evaluate_design(
+            problem, hardware, given_of(problem, hardware, found.settings), case.objective
+        )
+        assert design.feasible
+        assert design.totals.power_w == pytest.approx(found.power_w, rel=1e-9)
+        assert not math.isnan(found.minimised)
+
+
+# ---------------------------------------------------------------- parts of the search
+
+
+def off(lead_s: float, image: Any = None, **changed: Any) -> SceneRows:
+    """200 W of lamps, off between images, 0.5 W of standby, an image in ten seconds."""
+    return lit(image, rate_hz=0.1, lead_s=lead_s, idle_w=0.5, **changed)
+
+
+@pytest.mark.parametrize("lead_s", [0.0, 0.02, 1.0])
+@pytest.mark.parametrize("wanted", ["power", "snr_db"])
+def test_cells_and_closed_form_agree_on_switched_lamps(wanted: str, lead_s: float) -> None:
+    image = sharp(blur=0.0, place=0.0)
+    args = (np.array([False]), Objective.of(wanted), np.array([3.0]), 6.0)
+    easy = best_settings([off(lead_s, image)], *args)
+    cells = best_by_cells([off(lead_s, image, min_mtf=1e-12)], *args)
+    assert easy.feasible[0]
+    assert cells.feasible[0]
+    value = easy.chosen[0].light_power_w[0] + 3.0 if wanted == "power" else -easy.snr_db[0]
+    found = cells.chosen[0].light_power_w[0] + 3.0 if wanted == "power" else -cells.snr_db[0]
+    assert found == pytest.approx(value, rel=2e-4)
+    assert cells.lower_bound[0] <= found
+
+
+def test_most_light_within_a_power_by_hand() -> None:
+    """4.5 W less 0.5 W of standby are 2 % of 200 W: 0.2 s at full in ten seconds, less what the warm-up takes.
+
+    A dial: the longest time t at the level u with u (lead + t) = 0.2 s. A step of 1 or 0.5: 0.2 s / u - lead.
+    """
+    lens = np.array([2.0])
+    square = (2.0 * 1.02) ** 2
+
+    def most_s(rows: SceneRows) -> float:
+        low, high = np.array([0.0]), np.array([np.inf])
+        return float(most_light(rows, lens, low, high, np.array([4.5]))[0]) * square / 20_000.0
+
+    dial = off(0.3, time_max_s=0.1)
+    assert most_s(dial) == pytest.approx(0.2 / 0.4 * 0.1)
+    steps = {"dims_freely": False, "levels": [0.5, 1.0]}
+    assert most_s(off(0.15, time_max_s=1.0, **steps)) == pytest.approx(0.5 * (0.4 - 0.15))
+    assert most_s(off(0.15, time_max_s=0.1, **steps)) == pytest.approx(
+        0.05
+    )  # a twentieth either way
+
+
+def test_bounds_are_no_higher_than_what_switched_lamps_draw() -> None:
+    burning = lamp("burning", flux_lm=2e4, power_w=200.0, warm_up_s=0.5, standby_w=0.01)
+    case = planted("power", (burning,), {"min_snr_db": 20.0, "frame_interval_s": 60.0, "overlap": None},
+                   speed_m_s=0.0, lamps_between_images="off")  # fmt: skip
+    search, outcome = case.solve()
+    best = outcome.best[0]
+    k = next(i for i, one in enumerate(search.tables.lightings) if one is best.lighting)
+    bound = search.bounds.of_nodes(k, np.array([best.imager]))
+    assert bound.power[0] <= best.power_w * (1 + 1e-9)
+    assert best.power_w < 2.0 + 200.0 * 1.5 / 60.0 + 0.02  # camera, lamp at full for 1.5 s a minute, standby
