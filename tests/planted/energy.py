@@ -6,6 +6,7 @@ DURATION = "tests/evaluation/test_duration.py::"
 SEARCH = "tests/solvers/test_energy.py::"
 SWITCHED = "tests/evaluation/test_switching_off.py::"
 SWITCHED_SEARCH = "tests/solvers/test_switching.py::"
+HOST = "tests/evaluation/test_host.py::"
 BY_HAND = f"{DURATION}test_energy_storage_and_endurance_are_those_by_hand"
 OVER_SCENES = f"{SEARCH}test_cells_and_closed_form_agree_on_energy_over_two_scenes"
 
@@ -121,5 +122,26 @@ DEFECTS = (
         old="timed, duty = self.timed[d], rows.on_share(box.t_lo)",
         new="timed, duty = self.timed[d], np.ones(len(d))",
         test=f"{SWITCHED_SEARCH}test_cells_and_closed_form_agree_on_switched_lamps",
+    ),
+    Defect(
+        name="each camera has a computer of its own",
+        file="uwopt/forward/problem.py",
+        old="host_share=1.0 / mission.vehicle.camera_count if",
+        new="host_share=1.0 if",
+        test=f"{HOST}test_two_cameras_share_one_computer",
+    ),
+    Defect(
+        name="the computer stands in no bill",
+        file="uwopt/evaluation/bill.py",
+        old="    if problem.counts_host:\n",
+        new="    if not problem.counts_host:\n",
+        test=f"{HOST}test_the_computer_of_an_interface_counts_in_power_and_cost",
+    ),
+    Defect(
+        name="the computer costs what it does in another currency",
+        file="uwopt/forward/part_columns.py",
+        old='[money(number(p.host_price, 0.0, at, favoured), "USD") for p in parts]',
+        new="[number(p.host_price, 0.0, at, favoured) for p in parts]",
+        test=f"{HOST}test_the_computer_of_an_interface_counts_in_power_and_cost",
     ),
 )

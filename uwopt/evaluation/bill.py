@@ -78,6 +78,8 @@ def bill_of_materials(problem: Problem, hw: Hardware) -> list[BillRow]:
             )
         )  # fmt: skip
     extras = problem.mission.catalog.extras
+    if problem.counts_host:
+        rows.append(host_row(problem, parts_host(problem, hw)))
     return rows + [
         BillRow(
             kind="extra", id=extra.name, manufacturer="", model=extra.name, count=1, owned=0,
@@ -86,6 +88,23 @@ def bill_of_materials(problem: Problem, hw: Hardware) -> list[BillRow]:
         )
         for extra in extras
     ]  # fmt: skip
+
+
+def parts_host(problem: Problem, hw: Hardware) -> Quantity:
+    """Price in USD of the computer that takes the images."""
+    return problem.parts.cameras[hw.camera].host_price or Quantity(0.0, 0.0, 0.0, "user")
+
+
+def host_row(problem: Problem, price: Quantity) -> BillRow:
+    """The computer that takes the images, one for all cameras."""
+    rate = problem.money(1.0, "USD")
+    value, low, high = (rate * end for end in (price.value, price.low, price.high))
+    return BillRow(
+        kind="extra", id="host-computer", manufacturer="", model="computer that takes the images", count=1, owned=0,
+        unit_price=value, unit_price_low=low, unit_price_high=high, currency=problem.mission.limits.currency,
+        price_status="own" if price.status == "user" else price.status, price_date="", generic=False,
+        source="class estimate by the camera's interface", price_basis=price.source,
+    )  # fmt: skip
 
 
 def cost_range(problem: Problem, rows: Sequence[BillRow]) -> Cost:

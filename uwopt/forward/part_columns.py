@@ -186,6 +186,24 @@ def _prices(parts: Sequence[Part], money: Money, end: End) -> Array:
     return np.array([money(number(p.price, 0.0, end, FAVOURED["price"]), p.currency) for p in parts], float)
 
 
+def with_host(
+    known: dict[str, Array], parts: Sequence[Camera], money: Money, end: End, high_basis: bool, share: float
+) -> dict[str, Array]:
+    """Prices of cameras with a share of that of their computer, which is stated in USD."""
+
+    def host(at: End) -> Array:
+        favoured = FAVOURED["host_price"]
+        return np.array([money(number(p.host_price, 0.0, at, favoured), "USD") for p in parts], float)
+
+    if share == 0.0:
+        return known
+    limit = host("bad" if high_basis else end)
+    return {
+        "price": known["price"] + share * host(end),
+        "limit_price": known["limit_price"] + share * limit,
+    }
+
+
 def camera_rows(
     parts: Sequence[Camera],
     *,
@@ -194,10 +212,12 @@ def camera_rows(
     paper: bool = False,
     high_basis: bool = False,
     longest_exposure_s: float = 0.0,
+    host_share: float = 0.0,
 ) -> tuple[Cameras, list[dict[str, Curve]]]:
     """Cameras as columns, and the distinct efficiency curves they point to.
 
-    Physics `paper` counts 16-bit numbers and knows no exposure offset, dark current or PRNU.
+    Physics `paper` counts 16-bit numbers and knows no exposure offset, dark current or PRNU. Each camera draws and
+    costs its share of the one computer that takes the images.
     """
     curves: list[dict[str, Curve]] = []
     index_of: dict[tuple[tuple[str, Curve], ...], int] = {}
@@ -218,8 +238,9 @@ def camera_rows(
     rolling = np.array([part.shutter == "rolling" for part in parts], bool)
     rows = Cameras(
         **of_table(Cameras, known)
-        | prices(parts, money, end, high_basis)
+        | with_host(prices(parts, money, end, high_basis), parts, money, end, high_basis, host_share)
         | {
+            "power_w": known["power_w"] + host_share * known["host_power_w"],
             "gain_dn_per_e": _gain(parts, bits, known),
             "bits": bits,
             "max_gain": db_to_ratio(known["max_gain_db"]),

@@ -61,13 +61,15 @@ class Parts:
     lights: tuple[Light, ...]
 
 
-def switched(mission: Mission, parts: Parts) -> Parts:
-    """The parts, with estimates of what they draw while they are off where the mission switches them."""
+def estimated(mission: Mission, parts: Parts) -> Parts:
+    """The parts with the estimates that only some missions ask for: what they draw while off, and their computer."""
     vehicles = [view.vehicle for view in mission.views]
     if switching.any_off(vehicles, "lamps_between_images"):
         parts = replace(parts, lights=tuple(switching.light_with_estimates(p) for p in parts.lights))
     if switching.any_off(vehicles, "camera_between_images"):
         parts = replace(parts, cameras=tuple(switching.camera_with_estimates(p) for p in parts.cameras))
+    if mission.catalog.host == "estimate":
+        parts = replace(parts, cameras=tuple(switching.camera_with_host(p) for p in parts.cameras))
     return parts
 
 
@@ -89,7 +91,7 @@ class Problem:
         effects: Effects = FULL,
         fineness: fine.Fineness = fine.DEFAULT,
     ):
-        self.mission, self.parts, self.paper, self.end = mission, switched(mission, parts), paper, end
+        self.mission, self.parts, self.paper, self.end = mission, estimated(mission, parts), paper, end
         parts = self.parts
         self.known_models: dict[Any, Any] = {}  # by hardware; see `design_model.design_model`
         self.effects = PAPER if paper else effects
@@ -111,6 +113,7 @@ class Problem:
         self.cameras, self.efficiencies = camera_rows(
             parts.cameras, money=self.money, end=end, paper=paper, high_basis=high,
             longest_exposure_s=mission.limits.max_exposure_ms * 1e-3,
+            host_share=1.0 / mission.vehicle.camera_count if self.counts_host else 0.0,
         )  # fmt: skip
         self.lenses: Lenses = lens_rows(parts.lenses, money=self.money, end=end, high_basis=high)
         self.ports: Ports = port_rows(
@@ -152,6 +155,11 @@ class Problem:
             float(sum(item.mass_kg or 0.0 for item in items)),
             float(sum(item.power_w or 0.0 for item in items)),
         )
+
+    @property
+    def counts_host(self) -> bool:
+        """Whether the computer that takes the images counts, in power and cost."""
+        return self.mission.catalog.host == "estimate"
 
     @cached_property
     def duration(self) -> Duration:

@@ -46,6 +46,17 @@ def camera_with_estimates(camera: Camera) -> Camera:
     )
 
 
+def camera_with_host(camera: Camera) -> Camera:
+    """A camera with power and price of the computer that takes its images, those of its interface unless it says."""
+    names = ("host-power-w", "host-price")
+    power, price = (required_class(f"camera-{name}", f"host-{camera.interface}", "host-any") for name in names)
+    return replace(
+        camera,
+        host_power_w=camera.host_power_w or power.quantity(),
+        host_price=camera.host_price or price.quantity(),
+    )
+
+
 def are_switched(vehicle: Vehicle, lights: Lights) -> Array:
     """Which lamps are off between images."""
     off = vehicle.lamps_between_images == "off"

@@ -334,6 +334,11 @@ class CatalogChoice(Section):
         default="warn",
         description="what a lens rated for larger pixels than the camera's is: warn tells of it, limit refuses it",
     )
+    host: Annotated[Literal["none", "estimate"], CHOICE] = Field(
+        default="none",
+        description="the computer that takes the images: none leaves it out, estimate (recommended, unless it is among "
+        "the extras) counts power and cost by the camera's interface",
+    )
     extras: tuple[Extra, ...] = Field(
         default=(), description="list of items added to every system: {name, cost, mass_kg, power_w}"
     )

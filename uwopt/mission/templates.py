@@ -117,6 +117,7 @@ catalog:
   # verified: [price]          # fields that must come from a source
   # accept_unrated: []         # ids whose unknown depth rating you accept
   # lens_rating: warn          # warn | limit: lenses rated for larger pixels than the camera's
+  # host: none                 # none | estimate: computer that takes the images, by the camera's interface
   # extras: [{name: housing, cost: 900, mass_kg: 2.5, power_w: 0}]
 """
 

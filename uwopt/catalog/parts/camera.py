@@ -166,6 +166,12 @@ class Camera(Part):
     standby_w: Annotated[
         Known, Cell("power of the camera while it is switched off in watts", FROM_ZERO, favours="low")
     ] = None
+    host_power_w: Annotated[
+        Known, Cell("power of the computer that takes the images in watts", FROM_ZERO, favours="low")
+    ] = None
+    host_price: Annotated[
+        Known, Cell("price of the computer that takes the images in USD", FROM_ZERO, favours="low")
+    ] = None
     perf_quality: ClassVar[Annotated[Literal["A", "B", "C", "D"], Cell("grade of the sensor's figures")]]
     snr_max_db: ClassVar[
         Annotated[float, Cell("best ratio of signal to noise, as EMVA 1288 measures it", POSITIVE)]

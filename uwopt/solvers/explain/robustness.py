@@ -35,8 +35,8 @@ SLOW_S = 5.0  # for a rival, where settings have no closed form
 
 def unit_of(name: str, part: Part) -> str:
     """Unit of a part's field, from its name."""
-    if name == "price":
-        return part.currency
+    if name in ("price", "host_price"):
+        return part.currency if name == "price" else "USD"
     suffixes = sorted(UNITS_BY_SUFFIX, key=len, reverse=True)
     return next((UNITS_BY_SUFFIX[s] for s in suffixes if name.endswith(s)), "")
 

@@ -1,0 +1,75 @@
+"""The computer that takes the images: power and cost by the camera's interface, by hand from the class estimates."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import uwopt
+
+MISSION: dict[str, Any] = {
+    "name": "with a computer", "physics": "paper",
+    "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
+    "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0, "light_count": 1, "camera_count": 1},
+    "requirements": {"frame_interval_s": 100.0, "circle_of_confusion_px": 2.0},
+    "limits": {"max_exposure_ms": 100.0, "currency": "EUR", "rates": {"EUR": 1.25}}, "catalog": {"host": "estimate"},
+}  # fmt: skip
+SYSTEM: dict[str, Any] = {
+    "camera": {"resolution_x_px": 2000, "resolution_y_px": 1000, "pixel_pitch_um": 5.0, "read_noise_e": 5.0,
+               "quantum_efficiency": 0.5, "bit_depth": 12, "max_frame_rate_hz": 10.0, "power_w": 4.0,
+               "interface": "GigE", "price": 1000.0, "currency": "USD", "wake_up_s": 4.8, "standby_w": 0.002},
+    "lens": {"focal_length_mm": 10.0, "f_number_min": 1.4, "f_number_max": 16.0},
+    "port": {"geometry": "flat", "gap_mm": 5.0, "thickness_mm": 10.0},
+    "light": {"kind": "pulsed_led", "flux_lm": 3_000, "power_w": 0.0, "beam": "cosine-power",
+              "beam_half_angle_deg": 40.0},
+    "settings": {"f_number": 4.0, "exposure_ms": 50.0, "pulse_ms": 1.0, "gain": 1.0},
+}  # fmt: skip
+# A computer for GigE: 5 W (2.4 to 10), 200 USD (100 to 500); at 1.25 USD a euro 160 EUR (80 to 400).
+
+
+def design(
+    *, vehicle: dict[str, Any] | None = None, host: str = "estimate", count: int = 1, **camera: Any
+) -> Any:
+    """What `evaluate` says of the system with some keys changed."""
+    mission = {
+        **MISSION, "catalog": {"host": host},
+        "vehicle": {**MISSION["vehicle"], "camera_count": count, **(vehicle or {})},
+    }  # fmt: skip
+    system = {**SYSTEM, "camera": {**SYSTEM["camera"], **camera}, "camera_count": count}
+    result = uwopt.evaluate(mission, system)
+    assert result.design is not None
+    return result.design
+
+
+def test_the_computer_of_an_interface_counts_in_power_and_cost() -> None:
+    found, without = design(), design(host="none")
+    assert (without.totals.power_w, without.totals.cost.value) == pytest.approx((4.0, 800.0))
+    assert (found.totals.power_w, found.totals.cost.value) == pytest.approx((9.0, 960.0))
+    assert (found.totals.cost.low, found.totals.cost.high) == pytest.approx((880.0, 1200.0))
+    assert found.totals.cost.estimated == pytest.approx(160.0)
+    assert found.scenes[0].figures["cost"] == pytest.approx(960.0)
+    assert [row.id for row in found.bom if row.kind == "extra"] == ["host-computer"]
+    assert "host-computer" not in [row.id for row in without.bom]
+
+
+def test_two_cameras_share_one_computer() -> None:
+    found = design(count=2)
+    assert (found.totals.power_w, found.totals.cost.value) == pytest.approx(
+        (2 * 4.0 + 5.0, 2 * 800.0 + 160.0)
+    )
+
+
+def test_the_computer_is_off_with_the_camera_between_images() -> None:
+    # On for 4.8 s to wake up, 0.1 s of the longest exposure and 0.1 s of transfer in 100 s: a twentieth.
+    found = design(vehicle={"camera_between_images": "off"})
+    assert found.totals.power_w == pytest.approx((4.0 + 5.0) / 20.0 + 0.002)
+
+
+def test_what_a_camera_says_of_its_computer_counts_instead() -> None:
+    found = design(host_power_w=1.5, host_price=50.0)
+    assert (found.totals.power_w, found.totals.cost.value) == pytest.approx((5.5, 800.0 + 40.0))
+
+
+def test_an_interface_that_no_class_knows_takes_the_class_of_any() -> None:
+    assert design(interface="coax").totals.power_w == pytest.approx(10.0)
