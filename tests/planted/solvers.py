@@ -305,8 +305,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="cells' power 2 % too high",
         file="uwopt/solvers/settings/cell_bounds.py",
-        old="power = drawn * np.where(pulsed, least_energy, bottom)",
-        new="power = 1.02 * drawn * np.where(pulsed, least_energy, bottom)",
+        old="power = drawn * np.where(timed, least_energy, bottom)",
+        new="power = 1.02 * drawn * np.where(timed, least_energy, bottom)",
         test=f"{CELLS}test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[power in steps under the sun]",
     ),
     Defect(

@@ -27,7 +27,7 @@ from uwopt.solvers.settings.mean_limit import MeanLimit
 BURNING = lamp("burning", flux_lm=2e4, power_w=200.0)
 
 #: With one scene and two, all kinds of lamps, and SNR alone, in a sum, or not in the objective.
-SEEDS = drawn((9, 10, 14, 24, 33, 39, 45, 54, 75, 81), tuple(s for s in CHOSEN if solved(s).best))
+SEEDS = drawn((9, 10, 14, 24, 33, 39, 91, 54, 75, 81), tuple(s for s in CHOSEN if solved(s).best))
 
 
 @pytest.mark.usefixtures("batches")

@@ -98,12 +98,13 @@ def parts_host(problem: Problem, hw: Hardware) -> Quantity:
 def host_row(problem: Problem, price: Quantity) -> BillRow:
     """The computer that takes the images, one for all cameras."""
     rate = problem.money(1.0, "USD")
-    value, low, high = (rate * end for end in (price.value, price.low, price.high))
     return BillRow(
         kind="extra", id="host-computer", manufacturer="", model="computer that takes the images", count=1, owned=0,
-        unit_price=value, unit_price_low=low, unit_price_high=high, currency=problem.mission.limits.currency,
-        price_status="own" if price.status == "user" else price.status, price_date="", generic=False,
-        source="class estimate by the camera's interface", price_basis=price.source,
+        unit_price=rate * price.value, unit_price_low=rate * price.low, unit_price_high=rate * price.high,
+        currency=problem.mission.limits.currency,
+        price_status="own" if price.status == "user" else price.status,
+        price_date="", generic=False, source="class estimate by the camera's interface",
+        price_basis=price.source,
     )  # fmt: skip
 
 

@@ -197,7 +197,7 @@ def with_host(
 
     if share == 0.0:
         return known
-    limit = host("bad" if high_basis else end)
+    limit = host(end if not high_basis else "bad")
     return {
         "price": known["price"] + share * host(end),
         "limit_price": known["limit_price"] + share * limit,
