@@ -247,6 +247,13 @@ def test_page_tells_what_the_result_holds(make_kind: Make, kind: str, expected: 
         assert words in text
 
 
+@pytest.mark.parametrize(("kind", "folded"), [("solve", True), ("violated", True), ("front2", False)])
+def test_proof_is_folded_on_the_page_of_one_system(make_kind: Make, kind: str, folded: bool) -> None:
+    folds = [e for e in Tree(report_html(make_kind(kind))).tags("details") if "fold" in e.attributes.get("class", "")]
+    assert len(folds) >= 2
+    assert all(("open" not in fold.attributes) == folded for fold in folds)
+
+
 def test_two_objectives_have_no_third_dimension(make_kind: Make) -> None:
     tree = Tree(report_html(make_kind("front2")))
     assert "Three dimensions" not in next(tree.tags("main")).text

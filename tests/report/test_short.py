@@ -70,7 +70,9 @@ def test_parts_are_bought_at_what_is_left_to_pay_as_a_range(doubtful: Result) ->
     # of two lamps at 1 700 to 3 400 USD one is owned
     text = text_of(doubtful)
     assert "2 x light Acme Lamp 1 700 to 3 400 USD" in text
-    assert "price 3 610 to 5 310 USD, most likely 4 210; 55 % of it estimated, not quoted" in text  # 2300 / 4210
+    assert (
+        "price 3 610 to 5 310 USD, most likely 4 210; 55 % of it estimated, not quoted" in text
+    )  # 2300 / 4210
     assert "Ask for a quote: 1 x Acme Lamp, 1 700 to 3 400 USD." in text
 
 
@@ -96,7 +98,11 @@ def test_three_risks_are_shown_with_figure_and_reason(make_result: Make) -> None
 
 def test_what_decides_is_asked_first_then_the_water(doubtful: Result) -> None:
     asked = text_of(doubtful).partition("Measure or quote first")[2]
-    assert asked.index("price of acme-lamp") < asked.index("1 of 3 other descriptions") < asked.index("light leaves")
+    assert (
+        asked.index("price of acme-lamp")
+        < asked.index("1 of 3 other descriptions")
+        < asked.index("light leaves")
+    )
 
 
 @pytest.mark.parametrize("kind", ["doubtful", "plain", "violated", "infeasible", "stopped", "not settable"])
@@ -109,7 +115,9 @@ def test_page_has_no_words_of_the_search(
         "relaxations": [{"name": "cost", "limit": 500.0, "needed": 620.0, "miss_rel": 0.24}],
         "nearest_miss": make_design(scenes=[missed]),
     }
-    unset = replace(make_design(), rounded={"feasible": False, "objective_value": 41.0, "missed": ["max_blur_px"]})
+    unset = replace(
+        make_design(), rounded={"feasible": False, "objective_value": 41.0, "missed": ["max_blur_px"]}
+    )
     nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None}
     result = {
         "doubtful": doubtful,
@@ -126,7 +134,16 @@ def test_page_has_no_words_of_the_search(
 
 def test_all_words_of_the_search_are_gone_from_doubts_too(doubtful: Result) -> None:
     text = text_of(doubtful, full=True).casefold()
-    for word in ("regret", "unbounded", "lamp leg", "k_d", "a + b_b", "quotes that matter", "proven best", "binding"):
+    for word in (
+        "regret",
+        "unbounded",
+        "lamp leg",
+        "k_d",
+        "a + b_b",
+        "quotes that matter",
+        "proven best",
+        "binding",
+    ):
         assert word not in text
     assert "any that fits: with its estimates at their bad ends this system misses a requirement" in text
     assert "other table, lamp light lost as daylight is: this system misses a requirement" in text
@@ -152,7 +169,9 @@ def test_nothing_fits_tells_what_would_help(make_result: Make, make_design: Make
 
 
 def test_html_begins_with_the_sections_of_the_text(doubtful: Result) -> None:
-    page = " ".join(re.sub(r"<[^>]+>", " ", report_html(doubtful).partition('<section id="short"')[2]).split())
+    page = " ".join(
+        re.sub(r"<[^>]+>", " ", report_html(doubtful).partition('<section id="short"')[2]).split()
+    )
     for words in ("Buy", "1 700 to 3 400 USD", "What it costs", "most likely 4 210", "The three greatest risks",
                   "Measure or quote first", "light leaves the lamp"):  # fmt: skip
         assert page.index(words) < page.index("Certificate")

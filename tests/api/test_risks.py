@@ -1,0 +1,212 @@
+"""Risks by hand: each is told when it is there, with its figure, and the most serious stands first."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from uwopt.api.evaluating import evaluate
+from uwopt.api.risks import risks_of
+from uwopt.results.basis import Assumption, Risk
+from uwopt.results.design import Design, Margin, Note, SceneResult
+from uwopt.results.result import Result
+
+PROBLEMS = Path(__file__).parents[2] / "problems"
+CALM = {
+    "uniformity": 0.8,
+    "snr_db_min": 27.0,
+    "defocus_corner_px": 1.9,
+    "skew_px": 0.0,
+    "lateral_colour_px": None,
+}
+WATERS = [
+    {"objective_value": 3.0},
+    {"objective_value": None},
+    {"objective_value": None},
+    {"objective_value": None},
+]
+
+
+@pytest.fixture(scope="module")
+def base() -> Result:
+    """A real result, from which a calm one is made."""
+    return evaluate(PROBLEMS / "paper-tank.yaml", PROBLEMS / "paper-tank.system.yaml")
+
+
+def margin(name: str, value: float, limit: float, sense: str, unit: str, **more: Any) -> Margin:
+    """A margin that is met unless told otherwise."""
+    left = limit - value if sense == "<=" else value - limit
+    return Margin(name, value, limit, sense, left, unit, None, left >= 0, False, **more)
+
+
+@pytest.fixture
+def calm(base: Result) -> Result:
+    """A result without any risk: everything in hand, all prices quoted, all parts sold."""
+    assert base.design is not None
+    kept = [margin("min_snr_db", 33.0, 30.0, ">=", "dB"), margin("depth_rating_m (p)", 300.0, 100.0, ">=", "m"),
+            margin("f_number_min", 2.8, 1.4, ">=", "")]  # fmt: skip
+    scene = SceneResult("reef", {"f_number": 2.8, "gain_db": 6.0}, None, dict(CALM), kept)
+    parts = {kind: replace(part, generic=False) for kind, part in base.design.hardware.parts.items()}
+    cost = replace(base.design.totals.cost, value=900.0, low=900.0, high=900.0, estimated=0.0)
+    design = replace(
+        base.design, hardware=replace(base.design.hardware, **parts), scenes=[scene], bom=[], feasible=True,
+        warnings=[], totals=replace(base.design.totals, cost=cost),
+    )  # fmt: skip
+    return replace(base, status="feasible", design=design, warnings=[], robustness=None)
+
+
+def with_figures(result: Result, **figures: Any) -> Result:
+    """The same with other figures."""
+    scene = design_of(result).scenes[0]
+    return with_scene(result, replace(scene, figures={**scene.figures, **figures}))
+
+
+def with_margin(result: Result, added: Margin) -> Result:
+    """The same with one margin more."""
+    scene = design_of(result).scenes[0]
+    return with_scene(result, replace(scene, margins=[*scene.margins, added]))
+
+
+def with_scene(result: Result, *scenes: SceneResult) -> Result:
+    """The same with other scenes."""
+    return replace(result, design=replace(design_of(result), scenes=list(scenes)))
+
+
+def with_cost(result: Result, limit: float | None, **cost: Any) -> Result:
+    """The same at another price, with a limit on it."""
+    totals = design_of(result).totals
+    mission = {**result.mission, "limits": {"cost": limit}}
+    design = replace(design_of(result), totals=replace(totals, cost=replace(totals.cost, **cost)))
+    return replace(result, design=design, mission=mission)
+
+
+def design_of(result: Result) -> Design:
+    """Its design."""
+    assert result.design is not None
+    return result.design
+
+
+def only(result: Result) -> Risk:
+    """The one risk there is."""
+    (risk,) = risks_of(result)
+    return risk
+
+
+def test_where_all_is_in_hand_there_is_no_risk(calm: Result) -> None:
+    assert risks_of(calm) == []
+    assert risks_of(replace(calm, design=None)) == []
+
+
+def test_missed_requirement_has_value_and_limit(calm: Result) -> None:
+    risk = only(with_margin(calm, margin("max_blur_px", 2.0, 1.0, "<=", "px")))
+    assert (risk.what, risk.figure) == ("motion blur is not as asked for", "2.00 px against 1.00 px")
+
+
+@pytest.mark.parametrize(("reached_db", "reserve_db", "told"), [
+    (30.1, 0.0, True),  # 0.1 dB are 1.2 % of the ratio
+    (30.3, 0.0, False),  # 0.3 dB are 3.5 %
+    (33.0, 3.0, False),  # nothing left of the limit, 3 dB in hand of what is asked for
+])  # fmt: skip
+def test_nothing_in_hand_is_told_of_what_is_asked_for(
+    calm: Result, reached_db: float, reserve_db: float, told: bool
+) -> None:
+    added = margin("min_snr_db", reached_db, 30.0 + reserve_db, ">=", "dB", reserve=reserve_db)
+    found = risks_of(with_margin(calm, added))
+    assert [risk.what for risk in found] == (["it may not do what is asked"] if told else [])
+    if told:
+        assert (
+            "signal to noise" in found[0].because
+            and found[0].figure == "signal to noise 30.1 dB against 30.0 dB"
+        )
+
+
+def test_estimates_at_their_bad_ends_are_counted_without_prices(calm: Result) -> None:
+    highs = {"camera.price": 2.0, "camera.qe_scale": 2.0, "lens.transmission_frac": 0.5}
+    assumed = [Assumption(path, "p", 1.0, 0.5, high, "", "estimated", "") for path, high in highs.items()]
+    result = replace(calm, assumptions=assumed, robustness={"feasible_at_bad_end": False})
+    assert only(result).figure == "1 estimated number"
+
+
+def test_other_waters_in_which_it_fails_are_counted(calm: Result) -> None:
+    assert only(replace(calm, robustness={"waters": WATERS})).figure == "in 3 of 4 other waters"
+    assert risks_of(replace(calm, robustness={"waters": WATERS[:1]})) == []
+
+
+def test_lamps_are_steady_to_three_degrees(calm: Result) -> None:
+    def tilt(held: float) -> Result:
+        ways = {"held_outward_deg": 16.0, "held_inward_deg": held, "readjusted_outward_deg": 16.0,
+                "readjusted_inward_deg": 2.5, "first_to_break": ["min_snr_db"]}  # fmt: skip
+        return replace(calm, robustness={"tilt": ways})
+
+    risk = only(tilt(0.3))
+    assert risk.figure == "0.3° as set" and "signal to noise" in risk.because and "2.5°" in risk.because
+    assert risks_of(tilt(3.0)) == []
+
+
+@pytest.mark.parametrize(("figures", "figure"), [
+    ({"uniformity": 0.0061, "snr_db_min": -4.2}, "0.61 % of the mean light, signal to noise there -4.20 dB"),
+    ({"defocus_corner_px": 24.4}, "24.4 px"), ({"skew_px": 2.5}, "2.50 px"), ({"lateral_colour_px": 2.9}, "2.90 px"),
+    ({"white_balance_red": 4.6}, "white balance x 4.6"),
+])  # fmt: skip
+def test_faults_of_the_image_that_nobody_asked_about_are_told(
+    calm: Result, figures: dict[str, float], figure: str
+) -> None:
+    assert only(with_figures(calm, **figures)).figure == figure
+
+
+def test_scene_is_named_where_there_are_several(calm: Result) -> None:
+    first = design_of(calm).scenes[0]
+    other = replace(first, name="wall", figures={**CALM, "defocus_corner_px": 5.0})
+    assert only(with_scene(calm, first, other)).because.endswith("in wall")
+
+
+def test_rating_with_less_than_a_tenth_in_hand_is_told(calm: Result) -> None:
+    assert only(with_margin(calm, margin("depth_rating_m (q)", 109.0, 100.0, ">=", "m"))).because.startswith(
+        "q "
+    )
+    assert risks_of(with_margin(calm, margin("depth_rating_m (q)", 111.0, 100.0, ">=", "m"))) == []
+
+
+def test_lens_at_its_widest_is_told(calm: Result) -> None:
+    widest = replace(margin("f_number_min", 2.8, 2.8, ">=", ""), binding=True)
+    assert only(with_margin(calm, widest)).figure == "f/2.8"
+
+
+def test_price_above_the_limit_at_its_high_end(calm: Result) -> None:
+    risk = only(with_cost(calm, 1000.0, value=900.0, low=500.0, high=1100.0, estimated=450.0))
+    assert risk.figure == "up to 1 100 against 1 000 USD" and risk.because == "50 % of the price is estimated"
+    assert only(with_cost(calm, 1200.0, low=500.0, high=1100.0, estimated=450.0)).figure == "500 to 1 100 USD"
+    assert risks_of(with_cost(calm, 1200.0, low=800.0, high=1100.0, estimated=90.0)) == []
+
+
+def test_parts_to_be_made_are_counted(calm: Result) -> None:
+    hardware = design_of(calm).hardware
+    made = replace(hardware, port=replace(hardware.port, generic=True))
+    risk = only(replace(calm, design=replace(design_of(calm), hardware=made)))
+    assert risk.figure == "1 of 4 parts" and risk.because.startswith("port must be")
+
+
+def test_notes_are_told_once_unless_a_rule_tells_them(calm: Result) -> None:
+    notes = [Note("lamp_in_view", "light", "a lamp is seen"), Note("uneven_light", "light", "uneven")]
+    result = replace(calm, warnings=notes, design=replace(design_of(calm), warnings=notes))
+    assert only(result).what == "a lamp is seen"
+
+
+def test_most_serious_stands_first(calm: Result) -> None:
+    # fails now, fails at bad ends, fails in other water, costs too much, wide open: in this order
+    result = with_margin(calm, replace(margin("f_number_min", 2.8, 2.8, ">=", ""), binding=True))
+    result = with_cost(result, 1000.0, high=1100.0, estimated=450.0)
+    result = replace(result, robustness={"feasible_at_bad_end": False, "waters": WATERS})
+    result = with_margin(result, margin("max_blur_px", 2.0, 1.0, "<=", "px"))
+    starts = ["motion blur", "it may not do", "it fails in water", "it may cost", "the lens"]
+    found = [risk.what for risk in risks_of(result)]
+    assert len(found) == len(starts)
+    assert all(what.startswith(start) for what, start in zip(found, starts, strict=True)), found
+
+
+def test_results_carry_their_risks(base: Result) -> None:
+    assert base.risks == risks_of(base) != []
+    assert Result.from_dict(base.to_dict()).risks == base.risks
