@@ -242,6 +242,17 @@ def test_interruption_after_the_proof_keeps_what_is_proven(
     assert result["status"] == "optimal" and result["certificate"]["complete"]
 
 
+@pytest.mark.parametrize("stage", ["how firm the answer is", "second opinions", "what other makers offer"])
+def test_progress_tells_each_stage_after_the_search_and_may_end_it(stage: str) -> None:
+    def progress(share: float, what: str) -> None:
+        if what == stage:
+            raise KeyboardInterrupt
+
+    result = api.solve(MISSION, physics="paper", alternatives=True, progress=progress)
+    assert result.status == "optimal" and result.recommendation is not None
+    assert [note.code for note in result.warnings].count("interrupted") == 1
+
+
 def test_interruption_before_a_system_is_status_130(monkeypatch: pytest.MonkeyPatch) -> None:
     def stop(*a: Any, **k: Any) -> None:
         raise KeyboardInterrupt

@@ -51,6 +51,15 @@ def test_a_log_gets_a_line_each_time_the_timer_rings(capsys: Log) -> None:
     assert "\r" not in text and "\x1b" not in text
 
 
+def test_a_log_tells_the_stage_where_nobody_knows_its_share(capsys: Log) -> None:
+    with ProgressBar(timer=Timer) as bar:  # type: ignore[arg-type]
+        assert bar.report is not None
+        bar.report(1.0, "done")
+        bar.report(0.0, "how firm the answer is")
+        Timer.made[-1].then()
+    assert capsys.readouterr().err.startswith("uwopt: how firm the answer is, ")
+
+
 def test_what_is_soon_done_writes_nothing_into_a_log(capsys: Log) -> None:
     with ProgressBar(timer=Timer) as bar:  # type: ignore[arg-type]
         assert bar.report is not None

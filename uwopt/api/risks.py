@@ -214,7 +214,8 @@ def price(result: Result, design: Design) -> Weighed:
     elif share > MUCH_ESTIMATED:
         figure = f"{whole(cost.low)} to {whole(cost.high)} {cost.currency}"
         yield 30.0 + 20.0 * share, Risk("the price is not known", because, figure)
-    if unknown := sum(row.to_buy for row in design.bom if row.unit_price is None):
+    unknown = sum(row.to_buy for row in design.bom if row.unit_price is None)
+    if unknown and result.command == "solve":
         because = "nobody tells their price, so the sum leaves them out"
         yield 57.0, Risk("parts without a price", because, counted(unknown, "part"))
 

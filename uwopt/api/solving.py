@@ -106,11 +106,13 @@ def solve(
             result, wanted, catalog, goal, sought, alternative, timing, deadline, progress
         )
     else:
-        result, sought = found_result(result, goal, sought, alternative, timing, deadline, solver=solver)
+        result, sought = found_result(
+            result, goal, sought, alternative, timing, deadline, progress, solver=solver
+        )
         if measured is None and accuracy and not interrupted(result):
             try:
                 estimator = estimator_of_search(sought, goal, deadline)
-                with timed(timing, "accuracy"):
+                with timed(timing, "accuracy", progress):
                     measured = deadline.within(
                         "errors of figures", lambda: estimator.errors(sought.problem.fineness), None
                     )
@@ -129,9 +131,12 @@ def solve(
     ):
         from uwopt.solvers.explain.alternatives import beside_best
 
-        with timed(timing, "alternatives"):
-            told = beside_best(sought.selection, sought.problem, goal, result.recommendation, deadline)
-        result = replace(result, alternatives=told)
+        try:
+            with timed(timing, "alternatives", progress):
+                told = beside_best(sought.selection, sought.problem, goal, result.recommendation, deadline)
+            result = replace(result, alternatives=told)
+        except KeyboardInterrupt:  # what is proven is not lost
+            result = replace(result, warnings=[*result.warnings, *cut_warnings()])
     if audit:
         result = audited(result, sought, goal, audit, wanted.seed, timing, deadline)
     timing.update({f"search_{name}": value for name, value in sought.outcome.timing_s.items()})
@@ -186,6 +191,7 @@ def found_result(
     alternative: Sought | None,
     timing: dict[str, float],
     deadline: Deadline,
+    progress: Progress | None,
     *,
     solver: str,
 ) -> tuple[Result, Sought]:
@@ -210,12 +216,12 @@ def found_result(
     doubt: dict[str, Any] | None = None
     opinions: list[dict[str, Any]] = []
     try:
-        with timed(timing, "robustness"):
+        with timed(timing, "robustness", progress):
             if not cut_short:
                 doubt = deadline.within(
                     "how firm the answer is", lambda: doubts(sought, goal, winner, deadline), None
                 )
-        with timed(timing, "second_opinion"):
+        with timed(timing, "second_opinion", progress):
             if not cut_short:
                 opinions = deadline.within(
                     "second opinions", lambda: second_opinions(sought, goal, solver, deadline), []

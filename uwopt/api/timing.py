@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Any
 
+#: What a person reads while a stage lasts that does not tell how far it is.
+STAGES = {
+    "robustness": "how firm the answer is", "second_opinion": "second opinions",
+    "alternatives": "what other makers offer", "accuracy": "errors of figures",
+}  # fmt: skip
 
-def timed(timing: dict[str, float], name: str) -> Any:
-    """A context that adds its duration to a table of times."""
+
+def timed(
+    timing: dict[str, float], name: str, progress: Callable[[float, str], None] | None = None
+) -> Any:
+    """A context that adds its duration to a table of times, and tells which stage it is."""
 
     class Clock:
         def __enter__(self) -> None:
+            if progress is not None:
+                progress(0.0, STAGES[name])
             self.start = time.perf_counter()
 
         def __exit__(self, *details: object) -> None:

@@ -136,11 +136,9 @@ class ProgressBar:
             if not self._wanted:
                 return
             spent_s = time.monotonic() - self._start_s
+            done = f"{100 * self._share:.0f} % of it, " if self._share else ""  # 0 where nobody knows
             with contextlib.suppress(OSError, ValueError):  # nobody reads it
-                print(
-                    f"uwopt: {self._what or 'working'}, {100 * self._share:.0f} % of it, {spent_s:.0f} s",
-                    file=sys.stderr, flush=True,
-                )  # fmt: skip
+                print(f"uwopt: {self._what or 'working'}, {done}{spent_s:.0f} s", file=sys.stderr, flush=True)
             self._wait(LINE_EVERY_S, self._line)
 
     def _show(self) -> None:

@@ -165,7 +165,10 @@ def cost_block(result: Result, design: Design) -> Block:
         text += f", most likely {words.money(cost.value)}"
     if cost.value:
         text += f"; {format_number(100 * cost.estimated / cost.value, 2)} % of it estimated, not quoted"
-    if unpriced := words.n_unpriced(design.bom):
+    unpriced = words.n_unpriced(design.bom)
+    if unpriced and not cost.value:
+        text = "not known"
+    elif unpriced:
         text += f"; without {words.counted(unpriced, 'part')} of unknown price"
     facts = [("price", text)]
     limit = (result.mission.get("limits") or {}).get("cost")
@@ -173,7 +176,7 @@ def cost_block(result: Result, design: Design) -> Block:
         end = "Its high end" if cost.value <= limit else "It"
         facts.append(("", f"{end} is above your limit of {words.money(float(limit), cost.currency)}."))
     facts.append(("power", power_text(design)))
-    if totals.mass_kg is not None:
+    if totals.mass_kg:
         facts.append(("mass", words.quantity(totals.mass_kg, "kg")))
     return block("What it costs", [fact_lines(facts)])
 
@@ -217,7 +220,8 @@ def questions(result: Result, design: Design) -> Iterator[str]:
             "Measure the water where you will work (beam attenuation, or at least Secchi depth): this system does what "
             f"is asked in {len(waters) - len(failed)} of {len(waters)} other descriptions of it."
         )
-    yield from quotes(design)
+    if result.command == "solve":
+        yield from quotes(design)
     if estimated := estimated_facts(result):
         yield f"Ask the makers for what is only estimated: {words.listed(estimated)}."
 
