@@ -60,10 +60,10 @@ requirements:
   max_blur_px: 1.0
   # max_skew_px: 2             # of a rolling shutter
   min_dof_m: 0.6               # depth of field
-  # dof_at: axis               # axis | corner
+  # dof_at: corner             # recommended: sharp over the frame; axis: in its middle alone (default)
   # circle_of_confusion_px: 2
   min_snr_db: 30               # or min_snr, a ratio
-  # snr_at: mean               # mean | worst pixel
+  # snr_at: worst              # recommended: 95 % of the frame reach it; worst_px: the darkest pixel; mean (default)
   max_gsd_mm: 1.0              # largest pixel on the floor
   # min_swath_m: 1.0
   # min_area_m2_h: 1000        # covered in an hour, the sidelap taken off
