@@ -182,6 +182,14 @@ def test_price_above_the_limit_at_its_high_end(calm: Result) -> None:
     assert risks_of(with_cost(calm, 1200.0, low=800.0, high=1100.0, estimated=90.0)) == []
 
 
+def test_price_weighs_by_how_wide_its_range_is(calm: Result) -> None:
+    # 10 % wide it is less than a lens wide open, from half to one and a half it is more
+    lens = replace(margin("f_number_min", 2.8, 2.8, ">=", ""), binding=True)
+    for low, high, first in ((950.0, 1050.0, "the lens"), (500.0, 1500.0, "the price")):
+        priced = with_cost(with_margin(calm, lens), None, value=1000.0, low=low, high=high, estimated=900.0)
+        assert risks_of(priced)[0].what.startswith(first)
+
+
 def test_parts_to_be_made_are_counted(calm: Result) -> None:
     hardware = design_of(calm).hardware
     made = replace(hardware, port=replace(hardware.port, generic=True))

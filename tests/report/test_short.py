@@ -96,6 +96,12 @@ def test_three_risks_are_shown_with_figure_and_reason(make_result: Make) -> None
     assert "isk 4" not in text
 
 
+def test_numbers_to_ask_for_have_names_that_a_maker_knows(make_result: Make) -> None:
+    asked = {"part": "cam", "kind": "camera", "field": "qe_scale", "value": 0.95, "low": 0.8, "high": 1.1, "unit": ""}
+    text = text_of(make_result(robustness={"quotes_that_matter": [asked]}))
+    assert "quantum efficiency (as a factor) of cam ~0.950 (0.800 to 1.10)" in text
+
+
 def test_what_decides_is_asked_first_then_the_water(doubtful: Result) -> None:
     asked = text_of(doubtful).partition("Measure or quote first")[2]
     assert (

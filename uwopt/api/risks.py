@@ -213,7 +213,8 @@ def price(result: Result, design: Design) -> Weighed:
         yield 58.0, Risk("it may cost more than allowed", because, figure)
     elif share > MUCH_ESTIMATED:
         figure = f"{whole(cost.low)} to {whole(cost.high)} {cost.currency}"
-        yield 30.0 + 20.0 * share, Risk("the price is not known", because, figure)
+        width = (cost.high - cost.low) / cost.value
+        yield 20.0 + 30.0 * min(1.0, width), Risk("the price is not known", because, figure)
     unknown = sum(row.to_buy for row in design.bom if row.unit_price is None)
     if unknown and result.command == "solve":
         because = "nobody tells their price, so the sum leaves them out"

@@ -215,6 +215,8 @@ def tilt_facts(doubt: Mapping[str, Any]) -> list[tuple[str, str]]:
     return facts
 
 
+#: Fields of parts whose names say little to who has to ask for them.
+NUMBERS = {"qe_scale": "quantum efficiency (as a factor)", "output_factor": "share of light that leaves"}
 #: What is taken for the loss of light between lamp and floor, by the name in a result.
 LAMP_LOSSES = {
     "K_d, within a + b_b and c": "lamp light lost as daylight is",
@@ -269,7 +271,8 @@ def quoted_number(item: Any) -> str:
     """`price of acme-lamp ~2 300 USD (1 700 to 3 400 USD)`."""
     if not isinstance(item, Mapping):
         return words.one_line(item)
-    number = split_unit(str(item.get("field") or ""))[0].removesuffix("_frac").replace("_", " ")
+    field = str(item.get("field") or "")
+    number = NUMBERS.get(field, split_unit(field)[0].removesuffix("_frac").replace("_", " "))
     unit = str(item.get("unit") or "")
     span = range_text(item.get("low"), item.get("high"), unit)
     standing = f" ~{words.quantity(item.get('value'), unit)}" + (f" ({span})" if span else "")
