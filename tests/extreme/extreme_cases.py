@@ -19,8 +19,8 @@ from uwopt.results.result import Result
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.search import Search
 
-MAY_BE_NEGATIVE = ("snr_db", "snr_db_min", "snr_db_centre", "snr_red_below_green_db", "overlap", "gain_db",
-                   "virtual_image_distance_m")  # fmt: skip
+MAY_BE_NEGATIVE = ("snr_db", "snr_db_min", "snr_db_p05", "snr_db_centre", "snr_red_below_green_db", "overlap",
+                   "gain_db", "virtual_image_distance_m")  # fmt: skip
 CAMERA = {
     "resolution_x_px": 2448, "resolution_y_px": 2048, "pixel_pitch_um": 3.45, "read_noise_e": 2.4,
     "saturation_e": 10_000, "quantum_efficiency": 0.6, "gain_dn_per_e": 0.35, "bit_depth": 12,

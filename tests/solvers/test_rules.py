@@ -80,6 +80,7 @@ DEEP, SHARP = {"altitude_tolerance_m": 0.3}, {"circle_of_confusion_px": 0.2}
 TILT = 0.625  # tangent of the corner: 5 mm of image over 8 mm
 
 
+TWO_HOURS = {"vehicle": {"duration_h": 2.0}}
 RATED = {"catalog": {"lens_rating": "limit"}}
 SHORT = {"limits": {"max_exposure_ms": 0.5}, "wanted": {"max_blur_px": 9.0}}
 
@@ -105,6 +106,8 @@ def imager_limits() -> dict[str, Limit]:
         "cost": Limit("limits", "cost", 1800.0, least=True),
         "mass_kg": Limit("limits", "mass_kg", 0.8, least=True),
         "power_w": Limit("limits", "power_w", 3.0, least=True),
+        "storage_gb": Limit("limits", "storage_gb", 4.5 * RATE_HZ * 2 * 3.6, least=True, more=TWO_HOURS),  # MB/s
+        "energy_wh": Limit("limits", "energy_wh", 3.0 * 2, least=True, more=TWO_HOURS),
     }  # fmt: skip
 
 
@@ -213,6 +216,7 @@ def unit_limit(rule: str, *, fits: bool) -> Case:
         "cost": {"limits": {"cost": 2300.0 * exactly}},
         "mass_kg": {"limits": {"mass_kg": 1.3 * exactly}},
         "power_w": {"limits": {"power_w": power_w * share}},
+        "energy_wh": {"limits": {"energy_wh": power_w * 2.0 * share}, **TWO_HOURS},
         "bound": {},
     }[rule]
     return one(physics="paper", wanted=FAST, **given)

@@ -27,7 +27,7 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.coding import CodedHardware, Coding, cost_of, mass_kg_of
 from uwopt.solvers.population.decoding import Decoded, shortfall
 from uwopt.solvers.population.light_store import LightStore, SeenLight
-from uwopt.units import ratio_to_db
+from uwopt.units import S_PER_H, ratio_to_db
 
 Array = NDArray[Any]
 LEAST_MISS, MOST_MISS = 1e-4, 10.0  # what one requirement that is missed adds to a violation
@@ -232,8 +232,11 @@ class Evaluator:
         """Figures by name, each of the scene where it is worst; parts too, where own objectives may ask."""
         problem, imagers = self.problem, self.search.imagers
 
-        def worst(of: Callable[..., Any], *, most: bool) -> Array:
-            columns: list[Array] = [of(problem.scenes[s].nominal, *scene) for s, scene in enumerate(made)]
+        def worst(of: Callable[..., Any], *, most: bool, times: Sequence[float] | None = None) -> Array:
+            factor = times or [1.0] * len(made)
+            columns: list[Array] = [
+                of(problem.scenes[s].nominal, *scene) * factor[s] for s, scene in enumerate(made)
+            ]
             return np.asarray((np.max if most else np.min)(columns, axis=0))
 
         light_w = worst(lambda k, r, t, f: f.light_power_w, most=True)
@@ -256,6 +259,13 @@ class Evaluator:
         """What only own objectives ask for."""
         problem, imagers, parts = self.problem, self.search.imagers, self.problem.parts
         level = worst(lambda k, r, t, f: t.level, most=True)
+        views = [scene.view for scene in problem.scenes]
+        kept = [1.0 - view.requirements.sidelap for view in views]
+        per_hour = [k * view.vehicle.speed_m_s * S_PER_H for k, view in zip(kept, views, strict=True)]
+
+        def swath(k: int, r: Any, t: Any, f: Any) -> Array:
+            return np.asarray(r.view.footprint_across_m[:, 1])
+
         found = {
             "f_number": worst(lambda k, r, t, f: t.f_number, most=True),
             "exposure_ms": worst(lambda k, r, t, f: t.exposure_s * 1e3, most=True),
@@ -264,7 +274,9 @@ class Evaluator:
             "flux_lm": level * built.count * problem.lights.full_light[built.light],
             "light_count": built.count.astype(float),
             "frame_rate_hz": worst(lambda k, r, t, f: t.rate_hz, most=True),
-            "swath_m": worst(lambda k, r, t, f: r.view.footprint_across_m[:, 1], most=False),
+            "swath_m": worst(swath, most=False),
+            "line_spacing_m": worst(swath, most=False, times=kept),
+            "area_m2_h": worst(swath, most=False, times=per_hour),
             "blur_px": worst(lambda k, r, t, f: f.blur_px.max(axis=1), most=True),
             "dof_near_m": worst(lambda k, r, t, f: f.dof_near_m, most=True),
             "dof_far_m": worst(lambda k, r, t, f: f.dof_far_m, most=False),
