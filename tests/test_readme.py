@@ -20,6 +20,7 @@ import yaml
 from thorough import THOROUGH
 from typer.testing import CliRunner
 
+from uwopt.api import solving
 from uwopt.api.common import NOT_MODELLED
 from uwopt.bench import run as bench_run
 from uwopt.cli import status as cli_status
@@ -31,6 +32,7 @@ ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 AS_PROCESS = "uwopt solve problems/reef-mosaic.yaml --out reef"
 BENCH_S = 1.0  # for all suites together; they end when it is spent, whatever they have measured
+AGAIN = re.compile(r"^uwopt solve problems/reef-mosaic.yaml --(audit|solver|tolerance)")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
@@ -140,6 +142,8 @@ def done(folder: Path, unhurried: None) -> dict[str, Done]:
         for line in lines:
             text, _, target = line.partition(" > ")
             program, *arguments = shlex.split(text)
+            if not THOROUGH and AGAIN.search(line):  # the same answer by other means: its doubts are known by then
+                patch.setattr(solving, "doubts", lambda *given: None)
             apart = THOROUGH or program != "uwopt" or line == AS_PROCESS
             found[line] = as_process(program, arguments, folder) if apart else within_tests(arguments)
             if target:

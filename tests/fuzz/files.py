@@ -41,7 +41,7 @@ HARDWARE = (
 )
 PHYSICS = ("auto", "full", "paper")
 SPANS = {field.name: field.cell.span for field in ALL_FIELDS}
-FUZZ = float(os.environ.get("UWOPT_FUZZ", drawn("0.4", "5")))  # times the number of examples
+FUZZ = float(os.environ.get("UWOPT_FUZZ", drawn("0.3", "5")))  # times the number of examples
 Draw = Any
 
 

@@ -28,7 +28,7 @@ MISSIONS = sorted(p.stem for p in PROBLEMS.glob("*.yaml") if not p.stem.endswith
 SETTINGS = (
     "f_number", "exposure_ms", "pulse_ms", "gain", "dim_frac", "frame_rate_hz", "focus_distance_m",
 )  # fmt: skip
-N_ATTACKED = drawn(10, 40)
+N_ATTACKED = drawn(4, 40)
 #: Physics full with what is told beside the proof: the worked example and the mission by daylight. Nothing here
 #: looks at that but for numbers that are not finite, and physics paper tells it of every mission.
 DOUBTED = drawn(("reef-mosaic", "usgs-squid5"), tuple(MISSIONS))

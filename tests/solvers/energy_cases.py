@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -90,3 +91,10 @@ def switched_case(seed: int) -> Case:
         if fits:
             limits["power_w"] = small.pick(rng, fits) * small.pick(rng, [0.95, 1.0, 1.02])
     return Case(parts, free.mission.with_changes(limits=limits), base.objective)
+
+
+@cache
+def enumerated_of(case_of: Callable[[int], Case], seed: int) -> list[Any]:
+    """Best settings of every hardware of such a case, best first; made once for all ways to search it."""
+    made = case_of(seed)
+    return brute.enumerate_all(brute.Bench(made.problem()), made.objective)
