@@ -157,6 +157,15 @@ def test_faults_of_the_image_that_nobody_asked_about_are_told(
     assert only(with_figures(calm, **figures)).figure == figure
 
 
+def test_smeared_subjects_are_told_where_no_limit_of_blur_is_asked(calm: Result) -> None:
+    swimming = replace(calm, mission={**calm.mission, "scenes": [{"name": "reef", "subject_speed_m_s": 0.5}]})
+    asked = margin("max_blur_px", 5.0, 6.0, "<=", "px")
+    assert only(with_figures(swimming, blur_px=5.0)).figure == "5.00 px"
+    assert risks_of(with_figures(swimming, blur_px=1.9)) == []
+    assert risks_of(with_margin(with_figures(swimming, blur_px=5.0), asked)) == []
+    assert risks_of(with_figures(calm, blur_px=5.0)) == []
+
+
 def test_scene_is_named_where_there_are_several(calm: Result) -> None:
     first = design_of(calm).scenes[0]
     other = replace(first, name="wall", figures={**CALM, "defocus_corner_px": 5.0})

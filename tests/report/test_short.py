@@ -16,6 +16,7 @@ from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import short_text_blocks
 from uwopt.report.text.tables import result_blocks
 from uwopt.results.basis import Risk
+from uwopt.results.design import Note
 from uwopt.results.result import Result
 
 Make = Callable[..., Any]
@@ -181,3 +182,28 @@ def test_html_begins_with_the_sections_of_the_text(doubtful: Result) -> None:
     for words in ("Buy", "1 700 to 3 400 USD", "What it costs", "most likely 4 210", "The three greatest risks",
                   "Measure or quote first", "light leaves the lamp"):  # fmt: skip
         assert page.index(words) < page.index("Certificate")
+
+
+# ---------------------------------------------------------------- colour and what moves
+
+COLOUR = Note(
+    "colour_left_open", "requirements.colour",
+    "Camera is mono: no colour was asked for; requirements.colour: colour asks for it",
+)  # fmt: skip
+
+
+def test_sensor_that_nobody_asked_for_is_told_on_the_page_and_is_no_risk(make_result: Make) -> None:
+    made = with_risks(make_result(warnings=[COLOUR]))
+    assert "Camera is mono: no colour was asked for; requirements.colour: colour asks for it." in text_of(made)
+    assert "mono" not in " ".join(risk.what for risk in made.risks)
+
+
+@pytest.mark.parametrize(("speed", "binding", "told"), [(0.5, True, True), (0.5, False, False), (0.0, True, False)])
+def test_subject_that_decides_the_exposure_is_told(
+    make_result: Make, make_design: Make, make_scene: Make, make_margin: Make, speed: float, binding: bool, told: bool
+) -> None:
+    blur = make_margin("max_blur_px", 1.0, 1.0, "<=", "px", binding=binding)
+    best = make_design(scenes=[make_scene("reef", margins=[blur])])
+    mission = {"name": "x", "limits": {"currency": "USD"}, "scenes": [{"name": "reef", "subject_speed_m_s": speed}]}
+    text = text_of(make_result(mission=mission, recommendation=best))
+    assert ("What moves there by itself at 0.500 m/s decides the exposure." in text) == told

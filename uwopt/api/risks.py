@@ -45,7 +45,7 @@ MUCH_ESTIMATED = 0.3  # of the price
 #: Weights of notes by code; of those that are not named, the last. 0: another rule tells it, or it is no risk.
 NOTES = {
     "not_settable": 95.0, "no_image": 90.0, "dark_image": 77.0, "lamp_in_view": 68.0, "better_unsettable": 24.0,
-    "uneven_light": 0.0, "pattern": 0.0, "tolerance": 0.0, "interrupted": 0.0, "time": 0.0,
+    "colour_left_open": 0.0, "uneven_light": 0.0, "pattern": 0.0, "tolerance": 0.0, "interrupted": 0.0, "time": 0.0,
 }  # fmt: skip
 OTHER_NOTE = 15.0
 
@@ -172,6 +172,17 @@ def seen_in_the_image(result: Result, design: Design) -> Weighed:
             yield weight, Risk(what, because + in_scene(design, scene), f"{format_quantity(value, 'px')}")
 
 
+def smeared_subjects(result: Result, design: Design) -> Weighed:
+    """Subjects that move while the mission asks for no limit of motion blur."""
+    swim = any(given.get("subject_speed_m_s") for given in result.mission.get("scenes") or [])
+    if not swim or any(margin.requirement == "max_blur_px" for margin in margins(design)):
+        return
+    scene, value = worst(design, "blur_px")
+    if scene is not None and value > SEEN_PX:
+        because = f"no limit of motion blur is asked for{in_scene(design, scene)}"
+        yield 44.0, Risk("what moves is smeared", because, format_quantity(value, "px"))
+
+
 def weak_colours(result: Result, design: Design) -> Weighed:
     """Channels that must be amplified much."""
     for colour in ("red", "blue"):
@@ -258,8 +269,8 @@ def noted(result: Result, design: Design) -> Weighed:
 
 
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
-    missed, at_bad_ends, nothing_in_hand, shallow, in_other_water, lamps_off, uneven, seen_in_the_image, weak_colours,
-    wide_open, high_gain, price, to_be_made, better_elsewhere, noted,
+    missed, at_bad_ends, nothing_in_hand, shallow, in_other_water, lamps_off, uneven, seen_in_the_image,
+    smeared_subjects, weak_colours, wide_open, high_gain, price, to_be_made, better_elsewhere, noted,
 )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ from uwopt.forward import switching
 from uwopt.forward.columns import Columns
 from uwopt.forward.focus import held_at_corner
 from uwopt.forward.lamp_light import ImageLight, SunLight, added
-from uwopt.forward.motion import motion_across, motion_along
+from uwopt.forward.motion import motion_across, motion_along, skew_by_altitude_px, subject_m_s
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Cameras, Lenses, Lights
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.sharpness import SharpRows
@@ -286,7 +286,7 @@ def blur_px(scene: SceneOptics, rows: DesignRows, collected_s: Array) -> Array:
     along = operation.blur_px(
         collected_s[:, None], ground_sample_m=rows.view.pixel_along_m, **motion_along(scene, rows.lever_m)
     )
-    if scene.view.vehicle.roll_rate_deg_s == 0.0:
+    if scene.view.vehicle.roll_rate_deg_s == 0.0 and subject_m_s(scene) == 0.0:
         return np.asarray(along)
     across = operation.blur_px(
         collected_s[:, None], ground_sample_m=rows.view.pixel_across_m, **motion_across(scene, rows.lever_m)
@@ -298,11 +298,7 @@ def skew_px(scene: SceneOptics, rows: DesignRows) -> Array:
     """Skew of a rolling shutter under lamps that burn, (n, 3); a pulse freezes all rows at once."""
     if not rows.cameras.readout_s.any():
         return np.zeros_like(rows.view.pixel_along_m)
-    skew = operation.skew_px(
-        rows.cameras.readout_s[:, None],
-        ground_sample_m=rows.view.pixel_along_m,
-        **motion_along(scene, rows.lever_m),
-    )
+    skew = skew_by_altitude_px(scene, rows.view, rows.cameras.readout_s, rows.lever_m)
     return np.where((rows.lights.kind == CONTINUOUS)[:, None], skew, 0.0)
 
 

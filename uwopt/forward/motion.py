@@ -36,27 +36,40 @@ def blur_time_s(scene: SceneOptics, shape: PortShape, view: Views) -> Array:
 
 
 def shutter_skew_px(scene: SceneOptics, shape: PortShape, view: Views, readout_s: Array) -> Array:
-    """Skew of a rolling shutter along the motion, worst over altitudes."""
+    """Skew of a rolling shutter, worst over altitudes."""
     lever = altitudes_m(scene) + shape.outer_radius_m * (not scene.paper)
-    return np.asarray(
-        operation.skew_px(
-            readout_s[:, None], ground_sample_m=view.pixel_along_m, **motion_along(scene, lever)
-        ).max(axis=1)
-    )
+    return skew_by_altitude_px(scene, view, readout_s, lever).max(axis=1)
+
+
+def skew_by_altitude_px(scene: SceneOptics, view: Views, readout_s: Array, lever_m: Array) -> Array:
+    """Skew of a rolling shutter at near, nominal and far altitude, (n, 3).
+
+    Along the motion; of a subject, which moves in any direction, the worse of both axes.
+    """
+    read = readout_s[:, None]
+    along = operation.skew_px(read, ground_sample_m=view.pixel_along_m, **motion_along(scene, lever_m))
+    subject = operation.skew_px(read, ground_sample_m=view.pixel_across_m, speed_m_s=subject_m_s(scene))
+    return np.asarray(np.maximum(along, subject))
+
+
+def subject_m_s(scene: SceneOptics) -> float:
+    """Largest speed of a subject over the floor, in any direction."""
+    return scene.view.scene.subject_speed_m_s
 
 
 def motion_along(scene: SceneOptics, lever_m: Array) -> dict[str, Any]:
-    """What moves the floor through the image along the motion: speed and pitch."""
+    """What moves a subject through the image along the motion: the vehicle's speed, its own against it, and pitch."""
     vehicle = scene.view.vehicle
     return dict(
-        speed_m_s=vehicle.speed_m_s, rotation_rate_rad_s=np.deg2rad(vehicle.pitch_rate_deg_s), lever_m=lever_m
-    )
+        speed_m_s=vehicle.speed_m_s + subject_m_s(scene),
+        rotation_rate_rad_s=np.deg2rad(vehicle.pitch_rate_deg_s), lever_m=lever_m,
+    )  # fmt: skip
 
 
 def motion_across(scene: SceneOptics, lever_m: Array) -> dict[str, Any]:
-    """What moves the floor through the image across the motion: roll."""
-    vehicle = scene.view.vehicle
-    return dict(speed_m_s=0.0, rotation_rate_rad_s=np.deg2rad(vehicle.roll_rate_deg_s), lever_m=lever_m)
+    """What moves a subject through the image across the motion: its own speed, and roll."""
+    rate_rad_s = np.deg2rad(scene.view.vehicle.roll_rate_deg_s)
+    return dict(speed_m_s=subject_m_s(scene), rotation_rate_rad_s=rate_rad_s, lever_m=lever_m)
 
 
 def least_overlap(requirements: Requirements) -> float | None:

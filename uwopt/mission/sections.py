@@ -408,6 +408,11 @@ class Scene(Section):
     sun_elevation_deg: Annotated[float, Field(ge=0, le=90), NUMBER] = Field(
         default=60.0, description="elevation of the sun in degrees above the horizon"
     )
+    subject_speed_m_s: Annotated[float, Field(ge=0, le=50), NUMBER] = Field(
+        default=0.0,
+        description="largest speed of a subject over the floor in any direction in metres per second, such as of a "
+        "fish; adds to blur and skew, not to overlap and frame rate",
+    )
     time_share: Share | None = Field(
         default=None,
         description="share 0..1 of the mission's time spent here, for energy and storage; equal unless given",

@@ -32,6 +32,7 @@ scene:
   # phase_function: fournier-forand  # henyey-greenstein | petzold-<station> | a CSV (angle_deg, phase_per_sr)
   # sun_lux: 0                 # sunlight at the surface; 100000 on a bright day, 0 at night
   # sun_elevation_deg: 60
+  # subject_speed_m_s: 0       # of what swims there, in any direction: it blurs in the exposure as speed does
   # time_share: 1.0            # with several scenes: share of the time spent here, for energy and storage
 
 # How the camera is carried, and which hardware may be tried.
@@ -74,7 +75,8 @@ requirements:
   # min_uniformity: 0.3        # darkest over mean illuminance of the floor
   # min_mtf_half_nyquist: 0.3
   # shutter: any               # any | global | rolling
-  # colour: any                # any | mono | colour
+  colour: any                  # colour: a sensor that sees colours; mono: it needs less light and sees finer detail;
+                               # any: whichever is best, which mostly is mono
   lens_stop_down: 1            # stops that the lens is closed from its widest opening, where it can be; 0 unless given
   # max_airy_px: 2             # diffraction: diameter of the Airy disc
   refuse: all                  # airy | skew | swath | depth | lamp: what an expert would refuse, one by one or all

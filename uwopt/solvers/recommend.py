@@ -26,7 +26,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
-from uwopt.results.design import NOT_SETTABLE, Design, Note, SettableCheck
+from uwopt.results.design import COLOUR_LEFT_OPEN, NOT_SETTABLE, Design, Note, SettableCheck
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
@@ -190,6 +190,18 @@ def not_settable() -> Note:
         "meets every requirement; the settings shown are exact numbers"
     )
     return Note(NOT_SETTABLE, "settings_to_set", text)
+
+
+def colour_notes(problem: Problem, hardware: Hardware) -> list[Note]:
+    """What sensor was chosen where the mission leaves open whether it sees colours."""
+    if any(view.requirements.colour != "any" for view in problem.mission.views):
+        return []
+    got = problem.parts.cameras[hardware.camera].colour
+    other = "colour" if got == "mono" else "mono"
+    text = f"Camera is {got}: neither colour nor mono was asked for; requirements.colour: {other} asks for the other"
+    if got == "mono":
+        text = "Camera is mono: no colour was asked for; requirements.colour: colour asks for it"
+    return [Note(COLOUR_LEFT_OPEN, "requirements.colour", text)]
 
 
 def part_warnings(problem: Problem, hardware: Hardware) -> list[Note]:

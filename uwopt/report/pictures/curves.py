@@ -250,7 +250,8 @@ def operation_curves(design: Replay, scene_index: int = 0) -> Operation:
     )  # fmt: skip
     lever = altitudes + shape.outer_radius_m * (not scene.paper)
     blur_px = PLAIN_BLUR_PX if needs.max_blur_px is None else needs.max_blur_px
-    motion: dict[str, Any] = motion_along(scene, lever[:, None]) | {"speed_m_s": speeds[None, :]}
+    motion: dict[str, Any] = motion_along(scene, lever[:, None])
+    motion["speed_m_s"] = motion["speed_m_s"] - vehicle.speed_m_s + speeds[None, :]
     exposure = np.minimum(
         operation.blur_exposure_s(blur_px, ground_sample_m=pixel_along[:, None], **motion),
         operation.blur_exposure_s(

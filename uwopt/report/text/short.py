@@ -22,7 +22,7 @@ from uwopt.report.text.tables import (
     status_style,
 )
 from uwopt.results.basis import Risk
-from uwopt.results.design import BillRow, Design
+from uwopt.results.design import COLOUR_LEFT_OPEN, BillRow, Design
 from uwopt.results.result import Result
 from uwopt.units import format_number
 
@@ -75,7 +75,20 @@ def verdict_lines(result: Result) -> list[Line]:
     said = [goal_sentence(result, result.best), image_sentence(result.best)]
     if first := fails_first(result.best):
         said.append(words.as_sentence(first))
+    said += [*subject_sentences(result, result.best)]
+    said += [words.as_sentence(note.message) for note in result.warnings if note.code == COLOUR_LEFT_OPEN]
     return [sentence(text) for text in said]
+
+
+def subject_sentences(result: Result, design: Design) -> Iterator[str]:
+    """Where a subject that moves leaves the exposure no longer than it is: `What moves at 0.5 m/s decides ...`"""
+    given = {one.get("name"): one for one in result.mission.get("scenes") or []}
+    for scene in design.scenes:
+        speed = given.get(scene.name, {}).get("subject_speed_m_s")
+        if not speed or not any(m.requirement == "max_blur_px" and m.binding for m in scene.margins):
+            continue
+        place = f" in {words.one_line(scene.name, 40)}" if len(design.scenes) > 1 else ""
+        yield f"What moves there by itself at {words.quantity(speed, 'm/s')} decides the exposure{place}."
 
 
 def goal_sentence(result: Result, design: Design) -> str:

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
 from uwopt.forward.focus import Focused, held_at_corner, place_focus, sharp_ends_m
-from uwopt.forward.motion import required_rate_hz
+from uwopt.forward.motion import motion_across, motion_along, required_rate_hz
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.forward.views import Views, focus_map, port_transmission
-from uwopt.model import lens, port
+from uwopt.model import lens, operation, port
 from uwopt.solvers.exact.imagers import Imagers, SceneImagers, limit, stops_down
 from uwopt.solvers.exact.light_tables import FieldTables, Rectangles
 from uwopt.tolerances import COARSE_ROUND
@@ -255,20 +255,18 @@ class Level:
 
     def blur_time_s(self, scene: SceneOptics, rows: OutlineRows) -> Array:
         """The most time that the blur leaves, at the nearest altitude: no less than at the worst one."""
-        blur_px, vehicle = scene.view.requirements.max_blur_px, scene.view.vehicle
+        blur_px = scene.view.requirements.max_blur_px
         if blur_px is None:
             return np.full(len(rows), np.inf)
         range_m = float(scene.range_m[0])
         lever = range_m + self.groups.radius_low_m[rows.group]
         pixel_along, pixel_across = self.smallest_pixels_m(scene, rows, range_m)
         time = np.full(len(rows), np.inf)
-        for pixel, speed, rate_deg in (
-            (pixel_along, vehicle.speed_m_s, vehicle.pitch_rate_deg_s),
-            (pixel_across, 0.0, vehicle.roll_rate_deg_s),
+        for pixel, motion in (
+            (pixel_along, motion_along(scene, lever)),
+            (pixel_across, motion_across(scene, lever)),
         ):
-            moving = speed + np.deg2rad(rate_deg) * lever
-            with np.errstate(divide="ignore"):
-                time = np.minimum(time, np.where(moving > 0.0, blur_px * pixel / moving, np.inf))
+            time = np.minimum(time, operation.blur_exposure_s(blur_px, ground_sample_m=pixel, **motion))
         return time
 
     def smallest_pixels_m(self, scene: SceneOptics, rows: OutlineRows, range_m: float) -> tuple[Array, Array]:
