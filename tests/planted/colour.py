@@ -51,4 +51,11 @@ DEFECTS: tuple[Defect, ...] = (
         new="for note in result.warnings if note.code != COLOUR_LEFT_OPEN]",
         test=f"{SHORT}::test_sensor_that_nobody_asked_for_is_told_on_the_page_and_is_no_risk",
     ),
+    Defect(
+        name="the chosen sensor is told where it was asked for",
+        file="uwopt/solvers/recommend.py",
+        old='if any(view.requirements.colour != "any" for view in problem.mission.views):',
+        new="if not problem.mission.views:",
+        test="tests/solvers/test_colour.py::test_the_sensor_is_told_where_the_mission_leaves_it_open",
+    ),
 )
