@@ -3,28 +3,20 @@
 from __future__ import annotations
 
 import ast
-import importlib.util
-import sys
 from collections import Counter
 from functools import cache
+from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 
 import pytest
+from planted.defect import Defect, all_defects
+from planted.run import fault_of
 
-HERE = Path(__file__).parent
-ROOT = HERE.parent
-
-if "planted" not in sys.modules:  # tests are imported without packages
-    spec = importlib.util.spec_from_file_location("planted", HERE / "planted" / "__init__.py")
-    assert spec is not None and spec.loader is not None
-    sys.modules["planted"] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(sys.modules["planted"])
-
-from planted.defect import Defect, all_defects  # noqa: E402
-from planted.run import fault_of  # noqa: E402
+ROOT = Path(__file__).parents[1]
 
 DEFECTS = all_defects()
-EACH = pytest.mark.parametrize("defect", DEFECTS, ids=[defect.name for defect in DEFECTS])
+FILE = attrgetter("file")
 LEAST = 60
 
 
@@ -43,21 +35,40 @@ def test_names(file: Path) -> frozenset[str]:
 test_names.__test__ = False  # type: ignore[attr-defined]
 
 
-@EACH
-def test_defect_fits_its_file_and_still_compiles(defect: Defect):
-    sound = (ROOT / defect.file).read_text(encoding="utf-8")
-    changed = defect.applied(sound)
-    if defect.file.endswith(".py"):
-        compile(changed, defect.file, "exec")
+def fault_in_patch(defect: Defect, sound: str) -> str:
+    """What is wrong with a patch as it stands, empty if nothing is."""
+    try:
+        changed = defect.applied(sound)
+        if defect.file.endswith(".py"):
+            compile(changed, defect.file, "exec", ast.PyCF_ONLY_AST)
+    except (SyntaxError, ValueError) as fault:
+        return f"{defect.name}: {fault}"
+    return ""
 
 
-@EACH
-def test_defect_names_tests_that_exist(defect: Defect):
-    assert defect.tests
-    for node in defect.tests:
-        file, _, name = node.partition("::")
-        assert (ROOT / file).is_file(), node
-        assert name.partition("[")[0] in test_names(ROOT / file), node
+def test_defects_fit_their_files_and_leave_python():
+    faults = []
+    for file, some in groupby(sorted(DEFECTS, key=FILE), key=FILE):
+        sound = (ROOT / file).read_text(encoding="utf-8")
+        faults += [fault_in_patch(defect, sound) for defect in some]
+    assert [fault for fault in faults if fault] == []
+
+
+def test_defects_name_tests_that_exist():
+    assert [defect.name for defect in DEFECTS if not defect.tests] == []
+    named = {node: defect.name for defect in DEFECTS for node in defect.tests}
+    missing = []
+    for node, name in named.items():
+        file, _, test = node.partition("::")
+        known = test_names(ROOT / file) if (ROOT / file).is_file() else frozenset()
+        missing += [f"{name}: {node}"] * (test.partition("[")[0] not in known)
+    assert missing == []
+
+
+def test_a_patch_that_leaves_no_python_is_told():
+    broken = Defect("broken", "x.py", "a = 1", "a = (", "t")
+    assert fault_in_patch(broken, "a = 1").startswith("broken: ")
+    assert "stands 0 times" in fault_in_patch(broken, "b = 1")
 
 
 def test_each_defect_has_a_name_of_its_own():

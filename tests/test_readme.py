@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import os
 import re
@@ -11,10 +10,9 @@ import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
-from types import ModuleType
 
+import make_readme_output as page_maker
 import pytest
 import yaml
 from thorough import THOROUGH
@@ -46,25 +44,11 @@ def commands() -> list[str]:
     return [line for block in blocks("sh") for line in block.splitlines() if line.strip()]
 
 
-@cache
-def output_module() -> ModuleType:
-    """docs/make_readme_output.py, which is no part of the package."""
-    spec = importlib.util.spec_from_file_location(
-        "make_readme_output", ROOT / "docs" / "make_readme_output.py"
-    )
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 @pytest.fixture(scope="module")
 def outputs(done: dict[str, Done], folder: Path) -> tuple[str, str]:
     """The page and the lines of the full text that the README shows, and those of the run."""
-    module = output_module()
-    shown = [module.pasted(README, name) for name in (module.PAGE, module.FULL)]
-    fresh = [done[AS_PROCESS].out.rstrip("\n"), module.full_of(read_result(folder / "reef" / "result.json"))]
+    shown = [page_maker.pasted(README, name) for name in (page_maker.PAGE, page_maker.FULL)]
+    fresh = [done[AS_PROCESS].out.rstrip("\n"), page_maker.full_of(read_result(folder / "reef" / "result.json"))]
     return "\n".join(shown), "\n".join(fresh)
 
 

@@ -12,25 +12,13 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
-from importlib import util
 from pathlib import Path
-from types import ModuleType
 
+import import_plan as plan
 import pytest
 
 from uwopt.units import UNIT_SUFFIXES
 
-
-def import_plan() -> ModuleType:
-    """The script beside this file."""
-    spec = util.spec_from_file_location("import_plan", Path(__file__).with_name("import_plan.py"))
-    assert spec is not None and spec.loader is not None
-    module = util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-plan = import_plan()
 ROOT, PACKAGE, MODULES = plan.ROOT, plan.PACKAGE, plan.MODULES
 name_of, tree_of, imports_of = plan.name_of, plan.tree_of, plan.imports_of
 MODEL = sorted((PACKAGE / "model").rglob("*.py"))

@@ -4,21 +4,10 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from importlib import util
 from pathlib import Path
-from types import ModuleType
 
+import import_plan as plan
 
-def import_plan() -> ModuleType:
-    """The script beside this file."""
-    spec = util.spec_from_file_location("import_plan", Path(__file__).with_name("import_plan.py"))
-    assert spec is not None and spec.loader is not None
-    module = util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-plan = import_plan()
 MODULES = {"uwopt." + plan.name_of(path): path for path in plan.MODULES if path.name != "__init__.py"}
 
 SUITES = ("fronts", "peers", "physics", "quadrature", "scaling", "spectral")

@@ -7,9 +7,8 @@ quadrature, searches, the paper's figures) are computed by `python docs/make_val
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Iterator
-from importlib import import_module, util
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 from unittest.mock import MagicMock
@@ -25,18 +24,11 @@ MOST_BYTES = 200_000
 @pytest.fixture(scope="module")
 def maker() -> Iterator[Any]:
     """docs/make_validation.py as a module, drawing nothing."""
-    sys.path.insert(0, str(DOCS))
-    spec = util.spec_from_file_location("make_validation", DOCS / "make_validation.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = util.module_from_spec(spec)
-    spec.loader.exec_module(module)
     common = import_module("validation.common")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(common, "canvas", blank)
         patch.setattr(common, "save", lambda figure, name, caption: f"![{caption}](figures/{name}.svg)")
-        yield module
-    sys.path.remove(str(DOCS))
+        yield import_module("make_validation")
 
 
 def blank(n_columns: int = 1, **_: Any) -> tuple[Any, Any]:

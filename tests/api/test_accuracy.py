@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
-from importlib import util
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
+from effects_cases import random_mission, random_system
 from thorough import drawn
 
 import uwopt
@@ -146,22 +145,11 @@ def test_a_fineness_is_above_zero_and_never_leaves_less_than_two_nodes():
 # ---------------------------------------------------------------- against integrals four times as fine
 
 
-def effects_cases() -> ModuleType:
-    """The random missions and systems that physics `auto` is tested on."""
-    spec = util.spec_from_file_location(
-        "effects_cases", Path(__file__).parents[1] / "forward" / "test_effects.py"
-    )
-    assert spec is not None and spec.loader is not None
-    module = util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def random_estimator(chunk: int, number: int) -> Estimator | None:
     """A random mission with parts of the catalogue or made up; None where they cannot be put together."""
-    cases, catalog = effects_cases(), uwopt.load_catalog()
+    catalog = uwopt.load_catalog()
     rng = np.random.default_rng([chunk, number])
-    mission, system = cases.random_mission(rng), cases.random_system(rng)
+    mission, system = random_mission(rng), random_system(rng)
     mission["physics"] = "full"
     if rng.random() < 0.7:
         system["camera"] = str(rng.choice([part.id for part in catalog.cameras]))

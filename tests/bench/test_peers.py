@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import random_cases
 from thorough import drawn
 
 from uwopt.bench import contest, peers
@@ -20,20 +19,9 @@ from uwopt.bench.suite import BenchRow, Budget
 from uwopt.forward.problem import Problem
 from uwopt.solvers.recommend import hardware_of
 
-HELPERS = Path(__file__).parents[1] / "solvers" / "conftest.py"
 LEAST_GAP = -1e-6  # requirements count as met to 1e-6, which buys as much of the objective
 SEEDS = (3, 9)  # random catalogues that have designs
 FEW_S = drawn(0.06, 0.25)  # for each method; no verdict depends on how far it comes
-
-
-def helpers() -> Any:
-    """The random catalogues of the solvers' tests."""
-    spec = importlib.util.spec_from_file_location("solver_helpers", HELPERS)
-    assert spec is not None and spec.loader is not None
-    spec.loader.exec_module(importlib.util.module_from_spec(spec))
-    import random_cases
-
-    return random_cases
 
 
 @dataclass(frozen=True)
@@ -48,7 +36,7 @@ class SmallContest(Contest):
 
 @cache
 def small(seed: int) -> SmallContest:
-    case = helpers().case(seed)
+    case = random_cases.case(seed)
     found = contest.certified(case.problem(), case.objective, 60.0)
     assert found.best and found.complete
     return SmallContest(

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import math
-import sys
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
-from pathlib import Path
-from typing import Any
 
+import brute_force
 import numpy as np
 import pytest
 
@@ -42,21 +39,6 @@ from uwopt.solvers.exact.search import Search
 KINDS = ("cameras", "lenses", "ports", "lights")
 SMALL, MEDIUM = 1e3, 1e6
 ENOUGH_S = 1e5  # the clock ends nothing
-
-
-@cache
-def brute_force() -> Any:
-    """The plain enumeration that the tests of the search use."""
-    folder = Path(__file__).parent.parent / "solvers"
-    sys.path.insert(0, str(folder))
-    try:
-        spec = importlib.util.spec_from_file_location("brute_force", folder / "brute_force.py")
-        assert spec is not None and spec.loader is not None
-        module = sys.modules.setdefault("brute_force", importlib.util.module_from_spec(spec))
-        spec.loader.exec_module(module)
-    finally:
-        sys.path.remove(str(folder))
-    return module
 
 
 @cache
@@ -146,7 +128,7 @@ def enumerated() -> tuple[Parts, list[tuple[float, float]]]:
     made = made_parts(SMALL)
     parts = replace(made, lenses=made.lenses[:4])
     mission = mission_for("loose")
-    brute = brute_force()
+    brute = brute_force
     bench = brute.Bench(Problem(mission, parts, paper=False))
     found = brute.enumerate_all(bench, Objective.of("power"))
     feasible = [one for one in found if math.isfinite(one.value)]

@@ -10,10 +10,10 @@ import csv
 import json
 import math
 from functools import cache
-from importlib import util
 from pathlib import Path
 from typing import Any
 
+import make_paper_table
 import pytest
 
 import uwopt
@@ -219,25 +219,14 @@ def test_the_window_lies_within_its_own_limits() -> None:
 # ---------------------------------------------------------------- the paper's equations by hand
 
 
-@cache
-def maker() -> Any:
-    """docs/make_paper_table.py as a module."""
-    spec = util.spec_from_file_location("make_paper_table", ROOT / "docs" / "make_paper_table.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def test_the_page_is_what_its_script_writes() -> None:
     page = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
-    assert page == maker().page(), "run python docs/make_paper_table.py"
+    assert page == make_paper_table.page(), "run python docs/make_paper_table.py"
 
 
 def test_every_figure_of_the_window_follows_the_papers_equations() -> None:
     spectral = ("floor_illuminance_mean_lx", "electrons_signal", "mean_dn", "snr")
-    for row in maker().table():
+    for row in make_paper_table.table():
         # integrals: uwopt samples the tables every nanometre, the hand value follows every corner of them
         tolerance = 1e-4 if row.name in spectral else 1e-9
         assert row.uwopt == pytest.approx(row.by_hand, rel=tolerance), row.name

@@ -1,37 +1,11 @@
-"""Makes the helper modules of this folder importable by name; pytest imports tests without packages."""
+"""The sizes of batches that searches are tried with."""
 
 from __future__ import annotations
-
-import importlib.util
-import sys
-from pathlib import Path
 
 import pytest
 
 from uwopt.solvers.exact import large, outline
 from uwopt.solvers.exact import search as exact_search
-
-HELPERS = (
-    "small_catalogues",
-    "scene_search",
-    "brute_force",
-    "random_cases",
-    "agreement",
-    "energy_cases",
-    "one_of_each",
-    "settable_cases",
-    "hand_made_rows",
-    "settings_attack",
-    "population_cases",
-    "front_cases",
-)  # each needs only those before it
-
-for name in HELPERS:
-    if name not in sys.modules:
-        spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
-        assert spec is not None and spec.loader is not None
-        sys.modules[name] = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(sys.modules[name])
 
 
 @pytest.fixture(params=["as shipped", "bounds at work", "as if large"])

@@ -23,6 +23,8 @@ PROBE_ORDER = 32  # of the one-dimensional trial fits that choose order and warp
 # How strongly the nodes crowd towards short ranges, where the spectrum changes most.
 WARPS = (0.0, 0.2, 0.4, 0.6, 0.8)
 LEAST_SHARE = 1e-290  # in place of 0: its logarithm is finite
+LARGEST_EXPONENT = 200.0  # of a factor, so that products of three neither overflow nor vanish
+LEAST_SUM = 1e-200  # below it what was rounded away may count
 RANGE_SLACK = 1e-9  # of the upper end: rounding of a range that was computed another way
 
 Box = tuple[float, float]
@@ -202,6 +204,29 @@ class _Integrand:
         linear = np.multiply.outer(lamp_slope, lamp) + np.multiply.outer(camera_slope, camera)
         return np.asarray(self.log_mean(lamp, camera) + linear)
 
+    def remainder_on_grid(self, boxes: Boxes, lamp: FloatArray, camera: FloatArray) -> FloatArray:
+        """`remainder` over all pairs of a lamp's and a camera's ranges, (batch, n_lamp, n_camera).
+
+        exp(-K r_l - c r_c) is a product of two factors, one a range: their sum over the spectrum is a product
+        of matrices. Where a factor leaves what a number can hold, the slower logarithms serve.
+        """
+        slopes = self.slopes(boxes)
+        centres = [slope.mean() for slope in slopes]  # one for all weights, so that factors are shared
+        to_lamp = np.multiply.outer(lamp, centres[0] - self.k_lamp)
+        to_camera = np.multiply.outer(camera, centres[1] - self.c_camera)
+        if max(np.abs(to_lamp).max(), np.abs(to_camera).max()) < LARGEST_EXPONENT:
+            by_lamp, by_camera = np.exp(to_lamp), np.exp(to_camera)
+            if self.excess is not None:
+                by_camera *= -np.expm1(-np.multiply.outer(camera, self.excess))
+            mean = (self.share[:, None, :] * by_lamp) @ by_camera.T
+            if mean.min() > LEAST_SUM:
+                lamp_left, camera_left = (
+                    np.multiply.outer(slope - centre, ranges)
+                    for slope, centre, ranges in zip(slopes, centres, (lamp, camera), strict=True)
+                )
+                return np.asarray(np.log(mean) + lamp_left[:, :, None] + camera_left[:, None, :])
+        return self.remainder(boxes, *np.meshgrid(lamp, camera, indexing="ij"))
+
 
 def _log_scattered(optical: FloatArray) -> FloatArray:
     """ln(1 - exp(-x)), that of the least number where nothing is scattered."""
@@ -221,9 +246,10 @@ def _choose_orders(
             warps.append(0.0)
             continue
         ranges = np.array([_from_unit(nodes, boxes[axis], warp) for warp in WARPS])
-        other = np.full_like(ranges, boxes[1 - axis][0])
-        pair = (ranges, other) if axis == 0 else (other, ranges)
-        series = np.abs(integrand.remainder(boxes, *pair) @ _to_series(PROBE_ORDER).T)
+        shortest = np.array([boxes[1 - axis][0]])
+        pair = (ranges.ravel(), shortest) if axis == 0 else (shortest, ranges.ravel())
+        values = integrand.remainder_on_grid(boxes, *pair).reshape(-1, *ranges.shape)
+        series = np.abs(values @ _to_series(PROBE_ORDER).T)
         # tail[..., k]: sum of what is left out when the series ends at degree k
         tail = np.cumsum(series[..., ::-1], axis=-1)[..., ::-1] - series
         degree = np.argmax(tail.max(axis=0) <= tolerance_log / 8, axis=-1)
@@ -238,23 +264,21 @@ def _fit(
 ) -> tuple[FloatArray, float]:
     """Coefficients (batch, n_lamp, n_camera) in powers, and the error on a finer grid."""
     x, y = (chebyshev.chebpts1(n + 1) for n in orders)
-    values = integrand.remainder(boxes, *_ranges(x, y, boxes, warps))
+    values = integrand.remainder_on_grid(boxes, *_ranges(x, y, boxes, warps))
     series = _to_series(orders[0]) @ values @ _to_series(orders[1]).T
     coefficients = _to_powers(orders[0]) @ series @ _to_powers(orders[1]).T
     # Extrema of a higher Chebyshev polynomial: between the nodes, the ends included.
     x, y = (np.cos(np.linspace(0, np.pi, 2 * n + 3)) for n in orders)
     fitted = _powers(x, orders[0] + 1).T @ coefficients @ _powers(y, orders[1] + 1)
-    exact = integrand.remainder(boxes, *_ranges(x, y, boxes, warps))
+    exact = integrand.remainder_on_grid(boxes, *_ranges(x, y, boxes, warps))
     return coefficients, float(np.abs(fitted - exact).max())
 
 
 def _ranges(
     x: FloatArray, y: FloatArray, boxes: Boxes, warps: tuple[float, float]
 ) -> tuple[FloatArray, FloatArray]:
-    lamp, camera = np.meshgrid(
-        _from_unit(x, boxes[0], warps[0]), _from_unit(y, boxes[1], warps[1]), indexing="ij"
-    )
-    return lamp, camera
+    """Lamp's and camera's ranges at places of -1..1."""
+    return _from_unit(x, boxes[0], warps[0]), _from_unit(y, boxes[1], warps[1])
 
 
 @functools.cache
