@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
-from thorough import THOROUGH
+from thorough import THOROUGH, drawn
 
 import uwopt
 from uwopt.evaluation.recompute import Replay, replay
@@ -18,6 +18,7 @@ settings.register_profile(
     "uwopt",
     deadline=None,
     derandomize=not THOROUGH,
+    max_examples=drawn(30, 300),
     database=None,
     suppress_health_check=[HealthCheck.too_slow],
 )
@@ -58,6 +59,14 @@ def replayed() -> Callable[[Any, Any], tuple[Replay, dict[str, Any]]]:
         return made, design.scenes[0].figures
 
     return of
+
+
+@pytest.fixture
+def undoubted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tell nothing beside the proof: doubts are half of a solve's time, and most tests look at the optimum alone."""
+    from uwopt.api import solving
+
+    monkeypatch.setattr(solving, "doubts", lambda *given: None)
 
 
 @pytest.fixture(scope="module")

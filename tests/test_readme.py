@@ -30,7 +30,7 @@ ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 AS_PROCESS = "uwopt solve problems/reef-mosaic.yaml --out reef"
 BENCH_S = 1.0  # for all suites together; they end when it is spent, whatever they have measured
-AGAIN = re.compile(r"^uwopt solve problems/reef-mosaic.yaml --(audit|solver|tolerance)")
+AGAIN = re.compile(r"^uwopt solve (problems/reef-mosaic.yaml --(audit|solver|tolerance)|my-survey.yaml)")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
@@ -143,7 +143,9 @@ def test_commands_run_in_the_order_in_which_they_stand(done: dict[str, Done]):
 
 
 @pytest.mark.parametrize("index", range(len(blocks("python"))))
-def test_python_snippet_runs(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys, index: int):
+def test_python_snippet_runs(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, undoubted: None, capsys, index: int
+):
     monkeypatch.chdir(folder)
     exec(compile(blocks("python")[index], f"README.md, snippet {index + 1}", "exec"), {})
     assert capsys.readouterr().out.strip()

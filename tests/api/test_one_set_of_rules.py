@@ -207,6 +207,7 @@ def test_the_nominal_altitude_must_be_sharp_where_no_depth_of_field_is_asked() -
     assert missed(uwopt.evaluate(mission("full"), system())) == set()
 
 
+@pytest.mark.usefixtures("undoubted")
 def test_asking_for_a_little_depth_of_field_costs_a_little() -> None:
     """At 0.15 m half a millimetre of depth takes a smaller aperture, none takes the widest."""
     near = {"altitude_m": 0.15, "speed_m_s": 0.02, "light_baseline_m": 0.2}

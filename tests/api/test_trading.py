@@ -219,7 +219,8 @@ def test_what_nothing_meets_is_infeasible_with_reasons():
     assert "NaN" not in result.to_json()
 
 
-def test_requirements_that_leave_one_point_are_told(tmp_path):
+@pytest.mark.usefixtures("undoubted")
+def test_requirements_that_leave_one_point_are_told():
     best = uwopt.solve(MISSION, objective="cost", top=1).recommendation
     assert best is not None
     limits = {"cost": best.totals["cost"]["value"] * (1 + 1e-9)}

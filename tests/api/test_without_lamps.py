@@ -27,6 +27,9 @@ def mission(count: Any, *, sun_lux: float = 80_000.0, depth_m: float = 6.0, **wa
     }  # fmt: skip
 
 
+pytestmark = pytest.mark.usefixtures("undoubted")
+
+
 @pytest.fixture(scope="module")
 def unlit() -> uwopt.Result:
     """The result where no lamp is allowed."""

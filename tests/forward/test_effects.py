@@ -15,7 +15,7 @@ from uwopt.forward.effects import choose
 from uwopt.model.effects import Effects
 from uwopt.results.result import Result
 
-CASES_A_CHUNK, CHUNKS = drawn((8, 2), (25, 20))  # 500 random scenes and systems before a release
+CASES_A_CHUNK, CHUNKS = drawn((8, 1), (25, 20))  # 500 random scenes and systems before a release
 #: Of these 500 those in which bounds are nearest to what the effects change, and what can be left out of each.
 VEILS = frozenset({"forward_veil", "backscatter"})
 SHARP: dict[tuple[int, int], Set[str]] = {

@@ -13,6 +13,8 @@ import pytest
 import uwopt
 from uwopt.forward.focus import middle_focus, sharp_ends_m
 
+pytestmark = pytest.mark.usefixtures("undoubted")
+
 PARTS = Path(__file__).parents[1] / "rule_parts"
 KINDS = {"cameras": "zz-global", "lenses": "zz-12mm", "ports": "zz-window", "lights": "zz-led"}
 FOCAL_M = 1.33 * 12e-3  # physics `paper` behind a flat port

@@ -15,7 +15,6 @@ import pytest
 from thorough import drawn
 
 import uwopt
-from uwopt.api import solving
 from uwopt.api.common import prepared
 from uwopt.forward.assembly import load_catalog
 from uwopt.objectives.objective import Objective
@@ -86,10 +85,12 @@ def assert_no_runner_up_is_better(result: Result) -> None:
 
 @pytest.mark.parametrize("physics", ["paper", "full"])
 @pytest.mark.parametrize("name", MISSIONS)
-def test_mission_is_solved_and_its_claims_hold(name: str, physics: str, monkeypatch: pytest.MonkeyPatch):
+def test_mission_is_solved_and_its_claims_hold(
+    name: str, physics: str, request: pytest.FixtureRequest
+) -> None:
     mission = PROBLEMS / f"{name}.yaml"
     if physics == "full" and name not in DOUBTED:
-        monkeypatch.setattr(solving, "doubts", lambda *given: None)
+        request.getfixturevalue("undoubted")
     result = uwopt.solve(mission, physics=physics, audit=N_ATTACKED)
     best = result.recommendation
     assert best is not None

@@ -104,14 +104,14 @@ def front_of(key: int | str, names: tuple[str, ...]) -> tuple[FrontSearch, Front
 
 
 @cache
-def samples(key: int | str) -> list[Any]:
-    """Tried settings of a case, drawn once."""
-    return samples_of(case_of(key))
+def samples(key: int | str, *, information: bool) -> list[Any]:
+    """Tried settings of a case, drawn once, with information where an axis asks for it."""
+    return samples_of(case_of(key), information=information)
 
 
 def tried_of(key: int | str, names: Sequence[str]) -> Any:
     """Points of a case that an exact front must not be beaten by."""
-    points = tried_points(samples(key), names)
+    points = tried_points(samples(key, information="information" in names), names)
     return points[np.isfinite(points).all(axis=1)]
 
 
@@ -135,17 +135,17 @@ def tried_points(samples: Any, names: Sequence[str]) -> Any:
     return np.concatenate([np.empty((0, len(names))), *(points_of(one, names) for one in samples)])
 
 
-def samples_of(case: Any, n: int = 3000, seed: int = 0) -> list[Any]:
+def samples_of(case: Any, n: int = 3000, seed: int = 0, *, information: bool = True) -> list[Any]:
     """By hardware: what no setting changes, and by group of common f-numbers the tried settings of each scene."""
     bench = brute.Bench(case.problem())
     rng = np.random.default_rng(seed)
-    paper = case.mission.physics == "paper"
+    information = information and case.mission.physics != "paper"
     found = []
     for hardware in brute.buildable(bench.problem):
         model = bench.model(hardware)
         if not brute.passes_without_light(model) or brute.misses_limits(model):
             continue
-        groups = groups_of(model, n, rng, information=not paper)
+        groups = groups_of(model, n, rng, information=information)
         if groups:
             found.append((brute.fixed_terms(model), groups))
     return found

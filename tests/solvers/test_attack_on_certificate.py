@@ -18,6 +18,8 @@ import uwopt
 from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
 
+pytestmark = pytest.mark.usefixtures("undoubted")
+
 PARTS = Path(__file__).parents[1] / "rule_parts"
 KINDS = {
     "camera": ("zz-global", "zz-rolling"), "lens": ("zz-12mm", "zz-12mm-motor", "zz-35mm"), "port": ("zz-window",),
