@@ -181,7 +181,7 @@ def generic_search(
         ceiling = best[0].minimised - GENERIC_GAIN * abs(best[0].minimised)
     return seek(
         mission, catalog, goal, generic="allow", top=1 if best else top, deadline=deadline, progress=progress,
-        ceiling=ceiling, fineness=sought.problem.fineness,
+        ceiling=ceiling, fineness=sought.problem.fineness, like=sought.problem,
     )  # fmt: skip
 
 
@@ -310,8 +310,9 @@ def infeasible_result(
     if used.outcome.complete:
         with timed(timing, "explanation"):
             why = explain(
-                mission, catalog, goal, proof, generic=generic, deadline=deadline, progress=progress
-            )
+                mission, catalog, goal, proof, generic=generic, deadline=deadline, progress=progress,
+                like=used.problem,
+            )  # fmt: skip
     status = "infeasible" if used.outcome.complete else "stopped"
     return replace(
         result,

@@ -7,14 +7,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.lamps import (
     Mount,
     luminous_weight,
     on_axis_gain,
 )
 from uwopt.forward.problem import Problem
+from uwopt.forward.remembered import once_an_image
 from uwopt.forward.views import Views
-from uwopt.model.footprint import footprint_illuminance_per_lm
+from uwopt.model.footprint import footprint_illuminance_per_lm, most_uniformity
 
 Array = NDArray[Any]
 
@@ -40,8 +42,64 @@ def footprint_light(
 
 def uniformity(problem: Problem, scene_index: int, view: Views, **hardware: Any) -> Array:
     """Least over mean floor illuminance at every altitude; 0 where the footprint is dark."""
-    pairs = [
-        footprint_light(problem, scene_index, view, altitude=n, **hardware)
-        for n in range(len(problem.scenes[scene_index].range_m))
-    ]
-    return np.array([least / mean if mean > 0 else 0.0 for mean, least in pairs])
+    altitudes = range(len(problem.scenes[scene_index].range_m))
+    return np.array([evenness(problem, scene_index, view, altitude=n, **hardware) for n in altitudes])
+
+
+def evenness(problem: Problem, scene_index: int, view: Views, **hardware: Any) -> float:
+    """The same at one altitude."""
+    mean, least = footprint_light(problem, scene_index, view, **hardware)
+    return least / mean if mean > 0 else 0.0
+
+
+def most_uniformities(
+    problem: Problem, scene_index: int, view: Views, *, port_index: int, optics: int, mount: Mount, count: int
+) -> Array:
+    """Upper bounds of the uniformity of many images behind one port at the worst altitude, (n,)."""
+    scene = problem.scenes[scene_index]
+    if problem.paper:
+        return np.ones(len(view.tan_along))
+    ends = [
+        most_uniformity(
+            view.tan_along, view.tan_across, shape=problem.shape(port_index, scene_index), range_m=float(range_m),
+            lamps=mount.lamps(count), beam=problem.beam(scene_index, optics),
+            weight=luminous_weight(scene, problem.optics[optics]),
+            attenuation_per_m=scene.lamp_attenuation_per_m, fineness=scene.fineness,
+        )
+        for range_m in {float(scene.range_m[0]), float(scene.range_m[-1])}
+    ]  # fmt: skip
+    return np.asarray(np.min(ends, axis=0))
+
+
+def even_enough(
+    problem: Problem, scene_index: int, view: Views, *, port: Array, optics: int, mount: Mount, count: int,
+    wanted: float, deadline: Deadline = NEVER,
+) -> Array:  # fmt: skip
+    """Whether lamps light each image's floor evenly enough at every altitude, (n,).
+
+    Images that are alike are integrated once a scene, and few places of the floor tell most of the uneven ones.
+    Raises OutOfTimeError past the deadline.
+    """
+    scene, beam, lamps = problem.scenes[scene_index], problem.beam(scene_index, optics), mount.lamps(count)
+    item = problem.optics[optics]
+    least = wanted * (1 - 1e-9)
+    even = np.ones(len(port), bool)
+    for one in np.unique(port):
+        mine = np.nonzero(port == one)[0]
+        shape = problem.shape(int(one), scene_index)
+        key = ("even", beam, item.spectrum_id, item.spectrum, lamps, shape, least)
+
+        def judged(new: Views, one: int = int(one)) -> Array:
+            hardware: dict[str, Any] = dict(port_index=one, optics=optics, mount=mount, count=count)
+            even = most_uniformities(problem, scene_index, new, **hardware) >= least
+            for row in np.nonzero(even)[0]:
+                deadline.check()
+                image = new.take(np.array([row]))
+                even[row] = all(
+                    evenness(problem, scene_index, image, altitude=n, **hardware) >= least
+                    for n in range(len(scene.range_m))
+                )
+            return even
+
+        even[mine] = once_an_image(scene.cache.setdefault(key, {}), view.take(mine), judged)
+    return even

@@ -25,14 +25,16 @@ from uwopt.model import beam as beams
 from uwopt.model.image_mean import (
     FRAME_MAY_MISS,
     along_symmetric,
+    each_lamp,
     field_mean,
     frame_places,
     pixel_grid,
     reached_by_most,
 )
-from uwopt.model.imaging import local_gain
+from uwopt.model.imaging import Lamps, local_gain
 from uwopt.model.veil.mean import mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain
+from uwopt.tolerances import ROUND
 
 if TYPE_CHECKING:
     from uwopt.forward.lamps import Mount
@@ -43,6 +45,8 @@ Veils = Literal["none", "forward", "coarse", "all"]  # what is worked out, each 
 
 COARSE_ORDER = 4  # nodes a side of the image in bounds of backscatter
 SMOOTH_MARGIN = 1.5  # times and over a coarse integral: bounds; errors of wide lobes stay below 5 %
+LIKELY_PLACES = 72  # of those over the frame, the outermost: the darkest 5 % are among them as a rule
+LIKELY_A_SIDE = 3  # of the grid on which the darkest is looked for: its middle, edges and corners
 COARSE_FROM_RAD = float(np.deg2rad(15.0))  # half-power angle from which a lobe counts as wide
 
 
@@ -188,21 +192,26 @@ class LampField:
         """
         count = len(self.scene.range_m)
         places = sorted({0, count // 2, count - 1})
-        coarse = view.collecting_m2[:, None] * np.stack(
-            [
-                mean_backscatter(
-                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=self.scatterers(),
-                    order=COARSE_ORDER, **self.common(float(self.scene.range_m[n])),
-                )
-                for n in places
-            ],
-            axis=1,
-        )  # fmt: skip
+        coarse = view.collecting_m2[:, None] * self.coarse_backscatter(view, places)
         before = np.searchsorted(places, np.arange(count), side="right") - 1
         after = np.searchsorted(places, np.arange(count))
         least = np.minimum(coarse[:, before], coarse[:, after]) / SMOOTH_MARGIN
         most = np.maximum(coarse[:, before], coarse[:, after]) * SMOOTH_MARGIN
         return replace(light, backscatter_e=least, most_veil_e=added(light.forward_e, most))
+
+    def coarse_backscatter(self, view: Views, altitudes: list[int]) -> Array:
+        """Mean of the lamps' path radiance at some altitudes by few nodes, (n, n_altitudes)."""
+        scatterers = self.scatterers()
+        return np.stack(
+            [
+                mean_backscatter(
+                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=scatterers,
+                    order=COARSE_ORDER, **self.common(float(self.scene.range_m[n])),
+                )
+                for n in altitudes
+            ],
+            axis=1,
+        )  # fmt: skip
 
     def mean_backscatter(self, view: Views) -> Array:
         """Mean of the lamps' path radiance over the image, (n, n_altitudes)."""
@@ -221,21 +230,41 @@ class LampField:
     # ------------------------------------------------------------ pixels
 
     def at_asked_pixels(self, view: Views, pixels: Pixels, *, veils: bool) -> ImageLight:
-        """Signal and veil at the pixels that may decide whether an SNR holds; the darkest stands for the mean.
-
-        Where no veil and no sun change their order, the pixels that may miss an SNR are the darkest.
-        """
-        may_miss = 0
-        if pixels == "darkest":
-            signal, veil_there = self.at_worst_pixels(view, veils=veils)
-        else:
-            places = frame_places(view.tan_along, view.tan_across)
-            signal, veil_there = self.at_pixels(view, *places, veils=veils)
-            if veil_there is None and not self.sunlit:
-                signal = reached_by_most(signal, FRAME_MAY_MISS)[:, :, None]
-            else:
-                may_miss = FRAME_MAY_MISS
+        """Signal and veil at the pixels that may decide whether an SNR holds; the darkest stands for the mean."""
+        signal, veil_there = self.asked_pixels(view, pixels, veils=veils)
+        may_miss = FRAME_MAY_MISS if pixels == "frame" and signal.shape[2] > 1 else 0
         return ImageLight(signal.min(axis=2), worst_e=signal, worst_veil_e=veil_there, may_miss=may_miss)
+
+    def asked_pixels(self, view: Views, pixels: Pixels, *, veils: bool) -> tuple[Array, Array | None]:
+        """Signal and veil there, (n, n_altitudes, n_pixels).
+
+        Where no veil and no sun change their order, the pixels that may miss an SNR are the darkest: one is left.
+        """
+        if pixels == "darkest":
+            return self.at_worst_pixels(view, veils=veils)
+        signal, veil_there = self.at_pixels(view, *frame_places(view.tan_along, view.tan_across), veils=veils)
+        if veil_there is None and not self.sunlit:
+            signal = reached_by_most(signal, FRAME_MAY_MISS)[:, :, None]
+        return signal, veil_there
+
+    def at_likely_pixels(self, view: Views, pixels: Pixels) -> Array:
+        """Upper bound on the signal of the pixel that decides, at the farthest altitude: some of those asked for, (n,).
+
+        What all but k of many pixels reach is no more than what all but k of some of them do.
+        """
+        gain = np.zeros(())
+        for lamp, share in zip(each_lamp(self.lamps), self.lamps.share, strict=True):
+            gain = gain + share * self.likely_gain(view, pixels, replace(lamp, share=(1.0,)))
+        response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
+        may_miss = FRAME_MAY_MISS if pixels == "frame" else 0
+        return np.asarray(view.collecting_m2 * response * reached_by_most(gain, may_miss) * ROUND)
+
+    def likely_gain(self, view: Views, pixels: Pixels, lamps: Lamps) -> Array:
+        """`local_gain` of some lamps there, (n, n_pixels) [1/m^2]."""
+        places = likely_places(view, pixels)
+        return local_gain(
+            *places, table=self.loss_table(), lamps=lamps, **self.common(float(self.scene.range_m[-1]))
+        )
 
     @property
     def sunlit(self) -> bool:
@@ -274,8 +303,11 @@ class LampField:
                 )
             signals.append(signal * collecting)
             veil_sum.append(over * collecting)
-        has_veil = scatters and self.effects.veils
-        return np.stack(signals, axis=1), np.stack(veil_sum, axis=1) if has_veil else None
+        return np.stack(signals, axis=1), np.stack(veil_sum, axis=1) if self.veiled(veils) else None
+
+    def veiled(self, veils: bool) -> bool:
+        """Whether pixels have a veil, if it is asked for."""
+        return veils and self.scene.scatters and self.effects.veils
 
     def veils_at_pixels(self, along: Array, across: Array) -> tuple[Array, Array]:
         """Forward veil and backscatter over the image-forming light at field points, farthest and nearest."""
@@ -293,6 +325,15 @@ class LampField:
                 shares.append((over / lit, back / lit))
         forward, backs = (np.maximum(a, b) for a, b in zip(*shares, strict=True))
         return forward, backs
+
+
+def likely_places(view: Views, pixels: Pixels) -> tuple[Array, Array]:
+    """Pixels, of those that an SNR is asked of, that are likely to be darkest: tangents (n, n_pixels)."""
+    if pixels == "darkest":
+        return pixel_grid(view.tan_along, view.tan_across, n_points=LIKELY_A_SIDE)
+    along, across = frame_places(view.tan_along, view.tan_across)
+    outer = np.argpartition(-np.square(along) - np.square(across), LIKELY_PLACES, axis=1)[:, :LIKELY_PLACES]
+    return np.take_along_axis(along, outer, axis=1), np.take_along_axis(across, outer, axis=1)
 
 
 def worst_candidates(signal: Array, veil_there: Array | None) -> Array:
@@ -316,19 +357,19 @@ def worst_candidates(signal: Array, veil_there: Array | None) -> Array:
 def image_light(
     problem: Problem, scene_index: int, view: Views, camera: Array, *, port_index: int, optics: int, mount: Mount,
     count: int = 2, channel: str | None = None, pixels: Pixels | None = None, veils: Veils = "all", means: bool = True,
-    known: ImageLight | None = None,
+    known: ImageLight | None = None, field_type: type[LampField] = LampField,
 ) -> ImageLight:  # fmt: skip
     """Electrons per lm s of light behind the lamps' windows, by altitude: the constants of the imaging chain.
 
     All rows of `view` share the port; `camera` says whose sensor each is. `channel` picks one colour.
     `pixels`: also at the pixels that an SNR is asked of; without `means` there alone. `veils` says which
-    are worked out, beside what is `known`.
+    are worked out, beside what is `known`. `field_type` may remember what it has worked out.
     """
     efficiency = problem.cameras.qe_index[camera]
     parts = []
     for curve in np.unique(efficiency):
         mine = np.nonzero(efficiency == curve)[0]
-        field = LampField(
+        field = field_type(
             problem, scene_index, port_index=port_index, optics=optics, mount=mount, count=count,
             efficiency=int(curve), channel=channel,
         )  # fmt: skip

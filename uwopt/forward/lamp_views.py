@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.lamps import LAMP_FRONT_M, Mount
 from uwopt.forward.problem import Problem
+from uwopt.forward.remembered import once_an_image
 from uwopt.forward.views import Views
 from uwopt.model.veil.geometry import nearest_approach_m
 
@@ -41,6 +42,17 @@ def lamps_refused(problem: Problem, scene_index: int) -> bool:
 def keeps_clear(
     problem: Problem, scene_index: int, view: Views, *, port: Array, mount: Mount, count: int
 ) -> Array:
-    """Whether no lamp stands in the image, or nearer to it than the radius of its front."""
-    clear = lamp_clearance_m(problem, scene_index, view, port=port, mount=mount, count=count)
-    return np.asarray(clear >= LAMP_FRONT_M * (1 - 1e-9))
+    """Whether no lamp stands in the image, or nearer to it than the radius of its front; tried once an image."""
+    clear = np.ones(len(port), bool)
+    for one in np.unique(port):
+        mine = np.nonzero(port == one)[0]
+
+        def judged(new: Views, one: int = int(one)) -> Array:
+            behind = np.full(len(new.tan_along), one)
+            clear_m = lamp_clearance_m(problem, scene_index, new, port=behind, mount=mount, count=count)
+            return clear_m >= LAMP_FRONT_M * (1 - 1e-9)
+
+        key = ("clear", mount.lamps(count), problem.shape(int(one), scene_index))
+        known = problem.scenes[scene_index].cache.setdefault(key, {})
+        clear[mine] = once_an_image(known, view.take(mine), judged)
+    return clear

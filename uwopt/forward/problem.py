@@ -217,17 +217,15 @@ class Problem:
         forward: bool = False,
     ) -> Any:  # fmt: skip
         """Water's loss table of one scene, light spectrum and efficiency curve."""
-        lowest = min(
-            [float(self.scenes[scene_index].range_m[0])]
-            + [
-                float(self.scenes[scene_index].range_m[0]) - m.z_m
-                for mount in self.mounts
-                for m in mount.explicit
-            ]
-        )
         return self.contractions[scene_index].table(
-            spectrum, efficiency, channel, lowest_m=max(lowest, 1e-4), forward=forward
+            spectrum, efficiency, channel, lowest_m=self.lowest_m(scene_index), forward=forward
         )
+
+    def lowest_m(self, scene_index: int) -> float:
+        """Least height of any lamp above the floor, from which tables of water's loss reach up."""
+        near = float(self.scenes[scene_index].range_m[0])
+        lowest = min([near] + [near - m.z_m for mount in self.mounts for m in mount.explicit])
+        return max(lowest, 1e-4)
 
     def pixels_a_side(self, scene_index: int) -> int:
         """Points a side of the grid on which one scene's worst pixel is looked for; finer ones hold the coarser."""

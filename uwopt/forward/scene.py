@@ -7,7 +7,7 @@ and in how many altitudes stand for the tolerance.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -194,6 +194,16 @@ def scene_optics(
         diffuse_attenuation_per_m=daylight_attenuation(profile, grid, c),
         fineness=fineness,
     )
+
+
+def seen_anew(known: SceneOptics, view: SceneView) -> SceneOptics | None:
+    """The same scene asked for other things, its tables shared; None where water, floor or heights differ."""
+    old, new = known.view, view
+    heights = ("altitude_m", "altitude_tolerance_m")
+    same = old.scene == new.scene and all(
+        getattr(old.vehicle, key) == getattr(new.vehicle, key) for key in heights
+    )
+    return replace(known, view=view) if same else None
 
 
 def table_of(scene: Scene, *, paper: bool) -> str | None:

@@ -13,6 +13,7 @@ from uwopt.model import beam as beams
 from uwopt.model import port
 from uwopt.model.fineness import DEFAULT, Fineness, scaled
 from uwopt.model.image_mean import (
+    MAX_NODES_AT_ONCE,
     SMOOTH_ORDER,
     cells,
     cells_needed,
@@ -36,6 +37,8 @@ Array = NDArray[Any]
 
 LAMP_RANGES = 257  # between which the loss of the lamp's leg is interpolated
 FOOTPRINT_CELLS = 60  # a side of the grid on which the darkest place of the floor is looked for
+FEW_PLACES = 7  # a side of those of its places that give a bound of the darkest
+UNIFORMITY_MARGIN = 1.001  # of a bound: one table of water's loss serves many footprints
 
 
 def floor_illuminance_per_lm(
@@ -161,6 +164,55 @@ def footprint_illuminance_per_lm(
         return floor_illuminance_per_lm(x_m, y_m, **common)
 
     return mean, least_of(there, u.ravel(), v.ravel(), 2.0 / cells_a_side)
+
+
+def most_uniformity(
+    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    weight: Array, attenuation_per_m: Array, fineness: Fineness = DEFAULT,
+) -> Array:  # fmt: skip
+    """Upper bound of least over mean illuminance over the footprints of many images (n,): the least of few places.
+
+        min E / mean E <= min of E at some places / mean E
+
+    Parameters
+    ----------
+    tan_along, tan_across : (n,) tangents in air of the half angles of view; the rest as in
+        `footprint_illuminance_per_lm`, whose mean is taken by the same rule, and whose places hold those tried here
+
+    Notes
+    -----
+    Valid for all beams; 1 where a beam ends sharply, and so is not worth the cells of its mean.
+    """
+    most = np.ones(len(tan_along))
+    if beams.has_sharp_edge(beam):
+        return most
+    water: dict[str, Any] = dict(weight=weight, attenuation_per_m=attenuation_per_m, range_m=range_m)
+    corners = floor_point(tan_along, tan_across, shape=shape, range_m=range_m)
+    mirrored = [np.concatenate([end, -end, end, -end]) for end in corners[:1]]
+    mirrored += [np.concatenate([end, -end, -end, end]) for end in corners[1:2]]
+    leg = leg_loss_over(*mirrored, lamps=lamps, n_ranges=scaled(LAMP_RANGES, fineness.spectrum), **water)
+    orders = orders_needed(tan_along, tan_across, shape, range_m, lamps, beam, fineness.image)
+    side = np.linspace(-1.0, 1.0, FEW_PLACES if scaled(FOOTPRINT_CELLS, fineness.places) % (FEW_PLACES - 1) == 0 else 2)
+
+    def there(rows: Array, nodes: Array) -> tuple[Array, Array]:
+        along, across = np.broadcast_arrays(
+            tan_along[rows, None, None] * nodes[:, None], tan_across[rows, None, None] * nodes
+        )
+        x_m, y_m, _ = floor_point(along, across, shape=shape, range_m=range_m)
+        area = floor_area_ratio(along, across, shape=shape, range_m=range_m)
+        return area, floor_illuminance_per_lm(x_m, y_m, lamps=lamps, beam=beam, leg=leg, **water)
+
+    for order in np.unique(orders):
+        nodes, weights = gauss(max(SMOOTH_ORDER, int(order)))
+        rule = np.outer(weights, weights)
+        mine = np.nonzero(orders == order)[0]
+        for rows in np.array_split(mine, 1 + len(mine) * rule.size // MAX_NODES_AT_ONCE):
+            area, light_there = there(rows, nodes)
+            mean = (light_there * area * rule).sum(axis=(1, 2)) / (area * rule).sum(axis=(1, 2))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                share = there(rows, side)[1].min(axis=(1, 2)) / mean
+            most[rows] = np.where(mean > 0.0, share, 0.0)
+    return np.minimum(most * UNIFORMITY_MARGIN, 1.0)
 
 
 def footprint_mean(

@@ -22,6 +22,7 @@ from uwopt.evaluation.leaning import settings_of, tilt_notes
 from uwopt.forward.assembly import Generic, build_problem, selected
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
+from uwopt.forward.scene import SceneOptics, seen_anew
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
@@ -54,13 +55,23 @@ class Sought:
 def seek(
     mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic, top: int,
     deadline: Deadline = NEVER, progress: Progress | None = None, ceiling: float = math.inf,
-    depth_m: float | None = None, fineness: Fineness = DEFAULT,
+    depth_m: float | None = None, fineness: Fineness = DEFAULT, like: Problem | None = None,
 ) -> Sought:  # fmt: skip
-    """Select, tabulate and search."""
+    """Select, tabulate and search; light that another search in these scenes has worked out is not worked out again."""
     selection = selected(mission, catalog, generic=generic, depth_m=depth_m)
-    problem = build_problem(mission, selection, fineness=fineness)
+    scenes = None if like is None or like.fineness != fineness else same_scenes(like, mission)
+    problem = build_problem(mission, selection, fineness=fineness, scenes=scenes)
     search = Search(problem, objective, top=top, deadline=deadline, progress=progress, ceiling=ceiling)
     return Sought(selection, problem, search, search.run())
+
+
+def same_scenes(like: Problem, mission: Mission) -> list[SceneOptics] | None:
+    """A problem's scenes with what a mission asks for in them; None where it is about other scenes."""
+    if len(like.scenes) != len(mission.scenes) or like.paper != (mission.physics == "paper"):
+        return None
+    made = [seen_anew(scene, mission.scene_view(index)) for index, scene in enumerate(like.scenes)]
+    known = [scene for scene in made if scene is not None]
+    return known if len(known) == len(made) else None
 
 
 def hardware_of(found: Found) -> Hardware:

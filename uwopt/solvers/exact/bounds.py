@@ -258,7 +258,7 @@ class Bounds:
                 np.isfinite(wanted), scene_power, 0.0
             )
             if self.objective.weight("snr_db") or self.objective.weight("information"):
-                electrons = np.full(n, np.inf) if self._sunlit(index) else capacity[-1] * most
+                electrons = np.full(n, np.inf) if self.is_sunlit(index) else capacity[-1] * most
                 reached = self._snr_bound(index, electrons, rows)
                 snr_db = np.minimum(snr_db, reached)
                 if self.objective.weight("information"):
@@ -317,7 +317,7 @@ class Bounds:
         )
         best = np.ones(len(rows))
         for index, contraction in enumerate(self.problem.contractions):
-            if self._sunlit(index):
+            if self.is_sunlit(index):
                 continue
             spectrum = int(contraction.spectrum_of[lighting.optics])
             nominal, far = (
@@ -424,7 +424,7 @@ class Bounds:
         scene = self.problem.scenes[scene_index]
         needs = scene.view.requirements
         need = np.zeros(len(rows))
-        if self._sunlit(scene_index):  # the sun may bring all of it
+        if self.is_sunlit(scene_index):  # the sun may bring all of it
             return need, need
         if needs.min_snr:
             need = least_mean_frac(scene) * sensor.electrons_for_snr(
@@ -437,7 +437,7 @@ class Bounds:
         longest = np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
         return np.asarray(need), np.asarray(by_gain - cameras.dark_current_e_s * longest)
 
-    def _sunlit(self, scene_index: int) -> bool:
+    def is_sunlit(self, scene_index: int) -> bool:
         """Whether light counts that no lamp gives."""
         return bool(self.problem.scenes[scene_index].sunlit and self.problem.effects.sunlight)
 

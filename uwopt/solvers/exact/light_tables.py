@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from uwopt.forward.lamp_light import ImageLight, Veils, image_light
 from uwopt.forward.lamps import Mount, on_axis_gain, one_side
 from uwopt.forward.problem import Problem
+from uwopt.forward.remembered import RememberedField
 from uwopt.forward.scene import Pixels
 from uwopt.forward.views import table_reach_m
 from uwopt.model import beam as beams
@@ -150,10 +151,25 @@ class FieldTables:
             light = image_light(
                 problem, scene_index, view.take(rows[mine]), imagers.camera[rows[mine]], port_index=int(value),
                 optics=lighting.optics, mount=lighting.mount, count=count, pixels=pixels, veils=veils,
-                means=means, known=None if known is None else known.take(mine),
+                means=means, known=None if known is None else known.take(mine), field_type=RememberedField,
             )  # fmt: skip
             parts.append((mine, light))
         return ImageLight.in_places(parts, len(rows))
+
+    def likely_pixel(self, scene_index: int, lighting: Lighting, rows: Array, *, count: int, pixels: Pixels) -> Array:
+        """Upper bound on the electrons per lm s of the pixel that decides, at the farthest altitude, (n,)."""
+        problem, imagers = self.problem, self.imagers
+        view = imagers.scenes[scene_index].view
+        port, curve = imagers.port[rows], problem.cameras.qe_index[imagers.camera[rows]]
+        most_e = np.empty(len(rows))
+        for one, efficiency in np.unique(np.stack([port, curve]), axis=1).T:
+            mine = np.nonzero((port == one) & (curve == efficiency))[0]
+            field = RememberedField(
+                problem, scene_index, port_index=int(one), optics=lighting.optics, mount=lighting.mount, count=count,
+                efficiency=int(efficiency),
+            )  # fmt: skip
+            most_e[mine] = field.at_likely_pixels(view.take(rows[mine]), pixels)
+        return most_e
 
 
 @dataclass(frozen=True)

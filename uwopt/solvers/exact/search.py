@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
-from uwopt.forward.floor_light import uniformity
+from uwopt.forward.floor_light import even_enough
 from uwopt.forward.lamp_light import ImageLight, SunLight, Veils
 from uwopt.forward.lamp_views import keeps_clear, lamps_refused
 from uwopt.forward.problem import Problem
@@ -338,14 +338,17 @@ class Search:
     def _solve_pairs(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
         """Settings of these designs, and their place among the best.
 
-        Where there are veils, designs are bounded first as if there were none; the veils' integrals are
-        worked out for those that may still win, best bound first.
+        Where there are veils, pixels or other integrals over the image, designs are bounded first as if there were
+        no veil and as if few pixels counted; the integrals are worked out for those that may still win, best bound
+        first.
         """
-        if not self.problem.effects.veils:
+        veiled = self.problem.effects.veils
+        if not veiled and not any(self._asks_of_image(index) for index in range(len(lights))):
             self._rank(pairs, [light.take(pairs.node) for light in lights], lighting)
             return
         found = 0
-        stages: tuple[Veils, ...] = ("none", "forward", "coarse")  # each costs more than the one before
+        # each costs more than the one before
+        stages: tuple[Veils, ...] = ("none", "forward", "coarse") if veiled else ("none",)
         for stage in stages:
             if stage != "none":
                 lights = self._with_veils(pairs.imager, lights, lighting, stage)
@@ -388,15 +391,16 @@ class Search:
             nodes = nodes[least[nodes] <= self.ranking.threshold()]
             if len(nodes) == 0:
                 break
-            full = self._with_veils(
-                pairs.imager[nodes], [light.take(nodes) for light in lights], lighting, "all"
-            )
-            place = np.full(len(pairs.imager), -1)
-            place[nodes] = np.arange(len(nodes))
-            some = pairs.take((place[pairs.node] >= 0) & (bound <= self.ranking.threshold()))
-            self._rank(some, [light.take(place[some.node]) for light in full], lighting)
-            solved += len(some.node)
             position += len(nodes)
+            some = pairs.take(np.isin(pairs.node, nodes) & (bound <= self.ranking.threshold()))
+            solved += len(some.node)
+            some = some.take(np.nonzero(self._keeps_rules(some, lighting))[0])
+            if len(some.node):
+                nodes, place = np.unique(some.node, return_inverse=True)
+                full = self._with_veils(
+                    pairs.imager[nodes], [light.take(nodes) for light in lights], lighting, "all"
+                )
+                self._rank(some, [light.take(place) for light in full], lighting)
             batch = min(2 * batch, LARGEST_VEILS)
         return solved
 
@@ -451,25 +455,20 @@ class Search:
         """The settings' view of these designs, by scene."""
         result = []
         for index, seen in enumerate(lights):
-            needs = self.problem.scenes[index].view.requirements
             pixels = self.problem.scenes[index].pixels
             if pixels is not None:
-                veils: Veils = "none" if optimistic else "all"
-                seen = self._with_pixels(index, imager, count, lighting, seen, veils)
+                few = optimistic and not self.bounds.is_sunlit(index)
+                with_pixels = self._with_likely_pixel if few else self._with_pixels
+                seen = with_pixels(index, imager, count, lighting, seen, veils="none" if optimistic else "all")
             rows = setting_rows(
                 self.problem, index, camera=self.imagers.camera[imager], light=light, count=count,
                 focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
                 sun=self._sun(index, imager, count, lighting, pixels=pixels),
                 sharp=self._sharp(index, imager, lighting),
             )  # fmt: skip
-            if needs.min_uniformity is not None and not optimistic:
-                even = self._even_enough(index, imager, light, count, lighting, needs.min_uniformity)
-                even |= np.array([self.problem.unlit(int(one)) for one in light])
-                rows = replace(rows, time_max_s=np.where(even, rows.time_max_s, -1.0))
-            if lamps_refused(self.problem, index) and not optimistic:
-                clear = self._clear_of_lamps(index, imager, count, lighting)
-                clear |= np.array([self.problem.unlit(int(one)) for one in light])
-                rows = replace(rows, time_max_s=np.where(clear, rows.time_max_s, -1.0))
+            if not optimistic and self._has_rules(index):
+                kept = self._keeps_rules_in(index, imager, light, count, lighting)
+                rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, -1.0))
             result.append(replace(rows, optimistic=optimistic))
         return result
 
@@ -523,32 +522,62 @@ class Search:
             joined[name] = np.concatenate(padded)[order]
         return SunLight(**joined)
 
-    def _even_enough(
-        self, scene_index: int, imager: Array, light: Array, count: Array, lighting: Lighting, wanted: float
-    ) -> Array:
-        """Whether the floor is lit evenly enough over each footprint; one integral an imager and number."""
-        unique, back = np.unique(np.stack([imager, count]), axis=1, return_inverse=True)
-        view = self.imagers.scenes[scene_index].view
-        least = [
-            uniformity(
-                self.problem, scene_index, view.take(np.array([row])), port_index=int(self.imagers.port[row]),
-                optics=lighting.optics, mount=lighting.mount, count=int(number),
-            ).min()
-            for row, number in unique.T
-        ]  # fmt: skip
-        return np.asarray((np.array(least) >= wanted * (1 - 1e-9))[back.reshape(-1)])
+    def _has_rules(self, scene_index: int) -> bool:
+        """Whether one scene asks for even light, or for lamps out of the view."""
+        needs = self.problem.scenes[scene_index].view.requirements
+        return needs.min_uniformity is not None or lamps_refused(self.problem, scene_index)
 
-    def _clear_of_lamps(self, scene_index: int, imager: Array, count: Array, lighting: Lighting) -> Array:
-        """Whether no lamp stands in these images."""
-        clear = np.ones(len(imager), bool)
+    def _asks_of_image(self, scene_index: int) -> bool:
+        """Whether one scene asks for what takes integrals over the image beside its mean."""
+        return self.problem.scenes[scene_index].at_worst or self._has_rules(scene_index)
+
+    def _keeps_rules(self, pairs: NodeDesigns, lighting: Lighting) -> Array:
+        """Whether designs keep in all scenes the rules that no setting can mend: even light, no lamp in the view."""
+        kept, imager = np.ones(len(pairs.node), bool), pairs.imager[pairs.node]
+        for index in range(len(self.problem.scenes)):
+            if self._has_rules(index):
+                self.deadline.check()
+                kept &= self._keeps_rules_in(index, imager, pairs.light, pairs.count, lighting)
+        return kept
+
+    def _keeps_rules_in(
+        self, scene_index: int, imager: Array, light: Array, count: Array, lighting: Lighting
+    ) -> Array:
+        """The same in one scene; no lamp is none in the view, and its light is even."""
+        wanted = self.problem.scenes[scene_index].view.requirements.min_uniformity
+        kept = np.array([self.problem.unlit(one) for one in range(len(self.problem.parts.lights))])[light]
+        for number in np.unique(count):
+            mine = np.nonzero((count == number) & ~kept)[0]
+            view = self.imagers.scenes[scene_index].view.take(imager[mine])
+            port = self.imagers.port[imager[mine]]
+            fine = np.ones(len(mine), bool)
+            lamps: dict[str, Any] = dict(mount=lighting.mount, count=int(number))
+            if lamps_refused(self.problem, scene_index):
+                fine = keeps_clear(self.problem, scene_index, view, port=port, **lamps)
+            if wanted is not None and fine.any():
+                fine[fine] = even_enough(
+                    self.problem, scene_index, view.take(fine), port=port[fine], optics=lighting.optics,
+                    wanted=wanted, deadline=self.deadline, **lamps,
+                )  # fmt: skip
+            kept[mine] = fine
+        return kept
+
+    def _with_likely_pixel(
+        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, seen: ImageLight, *, veils: Veils
+    ) -> ImageLight:  # fmt: skip
+        """With no less than the light at the pixel that decides, at all altitudes as at the farthest: for bounds."""
+        del veils
+        pixels = self.problem.scenes[scene_index].pixels
+        assert pixels is not None
+        most_e = np.empty(len(imager))
         for number in np.unique(count):
             mine = np.nonzero(count == number)[0]
             unique, back = np.unique(imager[mine], return_inverse=True)
-            clear[mine] = keeps_clear(
-                self.problem, scene_index, self.imagers.scenes[scene_index].view.take(unique),
-                port=self.imagers.port[unique], mount=lighting.mount, count=int(number),
-            )[back]  # fmt: skip
-        return clear
+            most_e[mine] = self.tables.likely_pixel(
+                scene_index, lighting, unique, count=int(number), pixels=pixels
+            )[back]
+        worst_e = np.broadcast_to(most_e[:, None, None], (*seen.signal_e.shape, 1))
+        return seen.with_pixels(ImageLight(seen.signal_e, worst_e=worst_e))
 
     def _with_pixels(
         self,
@@ -557,6 +586,7 @@ class Search:
         count: Array,
         lighting: Lighting,
         seen: ImageLight,
+        *,
         veils: Veils,
     ) -> ImageLight:
         """With the light at the pixels that the SNR is asked of: their share of each lamp depends on the number."""

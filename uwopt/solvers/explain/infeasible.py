@@ -16,6 +16,7 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.assembly import Generic
 from uwopt.forward.designs import Hardware
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.reserves import REFUSED, asked_when_held
 from uwopt.objectives.objective import Objective
@@ -67,12 +68,12 @@ class Relaxation:
 
 def explain(
     mission: Mission, catalog: Catalog, objective: Objective, certificate: Certificate, *, generic: Generic,
-    deadline: Deadline = NEVER, progress: Progress | None = None,
+    deadline: Deadline = NEVER, progress: Progress | None = None, like: Problem | None = None,
 ) -> WhyNothing:  # fmt: skip
-    """The `infeasible` part of a result."""
+    """The `infeasible` part of a result; `like` is the problem that nothing fits, whose light is known."""
     relaxations = sorted(
         single_relaxations(
-            mission, catalog, objective, generic=generic, deadline=deadline, progress=progress
+            mission, catalog, objective, generic=generic, deadline=deadline, progress=progress, like=like
         ),
         key=lambda r: r.miss_rel,
     )
@@ -94,6 +95,7 @@ def single_relaxations(
     generic: Generic,
     deadline: Deadline,
     progress: Progress | None,
+    like: Problem | None = None,
 ) -> Iterator[Relaxation]:
     """Drop each requirement that is asked for, and see whether something fits then."""
     for number, (name, (section, key, best)) in enumerate(RELAXABLE.items()):
@@ -111,7 +113,9 @@ def single_relaxations(
             progress(number / len(RELAXABLE), f"why nothing fits: without {name}")
         goal = Objective.of(best or "power")
         depth_m = 0.0 if by_depth else None
-        found = seek(relaxed, catalog, goal, generic=generic, top=1, depth_m=depth_m, deadline=deadline)
+        found = seek(
+            relaxed, catalog, goal, generic=generic, top=1, depth_m=depth_m, deadline=deadline, like=like
+        )
         if not found.outcome.complete:
             deadline.left_out.append(f"the least change of {name}")
         if not found.outcome.best:
@@ -126,7 +130,7 @@ def single_relaxations(
         if best is None and not by_depth and needed is not None:
 
             def search(wanted: Mission, goal: Objective = goal) -> Sought:
-                return seek(wanted, catalog, goal, generic=generic, top=1, deadline=deadline)
+                return seek(wanted, catalog, goal, generic=generic, top=1, deadline=deadline, like=like)
 
             change = least_change(
                 limit, rounded_away(needed, limit), found, search=search, deadline=deadline, name=name,
@@ -148,8 +152,9 @@ def deepest(
     """Of designs whose parts are not rated deep enough, one whose are rated deepest."""
     while (rated := rated_depth(found)) is not None and not deadline.passed():
         deeper = seek(
-            mission, catalog, goal, generic=generic, top=1, depth_m=rated * (1 + 1e-6), deadline=deadline
-        )
+            mission, catalog, goal, generic=generic, top=1, depth_m=rated * (1 + 1e-6), deadline=deadline,
+            like=found.problem,
+        )  # fmt: skip
         if not deeper.outcome.best or (rated_depth(deeper) or 0.0) <= rated:
             break
         found = deeper

@@ -1,0 +1,86 @@
+"""Light of images that are alike, worked out once a scene.
+
+Cameras with the same sensor behind the same lens and port see the same light per collecting area, and so do their
+counterparts in the next search in that scene: a catalogue of ten thousand imagers has some hundred images.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.lamp_light import LampField
+from uwopt.forward.scene import Pixels
+from uwopt.forward.views import Views
+from uwopt.model.imaging import Lamps
+
+Array = NDArray[Any]
+MOST_NUMBERS = 4_000_000  # that are kept of one lighting: light at pixels takes some thousand an image
+ImageKey = tuple[float, float]
+
+
+def once_an_image(known: dict[ImageKey, Any], view: Views, make: Callable[[Views], Array]) -> Array:
+    """Rows (n, ...) of images, one made of each field of view that is not known yet."""
+    fields, first, back = np.unique(
+        np.stack([view.tan_along, view.tan_across]), axis=1, return_index=True, return_inverse=True
+    )
+    keys: list[Any] = [tuple(pair) for pair in fields.T.tolist()]
+    new = [place for place, key in enumerate(keys) if key not in known]
+    rows = {key: known[key] for key in keys if key in known}
+    if new:
+        made = make(view.take(first[np.array(new)]))
+        rows.update((keys[place], row) for place, row in zip(new, made, strict=True))
+        if (len(known) + len(new)) * made[0].size > MOST_NUMBERS:
+            known.clear()
+        known.update(rows)
+    return np.stack([rows[key] for key in keys])[back.reshape(-1)]
+
+
+class RememberedField(LampField):
+    """One lighting seen by imagers, each image of which is integrated once; see `LampField`."""
+
+    def once(self, what: Any, view: Views, make: Callable[[Views], Array]) -> Array:
+        """Rows of images from the scene's memory, or made."""
+        water = (*self.contraction.key(self.spectrum, self.efficiency, self.channel), self.contraction.reach_m)
+        model = (self.effects, self.fineness, self.problem.lowest_m(self.scene_index))
+        key = ("light", what, self.beam, self.shape, water, model)
+        return once_an_image(self.scene.cache.setdefault(key, {}), view, make)
+
+    def mean_gain(self, view: Views, *, forward: bool) -> Array:
+        """As `LampField`."""
+        make = super().mean_gain
+        return self.once(("mean", self.lamps, forward), view, lambda new: make(new, forward=forward))
+
+    def mean_backscatter(self, view: Views) -> Array:
+        """As `LampField`."""
+        return self.once(("backscatter", self.lamps), view, super().mean_backscatter)
+
+    def coarse_backscatter(self, view: Views, altitudes: list[int]) -> Array:
+        """As `LampField`."""
+        make = super().coarse_backscatter
+        return self.once(("coarse", self.lamps), view, lambda new: make(new, altitudes))
+
+    def likely_gain(self, view: Views, pixels: Pixels, lamps: Lamps) -> Array:
+        """As `LampField`."""
+        make = super().likely_gain
+        return self.once(("likely", lamps, pixels), view, lambda new: make(new, pixels, lamps))
+
+    def asked_pixels(self, view: Views, pixels: Pixels, *, veils: bool) -> tuple[Array, Array | None]:
+        """As `LampField`; of the darkest pixels those are kept that others are asked for too, so none is remembered."""
+        make = super().asked_pixels
+        if pixels == "darkest":
+            return make(view, pixels, veils=veils)
+
+        def per_area(new: Views) -> Array:
+            signal, veil_there = make(new, pixels, veils=veils)
+            both = signal if veil_there is None else np.concatenate([signal, veil_there], axis=2)
+            return both / new.collecting_m2[:, None, None]
+
+        both = self.once(("pixels", self.lamps, veils), view, per_area) * view.collecting_m2[:, None, None]
+        if not self.veiled(veils):
+            return both, None
+        half = both.shape[2] // 2
+        return both[:, :, :half], both[:, :, half:]
