@@ -70,15 +70,15 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the search lets lamps stand in the view",
         file="uwopt/solvers/exact/search.py",
-        old="np.where(clear, rows.time_max_s, -1.0)",
-        new="np.where(clear, rows.time_max_s, rows.time_max_s)",
+        old="if lamps_refused(self.problem, scene_index):\n",
+        new="if not fine.all():\n",
         test="tests/solvers/test_reserves.py::test_a_lamp_in_the_view_is_refused[vehicle1-refuse1-False]",
     ),
     Defect(
         name="a lamp may stand as near to the view as it likes",
         file="uwopt/forward/lamp_views.py",
-        old="clear >= LAMP_FRONT_M * (1 - 1e-9)",
-        new="clear >= -LAMP_FRONT_M",
+        old="clear_m >= LAMP_FRONT_M * (1 - 1e-9)",
+        new="clear_m >= -LAMP_FRONT_M",
         test="tests/solvers/test_reserves.py::test_a_lamp_in_the_view_is_refused[vehicle1-refuse1-False]",
     ),
     Defect(

@@ -75,8 +75,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="evenness of a lamp that is not there refuses the sun",
         file="uwopt/solvers/exact/search.py",
-        old="even |= np.array([self.problem.unlit(int(one)) for one in light])",
-        new="even |= np.array([False for one in light])",
+        old="kept = np.array([self.problem.unlit(one) for one in range(len(self.problem.parts.lights))])[light]",
+        new="kept = np.array([False for one in range(len(self.problem.parts.lights))])[light]",
         test="tests/api/test_without_lamps.py::test_lamps_evenness_is_nothing_to_the_sun",
     ),
     Defect(

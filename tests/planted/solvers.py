@@ -457,4 +457,32 @@ DEFECTS: tuple[Defect, ...] = (
         new="CORNER_FIELD = 1.0",
         test="tests/evaluation/test_design_model.py::test_sharp_depth_at_the_corner_of_a_dome_begins_later",
     ),
+    Defect(
+        name="the pixel that may miss an SNR bounds the one that must reach it",
+        file="uwopt/forward/lamp_light.py",
+        old="reached_by_most(gain, may_miss) * ROUND",
+        new="reached_by_most(gain, 0) * ROUND",
+        test="tests/forward/test_remembered.py::test_some_pixels_bound_the_one_that_decides[frame]",
+    ),
+    Defect(
+        name="images of one width along the motion are taken for one",
+        file="uwopt/forward/remembered.py",
+        old="np.stack([view.tan_along, view.tan_across]), axis=1",
+        new="np.stack([view.tan_along, view.tan_along]), axis=1",
+        test="tests/forward/test_remembered.py::test_images_that_are_alike_are_made_once",
+    ),
+    Defect(
+        name="light of one lamp is remembered as that of two",
+        file="uwopt/forward/remembered.py",
+        old='once(("pixels", self.lamps, veils)',
+        new='once(("pixels", veils)',
+        test="tests/forward/test_remembered.py::test_remembered_light_is_the_light",
+    ),
+    Defect(
+        name="a footprint's darkest place bounded by a place of the light's",
+        file="uwopt/model/footprint.py",
+        old="side)[1].min(axis=(1, 2)) / mean",
+        new="0.5 * side)[1].min(axis=(1, 2)) / mean.max() * 0.5",
+        test="tests/forward/test_remembered.py::test_few_places_bound_the_uniformity",
+    ),
 )

@@ -1,0 +1,103 @@
+"""Light that is worked out once an image, and the bounds that few places of it give."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "solvers"))
+from random_cases import case
+
+from uwopt.forward.floor_light import most_uniformities, uniformity
+from uwopt.forward.lamp_light import image_light
+from uwopt.forward.remembered import once_an_image
+
+SEEDS = (1, 4, 7)
+
+
+def test_images_that_are_alike_are_made_once() -> None:
+    asked = []
+
+    def view(along: list[float], across: list[float]) -> Any:
+        columns = np.array(along), np.array(across)
+        made = SimpleNamespace(tan_along=columns[0], tan_across=columns[1])
+        made.take = lambda index: view(list(columns[0][index]), list(columns[1][index]))
+        return made
+
+    def product(new: Any) -> Any:
+        asked.append(len(new.tan_along))
+        return new.tan_along * new.tan_across
+
+    known: dict[Any, Any] = {}
+    first = once_an_image(known, view([2.0, 3.0, 2.0, 2.0], [5.0, 5.0, 5.0, 7.0]), product)
+    assert first.tolist() == [10.0, 15.0, 10.0, 14.0]
+    assert once_an_image(known, view([3.0, 11.0], [5.0, 2.0]), product).tolist() == [15.0, 22.0]
+    assert asked == [3, 1]
+
+
+def searches() -> list[Any]:
+    made = []
+    for seed in SEEDS:
+        search = case(seed, over_frame=True).searcher()
+        if len(search.prepare()) and not search.problem.paper:
+            made.append(search)
+    assert len(made) > 1
+    return made
+
+
+def plain_light(search: Any, row: int, lighting: Any, count: int, pixels: Any) -> Any:
+    """The same from the model alone."""
+    return image_light(
+        search.problem, 0, search.imagers.scenes[0].view.take(np.array([row])), search.imagers.camera[[row]],
+        port_index=int(search.imagers.port[row]), optics=lighting.optics, mount=lighting.mount, count=count,
+        pixels=pixels, means=False,
+    )  # fmt: skip
+
+
+def test_remembered_light_is_the_light() -> None:
+    for search in searches():
+        search.problem = search.tables.problem
+        lighting = search.tables.lightings[0]
+        for count in (1, 2, 3):
+            light = search.tables.exact(0, lighting, np.array([0]), count=count, pixels="frame", means=False)
+            plain = plain_light(search, 0, lighting, count, "frame")
+            assert light.worst_e == pytest.approx(plain.worst_e, rel=1e-6)
+            assert light.may_miss == plain.may_miss
+
+
+@pytest.mark.parametrize("pixels", ["frame", "darkest"])
+def test_some_pixels_bound_the_one_that_decides(pixels: Any) -> None:
+    tight = []
+    for search in searches():
+        search.problem = search.tables.problem
+        for lighting in search.tables.lightings[:3]:
+            for count in (1, 3):
+                most_e = search.tables.likely_pixel(0, lighting, np.array([0]), count=count, pixels=pixels)[0]
+                light = plain_light(search, 0, lighting, count, pixels)
+                there = np.sort(light.worst_e[0, -1])[light.may_miss]
+                assert most_e >= there
+                tight.append(most_e <= there * (1 + 1e-6))
+    assert any(tight)  # the outermost places are the darkest as a rule
+
+
+def test_few_places_bound_the_uniformity() -> None:
+    close = []
+    for search in searches():
+        problem, few = search.tables.problem, np.arange(min(3, len(search.imagers)))
+        view = search.imagers.scenes[0].view.take(few)
+        for lighting in search.tables.lightings[:3]:
+            for row in range(len(view.tan_along)):
+                hardware: dict[str, Any] = dict(
+                    port_index=int(search.imagers.port[row]), optics=lighting.optics, mount=lighting.mount, count=1
+                )
+                one = view.take(np.array([row]))
+                most = most_uniformities(problem, 0, one, **hardware)[0]
+                true = uniformity(problem, 0, one, **hardware).min()
+                assert most >= true
+                close.append(most < 1.01 * true)
+    assert any(close)
