@@ -8,14 +8,15 @@ rectangle, so a table of rectangles, rounded up, bounds every image.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.lamp_light import ImageLight, Veils, image_light
+from uwopt.forward.lamp_light import ImageLight, LampField, Veils, image_light
 from uwopt.forward.lamps import Mount, on_axis_gain, one_side
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import RememberedField
@@ -71,6 +72,7 @@ class FieldTables:
         )
         self._widest: dict[tuple[int, int], Rectangles] = {} if like is None else like._widest
         self._losses: dict[tuple[int, int, int, int, int], float] = {} if like is None else like._losses
+        self._likely: dict[Any, Array] = {}
         self._chunk: tuple[Array, dict[tuple[int, int], Rectangles], Array, Array] | None = None
 
     def bound(self, scene_index: int, lighting: Lighting, altitude: int, rows: Array) -> Array:
@@ -158,18 +160,47 @@ class FieldTables:
 
     def likely_pixel(self, scene_index: int, lighting: Lighting, rows: Array, *, count: int, pixels: Pixels) -> Array:
         """Upper bound on the electrons per lm s of the pixel that decides, at the farthest altitude, (n,)."""
-        problem, imagers = self.problem, self.imagers
-        view = imagers.scenes[scene_index].view
-        port, curve = imagers.port[rows], problem.cameras.qe_index[imagers.camera[rows]]
-        most_e = np.empty(len(rows))
-        for one, efficiency in np.unique(np.stack([port, curve]), axis=1).T:
-            mine = np.nonzero((port == one) & (curve == efficiency))[0]
+        images, image_of = self.images
+        key = (scene_index, lighting.optics, lighting.mount.lamps(count), pixels)
+        known = self._likely.setdefault(key, np.full(len(images), np.nan))
+        collecting, image = self.imagers.scenes[scene_index].view.collecting_m2, image_of[rows]
+        new = np.unique(image[np.isnan(known[image])])
+        for lit, mine in self._fields(scene_index, lighting, images[new], count):
+            view = self.imagers.scenes[scene_index].view.take(images[new[mine]])
+            known[new[mine]] = lit.at_likely_pixels(view, pixels) / view.collecting_m2
+        return np.asarray(known[image] * collecting[rows])
+
+    def _fields(
+        self, scene_index: int, lighting: Lighting, rows: Array, count: int
+    ) -> Iterator[tuple[LampField, Array]]:
+        """The lighting as imagers of one port and one efficiency curve see it, with their places."""
+        problem = self.problem
+        keys = np.stack([self.imagers.port[rows], problem.cameras.qe_index[self.imagers.camera[rows]]])
+        for port, efficiency in np.unique(keys, axis=1).T:
             field = RememberedField(
-                problem, scene_index, port_index=int(one), optics=lighting.optics, mount=lighting.mount, count=count,
+                problem, scene_index, port_index=int(port), optics=lighting.optics, mount=lighting.mount, count=count,
                 efficiency=int(efficiency),
             )  # fmt: skip
-            most_e[mine] = field.at_likely_pixels(view.take(rows[mine]), pixels)
-        return most_e
+            yield field, np.nonzero((keys[0] == port) & (keys[1] == efficiency))[0]
+
+    @cached_property
+    def images(self) -> tuple[Array, Array]:
+        """One imager of each image that differs by more than its collecting area, and each imager's image."""
+        return alike(self.problem, self.imagers)
+
+
+def alike(problem: Problem, imagers: Imagers) -> tuple[Array, Array]:
+    """One imager of each image that differs by more than its collecting area, and each imager's image."""
+    keys = [imagers.port.astype(float), problem.cameras.qe_index[imagers.camera].astype(float)]
+    for scene in imagers.scenes:
+        keys += [scene.view.tan_along, scene.view.tan_across]
+    order = np.lexsort(keys)
+    columns = np.stack(keys)[:, order]
+    fresh = np.ones(len(order), bool)
+    fresh[1:] = (columns[:, 1:] != columns[:, :-1]).any(axis=0)
+    image_of = np.empty(len(order), int)
+    image_of[order] = np.cumsum(fresh) - 1
+    return order[fresh], image_of
 
 
 @dataclass(frozen=True)

@@ -77,7 +77,7 @@ class LightStore:
         self.search, self.problem, self.imagers = search, search.problem, search.imagers
         self.sharp = sharp
         self.n_counts = self.problem.count_range[1] + 1
-        self.images, self.image_of = alike(search)
+        self.images, self.image_of = search.tables.images
         scenes = range(len(self.problem.scenes))
         self.signals = [Store[ImageLight](partial(self._signals, s)) for s in scenes]
         self.lights = [Store[ImageLight](partial(self._lights, s)) for s in scenes]
@@ -247,18 +247,3 @@ def scaled_sun(sun: SunLight, factor: Array) -> SunLight:
         for name, c in columns.items()
     }
     return SunLight(**made)
-
-
-def alike(search: Search) -> tuple[Array, Array]:
-    """One imager of each image that differs by more than its collecting area, and each imager's image."""
-    imagers = search.imagers
-    keys = [imagers.port.astype(float), search.problem.cameras.qe_index[imagers.camera].astype(float)]
-    for scene in imagers.scenes:
-        keys += [scene.view.tan_along, scene.view.tan_across]
-    order = np.lexsort(keys)
-    columns = np.stack(keys)[:, order]
-    fresh = np.ones(len(order), bool)
-    fresh[1:] = (columns[:, 1:] != columns[:, :-1]).any(axis=0)
-    image_of = np.empty(len(order), int)
-    image_of[order] = np.cumsum(fresh) - 1
-    return order[fresh], image_of
