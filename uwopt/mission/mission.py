@@ -19,6 +19,7 @@ from uwopt.documents.reading import Document, read_document
 from uwopt.documents.validation import validated
 from uwopt.mission import checks
 from uwopt.mission.keys import OBJECTIVES, to_objective
+from uwopt.mission.practice import Practice, with_practice
 from uwopt.mission.reserves import REFUSED_DEPTH, Reserve, ReserveOrWord, asked_of, held_of, kept_of
 from uwopt.mission.sections import (
     CatalogChoice,
@@ -69,6 +70,11 @@ class Mission(Section):
     tolerance: Annotated[float, Field(gt=0, le=0.5), NUMBER] = Field(
         default=0.005, description="error that physics auto may make, a share such as 0.005"
     )
+    practice: Annotated[Practice, CHOICE] = Field(
+        default="bare",
+        description="what a mission that leaves a key out asks for: recommended (good practice: light and sharpness "
+        "over the whole image, reserves, a lens one stop down, what an expert would refuse) or bare (nothing)",
+    )
     seed: Annotated[int, Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="seed of all random numbers, 0 or above"
     )
@@ -102,7 +108,7 @@ class Mission(Section):
         plain, faults = checks.in_one_form(data)
         if faults:
             raise PydanticCustomError("cross_check", "{what}", {"what": faults[0][1]})
-        return plain
+        return with_practice(plain)
 
     @model_validator(mode="after")
     def _keys_agree(self) -> Mission:
@@ -182,8 +188,12 @@ class Mission(Section):
         return resolve_path(text, self._base_dir)
 
     def with_changes(self, **changes: Any) -> Mission:
-        """The same mission with other top-level values, checked: `with_changes(physics="paper")`."""
-        made = _checked(Document(self._source_name, {**self._as_given(), **changes}, base_dir=self._base_dir))
+        """The same mission with other top-level values, checked: `with_changes(physics="paper")`.
+
+        `practice="recommended"` fills what was left out; what it has filled in stays with `practice="bare"`.
+        """
+        given = self._as_given(unset="practice" not in changes)
+        made = _checked(Document(self._source_name, {**given, **changes}, base_dir=self._base_dir))
         made._base_dir, made._source_name = self._base_dir, self._source_name
         made._source_text = self._source_text
         if "vehicle" not in changes:  # what its file states binds a system, defaults do not
@@ -203,12 +213,13 @@ class Mission(Section):
             checks.make_paths_absolute(data, lambda text: str(self.resolve_path(text).absolute()))
         return data
 
-    def _as_given(self) -> dict[str, Any]:
-        data = self.model_dump(mode="json", by_alias=True)
+    def _as_given(self, *, unset: bool = True) -> dict[str, Any]:
+        """Plain values; those that nobody has set with them, or not."""
+        data = self.model_dump(mode="json", by_alias=True, exclude_unset=not unset)
         for scene, dumped in zip(self.scenes, data["scenes"], strict=True):
             for section in ("vehicle", "requirements"):
                 override = getattr(scene, section)
-                dumped.pop(section)
+                dumped.pop(section, None)
                 if override is not None:
                     dumped[section] = override.model_dump(mode="json", by_alias=True, exclude_unset=True)
         return data

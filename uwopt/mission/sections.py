@@ -236,7 +236,7 @@ class Requirements(Section):
         default=(),
         description="list of what an expert would refuse, each held as if its key were given: airy (max_airy_px 2), "
         "skew (max_skew_px 2), swath (min_swath_m 1 in a survey with overlap), depth (reserve.depth 1.1), "
-        "lamp (in the camera's view); all for all",
+        "lamp (in the camera's view); all for all (recommended)",
     )
 
     @property

@@ -203,6 +203,12 @@ class Design(Record):
         """Whether no settings to set were looked for, or some were found with which every requirement holds."""
         return self.rounded is None or self.rounded.feasible
 
+    @property
+    def power_as_set_w(self) -> float | None:
+        """Mean power [W] with the settings to set; with the exact ones where none are to set."""
+        as_set = self.rounded.power_w if self.rounded is not None and self.is_settable else None
+        return self.totals.power_w if as_set is None else as_set
+
     def margins_frame(self) -> pd.DataFrame:
         """All margins as a table, one row a requirement and scene."""
         return frame_of({"margins": lambda: margin_rows(self)}, "margins")

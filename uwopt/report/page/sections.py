@@ -141,7 +141,7 @@ def cards(design: Design) -> list[Card]:
     shown = [
         Card("Cost", words.money(cost.value, cost.currency), ", ".join(notes)),
         Card(
-            "Power", words.quantity(totals.power_w, "W"),
+            "Power", words.quantity(design.power_as_set_w, "W"),
             f"{words.quantity(peak, 'W')} at peak" if peak else "",
         ),
     ]  # fmt: skip

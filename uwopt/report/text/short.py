@@ -196,10 +196,9 @@ def cost_block(result: Result, design: Design) -> Block:
 
 def power_text(design: Design) -> str:
     """`3.05 W on average, the lamps 638 W while they burn`, at the settings to type in where there are any."""
-    totals, as_set = design.totals, design.rounded.power_w if design.rounded is not None else None
-    peak = totals.light_peak_power_w
-    text = f"{words.quantity(totals.power_w if as_set is None else as_set, 'W')} on average"
-    if peak and peak > (totals.power_w or 0.0):
+    power_w, peak = design.power_as_set_w, design.totals.light_peak_power_w
+    text = f"{words.quantity(power_w, 'W')} on average"
+    if peak and peak > (power_w or 0.0):
         text += f", the lamps {words.quantity(peak, 'W')} while they burn"
     return text
 
@@ -230,8 +229,9 @@ def questions(result: Result, design: Design) -> Iterator[str]:
     failed = [water for water in waters if water.get("objective_value") is None]
     if failed:
         yield (
-            "Measure the water where you will work (beam attenuation, or at least Secchi depth): this system does what "
-            f"is asked in {len(waters) - len(failed)} of {len(waters)} other descriptions of it."
+            "Measure the water where you will work (beam attenuation, or at least how far a black disc is seen "
+            f"horizontally): this system does what is asked in {len(waters) - len(failed)} of {len(waters)} other "
+            "descriptions of it."
         )
     if result.command == "solve":
         yield from quotes(design)

@@ -50,7 +50,7 @@ def system_text(design: Design) -> str:
 
 def best_sentence(result: Result, design: Design) -> str:
     """What to buy, what it costs and draws; of a given system, whether it does what is asked."""
-    figures = f"{words.cost_sentence(design)}; power {words.quantity(design.totals.power_w, 'W')}"
+    figures = f"{words.cost_sentence(design)}; power {words.quantity(design.power_as_set_w, 'W')}"
     if result.command == "evaluate":
         return f"{words.status_sentence(result)} by {system_text(design)}: {figures}".replace(
             "is met by", "is met with"

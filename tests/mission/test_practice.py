@@ -1,0 +1,89 @@
+"""`practice: recommended` fills in what a mission leaves out, and nothing that it says."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+import pytest
+
+from uwopt.errors import MissionError
+from uwopt.mission.keys import Refusal
+from uwopt.mission.mission import Mission, load_mission, sections
+from uwopt.mission.practice import RECOMMENDED_KEYS
+from uwopt.mission.reserves import RECOMMENDED_RESERVE
+
+
+def mission(practice: str | None = "recommended", **given: dict[str, Any]) -> Mission:
+    """A survey that says the least a mission must."""
+    plain: dict[str, Any] = {
+        "scene": {"water": "II", "seafloor": "sand", "depth_m": 20},
+        "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5},
+        "requirements": {"overlap": 0.6, "min_snr_db": 20},
+    }
+    for section, keys in given.items():
+        plain[section] = {**plain.get(section, {}), **keys}
+    return load_mission(plain if practice is None else {"practice": practice, **plain})
+
+
+def test_good_practice_asks_for_what_is_recommended() -> None:
+    made = mission()
+    asked = made.requirements
+    assert (asked.snr_at, asked.dof_at, asked.lens_stop_down, asked.min_uniformity) == ("worst", "corner", 1.0, 0.3)
+    assert set(asked.refuse) == set(get_args(Refusal))
+    assert made.reserve.model_dump() == pytest.approx(RECOMMENDED_RESERVE)
+    assert made.catalog.host == "estimate"
+
+
+@pytest.mark.parametrize("practice", [None, "bare"])
+def test_without_it_nothing_is_asked_for(practice: str | None) -> None:
+    made = mission(practice)
+    assert made.requirements == mission(None).requirements
+    assert (made.requirements.snr_at, made.requirements.lens_stop_down, made.requirements.refuse) == ("mean", 0.0, ())
+    assert set(made.reserve.model_dump().values()) == {0.0, 1.0}
+
+
+def test_what_a_mission_says_stays() -> None:
+    made = mission(requirements={"snr_at": "mean", "lens_stop_down": 0, "refuse": []}, reserve={"snr_db": 1})
+    assert (made.requirements.snr_at, made.requirements.lens_stop_down, made.requirements.refuse) == ("mean", 0.0, ())
+    assert made.requirements.dof_at == "corner"
+    assert (made.reserve.snr_db, made.reserve.blur) == (1.0, 0.0)
+
+
+def test_a_key_left_empty_is_left_out() -> None:
+    assert mission(requirements={"snr_at": None}).requirements.snr_at == "worst"
+
+
+def test_where_no_lamp_is_allowed_none_must_shine_evenly() -> None:
+    dark = mission(vehicle={"light_count": 0}, scene={"water": "II", "seafloor": "sand", "depth_m": 5, "sun_lux": 1e5})
+    assert dark.requirements.min_uniformity is None
+
+
+def test_a_computer_among_the_extras_is_not_counted_twice() -> None:
+    assert mission(catalog={"extras": [{"name": "computer", "power_w": 8}]}).catalog.host == "none"
+
+
+@pytest.mark.parametrize(("interval_s", "lamps", "camera"), [(2, "on", "on"), (10, "off", "on"), (3600, "off", "off")])
+def test_what_waits_long_between_images_is_switched_off(interval_s: float, lamps: str, camera: str) -> None:
+    carried = mission(requirements={"frame_interval_s": interval_s}).vehicle
+    assert (carried.lamps_between_images, carried.camera_between_images) == (lamps, camera)
+
+
+def test_a_mission_with_all_filled_in_comes_back() -> None:
+    made = mission()
+    assert load_mission(made.to_dict()).to_dict() == made.to_dict()
+
+
+def test_a_loaded_mission_can_be_asked_for_good_practice() -> None:
+    changed = mission(None, requirements={"dof_at": "axis"}).with_changes(practice="recommended")
+    assert (changed.requirements.snr_at, changed.requirements.dof_at) == ("worst", "axis")
+
+
+def test_each_key_that_is_filled_in_says_that_it_is_recommended() -> None:
+    for section, keys in RECOMMENDED_KEYS.items():
+        for key in keys:
+            assert "recommended" in (sections()[section].model_fields[key].description or ""), key
+
+
+def test_another_word_is_told_with_those_there_are() -> None:
+    with pytest.raises(MissionError, match=r"practice.*recommended"):
+        mission("best")

@@ -1,0 +1,62 @@
+"""What an experienced engineer asks for without being told: all recommended keys, by one word of a mission.
+
+`practice: recommended` fills in what a mission leaves out, and nothing that it says. What is filled in stands in the
+mission of a result like any other key.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from uwopt.mission.reserves import RECOMMENDED
+
+Practice = Literal["recommended", "bare"]
+
+#: Keys by section, with the values that fill them.
+RECOMMENDED_KEYS: Mapping[str, Mapping[str, Any]] = {
+    "requirements": {"snr_at": "worst", "dof_at": "corner", "lens_stop_down": 1.0, "refuse": "all"},
+    "catalog": {"host": "estimate"},
+}
+LEAST_UNIFORMITY = 0.3  # darkest over mean illuminance of the floor, where there are lamps
+SLOW_LAMP_S, SLOW_CAMERA_S = 10.0, 60.0  # between images; from here on what is switched off between them saves much
+
+
+def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
+    """A mission's plain values with what good practice asks for, where it is wanted and nothing else is said."""
+    made = dict(data)
+    if not is_wanted(made.get("practice")):
+        return made
+    filled: dict[str, dict[str, Any]] = {section: dict(keys) for section, keys in RECOMMENDED_KEYS.items()}
+    vehicle, requirements, catalog = (_section(made, name) for name in ("vehicle", "requirements", "catalog"))
+    if _most_lamps(vehicle.get("light_count")) > 0:
+        filled["requirements"]["min_uniformity"] = LEAST_UNIFORMITY
+    if catalog.get("extras"):
+        del filled["catalog"]["host"]  # it may be among them, and would count twice
+    interval_s = requirements.get("frame_interval_s")
+    if isinstance(interval_s, (int, float)):
+        slow = {"lamps_between_images": SLOW_LAMP_S, "camera_between_images": SLOW_CAMERA_S}
+        filled["vehicle"] = {key: "off" for key, least_s in slow.items() if interval_s >= least_s}
+    for section, keys in filled.items():
+        given = made.get(section)
+        if given is None or isinstance(given, Mapping):
+            made[section] = {**keys, **{key: value for key, value in (given or {}).items() if value is not None}}
+    if made.get("reserve") is None:
+        made["reserve"] = RECOMMENDED
+    return made
+
+
+def is_wanted(practice: Any) -> bool:
+    """Whether a mission asks for good practice."""
+    return isinstance(practice, str) and practice.strip().casefold() == RECOMMENDED
+
+
+def _section(data: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    given = data.get(name)
+    return given if isinstance(given, Mapping) else {}
+
+
+def _most_lamps(count: Any) -> float:
+    """The most lamps that a mission's `light_count` allows; what is no number is told elsewhere."""
+    numbers = count if isinstance(count, (list, tuple)) else [count]
+    return max((n for n in numbers if isinstance(n, (int, float))), default=1)
