@@ -31,6 +31,10 @@ MOST_QUESTIONS = 4
 NUMBERS = ("", "The greatest risk", "The two greatest risks", "The three greatest risks")
 FIGURES = ("gsd_mm", "swath_m", "snr_db", "dof_m", "frame_rate_hz")
 DEAR = 0.1  # a part's share of the doubt in the price from which a quote is worth asking for
+BARE = (
+    "Only what the mission says is held: `practice: recommended` in it asks for light and sharpness over the whole image "
+    "and for reserves as well."
+)
 HINT = (
     "--full adds the proof, every requirement, other choices and all that is assumed; --out DIR writes a page with "
     "pictures."
@@ -77,6 +81,8 @@ def verdict_lines(result: Result) -> list[Line]:
         said.append(words.as_sentence(first))
     said += [*subject_sentences(result, result.best)]
     said += [words.as_sentence(note.message) for note in result.warnings if note.code == COLOUR_LEFT_OPEN]
+    if result.command == "solve" and result.mission.get("practice") == "bare":
+        said.append(BARE)
     return [sentence(text) for text in said]
 
 
