@@ -23,11 +23,12 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("uwopt")
+LONGEST = ("test_readme.py", "test_types.py")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The README first: its tests share what takes longest, and what stands first is stolen by no other worker."""
-    items.sort(key=lambda item: item.path.name != "test_readme.py")
+    """What takes longest first: the README's tests share one fixture, and what stands first is stolen by nobody."""
+    items.sort(key=lambda item: LONGEST.index(item.path.name) if item.path.name in LONGEST else len(LONGEST))
 
 
 COLOUR: dict[str, Any] = {
