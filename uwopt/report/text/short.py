@@ -32,8 +32,8 @@ NUMBERS = ("", "The greatest risk", "The two greatest risks", "The three greates
 FIGURES = ("gsd_mm", "swath_m", "snr_db", "dof_m", "frame_rate_hz")
 DEAR = 0.1  # a part's share of the doubt in the price from which a quote is worth asking for
 BARE = (
-    "Only what the mission says is held: `practice: recommended` in it asks for light and sharpness over the whole image "
-    "and for reserves as well."
+    "Only what the mission says is held: `practice: recommended` in it asks for light and sharpness over the whole "
+    "image and for reserves as well."
 )
 HINT = (
     "--full adds the proof, every requirement, other choices and all that is assumed; --out DIR writes a page with "
