@@ -15,6 +15,7 @@ from uwopt.api.common import prepared
 from uwopt.cli.status import result_status
 from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain import infeasible, robustness
 
 ROOT = Path(__file__).parents[1]
 TANK = ROOT / "problems" / "paper-tank.yaml"
@@ -154,6 +155,52 @@ def test_wherever_time_ends_the_result_is_sound(readings: int, limited: Callable
     if result.recommendation is not None:
         assert result.recommendation.feasible
         assert result.certificate.lower_bound <= result.objective["value"] * (1 + 1e-9)
+
+
+def test_an_interrupted_explanation_keeps_what_helps(monkeypatch: pytest.MonkeyPatch) -> None:
+    honest = infeasible.seek
+
+    def seek(*args: Any, depth_m: float | None = None, **more: Any) -> Any:
+        if depth_m == 0.0:  # the last requirement that is dropped
+            raise KeyboardInterrupt
+        return honest(*args, depth_m=depth_m, **more)
+
+    monkeypatch.setattr(infeasible, "seek", seek)
+    result = api.solve(mission(catalog={**FEW_PARTS, "generic": "never"}, limits={"power_w": 0.001}))
+    assert result.status == "infeasible" and result_status(result) == 130
+    assert [item["name"] for item in result.infeasible["relaxations"]] == ["power_w"]
+
+
+def test_one_requirement_takes_a_quarter_of_the_time_to_explain() -> None:
+    work = infeasible.Explanation(mission(), None, None, "never", Deadline.after(40.0, Clock()))  # type: ignore[arg-type]
+    assert work._turn().left_s == 10.0
+
+
+def test_doubts_that_are_known_when_time_ends_are_told(
+    monkeypatch: pytest.MonkeyPatch, limited: Callable[[float], Clock]
+) -> None:
+    clock, honest = limited(0.0), robustness.robustness
+
+    def and_then_time_ends(*args: Any, **more: Any) -> Any:
+        found = honest(*args, **more)
+        clock.now_s = math.inf
+        return found
+
+    monkeypatch.setattr(robustness, "robustness", and_then_time_ends)
+    result = api.solve(mission(catalog=FEW_PARTS), seconds=60.0)
+    assert result.robustness["max_regret"] is not None and result.robustness["waters"] == []
+    assert "other waters" in time_warning(result) and "how firm" not in time_warning(result)
+
+
+def test_quick_leaves_doubts_out_and_nothing_else() -> None:
+    told: list[str] = []
+    wanted = mission(catalog=FEW_PARTS)
+    result = api.solve(wanted, quick=True, progress=lambda share, what: told.append(what))
+    full = api.solve(wanted)
+    assert result.robustness is None and result.solvers == [] and full.robustness is not None
+    assert result.recommendation == full.recommendation and result.warnings == full.warnings
+    [line] = [what for what in told if what.startswith("proven best: ")]
+    assert all(part in line for part in full.recommendation.hardware.ids)
 
 
 # ---------------------------------------------------------------- pareto

@@ -327,4 +327,11 @@ DEFECTS = (
         new='{% set unfolded = " open" %}',
         test="tests/report/test_page.py::test_proof_is_folded_on_the_page_of_one_system",
     ),
+    Defect(
+        name="a log gets a line whenever a search tells its share",
+        file="uwopt/report/text/console.py",
+        old="elif self._piped and what != self._told and",
+        new="elif self._piped and",
+        test="tests/report/test_console.py::test_a_log_gets_a_line_a_stage_but_no_two_within_a_second",
+    ),
 )

@@ -53,7 +53,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a limit is said to be possible that the cheapest design happens to reach",
         file="uwopt/solvers/explain/least_change.py",
-        old="        change = with_its_hardware(asked, change, relaxed)\n",
+        old="        change = with_its_hardware(asked, change, relaxed, deadline)\n",
         new="        return change\n",
         test="tests/solvers/test_least_change.py::test_least_blur_is_that_of_the_lamp_at_full_level",
     ),
@@ -484,5 +484,33 @@ DEFECTS: tuple[Defect, ...] = (
         old="side)[1].min(axis=(1, 2)) / mean",
         new="0.5 * side)[1].min(axis=(1, 2)) / mean.max() * 0.5",
         test="tests/forward/test_remembered.py::test_few_places_bound_the_uniformity",
+    ),
+    Defect(
+        name="an interruption loses what would help",
+        file="uwopt/solvers/explain/infeasible.py",
+        old="        except KeyboardInterrupt:\n            self.interrupted = True\n        made = []",
+        new="        except KeyboardInterrupt:\n            self.interrupted, helpful = True, []\n        made = []",
+        test="tests/test_deadline.py::test_an_interrupted_explanation_keeps_what_helps",
+    ),
+    Defect(
+        name="the first requirement that is dropped takes all the time",
+        file="uwopt/solvers/explain/infeasible.py",
+        old="self.deadline.at_most(TURN * self.deadline.left_s)",
+        new="self.deadline.at_most(self.deadline.left_s)",
+        test="tests/test_deadline.py::test_one_requirement_takes_a_quarter_of_the_time_to_explain",
+    ),
+    Defect(
+        name="doubts are all or none",
+        file="uwopt/api/solving.py",
+        old='within("other waters", lambda: in_other_waters(sought, goal, deadline), none)',
+        new="in_other_waters(sought, goal, deadline)",
+        test="tests/test_deadline.py::test_doubts_that_are_known_when_time_ends_are_told",
+    ),
+    Defect(
+        name="who is in a hurry waits for doubts",
+        file="uwopt/api/solving.py",
+        old="asked = not cut_short and not quick",
+        new="asked = not cut_short",
+        test="tests/test_deadline.py::test_quick_leaves_doubts_out_and_nothing_else",
     ),
 )

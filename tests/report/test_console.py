@@ -86,3 +86,13 @@ def test_a_log_that_nobody_reads_any_more_stops_nothing(monkeypatch: pytest.Monk
     with ProgressBar(timer=Timer):  # type: ignore[arg-type]
         log.close()
         Timer.made[-1].then()
+
+
+def test_a_log_gets_a_line_a_stage_but_no_two_within_a_second(capsys: Log) -> None:
+    now_s = [0.0]
+    with ProgressBar(timer=Timer, clock=lambda: now_s[0]) as bar:  # type: ignore[arg-type]
+        assert bar.report is not None
+        for at_s, stage in ((0.5, "one"), (1.2, "two"), (1.4, "two"), (1.9, "three"), (2.4, "four"), (9.0, "four")):
+            now_s[0] = at_s
+            bar.report(0.0, stage)
+    assert capsys.readouterr().err.splitlines() == ["uwopt: two, 1 s", "uwopt: four, 2 s"]

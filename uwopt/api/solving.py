@@ -46,7 +46,9 @@ from uwopt.solvers.recommend import (
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import PROVEN_GAP_REL
+from uwopt.units import format_quantity
 
+EXPLAIN_S = 10.0  # of the processor, for what would help a mission that nothing meets, where no time is given
 SOLVERS = ("exact", "casadi", "nlopt", "bonmin")
 
 
@@ -64,6 +66,7 @@ def solve(
     accuracy: bool = False,
     tolerance: float | None = None,
     progress: Progress | None = None,
+    quick: bool = False,
 ) -> Result:
     """The best system for a mission, with a certificate; see the package's documentation.
 
@@ -79,6 +82,7 @@ def solve(
     alternatives : also say what systems of other makers lack
     accuracy : estimate the numerical error of every figure, in `result.accuracy`
     tolerance : largest error of a figure, a share: integrals are taken as coarsely as it allows
+    quick : leave out how firm the answer is, and second opinions
     """
     start, deadline = time.perf_counter(), Deadline.after(seconds)
     if solver not in SOLVERS:
@@ -108,7 +112,7 @@ def solve(
         )
     else:
         result, sought = found_result(
-            result, goal, sought, alternative, timing, deadline, progress, solver=solver
+            result, goal, sought, alternative, timing, deadline, progress, solver=solver, quick=quick
         )
         if measured is None and accuracy and not interrupted(result):
             try:
@@ -195,6 +199,7 @@ def found_result(
     progress: Progress | None,
     *,
     solver: str,
+    quick: bool = False,
 ) -> tuple[Result, Sought]:
     """A result with a recommendation, and the search with what is recommended at its head."""
     from uwopt.solvers.explain.robustness import assumptions
@@ -216,14 +221,15 @@ def found_result(
         generic = design_of(alternative, alternative.outcome.best[0], goal)
     doubt: dict[str, Any] | None = None
     opinions: list[dict[str, Any]] = []
+    asked = not cut_short and not quick
     try:
+        if progress is not None and sought.outcome.complete:
+            progress(0.0, proven_line(winner, goal, sought.problem.mission.limits.currency))
         with timed(timing, "robustness", progress):
-            if not cut_short:
-                doubt = deadline.within(
-                    "how firm the answer is", lambda: doubts(sought, goal, winner, deadline), None
-                )
+            if asked:
+                doubt = doubts(sought, goal, winner, deadline)
         with timed(timing, "second_opinion", progress):
-            if not cut_short:
+            if asked:
                 opinions = deadline.within(
                     "second opinions", lambda: second_opinions(sought, goal, solver, deadline), []
                 )
@@ -260,20 +266,29 @@ def found_result(
     return made, sought
 
 
+def proven_line(winner: Design, goal: Objective, currency: str) -> str:
+    """The recommendation in a line, for who waits for its doubts."""
+    value = format_quantity(winner.objective_value, goal.unit(currency), 4)
+    return f"proven best: {' + '.join(winner.hardware.ids)}, {goal.name} {value}"
+
+
 def doubts(sought: Sought, goal: Objective, winner: Design, deadline: Deadline) -> dict[str, Any] | None:
     """What the estimates, the choice of water table and the lamps' places could change."""
     from uwopt.solvers.explain.lamp_places import polished_mount, tilt_tolerance
     from uwopt.solvers.explain.robustness import robustness
     from uwopt.solvers.explain.waters import in_other_waters
 
-    found = robustness(sought, goal, deadline=deadline)
+    found = deadline.within("how firm the answer is", lambda: robustness(sought, goal, deadline=deadline), None)
     if found is None:
         return None
+    within, none = deadline.within, list[dict[str, Any]]()
     return {
         **found,
-        "waters": in_other_waters(sought, goal, deadline),
-        "tilt": tilt_tolerance(sought, winner, goal, deadline),
-        "outside_certificate": polished_mount(sought, goal, deadline),
+        "waters": within("other waters", lambda: in_other_waters(sought, goal, deadline), none),
+        "tilt": within("how far lamps may lean", lambda: tilt_tolerance(sought, winner, goal, deadline), None),
+        "outside_certificate": within(
+            "lamps between the grid's places", lambda: polished_mount(sought, goal, deadline), None
+        ),
     }
 
 
@@ -300,19 +315,22 @@ def infeasible_result(
     alternative: Sought | None, timing: dict[str, float], deadline: Deadline, progress: Progress | None,
 ) -> Result:  # fmt: skip
     """A result without a recommendation: why, and what would help."""
-    from uwopt.solvers.explain.infeasible import explain
+    from uwopt.solvers.explain.infeasible import Explanation
 
     used = alternative or sought
     proof = certificate(used.selection, used.problem, used.outcome, goal)
     with_generic = alternative is not None or mission.catalog.generic == "allow"
     generic: Generic = "allow" if with_generic else "never"
-    why = None
+    why, notes = None, interruption_warnings(used)
     if used.outcome.complete:
+        patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(EXPLAIN_S, time.process_time)
+        work = Explanation(mission, catalog, goal, generic, patience, progress, used.problem)
         with timed(timing, "explanation"):
-            why = explain(
-                mission, catalog, goal, proof, generic=generic, deadline=deadline, progress=progress,
-                like=used.problem,
-            )  # fmt: skip
+            why = work.told(proof)
+        if work.interrupted:
+            notes = cut_warnings("that nothing fits is proven, but not all that may help was tried")
+        if patience is not deadline:
+            notes += patience_warnings(patience)
     status = "infeasible" if used.outcome.complete else "stopped"
     return replace(
         result,
@@ -320,7 +338,7 @@ def infeasible_result(
         certificate=proof,
         infeasible=why,
         warnings=[
-            *result.warnings, *interruption_warnings(used), *on_sale_warnings(sought, used),
+            *result.warnings, *notes, *on_sale_warnings(sought, used),
             *selection_warnings(used.selection),
         ],
     )  # fmt: skip
@@ -365,10 +383,11 @@ def interruption_warnings(sought: Sought) -> list[Note]:
     return [Note("interrupted", "", text)] if sought.outcome.interrupted else []
 
 
-def cut_warnings() -> list[Note]:
+def cut_warnings(
+    what: str = "the system is proven, but not all that is usually told of it was worked out",
+) -> list[Note]:
     """That what follows the proof was interrupted."""
-    text = "interrupted: the system is proven, but not all that is usually told of it was worked out"
-    return [Note("interrupted", "", text)]
+    return [Note("interrupted", "", f"interrupted: {what}")]
 
 
 def time_warnings(deadline: Deadline) -> list[Note]:
@@ -377,6 +396,14 @@ def time_warnings(deadline: Deadline) -> list[Note]:
         return []
     text = "the time that was given is over; not worked out: " + "; ".join(dict.fromkeys(deadline.left_out))
     return [Note("time", "", text)]
+
+
+def patience_warnings(patience: Deadline) -> list[Note]:
+    """What an explanation left out that nobody gave a time."""
+    if not patience.left_out:
+        return []
+    text = f"not worked out in {EXPLAIN_S:g} s; --seconds gives more: "
+    return [Note("time", "", text + "; ".join(dict.fromkeys(patience.left_out)))]
 
 
 def interrupted(result: Result) -> bool:

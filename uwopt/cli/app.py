@@ -97,6 +97,9 @@ def solve_command(
     ] = None,
     accuracy: AccuracyOption = False,
     tolerance: ToleranceOption = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Leave out how firm the answer is, and second opinions.")
+    ] = False,
     full: FullOption = False,
     as_json: JsonOption = False,
     out: OutOption = None,
@@ -125,6 +128,7 @@ def solve_command(
             accuracy=accuracy,
             tolerance=tolerance,
             progress=bar.report,
+            quick=quick,
         )
     hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet)
     return result_status(result)

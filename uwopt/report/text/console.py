@@ -89,18 +89,23 @@ def is_terminal(stream: TextIO | None) -> bool:
 
 
 class ProgressBar:
-    """A bar on the error stream for what takes longer than a second; in a pipe a line every ten seconds.
+    """A bar on the error stream for what takes longer than a second; in a pipe a line a stage, at most one a second,
+    and one every ten seconds.
 
     Use as a context; `report` is the callback that a search calls with its share done and what it does.
     """
 
-    def __init__(self, *, quiet: bool = False, timer: Timer = threading.Timer):
+    def __init__(
+        self, *, quiet: bool = False, timer: Timer = threading.Timer, clock: Callable[[], float] = time.monotonic
+    ):
         self._wanted = not quiet and sys.stderr is not None
+        self._piped = self._wanted and not is_terminal(sys.stderr)
         self._new_timer = timer
         self._share, self._what = 0.0, ""
         self._lock = threading.Lock()
         self._bar: Progress | None = None
-        self._start_s = time.monotonic()
+        self._clock, self._start_s = clock, clock()
+        self._told, self._told_s = "", self._start_s  # the last line in a pipe, and when
         self._timer: threading.Timer | None = None
 
     @property
@@ -135,11 +140,16 @@ class ProgressBar:
         with self._lock:
             if not self._wanted:
                 return
-            spent_s = time.monotonic() - self._start_s
-            done = f"{100 * self._share:.0f} % of it, " if self._share else ""  # 0 where nobody knows
-            with contextlib.suppress(OSError, ValueError):  # nobody reads it
-                print(f"uwopt: {self._what or 'working'}, {done}{spent_s:.0f} s", file=sys.stderr, flush=True)
+            self._tell()
             self._wait(LINE_EVERY_S, self._line)
+
+    def _tell(self) -> None:
+        """A line for a pipe."""
+        self._told, self._told_s = self._what, self._clock()
+        done = f"{100 * self._share:.0f} % of it, " if self._share else ""  # 0 where nobody knows
+        spent_s = self._told_s - self._start_s
+        with contextlib.suppress(OSError, ValueError):  # nobody reads it
+            print(f"uwopt: {self._what or 'working'}, {done}{spent_s:.0f} s", file=sys.stderr, flush=True)
 
     def _show(self) -> None:
         from rich.console import Console
@@ -161,3 +171,5 @@ class ProgressBar:
             self._share, self._what = min(max(share, 0.0), 1.0), what
             if self._bar is not None:
                 self._bar.update(self._bar.task_ids[0], completed=self._share, description=what)
+            elif self._piped and what != self._told and self._clock() - self._told_s >= PATIENCE_S:
+                self._tell()

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.lamp_light import ImageLight, LampField, Veils, image_light
 from uwopt.forward.lamps import Mount, on_axis_gain, one_side
 from uwopt.forward.problem import Problem
@@ -141,14 +142,18 @@ class FieldTables:
 
     def exact(
         self, scene_index: int, lighting: Lighting, rows: Array, *, count: int = 2, pixels: Pixels | None = None,
-        veils: Veils = "all", means: bool = True, known: ImageLight | None = None,
+        veils: Veils = "all", means: bool = True, known: ImageLight | None = None, deadline: Deadline = NEVER,
     ) -> ImageLight:  # fmt: skip
-        """Electrons per lm s of these imagers at every altitude; see `Problem.image_light`."""
+        """Electrons per lm s of these imagers at every altitude; see `image_light`.
+
+        Raises OutOfTimeError past the deadline.
+        """
         problem, imagers = self.problem, self.imagers
         view = imagers.scenes[scene_index].view
         port = np.zeros(len(rows), int) if problem.paper else imagers.port[rows]
         parts = []
         for value in np.unique(port):
+            deadline.check()
             mine = np.nonzero(port == value)[0]
             light = image_light(
                 problem, scene_index, view.take(rows[mine]), imagers.camera[rows[mine]], port_index=int(value),

@@ -295,7 +295,8 @@ class Search:
             rows = imager[lighting_index == k]
             lighting, table = self.tables.lightings[k], self.bounds.light_tables[k]
             lights = [
-                self.tables.exact(s, lighting, rows, veils="none") for s in range(len(self.problem.scenes))
+                self.tables.exact(s, lighting, rows, veils="none", deadline=self.deadline)
+                for s in range(len(self.problem.scenes))
             ]
             step = max(1, MOST_ROWS_AT_ONCE // len(table.light))
             for start in range(0, len(rows), step):
@@ -375,7 +376,8 @@ class Search:
         """Further veils beside the light that is known, by scene; raises OutOfTimeError past the deadline."""
         self.deadline.check()
         return [
-            self.tables.exact(s, lighting, imager, known=light, veils=veils) for s, light in enumerate(lights)
+            self.tables.exact(s, lighting, imager, known=light, veils=veils, deadline=self.deadline)
+            for s, light in enumerate(lights)
         ]
 
     def _solve_best_first(
@@ -602,6 +604,7 @@ class Search:
                 pixels=self.problem.scenes[scene_index].pixels,
                 means=False,
                 veils=veils,
+                deadline=self.deadline,
             )
             parts.append((mine, at))
         return seen.with_pixels(ImageLight.in_places(parts, unique.shape[1]).take(back.reshape(-1)))

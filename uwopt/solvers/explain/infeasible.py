@@ -7,7 +7,6 @@ relaxation that makes the mission feasible.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -23,7 +22,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Excluded, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
-from uwopt.solvers.explain.least_change import least_change, rounded_away
+from uwopt.solvers.explain.least_change import Change, least_change, rounded_away
 from uwopt.solvers.explain.one_hardware import problem_of
 from uwopt.solvers.recommend import Progress, Sought, seek
 from uwopt.solvers.settable.rounding import given_of
@@ -66,78 +65,142 @@ class Relaxation:
     design: Design
 
 
+@dataclass(frozen=True)
+class Without:
+    """The mission without one requirement, and a design that meets the rest."""
+
+    name: str
+    limit: float  # as asked
+    mission: Mission
+    goal: Objective
+    found: Sought
+
+
 def explain(
     mission: Mission, catalog: Catalog, objective: Objective, certificate: Certificate, *, generic: Generic,
     deadline: Deadline = NEVER, progress: Progress | None = None, like: Problem | None = None,
 ) -> WhyNothing:  # fmt: skip
-    """The `infeasible` part of a result; `like` is the problem that nothing fits, whose light is known."""
-    relaxations = sorted(
-        single_relaxations(
-            mission, catalog, objective, generic=generic, deadline=deadline, progress=progress, like=like
-        ),
-        key=lambda r: r.miss_rel,
-    )
-    requirements = [
-        Excluded(item.rule, item.count, item.rule in BOUNDED) for item in certificate.discarded if item.count
-    ]
-    helpful = [Relaxed(r.name, r.limit, r.needed, r.miss_rel) for r in relaxations]
-    return WhyNothing(requirements, helpful, relaxations[0].design if relaxations else None)
+    """The `infeasible` part of a result; see `Explanation`."""
+    return Explanation(mission, catalog, objective, generic, deadline, progress, like).told(certificate)
 
 
 BOUNDED = ("light", "bound", "power_w", "energy_wh", "cost", "mass_kg")
+TURN = 0.25  # of the time left: what one requirement may take of it
 
 
-def single_relaxations(
-    mission: Mission,
-    catalog: Catalog,
-    objective: Objective,
-    *,
-    generic: Generic,
-    deadline: Deadline,
-    progress: Progress | None,
-    like: Problem | None = None,
-) -> Iterator[Relaxation]:
-    """Drop each requirement that is asked for, and see whether something fits then."""
-    for number, (name, (section, key, best)) in enumerate(RELAXABLE.items()):
-        limit = asked_value(mission, section, key)
-        if limit is None:
-            continue
+@dataclass
+class Explanation:
+    """What would help a mission that nothing meets; what is known when time ends, or when a person interrupts, stays.
+
+    First every requirement is dropped, then the limits of those that help are drawn in. `like` is the problem
+    that nothing fits, whose light is known.
+    """
+
+    mission: Mission
+    catalog: Catalog
+    objective: Objective
+    generic: Generic
+    deadline: Deadline = NEVER
+    progress: Progress | None = None
+    like: Problem | None = None
+    interrupted: bool = False
+
+    def told(self, certificate: Certificate) -> WhyNothing:
+        """The part of a result."""
+        relaxations = sorted(self.relaxations(), key=lambda r: r.miss_rel)
+        requirements = [
+            Excluded(item.rule, item.count, item.rule in BOUNDED)
+            for item in certificate.discarded
+            if item.count
+        ]
+        helpful = [Relaxed(r.name, r.limit, r.needed, r.miss_rel) for r in relaxations]
+        return WhyNothing(requirements, helpful, relaxations[0].design if relaxations else None)
+
+    def relaxations(self) -> list[Relaxation]:
+        """The requirements whose loss makes the mission feasible, with the least change of each."""
+        helpful: list[Without] = []
+        try:
+            for number, name in enumerate(RELAXABLE):
+                self._say(0.5 * number / len(RELAXABLE), f"why nothing fits: without {name}")
+                self._drop(name, helpful)
+        except KeyboardInterrupt:
+            self.interrupted = True
+        made = []
+        for number, one in enumerate(helpful):
+            self._say(0.5 + 0.5 * number / len(helpful), f"the least change of {one.name}")
+            made.append(self._relaxation(one))
+        return made
+
+    def _say(self, share: float, what: str) -> None:
+        if self.progress is not None:
+            self.progress(share, what)
+
+    def _turn(self) -> Deadline:
+        """The time for one search among others."""
+        return self.deadline.at_most(TURN * self.deadline.left_s)
+
+    def _seek(self, mission: Mission, goal: Objective, turn: Deadline, depth_m: float | None = None) -> Sought:
+        return seek(
+            mission, self.catalog, goal, generic=self.generic, top=1, depth_m=depth_m, deadline=turn, like=self.like
+        )  # fmt: skip
+
+    def _drop(self, name: str, helpful: list[Without]) -> None:
+        """Drop a requirement, if it is asked for, and see whether something fits then."""
+        section, key, best = RELAXABLE[name]
+        limit = asked_value(self.mission, section, key)
         by_depth = key == "depth_rating_m"
-        relaxed = mission if by_depth else without(mission, section, key)
-        if relaxed is None:
-            continue
-        if deadline.passed():
-            deadline.left_out.append(f"whether the mission could be met without {name}")
-            continue
-        if progress is not None:
-            progress(number / len(RELAXABLE), f"why nothing fits: without {name}")
+        relaxed = self.mission if by_depth else without(self.mission, section, key)
+        if limit is None or relaxed is None:
+            return
+        if self.deadline.passed():
+            self.deadline.left_out.append(f"whether the mission could be met without {name}")
+            return
         goal = Objective.of(best or "power")
-        depth_m = 0.0 if by_depth else None
-        found = seek(
-            relaxed, catalog, goal, generic=generic, top=1, depth_m=depth_m, deadline=deadline, like=like
-        )
+        found = self._seek(relaxed, goal, self._turn(), 0.0 if by_depth else None)
+        if found.outcome.best:
+            helpful.append(Without(name, limit, relaxed, goal, found))
+        if found.outcome.interrupted:
+            raise KeyboardInterrupt
         if not found.outcome.complete:
-            deadline.left_out.append(f"the least change of {name}")
-        if not found.outcome.best:
-            continue
-        if by_depth:
-            found = deepest(found, relaxed, catalog, goal, generic=generic, deadline=deadline)
-        design = judged_by(mission, found, objective)
+            what = f"the least change of {name}" if found.outcome.best else f"whether it could be met without {name}"
+            self.deadline.left_out.append(what)
+
+    def _relaxation(self, one: Without) -> Relaxation:
+        """The least change of a requirement that helps, or that of the design at hand."""
+        _, key, best = RELAXABLE[one.name]
+        found, by_depth, turn = one.found, key == "depth_rating_m", self._turn()
+        if by_depth and not self.interrupted:
+            found = deepest(
+                found, one.mission, self.catalog, one.goal, generic=self.generic, deadline=self.deadline
+            )
+        design = judged_by(self.mission, found, self.objective)
         needed = rated_depth(found) if by_depth else reached_value(design, key)
         if needed is not None:
-            kept = mission.depth_factor
-            needed = needed / kept if by_depth else asked_when_held(mission.reserve, key, needed)
-        if best is None and not by_depth and needed is not None:
+            kept = self.mission.depth_factor
+            needed = needed / kept if by_depth else asked_when_held(self.mission.reserve, key, needed)
+        if best is None and not by_depth and needed is not None and not self.interrupted:
+            try:
+                change = self._least_change(one, needed, turn)
+                needed, design = change.limit, judged_by(self.mission, change.found, self.objective)
+            except KeyboardInterrupt:
+                self.interrupted = True
+            self.deadline.left_out.extend(turn.left_out)
+        return Relaxation(one.name, one.limit, needed, miss(one.limit, needed), design)
 
-            def search(wanted: Mission, goal: Objective = goal) -> Sought:
-                return seek(wanted, catalog, goal, generic=generic, top=1, deadline=deadline, like=like)
+    def _least_change(self, one: Without, needed: float, turn: Deadline) -> Change:
+        """The limit nearest to what is asked with which something fits."""
+        section, key, _ = RELAXABLE[one.name]
 
-            change = least_change(
-                limit, rounded_away(needed, limit), found, search=search, deadline=deadline, name=name,
-                relaxed=partial(with_limit, mission, section, key, limit),
-            )  # fmt: skip
-            needed, design = change.limit, judged_by(mission, change.found, objective)
-        yield Relaxation(name, limit, needed, miss(limit, needed), design)
+        def search(wanted: Mission) -> Sought:
+            found = self._seek(wanted, one.goal, turn)
+            if found.outcome.interrupted:
+                raise KeyboardInterrupt
+            return found
+
+        return least_change(
+            one.limit, rounded_away(needed, one.limit), one.found, search=search, deadline=turn, name=one.name,
+            relaxed=partial(with_limit, self.mission, section, key, one.limit),
+        )  # fmt: skip
 
 
 def deepest(

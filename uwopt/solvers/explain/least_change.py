@@ -12,12 +12,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from uwopt.deadline import Deadline
+from uwopt.deadline import NEVER, Deadline
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.one_hardware import problem_of
-from uwopt.solvers.recommend import Sought
+from uwopt.solvers.recommend import Sought, same_scenes
 
 CLOSER = 0.02  # of a change: what is proven not to be enough is a change smaller by this share
 DIGITS = 3  # of a limit, rounded away from what was asked: it can be typed as it stands
@@ -47,7 +47,7 @@ def least_change(
     """
     change = Change(reached, found)
     for _ in range(ROUNDS):
-        change = with_its_hardware(asked, change, relaxed)
+        change = with_its_hardware(asked, change, relaxed, deadline)
         if deadline.passed():
             break
         closer = search(relaxed(change.limit + CLOSER * (asked - change.limit)))
@@ -60,12 +60,14 @@ def least_change(
     return change
 
 
-def with_its_hardware(asked: float, change: Change, relaxed: Callable[[float], Mission]) -> Change:
-    """The nearest limit that the hardware of a change can meet, to `DIGITS`."""
+def with_its_hardware(
+    asked: float, change: Change, relaxed: Callable[[float], Mission], deadline: Deadline = NEVER
+) -> Change:
+    """The nearest limit that the hardware of a change can meet, to `DIGITS`, or as near as the time reaches."""
     far, near, found = change.limit, asked, change.found
     for _ in range(HALVINGS):
         step = rounded_away(0.5 * (far + near), asked)
-        if not min(far, near) < step < max(far, near):
+        if deadline.passed() or not min(far, near) < step < max(far, near):
             break
         tried = same_hardware(found, relaxed(step))
         if tried.outcome.best:
@@ -86,6 +88,7 @@ def rounded_away(value: float, asked: float) -> float:
 
 def same_hardware(found: Sought, mission: Mission) -> Sought:
     """The best settings of a design's hardware for a mission."""
-    problem = problem_of(found.problem, found.outcome.best[0], mission=mission)
+    scenes = same_scenes(found.problem, mission)
+    problem = problem_of(found.problem, found.outcome.best[0], mission=mission, scenes=scenes)
     search = Search(problem, Objective.of("power"), top=1)
     return Sought(found.selection, problem, search, search.run())
