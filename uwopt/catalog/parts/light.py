@@ -269,4 +269,5 @@ KIND = PartKind(
 NO_LAMP = Light(
     id="no-lamp", model="no lamp", price=exact(0.0), mass_g=exact(0.0), flux_lm=exact(1e-6), power_w=exact(0.0),
     output_factor=exact(1.0), beam_angle_deg=exact(120.0), beam_medium="water", depth_rating_m=11_000.0,
+    dim_levels=(1.0,),
 )  # fmt: skip

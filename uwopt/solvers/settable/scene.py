@@ -33,6 +33,7 @@ LEVEL_TOLERANCE_REL = 0.012  # one step of gain: how well a mean level can be me
 TIMES = 12  # looked at a row, before the search goes on between two of them
 LEVELS = 9
 ROUNDS = 12  # 11 ** 12 is more than there are microseconds in any exposure
+PIXELS_ASKED = "min_snr_db"  # the requirement that pixels decide
 SHARP_LAST = 1e-6  # weight of a sharpness that is missed: first all else must hold
 WORST = 1e290  # stands for an objective that is infinite
 MOST_PIXELS = 4_000_000  # figures at pixels that are held at a time
@@ -236,32 +237,39 @@ class SettableScene:
         return [db_to_ratio(self.gains_db[pick.astype(int)]) for pick in picks]
 
     def _judged(self, settings: SettingRows) -> Tried:
-        """Figures and margins, some thousand rows at a time where the worst pixel counts."""
-        worst = self.rows.light.worst_e
-        each = MOST_PIXELS if worst is None else max(MOST_PIXELS // worst.size, 1)
-        places = np.arange(len(settings.f_number))
-        return Tried.joined([self._some(settings.take(at)) for at in np.split(places, places[each::each])])
-
-    def _some(self, settings: SettingRows) -> Tried:
-        """Figures and margins of some settings; sharpness, which is dear, of those where all else holds."""
-        scene, asked = self.model.problem.scenes[self.index], self.needs.min_mtf_half_nyquist is not None
-        figures = [figures_of(scene, model.rows[self.index], settings) for model in self.models]
-        shortfall = self._shortfall(settings, figures)
-        if asked and not scene.paper and (rest := np.nonzero(shortfall == 0.0)[0]).size:
+        """Figures and margins; what is dear only of settings where all else holds: each pixel, then sharpness."""
+        scene, asks_sharpness = self.model.problem.scenes[self.index], self.needs.min_mtf_half_nyquist is not None
+        figures = [figures_of(scene, rows, settings) for rows in self.means]
+        of_pixels = self.rows.light.worst_e is not None
+        shortfall = self._shortfall(settings, figures, without=PIXELS_ASKED if of_pixels else "")
+        if of_pixels:
+            self._add_pixels(settings, shortfall)
+        if asks_sharpness and not scene.paper and (rest := np.nonzero(shortfall == 0.0)[0]).size:
             few = settings.take(rest)
             sharp = [model.figures(self.index, few) for model in self.models]
             shortfall[rest] = SHARP_LAST * self._shortfall(few, sharp)
         made = self._terms(settings, figures[0], shortfall == 0.0)
         return replace(made, shortfall=shortfall, value=np.where(shortfall == 0.0, self._value(made), np.inf))
 
-    def _shortfall(self, settings: SettingRows, by_model: Sequence[Figures]) -> Array:
-        """How far the requirement that is missed most is missed, in any of the models."""
+    def _add_pixels(self, settings: SettingRows, shortfall: Array) -> None:
+        """Fill in how far pixels miss their SNR where nothing else is missed, some thousand rows at a time."""
+        scene, worst = self.model.problem.scenes[self.index], self.rows.light.worst_e
+        assert worst is not None
+        rest, each = np.nonzero(shortfall == 0.0)[0], max(MOST_PIXELS // worst.size, 1)
+        for some in np.split(rest, range(each, len(rest), each)):
+            few = settings.take(some)
+            seen = [figures_of(scene, model.rows[self.index], few) for model in self.models]
+            shortfall[some] = self._shortfall(few, seen)
+
+    def _shortfall(self, settings: SettingRows, by_model: Sequence[Figures], *, without: str = "") -> Array:
+        """How far the requirement that is missed most is missed, in any of the models; one may be left out."""
         worst = np.zeros(len(settings.f_number))
         for model, figures in zip(self.models, by_model, strict=True):
             for margin in model.margins(
                 self.index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL
             ):
-                worst = np.maximum(worst, margin.shortfall)
+                if margin.requirement != without:
+                    worst = np.maximum(worst, margin.shortfall)
         return worst
 
     def _figures(self, settings: SettingRows) -> Tried:

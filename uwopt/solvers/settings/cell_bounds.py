@@ -220,7 +220,8 @@ class SceneCells:
             least_energy = np.maximum(bottom * duty, low * n2_lo / rows.light_lm * np.minimum(
                 1.0 / box.t_hi, rows.rate_hz * (1.0 + self.leads_s[d] / box.t_hi)))  # fmt: skip
         drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
-        power = drawn * np.where(timed, least_energy, bottom) + rows.idle
+        with np.errstate(invalid="ignore"):  # a lamp that draws nothing, at no level: dropped
+            power = drawn * np.where(timed, least_energy, bottom) + rows.idle
         alive &= np.isfinite(power)
         snr, contrast = self._snr_and_contrast(rows, box, bottom, top, x_lo, x_cap, y_lo, y_hi)
         if rows.worst_e is None:  # what pixels reach may be more than the mean has
