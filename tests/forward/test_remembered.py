@@ -10,7 +10,7 @@ import pytest
 from random_cases import case
 
 from uwopt.forward.floor_light import most_uniformities, uniformity
-from uwopt.forward.lamp_light import image_light
+from uwopt.forward.lamp_light import decisive_pixels, image_light
 from uwopt.forward.remembered import once_an_image
 
 SEEDS = (1, 4, 7)
@@ -62,7 +62,8 @@ def test_remembered_light_is_the_light() -> None:
         for count in (1, 2, 3):
             light = search.tables.exact(0, lighting, np.array([0]), count=count, pixels="frame", means=False)
             plain = plain_light(search, 0, lighting, count, "frame")
-            assert light.worst_e == pytest.approx(plain.worst_e, rel=1e-6)
+            width = plain.worst_e.shape[2]
+            assert light.worst_e[:, :, :width] == pytest.approx(plain.worst_e, rel=1e-6)
             assert light.may_miss == plain.may_miss
 
 
@@ -97,3 +98,18 @@ def test_few_places_bound_the_uniformity() -> None:
                 assert most >= true
                 close.append(most < 1.01 * true)
     assert any(close)
+
+
+def test_pixels_that_never_decide_are_left_out() -> None:
+    rng = np.random.default_rng(3)
+    signal = np.round(rng.uniform(0.0, 1.0, (4, 2, 60)), 1)  # with ties
+    veil = np.round(rng.uniform(0.0, 1.0, signal.shape), 1)
+    for may_miss in (0, 1, 7):
+        kept, over = decisive_pixels(signal, veil, may_miss)
+        assert kept.shape == over.shape and kept.shape[2] < 60
+        # SNR^2 = s^2 / (s + v + r^2), of which all but k reach the (k + 1)-th least
+        for noise in (1e-3, 0.1, 1.0, 10.0):
+            every, few = (np.sort(np.square(s) / (s + v + noise)) for s, v in ((signal, veil), (kept, over)))
+            assert few[:, :, may_miss] == pytest.approx(every[:, :, may_miss], rel=1e-12)
+    same = np.ones((1, 1, 5))
+    assert decisive_pixels(same, same, 2)[0].shape[2] == 4  # three of five that are alike, and the easiest

@@ -513,4 +513,11 @@ DEFECTS: tuple[Defect, ...] = (
         new="asked = not cut_short",
         test="tests/test_deadline.py::test_quick_leaves_doubts_out_and_nothing_else",
     ),
+    Defect(
+        name="pixels that are alike leave each other out",
+        file="uwopt/forward/lamp_light.py",
+        old="(worse & (~worse.T | earlier)).sum(axis=1) <= may_miss",
+        new="worse.sum(axis=1) <= may_miss",
+        test="tests/forward/test_remembered.py::test_pixels_that_never_decide_are_left_out",
+    ),
 )

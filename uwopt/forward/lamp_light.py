@@ -238,14 +238,17 @@ class LampField:
     def asked_pixels(self, view: Views, pixels: Pixels, *, veils: bool) -> tuple[Array, Array | None]:
         """Signal and veil there, (n, n_altitudes, n_pixels).
 
-        Where no veil and no sun change their order, the pixels that may miss an SNR are the darkest: one is left.
+        Where no veil and no sun change their order, the pixels that may miss an SNR are the darkest: one is left; where
+        there are veils alone, those that may decide.
         """
         if pixels == "darkest":
             return self.at_worst_pixels(view, veils=veils)
         signal, veil_there = self.at_pixels(view, *frame_places(view.tan_along, view.tan_across), veils=veils)
-        if veil_there is None and not self.sunlit:
-            signal = reached_by_most(signal, FRAME_MAY_MISS)[:, :, None]
-        return signal, veil_there
+        if self.sunlit:  # which are worst depends on lamps and sun together
+            return signal, veil_there
+        if veil_there is None:
+            return reached_by_most(signal, FRAME_MAY_MISS)[:, :, None], None
+        return decisive_pixels(signal, veil_there, FRAME_MAY_MISS)
 
     def at_likely_pixels(self, view: Views, pixels: Pixels) -> Array:
         """Upper bound on the signal of the pixel that decides, at the farthest altitude: some of those asked for, (n,).
@@ -352,6 +355,30 @@ def worst_candidates(signal: Array, veil_there: Array | None) -> Array:
     keep = np.zeros_like(leads)
     np.put_along_axis(keep, order, leads, axis=1)
     return np.nonzero(keep.any(axis=0))[0]
+
+
+def decisive_pixels(signal: Array, veil_there: Array, may_miss: int) -> tuple[Array, Array]:
+    """Pixels (n, n_altitudes, n_pixels) of which one decides what all but k = `may_miss` reach, at any settings.
+
+    Left out are those that k + 1 others or more have no more signal and no less veil than: these come first. Rows that
+    keep fewer end with what is easier than any pixel, as does each row, so that its end may be repeated.
+    """
+    shape = signal.shape
+    flat, veil = (a.reshape(-1, shape[2]) for a in (signal, veil_there))
+    keep = np.empty(flat.shape, bool)
+    earlier = np.tri(shape[2], k=-1, dtype=bool)
+    for row, (s, v) in enumerate(zip(flat, veil, strict=True)):
+        worse = (s <= s[:, None]) & (v >= v[:, None])
+        keep[row] = (worse & (~worse.T | earlier)).sum(axis=1) <= may_miss
+    most = int(keep.sum(axis=1).max()) + 1
+    order = np.argsort(~keep, axis=1, kind="stable")[:, :most]
+    kept = np.take_along_axis(keep, order, axis=1)
+    kept[:, -1] = False
+    flat, veil = (
+        np.where(kept, np.take_along_axis(a, order, axis=1), easiest)
+        for a, easiest in ((flat, flat.max(axis=1)[:, None]), (veil, veil.min(axis=1)[:, None]))
+    )
+    return flat.reshape(*shape[:2], -1), veil.reshape(*shape[:2], -1)
 
 
 def image_light(

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import array_in_places
 from uwopt.forward.lamp_light import LampField
 from uwopt.forward.scene import Pixels
 from uwopt.forward.views import Views
@@ -23,7 +24,7 @@ ImageKey = tuple[float, float]
 
 
 def once_an_image(known: dict[ImageKey, Any], view: Views, make: Callable[[Views], Array]) -> Array:
-    """Rows (n, ...) of images, one made of each field of view that is not known yet."""
+    """Rows (n, ...) of images, one made of each field of view that is not known yet; shorter ones repeat their end."""
     fields, first, back = np.unique(
         np.stack([view.tan_along, view.tan_across]), axis=1, return_index=True, return_inverse=True
     )
@@ -36,7 +37,10 @@ def once_an_image(known: dict[ImageKey, Any], view: Views, make: Callable[[Views
         if (len(known) + len(new)) * made[0].size > MOST_NUMBERS:
             known.clear()
         known.update(rows)
-    return np.stack([rows[key] for key in keys])[back.reshape(-1)]
+    parts = [rows[key] for key in keys]
+    if len({part.shape for part in parts}) == 1:
+        return np.stack(parts)[back.reshape(-1)]
+    return array_in_places([(np.array([n]), part[None]) for n, part in enumerate(parts)], len(parts))[back.reshape(-1)]
 
 
 class RememberedField(LampField):
@@ -76,11 +80,8 @@ class RememberedField(LampField):
 
         def per_area(new: Views) -> Array:
             signal, veil_there = make(new, pixels, veils=veils)
-            both = signal if veil_there is None else np.concatenate([signal, veil_there], axis=2)
-            return both / new.collecting_m2[:, None, None]
+            both = signal[:, :, None] if veil_there is None else np.stack([signal, veil_there], axis=2)
+            return both / new.collecting_m2[:, None, None, None]
 
-        both = self.once(("pixels", self.lamps, veils), view, per_area) * view.collecting_m2[:, None, None]
-        if not self.veiled(veils):
-            return both, None
-        half = both.shape[2] // 2
-        return both[:, :, :half], both[:, :, half:]
+        both = self.once(("pixels", self.lamps, veils), view, per_area) * view.collecting_m2[:, None, None, None]
+        return both[:, :, 0], both[:, :, 1] if self.veiled(veils) else None
