@@ -32,7 +32,7 @@ from uwopt.forward.part_columns import FLASH
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System, load_system
-from uwopt.objectives.objective import Objective
+from uwopt.objectives.goal import goal_of
 from uwopt.results.design import Design, Margin, Note
 from uwopt.results.result import Result
 from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL
@@ -63,7 +63,7 @@ def evaluate(
     if built.camera_count != wanted.vehicle.camera_count:
         vehicle = {**wanted.to_dict()["vehicle"], "camera_count": built.camera_count}
         wanted = wanted.with_changes(vehicle=vehicle)
-    goal = Objective.of(wanted.objective)
+    goal = goal_of(wanted)
     with timed(timing, "catalogue"):
         problem, hardware = system_problem(wanted, built)
     given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]

@@ -28,6 +28,7 @@ from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
+from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design, Note
 from uwopt.results.result import Certificate, Result
@@ -89,7 +90,7 @@ def solve(
         raise MissionError(f"solver {solver!r} is not one of {', '.join(SOLVERS)}")
     wanted = prepared(mission, physics, objective)
     checked_tolerance(tolerance)
-    goal = Objective.of(wanted.objective)
+    goal = goal_of(wanted)
     timing: dict[str, float] = {}
     with timed(timing, "catalogue"):
         catalog = load_catalog(wanted)
@@ -182,7 +183,7 @@ def generic_search(
     best = sought.outcome.best
     ceiling = math.inf
     if best:
-        ceiling = best[0].minimised - GENERIC_GAIN * abs(best[0].minimised)
+        ceiling = best[0].minimised - goal.step(GENERIC_GAIN, best[0].minimised)
     return seek(
         mission, catalog, goal, generic="allow", top=1 if best else top, deadline=deadline, progress=progress,
         ceiling=ceiling, fineness=sought.problem.fineness, like=sought.problem,

@@ -21,6 +21,7 @@ from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.mission.mission import Mission
+from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import MAXIMISED, Objective, Terms
 from uwopt.solvers.exact.account import Outcome, snr_ceiling
 from uwopt.solvers.exact.imagers import limit
@@ -80,7 +81,7 @@ class Contest:
     @staticmethod
     def of(name: str, mission: Mission, *, longest_s: float = LONGEST_S) -> Contest:
         """Solve the mission once; where nothing sold fits and the mission lets it be so, with parts to be made."""
-        objective, catalog = Objective.of(mission.objective), load_catalog(mission)
+        objective, catalog = goal_of(mission), load_catalog(mission)
         policy = mission.catalog.generic
         for generic in ("never", "allow") if policy == "fallback" else (policy,):
             selection = selected(mission, catalog, generic=generic)

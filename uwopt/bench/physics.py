@@ -16,6 +16,7 @@ from uwopt.forward.effects import effects_kept
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
+from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
 from uwopt.solvers.settable.rounding import given_of
@@ -51,7 +52,7 @@ class Subject:
 
     def evaluated(self, problem: Problem) -> Design:
         """Figures of the system."""
-        return evaluate_design(problem, self.hardware, list(self.given), Objective.of(self.mission.objective))
+        return evaluate_design(problem, self.hardware, list(self.given), goal_of(self.mission))
 
 
 def subjects(missions: Sequence[str]) -> Iterator[Subject]:
@@ -63,7 +64,7 @@ def subjects(missions: Sequence[str]) -> Iterator[Subject]:
     sources: Sequence[str | None] = missions or (None,)
     for source in sources:
         mission = mission_of(source, "full")
-        sought = seek(mission, load_catalog(mission), Objective.of(mission.objective), generic="never", top=1)
+        sought = seek(mission, load_catalog(mission), goal_of(mission), generic="never", top=1)
         if not sought.outcome.best:
             continue
         found = sought.outcome.best[0]
@@ -113,7 +114,7 @@ def worker(subject: Subject, method: str) -> Any:
         from uwopt.evaluation.influences import influences_of
 
         problem = subject.problem("full")
-        goal = Objective.of(subject.mission.objective)
+        goal = goal_of(subject.mission)
         kept = effects_kept(influences_of(problem, subject.hardware, list(subject.given), goal))
         return subject.evaluated(problem.with_effects(kept))
 

@@ -21,6 +21,7 @@ from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission, load_mission
+from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.search import Search
@@ -77,7 +78,7 @@ def mission_for(name: str, physics: str = PHYSICS) -> Mission:
 def search_of(mission: Mission, parts: Parts, *, deadline: Deadline = NEVER) -> Search:
     """The search over some parts, ready to run."""
     problem = Problem(mission, parts, paper=mission.physics == "paper")
-    return Search(problem, Objective.of(mission.objective), top=1, deadline=deadline)
+    return Search(problem, goal_of(mission), top=1, deadline=deadline)
 
 
 def status_of(outcome: Outcome) -> str:

@@ -81,7 +81,7 @@ def solve_command(
     ] = Solver.exact,
     objective: Annotated[
         str | None,
-        typer.Option(metavar="NAME|WEIGHTS", help="What is to be best, such as cost or power=1,cost=0.01."),
+        typer.Option(metavar="NAME|WEIGHTS", help="What is to be best, such as cost, best_image or power=1,cost=0.01."),
     ] = None,
     physics: PhysicsOption = None,
     top: Annotated[int, typer.Option(metavar="K", min=1, max=1000, help="How many systems to list.")] = 5,
@@ -169,13 +169,16 @@ def evaluate_command(
 def parsed_objective(text: str) -> str | dict[str, float]:
     """`power`, or weights by name from `power=1,cost=0.01`."""
     from uwopt.documents.faults import nearest
+    from uwopt.mission.best_image import NAME as BEST_IMAGE
     from uwopt.mission.keys import OBJECTIVES
 
     def known(name: str) -> str:
         plain = name.strip().casefold().replace("-", "_")
+        if plain == BEST_IMAGE and "=" not in text:
+            return plain
         if plain not in OBJECTIVES:
-            near = nearest(plain, OBJECTIVES)
-            hint = f"did you mean {near}?" if near else f"there are {', '.join(OBJECTIVES)}."
+            near = nearest(plain, (*OBJECTIVES, BEST_IMAGE))
+            hint = f"did you mean {near}?" if near else f"there are {', '.join((*OBJECTIVES, BEST_IMAGE))}."
             raise MissionError(f"--objective: {name.strip()!r} is no figure that can be best; {hint}")
         return plain
 

@@ -11,6 +11,7 @@ from typing import Any
 from uwopt.errors import CatalogError, MissionError
 from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.forward.scene import clarity_of, table_of
+from uwopt.mission.best_image import BestImageGoal
 from uwopt.mission.mission import Mission, SceneView
 from uwopt.model.scattering import FOURNIER_FORAND_RATIOS
 
@@ -30,6 +31,8 @@ def check_physical(mission: Mission) -> None:
 def objective_faults(mission: Mission) -> Iterator[str]:
     """Objectives that need another physics, or a bound without which the longest lens always wins."""
     wanted: Any = mission.objective
+    if isinstance(wanted, BestImageGoal):
+        wanted = wanted.best_image.of
     names = [wanted] if isinstance(wanted, str) else list(wanted)
     if "information" in names:
         if mission.physics == "paper":

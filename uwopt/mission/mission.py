@@ -18,7 +18,8 @@ from uwopt.documents.key_types import CHOICE, NUMBER, WHOLE, Section, Text, all_
 from uwopt.documents.reading import Document, read_document
 from uwopt.documents.validation import validated
 from uwopt.mission import checks
-from uwopt.mission.keys import OBJECTIVES, to_objective
+from uwopt.mission.best_image import NAME, BestImageGoal, to_goal
+from uwopt.mission.keys import OBJECTIVES
 from uwopt.mission.practice import Practice, with_practice
 from uwopt.mission.reserves import REFUSED_DEPTH, Reserve, ReserveOrWord, asked_of, held_of, kept_of
 from uwopt.mission.sections import (
@@ -60,9 +61,10 @@ class Mission(Section):
     """Everything that is wanted of a system."""
 
     name: Text = Field(default="mission", description="name of the mission")
-    objective: Annotated[str | dict[str, float], BeforeValidator(to_objective)] = Field(
+    objective: Annotated[str | dict[str, float] | BestImageGoal, BeforeValidator(to_goal)] = Field(
         default="power",
-        description=f"figure ({', '.join(OBJECTIVES)}), or weights such as {{power: 1, cost: 0.01}}",
+        description=f"figure ({', '.join(OBJECTIVES)}), weights such as {{power: 1, cost: 0.01}}, or {NAME}, with "
+        "gains {per_w, per_100_usd} where others than 0.01 are wanted",
     )
     physics: Annotated[Physics, CHOICE] = Field(
         default="auto", description="physics of the model: auto, full or paper"

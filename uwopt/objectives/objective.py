@@ -1,9 +1,10 @@
-"""What is to be best: one figure, or a weighted sum of figures, turned so that less is better."""
+"""What is to be best: one figure, a weighted sum of figures, or the best image for its price; less is better."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ Array = NDArray[Any]
 
 UNITS = {term: one.unit for term, one in TERMS.items()}
 MAXIMISED = tuple(term for term, one in TERMS.items() if one.better == "more")
+BEST_IMAGE = "best_image"
+LEAST = 1e-300  # of a figure whose logarithm counts
 
 
 @dataclass(frozen=True)
@@ -33,9 +36,14 @@ class Terms:
 
 @dataclass(frozen=True)
 class Objective:
-    """Weights by term; every term in its unit."""
+    """Weights by term; every term in its unit.
+
+    `quality` names the figure that counts by its logarithm where the image is to be best for its price: then power
+    and cost have prices in e-folds of it, and the value is that figure with its price taken off.
+    """
 
     weights: Mapping[str, float]
+    quality: str = ""
 
     @staticmethod
     def of(wanted: str | Mapping[str, float]) -> Objective:
@@ -46,9 +54,29 @@ class Objective:
             raise MissionError(f"objective: {', '.join(unknown)} is not one of {', '.join(UNITS)}")
         return Objective(weights)
 
+    @staticmethod
+    def best_image(quality: str, *, per_w: float, per_money: float) -> Objective:
+        """The most of `information` or `snr_db`, where each watt and each unit of money must buy a share of it.
+
+            minimise  -ln Q + P ln(1 + g_P) + C ln(1 + g_C)
+
+        At the optimum nothing in reach has more than (1 + g_P)^dP (1 + g_C)^dC times its Q for dP more watts and dC
+        more money: whatever had would have a smaller sum.
+        """
+        weights = {quality: math.log(10.0) / 20.0 if quality == "snr_db" else 1.0}
+        weights |= {"power": math.log1p(per_w), "cost": math.log1p(per_money)}
+        return Objective({name: weight for name, weight in weights.items() if weight}, quality)
+
+    @property
+    def by_ratio(self) -> bool:
+        """Whether information counts by its logarithm; decibels are one already."""
+        return self.quality == "information"
+
     @property
     def name(self) -> str:
         """As the mission writes it."""
+        if self.quality:
+            return BEST_IMAGE
         if self.single:
             return self.single
         return " + ".join(f"{weight:g} {name}" for name, weight in self.weights.items())
@@ -56,15 +84,17 @@ class Objective:
     @property
     def single(self) -> str | None:
         """The only term, if there is one."""
-        return next(iter(self.weights)) if len(self.weights) == 1 else None
+        return next(iter(self.weights)) if len(self.weights) == 1 and not self.quality else None
 
     @property
     def direction(self) -> str:
         """minimise or maximise."""
-        return "maximise" if self.single in MAXIMISED else "minimise"
+        return "maximise" if self.quality or self.single in MAXIMISED else "minimise"
 
     def unit(self, currency: str) -> str:
-        """Unit of the reported value; a sum has none."""
+        """Unit of the reported value; a sum has none, nor has a signal to noise that counts as a ratio."""
+        if self.quality:
+            return UNITS[self.quality] if self.by_ratio else ""
         if self.single is None:
             return ""
         return currency if self.single == "cost" else UNITS[self.single]
@@ -79,18 +109,46 @@ class Objective:
         for name, weight in self.weights.items():
             sign = -1.0 if name in MAXIMISED else 1.0
             if weight:
-                total = total + sign * weight * getattr(terms, name)
+                total = total + sign * weight * self.counted(name, getattr(terms, name))
         return total
+
+    def counted(self, name: str, figure: Any) -> Any:
+        """A figure as its weight takes it: itself, or its logarithm."""
+        return np.log(np.maximum(figure, LEAST)) if self.by_ratio and name == "information" else figure
+
+    def constant(self, terms: Terms) -> Array:
+        """The part of the value that the figures of an image have no share in, (n,): with SNR 0 dB and no information."""
+        return self.cost_to_minimise(replace(terms, information=1.0 if self.by_ratio else 0.0))
 
     def minimised(self, reported: float) -> float:
         """The value that solvers minimise, from the value as the mission reads it."""
+        if self.quality:
+            return -math.log(max(reported, LEAST))
         if self.single is None:
             return reported
         return self.weights[self.single] * (-reported if self.single in MAXIMISED else reported)
 
     def reported(self, minimised: float) -> float:
         """The value as the mission reads it: a maximised figure is not negated."""
+        if self.quality:
+            return math.exp(min(-minimised, 700.0))
         if self.single is None:
             return minimised
         value = minimised / self.weights[self.single] if self.weights[self.single] else 0.0
         return -value if self.single in MAXIMISED else value
+
+    def step(self, share: float, minimised: float) -> float:
+        """By how much what is minimised falls when the value gets better by a share of itself."""
+        return math.log1p(share) if self.quality else share * abs(minimised)
+
+    def share(self, step: float, minimised: float) -> float:
+        """The share by which the value gets better when what is minimised falls by a step."""
+        return math.expm1(min(step, 700.0)) if self.quality else step / max(abs(minimised), LEAST)
+
+    def amount(self, step: float, minimised: float) -> float:
+        """The same in the unit of the value."""
+        return self.reported(minimised) * self.share(step, minimised) if self.quality else step
+
+    def scale(self, minimised: Array) -> Array:
+        """What a relative gap is relative to, (n,)."""
+        return np.ones_like(minimised) if self.quality else np.abs(minimised)

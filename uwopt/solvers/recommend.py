@@ -112,7 +112,7 @@ def best_settable(sought: Sought, objective: Objective) -> tuple[Sought, Design]
     """
     found = sought.outcome.best
     first = chosen = design_of(sought, found[0], objective)
-    place, value, much = 0, value_as_set(first, objective), WORTH_REL * abs(found[0].minimised)
+    place, value, much = 0, value_as_set(first, objective), objective.step(WORTH_REL, found[0].minimised)
     for index, other in enumerate(found[1:], 1):
         if other.minimised >= value - much:
             break

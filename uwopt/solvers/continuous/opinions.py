@@ -63,7 +63,7 @@ def aperture_opinions(sought: Sought, found: Found, objective: Objective) -> lis
                     "hardware": part_ids(sought, found),
                     "status": "optimal" if word["kkt_residual"] < APERTURE_RESIDUAL else "failed",
                     "objective_value": objective.reported(found.minimised) * (1.0 + word["gain_rel"])
-                    if objective.single
+                    if objective.single or objective.quality
                     else None,
                     "difference_rel": abs(word["gain_rel"]),
                     "agrees": abs(word["gain_rel"]) <= AGREES_REL,
@@ -94,7 +94,7 @@ def opinion(
     value = answer.objective_value
     difference = None
     if value is not None:
-        difference = abs(value - found.minimised) / max(abs(found.minimised), 1e-12)
+        difference = objective.share(abs(value - found.minimised), found.minimised)
     return {
         "method": answer.method,
         "hardware": part_ids(sought, found),
@@ -136,7 +136,7 @@ def mixed_opinion(sought: Sought, objective: Objective, *, max_seconds: float = 
     answer = solve_mixed(program, max_seconds=max_seconds)
     picked = program.picked(answer.x)
     feasible = picked.max_violation <= FEASIBLE
-    off = abs(picked.value - best.minimised) / max(abs(best.minimised), 1e-12)
+    off = objective.share(abs(picked.value - best.minimised), best.minimised)
     agrees = feasible and off <= AGREES_REL
     scope = (
         f"{len(program.open_to_choice)} systems open to choice with {len(program.options)} pieces of settings "

@@ -34,8 +34,8 @@ def certificate(
     return Certificate(
         lower_bound=None if lower is None else objective.reported(lower),
         best_value=None if best is None else objective.reported(best),
-        gap_abs=gap,
-        gap_rel=None if gap is None or best is None else gap / max(abs(best), 1e-300),
+        gap_abs=None if gap is None or best is None else objective.amount(gap, best),
+        gap_rel=None if gap is None or best is None else objective.share(gap, best),
         complete=outcome.complete,
         scope=scope(problem),
         **counted,

@@ -427,7 +427,7 @@ class Search:
         hardware = np.unique(np.stack([imager, pairs.light]), axis=1, return_inverse=True)[1].reshape(-1)
         best = best_settings(
             rows, motorised, self.objective, camera_power, self.problem.scene_power_limit_w,
-            gap_rel=ROUGH_GAP if optimistic else GAP, constant=self.objective.cost_to_minimise(fixed),
+            gap_rel=ROUGH_GAP if optimistic else GAP, constant=self.objective.constant(fixed),
             cutoff=self.ranking.threshold(), hardware=hardware, top=None if optimistic else self.top,
             mean_limit=MeanLimit.of(self.problem),
         )  # fmt: skip

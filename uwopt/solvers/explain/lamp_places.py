@@ -138,5 +138,5 @@ def polished_mount(sought: Sought, objective: Objective, deadline: Deadline = NE
     gain = found.minimised - best
     return {
         "baseline_m": float(at[0]), "tilt_deg": float(at[1]), "objective_value": objective.reported(best),
-        "gain_rel": gain / max(abs(found.minimised), 1e-300),
+        "gain_rel": objective.share(gain, found.minimised),
     }  # fmt: skip

@@ -166,8 +166,8 @@ def robustness(
     best = min([f.minimised for f in outcome.best] + [bad_value])
     regret = max(0.0, bad_value - best) if math.isfinite(bad_value) else None
     return {
-        "max_regret": regret,
-        "regret_rel": None if regret is None else regret / max(abs(winner.minimised), 1e-300),
+        "max_regret": None if regret is None else objective.amount(regret, bad_value),
+        "regret_rel": None if regret is None else objective.share(regret, winner.minimised),
         "value_at_bad_end": objective.reported(bad_value) if math.isfinite(bad_value) else None,
         "feasible_at_bad_end": math.isfinite(bad_value),
         "complete": outcome.complete and not slow,

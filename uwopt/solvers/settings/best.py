@@ -124,7 +124,7 @@ def best_in_the_dark(
         return easy
     value = np.where(easy.feasible, value_of(easy, objective, constant), np.inf)
     known = np.where(np.isfinite(lower), lower, 0.0)
-    close = value - known <= gap_rel * np.maximum(np.abs(known), NO_RELATIVE_GAP)
+    close = value - known <= gap_rel * np.maximum(objective.scale(known), NO_RELATIVE_GAP)
     return searched_where(
         np.isfinite(lower) & ~close & (lower <= cutoff), easy, rows, motorised, objective, camera_power_w,
         power_limit_w, gap_rel=gap_rel, constant=constant, cutoff=cutoff, mean_limit=mean_limit, **more,

@@ -284,7 +284,8 @@ class SceneCells:
     # ------------------------------------------------------------ points
 
     def points(
-        self, d: Array, f_number: Array, time_s: Array, open_s: Array, u_lo: Array, u_hi: Array, share: float
+        self, d: Array, f_number: Array, time_s: Array, open_s: Array, u_lo: Array, u_hi: Array,
+        share: Array | float,
     ) -> Points:
         """Settings at these f-numbers and times; of the levels that fit the one at `share` of the range."""
         rows = self.rows.take(d)
@@ -330,7 +331,7 @@ class SceneCells:
 
     def _level(
         self, d: Array, rows: SceneRows, square: Array, time_s: Array, open_s: Array, u_lo: Array, u_hi: Array,
-        share: float, step: Array | None = None,
+        share: Array | float, step: Array | None = None,
     ) -> tuple[Array, Array, Array, Array]:  # fmt: skip
         """Level at these times, whether one fits; the step that is bright enough, and its time for least light."""
         exposure, y = self.exposure_s(d, time_s, open_s), open_s / square
@@ -349,7 +350,7 @@ class SceneCells:
         bottom, top = self.steps(d, least, top)
         fits = (bottom <= top * (1 + 4 * SLACK)) & np.isfinite(bottom)
         first, last = np.where(fits, bottom, 0.0), np.where(fits, top, 0.0)
-        place = share if share in (0.0, 1.0) else np.where(rows.dims_freely, share, 0.0)
+        place = np.where(rows.dims_freely | (np.asarray(share) == 1.0), share, 0.0)
         level = first + place * (last - first)
         return level, fits, step, np.clip(
             exact, np.minimum(rows.time_min_s, time_s), np.minimum(1.001 * time_s, np.maximum(rows.time_max_s, time_s))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.model.sharpness import TEXTURE_CONTRAST
+from uwopt.objectives.objective import LEAST
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.cell_bounds import Box, Reach, SceneCells
 from uwopt.solvers.settings.cell_information import Information
@@ -25,6 +26,7 @@ Array = NDArray[Any]
 DIMMEST = 1e-6  # of full level: below it a level has no logarithm, and counts as none in power
 STEP = 1e-4  # of ln light, in the difference that stands for the slope of ln SNR
 DB = 20.0 / np.log(10.0)
+TANGENTS = 2
 
 
 def surrogate_bit_per_px(scene: SceneCells, d: Array, box: Box, reach: Reach) -> Array:
@@ -47,11 +49,13 @@ def typical_bit_per_px(
 
 def quality_bound(
     scene: SceneCells, information: Information | None, d: Array, box: Box, reach: Reach, weight: dict[str, float],
-    *, mixed: bool,
+    *, mixed: bool, by_ratio: bool = False,
 ) -> tuple[Array, Array]:  # fmt: skip
     """Information [bit/m2] at most, and the least of power, SNR and information weighed together.
 
     Returns (m,), (m,); the second is -inf where only the sum of the separate bounds is known (sunlight).
+    Where information counts `by_ratio`, its logarithm lies below each of its tangents, ln I <= ln I_0 + I / I_0 - 1,
+    in whose place I is convex as before; I_0 is the most of the cell, then what it has at the vertex that was least.
     """
     area = scene.sharp.pixel_area_m2[d] if scene.sharp is not None else np.ones(len(d))
     if scene.sunlit:
@@ -73,11 +77,26 @@ def quality_bound(
     if information is not None:
         bits = _information(scene, information, d, box, at, shift[:, :, 0], shift[:, :, 1], inside)
         bits = bits / area[:, None]
-    joint = -weight["snr_db"] * DB * at - weight["information"] * bits
+    joint = -weight["snr_db"] * DB * at
     if mixed and weight["power"]:
         joint = joint + weight["power"] * power_tangent(scene, d, box, shift, np.exp(centre))
-    bits, joint = np.where(inside, bits, -np.inf), np.where(inside, joint, np.inf)
-    return bits.max(axis=1), joint.min(axis=1)
+    most = np.where(inside, bits, -np.inf).max(axis=1)
+    if not by_ratio:
+        joint = joint - weight["information"] * bits
+        return most, np.where(inside, joint, np.inf).min(axis=1)
+    best, here = np.full(len(d), -np.inf), most
+    for _ in range(TANGENTS):
+        at_tangent = joint - weight["information"] * log_tangent(bits, here[:, None])
+        at_tangent = np.where(inside, at_tangent, np.inf)
+        best = np.maximum(best, at_tangent.min(axis=1))
+        here = bits[np.arange(len(d)), at_tangent.argmin(axis=1)]
+    return most, best
+
+
+def log_tangent(value: Array, at: Array) -> Array:
+    """The tangent of the logarithm at some value: nowhere below the logarithm."""
+    at = np.maximum(at, LEAST)
+    return np.asarray(np.log(at) + value / at - 1.0)
 
 
 def _information(

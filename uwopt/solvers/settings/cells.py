@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.objectives.objective import Objective
+from uwopt.objectives.objective import LEAST, Objective
 from uwopt.solvers.settings.cell_bounds import Box, Points, Reach, SceneCells
 from uwopt.solvers.settings.cell_information import RULE_ERROR, Information
 from uwopt.solvers.settings.cell_tangent import (
@@ -41,7 +41,8 @@ PATTERNS = (
     (0.0, 1.0), (0.5, 0.5), (0.0, 0.5), (0.5, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0), (1.0, 0.5), (0.5, 0.0),
 )  # fmt: skip
 SMALLEST = 1e-12  # width of a side in logarithms
-LIKELY = 8  # points of a design at a time whose information is worked out
+LIKELY = 24  # points of a design at a time whose information is worked out
+MOST_POINTS = 4096  # tried at a time
 TELLS = 0.02  # of the most that halving some side lifts the bounds
 LEAST_SCALE = 0.1  # of the terms' sum: a sum near 0 has no relative gap
 NEAR = 1e-9  # relative, of ties
@@ -151,7 +152,8 @@ class CellSearch:
         traded = bool(self.weight["power"]) or mean_limit is not None  # the level is no matter of course
         self.mixed = quality and (traded or any(self.sunlit))
         self.share = (0.0, 0.5, 1.0) if self.mixed else (1.0,) if quality else (0.0,)
-        self.gap = gap_rel * (0.3 if self.weight["information"] else 0.99)
+        self.objective = objective
+        self.gap = gap_rel * (0.3 if self.weight["information"] and not objective.by_ratio else 0.99)
         self.budget = max(most_cells, FEWEST)
         self.information: list[Information] = []
         if self.weight["information"]:
@@ -306,7 +308,9 @@ class CellSearch:
             total = total - w["snr_db"] * ratio_to_db(np.maximum(snr, 1e-300))
         if w["contrast"]:
             total = total - w["contrast"] * contrast
-        return np.asarray(total - w["information"] * information if w["information"] else total)
+        if w["information"]:
+            total = total - w["information"] * self.objective.counted("information", information)
+        return np.asarray(total)
 
     def _bounded(self, pool: Pool) -> tuple[Pool, list[tuple[Box, Reach]]]:
         """Cells that are alive, with a lower bound each."""
@@ -323,7 +327,7 @@ class CellSearch:
         if tangents:
             info: list[Information | None] = [*self.information] or [None for _ in self.rows]
             found = [
-                quality_bound(self.scenes[s], info[s], d, box, reach, self.weight, mixed=self.mixed)
+                quality_bound(self.scenes[s], info[s], d, box, reach, self.weight, mixed=self.mixed, by_ratio=self.objective.by_ratio)
                 for s, (box, reach) in enumerate(seen)
             ]
             if self.weight["information"]:
@@ -340,19 +344,22 @@ class CellSearch:
         """Points of the cells as answers."""
         if len(pool.design) == 0:
             return
-        for a, b in patterns:
-            for share in self.share:
-                f_numbers: dict[int, Array] = {}
-                points = []
-                for s, (box, _) in enumerate(seen):
-                    dim = self.n_dim[s]
-                    f_numbers.setdefault(
-                        dim, np.exp(pool.lo[:, dim] + a * (pool.hi[:, dim] - pool.lo[:, dim]))
-                    )
-                    points.append(self._points_in(pool, s, box, f_numbers[dim], b, share))
-                self._keep(pool.design, points)
+        kinds = [(a, b, share) for a, b in patterns for share in self.share]
+        together = max(1, MOST_POINTS // len(pool.design))  # numbers are few, calls are dear
+        for start in range(0, len(kinds), together):
+            some = np.array(kinds[start : start + together])
+            cell = np.tile(np.arange(len(pool.design)), len(some))
+            a, b, share = np.repeat(some, len(pool.design), axis=0).T
+            each = pool.take(cell)
+            f_numbers: dict[int, Array] = {}
+            points = []
+            for s, (box, _) in enumerate(seen):
+                dim = self.n_dim[s]
+                f_numbers.setdefault(dim, np.exp(each.lo[:, dim] + a * (each.hi[:, dim] - each.lo[:, dim])))
+                points.append(self._points_in(each, s, box.take(cell), f_numbers[dim], b, share))
+            self._keep(each.design, points)
 
-    def _points_in(self, pool: Pool, s: int, box: Box, f_number: Array, place: float, share: float) -> Points:
+    def _points_in(self, pool: Pool, s: int, box: Box, f_number: Array, place: Array, share: Array) -> Points:
         """Points at these f-numbers and a place in the times, drawn back to where the image is sharp."""
         scene, d = self.scenes[s], pool.design
         time = box.t_lo * (box.t_hi / box.t_lo) ** place
@@ -364,7 +371,7 @@ class CellSearch:
             free = scene.freely_open(d, time)
             time = np.where(~free & (sharp >= box.t_lo), np.minimum(time, sharp), time)
             least, most = scene.open_range_s(d, time, box.t_hi)
-            wanted = box.open_lo * (box.open_hi / box.open_lo) ** (place if share else 1.0 - place)
+            wanted = box.open_lo * (box.open_hi / box.open_lo) ** np.where(share > 0.0, place, 1.0 - place)
             wanted = np.minimum(np.minimum(np.maximum(wanted, least), sharp), most)
             open_s = np.where(free, np.maximum(wanted, least), time)
         return scene.points(d, f_number, time, open_s, box.u_lo, box.u_hi, share)
@@ -394,10 +401,7 @@ class CellSearch:
         better = value[pick] < self.best[d[pick]]
         pick = pick[better]
         self.best[d[pick]] = value[pick]
-        parts = [power * self.weight["power"], *(abs(self._value(0.0 * power, *figures)) for figures in (
-            (snr, 0.0, 0.0), (np.ones_like(snr), contrast, 0.0), (np.ones_like(snr), 0.0, information)))]  # fmt: skip
-        whole = np.abs(self.offset[d]) + np.sum(parts, axis=0)
-        self.scale[d[pick]] = np.maximum(np.abs(value), LEAST_SCALE * whole)[pick]
+        self.scale[d[pick]] = self._scale(d, value, power, snr, contrast, information)[pick]
         for kept, p in zip(self.kept, points, strict=True):
             for name, column in kept.items():
                 column[d[pick]] = getattr(p.chosen, name)[index[pick]]
@@ -405,6 +409,17 @@ class CellSearch:
         self.figures["contrast"][d[pick]] = contrast[pick]
         if self.information:
             self.figures["information"][d[pick]] = np.asarray(information)[pick]
+
+    def _scale(
+        self, d: Array, value: Array, power: Array, snr: Array, contrast: Array, information: Array | float
+    ) -> Array:
+        """What the gap is relative to: the value, but no less than a share of its terms."""
+        if self.objective.quality:
+            return self.objective.scale(value)
+        parts = [power * self.weight["power"], *(abs(self._value(0.0 * power, *figures)) for figures in (
+            (snr, 0.0, 0.0), (np.ones_like(snr), contrast, 0.0), (np.ones_like(snr), 0.0, information)))]  # fmt: skip
+        whole = np.abs(self.offset[d]) + np.sum(parts, axis=0)
+        return np.maximum(np.abs(value), LEAST_SCALE * whole)
 
     def _likely(
         self, d: Array, index: Array, points: list[Points], power: Array, snr: Array, contrast: Array
@@ -567,6 +582,8 @@ class CellSearch:
             exact, index = self._model_information(np.nonzero(feasible)[0]), np.nonzero(feasible)[0]
             own = self.figures["information"][index]
             slack = np.maximum(np.abs(exact - own), RULE_ERROR * np.abs(own))
+            if self.objective.by_ratio:
+                slack = np.log1p(slack / np.maximum(np.minimum(exact, own), LEAST))
             lower[index] -= self.weight["information"] * slack
             self.figures["information"][index] = exact
         if self.power_decides:

@@ -1,0 +1,82 @@
+"""The objective `best_image`: which quality it is of, and what a watt and 100 USD must buy of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, Field, ValidationError
+
+from uwopt.documents.faults import nearest
+from uwopt.documents.key_types import CHOICE, NUMBER, Section, keys_of, refusal
+from uwopt.mission.keys import to_objective
+
+NAME = "best_image"
+Gain = Annotated[float, Field(ge=0, le=10), NUMBER]
+
+
+class BestImage(Section):
+    """The knee: where one more watt or 100 USD more buy less than these gains."""
+
+    of: Annotated[Literal["information", "snr"], CHOICE] = Field(
+        default="information",
+        description="quality of the image: information (bit per square metre of floor), or snr where no texture is "
+        "wanted",
+    )
+    per_w: Gain = Field(
+        default=0.01, description="share by which one more watt must better the quality, such as 0.01; 0: power is free"
+    )
+    per_100_usd: Gain = Field(
+        default=0.01, description="share by which 100 USD more must better the quality, such as 0.01; 0: money is free"
+    )
+
+
+class BestImageGoal(Section):
+    """The objective `best_image` with its gains."""
+
+    best_image: BestImage = Field(
+        default_factory=BestImage, description="quality (of) and the gains per_w and per_100_usd that end at the knee"
+    )
+
+
+def to_goal(value: Any) -> Any:
+    """The best image with its gains, the name of a figure, or weights by name."""
+    if isinstance(value, BestImageGoal):
+        return value
+    named = {_plain(key): given for key, given in value.items()} if isinstance(value, Mapping) else {}
+    if NAME in named:
+        if len(named) > 1:
+            other = next(name for name in named if name != NAME)
+            raise refusal(f"weighs {NAME} with {other}", f"it has prices of power and cost: {{{NAME}: {{per_w: 0.01}}}}")
+        return BestImageGoal(best_image=_gains(named[NAME]))
+    if isinstance(value, str) and _plain(value) == NAME:
+        return BestImageGoal()
+    return to_objective(value)
+
+
+def _plain(key: Any) -> str:
+    return str(key).strip().casefold().replace("-", "_").replace(" ", "_")
+
+
+def _gains(given: Any) -> BestImage:
+    """The keys below `best_image`; the first fault names its key."""
+    if given is None:
+        return BestImage()
+    if isinstance(given, BestImage):
+        return given
+    if not isinstance(given, Mapping):
+        raise refusal(f"gives {NAME} no keys", f"write {{{NAME}: {{per_w: 0.01, per_100_usd: 0.01}}}}")
+    try:
+        return BestImage.model_validate(dict(given))
+    except ValidationError as error:
+        detail = error.errors(include_url=False)[0]
+        raise refusal(*_fault_of(BestImage, str(detail["loc"][0]), dict(detail))) from None
+
+
+def _fault_of(model: type[BaseModel], key: str, detail: dict[str, Any]) -> tuple[str, str]:
+    """What is wrong with one key of a mapping that stands in one value, and how to mend it."""
+    known = keys_of(model)
+    if key not in known:
+        near = nearest(key, known)
+        return f"holds {key}, which is no key of {NAME}", f"did you mean {near}?" if near else "see `uwopt schema`"
+    return f"has a wrong {key}", f"give the {known[key].description}"
