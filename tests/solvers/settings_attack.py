@@ -183,21 +183,25 @@ def attacked(rows: SceneRows, objective: Objective, rng: np.random.Generator) ->
         count = 3000 if near is None else 800
         n, tau, open_s, u, extra = sample(rows, rng, count, near, 0.5 * 0.3**step)
         seen = figures(rows, n, tau, open_s, u, info=info)
-        value = sum(
-            (
-                objective.weight(name) * sign * seen[name]
-                for name, sign in SIGNS.items()
-                if objective.weight(name)
-            ),
-            np.zeros(count),
-        )
-        value = np.where(seen["ok"], value, np.inf)
+        value = np.where(seen["ok"], weighed(objective, seen), np.inf)
         order = np.argsort(value)[:10]
         order = order[np.isfinite(value[order])]
         if len(order):
             best = min(best, float(value[order[0]]))
             near = np.stack([n, tau, extra, u], axis=1)[order]
     return best
+
+
+def weighed(objective: Objective, seen: Any) -> Array:
+    """The weighted sum of figures, less being better; of the best image with information by its logarithm."""
+    total = np.zeros(np.shape(seen["power"]))
+    for name, sign in SIGNS.items():
+        if objective.weight(name):
+            figure = np.asarray(seen[name])
+            if name == "information" and objective.quality:
+                figure = np.log(np.maximum(figure, 1e-300))
+            total = total + objective.weight(name) * sign * figure
+    return total
 
 
 SIGNS = {"power": 1.0, "snr_db": -1.0, "contrast": -1.0, "information": -1.0}

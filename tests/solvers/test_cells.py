@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hand_made_rows import FLASHES, STEPS
 from numpy.typing import NDArray
-from settings_attack import SIGNS, attacked, figures, lit, sharp
+from settings_attack import attacked, figures, lit, sharp, weighed
 from thorough import drawn
 
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
@@ -25,9 +25,14 @@ CAMERA_W = np.array([3.0])
 SEEDS = (0, 1, 4, 9, 12)  # even ones burn, odd ones pulse
 
 
+def goal(wanted: Any) -> Objective:
+    """An objective by name or weights, or itself."""
+    return wanted if isinstance(wanted, Objective) else Objective.of(wanted)
+
+
 def solved(rows: list[SceneRows], wanted: Any, **more: Any) -> CellResult:
     """One design."""
-    return best_by_cells(rows, np.array([False]), Objective.of(wanted), CAMERA_W, np.inf, **more)
+    return best_by_cells(rows, np.array([False]), goal(wanted), CAMERA_W, np.inf, **more)
 
 
 def value_of(found: CellResult, objective: Objective) -> float:
@@ -36,12 +41,12 @@ def value_of(found: CellResult, objective: Objective) -> float:
     terms = dict(
         power=power, snr_db=found.snr_db[0], contrast=found.contrast[0], information=found.information[0]
     )
-    return float(sum(objective.weight(n) * s * terms[n] for n, s in SIGNS.items() if objective.weight(n)))
+    return float(weighed(objective, terms))
 
 
 def check(rows: SceneRows, wanted: Any, seed: int, *, gap: float = GAP) -> CellResult:
     """The answer is feasible, as good as it says, within its gap, and random search never beats the bound."""
-    objective = Objective.of(wanted)
+    objective = goal(wanted)
     found = solved([rows], wanted)
     attack = attacked(rows, objective, np.random.default_rng(seed))
     if not found.feasible[0]:
@@ -63,7 +68,7 @@ def check(rows: SceneRows, wanted: Any, seed: int, *, gap: float = GAP) -> CellR
         got = chosen.light_power_w[0] if name == "power" else getattr(found, name)[0]
         assert got == pytest.approx(again[name][0], rel=1e-7)
     assert found.lower_bound[0] <= value + 1e-9 * abs(value)
-    assert value - found.lower_bound[0] <= gap * abs(value) * (1 + 1e-6)
+    assert value - found.lower_bound[0] <= gap * (1.0 if objective.quality else abs(value)) * (1 + 1e-6)
     assert attack >= found.lower_bound[0] - 1e-7 * abs(value)
     return found
 
@@ -160,6 +165,20 @@ def test_scene_taken_twice_counts_once(wanted: str) -> None:
 def test_power_and_information_weighed_together() -> None:
     for seed, kind in enumerate((CONTINUOUS, PULSED)):
         check(lit(kind=kind), {"power": 1.0, "information": 1e-4}, seed, gap=2e-4)
+
+
+@pytest.mark.parametrize("seed", drawn(SEEDS[1:2], range(14)))
+@pytest.mark.parametrize("per_w", drawn([0.01], [0.0, 0.01, 0.1]))
+def test_best_image_for_the_price_of_its_power(per_w: float, seed: int) -> None:
+    # 2e-4 as for information alone, here of the logarithm.
+    wanted = Objective.best_image("information", per_w=per_w, per_money=0.0)
+    check(random_rows(np.random.default_rng(300 + seed), kind=[CONTINUOUS, PULSED][seed % 2]), wanted, seed, gap=2e-4)
+
+
+def test_best_image_where_light_is_dear() -> None:
+    wanted = Objective.best_image("information", per_w=0.03, per_money=0.0)
+    found = check(lit(), wanted, 5, gap=2e-4)
+    assert found.chosen[0].level[0] < 1.0  # so that power and information are weighed, not at an end
 
 
 def test_flash_and_lamp_with_steps() -> None:

@@ -30,6 +30,7 @@ from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
+from uwopt.results.basis import Knee
 from uwopt.results.design import Design, Note
 from uwopt.results.result import Certificate, Result
 from uwopt.solvers.exact.certificate import certificate
@@ -203,6 +204,7 @@ def found_result(
     quick: bool = False,
 ) -> tuple[Result, Sought]:
     """A result with a recommendation, and the search with what is recommended at its head."""
+    from uwopt.solvers.explain.knee import knee
     from uwopt.solvers.explain.robustness import assumptions
 
     cut = alternative is not None and alternative.outcome.interrupted
@@ -223,12 +225,16 @@ def found_result(
     doubt: dict[str, Any] | None = None
     opinions: list[dict[str, Any]] = []
     asked = not cut_short and not quick
+    bought: Knee | None = None
     try:
         if progress is not None and sought.outcome.complete:
             progress(0.0, proven_line(winner, goal, sought.problem.mission.limits.currency))
         with timed(timing, "robustness", progress):
             if asked:
                 doubt = doubts(sought, goal, winner, deadline)
+        if goal.quality and asked:
+            with timed(timing, "knee", progress):
+                bought = deadline.within(STAGES["knee"], lambda: knee(sought, goal, deadline), None)
         with timed(timing, "second_opinion", progress):
             if asked:
                 opinions = deadline.within(
@@ -253,6 +259,7 @@ def found_result(
         certificate=proof,
         assumptions=assumptions(sought.problem, best),
         robustness=doubt,
+        knee=bought,
         solvers=opinions,
         objective=replace(result.objective, value=winner.objective_value),
         warnings=[

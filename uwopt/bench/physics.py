@@ -17,7 +17,6 @@ from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.goal import goal_of
-from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
 from uwopt.solvers.settable.rounding import given_of
 

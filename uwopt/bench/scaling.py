@@ -22,7 +22,6 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.goal import goal_of
-from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.search import Search
 

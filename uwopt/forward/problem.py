@@ -134,6 +134,12 @@ class Problem:
         changed.effects, changed.known_models = PAPER if self.paper else effects, {}
         return changed
 
+    def with_mission(self, mission: Mission) -> Problem:
+        """The same tables for a mission that differs in its limits of power and cost alone."""
+        changed = copy(self)
+        changed.mission, changed.known_models = mission, {}
+        return changed
+
     def with_fineness(self, fineness: fine.Fineness) -> Problem:
         """The same problem with its integrals taken more or less finely; all tables anew."""
         return Problem(

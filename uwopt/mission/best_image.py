@@ -47,7 +47,8 @@ def to_goal(value: Any) -> Any:
     if NAME in named:
         if len(named) > 1:
             other = next(name for name in named if name != NAME)
-            raise refusal(f"weighs {NAME} with {other}", f"it has prices of power and cost: {{{NAME}: {{per_w: 0.01}}}}")
+            mend = f"it has prices of power and cost: {{{NAME}: {{per_w: 0.01}}}}"
+            raise refusal(f"weighs {NAME} with {other}", mend)
         return BestImageGoal(best_image=_gains(named[NAME]))
     if isinstance(value, str) and _plain(value) == NAME:
         return BestImageGoal()

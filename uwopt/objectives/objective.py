@@ -117,7 +117,7 @@ class Objective:
         return np.log(np.maximum(figure, LEAST)) if self.by_ratio and name == "information" else figure
 
     def constant(self, terms: Terms) -> Array:
-        """The part of the value that the figures of an image have no share in, (n,): with SNR 0 dB and no information."""
+        """What no image adds to the value, (n,): that of designs with an SNR of 0 dB and no information."""
         return self.cost_to_minimise(replace(terms, information=1.0 if self.by_ratio else 0.0))
 
     def minimised(self, reported: float) -> float:

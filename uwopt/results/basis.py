@@ -84,6 +84,30 @@ class Risk(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class Bought(Record):
+    """What a little more power or money would buy of the image's quality."""
+
+    name: str = Field(description="power_w | cost")
+    more: Number = Field(description="how much more than the best system's")
+    unit: str = Field(description="of it: W or the currency")
+    gain: Number = Field(description="share by which the best system within it is better; 0: none is")
+    hardware: dict[str, str] = Field(description="ids of that system by kind; empty where none is better")
+    beyond_limit: Flag = Field(description="whether the mission's limit would have to be raised for it")
+
+
+@dataclass(frozen=True, config=RECORD)
+class Knee(Record):
+    """Where the best image stands between its quality and its price."""
+
+    quality: str = Field(description="information | snr")
+    value: Number = Field(description="of the quality, by exact settings; snr as a ratio")
+    unit: str = Field(description="of the value")
+    per_w: Number = Field(description="share that a watt must buy")
+    per_100_usd: Number = Field(description="share that 100 USD must buy")
+    bought: list[Bought] = Field(description="what a watt and 100 USD more would buy")
+
+
+@dataclass(frozen=True, config=RECORD)
 class Excluded(Record):
     """What a rule keeps from being a solution."""
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from uwopt.results.basis import Assumption, ObjectiveValue, OtherMaker, Risk, UsedPhysics, WhyNothing
+from uwopt.results.basis import Assumption, Knee, ObjectiveValue, OtherMaker, Risk, UsedPhysics, WhyNothing
 from uwopt.results.design import Design, Note
 from uwopt.results.frames import bill_rows, design_rows, figure_rows, frame_of, margin_rows, settings_rows
 from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
@@ -83,6 +83,7 @@ class Result(Shown, FiledRecord):
     seed: Whole = Field(default=0, description="of all that is drawn")
     versions: dict[str, str] = Field(default_factory=dict, description="of Python and libraries")
     schema: str = Field(default=RESULT_SCHEMA, description="of this file")
+    knee: Knee | None = Field(default=None, description="of the best image: what more power and money would buy")
     alternatives: list[OtherMaker] = Field(
         default_factory=list, description="other makers' best, and why not"
     )
@@ -121,6 +122,6 @@ class Result(Shown, FiledRecord):
         absent = (
             ("design", "system")
             if self.command == "solve"
-            else ("recommendation", "certificate", "generic_alternative", "alternatives")
+            else ("recommendation", "certificate", "generic_alternative", "alternatives", "knee")
         )
         return {key: value for key, value in data.items() if key not in absent}

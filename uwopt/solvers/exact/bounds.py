@@ -6,6 +6,7 @@ the lights that are able enough, and no quantisation: each term at its least, so
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -259,7 +260,7 @@ class Bounds:
             )
             if self.objective.weight("snr_db") or self.objective.weight("information"):
                 electrons = np.full(n, np.inf) if self.is_sunlit(index) else capacity[-1] * most
-                reached = self._snr_bound(index, electrons, rows)
+                reached = self._snr_bound(index, electrons, rows, self._most_contrast(index, [lighting], rows))
                 snr_db = np.minimum(snr_db, reached)
                 if self.objective.weight("information"):
                     information = np.minimum(information, self._information_bound(index, reached, rows))
@@ -312,23 +313,25 @@ class Bounds:
         enough = np.ones(len(rows), bool)
         if not self.problem.effects.forward_veil or not (self.objective.weight("contrast") or any(wanted)):
             return 1.0, enough
-        curves, back = np.unique(
-            self.problem.cameras.qe_index[self.imagers.camera[rows]], return_inverse=True
-        )
         best = np.ones(len(rows))
-        for index, contraction in enumerate(self.problem.contractions):
-            if self.is_sunlit(index):
-                continue
-            spectrum = int(contraction.spectrum_of[lighting.optics])
-            nominal, far = (
-                np.array([contraction.most_contrast(spectrum, int(curve), altitude) for curve in curves])[
-                    back
-                ]
-                for altitude in (self.problem.scenes[index].nominal, -1)
-            )
-            best = np.minimum(best, nominal)
-            enough &= far >= wanted[index]
+        for index, least in enumerate(wanted):
+            best = np.minimum(best, self._most_contrast(index, [lighting], rows))
+            if least:
+                enough &= self._most_contrast(index, [lighting], rows, altitude=-1) >= least
         return best, enough
+
+    def _most_contrast(
+        self, scene_index: int, lightings: Sequence[Lighting], rows: Array, altitude: int | None = None
+    ) -> Array:
+        """Most contrast in one scene under the clearest of some lightings, at the nominal altitude unless given."""
+        if not self.problem.effects.forward_veil or self.is_sunlit(scene_index):
+            return np.ones(len(rows))
+        contraction = self.problem.contractions[scene_index]
+        at = self.problem.scenes[scene_index].nominal if altitude is None else altitude
+        curves, back = np.unique(self.problem.cameras.qe_index[self.imagers.camera[rows]], return_inverse=True)
+        spectra = {int(contraction.spectrum_of[lighting.optics]) for lighting in lightings}
+        most = [max((contraction.most_contrast(s, int(c), at) for s in spectra), default=1.0) for c in curves]
+        return np.array(most)[back.reshape(-1)]
 
     def _light_needed(
         self, scene_index: int, lighting: Lighting, need: Needs, kind: int, rows: Array
@@ -446,7 +449,8 @@ class Bounds:
         best = np.full(len(rows), np.inf)
         if self.objective.weight("information"):
             for index in range(len(self.imagers.scenes)):
-                reached = self._snr_bound(index, np.full(len(rows), np.inf), rows)
+                clearest = self._most_contrast(index, self.tables.lightings, rows)
+                reached = self._snr_bound(index, np.full(len(rows), np.inf), rows, clearest)
                 best = np.minimum(best, self._information_bound(index, reached, rows))
         return best
 
@@ -467,8 +471,11 @@ class Bounds:
             )
         return np.asarray(np.minimum(exposure + cameras.exposure_offset_s, focused.blur_time_s))
 
-    def _snr_bound(self, scene_index: int, electrons_e: Array, rows: Array) -> Array:
-        """Upper bound of the SNR in dB from the electrons that light and sensor allow at most."""
+    def _snr_bound(self, scene_index: int, electrons_e: Array, rows: Array, contrast: Array) -> Array:
+        """Upper bound of the SNR in dB from the electrons that light and sensor allow at most.
+
+        Of what a pixel holds no more than the contrast's share forms the image, and the rest adds its noise.
+        """
         cameras = self.problem.cameras.take(self.imagers.camera[rows])
         needs = self.problem.scenes[scene_index].view.requirements
         full_scale = 2.0**cameras.bits - 1.0
@@ -476,13 +483,13 @@ class Bounds:
         level = (
             full_scale / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full_scale
         )
-        most = np.minimum(
-            electrons_e, np.minimum(top, (level - cameras.black_level_dn) / cameras.gain_dn_per_e)
-        )
+        held = np.minimum(top, (level - cameras.black_level_dn) / cameras.gain_dn_per_e)
+        most = np.minimum(electrons_e, contrast * held)
         with np.errstate(invalid="ignore"):
             snr = sensor.snr(
-                most, read_noise_e=cameras.read_noise_e, gain_dn_per_e=np.inf, prnu_frac=cameras.prnu_frac
-            )
+                most, veil_e=most * (1.0 / contrast - 1.0), read_noise_e=cameras.read_noise_e, gain_dn_per_e=np.inf,
+                prnu_frac=cameras.prnu_frac,
+            )  # fmt: skip
         return np.asarray(ratio_to_db(np.fmax(snr, 1e-300)))  # a mean level below black has no number
 
 

@@ -30,7 +30,7 @@ UNITS_BY_SUFFIX = {
     "_e": "e-", "_e_s": "e-/s", "_db": "dB", "_us": "µs", "_hz": "Hz", "_w": "W", "_g": "g", "_lm": "lm",
     "_j": "J", "_s": "s", "_deg": "deg", "_mm": "mm", "_m": "m", "_frac": "", "_mb_s": "MB/s", "_lm_s_per_j": "lm s/J",
 }  # fmt: skip
-SLOW_S = 5.0  # for a rival, where settings have no closed form
+SLOW_S = 2.5  # for a rival, where settings have no closed form
 
 
 def unit_of(name: str, part: Part) -> str:

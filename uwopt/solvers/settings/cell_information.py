@@ -191,7 +191,8 @@ class Information:
                 + np.maximum(by_n * n_shift.max(axis=1)[:, None], by_n * n_shift.min(axis=1)[:, None])
                 + np.maximum(by_t * t_shift.max(axis=1)[:, None], by_t * t_shift.min(axis=1)[:, None])
             )
-            tangent = live & (most <= best)
+            # Both are bounds: the tangent unless it is further off at its worst than the other is in the middle.
+            tangent = live & (most - best <= best - log)
             base = np.where(tangent, log, best)
             by_n, by_t = np.where(tangent, by_n, 0.0), np.where(tangent, by_t, 0.0)
             snr = log_snr[mine] + np.log(TEXTURE_CONTRAST)

@@ -327,7 +327,10 @@ class CellSearch:
         if tangents:
             info: list[Information | None] = [*self.information] or [None for _ in self.rows]
             found = [
-                quality_bound(self.scenes[s], info[s], d, box, reach, self.weight, mixed=self.mixed, by_ratio=self.objective.by_ratio)
+                quality_bound(
+                    self.scenes[s], info[s], d, box, reach, self.weight, mixed=self.mixed,
+                    by_ratio=self.objective.by_ratio,
+                )  # fmt: skip
                 for s, (box, reach) in enumerate(seen)
             ]
             if self.weight["information"]:
