@@ -65,4 +65,18 @@ DEFECTS = (
         new="np.minimum(electrons_e, contrast**2 * held)",
         test=f"{KNEE}::test_bounds_of_information_and_snr_hold_all_that_is_drawn",
     ),
+    Defect(
+        name="what more would buy is sought within what there is",
+        file="uwopt/solvers/explain/knee.py",
+        old="more[what] += amount",
+        new="more[what] += 0.0 * amount",
+        test=f"{KNEE}::test_what_more_buys_is_the_best_within_it[cheap]",
+    ),
+    Defect(
+        name="a limit that holds the image back is no risk",
+        file="uwopt/api/risks.py",
+        old="if item.beyond_limit and item.gain > asked:",
+        new="if item.beyond_limit and item.gain > 100.0 * asked:",
+        test="tests/report/test_knee.py::test_a_limit_below_the_knee_is_a_risk",
+    ),
 )

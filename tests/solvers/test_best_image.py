@@ -21,10 +21,12 @@ from uwopt.evaluation.design_model import DesignModel
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.attack import Spread, missed_share
+from uwopt.solvers.explain import knee
+from uwopt.solvers.recommend import Sought
 from uwopt.units import ratio_to_db
 
 GAINS = {"dear": (0.05, 0.05), "cheap": (0.001, 0.002)}  # a watt and 100 USD
-DRAWS, ROUNDS = 80, 7
+DRAWS, ROUNDS = 100, 7
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ def catalogue(objective: Any) -> Case:
             vehicle={"light_count": [1, 2]},
         ),
         cameras=[{"pixel_pitch_um": 3.0, "resolution_x_px": 2600, "resolution_y_px": 2000, "price": 1900.0}],
-        lights=[{"power_w": 240.0, "flux_lm": 150000.0, "price": 1100.0}],
+        lights=[{"power_w": 240.0, "flux_lm": 70000.0, "price": 1100.0}],
     )  # fmt: skip
     mission = made.mission.with_changes(objective=objective)
     return Case(made.parts, mission, goal_of(mission))
@@ -161,3 +163,22 @@ def test_the_best_signal_to_noise_equals_enumeration() -> None:
     found = ranked(brute.enumerate_all(brute.Bench(case.problem()), objective))
     assert len(found) == 2
     agree(case, case.solve()[1], found)
+
+
+@pytest.mark.parametrize("name", GAINS)
+def test_what_more_buys_is_the_best_within_it(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A watt, and money for the finer camera and the brighter lamp: the best of all that is drawn within them."""
+    monkeypatch.setattr(knee, "MORE_USD", 1600.0)
+    search, outcome = catalogue(wanted(name)).solve(top=1)
+    each, found = seen(name), outcome.best[0]
+    told = knee.knee(Sought(None, search.problem, search, outcome), search.objective)  # type: ignore[arg-type]
+    assert told is not None
+    per_w, per_100_usd = GAINS[name]
+    mine = math.exp(-found.minimised) * (1 + per_w) ** found.power_w * (1 + per_100_usd) ** (found.cost / 100.0)
+    assert told.value == pytest.approx(mine, rel=1e-9)
+    for item, more_w, more in zip(told.bought, (1.0, 0.0), (0.0, 1600.0), strict=True):
+        inside = (each.power_w <= found.power_w + more_w) & (each.cost <= found.cost + more)
+        drawn_gain = each.information[inside].max(initial=mine) / mine - 1.0
+        assert drawn_gain - 1e-3 <= item.gain <= drawn_gain + 0.25
+        assert bool(item.hardware) == (item.gain > 0.0)
+    assert max(item.gain for item in told.bought) > 0.0

@@ -232,6 +232,18 @@ def price(result: Result, design: Design) -> Weighed:
         yield 57.0, Risk("parts without a price", because, counted(unknown, "part"))
 
 
+def held_back(result: Result, design: Design) -> Weighed:
+    """A limit of power or cost below which the best image has not come to its knee."""
+    if result.knee is None:
+        return
+    for item in result.knee.bought:
+        asked = result.knee.per_w if item.name == "power_w" else result.knee.per_100_usd
+        if item.beyond_limit and item.gain > asked:
+            what = "power" if item.name == "power_w" else "cost"
+            because = f"{format_quantity(item.more, item.unit)} above it would better the images by more than it takes"
+            yield 32.0, Risk(f"your limit of {what} holds the image back", because, f"{100.0 * item.gain:.2g} %")
+
+
 def to_be_made(result: Result, design: Design) -> Weighed:
     """Parts that no shop sells."""
     kinds = [kind for kind, part in design.hardware.parts.items() if part.generic]
@@ -270,7 +282,7 @@ def noted(result: Result, design: Design) -> Weighed:
 
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
     missed, at_bad_ends, nothing_in_hand, shallow, in_other_water, lamps_off, uneven, seen_in_the_image,
-    smeared_subjects, weak_colours, wide_open, high_gain, price, to_be_made, better_elsewhere, noted,
+    smeared_subjects, weak_colours, wide_open, high_gain, held_back, price, to_be_made, better_elsewhere, noted,
 )  # fmt: skip
 
 

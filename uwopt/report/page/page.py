@@ -19,6 +19,7 @@ from uwopt.report.page.svg import clean_svg
 from uwopt.report.text import doubts, exactness, tables, words
 from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
 from uwopt.report.text.in_hand import fails_first
+from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Line, fact_lines
 from uwopt.report.text.short import goal_sentence, short_blocks
 from uwopt.report.text.verdict import verdict
@@ -181,6 +182,7 @@ def trust_blocks(result: Result | FrontResult) -> Iterator[Block]:
     if isinstance(result, Result):
         if result.certificate is not None:
             yield doubts.certificate_block(result, result.certificate)
+        yield from knee_blocks(result)
         if result.robustness:
             yield doubts.robustness_block(result)
         if result.solvers or result.audit:

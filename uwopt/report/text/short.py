@@ -12,6 +12,7 @@ from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import words
 from uwopt.report.text.doubts import HELPFUL, miss_sentence, quoted_number, relaxation_table, relaxations_of
 from uwopt.report.text.in_hand import fails_first
+from uwopt.report.text.knee import goal_text
 from uwopt.report.text.layout import Block, Joined, Line, Text, block, columns, fact_lines, sentence
 from uwopt.report.text.tables import (
     hardware_block,
@@ -99,6 +100,8 @@ def subject_sentences(result: Result, design: Design) -> Iterator[str]:
 
 def goal_sentence(result: Result, design: Design) -> str:
     """`Goal: least power, 3.06 W as set.`, the value at the settings to type in where there are any."""
+    if of_image := goal_text(result):
+        return of_image
     goal, rounded = result.objective, design.rounded
     name = TERMS[goal.name].words if goal.name in TERMS else words.one_line(goal.name.replace("_", " "))
     as_set = rounded is not None and design.is_settable and rounded.objective_value is not None

@@ -21,6 +21,7 @@ from uwopt.report.text.doubts import (
 from uwopt.report.text.exactness import exactness_block, has_errors
 from uwopt.report.text.frame import frame_facts
 from uwopt.report.text.in_hand import fails_first
+from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
 from uwopt.results.design import BillRow, Design, Margin, Note, SceneResult
 from uwopt.results.front import FrontResult
@@ -44,6 +45,7 @@ def result_blocks(result: Result) -> Iterator[Block | Text]:
     yield from runner_up_blocks(result)
     if result.certificate is not None:
         yield certificate_block(result, result.certificate)
+    yield from knee_blocks(result)
     if result.robustness:
         yield robustness_block(result)
     if result.solvers or result.audit:

@@ -330,7 +330,7 @@ class CellSearch:
                 quality_bound(
                     self.scenes[s], info[s], d, box, reach, self.weight, mixed=self.mixed,
                     by_ratio=self.objective.by_ratio,
-                )  # fmt: skip
+                )
                 for s, (box, reach) in enumerate(seen)
             ]
             if self.weight["information"]:
