@@ -19,7 +19,7 @@ from uwopt.api.accuracy import (
 from uwopt.api.common import Progress, Source, base_result, prepared, selection_warnings
 from uwopt.api.floats import own_float_rules
 from uwopt.api.risks import with_risks
-from uwopt.api.timing import timed
+from uwopt.api.timing import STAGES, timed
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
