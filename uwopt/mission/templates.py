@@ -10,8 +10,8 @@ _MISSION = """\
 name: My survey
 
 # What to optimise: power | cost | mass | snr_db | gsd_mm | contrast | information,
-# a weighted sum of several, such as {power: 1, cost: 0.01}, or best_image: the most information for its price, up to
-# where one more watt or 100 USD more buy less than 1 %; {best_image: {per_w: 0.02, per_100_usd: 0.005}} for other gains.
+# a weighted sum of several, such as {power: 1, cost: 0.01}, or best_image: the most information for its price, until
+# one more watt or 100 USD more buy less than 1 % ({best_image: {per_w: 0.02, per_100_usd: 0.005}} for other gains).
 objective: power
 
 # Physics of the model: auto leaves out what this scene does not need, full keeps all, paper keeps it plain.
