@@ -35,6 +35,7 @@ QUANTITIES = (
     Compared("gsd_mm", "pixel on the floor", "mm", term="gsd_mm", best="finest pixel on the floor"),
     Compared("contrast", "contrast", "", "more", "contrast", "highest contrast"),
     Compared("information_bit_per_m2", "information", "bit/m2", "more", "information", "highest information"),
+    Compared("white_balance", "white balance, strongest over weakest channel", ""),
     Compared("light_power_w", "power of the lights", "W"),
     Compared("f_number", "f-number", ""),
     Compared("exposure_ms", "exposure", "ms"),

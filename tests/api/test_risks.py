@@ -149,7 +149,7 @@ def test_lamps_are_steady_to_three_degrees(calm: Result) -> None:
 @pytest.mark.parametrize(("figures", "figure"), [
     ({"uniformity": 0.0061, "snr_db_min": -4.2}, "0.61 % of the mean light, signal to noise there -4.20 dB"),
     ({"defocus_corner_px": 24.4}, "24.4 px"), ({"skew_px": 2.5}, "2.50 px"), ({"lateral_colour_px": 2.9}, "2.90 px"),
-    ({"white_balance_red": 4.6}, "white balance x 4.6"),
+    ({"white_balance": 4.6, "white_balance_red": 4.6}, "white balance x 4.6"),
 ])  # fmt: skip
 def test_faults_of_the_image_that_nobody_asked_about_are_told(
     calm: Result, figures: dict[str, float], figure: str

@@ -52,6 +52,11 @@ def test_a_reserve_in_decibels_multiplies_a_ratio():
     assert view.kept("min_snr_db") == pytest.approx(20.0)
 
 
+def test_the_reserve_of_signal_to_noise_is_kept_of_red_too():
+    view = mission({"min_snr_red_db": 12}, reserve={"snr_db": 3}).views[0]
+    assert (view.requirements.min_snr_red_db, view.kept("min_snr_red_db")) == (15.0, 3.0)
+
+
 def test_what_is_not_asked_has_no_reserve():
     view = mission({}, reserve="recommended").views[0]
     assert view.requirements == view.asked
@@ -93,8 +98,12 @@ def test_one_scene_may_refuse_for_the_whole_system():
 
 
 @pytest.mark.parametrize(
-    ("word", "key", "value"), [("airy", "max_airy_px", 2), ("skew", "max_skew_px", 2), ("swath", "min_swath_m", 1)]
-)
+    ("word", "key", "value"),
+    [
+        ("airy", "max_airy_px", 2), ("skew", "max_skew_px", 2), ("swath", "min_swath_m", 1),
+        ("white_balance", "max_white_balance", 4),
+    ],
+)  # fmt: skip
 def test_a_refusal_stands_for_a_requirement_that_is_not_given(word, key, value):
     wanted = {"overlap": 0.5}
     assert getattr(mission({**wanted, "refuse": [word]}).views[0].requirements, key) == value
@@ -124,7 +133,7 @@ def test_what_a_file_says_comes_back_without_the_reserve():
         ({"reserve": {"blur": 20}}, "reserve.blur = 20 is above 0.9"),
         ({"reserve": {"depth": 0.8}}, "reserve.depth = 0.8 is below 1"),
         ({"reserve": {"snr": 3}}, "reserve.snr is unknown; the key is snr_db"),
-        ({"wanted": {"refuse": ["airi"]}}, "is not one of airy, skew, swath, depth, lamp, all; did you mean 'airy'?"),
+        ({"wanted": {"refuse": ["airi"]}}, "is not one of airy, skew, swath, depth, lamp, white_balance, all; did you"),
         ({"wanted": {"lens_stop_down": -1}}, "requirements.lens_stop_down = -1 is below 0"),
     ],
 )

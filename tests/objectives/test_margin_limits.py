@@ -54,6 +54,9 @@ FLASH = {
     **{"light.flash_energy_j": 10.0, "light.flash_duration_us": 1000.0},
 }
 FULL = {"physics": "full"}
+#: Flat curves: of the mean, (R + 2 G + B) / 4 = 0.55, red has 0.2.
+CHANNELS = str(Path(__file__).parents[1] / "reference" / "flat_channels.csv")
+COLOUR = {"camera.colour": "colour", "camera.quantum_efficiency": CHANNELS}
 
 FOCAL_M, PIXEL_M = 1.33 * 10e-3, 5e-6
 GSD_M = 2.0 * PIXEL_M / FOCAL_M
@@ -111,9 +114,9 @@ def reached(figure: str, *changes: tuple[str, Any]) -> float:
     return float(np.ravel(getattr(Design(dict(changes)).figures, figure))[0])
 
 
-def snr_db() -> float:
-    """From the electrons: K is 0.5 DN of 12 bit, 8 of the paper's 16."""
-    electrons = reached("electrons_signal")
+def snr_db(share: float = 1.0, **changes: Any) -> float:
+    """From a share of the electrons: K is 0.5 DN of 12 bit, 8 of the paper's 16."""
+    electrons = share * reached("electrons_signal", *changes.items())
     return 20.0 * log10(electrons / sqrt(5.0**2 + 1.0 / (12.0 * 8.0**2) + electrons))
 
 
@@ -184,6 +187,12 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("max_gsd_mm", high("requirements.max_gsd_mm", GSD_M * 1e3)),
     ("min_swath_m", low("requirements.min_swath_m", 2000 * GSD_M)),
     ("min_snr_db", lambda over: {"requirements.min_snr_db": snr_db() * (1.0 + over)}),
+    ("min_snr_red_db", lambda over: {
+        **COLOUR, "requirements.min_snr_red_db": snr_db(0.2 / 0.55, **COLOUR) * (1.0 + over)}),
+    ("min_snr_red_db", lambda over: {
+        **COLOUR, "requirements.min_snr_red_db": snr_db(0.2 / 0.55, **COLOUR) * (1.0 + over) - 3.0,
+        "reserve.snr_db": 3.0}),
+    ("max_white_balance", high("requirements.max_white_balance", 0.8 / 0.2, **COLOUR)),
     ("min_mtf_half_nyquist", lambda over: {
         **FULL, "requirements.min_mtf_half_nyquist":
             reached("mtf_half_nyquist", *FULL.items(), ("requirements.min_mtf_half_nyquist", 0.1)) * (1.0 + over)}),

@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from planted.defect import Defect
 
+COLOUR = "tests/solvers/test_colour.py"
+CELLS = "tests/solvers/test_cells.py"
+BOXES = "tests/solvers/test_cell_bounds.py"
+LIMITS = "tests/objectives/test_margin_limits.py"
+CONTINUOUS = "tests/solvers/test_continuous.py::test_least_power_agrees_with_the_closed_form"
+BOUNDED = f"{BOXES}::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it"
 MOTION = "tests/forward/test_motion.py"
 SHORT = "tests/report/test_short.py"
 RISKS = "tests/api/test_risks.py"
@@ -54,8 +60,137 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the chosen sensor is told where it was asked for",
         file="uwopt/solvers/recommend.py",
-        old='if any(view.requirements.colour != "any" for view in problem.mission.views):',
+        old='if any(wish(view.requirements, "colour") != "any" for view in problem.mission.views):',
         new="if not problem.mission.views:",
-        test="tests/solvers/test_colour.py::test_the_sensor_is_told_where_the_mission_leaves_it_open",
+        test=f"{COLOUR}::test_the_sensor_is_told_where_the_mission_leaves_it_open",
+    ),
+    Defect(
+        name="red asks for no light",
+        file="uwopt/solvers/settings/closed_form.py",
+        old="        wanted = np.maximum(wanted, red)\n",
+        new="        wanted = np.maximum(wanted, 0.0 * red)\n",
+        test=(
+            f"{COLOUR}::test_search_asking_of_colours_equals_enumeration[17]",
+            f"{CONTINUOUS}[red that needs more than the mean-casadi]",
+        ),
+    ),
+    Defect(
+        name="red is asked for at the first altitude alone",
+        file="uwopt/solvers/settings/closed_form.py",
+        old="        signal = rows.colour_e[:, altitude, 0]\n",
+        new="        signal = rows.colour_e[:, 0, 0]\n",
+        test=f"{COLOUR}::test_red_asks_for_light_as_the_only_altitude_says",
+    ),
+    Defect(
+        name="red has no veil in the search",
+        file="uwopt/forward/setting_rows.py",
+        old="        red_veil_e=shining.red_veil_e,\n",
+        new="        red_veil_e=None,\n",
+        test=f"{COLOUR}::test_search_asking_of_colours_equals_enumeration[17]",
+    ),
+    Defect(
+        name="red has the veil of the mean",
+        file="uwopt/forward/lamp_light.py",
+        old='red = field(channel="red").light(view, veils="all", known=ImageLight(colour[:, :, 0]))',
+        new='red = field(channel=None).light(view, veils="all", known=ImageLight(light.signal_e))',
+        test=f"{COLOUR}::test_margins_of_colours_are_those_of_flat_curves[sun0]",
+    ),
+    Defect(
+        name="a mono sensor is not balanced",
+        file="uwopt/model/sensor.py",
+        old="np.where(most > 0.0, np.inf, 1.0))[()]",
+        new="np.inf)[()]",
+        test=f"{COLOUR}::test_a_mono_sensor_has_no_red_and_nothing_to_balance",
+    ),
+    Defect(
+        name="colours out of balance are searched",
+        file="uwopt/forward/setting_rows.py",
+        old="        may &= ratio <= needs.max_white_balance * BALANCE_ROUND\n",
+        new="        may &= ratio > 0.0\n",
+        test=f"{COLOUR}::test_search_refuses_what_an_evaluation_would_miss",
+    ),
+    Defect(
+        name="the balance of the nearest altitude counts in the search",
+        file="uwopt/forward/setting_rows.py",
+        old="ratio = sensor.white_balance(light.colour_e).max(axis=1)",
+        new="ratio = sensor.white_balance(light.colour_e).min(axis=1)",
+        test=f"{COLOUR}::test_the_worst_altitude_counts_for_colours",
+    ),
+    Defect(
+        name="the balance of the nearest altitude counts",
+        file="uwopt/objectives/requirements.py",
+        old="value, where = worst(figures.white_balance, scene.range_m, highest=True)",
+        new="value, where = worst(figures.white_balance, scene.range_m, highest=False)",
+        test=f"{COLOUR}::test_the_worst_altitude_counts_for_colours",
+    ),
+    Defect(
+        name="red of the brightest altitude counts",
+        file="uwopt/objectives/requirements.py",
+        old="value, where = worst(red, scene.range_m, highest=False)",
+        new="value, where = worst(red, scene.range_m, highest=True)",
+        test=f"{COLOUR}::test_the_worst_altitude_counts_for_colours",
+    ),
+    Defect(
+        name="red is not asked of points under the sun",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="        holds &= np.min(snr, axis=1) >= rows.min_snr_red * (1 - MEETS)\n",
+        new="        holds &= np.min(snr, axis=1) >= 0.0\n",
+        test=f"{CELLS}::test_colours_under_the_sun_hold_and_are_not_beaten",
+    ),
+    Defect(
+        name="the balance is not asked of points under the sun",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="        holds &= np.max(sensor.white_balance(colour), axis=1) <= rows.max_white_balance * (1 + MEETS)\n",
+        new="        holds &= np.max(sensor.white_balance(colour), axis=1) >= 1.0\n",
+        test=f"{CELLS}::test_colours_under_the_sun_hold_and_are_not_beaten",
+    ),
+    Defect(
+        name="the sun's balance is taken at its most where it harms",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="np.where(gains > 0, misses * y_lo / gains, np.inf), 0.0)",
+        new="np.where(gains > 0, misses * y_hi / gains, np.inf), 0.0)",
+        test=f"{BOUNDED}[power of lamps that balance the sun's colours]",
+    ),
+    Defect(
+        name="the sun's help for red is taken at its least",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="at_least.worst_total_e, at_most.colour_e, at_least.red_total_e,",
+        new="at_least.worst_total_e, at_least.colour_e, at_most.red_total_e,",
+        test=f"{BOUNDED}[power of a red image under the sun]",
+    ),
+    Defect(
+        name="the sun brings no red",
+        file="uwopt/forward/figures.py",
+        old="            colour = added(colour, sunlit(sun.colour_e_s))\n",
+        new="            colour = added(colour, None)\n",
+        test=f"{COLOUR}::test_margins_of_colours_are_those_of_flat_curves[sun1]",
+    ),
+    Defect(
+        name="other solvers give red no light",
+        file="uwopt/solvers/continuous/pieces.py",
+        old="wanted=(*wanted_pixels(rows), *wanted_of_red(rows)),",
+        new="wanted=wanted_pixels(rows),",
+        test=f"{CONTINUOUS}[red that needs more than the mean-casadi]",
+    ),
+    Defect(
+        name="red may do without its veils",
+        file="uwopt/forward/effects.py",
+        old="return problem.scenes[group.scene_index].channels if sees_colours(curves) else ()",
+        new="return ()",
+        test=f"{COLOUR}::test_veils_are_kept_where_red_needs_them",
+    ),
+    Defect(
+        name="red keeps no reserve",
+        file="uwopt/mission/reserves.py",
+        old='IN_DB = ("min_snr_db", "min_snr_red_db")',
+        new='IN_DB = ("min_snr_db",)',
+        test=f"{LIMITS}::test_requirement_is_missed_just_outside_its_limit[min_snr_red_db 2]",
+    ),
+    Defect(
+        name="red is asked of any sensor",
+        file="uwopt/forward/assembly.py",
+        old='    if key == "colour" and requirements.min_snr_red_db is not None:',
+        new='    if key == "shutter" and requirements.min_snr_red_db is not None:',
+        test=f"{COLOUR}::test_the_sensor_is_told_where_the_mission_leaves_it_open",
     ),
 )

@@ -22,6 +22,7 @@ from uwopt.solvers.exact.search import Search
 
 TOP = 4
 READINGS = 8  # names the generator of what is read of the water, which must not change the cases' other draws
+COLOURS = 9  # the same of what is asked of colours
 #: Of the first hundred random cases some that are enumerated quickly and, together, meet every kind of part, wish and
 #: rule, most of them with designs that are feasible; a test lists the kinds.
 CHOSEN = (
@@ -58,16 +59,19 @@ class Case:
 
 
 @cache
-def case(seed: int, *, over_frame: bool = False) -> Case:
+def case(seed: int, *, over_frame: bool = False, coloured: bool = False) -> Case:
     """A random case whose limits are, in a part of the cases, just what one of its designs needs.
 
-    `over_frame` asks its SNR, eased, of 95 % of the image, wherever it was asked.
+    `over_frame` asks its SNR, eased, of 95 % of the image, wherever it was asked; `coloured` asks something of colours.
     """
     rng = np.random.default_rng(seed)
     parts, plain = small.parts(rng, 3 if THOROUGH else 2), small.with_in_hand(small.mission(rng), seed)
     if over_frame and "min_snr_db" in plain["requirements"]:
         plain["requirements"] |= {"snr_at": "worst", "min_snr_db": plain["requirements"]["min_snr_db"] - EASED_DB}
     plain = small.with_readings(np.random.default_rng([seed, READINGS]), plain)
+    if coloured:
+        own = np.random.default_rng([seed, COLOURS])
+        parts, plain = small.with_colours(own, parts), small.asking_of_colours(own, plain)
     objective = Objective.of(plain["objective"])
     free = Case(parts, small.loaded(plain), objective)
     limits, wanted = limits_that_bind(rng, free)
@@ -106,15 +110,15 @@ def solved(seed: int) -> Outcome:
 
 
 @cache
-def bench(seed: int, *, over_frame: bool = False) -> Any:
+def bench(seed: int, **asked: bool) -> Any:
     """Forward models of a case."""
-    return brute.Bench(case(seed, over_frame=over_frame).problem())
+    return brute.Bench(case(seed, **asked).problem())
 
 
 @cache
-def enumerated(seed: int, *, over_frame: bool = False) -> list[Any]:
+def enumerated(seed: int, **asked: bool) -> list[Any]:
     """Best settings of every hardware of a case, best first."""
-    return brute.enumerate_all(bench(seed, over_frame=over_frame), case(seed).objective)
+    return brute.enumerate_all(bench(seed, **asked), case(seed).objective)
 
 
 def ranked(found: list[Any]) -> dict[tuple[int, ...], Any]:

@@ -221,6 +221,10 @@ class SceneSearch:
                 each = np.sort(np.asarray(sensor.snr(pixel, veil_e=over, **there)), axis=-1)
                 snr = each[..., seen.may_miss]
             dim = dim | (snr.min(axis=-1) < needs.min_snr)
+        if needs.min_snr_red is not None:
+            assert seen.colour_e is not None and seen.red_veil_e is not None
+            red, over = (c * light_x[..., None] for c in (seen.colour_e[0, :, 0], seen.red_veil_e[0]))
+            dim = dim | (np.min(sensor.snr(red, veil_e=over, **noise), axis=-1) < needs.min_snr_red)
         return np.asarray(sensor.snr(signal, veil_e=veil, **noise))[..., nominal], dim, bright
 
     def light_of(self, numbers: dict[str, float]) -> float:

@@ -35,12 +35,14 @@ def sharp(*, blur: float = 2000.0, place: float = 4.0, rms: float = 6.0, rated: 
 def lit(
     sharpness: SharpRows | None = None, *, sun: tuple[float, float] | None = None, veil: float | None = None,
     open_max_s: float | None = None, min_mtf: float = 0.0, min_contrast: float = 0.0, may_miss: int | None = None,
-    **changed: Any,
+    colours: tuple[tuple[float, ...], tuple[float, ...]] | None = None, min_snr_red: float = 0.0,
+    max_white_balance: float = np.inf, **changed: Any,
 ) -> SceneRows:  # fmt: skip
     """Three altitudes under lamps, with sun (signal, veil) where a test wants it.
 
     `may_miss`: the SNR is asked of twenty pixels, each with lamps, sun and veil of its own, of which so many may
-    miss it.
+    miss it. `colours`: red, green and blue of the lamps and of the sun; red's veils are half of the mean's, and
+    red falls with the altitude more steeply than the others.
     """
     values: dict[str, Any] = dict(signal_e=[120.0, 100.0, 80.0], nominal=1)
     values.update(changed)
@@ -54,6 +56,15 @@ def lit(
     if open_max_s is not None:
         more["open_max_s"] = np.array([open_max_s])
     rows = replace(rows, **more)
+    if colours is not None:
+        steep = np.stack([np.square(shape), shape, shape], axis=2)
+        lamps, daylight = (steep * np.array(one) for one in colours)
+        rows = replace(
+            rows, colour_e=lamps, red_veil_e=None if rows.veil_e is None else 0.5 * rows.veil_e,
+            min_snr_red=min_snr_red, max_white_balance=max_white_balance,
+            sun_colour_e_s=None if sun is None else daylight,
+            sun_red_veil_e_s=None if rows.sun_veil_e_s is None else 0.5 * rows.sun_veil_e_s,
+        )  # fmt: skip
     return rows if may_miss is None else in_pixels(rows, may_miss)
 
 
@@ -115,6 +126,7 @@ def figures(
         contrast = signal / (signal + veil)
     if r.min_contrast:
         ok &= (contrast >= r.min_contrast * (1 - 1e-8)).all(axis=1)
+    ok &= colours_hold(r, x, k, dark, open_s / n_w**2)
     blur = tau if r.sun_signal_e_s is None else open_s
     assert r.sharp is not None
     if r.min_mtf:
@@ -144,6 +156,20 @@ def snr_asked(r: SceneRows, of_mean: Array, x: Array, k: Array, dark: Array, y: 
     read, prnu = (column[:, None, None] for column in (r.read_noise_e, r.prnu_frac))
     noise = read**2 + 1.0 / 12.0 / k[:, :, None] ** 2 + one + veil + dark[:, :, None] + (prnu * (one + veil)) ** 2
     return np.asarray(np.sort(one / np.sqrt(noise), axis=2)[:, :, r.may_miss])
+
+
+def colours_hold(r: SceneRows, x: Array, k: Array, dark: Array, y: Array) -> Array:
+    """Whether red has its SNR and no channel more than its multiple of another, at every altitude."""
+    if r.colour_e is None:
+        return np.ones(len(x), bool)
+    colour, veil = r.colour_e * x[:, :, None], (0.0 if r.red_veil_e is None else r.red_veil_e) * x
+    if r.sun_colour_e_s is not None and r.sun_red_veil_e_s is not None:
+        colour, veil = colour + r.sun_colour_e_s * y[:, None, None], veil + r.sun_red_veil_e_s * y[:, None]
+    red, (read, prnu) = colour[:, :, 0], (column[:, None] for column in (r.read_noise_e, r.prnu_frac))
+    noise = read**2 + 1.0 / 12.0 / k**2 + red + veil + dark + (prnu * (red + veil)) ** 2
+    ok = (red / np.sqrt(noise) >= r.min_snr_red * (1 - 1e-8)).all(axis=1)
+    balanced = colour.max(axis=2) <= r.max_white_balance * colour.min(axis=2) * (1 + 1e-8)
+    return np.asarray(ok & balanced.all(axis=1))
 
 
 def sample(
@@ -205,3 +231,20 @@ def weighed(objective: Objective, seen: Any) -> Array:
 
 
 SIGNS = {"power": 1.0, "snr_db": -1.0, "contrast": -1.0, "information": -1.0}
+
+#: Rows under the sun of which something of their colours is asked: what they are, and an objective.
+COLOURED: dict[str, tuple[dict[str, Any], str]] = {
+    "power of a red image under the sun": (
+        dict(sun=(3e3, 2e3), veil=20.0, open_max_s=5e-3, colours=((20.0, 100.0, 60.0), (200.0, 3e3, 4e3)),
+             min_snr_red=4.0),
+        "power",
+    ),
+    "power of lamps that balance the sun's colours": (
+        dict(sun=(3e5, 2e5), open_max_s=5e-3, colours=((50.0, 100.0, 60.0), (1e4, 3e5, 4e5)), max_white_balance=6.0),
+        "power",
+    ),
+    "signal of lamps that the sun's colours balance": (
+        dict(sun=(3e5, 2e5), open_max_s=5e-3, colours=((8.0, 100.0, 60.0), (2e5, 3e5, 2.5e5)), max_white_balance=6.0),
+        "snr_db",
+    ),
+}  # fmt: skip

@@ -6,6 +6,7 @@ each rule of the search discards something in some case and that most cases have
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -256,6 +257,28 @@ def with_in_hand(plain: dict[str, Any], seed: int) -> dict[str, Any]:
     """The mission with what is kept in hand."""
     more = in_hand(seed)
     return {**plain, **{key: {**plain.get(key, {}), **own} for key, own in more.items()}}
+
+
+def with_colours(rng: Rng, made: Parts) -> Parts:
+    """The same catalogue with most cameras in colour."""
+    cameras = tuple(
+        replace(one, qe_curves=dict(COLOURS)) if chance(rng, 0.7) else one for one in made.cameras
+    )
+    return replace(made, cameras=cameras)
+
+
+def asking_of_colours(rng: Rng, plain: dict[str, Any]) -> dict[str, Any]:
+    """The mission with something asked of its colours, and subjects that move, of scenes one by one."""
+    wanted: dict[str, Any] = {}
+    if chance(rng, 0.8):
+        wanted["min_snr_red_db"] = float(rng.uniform(-5, 20))
+    if chance(rng, 0.5):
+        wanted["max_white_balance"] = between(rng, 1.5, 20)
+    scenes = [
+        {**given, "subject_speed_m_s": between(rng, 0.05, 1)} if chance(rng, 0.5) else given
+        for given in plain["scenes"]
+    ]
+    return {**plain, "requirements": {**plain["requirements"], **wanted}, "scenes": scenes}
 
 
 def with_readings(rng: Rng, plain: dict[str, Any]) -> dict[str, Any]:

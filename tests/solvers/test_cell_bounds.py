@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hand_made_rows import STEPS
 from numpy.typing import NDArray
-from settings_attack import SIGNS, figures, lit, sample
+from settings_attack import COLOURED, SIGNS, figures, lit, sample
 
 from uwopt.forward.part_columns import PULSED
 from uwopt.forward.setting_rows import SceneRows
@@ -38,6 +38,7 @@ BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
     "signal over the frame with dark current": (
         dict(may_miss=3, min_snr=10.0, veil=30.0, dark_current_e_s=50.0, min_mtf=0.1), "snr_db",
     ),
+    **COLOURED,
     "signal against power": (dict(sun=(1e4, 1e4), open_max_s=5e-3), {"snr_db": 1.0, "power": 0.1}),
 }  # fmt: skip
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hand_made_rows import FLASHES, STEPS
 from numpy.typing import NDArray
-from settings_attack import attacked, figures, lit, sharp, weighed
+from settings_attack import COLOURED, attacked, figures, lit, sharp, weighed
 from thorough import drawn
 
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
@@ -230,3 +230,12 @@ def test_an_snr_that_most_pixels_reach(given: dict[str, Any], wanted: Any) -> No
     found, strict = (check(lit(may_miss=k, **given), wanted, 0) for k in (3, 0))
     assert found.feasible[0]
     assert found.lower_bound[0] < strict.lower_bound[0]
+
+
+@pytest.mark.parametrize("name", [name for name in COLOURED if name.startswith("power")])
+def test_colours_under_the_sun_hold_and_are_not_beaten(name: str) -> None:
+    given, wanted = COLOURED[name]
+    found = check(lit(**given), wanted, 0)
+    asked = ("colours", "min_snr_red", "max_white_balance")
+    free = solved([lit(**{key: value for key, value in given.items() if key not in asked})], wanted)
+    assert found.feasible[0] and found.lower_bound[0] > free.lower_bound[0] + 1e-3 * abs(free.lower_bound[0])

@@ -59,6 +59,9 @@ TABLE: dict[str, list[SceneRows]] = {
     "eight bits": [scene(full_scale_dn=255.0, gain_dn_per_e=0.023, min_snr=30.0)],
     "one aperture only": [scene(n_low=4.0, n_high=4.0)],
     "pixels that differ": [scene(prnu_frac=0.01)],
+    "red that needs more than the mean": [
+        replace(scene(), colour_e=np.array([[[20.0]]]), red_veil_e=np.array([[5.0]]), min_snr_red=20.0)
+    ],
     "vehicle at rest": [scene(time_max_s=0.2, rate_hz=0.01, kind=PULSED)],
 }
 

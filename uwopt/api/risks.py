@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
+from uwopt.mission.reserves import REFUSED
 from uwopt.results.basis import Risk
 from uwopt.results.design import Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
@@ -24,6 +25,7 @@ ASKED = {
     "min_uniformity": "evenness of the light", "power_w": "power", "peak_power_w": "peak power", "mass_kg": "mass",
     "mean_level": "image brightness", "saturation_fraction": "highlights", "depth_rating_m": "depth rating",
     "min_mtf_half_nyquist": "sharpness", "frame_interval_s": "time between images", "data_rate_mb_s": "data rate",
+    "min_snr_red_db": "signal to noise of red", "max_white_balance": "white balance",
     "max_airy_px": "sharpness against diffraction", "lamp_clear_m": "room between lamps and view",
 }  # fmt: skip
 #: Ends of the ranges that settings may have, and what a setting with room left can mend.
@@ -39,7 +41,6 @@ SEEN_PX = 2.0  # a blur, skew or coloured edge wider than this is seen
 STEADY_DEG = 3.0  # as well as a lamp's direction is kept on a vehicle
 DEPTH_IN_HAND = 0.1
 MOST_GAIN_DB = 12.0
-MOST_WHITE_BALANCE = 4.0
 MUCH_ESTIMATED = 0.3  # of the price
 
 #: Weights of notes by code; of those that are not named, the last. 0: another rule tells it, or it is no risk.
@@ -185,11 +186,13 @@ def smeared_subjects(result: Result, design: Design) -> Weighed:
 
 def weak_colours(result: Result, design: Design) -> Weighed:
     """Channels that must be amplified much."""
-    for colour in ("red", "blue"):
-        scene, value = worst(design, f"white_balance_{colour}")
-        if scene is not None and value > MOST_WHITE_BALANCE:
-            because = f"so little {colour} arrives that white balance lifts it, and its noise"
-            yield 42.0, Risk(f"{colour} is mostly noise", because, f"white balance x {value:.2g}")
+    scene, value = worst(design, "white_balance")
+    if scene is None or value <= REFUSED["white_balance"][1]:
+        return
+    lifted = {"green": 1.0} | {name: scene.figures.get(f"white_balance_{name}") or 0.0 for name in ("red", "blue")}
+    colour = max(lifted, key=lambda name: lifted[name])
+    because = f"so little {colour} arrives that white balance lifts it, and its noise"
+    yield 42.0, Risk(f"{colour} is mostly noise", because, f"white balance x {value:.2g}")
 
 
 def wide_open(result: Result, design: Design) -> Weighed:

@@ -22,7 +22,9 @@ from uwopt.forward.figures import (
 from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
+from uwopt.forward.scene import COLOURS
 from uwopt.forward.sharpness import airy_wavelength_nm, arriving
+from uwopt.forward.spectra import sees_colours
 from uwopt.forward.views import CORNER_FIELD, field_dioptres_per_m
 from uwopt.model import lateral, sensor, sharpness
 from uwopt.model import lens as lens_model
@@ -172,8 +174,8 @@ def at_one(column: Array | None) -> float | None:
     return None if column is None else float(column[0])
 
 
-# Gains that make a grey floor grey, relative to green, and what the red then lacks in SNR.
-WHITE_BALANCE = ("white_balance_red", "white_balance_blue", "snr_red_below_green_db")
+# Strongest over weakest channel, gains that make a grey floor grey, relative to green, and what red then lacks in SNR.
+WHITE_BALANCE = ("white_balance", "white_balance_red", "white_balance_blue", "snr_red_below_green_db")
 SHARPNESS = (
     "mtf50_cyc_per_px", "mtf_half_nyquist", "resolution_10_mm", "lateral_colour_px", "defocus_corner_px",
     "decentring_distortion_px", "decentring_defocus_px",
@@ -312,9 +314,8 @@ def colour_figures(
     model: DesignModel, index: int, settings: SettingRows, figures: Figures
 ) -> dict[str, float | None]:
     """SNR of each channel of a colour sensor at the nominal altitude; None for a mono sensor."""
-    names = ("red", "green", "blue")
-    curves = model.problem.efficiencies[int(model.cameras.qe_index[0])]
-    if not all(name in curves for name in names):
+    names = COLOURS
+    if not sees_colours(model.problem.efficiencies[int(model.cameras.qe_index[0])]):
         return dict.fromkeys((*(f"snr_{name}" for name in names), *WHITE_BALANCE))
     scene, cam = model.problem.scenes[index], model.cameras
     out: dict[str, float | None] = {}
@@ -337,7 +338,9 @@ def colour_figures(
     red, green = out["snr_red"], out["snr_green"]
     below = float(ratio_to_db(green / red)) if red and green else None
     balance = [signal["green"] / signal[name] if signal[name] > 0 else None for name in ("red", "blue")]
-    return {**out, **dict(zip(WHITE_BALANCE, (*balance, below), strict=True))}
+    ratio = float(sensor.white_balance(np.array([*signal.values()])))
+    whole = ratio if math.isfinite(ratio) else None
+    return {**out, **dict(zip(WHITE_BALANCE, (whole, *balance, below), strict=True))}
 
 
 def centre_db(model: DesignModel, index: int, settings: SettingRows) -> float | None:

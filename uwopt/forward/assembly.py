@@ -15,6 +15,7 @@ from uwopt.forward.designs import Hardware
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission
+from uwopt.mission.sections import Requirements
 from uwopt.mission.system import System
 
 
@@ -22,7 +23,7 @@ def select_problem_mission(mission: Mission) -> dict[str, str]:
     """What single parts must be, from the requirements of all scenes: colour and shutter."""
     wanted = {}
     for key in ("colour", "shutter"):
-        asked = sorted({getattr(view.requirements, key) for view in mission.views} - {"any"})
+        asked = sorted({wish(view.requirements, key) for view in mission.views} - {"any"})
         if len(asked) > 1:
             raise MissionError(
                 f"requirements.{key}: scenes ask for {' and '.join(asked)}, but one camera serves them all; "
@@ -30,6 +31,13 @@ def select_problem_mission(mission: Mission) -> dict[str, str]:
             )
         wanted[key] = asked[0] if asked else "any"
     return wanted
+
+
+def wish(requirements: Requirements, key: str) -> str:
+    """What one scene asks of a camera's colour or shutter; a red channel belongs to a colour sensor."""
+    if key == "colour" and requirements.min_snr_red_db is not None:
+        return "colour"
+    return str(getattr(requirements, key))
 
 
 Generic = Literal["fallback", "allow", "never"]

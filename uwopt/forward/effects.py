@@ -12,6 +12,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from uwopt.forward.lamp_light import COARSE_ORDER, SMOOTH_MARGIN, LampField
 from uwopt.forward.lamps import Mount, one_side
 from uwopt.forward.part_columns import CONTINUOUS
 from uwopt.forward.problem import Problem
-from uwopt.forward.spectra import LARGEST_EXPONENT, TINY
+from uwopt.forward.spectra import LARGEST_EXPONENT, TINY, sees_colours
 from uwopt.forward.sun_light import SunField
 from uwopt.forward.views import Views
 from uwopt.model import beam as beams
@@ -119,26 +120,38 @@ def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dic
         head_on = port.normal_port_transmittance(n_water=shape.n_water, n_glass=shape.n_glass)
         found["window_angle"] = (float(np.max(1.0 - oblique / head_on)), 0.0)
     start = time.perf_counter()
-    field = LampField(
-        problem, group.scene_index, port_index=group.port, optics=group.optics, mount=group.mount,
+    field = partial(
+        LampField, problem, group.scene_index, port_index=group.port, optics=group.optics, mount=group.mount,
         count=int(group.count.max()), efficiency=int(problem.cameras.qe_index[group.camera[0]]),
     )  # fmt: skip
     signal = group.signal_e
     if signal is None:
-        signal = field.light(view, veils="none").signal_e
+        signal = field().light(view, veils="none").signal_e
     signal_s = time.perf_counter() - start
+    lights = {None: signal} | {
+        name: field(channel=name).light(view, veils="none").signal_e for name in channels_of(problem, group)
+    }
     if scene.scatters:
-        found["forward_veil"] = (forward_bound(field, view), signal_s)
+        found["forward_veil"] = (max(forward_bound(field(channel=one), view) for one in lights), signal_s)
         start = time.perf_counter()
-        bound = backscatter_bound(field, view, signal)
+        bound = max(backscatter_bound(field(channel=one), view, light) for one, light in lights.items())
         found["backscatter"] = (bound, FULL_OVER_COARSE * (time.perf_counter() - start))
     if scene.at_worst and scene.scatters:
-        forward, back = worst_pixel_shares(field, view)
+        forward, back = worst_pixel_shares(field(), view)
         found["forward_veil"] = (max(found["forward_veil"][0], forward), found["forward_veil"][1])
         found["backscatter"] = (max(found["backscatter"][0], back), found["backscatter"][1])
     if scene.sunlit:
-        found["sunlight"] = (sun_bound(problem, group, signal, information=information), 0.0)
+        sun = max(
+            sun_bound(problem, group, light, information=information, channel=one) for one, light in lights.items()
+        )
+        found["sunlight"] = (sun, 0.0)
     return found
+
+
+def channels_of(problem: Problem, group: ImagerGroup) -> tuple[str, ...]:
+    """Colour channels of a group's sensor that something is asked of."""
+    curves = problem.efficiencies[int(problem.cameras.qe_index[group.camera[0]])]
+    return problem.scenes[group.scene_index].channels if sees_colours(curves) else ()
 
 
 def forward_bound(field: LampField, view: Views) -> float:
@@ -192,7 +205,9 @@ def worst_pixel_shares(field: LampField, view: Views) -> tuple[float, float]:
     return float(forward.max()) * FORWARD_MARGIN, float(back.max()) * margin(field)
 
 
-def sun_bound(problem: Problem, group: ImagerGroup, signal: Array, *, information: bool) -> float:
+def sun_bound(
+    problem: Problem, group: ImagerGroup, signal: Array, *, information: bool, channel: str | None = None
+) -> float:
     """Most that sunlight can be of the lamps' image-forming light; inf where it would smear the image."""
     settings, scene = group.settings, problem.scenes[group.scene_index]
     if settings is None or scene.at_worst:  # the worst pixel may have no other light
@@ -207,7 +222,7 @@ def sun_bound(problem: Problem, group: ImagerGroup, signal: Array, *, informatio
     ):
         return KEPT
     sun = SunField(
-        problem, group.scene_index, port_index=group.port, efficiency=int(cameras.qe_index[0])
+        problem, group.scene_index, port_index=group.port, efficiency=int(cameras.qe_index[0]), channel=channel
     ).light(group.view)
     lamps = full_light_lm(lights, group.count) * settings.level * lit_s * lights.output_factor
     every = (sun.signal_e_s + sun.veil_e_s) * open_s[:, None]

@@ -89,6 +89,8 @@ class Figures:
     contrast: Array  # (n, n_altitudes), 0 where there is no light at all
     snr: Array  # (n, n_altitudes)
     snr_pixels: Array | None  # what the pixels reach that it is asked of
+    snr_red: Array | None  # (n, n_altitudes), where something is asked of it; 0 of a mono sensor
+    white_balance: Array | None  # (n, n_altitudes), the same; 1 of a mono sensor
     mean_level: Array  # (n, n_altitudes)
     saturation_fraction: Array
     blur_px: Array
@@ -160,6 +162,10 @@ def figures_of(
         contrast=share_of(seen.signal_e, every),
         snr=snr,
         snr_pixels=None if seen.worst_e is None else snr_of_pixels(seen, noise, rows.light.may_miss),
+        snr_red=None if seen.colour_e is None else np.asarray(
+            sensor.snr(seen.colour_e[:, :, 0], veil_e=0.0 if seen.red_veil_e is None else seen.red_veil_e, **noise)
+        ),
+        white_balance=None if seen.colour_e is None else np.asarray(sensor.white_balance(seen.colour_e)),
         mean_level=np.asarray(level),
         saturation_fraction=saturation_fraction(scene, cam, level, every, dark),
         blur_px=blur_px(scene, rows, blur_s),
@@ -191,6 +197,8 @@ class Electrons:
     veil_e: Array | None
     worst_e: Array | None
     worst_veil_e: Array | None
+    colour_e: Array | None = None  # image-forming, of the channels asked for (n, n_altitudes, n_channels), red first
+    red_veil_e: Array | None = None
 
 
 def electrons_in_image(rows: DesignRows, light_x: Array, open_y: Array) -> Electrons:
@@ -205,6 +213,7 @@ def electrons_in_image(rows: DesignRows, light_x: Array, open_y: Array) -> Elect
 
     signal, forward, back = lit(lamps.signal_e), lit(lamps.forward_e), lit(lamps.backscatter_e)
     worst, worst_veil = lit(lamps.worst_e), lit(lamps.worst_veil_e)
+    colour, red_veil = lit(lamps.colour_e), lit(lamps.red_veil_e)
     sun_e = None
     assert signal is not None
     if sun is not None:
@@ -216,7 +225,11 @@ def electrons_in_image(rows: DesignRows, light_x: Array, open_y: Array) -> Elect
         if worst is not None:
             worst = added(worst, sunlit(sun.worst_e_s))
             worst_veil = added(worst_veil, sunlit(sun.worst_veil_e_s))
-    return Electrons(signal, forward, back, sun_e, added(forward, back), worst, worst_veil)
+        if colour is not None:
+            colour = added(colour, sunlit(sun.colour_e_s))
+            red_veil = added(red_veil, sunlit(sun.red_veil_e_s))
+    veil = added(forward, back)
+    return Electrons(signal, forward, back, sun_e, veil, worst, worst_veil, colour, red_veil)
 
 
 def share_of(part: Array, whole: Array) -> Array:

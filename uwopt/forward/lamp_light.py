@@ -6,7 +6,9 @@ altitude: constants of hardware and scene that settings only scale.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -20,6 +22,7 @@ from uwopt.forward.lamps import (
 )
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
+from uwopt.forward.spectra import sees_colours
 from uwopt.forward.views import Views
 from uwopt.model import beam as beams
 from uwopt.model.image_mean import (
@@ -64,6 +67,8 @@ class ImageLight(Columns):
     worst_veil_e: Array | None = None
     most_veil_e: Array | None = None  # of bounds: no veil is more; the others are then no less than they say
     may_miss: int = 0  # so many of the pixels may be darker than the SNR allows
+    colour_e: Array | None = None  # image-forming, of the channels asked for (n, n_altitudes, n_channels), red first
+    red_veil_e: Array | None = None  # of the red channel
 
     @property
     def veil_e(self) -> Array | None:
@@ -86,6 +91,8 @@ class SunLight(Columns):
     path_e_s: Array
     worst_e_s: Array | None = None
     worst_veil_e_s: Array | None = None
+    colour_e_s: Array | None = None
+    red_veil_e_s: Array | None = None
 
     @property
     def veil_e_s(self) -> Array:
@@ -339,6 +346,30 @@ def likely_places(view: Views, pixels: Pixels) -> tuple[Array, Array]:
     return np.take_along_axis(along, outer, axis=1), np.take_along_axis(across, outer, axis=1)
 
 
+def with_colours(
+    light: ImageLight, field: Callable[..., LampField], view: Views, *, veils: Veils, known: ImageLight | None
+) -> ImageLight:
+    """The light with that of the channels that something is asked of; none of a mono sensor.
+
+    The veil of the red channel comes with the last of the veils; bounds do without.
+    """
+    first = field(channel=None)
+    names = first.scene.channels
+    if not sees_colours(first.problem.efficiencies[first.efficiency]):
+        none = np.zeros_like(light.signal_e)
+        return replace(light, colour_e=np.repeat(none[:, :, None], len(names), axis=2), red_veil_e=none)
+    if known is None or known.colour_e is None:
+        signals = [field(channel=name).light(view, veils="none").signal_e for name in names]
+        colour = np.stack(signals, axis=2)
+    else:
+        colour = known.colour_e
+    red_veil = np.zeros_like(light.signal_e)
+    if veils == "all" and first.effects.veils and not first.problem.paper:
+        red = field(channel="red").light(view, veils="all", known=ImageLight(colour[:, :, 0]))
+        red_veil = red_veil if red.veil_e is None else red.veil_e
+    return replace(light, colour_e=colour, red_veil_e=red_veil)
+
+
 def worst_candidates(signal: Array, veil_there: Array | None) -> Array:
     """Pixels with, for some row and altitude, no other pixel that has less signal and more veil.
 
@@ -396,11 +427,13 @@ def image_light(
     parts = []
     for curve in np.unique(efficiency):
         mine = np.nonzero(efficiency == curve)[0]
-        field = field_type(
-            problem, scene_index, port_index=port_index, optics=optics, mount=mount, count=count,
-            efficiency=int(curve), channel=channel,
+        field = partial(
+            field_type, problem, scene_index, port_index=port_index, optics=optics, mount=mount, count=count,
+            efficiency=int(curve),
         )  # fmt: skip
-        given = None if known is None else known.take(mine)
-        light = field.light(view.take(mine), pixels=pixels, veils=veils, means=means, known=given)
+        given, seen = None if known is None else known.take(mine), view.take(mine)
+        light = field(channel=channel).light(seen, pixels=pixels, veils=veils, means=means, known=given)
+        if means and channel is None and problem.scenes[scene_index].channels:
+            light = with_colours(light, field, seen, veils=veils, known=given)
         parts.append((mine, light))
     return ImageLight.in_places(parts, len(camera))

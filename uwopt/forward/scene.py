@@ -28,6 +28,7 @@ from uwopt.model.spectrum import resample, wavelength_grid_nm
 Array = NDArray[Any]
 LampLeg = Literal["diffuse", "least", "most"]
 Pixels = Literal["darkest", "frame"]  # which an SNR may be asked of: the darkest one, or all but a share of the image
+COLOURS = ("red", "green", "blue")  # channels of a colour sensor
 SNR_PIXELS: dict[str, Pixels | None] = {"mean": None, "worst": "frame", "worst_px": "darkest"}
 
 PAPER_N_WATER = 1.33
@@ -98,6 +99,14 @@ class SceneOptics:
         if self.paper or needs.min_snr is None:
             return None
         return SNR_PIXELS[needs.snr_at]
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Colour channels that something is asked of: red first, all for a white balance."""
+        needs = self.view.requirements
+        if needs.max_white_balance is not None:
+            return COLOURS
+        return COLOURS[:1] if needs.min_snr_red is not None else ()
 
     @property
     def at_worst(self) -> bool:

@@ -21,6 +21,8 @@ from uwopt.forward.part_columns import (
 )
 from uwopt.forward.problem import Problem
 from uwopt.forward.sharpness import SharpRows, airy_f_number
+from uwopt.mission.sections import Requirements
+from uwopt.model import sensor
 
 if TYPE_CHECKING:
     from uwopt.forward.sharpness import SharpRows
@@ -83,6 +85,12 @@ class SceneRows(Columns):
     sun_veil_e_s: Array | None = None
     worst_sun_signal_e_s: Array | None = None
     worst_sun_veil_e_s: Array | None = None
+    colour_e: Array | None = None  # of lamps and sun, (n, n_altitudes, n_channels), red first; None: nothing is asked
+    red_veil_e: Array | None = None
+    sun_colour_e_s: Array | None = None
+    sun_red_veil_e_s: Array | None = None
+    min_snr_red: float = 0.0
+    max_white_balance: float = np.inf
     min_contrast: float = 0.0
     min_mtf: float = 0.0  # at half the Nyquist frequency
     sharp: SharpRows | None = None  # only where MTF or information are asked for
@@ -147,6 +155,7 @@ class SceneRows(Columns):
 
 
 SHORTEST_TIME_S = 1e-9
+BALANCE_ROUND = 1.0 + 1e-9
 
 
 def light_times_s(
@@ -179,6 +188,23 @@ def light_times_s(
     time_max = np.where(camera.min_exposure_s > exposure * (1 + 1e-12), -1.0, time_max)
     dark_time = np.where(pulsed | flash, time_max + camera.readout_s, time_max - offset)
     return time_min, time_max, np.maximum(dark_time, 0.0)
+
+
+def colours_may_do(light: ImageLight, sun: SunLight | None, needs: Requirements) -> Array:
+    """Whether some settings may give the colours that are asked for, (n,): the sensor sees red if it must, and the
+    lamps' colours, where no other light mixes with them, are balanced at every altitude."""
+    may = np.ones(len(light.signal_e), bool)
+    if light.colour_e is None:
+        return may
+    if needs.min_snr_red is not None:
+        red = light.colour_e[:, :, 0]
+        if sun is not None and sun.colour_e_s is not None:
+            red = red + sun.colour_e_s[:, :, 0]
+        may &= (red > 0.0).all(axis=1)
+    if needs.max_white_balance is not None and sun is None:
+        ratio = sensor.white_balance(light.colour_e).max(axis=1)
+        may &= ratio <= needs.max_white_balance * BALANCE_ROUND
+    return may
 
 
 def setting_rows(
@@ -215,6 +241,7 @@ def setting_rows(
         working = airy_f_number(problem, scene_index, needs.max_airy_px, camera, light)
         n_high = np.minimum(n_high, working / focused.working_factor)
     shining = image_light.scaled(lamp.output_factor)
+    allowed &= colours_may_do(shining, sun, needs)
     return SceneRows(
         signal_e=shining.signal_e,
         worst_e=shining.worst_e,
@@ -227,6 +254,12 @@ def setting_rows(
         sun_veil_e_s=None if sun is None else sun.veil_e_s,
         worst_sun_signal_e_s=None if sun is None else sun.worst_e_s,
         worst_sun_veil_e_s=None if sun is None else sun.worst_veil_e_s,
+        colour_e=shining.colour_e,
+        red_veil_e=shining.red_veil_e,
+        sun_colour_e_s=None if sun is None else sun.colour_e_s,
+        sun_red_veil_e_s=None if sun is None else sun.red_veil_e_s,
+        min_snr_red=needs.min_snr_red or 0.0,
+        max_white_balance=needs.max_white_balance or np.inf,
         min_contrast=needs.min_contrast or 0.0,
         min_mtf=needs.min_mtf_half_nyquist or 0.0,
         sharp=sharp,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.records import Curve
 from uwopt.forward.lamps import LAMP_FRONT_M, LightOptics, relative_spectrum
-from uwopt.forward.scene import SceneOptics
+from uwopt.forward.scene import COLOURS, SceneOptics
 from uwopt.model import sensor
 from uwopt.model.fineness import scaled
 from uwopt.model.imaging import scatter_weight, signal_weight
@@ -38,6 +38,11 @@ def efficiency_curve(curves: dict[str, Curve], wavelength_nm: Array, *, channel:
     return np.asarray(
         sensor.colour_mean_efficiency(on_grid["red"], green=on_grid["green"], blue=on_grid["blue"])
     )
+
+
+def sees_colours(curves: dict[str, Curve]) -> bool:
+    """Whether a sensor with these curves tells red, green and blue apart."""
+    return all(name in curves for name in COLOURS)
 
 
 def efficiency_on_grid(curve: Curve, wavelength_nm: Array) -> Array:

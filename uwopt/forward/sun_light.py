@@ -7,6 +7,7 @@ from the side is averaged over azimuth, because a vehicle turns.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from uwopt.forward.lamp_light import SunLight
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
-from uwopt.forward.spectra import TINY, efficiency_curve
+from uwopt.forward.spectra import TINY, efficiency_curve, sees_colours
 from uwopt.forward.views import Views
 from uwopt.model import port, seafloor, sunlight
 from uwopt.model.fineness import scaled
@@ -160,6 +161,21 @@ def log_sum(weight: Array, optical: Array) -> Array:
     return np.asarray(np.log(np.maximum(total, TINY)) - least[..., 0])
 
 
+def with_colours(
+    light: SunLight, problem: Problem, scene_index: int, view: Views, port_index: int, efficiency: int
+) -> SunLight:
+    """Daylight with that of the channels that something is asked of; none of a mono sensor."""
+    names, none = problem.scenes[scene_index].channels, np.zeros_like(light.signal_e_s)
+    if not sees_colours(problem.efficiencies[efficiency]):
+        return replace(light, colour_e_s=np.repeat(none[:, :, None], len(names), axis=2), red_veil_e_s=none)
+    seen = [
+        SunField(problem, scene_index, port_index=port_index, efficiency=efficiency, channel=name).light(view)
+        for name in names
+    ]
+    colour = np.stack([one.signal_e_s for one in seen], axis=2)
+    return replace(light, colour_e_s=colour, red_veil_e_s=seen[0].veil_e_s)
+
+
 def sun_light(
     problem: Problem, scene_index: int, view: Views, camera: Array, *, port_index: Array, mount: Mount | None = None,
     count: int = 2, channel: str | None = None, pixels: Pixels | None = None,
@@ -183,6 +199,8 @@ def sun_light(
                 problem, scene_index, port_index=int(window), efficiency=int(curve), channel=channel
             )
             light = field.light(view.take(mine), pixels=pixels, half_grid=half)
+            if channel is None and problem.scenes[scene_index].channels:
+                light = with_colours(light, problem, scene_index, view.take(mine), int(window), int(curve))
             for name in light.__dataclass_fields__:
                 part = getattr(light, name)
                 if part is None:

@@ -13,7 +13,7 @@ JERLOV_TYPES = ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")
 CLARITY_KEYS = ("c_per_m", "visibility_m", "secchi_m", "turbidity_ntu")  # the best known first
 SEAFLOORS = ("sand", "hard", "coral", "organic", "benthic-average")
 OBJECTIVES = tuple(TERMS)
-Refusal = Literal["airy", "skew", "swath", "depth", "lamp"]
+Refusal = Literal["airy", "skew", "swath", "depth", "lamp", "white_balance"]
 REFUSALS: tuple[str, ...] = get_args(Refusal)
 
 

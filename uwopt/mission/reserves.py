@@ -19,6 +19,7 @@ RECOMMENDED = "recommended"
 RECOMMENDED_RESERVE: Mapping[str, float] = {
     "snr_db": 3.0, "blur": 0.20, "swath": 0.10, "dof": 0.10, "depth": 1.25, "tilt_deg": 3.0,
 }  # fmt: skip
+IN_DB = ("min_snr_db", "min_snr_red_db")  # what the reserve of the signal-to-noise ratio is added to
 REFUSED_DEPTH = 1.1  # rating over depth: less than 10 % in hand
 
 
@@ -63,7 +64,8 @@ def to_reserve(value: Any) -> Any:
 
 #: The key that each refusal holds, with its default; `depth` is held by the depth rating.
 REFUSED: Mapping[str, tuple[str, float]] = {
-    "airy": ("max_airy_px", 2.0), "skew": ("max_skew_px", 2.0), "swath": ("min_swath_m", 1.0)
+    "airy": ("max_airy_px", 2.0), "skew": ("max_skew_px", 2.0), "swath": ("min_swath_m", 1.0),
+    "white_balance": ("max_white_balance", 4.0),
 }  # fmt: skip
 
 
@@ -103,14 +105,15 @@ def held_of(asked: Requirements, reserve: Reserve) -> Requirements:
         for key, factor in factors_of(reserve).items()
         if factor != 1.0 and (value := getattr(asked, key)) is not None
     }
-    if asked.min_snr_db is not None and reserve.snr_db:
-        made["min_snr_db"] = asked.min_snr_db + reserve.snr_db
+    for key in IN_DB:
+        if reserve.snr_db and (value := getattr(asked, key)) is not None:
+            made[key] = value + reserve.snr_db
     return asked.model_copy(update=made) if made else asked
 
 
 def asked_when_held(reserve: Reserve, key: str, held: float) -> float:
     """What a mission asks for when this is what must be held: the reserve taken off again."""
-    return held - reserve.snr_db if key == "min_snr_db" else held / factors_of(reserve).get(key, 1.0)
+    return held - reserve.snr_db if key in IN_DB else held / factors_of(reserve).get(key, 1.0)
 
 
 def kept_of(asked: Requirements, held: Requirements, key: str) -> float:

@@ -186,6 +186,11 @@ class Requirements(Section):
         alias="min_snr",
         description="least signal-to-noise ratio as a ratio, instead of min_snr_db",
     )
+    min_snr_red_db: Annotated[float, Field(ge=-40, le=200), NUMBER] | None = Field(
+        default=None,
+        description="least signal-to-noise ratio of the red channel in decibels, mean of the image; asks for a colour "
+        "sensor",
+    )
     snr_at: Annotated[Literal["mean", "worst", "worst_px"], CHOICE] = Field(
         default="mean",
         description="where in the image the SNR must hold: mean, worst (95 % of the frame reach it; recommended) "
@@ -218,6 +223,11 @@ class Requirements(Section):
     min_mtf_half_nyquist: Share | None = Field(
         default=None, description="least MTF at half the Nyquist frequency, a share 0..1"
     )
+    max_white_balance: Annotated[float, Field(ge=1, le=1e6), NUMBER] | None = Field(
+        default=None,
+        description="largest ratio between the strongest and the weakest colour channel of a grey floor, at least 1, "
+        "recommended 4; a mono sensor has none",
+    )
     shutter: Annotated[Literal["any", "global", "rolling"], CHOICE] = Field(
         default="any", description="shutter of the camera: any, global or rolling"
     )
@@ -236,8 +246,13 @@ class Requirements(Section):
         default=(),
         description="list of what an expert would refuse, each held as if its key were given: airy (max_airy_px 2), "
         "skew (max_skew_px 2), swath (min_swath_m 1 in a survey with overlap), depth (reserve.depth 1.1), "
-        "lamp (in the camera's view); all for all (recommended)",
+        "lamp (in the camera's view), white_balance (max_white_balance 4); all for all (recommended)",
     )
+
+    @property
+    def min_snr_red(self) -> float | None:
+        """The least signal-to-noise ratio of the red channel; None when none was asked for."""
+        return None if self.min_snr_red_db is None else db_to_ratio(self.min_snr_red_db)
 
     @property
     def min_snr(self) -> float | None:

@@ -65,6 +65,7 @@ requirements:
   # dof_at: corner             # recommended: sharp over the frame; axis: in its middle alone (default)
   # circle_of_confusion_px: 2
   min_snr_db: 30               # or min_snr, a ratio
+  # min_snr_red_db: 15         # of the red channel alone; asks for a colour sensor
   # snr_at: worst              # recommended: 95 % of the frame reach it; worst_px: the darkest pixel; mean (default)
   max_gsd_mm: 1.0              # largest pixel on the floor
   # min_swath_m: 1.0
@@ -75,12 +76,13 @@ requirements:
   # min_contrast: 0.5          # image-forming light over all light
   # min_uniformity: 0.3        # darkest over mean illuminance of the floor
   # min_mtf_half_nyquist: 0.3
+  # max_white_balance: 4       # strongest over weakest colour channel; refuse: all holds 4
   # shutter: any               # any | global | rolling
   colour: any                  # colour: a sensor that sees colours; mono: it needs less light and sees finer detail;
                                # any: whichever is best, which mostly is mono
   lens_stop_down: 1            # stops that the lens is closed from its widest opening, where it can be; 0 unless given
   # max_airy_px: 2             # diffraction: diameter of the Airy disc
-  refuse: all                  # airy | skew | swath | depth | lamp: what an expert would refuse, one by one or all
+  refuse: all                  # airy | skew | swath | depth | lamp | white_balance: what an expert would refuse
 
 # What is kept in hand of each requirement. `reserve: recommended` says the same in a word; left out: nothing.
 reserve:

@@ -250,3 +250,27 @@ def light_for_snr(
     root = np.where(slope >= 0.0, (0.5 * slope + half) / reachable, wanting / safe)
     enough = (snr2 == 0.0) | (floor < 0.0) | ((floor == 0.0) & (slope <= 0.0))
     return np.where(enough, 0.0, np.where(square > 0.0, root, np.inf))[()]
+
+
+def white_balance(channels_e: Numeric) -> Numeric:
+    """Ratio of the strongest to the weakest channel of a grey floor, max mu_c / min mu_c over the channels c.
+
+    Parameters
+    ----------
+    channels_e : (..., n_channels) [e], image-forming electrons of each channel, not negative
+
+    Returns
+    -------
+    (...,) at least 1: the largest gain that makes grey look grey; inf where a channel sees nothing, 1 where none does.
+
+    Notes
+    -----
+    Valid for gains that a camera applies to each channel as a whole; veils, which look grey to nobody, are left out.
+
+    References
+    ----------
+    EMVA Standard 1288, signal of each channel; physics page, section 6.
+    """
+    most, least = np.max(channels_e, axis=-1), np.min(channels_e, axis=-1)
+    seen = least > 0.0
+    return np.where(seen, most / np.where(seen, least, 1.0), np.where(most > 0.0, np.inf, 1.0))[()]

@@ -17,7 +17,7 @@ OwnFunction = Callable[[Mapping[str, Array]], Any]
 DIRECTIONS = ("minimise", "maximise")
 
 #: Figure -> (unit, which scene counts where there are several: the one with the most or the least).
-FIGURES = {one.name: (one.unit, one.worst_scene) for one in QUANTITIES if one.name != "dof_m"}
+FIGURES = {one.name: (one.unit, one.worst_scene) for one in QUANTITIES if one.name not in ("dof_m", "white_balance")}
 #: Beside them: index of each part into the search's parts, and its id.
 PARTS = ("camera", "lens", "port", "light")
 

@@ -189,6 +189,15 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         value_db = np.asarray(ratio_to_db(np.maximum(value, 1e-300)))
         kept = scene.view.kept("min_snr_db")
         yield MarginRows("min_snr_db", value_db, at_all(figures, limit_db), ">=", "dB", where, reserve=kept)
+    if needs.min_snr_red_db is not None:
+        red = np.zeros_like(figures.snr) if figures.snr_red is None else figures.snr_red
+        value, where = worst(red, scene.range_m, highest=False)
+        red_db = np.asarray(ratio_to_db(np.maximum(value, 1e-300)))
+        kept, least = scene.view.kept("min_snr_red_db"), at_all(figures, needs.min_snr_red_db)
+        yield MarginRows("min_snr_red_db", red_db, least, ">=", "dB", where, reserve=kept)
+    if needs.max_white_balance is not None and figures.white_balance is not None:
+        value, where = worst(figures.white_balance, scene.range_m, highest=True)
+        yield MarginRows("max_white_balance", value, at_all(figures, needs.max_white_balance), "<=", "", where)
     if figures.mtf_half_nyquist is not None and needs.min_mtf_half_nyquist is not None:
         value, where = worst(figures.mtf_half_nyquist, three, highest=False)
         least = at_all(figures, needs.min_mtf_half_nyquist)

@@ -19,7 +19,7 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import SolverError
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.leaning import settings_of, tilt_notes
-from uwopt.forward.assembly import Generic, build_problem, selected
+from uwopt.forward.assembly import Generic, build_problem, selected, wish
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics, seen_anew
@@ -205,7 +205,7 @@ def not_settable() -> Note:
 
 def colour_notes(problem: Problem, hardware: Hardware) -> list[Note]:
     """What sensor was chosen where the mission leaves open whether it sees colours."""
-    if any(view.requirements.colour != "any" for view in problem.mission.views):
+    if any(wish(view.requirements, "colour") != "any" for view in problem.mission.views):
         return []
     got = problem.parts.cameras[hardware.camera].colour
     other = "colour" if got == "mono" else "mono"

@@ -46,6 +46,8 @@ REQUIREMENTS: Mapping[str, str] = {
     "min_swath_m": "swath",
     "min_snr_db": "signal to noise",
     "min_snr": "signal to noise",
+    "min_snr_red_db": "signal to noise of red",
+    "max_white_balance": "white balance, strongest over weakest channel",
     "min_contrast": "contrast",
     "min_uniformity": "evenness of the light",
     "min_mtf_half_nyquist": "sharpness at half Nyquist",

@@ -68,10 +68,9 @@ def _of_scene(scene: SmoothScene, at: SmoothSettings) -> dict[str, float]:
     else:
         found["level_low"] = _over(scene.min_level, at.level)
         found["level_high"] = _over(at.level, scene.max_level)
-    if scene.min_snr > 0.0:
-        for pixel, (signal_e, total_e) in enumerate(scene.wanted):
-            reached = scene.snr(signal_e, at, total_e=total_e)
-            found[f"min_snr_{pixel}"] = 1.0 - reached / scene.min_snr
+    for pixel, (signal_e, total_e, wanted) in enumerate(scene.wanted):
+        reached = scene.snr(signal_e, at, total_e=total_e)
+        found[f"min_snr_{pixel}"] = 1.0 - reached / wanted
     for altitude, signal_e in enumerate(scene.total_e):
         digital_dn = scene.digital_dn(signal_e, at, offset_dn=scene.black_level_dn)
         found[f"saturation_{altitude}"] = _over(scene.highlight_ratio * digital_dn, scene.full_scale_dn)

@@ -51,7 +51,7 @@ class SmoothScene:
 
     signal_e: tuple[float, ...]  # image mean, by altitude
     total_e: tuple[float, ...]  # veils included
-    wanted: tuple[tuple[float, float], ...]  # signal and total of each pixel that min_snr is asked of
+    wanted: tuple[tuple[float, float, float], ...]  # of pixels with an SNR to reach: signal, total, SNR
     nominal: int
     read_noise_e: float
     gain_dn_per_e: float
@@ -79,7 +79,6 @@ class SmoothScene:
     working_factor: float
     n_low: float
     n_high: float
-    min_snr: float
     mean_level: float | None
     highlight_ratio: float
 
@@ -99,14 +98,13 @@ class SmoothScene:
         return SmoothScene(
             signal_e=signal,
             total_e=tuple(float(v) for v in rows.total_e[0]),
-            wanted=wanted_pixels(rows),
+            wanted=(*wanted_pixels(rows), *wanted_of_red(rows)),
             nominal=rows.nominal,
             kind=int(rows.kind[0]),
             dims_freely=free,
             levels=() if free else steps,
             min_level=max(one(rows.min_level), DIMMEST),
             max_level=top,
-            min_snr=float(rows.min_snr),
             mean_level=rows.mean_level,
             highlight_ratio=float(rows.highlight_ratio),
             **{name: one(getattr(rows, name)) for name in COPIED},
@@ -176,12 +174,23 @@ class SmoothScene:
         )
 
 
-def wanted_pixels(rows: SceneRows) -> tuple[tuple[float, float], ...]:
-    """Signal and total per lm s of the pixels and altitudes that min_snr is asked of; a worse one covers others.
+def wanted_of_red(rows: SceneRows) -> tuple[tuple[float, float, float], ...]:
+    """Signal and total per lm s of the red channel at every altitude, and the SNR that is asked of it."""
+    if rows.colour_e is None or rows.min_snr_red <= 0.0:
+        return ()
+    signal = rows.colour_e[0, :, 0]
+    veil = np.zeros_like(signal) if rows.red_veil_e is None else rows.red_veil_e[0]
+    return tuple((float(s), float(s + v), float(rows.min_snr_red)) for s, v in zip(signal, veil, strict=True))
+
+
+def wanted_pixels(rows: SceneRows) -> tuple[tuple[float, float, float], ...]:
+    """Signal, total per lm s and SNR of the pixels and altitudes that min_snr is asked of; a worse one covers others.
 
     Of pixels that may miss it those are left out that need most light with the lowest noise: settings that serve
     the others serve enough, though where noise changes their order a little less light might do.
     """
+    if rows.min_snr <= 0.0:
+        return ()
     if rows.worst_e is None:
         signal, veil = rows.signal_e[0], None if rows.veil_e is None else rows.veil_e[0]
     else:
@@ -193,7 +202,7 @@ def wanted_pixels(rows: SceneRows) -> tuple[tuple[float, float], ...]:
     for one, over in pairs:  # a pixel with more signal and less veil than another is never the worst
         if not kept or over > kept[-1][1]:
             kept.append((one, over))
-    return tuple((one, one + over) for one, over in kept)
+    return tuple((one, one + over, float(rows.min_snr)) for one, over in kept)
 
 
 def asked(rows: SceneRows, at_pixels: Array) -> Array:
@@ -299,10 +308,7 @@ def ruled_out(scene: SmoothScene, piece: Piece) -> bool:
     dim = SmoothSettings(widest, shortest, piece.level_low, 1.0, piece.exposure_s(shortest))
     nominal, brightest = scene.total_e[scene.nominal], max(scene.total_e)
     wanted, headroom = wanted_dn(scene), headroom_dn(scene)
-    if scene.min_snr > 0.0 and any(
-        scene.snr(signal, bright, total_e=total) < scene.min_snr * (1.0 - 1e-9)
-        for signal, total in scene.wanted
-    ):
+    if any(scene.snr(signal, bright, total_e=total) < snr * (1.0 - 1e-9) for signal, total, snr in scene.wanted):
         return True
     if headroom <= 0.0 or scene.digital_dn(brightest, dim, offset_dn=0.0) > headroom * (1.0 + 1e-9):
         return True

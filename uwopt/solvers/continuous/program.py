@@ -249,11 +249,8 @@ class Program:
     def _plain_names(self) -> tuple[list[str], list[str]]:
         names, equal = [], []
         for index, (scene, piece) in enumerate(zip(self.scenes, self.pieces, strict=True)):
-            if scene.min_snr > 0.0:
-                several = len(scene.wanted) > 1
-                names += [
-                    f"min_snr[{index}]" + (f" at {n}" if several else "") for n in range(len(scene.wanted))
-                ]
+            several = len(scene.wanted) > 1
+            names += [f"min_snr[{index}]" + (f" at {n}" if several else "") for n in range(len(scene.wanted))]
             if max(scene.signal_e) > 0.0:
                 names.append(f"saturation[{index}]")
             if np.isfinite(scene.well_e) and max(scene.signal_e) > 0.0:
@@ -294,10 +291,7 @@ def scene_rules(scene: SmoothScene, at: SmoothSettings) -> list[Symbolic]:
     """Enough SNR where it is darkest, no saturation where it is brightest: both grow with signal."""
     rules: list[Symbolic] = []
     brightest = max(scene.total_e)
-    if scene.min_snr > 0.0:
-        rules += [
-            -np.log(scene.snr(signal, at, total_e=total) / scene.min_snr) for signal, total in scene.wanted
-        ]
+    rules += [-np.log(scene.snr(signal, at, total_e=total) / wanted) for signal, total, wanted in scene.wanted]
     if brightest > 0.0:
         rules.append(np.log(scene.digital_dn(brightest, at, offset_dn=0.0) / headroom_dn(scene)))
     if np.isfinite(scene.well_e) and brightest > 0.0:

@@ -31,6 +31,8 @@ from uwopt.units import ratio_to_db
 # Requirement -> (section, key, objective that makes its figure best, or None when none does)
 RELAXABLE: dict[str, tuple[str, str, str | None]] = {
     "min_snr": ("requirements", "min_snr_db", "snr_db"),
+    "min_snr_red_db": ("requirements", "min_snr_red_db", None),
+    "max_white_balance": ("requirements", "max_white_balance", None),
     "max_gsd_mm": ("requirements", "max_gsd_mm", "gsd_mm"),
     "min_swath_m": ("requirements", "min_swath_m", None),
     "min_dof_m": ("requirements", "min_dof_m", None),

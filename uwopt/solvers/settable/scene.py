@@ -343,7 +343,7 @@ def means_alone(rows: DesignRows) -> DesignRows:
 def only_pixels(light: Any, keep: Index) -> Any:
     """Light of lamps or sun with some of its pixels."""
     columns = {f.name: getattr(light, f.name) for f in fields(light)}
-    of_pixels = {k: c for k, c in columns.items() if isinstance(c, np.ndarray) and c.ndim == 3}
+    of_pixels = {k: c for k, c in columns.items() if isinstance(c, np.ndarray) and k.startswith("worst")}
     return replace(light, **{k: c[:, :, keep] for k, c in of_pixels.items()})
 
 

@@ -208,6 +208,8 @@ class SceneCells:
             top = np.minimum(box.u_hi, np.where(timed, self.share[d] * (1 + 1e-9) / duty, np.inf))
             top = np.minimum(top, np.where(per_level_lo > 0, high / per_level_lo * (1 + SLACK), np.inf))
             bottom = np.maximum(box.u_lo, low / per_level_hi * (1 - SLACK))
+        if self.sunlit and rows.colour_e is not None and np.isfinite(rows.max_white_balance):
+            bottom, top = self.balanced_levels(rows, box, bottom, top)
         bottom, top = self.steps(d, bottom, top)
         alive = (
             (bottom <= top * (1 + 4 * SLACK)) & (low <= high * (1 + SLACK)) & np.isfinite(bottom) & (top >= 0)
@@ -227,6 +229,15 @@ class SceneCells:
         if rows.worst_e is None:  # what pixels reach may be more than the mean has
             alive &= snr >= rows.min_snr * (1 - 1e-9)
         return Reach(alive, power, snr, contrast, x_lo, x_cap, high, bottom, top)
+
+    def balanced_levels(self, rows: SceneRows, box: Box, bottom: Array, top: Array) -> tuple[Array, Array]:
+        """Levels at which lamps and sun together may be balanced: what decides is X / Y, whatever the f-number."""
+        least, most = balance_window(rows, 1.0, 1.0, np.zeros(len(bottom)), np.full(len(bottom), np.inf))
+        most_lit, least_lit = self.lit_share(rows, box)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            from_level = np.where(least > 0.0, least / (rows.light_lm * most_lit) * (1 - SLACK), 0.0)
+            to_level = np.where(np.isfinite(most), most / (rows.light_lm * least_lit) * (1 + SLACK), np.inf)
+        return np.maximum(bottom, from_level), np.minimum(top, to_level)
 
     def steps(self, d: Array, bottom: Array, top: Array) -> tuple[Array, Array]:
         """Least and greatest level in use within a range; inf and -inf where there is none."""
@@ -385,6 +396,8 @@ def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) ->
         ratio = rows.highlight_ratio
         brightest = (total + dark).max(axis=1)
         holds = lowest >= rows.min_snr * (1 - MEETS)
+        if rows.colour_e is not None:
+            holds &= colours_hold(rows, light_x, sun, noise)
         holds &= ratio * brightest <= rows.well_e * (1 + MEETS)
         level_dn = rows.gain_dn_per_e * gain * brightest + rows.black_level_dn
         if not (rows.optimistic and rows.mean_level is not None):
@@ -398,6 +411,23 @@ def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) ->
         if rows.min_contrast > 0 and not rows.optimistic:
             holds &= share.min(axis=1) >= rows.min_contrast * (1 - MEETS)
     return snr[:, rows.nominal], share[:, rows.nominal], np.asarray(holds)
+
+
+def colours_hold(rows: SceneRows, light_x: Array, sun: Sun | None, noise: dict[str, Any]) -> Array:
+    """Whether the red channel's SNR and the white balance hold at every altitude."""
+    assert rows.colour_e is not None
+    colour = rows.colour_e * light_x[:, None, None]
+    red_veil = 0.0 if rows.red_veil_e is None else rows.red_veil_e * light_x[:, None]
+    if sun is not None and sun.colour_e is not None and sun.red_total_e is not None:
+        colour = colour + sun.colour_e
+        red_veil = red_veil + (sun.red_total_e - sun.colour_e[:, :, 0])
+    holds = np.ones(len(light_x), bool)
+    if rows.min_snr_red > 0.0:
+        snr = sensor.snr(colour[:, :, 0], veil_e=red_veil, **noise)
+        holds &= np.min(snr, axis=1) >= rows.min_snr_red * (1 - MEETS)
+    if np.isfinite(rows.max_white_balance):
+        holds &= np.max(sensor.white_balance(colour), axis=1) <= rows.max_white_balance * (1 + MEETS)
+    return np.asarray(holds)
 
 
 def window_over(
@@ -415,7 +445,7 @@ def window_over(
         least, most = at_least.total_e, at_most.total_e
         helping = Sun(
             at_most.signal_e, np.minimum(at_least.total_e, at_most.total_e), at_most.worst_signal_e,
-            at_least.worst_total_e,
+            at_least.worst_total_e, at_most.colour_e, at_least.red_total_e,
         )  # fmt: skip
     headroom_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
     least_nominal, most_nominal = least[:, rows.nominal] + dark_lo, most[:, rows.nominal] + dark_hi
@@ -438,13 +468,12 @@ def window_over(
                 high = np.minimum(high, np.where(steep & (excess > 0), spare / excess, np.inf).min(axis=1))
                 low = np.maximum(low, np.where(steep & (excess < 0), spare / excess, 0.0).max(axis=1))
         for altitude in range(total.shape[1]):
-            wanted = closed_form.light_for_snr(
-                quiet, altitude, rows.min_snr, worst=rows.worst_e is not None, sun=helping,
-                never=np.inf if helping is None else 0.0,  # with sun of another contrast it rules no X out
-            )  # fmt: skip
-            low = np.maximum(low, wanted)
+            never = np.inf if helping is None else 0.0  # with sun of another contrast it rules no X out
+            low = np.maximum(low, closed_form.light_asked_for(quiet, altitude, sun=helping, never=never))
         if rows.min_contrast > 0.0 and not rows.optimistic:
             low, high = contrast_window(rows, y_lo, y_hi, low, high)
+        if np.isfinite(rows.max_white_balance):
+            low, high = balance_window(rows, y_lo, y_hi, low, high)
     low = np.maximum(np.where(np.isnan(low), np.inf, low), 0.0)
     return low, np.where(np.isnan(high), -np.inf, high)
 
@@ -456,6 +485,29 @@ def contrast_window(rows: SceneRows, y_lo: Any, y_hi: Any, low: Array, high: Arr
     if rows.sun_signal_e_s is None or rows.sun_veil_e_s is None:
         return low, np.where((gains < 0).any(axis=1), -np.inf, high)
     misses = wanted * (rows.sun_signal_e_s + rows.sun_veil_e_s) - rows.sun_signal_e_s
+    return share_window(gains, misses, y_lo, y_hi, low, high)
+
+
+def balance_window(rows: SceneRows, y_lo: Any, y_hi: Any, low: Array, high: Array) -> tuple[Array, Array]:
+    """The window where no channel is more than k times another: k (C_j X + s_j Y) >= C_i X + s_i Y.
+
+    Without sun no X changes it, and rows that miss it have no times.
+    """
+    if rows.colour_e is None or rows.sun_colour_e_s is None:
+        return low, high
+    most, n = rows.max_white_balance * (1 + 1e-10), len(low)
+
+    def over(channels: Array) -> Array:
+        """k c_j - c_i of every pair at every altitude, (n, n_altitudes * 9)."""
+        return np.asarray(most * channels[..., None, :] - channels[..., :, None]).reshape(n, -1)
+
+    return share_window(over(rows.colour_e), -over(rows.sun_colour_e_s), y_lo, y_hi, low, high)
+
+
+def share_window(
+    gains: Array, misses: Array, y_lo: Any, y_hi: Any, low: Array, high: Array
+) -> tuple[Array, Array]:
+    """The window of X in which gains * X >= misses * Y may hold for some Y in its range, in every column of (n, m)."""
     y_lo, y_hi = (np.reshape(y, (-1, 1)) for y in (y_lo, y_hi))
     need = np.where(misses > 0, np.where(gains > 0, misses * y_lo / gains, np.inf), 0.0)
     need = np.where((misses > 0) & (gains <= 0) & (y_lo <= 0), 0.0, need)

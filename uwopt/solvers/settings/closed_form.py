@@ -12,7 +12,7 @@ Q / tau for at most tau. Kinds differ in what power they draw.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from uwopt.model.image_mean import needed_by_most
 from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
+Light = Literal["mean", "worst", "red"]  # what an SNR may be asked of
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,8 @@ class Sun:
     total_e: Array
     worst_signal_e: Array | None = None  # (n, n_altitudes, n_pixels)
     worst_total_e: Array | None = None
+    colour_e: Array | None = None  # (n, n_altitudes, n_channels), red first
+    red_total_e: Array | None = None
 
     @staticmethod
     def at(rows: SceneRows, open_over_n2_s: Array) -> Sun | None:
@@ -68,10 +71,14 @@ class Sun:
             return None
         share = open_over_n2_s[:, None]
         signal, veil = rows.sun_signal_e_s * share, rows.sun_veil_e_s * share
+        made = Sun(signal, signal + veil)
+        if rows.sun_colour_e_s is not None and rows.sun_red_veil_e_s is not None:
+            colour = rows.sun_colour_e_s * share[:, None]
+            made = replace(made, colour_e=colour, red_total_e=colour[:, :, 0] + rows.sun_red_veil_e_s * share)
         if rows.worst_sun_signal_e_s is None or rows.worst_sun_veil_e_s is None:
-            return Sun(signal, signal + veil)
+            return made
         worst, over = (c * share[:, None] for c in (rows.worst_sun_signal_e_s, rows.worst_sun_veil_e_s))
-        return Sun(signal, signal + veil, worst, worst + over)
+        return replace(made, worst_signal_e=worst, worst_total_e=worst + over)
 
 
 @dataclass(frozen=True)
@@ -141,9 +148,8 @@ def window_sides(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | 
             elif rows.most_veil_e is not None:
                 for_level = least_e / (rows.signal_e + rows.most_veil_e)[:, rows.nominal]
         for altitude in range(total.shape[1]):
-            wanted = light_for_snr(rows, altitude, rows.min_snr, worst=rows.worst_e is not None, sun=sun)
-            for_snr = np.maximum(for_snr, wanted)
-        for_snr = np.maximum(for_snr, light_for_snr(rows, rows.nominal, snr_floor, worst=False, sun=sun))
+            for_snr = np.maximum(for_snr, light_asked_for(rows, altitude, sun=sun))
+        for_snr = np.maximum(for_snr, light_for_snr(rows, rows.nominal, snr_floor, of="mean", sun=sun))
     if rows.min_contrast > 0.0 and sun is None:
         full = np.where(contrast(rows) < rows.min_contrast * (1 - 1e-9), -np.inf, full)
     lows = (np.maximum(np.where(np.isnan(low), np.inf, low), 0.0) for low in (for_level, for_snr))
@@ -165,19 +171,28 @@ def nominal_contrast(rows: SceneRows) -> Array:
     return np.where(lit, rows.signal_e[:, rows.nominal] / np.where(lit, every, 1.0), 0.0)
 
 
+def light_asked_for(rows: SceneRows, altitude: int, *, sun: Sun | None = None, never: float = np.inf) -> Array:
+    """Least X that reaches every SNR that the mission asks for at one altitude: of mean or pixels, and of red."""
+    of: Light = "mean" if rows.worst_e is None else "worst"
+    wanted = light_for_snr(rows, altitude, rows.min_snr, of=of, sun=sun, never=never)
+    if rows.min_snr_red > 0.0:
+        red = light_for_snr(rows, altitude, rows.min_snr_red, of="red", sun=sun, never=never)
+        wanted = np.maximum(wanted, red)
+    return wanted
+
+
 def light_for_snr(
-    rows: SceneRows, altitude: int, snr: Array | float, *, worst: bool, sun: Sun | None = None,
-    never: float = np.inf,
-) -> Array:  # fmt: skip
+    rows: SceneRows, altitude: int, snr: Array | float, *, of: Light, sun: Sun | None = None, never: float = np.inf
+) -> Array:
     """Least X that reaches an SNR at one altitude, with the gain at its best; at all its pixels that may not miss it.
 
     The gain lowers quantisation noise; it is as high as the wanted mean level or saturation lets it
     be. Up to the X where the highest gain fills the range, that gain counts; beyond it the noise
     follows the level. SNR grows with X throughout, so the larger of the two answers that apply holds, and
     all but k pixels reach it from the X that is the (k + 1)-th greatest of theirs. `never` is what a pixel
-    asks for that no X serves.
+    asks for that no X serves. `of`: the image's mean, the pixels that the SNR is asked of, or the red channel.
     """
-    at_worst = worst and rows.worst_e is not None
+    at_worst = of == "worst" and rows.worst_e is not None
 
     def for_most(each: Array) -> Array:
         return needed_by_most(np.where(np.isfinite(each), each, never), rows.may_miss if at_worst else 0)
@@ -185,6 +200,10 @@ def light_for_snr(
     if at_worst and rows.worst_e is not None:
         signal = rows.worst_e[:, altitude]
         veil: Any = 0.0 if rows.worst_veil_e is None else rows.worst_veil_e[:, altitude]
+    elif of == "red":
+        assert rows.colour_e is not None
+        signal = rows.colour_e[:, altitude, 0]
+        veil = 0.0 if rows.red_veil_e is None else rows.red_veil_e[:, altitude]
     else:
         signal = rows.signal_e[:, altitude]
         veil = 0.0 if rows.veil_e is None else rows.veil_e[:, altitude]
@@ -204,6 +223,8 @@ def light_for_snr(
         picked = (sun.signal_e, sun.total_e)
         if at_worst and sun.worst_signal_e is not None and sun.worst_total_e is not None:
             picked = (sun.worst_signal_e, sun.worst_total_e)
+        elif of == "red" and sun.colour_e is not None and sun.red_total_e is not None:
+            picked = (sun.colour_e[:, :, 0], sun.red_total_e)
         one, every = (p[:, altitude] if p.ndim == 3 else p[:, altitude, None] for p in picked)
         common.update(other_signal_e=one, other_light_e=every)
         other = sun.total_e
