@@ -70,7 +70,7 @@ DEFECTS: tuple[Defect, ...] = (
         old="        wanted = np.maximum(wanted, red)\n",
         new="        wanted = np.maximum(wanted, 0.0 * red)\n",
         test=(
-            f"{COLOUR}::test_search_asking_of_colours_equals_enumeration[17]",
+            f"{COLOUR}::test_search_asking_of_colours_equals_enumeration[as shipped-24]",
             f"{CONTINUOUS}[red that needs more than the mean-casadi]",
         ),
     ),
@@ -86,7 +86,7 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/forward/setting_rows.py",
         old="        red_veil_e=shining.red_veil_e,\n",
         new="        red_veil_e=None,\n",
-        test=f"{COLOUR}::test_search_asking_of_colours_equals_enumeration[17]",
+        test=f"{COLOUR}::test_red_behind_a_thick_veil_equals_enumeration",
     ),
     Defect(
         name="red has the veil of the mean",
@@ -129,13 +129,6 @@ DEFECTS: tuple[Defect, ...] = (
         old="value, where = worst(red, scene.range_m, highest=False)",
         new="value, where = worst(red, scene.range_m, highest=True)",
         test=f"{COLOUR}::test_the_worst_altitude_counts_for_colours",
-    ),
-    Defect(
-        name="red is not asked of points under the sun",
-        file="uwopt/solvers/settings/cell_bounds.py",
-        old="        holds &= np.min(snr, axis=1) >= rows.min_snr_red * (1 - MEETS)\n",
-        new="        holds &= np.min(snr, axis=1) >= 0.0\n",
-        test=f"{CELLS}::test_colours_under_the_sun_hold_and_are_not_beaten",
     ),
     Defect(
         name="the balance is not asked of points under the sun",
@@ -192,5 +185,12 @@ DEFECTS: tuple[Defect, ...] = (
         old='    if key == "colour" and requirements.min_snr_red_db is not None:',
         new='    if key == "shutter" and requirements.min_snr_red_db is not None:',
         test=f"{COLOUR}::test_the_sensor_is_told_where_the_mission_leaves_it_open",
+    ),
+    Defect(
+        name="red is bounded as if it needed more light than it does",
+        file="uwopt/solvers/exact/bounds.py",
+        old="light_x = np.maximum(light_x, need.by_red_e / red)",
+        new="light_x = np.maximum(light_x, 1.3 * need.by_red_e / red)",
+        test=f"{COLOUR}::test_search_asking_of_colours_equals_enumeration[as shipped-44]",
     ),
 )

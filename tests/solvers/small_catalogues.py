@@ -271,7 +271,7 @@ def asking_of_colours(rng: Rng, plain: dict[str, Any]) -> dict[str, Any]:
     """The mission with something asked of its colours, and subjects that move, of scenes one by one."""
     wanted: dict[str, Any] = {}
     if chance(rng, 0.8):
-        wanted["min_snr_red_db"] = float(rng.uniform(-5, 20))
+        wanted["min_snr_red_db"] = float(rng.uniform(5, 30))
     if chance(rng, 0.5):
         wanted["max_white_balance"] = between(rng, 1.5, 20)
     scenes = [

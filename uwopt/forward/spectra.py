@@ -119,10 +119,12 @@ class Contraction:
         loss = (weight * np.exp(-(optical - least))).sum(axis=1) / max(float(weight.sum()), TINY)
         return np.asarray(loss * np.exp(-least[:, 0]))
 
-    def mean_loss(self, spectrum: int, efficiency: int, *, lamp_m: float, camera_m: float) -> float:
+    def mean_loss(
+        self, spectrum: int, efficiency: int, channel: str | None = None, *, lamp_m: float, camera_m: float
+    ) -> float:
         """Water's loss over one pair of paths, integrated directly."""
         scene = self.scene
-        weight = self.weight(spectrum, efficiency)
+        weight = self.weight(spectrum, efficiency, channel)
         optical = scene.lamp_attenuation_per_m * lamp_m + scene.attenuation_per_m * camera_m
         least = float(optical.min())
         return float((weight * np.exp(-(optical - least))).sum() / max(weight.sum(), TINY) * np.exp(-least))

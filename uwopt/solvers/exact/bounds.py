@@ -80,6 +80,7 @@ class Needs:
     """What imagers need in one scene before any light is chosen."""
 
     by_snr_e: Array  # electrons, at every altitude
+    by_red_e: Array | None  # of the red channel, at every altitude; None: nothing is asked of it
     by_gain_e: Array  # electrons, at the nominal altitude
     square: Array  # of the smallest working f-number
     longest_s: Array
@@ -342,6 +343,10 @@ class Bounds:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             light_x = np.where(need.by_snr_e > 0, need.by_snr_e / signal.min(axis=1), 0.0)
             light_x = np.maximum(light_x, np.where(need.by_gain_e > 0, need.by_gain_e / signal[:, -1], 0.0))
+            if need.by_red_e is not None:
+                far = len(self.problem.scenes[scene_index].range_m) - 1
+                red = self.tables.bound(scene_index, lighting, far, rows, channel="red")
+                light_x = np.maximum(light_x, need.by_red_e / red)
             light_time = np.where(light_x > 0, light_x * need.square, 0.0)
             wanted = light_time if kind == FLASH else light_time / need.longest_s
         wanted = np.where(need.longest_s > 0, wanted, np.inf)
@@ -382,7 +387,7 @@ class Bounds:
             focused = self.imagers.scenes[scene_index].focused.take(rows)
             by_snr, by_gain = self._electrons_needed(scene_index, rows)
             known[scene_index] = Needs(
-                by_snr, by_gain, np.square(focused.n_low * focused.working_factor),
+                by_snr, self._red_needed(scene_index, rows), by_gain, np.square(focused.n_low * focused.working_factor),
                 self._longest_time_s(focused, rows), focused.rate_hz,
             )  # fmt: skip
         return known[scene_index]
@@ -439,6 +444,16 @@ class Bounds:
         by_gain = wanted_dn / (cameras.gain_dn_per_e * cameras.max_gain)
         longest = np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
         return np.asarray(need), np.asarray(by_gain - cameras.dark_current_e_s * longest)
+
+    def _red_needed(self, scene_index: int, rows: Array) -> Array | None:
+        """Fewest electrons of the red channel for the SNR that is asked of it; None where none must be of a lamp."""
+        wanted = self.problem.scenes[scene_index].view.requirements.min_snr_red
+        if wanted is None or self.is_sunlit(scene_index):
+            return None
+        cameras = self.problem.cameras.take(self.imagers.camera[rows])
+        return np.asarray(sensor.electrons_for_snr(
+            wanted, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
+        ))  # fmt: skip
 
     def is_sunlit(self, scene_index: int) -> bool:
         """Whether light counts that no lamp gives."""

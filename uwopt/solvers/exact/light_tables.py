@@ -22,6 +22,7 @@ from uwopt.forward.lamps import Mount, on_axis_gain, one_side
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import RememberedField
 from uwopt.forward.scene import Pixels
+from uwopt.forward.spectra import sees_colours
 from uwopt.forward.views import table_reach_m
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, flat_slope_m
@@ -72,12 +73,15 @@ class FieldTables:
             {} if like is None else like._light_tables
         )
         self._widest: dict[tuple[int, int], Rectangles] = {} if like is None else like._widest
-        self._losses: dict[tuple[int, int, int, int, int], float] = {} if like is None else like._losses
+        self._losses: dict[tuple[int, int, int, int, int, str | None], float] = {} if like is None else like._losses
         self._likely: dict[Any, Array] = {}
         self._chunk: tuple[Array, dict[tuple[int, int], Rectangles], Array, Array] | None = None
 
-    def bound(self, scene_index: int, lighting: Lighting, altitude: int, rows: Array) -> Array:
-        """Upper bound on the electrons per lm s of these imagers at one altitude, (n,)."""
+    def bound(
+        self, scene_index: int, lighting: Lighting, altitude: int, rows: Array, *, channel: str | None = None
+    ) -> Array:
+        """Upper bound on the electrons per lm s of these imagers at one altitude, (n,); of one colour channel, which a
+        mono sensor has not."""
         problem, imagers = self.problem, self.imagers
         rectangles, curves, back = self._of_chunk(rows)
         contraction = problem.contractions[scene_index]
@@ -86,10 +90,12 @@ class FieldTables:
         if problem.paper:  # knows no field, so the bound is exact
             beam, ranges = problem.beam(scene_index, lighting.optics), problem.scenes[scene_index].range_m
             axis = on_axis_gain(beam, ranges)[altitude]
-            loss = [contraction.straight_loss(spectrum, int(q))[altitude] for q in curves]
+            loss = [contraction.straight_loss(spectrum, int(q), channel)[altitude] for q in curves]
         else:
-            loss = [self._least_loss(scene_index, lighting, altitude, int(q)) for q in curves]
-        response = np.array([contraction.response(spectrum, int(q)) for q in curves]) * np.array(loss)
+            loss = [self._least_loss(scene_index, lighting, altitude, int(q), channel) for q in curves]
+        response = np.array([contraction.response(spectrum, int(q), channel) for q in curves]) * np.array(loss)
+        if channel is not None:
+            response = response * np.array([sees_colours(problem.efficiencies[int(q)]) for q in curves])
         if problem.paper:
             return np.asarray(collecting * response[back] * axis)
         key = (scene_index, altitude)
@@ -115,15 +121,17 @@ class FieldTables:
             self._chunk = (rows, {}, curves, back)
         return self._chunk[1:]
 
-    def _least_loss(self, scene_index: int, lighting: Lighting, altitude: int, efficiency: int) -> float:
+    def _least_loss(
+        self, scene_index: int, lighting: Lighting, altitude: int, efficiency: int, channel: str | None
+    ) -> float:
         """Water's loss over the shortest possible paths."""
-        key = (scene_index, lighting.optics, lighting.mount_index, altitude, efficiency)
+        key = (scene_index, lighting.optics, lighting.mount_index, altitude, efficiency, channel)
         if key not in self._losses:
             scene, contraction = self.problem.scenes[scene_index], self.problem.contractions[scene_index]
             range_m = float(scene.range_m[altitude])
             height = min(range_m - z for z in lighting.mount.lamps(2).z_m)
             spectrum = int(contraction.spectrum_of[lighting.optics])
-            self._losses[key] = contraction.mean_loss(spectrum, efficiency, lamp_m=height, camera_m=range_m)
+            self._losses[key] = contraction.mean_loss(spectrum, efficiency, channel, lamp_m=height, camera_m=range_m)
         return self._losses[key]
 
     def _light_table(self, scene_index: int, lighting: Lighting, altitude: int) -> FloorLightBound:

@@ -26,11 +26,15 @@ MOST_NODES = 400_000  # that are worked on together
 class SignalTables(FieldTables):
     """Bounds of the light, integrated at the farthest altitude where the beam has no sharp edge."""
 
-    def bound(self, scene_index: int, lighting: Lighting, altitude: int, rows: Array) -> Array:
-        """Upper bound on the electrons per lm s of these imagers at one altitude, (n,)."""
+    def bound(
+        self, scene_index: int, lighting: Lighting, altitude: int, rows: Array, *, channel: str | None = None
+    ) -> Array:
+        """Upper bound on the electrons per lm s of these imagers at one altitude, (n,); of a channel not integrated."""
         scene, beam = self.problem.scenes[scene_index], self.problem.beam(scene_index, lighting.optics)
-        coarse = super().bound(scene_index, lighting, altitude, rows)
-        if self.problem.paper or altitude != len(scene.range_m) - 1 or beams.has_sharp_edge(beam):
+        coarse = super().bound(scene_index, lighting, altitude, rows, channel=channel)
+        if channel is not None or self.problem.paper:
+            return coarse
+        if altitude != len(scene.range_m) - 1 or beams.has_sharp_edge(beam):
             return coarse
         return np.asarray(
             np.minimum(coarse, self._integrated(scene_index, lighting, altitude, rows) * MARGIN)
