@@ -187,10 +187,17 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{COLOUR}::test_the_sensor_is_told_where_the_mission_leaves_it_open",
     ),
     Defect(
-        name="red is bounded as if it needed more light than it does",
-        file="uwopt/solvers/exact/bounds.py",
-        old="light_x = np.maximum(light_x, need.by_red_e / red)",
-        new="light_x = np.maximum(light_x, 1.3 * need.by_red_e / red)",
-        test=f"{COLOUR}::test_search_asking_of_colours_equals_enumeration[as shipped-44]",
+        name="red is bounded by a part of its light",
+        file="uwopt/solvers/exact/light_tables.py",
+        old="response = response * np.array([sees_colours(",
+        new="response = 0.3 * response * np.array([sees_colours(",
+        test=f"{COLOUR}::test_no_image_has_more_red_than_its_bound",
+    ),
+    Defect(
+        name="designs that are none have some balance",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="return pairs.reshape(n, int(np.prod(pairs.shape[1:])))",
+        new="return pairs.reshape(n, -1)",
+        test=f"{COLOUR}::test_no_designs_have_no_balance",
     ),
 )

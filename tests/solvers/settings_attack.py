@@ -235,8 +235,8 @@ SIGNS = {"power": 1.0, "snr_db": -1.0, "contrast": -1.0, "information": -1.0}
 #: Rows under the sun of which something of their colours is asked: what they are, and an objective.
 COLOURED: dict[str, tuple[dict[str, Any], str]] = {
     "power of a red image under the sun": (
-        dict(sun=(3e3, 2e3), veil=20.0, open_max_s=5e-3, colours=((20.0, 100.0, 60.0), (600.0, 3e3, 4e3)),
-             min_snr_red=4.0),
+        dict(sun=(2e5, 6e4), veil=20.0, open_max_s=5e-3, colours=((20.0, 100.0, 60.0), (3e4, 3e4, 4e4)),
+             min_snr_red=6.0),
         "power",
     ),
     "power of lamps that balance the sun's colours": (

@@ -19,6 +19,7 @@ from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.effects import ImagerGroup, bounds_of
 from uwopt.objectives.requirements import MarginRows
 from uwopt.solvers.recommend import colour_notes
+from uwopt.solvers.settings.cell_bounds import window_over
 from uwopt.solvers.settings.closed_form import light_for_snr
 
 BURNING = lamp("burning", flux_lm=2e4, power_w=200.0)
@@ -34,6 +35,29 @@ def test_search_asking_of_colours_equals_enumeration(seed: int) -> None:
     """Best designs, feasibility and account of cases with a red SNR, a white balance and subjects that move."""
     coloured = case(seed, coloured=True)
     agree(coloured, coloured.solve()[1], ranked(enumerated(seed, coloured=True)))
+
+
+@pytest.mark.parametrize("seed", [17, 44])
+def test_no_image_has_more_red_than_its_bound(seed: int) -> None:
+    """Bounds of images under every lighting, taken before the integrals, against the integrals."""
+    search = case(seed, coloured=True).searcher()
+    imagers = search.prepare()
+    rows, far = np.arange(len(imagers)), len(search.problem.scenes[0].range_m) - 1
+    nearness = []
+    for lighting in search.tables.lightings:
+        bound = search.tables.bound(0, lighting, far, rows, channel="red")
+        light = search.tables.exact(0, lighting, rows, veils="none")
+        assert light.colour_e is not None
+        red = light.colour_e[:, far, 0]
+        assert (red <= bound * (1 + 1e-9)).all()
+        nearness += [*(red[bound > 0] / bound[bound > 0])]
+    assert max(nearness) > 0.4
+
+
+def test_no_designs_have_no_balance() -> None:
+    none = lit(colours=((50.0, 100.0, 60.0), (1e4, 3e5, 4e5)), sun=(3e5, 2e5), max_white_balance=6.0).take(np.arange(0))
+    y = np.empty(0)
+    assert [len(side) for side in window_over(none, y, y, y, y)] == [0, 0]
 
 
 def test_red_behind_a_thick_veil_equals_enumeration() -> None:

@@ -499,7 +499,8 @@ def balance_window(rows: SceneRows, y_lo: Any, y_hi: Any, low: Array, high: Arra
 
     def over(channels: Array) -> Array:
         """k c_j - c_i of every pair at every altitude, (n, n_altitudes * 9)."""
-        return np.asarray(most * channels[..., None, :] - channels[..., :, None]).reshape(n, -1)
+        pairs = np.asarray(most * channels[..., None, :] - channels[..., :, None])
+        return pairs.reshape(n, int(np.prod(pairs.shape[1:])))
 
     return share_window(over(rows.colour_e), -over(rows.sun_colour_e_s), y_lo, y_hi, low, high)
 
