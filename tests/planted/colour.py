@@ -131,18 +131,11 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{COLOUR}::test_the_worst_altitude_counts_for_colours",
     ),
     Defect(
-        name="the balance is not asked of points under the sun",
-        file="uwopt/solvers/settings/cell_bounds.py",
-        old="        holds &= np.max(sensor.white_balance(colour), axis=1) <= rows.max_white_balance * (1 + MEETS)\n",
-        new="        holds &= np.max(sensor.white_balance(colour), axis=1) >= 1.0\n",
-        test=f"{CELLS}::test_colours_under_the_sun_hold_and_are_not_beaten",
-    ),
-    Defect(
         name="the sun's balance is taken at its most where it harms",
         file="uwopt/solvers/settings/cell_bounds.py",
         old="np.where(gains > 0, misses * y_lo / gains, np.inf), 0.0)",
         new="np.where(gains > 0, misses * y_hi / gains, np.inf), 0.0)",
-        test=f"{BOUNDED}[power of lamps that balance the sun's colours]",
+        test=f"{BOUNDED}[power of pulses that balance the sun's colours]",
     ),
     Defect(
         name="the sun's help for red is taken at its least",

@@ -243,6 +243,11 @@ COLOURED: dict[str, tuple[dict[str, Any], str]] = {
         dict(sun=(3e5, 2e5), open_max_s=5e-3, colours=((50.0, 100.0, 60.0), (1e4, 3e5, 4e5)), max_white_balance=6.0),
         "power",
     ),
+    "power of pulses that balance the sun's colours": (
+        dict(sun=(3e5, 2e5), open_max_s=5e-3, colours=((50.0, 100.0, 60.0), (1e4, 3e5, 4e5)), max_white_balance=6.0,
+             kind=PULSED, rate_hz=5.0, min_exposure_s=1e-5, time_max_s=4e-3),
+        "power",
+    ),
     "signal of lamps that the sun's colours balance": (
         dict(sun=(3e5, 2e5), open_max_s=5e-3, colours=((8.0, 100.0, 60.0), (2e5, 3e5, 2.5e5)), max_white_balance=6.0),
         "snr_db",
