@@ -71,14 +71,14 @@ def pixels(signal_e: list[float], **changed: Any) -> Any:
 def test_light_for_an_snr_of_20_over_most_pixels(may_miss: int, dimmest_e: float) -> None:
     rows = replace(pixels([10.0, 2.0, 30.0, 3.0]), may_miss=may_miss)
     # 400 electrons in the dimmest that may not miss: X = 400 / (electrons per lm s)
-    found = closed_form.light_for_snr(rows, 0, 20.0, worst=True)
+    found = closed_form.light_for_snr(rows, 0, 20.0, of="worst")
     assert found[0] == pytest.approx(400.0 / dimmest_e, rel=1e-9)
 
 
 def test_pixels_that_no_light_serves_may_miss_too() -> None:
     rows = replace(pixels([0.0, 8.0, 16.0]), may_miss=1, read_noise_e=np.array([1e-3]))
-    assert closed_form.light_for_snr(rows, 0, 20.0, worst=True)[0] == pytest.approx(50.0, rel=1e-8)
-    assert closed_form.light_for_snr(replace(rows, may_miss=0), 0, 20.0, worst=True)[0] == np.inf
+    assert closed_form.light_for_snr(rows, 0, 20.0, of="worst")[0] == pytest.approx(50.0, rel=1e-8)
+    assert closed_form.light_for_snr(replace(rows, may_miss=0), 0, 20.0, of="worst")[0] == np.inf
 
 
 def test_a_pixel_in_the_sun_needs_the_rest_alone() -> None:
@@ -86,7 +86,7 @@ def test_a_pixel_in_the_sun_needs_the_rest_alone() -> None:
     # 100, 200 and 300 electrons of the sun: the second needs 400 - 200 of 4 a lm s
     there = np.array([[[300.0, 100.0, 200.0]]])
     sun = Sun(np.array([[200.0]]), np.array([[200.0]]), there, there)
-    assert closed_form.light_for_snr(rows, 0, 20.0, worst=True, sun=sun)[0] == pytest.approx(50.0, rel=1e-9)
+    assert closed_form.light_for_snr(rows, 0, 20.0, of="worst", sun=sun)[0] == pytest.approx(50.0, rel=1e-9)
 
 
 @pytest.mark.parametrize(("pixels_asked", "least"), [(None, 1.0), ("darkest", 1.0), ("frame", 0.95)])
