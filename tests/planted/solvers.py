@@ -520,4 +520,11 @@ DEFECTS: tuple[Defect, ...] = (
         new="worse.sum(axis=1) <= may_miss",
         test="tests/forward/test_remembered.py::test_pixels_that_never_decide_are_left_out",
     ),
+    Defect(
+        name="the sun at other pixels than the lamps' light",
+        file="uwopt/forward/setting_rows.py",
+        old="{name: np.take_along_axis(c, few, axis=2) for",
+        new="{name: np.sort(np.take_along_axis(c, few, axis=2), axis=2) for",
+        test=f"{FRAME}test_darkest_pixels_alone_bound_the_light_under_the_sun[0]",
+    ),
 )

@@ -11,6 +11,7 @@ import pytest
 from hand_made_rows import scene
 from scipy.optimize import brentq
 
+from uwopt.forward.setting_rows import of_darkest_pixels
 from uwopt.model.image_mean import (
     FRAME_MAY_MISS,
     FRAME_PLACES,
@@ -95,3 +96,24 @@ def test_the_mean_may_be_darker_than_what_most_of_the_image_has(pixels_asked: An
     asked: Any = type("Asked", (), {"pixels": pixels_asked})()
     frac = least_mean_frac(asked)
     assert 0.8 * least <= frac <= least
+
+
+@pytest.mark.parametrize("may_miss", [0, 3])
+def test_darkest_pixels_alone_bound_the_light_under_the_sun(may_miss: int) -> None:
+    rng = np.random.default_rng(8)
+    lamps, there = rng.uniform(1.0, 9.0, (1, 1, 40)), rng.uniform(1.0, 99.0, (1, 1, 40))
+    rows = replace(
+        pixels([1.0]), worst_e=lamps, may_miss=may_miss, worst_sun_signal_e_s=there, worst_sun_veil_e_s=0.1 * there
+    )
+
+    def least(of: Any) -> float:
+        at_once = of.worst_sun_signal_e_s + of.worst_sun_veil_e_s
+        sun = Sun(np.array([[1.0]]), np.array([[1.0]]), of.worst_sun_signal_e_s, at_once)
+        return float(closed_form.light_for_snr(of, 0, 20.0, worst=True, sun=sun)[0])
+
+    few = of_darkest_pixels(rows, 12)
+    assert few.worst_e.shape == (1, 1, 12) and few.may_miss == may_miss
+    pairs = set(zip(lamps.ravel(), there.ravel(), 0.1 * there.ravel(), strict=True))
+    kept = (few.worst_e, few.worst_sun_signal_e_s, few.worst_sun_veil_e_s)
+    assert set(zip(*(column.ravel() for column in kept), strict=True)) <= pairs
+    assert 0.8 * least(rows) <= least(few) <= least(rows)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -152,6 +152,25 @@ class SceneRows(Columns):
         whole = (self.kind != CONTINUOUS) & (time_s >= self.flash_duration_s * WHOLE_FLASH)
         cut = time_s - self.exposure_offset_s
         return np.where((self.kind == PULSED) | whole, around_pulse, cut)
+
+
+PIXEL_COLUMNS = ("worst_e", "worst_veil_e", "worst_sun_signal_e_s", "worst_sun_veil_e_s")
+
+
+def of_darkest_pixels(rows: SceneRows, count: int) -> SceneRows:
+    """Rows for bounds under the sun: the SNR is asked of so many pixels alone, of which as many as before may miss it.
+
+    Settings at which no more than k of all pixels miss it are such that no more than k of some do. Those with the
+    least light of lamps and sun, each as a share of its most, are kept: any would do.
+    """
+    lamps, sun = rows.worst_e, rows.worst_sun_signal_e_s
+    if lamps is None or sun is None or lamps.shape != sun.shape or lamps.shape[2] <= count:
+        return rows
+    shares = [column / np.maximum(column.max(axis=2, keepdims=True), 1e-300) for column in (lamps, sun)]
+    few = np.argpartition(shares[0] + shares[1], count, axis=2)[:, :, :count]
+    columns = {name: getattr(rows, name) for name in PIXEL_COLUMNS}
+    kept: dict[str, Any] = {name: np.take_along_axis(c, few, axis=2) for name, c in columns.items() if c is not None}
+    return replace(rows, **kept)
 
 
 SHORTEST_TIME_S = 1e-9

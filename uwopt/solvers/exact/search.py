@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.floor_light import even_enough
-from uwopt.forward.lamp_light import ImageLight, SunLight, Veils
+from uwopt.forward.lamp_light import LIKELY_PLACES, ImageLight, SunLight, Veils
 from uwopt.forward.lamp_views import keeps_clear, lamps_refused
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
-from uwopt.forward.setting_rows import SceneRows, setting_rows
+from uwopt.forward.setting_rows import SceneRows, of_darkest_pixels, setting_rows
 from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.objectives.objective import Objective, Terms
@@ -468,6 +468,8 @@ class Search:
                 sun=self._sun(index, imager, count, lighting, pixels=pixels),
                 sharp=self._sharp(index, imager, lighting),
             )  # fmt: skip
+            if optimistic:
+                rows = of_darkest_pixels(rows, LIKELY_PLACES)
             if not optimistic and self._has_rules(index):
                 kept = self._keeps_rules_in(index, imager, light, count, lighting)
                 rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, -1.0))
