@@ -347,6 +347,10 @@ class Search:
         if not veiled and not any(self._asks_of_image(index) for index in range(len(lights))):
             self._rank(pairs, [light.take(pairs.node) for light in lights], lighting)
             return
+        if any(self.bounds.is_sunlit(index) for index in range(len(lights))):  # bounds of settings cost more than rules
+            pairs = pairs.take(np.nonzero(self._keeps_rules(pairs, lighting))[0])
+            if len(pairs.node) == 0:
+                return
         found = 0
         # each costs more than the one before
         stages: tuple[Veils, ...] = ("none", "forward", "coarse") if veiled else ("none",)
