@@ -12,7 +12,7 @@ from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.certificate import certificate
-from uwopt.solvers.explain.infeasible import explain
+from uwopt.solvers.explain.infeasible import Explanation
 from uwopt.solvers.explain.least_change import rounded_away
 from uwopt.solvers.recommend import seek
 
@@ -78,7 +78,7 @@ def told(wanted: Mission, catalog: Catalog) -> dict[str, float]:
     found = seek(wanted, catalog, POWER, generic="never", top=1)
     assert not found.outcome.best
     proof = certificate(found.selection, found.problem, found.outcome, POWER)
-    why = explain(wanted, catalog, POWER, proof, generic="never")
+    why = Explanation(wanted, catalog, POWER, "never").told(proof)
     return {item["name"]: item["needed"] for item in why["relaxations"]}
 
 

@@ -78,14 +78,6 @@ class Without:
     found: Sought
 
 
-def explain(
-    mission: Mission, catalog: Catalog, objective: Objective, certificate: Certificate, *, generic: Generic,
-    deadline: Deadline = NEVER, progress: Progress | None = None, like: Problem | None = None,
-) -> WhyNothing:  # fmt: skip
-    """The `infeasible` part of a result; see `Explanation`."""
-    return Explanation(mission, catalog, objective, generic, deadline, progress, like).told(certificate)
-
-
 BOUNDED = ("light", "bound", "power_w", "energy_wh", "cost", "mass_kg")
 TURN = 0.25  # of the time left: what one requirement may take of it
 
