@@ -260,3 +260,21 @@ def test_no_file_makes_the_check_crash(content, suffix, tmp_path):
 )
 def test_no_text_makes_the_check_crash(text, suffix, tmp_path):
     check_file(written(tmp_path, f"lenses{suffix}", text))
+
+
+@pytest.mark.parametrize(
+    ("columns", "cells", "pitch_um"),
+    [
+        ("rated_pixel_pitch_um,mounts", "2.4,C", (2.4, 1.2, 3.84)),  # machine vision: 1, 0.5 to 1.6 of the rating
+        ("rated_lp_per_mm,mounts", "100,C", (5.0, 2.5, 8.0)),  # half a line pair is 5 um
+        ("rated_pixel_pitch_um,mounts", "2.0,S", (3.0, 2.0, 5.0)),  # board lenses: 1.5, 1 to 2.5
+        ("rated_pixel_pitch_um,mounts", "4.0,F", (3.0, 1.6, 5.0)),  # photographic: 0.75, 0.4 to 1.25
+        ("mounts", "C", (2.8, 1.5, 4.7)),  # not rated
+        ("rated_pixel_pitch_um,mounts,aberration_pitch_um", "2.4,C,0", (0.0, 0.0, 0.0)),  # stated: perfect
+    ],
+)
+def test_aberrations_of_a_lens_follow_its_class_and_rating_unless_stated(columns, cells, pitch_um, tmp_path):
+    written(tmp_path, "lenses.csv", f"id,focal_length_mm,{columns}\nmine,6,{cells}\n")
+    found = load_catalog(["lenses.csv"], base_dir=tmp_path).part("mine").aberration_pitch_um
+    assert (found.value, found.low, found.high) == pytest.approx(pitch_um)
+    assert found.estimated == ("aberration" not in columns)

@@ -20,7 +20,7 @@ from uwopt.model.sharpness import Sharpness
 
 FREQUENCIES = np.linspace(0.0, 1.0, 401)
 GOOD = Sharpness(working_f_number=2.8, wavelength_nm=540.0, pixel_pitch_m=3.45e-6)
-PLAIN = replace(GOOD, motion_blur_px=0.5, defocus_px=1.5, rated_pitch_px=0.8)
+PLAIN = replace(GOOD, motion_blur_px=0.5, defocus_px=1.5, lens_pitch_px=0.8)
 NOTHING = replace(GOOD, working_f_number=0.0)  # a pixel and no lens at all
 
 blurs = st.floats(0.0, 4.0)
@@ -118,8 +118,8 @@ def test_diffraction_by_hand() -> None:
 def test_lens_rating_halves_the_contrast_at_its_nyquist_frequency() -> None:
     # rated for 2.4 um on 3.45 um pixels: nu_r = 1 / (2 * 2.4 um) = 0.5 / 0.69565 cycles per px
     rated_px = 2.4 / 3.45
-    assert sharpness.lens_rating_mtf(0.5 / rated_px, rated_pitch_px=rated_px) == pytest.approx(0.5)
-    assert sharpness.lens_rating_mtf(1.0 / rated_px, rated_pitch_px=rated_px) == pytest.approx(0.5**4)
+    assert sharpness.lens_mtf(0.5 / rated_px, lens_pitch_px=rated_px) == pytest.approx(0.5)
+    assert sharpness.lens_mtf(1.0 / rated_px, lens_pitch_px=rated_px) == pytest.approx(0.5**4)
 
 
 @pytest.mark.parametrize("infinite", [1e6, 1e200, math.inf])
@@ -132,7 +132,7 @@ def test_each_factor_is_zero_beyond_its_null_and_one_without_cause(infinite: flo
         assert factor(0.5, **{cause: infinite}) == pytest.approx(0.0, abs=1e-15)
         assert factor(0.0, **{cause: infinite}) == 1.0
         assert factor(0.5, **{cause: 0.0}) == 1.0
-    assert sharpness.lens_rating_mtf(0.5, rated_pitch_px=0.0) == 1.0
+    assert sharpness.lens_mtf(0.5, lens_pitch_px=0.0) == 1.0
 
 
 @given(cause=st.floats(0.0, 20.0), more=st.floats(0.0, 5.0), nu=st.floats(0.0, 2.0))
@@ -141,7 +141,7 @@ def test_factors_fall_with_frequency_and_cause(cause: float, more: float, nu: fl
         (sharpness.sinc_mtf, "width_px"),
         (sharpness.diffraction_mtf, "cycle_px"),
         (sharpness.defocus_mtf, "disc_px"),
-        (sharpness.lens_rating_mtf, "rated_pitch_px"),
+        (sharpness.lens_mtf, "lens_pitch_px"),
     ):
         here = factor(nu, **{name: cause})
         assert 0.0 <= here <= 1.0
@@ -164,7 +164,7 @@ def test_factors_fall_with_frequency_and_cause(cause: float, more: float, nu: fl
 def test_frequencies_at_a_level_are_those_of_a_root_finder(
     n: float, blur: float, disc: float, rating: float, spread: float, level: float
 ) -> None:
-    base = replace(GOOD, working_f_number=n, motion_blur_px=blur, defocus_px=disc, rated_pitch_px=rating)
+    base = replace(GOOD, working_f_number=n, motion_blur_px=blur, defocus_px=disc, lens_pitch_px=rating)
     sharp = with_colour(base, spread, 0.6)
     for got, transfer in zip(
         sharpness.frequencies_at_cyc_per_px(level, sharpness=sharp),
@@ -243,7 +243,7 @@ def plain_sums_bit_per_px(name: str, cells: int) -> dict[float, float]:
     s = np.minimum(radius * sharp.diffraction_px, 1.0)
     pupil = (2 * np.arccos(s) - np.sin(2 * np.arccos(s))) / np.pi
     moving = np.where(np.abs(along) * sharp.motion_blur_px < 1.0, np.sinc(along * sharp.motion_blur_px), 0.0)
-    rating = 0.5 ** ((2 * sharp.rated_pitch_px * radius) ** 2)
+    rating = 0.5 ** ((2 * sharp.lens_pitch_px * radius) ** 2)
     value = disc * pupil * moving * rating * np.sinc(along) * np.sinc(across)
     if sharp.spread is not None:
         k = sharp.lateral_k_along * along + sharp.lateral_k_across * across
@@ -280,7 +280,7 @@ def random_designs(n: int, most_motion_px: float) -> tuple[np.ndarray, Sharpness
         pixel_pitch_m=rng.uniform(2e-6, 9e-6, n),
         motion_blur_px=rng.uniform(0.0, most_motion_px, n),
         defocus_px=rng.choice([0.0, 0.5, 1.0, 2.0, 4.0, 8.0], n) * rng.uniform(0.8, 1.2, n),
-        rated_pitch_px=rng.uniform(0.0, 1.5, n),
+        lens_pitch_px=rng.uniform(0.0, 1.5, n),
     )
     return 10 ** rng.uniform(0.0, 2.4, n), sharp
 
@@ -322,7 +322,7 @@ def test_information_does_not_change_when_the_radius_points_the_other_way() -> N
 def test_information_rises_with_snr_and_falls_with_blur(
     n: float, blur: float, disc: float, rating: float, snr: float
 ) -> None:
-    base = replace(GOOD, working_f_number=n, motion_blur_px=blur, defocus_px=disc, rated_pitch_px=rating)
+    base = replace(GOOD, working_f_number=n, motion_blur_px=blur, defocus_px=disc, lens_pitch_px=rating)
     bit = sharpness.information_bit_per_px(snr, sharpness=base)
     slack = 1e-4 * bit + 1e-15  # the rule's error
     assert 0.0 <= bit <= 0.5 * math.log2(1.0 + (0.1 * snr) ** 2) + 1e-15
@@ -360,7 +360,7 @@ def test_factors_accept_symbols(symbol: Any) -> None:
         sharpness.sinc_mtf(symbol, width_px=0.7),
         sharpness.diffraction_mtf(symbol, cycle_px=1.3),
         sharpness.defocus_mtf(symbol, disc_px=1.1),
-        sharpness.lens_rating_mtf(symbol, rated_pitch_px=0.8),
+        sharpness.lens_mtf(symbol, lens_pitch_px=0.8),
         sharpness.mtf(0.2, across_cyc_per_px=0.1, sharpness=sharp),
         sharpness.mtf_half_nyquist(sharp),
     ]
@@ -374,7 +374,7 @@ def test_factors_accept_symbols(symbol: Any) -> None:
             sharpness.sinc_mtf(x, width_px=0.7),
             sharpness.diffraction_mtf(x, cycle_px=1.3),
             sharpness.defocus_mtf(x, disc_px=1.1),
-            sharpness.lens_rating_mtf(x, rated_pitch_px=0.8),
+            sharpness.lens_mtf(x, lens_pitch_px=0.8),
             sharpness.mtf(0.2, across_cyc_per_px=0.1, sharpness=number),
             sharpness.mtf_half_nyquist(number),
         ]

@@ -408,6 +408,43 @@ DEFECTS = (
         test="tests/model/test_sharpness.py::test_information_is_that_of_a_plain_sum",
     ),
     Defect(
+        name="aberrations stay as they are when a lens is closed",
+        file="uwopt/model/aberration.py",
+        old="f_number**-ABERRATION_POWER)",
+        new="f_number**-0.0)",
+        test=(
+            "tests/model/test_aberration.py"
+            "::test_the_blur_of_aberrations_falls_with_the_cube_of_the_f_number_in_its_square",
+            "tests/evaluation/test_aberrations.py::test_aberrations_take_contrast_wide_open_and_in_the_corner",
+        ),
+    ),
+    Defect(
+        name="a lens is as sharp in the corner as on the axis",
+        file="uwopt/model/aberration.py",
+        old="CORNER_BLUR = 1.8",
+        new="CORNER_BLUR = 1.0",
+        test=(
+            "tests/model/test_aberration.py"
+            "::test_the_corner_is_blurred_more_and_the_square_grows_with_that_of_the_field",
+            "tests/evaluation/test_aberrations.py::test_aberrations_take_contrast_wide_open_and_in_the_corner",
+        ),
+    ),
+    Defect(
+        name="an f-number's aberrations are those of F1",
+        file="uwopt/model/aberration.py",
+        old="return aberration_pitch * f_number_min ** (ABERRATION_POWER / 2.0)",
+        new="return aberration_pitch",
+        test="tests/evaluation/test_aberrations.py::test_aberrations_take_contrast_wide_open_and_in_the_corner",
+    ),
+    Defect(
+        name="board lenses are as good as those for machine vision",
+        file="uwopt/catalog/readers/read_lens.py",
+        old='        return "board"',
+        new='        return "machine-vision"',
+        test="tests/catalog/test_userparts.py"
+        "::test_aberrations_of_a_lens_follow_its_class_and_rating_unless_stated",
+    ),
+    Defect(
         name="sharpness of the better direction",
         file="uwopt/model/sharpness.py",
         old="return np.minimum(mtf_along(nu, sharpness=sharpness)",

@@ -29,7 +29,7 @@ from uwopt.report.pictures.photograph import (
 PROBLEMS = Path(__file__).parents[2] / "problems"
 SHARP = Sharpness(
     working_f_number=4.0, wavelength_nm=530.0, pixel_pitch_m=4e-6, motion_blur_px=1.5, defocus_px=0.8,
-    rated_pitch_px=0.9,
+    lens_pitch_px=0.9,
 )  # fmt: skip
 SENSING = Sensing(6.0, 4.0, 0.01, 0.2, 32.0, 4095.0, 20_000.0)
 PLAIN = np.zeros((1, 1))

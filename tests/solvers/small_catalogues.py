@@ -90,7 +90,7 @@ def lens(rng: Rng, name: str) -> Lens:
     """A lens, its iris manual, motorised or fixed."""
     widest = pick(rng, [1.4, 1.8, 2.0, 2.8, 4.0])
     control = pick(rng, ["manual", "manual", "motorised", "fixed"])
-    return Lens(
+    made = Lens(
         id=name, price=price(rng, 80, 1500), mass_g=exact(between(rng, 20, 300)),
         focal_length_mm=pick(rng, [4.0, 6.0, 8.0, 8.5, 12.0, 16.0, 25.0]), f_number_min=exact(widest),
         f_number_max=exact(widest if control == "fixed" else pick(rng, [8.0, 11.0, 16.0, 22.0])),
@@ -98,6 +98,7 @@ def lens(rng: Rng, name: str) -> Lens:
         transmission_frac=exact(rng.uniform(0.8, 1.0)),
         min_object_distance_m=exact(pick(rng, [0.0, 0.0, 0.05, 0.1, 0.3])),
     )  # fmt: skip
+    return replace(made, aberration_pitch_um=exact(5.0 * made.transmission_frac.value - 3.0))  # 1 to 2 um, no draw
 
 
 def port(rng: Rng, name: str) -> Port:

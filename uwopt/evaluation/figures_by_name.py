@@ -23,13 +23,14 @@ from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.scene import COLOURS
-from uwopt.forward.sharpness import airy_wavelength_nm, arriving
+from uwopt.forward.sharpness import Field, airy_wavelength_nm, arriving
 from uwopt.forward.spectra import sees_colours
 from uwopt.forward.views import CORNER_FIELD, field_dioptres_per_m
 from uwopt.model import lateral, sensor, sharpness
 from uwopt.model import lens as lens_model
 from uwopt.model.defocus import defocus_px, dome_decentring
 from uwopt.model.port import dome_virtual_image_distance_m
+from uwopt.model.sharpness import Sharpness
 from uwopt.results.design import Note, SceneResult
 from uwopt.units import S_PER_H, ratio_to_db, split_unit
 
@@ -177,15 +178,15 @@ def at_one(column: Array | None) -> float | None:
 # Strongest over weakest channel, gains that make a grey floor grey, relative to green, and what red then lacks in SNR.
 WHITE_BALANCE = ("white_balance", "white_balance_red", "white_balance_blue", "snr_red_below_green_db")
 SHARPNESS = (
-    "mtf50_cyc_per_px", "mtf_half_nyquist", "resolution_10_mm", "lateral_colour_px", "defocus_corner_px",
-    "decentring_distortion_px", "decentring_defocus_px",
+    "mtf50_cyc_per_px", "mtf_half_nyquist", "mtf_half_nyquist_corner", "resolution_10_mm", "lateral_colour_px",
+    "defocus_corner_px", "decentring_distortion_px", "decentring_defocus_px",
 )  # fmt: skip
 
 
 def sharpness_figures(
     model: DesignModel, index: int, settings: SettingRows, figures: Figures
 ) -> dict[str, float | None]:
-    """MTF where the mission wants the image sharp, and what colours and defocus do at the corner.
+    """MTF where the mission wants the image sharp and at the corner, what colours and defocus do there.
 
     The corner is the field at 80 % of the half diagonal in all of them.
     """
@@ -197,11 +198,12 @@ def sharpness_figures(
     f_number, working = settings.f_number, figures.working_f_number
     sunlit = model.rows[index].sun is not None
     blur_s = open_s(model.rows[index], settings) if sunlit else figures.light_time_s
-    (group, table), *_ = rows.groups()
-    at = rows.at(
-        group, table, working_f_number=working, blur_px=rows.blur_px_per_s[:, 1] * blur_s,
-        disc_px=rows.place_disc_px[:, 1] / f_number, field="place",
-    )  # fmt: skip
+
+    def seen(field: Field) -> Sharpness:
+        (group, table), *_ = rows.groups(field)
+        return rows.at(group, table, f_number=f_number, working_f_number=working, blur_s=blur_s, field=field)
+
+    at = seen("place")
     resolution_m = sharpness.resolution_10_m(
         at, ground_sample_along_m=view.gsd_m[:, 1], ground_sample_across_m=view.gsd_m[:, 1]
     )
@@ -231,6 +233,7 @@ def sharpness_figures(
     return {
         "mtf50_cyc_per_px": float(sharpness.mtf50_cyc_per_px(at)[0]),
         "mtf_half_nyquist": float(sharpness.mtf_half_nyquist(at)[0]),
+        "mtf_half_nyquist_corner": float(sharpness.mtf_half_nyquist(seen("corner"))[0]),
         "resolution_10_mm": float(resolution_m[0]) * 1e3,
         "lateral_colour_px": colour if problem.effects.lateral_colour else None,
         "defocus_corner_px": float(disc.max()),  # even where nothing depends on it: it is told with every image

@@ -20,6 +20,7 @@ from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
 from uwopt.catalog.records import Camera, Curve, Lens, Light, Part, Port, Quantity
 from uwopt.forward.columns import Columns
+from uwopt.model.aberration import aberration_at_f1
 from uwopt.model.light import flash_light_lm_s
 from uwopt.units import convert, db_to_ratio
 
@@ -75,6 +76,7 @@ class Lenses(Columns):
     transmission: Array
     min_object_distance_m: Array
     rated_pitch_m: Array  # pixel pitch that the maker rates the lens for; 0 when unknown
+    aberration_f1_m: Array  # that of its aberrations, at f-number 1
     motorised: Array
     price: Array
     limit_price: Array  # what counts against a budget: the price, or its high end
@@ -279,6 +281,9 @@ def lens_rows(
         | prices(parts, money, end, high_basis)
         | {
             "transmission": known["transmission_frac"],
+            "aberration_f1_m": aberration_at_f1(
+                known["aberration_pitch_m"], f_number_min=known["f_number_min"]
+            ),
             "rated_pitch_m": np.array([(rated_pitch_um(part) or 0.0) * 1e-6 for part in parts], float),
             "motorised": np.array([part.aperture_control == "motorised" for part in parts], bool),
         }

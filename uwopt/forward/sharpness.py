@@ -1,14 +1,15 @@
 """Sharpness of designs in a scene: what MTF and information need beside the settings, and their figures.
 
-MTF holds where the mission wants the image sharp: on the axis, or at the corner too (`dof_at`).
-Information is that of the field point which stands for the whole image.
+MTF holds where the mission wants the image sharp: on the axis, or at the corner too (`dof_at`). Information is that
+of the field point which stands for the whole image. `place`, `corner` and `rms` name these fields; at the corner
+the disc is the larger of centre and corner, and colours and lens blur as they do at 80 % of the half diagonal.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,7 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.spectra import TINY, Contraction
 from uwopt.forward.views import CORNER_FIELD, RMS_FIELD, Views, altitudes_m, field_dioptres_per_m
-from uwopt.model import lateral, operation, sharpness
+from uwopt.model import aberration, lateral, operation, sharpness
 from uwopt.model.defocus import defocus_px
 from uwopt.model.lateral import SpreadTable
 from uwopt.model.lens import airy_diameter_m
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from uwopt.forward.spectra import Contraction
 
 Array = NDArray[Any]
+Field = Literal["place", "corner", "rms"]
 
 
 @dataclass(frozen=True)
@@ -47,23 +49,29 @@ class SharpRows(Columns):
 
     wavelength_nm: Array  # electron-weighted mean
     pixel_pitch_m: Array
-    rated_pitch_px: Array  # 0: unknown
+    rated_pitch_px: Array  # that the lens is rated for, over the camera's; 0: unknown
+    aberration_px: Array  # the same of its aberrations, at f-number 1 (`model.aberration`)
     blur_px_per_s: Array  # (n, 3) along the motion
     place_disc_px: Array  # (n, 3) where MTF must hold
+    corner_disc_px: Array  # (n, 3) centre and corner
     rms_disc_px: Array  # (n, 3) at the field point that stands for the image
     place_k_along: Array  # lateral colour, 0 behind a dome
     place_k_across: Array
+    corner_k_along: Array
+    corner_k_across: Array
     rms_k_along: Array
     rms_k_across: Array
     spread_index: Array
     pixel_area_m2: Array  # of the floor, nominal altitude
+    gsd_m: Array  # (n, 3) largest pixel on the floor
     spreads: tuple[SpreadTable, ...]
     fineness: float = 1.0  # of integrals over spatial frequency
+    place_lens_blur: float = 1.0  # of the lens where MTF must hold, over that on the axis
 
     @classmethod
     def in_places(cls, parts: Sequence[tuple[Array, Self]], count: int) -> Self:
         """Groups of rows put back in their places; tables that groups share are kept once."""
-        columns: dict[str, Any] = {}
+        columns: dict[str, Any] = {"place_lens_blur": parts[0][1].place_lens_blur if parts else 1.0}
         spreads: dict[int, SpreadTable] = {}
         fineness = max((part.fineness for _, part in parts), default=1.0)
         for rows, part in parts:
@@ -78,9 +86,10 @@ class SharpRows(Columns):
                     column[rows] = np.array(place)[value] if own else value
         return cls(**columns, spreads=tuple(spreads.values()), fineness=fineness)
 
-    def groups(self) -> list[tuple[Array, SpreadTable | None]]:
-        """Rows that share the colours they detect; None where no colour is spread."""
-        still = (self.place_k_along == 0) & (self.place_k_across == 0)
+    def groups(self, field: Field) -> list[tuple[Array, SpreadTable | None]]:
+        """Rows that share the colours they detect; None where no colour is spread at this field point."""
+        along, across = self.colour(field)
+        still = (along == 0) & (across == 0)
         found: list[tuple[Array, SpreadTable | None]] = [(np.nonzero(still)[0], None)]
         found += [
             (np.nonzero(~still & (self.spread_index == index))[0], self.spreads[int(index)])
@@ -88,45 +97,62 @@ class SharpRows(Columns):
         ]
         return [(rows, table) for rows, table in found if len(rows)]
 
+    def colour(self, field: Field) -> tuple[Array, Array]:
+        """Lateral colour along and across at a field point, k per cycle per px, (n,) each."""
+        return getattr(self, f"{field}_k_along"), getattr(self, f"{field}_k_across")
+
+    def disc_px(self, field: Field) -> Array:
+        """Disc of defocus at a field point and f-number 1, (n, 3)."""
+        return np.asarray(getattr(self, f"{field}_disc_px"))
+
+    def lens_blur(self, field: Field) -> float:
+        """The lens's blur at a field point over that on the axis."""
+        over_corner = {"place": 0.0, "corner": 1.0, "rms": float(RMS_FIELD) / CORNER_FIELD}[field]
+        return self.place_lens_blur if field == "place" else float(aberration.field_blur(over_corner))
+
+    def lens_pitch_px(self, field: Field, *, f_number: Array, rows: Array | slice = slice(None)) -> Array:
+        """Pitch that the lens is good for at these f-numbers and a field point, over the camera's."""
+        pitch = aberration.lens_pitch(
+            self.rated_pitch_px[rows], aberration_f1=self.aberration_px[rows], f_number=f_number,
+            field_blur=self.lens_blur(field),
+        )  # fmt: skip
+        return np.asarray(pitch)
+
     def at(
-        self, rows: Array, spread: SpreadTable | None, *, working_f_number: Array, blur_px: Array, disc_px: Array,
-        field: str,
+        self, rows: Array, spread: SpreadTable | None, *, f_number: Array, working_f_number: Array, blur_s: Array,
+        field: Field, altitude: int = 1,
     ) -> Sharpness:  # fmt: skip
-        """The model's record of some rows; `field` is place or rms."""
-        along, across = (getattr(self, f"{field}_k_{axis}")[rows] for axis in ("along", "across"))
+        """The model's record of some rows; the settings are those of all rows."""
+        along, across = self.colour(field)
         return Sharpness(
             working_f_number=working_f_number[rows], wavelength_nm=self.wavelength_nm[rows],
-            pixel_pitch_m=self.pixel_pitch_m[rows], motion_blur_px=blur_px[rows], defocus_px=disc_px[rows],
-            rated_pitch_px=self.rated_pitch_px[rows], lateral_k_along=along, lateral_k_across=across, spread=spread,
+            pixel_pitch_m=self.pixel_pitch_m[rows], motion_blur_px=self.blur_px_per_s[rows, altitude] * blur_s[rows],
+            defocus_px=self.disc_px(field)[rows, altitude] / f_number[rows],
+            lens_pitch_px=self.lens_pitch_px(field, f_number=f_number[rows], rows=rows),
+            lateral_k_along=along[rows], lateral_k_across=across[rows], spread=spread,
         )  # fmt: skip
 
     def each(
-        self, figure: Callable[[Sharpness, Array], Any], *, field: str, working_f_number: Array, blur_px: Array,
-        disc_px: Array,
-    ) -> Array:  # fmt: skip
+        self, figure: Callable[[Sharpness, Array], Any], *, field: Field, altitude: int = 1, **settings: Array
+    ) -> Array:
         """A figure of all rows, group by group."""
         out = np.empty(len(self.wavelength_nm))
-        for rows, spread in self.groups():
-            at = self.at(
-                rows, spread, working_f_number=working_f_number, blur_px=blur_px, disc_px=disc_px, field=field
-            )
-            out[rows] = figure(at, rows)
+        for rows, spread in self.groups(field):
+            out[rows] = figure(self.at(rows, spread, field=field, altitude=altitude, **settings), rows)
         return out
 
     # ------------------------------------------------------------ figures
 
     def mtf_half_nyquist(self, *, f_number: Array, working_f_number: Array, blur_s: Array) -> Array:
         """Transfer at a quarter cycle per pixel where it must hold, (n, 3) by altitude."""
+        settings = dict(f_number=f_number, working_f_number=working_f_number, blur_s=blur_s)
         return np.stack(
             [
-                self.each(
-                    lambda at, _: sharpness.mtf_half_nyquist(at), field="place", working_f_number=working_f_number,
-                    blur_px=self.blur_px_per_s[:, k] * blur_s, disc_px=self.place_disc_px[:, k] / f_number,
-                )
+                self.each(lambda at, _: sharpness.mtf_half_nyquist(at), field="place", altitude=k, **settings)
                 for k in range(3)
             ],
             axis=1,
-        )  # fmt: skip
+        )
 
     def information_bit_per_m2(
         self, snr: Array, *, f_number: Array, working_f_number: Array, blur_s: Array
@@ -135,9 +161,7 @@ class SharpRows(Columns):
         per_px = self.each(
             lambda at, rows: sharpness.information_bit_per_px(
                 snr[rows], sharpness=at, fineness=self.fineness
-            ), field="rms",
-            working_f_number=working_f_number, blur_px=self.blur_px_per_s[:, 1] * blur_s,
-            disc_px=self.rms_disc_px[:, 1] / f_number,
+            ), field="rms", f_number=f_number, working_f_number=working_f_number, blur_s=blur_s,
         )  # fmt: skip
         return np.asarray(sharpness.information_bit_per_m2(per_px, pixel_area_m2=self.pixel_area_m2))
 
@@ -162,10 +186,9 @@ def sharp_rows(
 
     axis = np.array(view.axis_image)
     rms, corner = (view.rms_image, view.corner_image) if image_curvature else (axis, axis)
-    place = discs(axis)
+    on_axis = discs(axis)
+    both = np.maximum(on_axis, discs(corner))
     at_corner = scene.view.requirements.dof_at == "corner"
-    if at_corner:
-        place = np.maximum(place, discs(corner))
     radius = np.hypot(view.tan_along, view.tan_across)
     flat = ~ports.is_dome & lateral_colour
 
@@ -182,7 +205,8 @@ def sharp_rows(
         k = np.where(flat, 2.0 * np.pi * slope, 0.0)
         return k * view.tan_along / radius, k * view.tan_across / radius
 
-    place_k, rms_k = lateral_k(CORNER_FIELD if at_corner else 0.0), lateral_k(float(RMS_FIELD))
+    corner_k, rms_k = lateral_k(CORNER_FIELD), lateral_k(float(RMS_FIELD))
+    place_k = corner_k if at_corner else lateral_k(0.0)
     curves, index = np.unique(cameras.qe_index, return_inverse=True)
     colours = [arriving(scene, contraction, spectrum, int(q)) for q in curves]
     spreads = tuple(spread_of(scene, contraction, spectrum, int(q)) for q in curves) if flat.any() else ()
@@ -192,17 +216,23 @@ def sharp_rows(
         wavelength_nm=wavelength[index],
         pixel_pitch_m=pitch,
         rated_pitch_px=lenses.rated_pitch_m / pitch,
+        aberration_px=lenses.aberration_f1_m / pitch,
         blur_px_per_s=np.asarray(blur),
-        place_disc_px=place,
+        place_disc_px=both if at_corner else on_axis,
+        corner_disc_px=both,
         rms_disc_px=discs(rms),
         place_k_along=place_k[0],
         place_k_across=place_k[1],
+        corner_k_along=corner_k[0],
+        corner_k_across=corner_k[1],
         rms_k_along=rms_k[0],
         rms_k_across=rms_k[1],
         spread_index=np.asarray(index),
         pixel_area_m2=view.footprint_along_m[:, 1] * view.footprint_across_m[:, 1] / pixels,
+        gsd_m=view.gsd_m,
         spreads=spreads,
         fineness=scene.fineness.sharpness,
+        place_lens_blur=float(aberration.field_blur(1.0 if at_corner else 0.0)),
     )
 
 

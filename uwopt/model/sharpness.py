@@ -1,7 +1,7 @@
 """Sharpness: how much of a detail's contrast arrives in the pixels, and what detail costs on the ground.
 
 The modulation transfer of the image-forming light is a product of factors, each a function of the
-frequency nu in cycles per pixel: pixel, diffraction, motion, defocus, lens rating, lateral colour. The
+frequency nu in cycles per pixel: pixel, diffraction, motion, defocus, lens, lateral colour. The
 first five are 1 at nu = 0, fall, and are 0 beyond their first null, so that they are monotone in frequency
 and in their cause: contrast that comes back with reversed sign is no resolution. Lateral colour has no
 null but humps; where a falling transfer is needed its least value so far counts. Light scattered forward
@@ -118,16 +118,16 @@ def defocus_mtf(frequency_cyc_per_px: Numeric, *, disc_px: Numeric) -> Numeric:
     return _to_first_null(np.pi / J1_ZERO * frequency_cyc_per_px * np.minimum(disc_px, _HUGE), _JINC)
 
 
-def lens_rating_mtf(frequency_cyc_per_px: Numeric, *, rated_pitch_px: Numeric) -> Numeric:
-    """Transfer that a lens's rating stands for: one half at the Nyquist frequency of the rated pixel.
+def lens_mtf(frequency_cyc_per_px: Numeric, *, lens_pitch_px: Numeric) -> Numeric:
+    """Transfer of a lens that is good for a pixel pitch: one half at the Nyquist frequency of that pitch.
 
-        MTF = 0.5^((nu / nu_r)^2),   nu_r = 1 / (2 rated pitch)                                      [sym]
+        MTF = 0.5^((nu / nu_r)^2),   nu_r = 1 / (2 pitch)                                            [sym]
 
-    frequency_cyc_per_px : (...,); rated_pitch_px : broadcast, rated pitch over the camera's, 0 if unknown:
-    the factor is 1 then. Returns (...,) 0..1. An assumption: makers do not say what a rating means.
+    frequency_cyc_per_px : (...,); lens_pitch_px : broadcast, of `aberration.lens_pitch` over the camera's pitch;
+    the factor is 1 at 0. Returns (...,) 0..1. An assumption: makers do not say what a rating means.
     Physics page, section 8.
     """
-    return np.exp(-np.log(2.0) * (2.0 * frequency_cyc_per_px * rated_pitch_px) ** 2)
+    return np.exp(-np.log(2.0) * (2.0 * frequency_cyc_per_px * lens_pitch_px) ** 2)
 
 
 def _to_first_null(ratio: Numeric, coefficients: tuple[float, ...]) -> Numeric:
@@ -156,7 +156,7 @@ class Sharpness:
     pixel_pitch_m: Numeric
     motion_blur_px: Numeric = 0.0  # along
     defocus_px: Numeric = 0.0  # diameter of the blur disc
-    rated_pitch_px: Numeric = 0.0  # pitch the lens is rated for over the camera's; 0 unknown, factor 1
+    lens_pitch_px: Numeric = 0.0  # pitch the lens is good for over the camera's; 0: it blurs nothing
     lateral_k_along: Numeric = 0.0
     lateral_k_across: Numeric = 0.0
     spread: SpreadTable | None = None  # shared by all designs; None: no lateral colour
@@ -168,14 +168,14 @@ class Sharpness:
 
 
 def round_mtf(frequency_cyc_per_px: Numeric, *, sharpness: Sharpness) -> Numeric:
-    """Product of the factors that are the same in all directions: diffraction, defocus, lens rating [sym].
+    """Product of the factors that are the same in all directions: diffraction, defocus, lens [sym].
 
     frequency_cyc_per_px : (...,) >= 0, broadcast with the fields; returns 0..1. Physics page, section 8.
     """
     return (
         diffraction_mtf(frequency_cyc_per_px, cycle_px=sharpness.diffraction_px)
         * defocus_mtf(frequency_cyc_per_px, disc_px=sharpness.defocus_px)
-        * lens_rating_mtf(frequency_cyc_per_px, rated_pitch_px=sharpness.rated_pitch_px)
+        * lens_mtf(frequency_cyc_per_px, lens_pitch_px=sharpness.lens_pitch_px)
     )
 
 

@@ -83,6 +83,16 @@ class Lens(Part):
     rated_lp_per_mm: Annotated[
         float | None, Cell("rated resolution in line pairs per millimetre", POSITIVE)
     ] = None
+    aberration_pitch_um: Annotated[
+        Known,
+        Cell(
+            "pixel pitch in micrometres at whose Nyquist frequency aberrations alone halve the contrast, "
+            "wide open on the axis; 0 none",
+            FROM_ZERO,
+            favours="low",
+            inline=Inline(unless="by its rating unless given"),
+        ),
+    ] = None
     min_object_distance_m: Annotated[
         Known, Cell("nearest focus in air in metres", FROM_ZERO, favours="low")
     ] = None

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from uwopt.catalog.compatibility import canonical_mount
+from uwopt.catalog.compatibility import canonical_mount, rated_pitch_um
 from uwopt.catalog.estimates import ClassEstimate, required_class
 from uwopt.catalog.parts.lens import F_NUMBERS, Lens
 from uwopt.catalog.parts.quantity import Status
@@ -37,7 +38,7 @@ def from_row(row: PartRow, origin: Origin) -> Built:
     made |= {"image_circle_mm": circle_mm, "image_circle_status": circle_status}
     if row.text("aperture_control") == "fixed" and row.number("f_number_max") is None:
         made["f_number_max"] = known(row, "f_number_min", origin) or made["f_number_max"]  # it has but one
-    lens = Lens(**made)
+    lens = _with_aberrations(Lens(**made), stated=row.number("aberration_pitch_um") is not None)
     return Built(lens, tuple(_lacking(lens)))
 
 
@@ -83,6 +84,28 @@ def _focal_class(focal_mm: float) -> str:
 HOBBY_MAKERS = ("arducam", "raspberry pi")  # whose C-mount lenses sell in the hobby class
 
 
+PHOTOGRAPHIC_MOUNTS = frozenset(("F", "EF", "MFT"))
+
+
+def _aberration_class(lens: Lens) -> str:
+    """By mount and maker; what nothing is known of counts as made for machine vision."""
+    mounts = {canonical_mount(mount) for mount in lens.mounts}
+    if mounts == {"S"} or lens.manufacturer.casefold() in HOBBY_MAKERS:
+        return "board"
+    return "photographic" if mounts and mounts <= PHOTOGRAPHIC_MOUNTS else "machine-vision"
+
+
+def _with_aberrations(lens: Lens, *, stated: bool) -> Lens:
+    """The lens with what aberrations blur wide open: as stated, else by its rating, else that of any lens."""
+    rated_um = rated_pitch_um(lens)
+    if stated:
+        return lens
+    if rated_um is None:
+        return replace(lens, aberration_pitch_um=required_class("lens-aberration-pitch-um", "any").quantity())
+    ratio = required_class("lens-aberration-per-rated", _aberration_class(lens))
+    return replace(lens, aberration_pitch_um=ratio.quantity(rated_um))
+
+
 def _price_class(row: PartRow, circle_mm: float | None) -> ClassEstimate:
     """By mount, image circle and rated megapixels."""
     if row.items("mounts") and {canonical_mount(mount) for mount in row.items("mounts")} == {"S"}:
@@ -112,7 +135,8 @@ def from_inline(values: Mapping[str, Any], base_dir: Path | None) -> Lens:
     """The record of an inline lens."""
     made = inline_fields(Lens, "lens", values)
     smallest = values["f_number_max"] or max(F_NUMBERS[1], values["f_number_min"])
-    return Lens(**made | {"f_number_max": user_number(smallest)})
+    lens = Lens(**made | {"f_number_max": user_number(smallest)})
+    return _with_aberrations(lens, stated=lens.aberration_pitch_um is not None)
 
 
 READER = Reader(from_row, from_inline)

@@ -244,10 +244,10 @@ def sharpness_at(design: Replay, scene_index: int, place: Place) -> Sharpness:
     figures = model.figures(scene_index, settings)
     smeared = model.rows[scene_index].sun is not None
     blur_s = open_s(model.rows[scene_index], settings) if smeared else figures.light_time_s
-    (group, table), *_ = rows.groups()
+    (group, table), *_ = rows.groups("place")
     return rows.at(
-        group, table, working_f_number=figures.working_f_number, blur_px=rows.blur_px_per_s[:, 1] * blur_s,
-        disc_px=rows.place_disc_px[:, 1] / settings.f_number, field="place",
+        group, table, f_number=settings.f_number, working_f_number=figures.working_f_number, blur_s=blur_s,
+        field="place",
     )  # fmt: skip
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
+from uwopt.model.aberration import lens_pitch
 from uwopt.model.lateral import spread_mtf
 from uwopt.model.sharpness import TEXTURE_CONTRAST, Sharpness, round_mtf, sinc_mtf
 from uwopt.solvers.settings.cell_information import Nodes
@@ -66,10 +67,13 @@ class ApertureProgram:
         here = Sharpness(
             working_f_number=f_number * float(rows.working_factor[0]), wavelength_nm=float(sharp.wavelength_nm[0]),
             pixel_pitch_m=float(sharp.pixel_pitch_m[0]), defocus_px=float(sharp.rms_disc_px[0, 1]) / f_number,
-            rated_pitch_px=float(sharp.rated_pitch_px[0]),
+            lens_pitch_px=lens_pitch(
+                float(sharp.rated_pitch_px[0]), aberration_f1=float(sharp.aberration_px[0]), f_number=f_number,
+                field_blur=sharp.lens_blur("rms"),
+            ),
         )  # fmt: skip
         blur = float(sharp.blur_px_per_s[0, 1] * self.chosen.time_s[0])
-        (_, spread), *_ = sharp.groups()
+        (_, spread), *_ = sharp.groups("rms")
         nodes = Nodes.of(ORDERS if spread is None else ORDERS_IN_COLOUR, both_signs=spread is not None)
         fixed = sinc_mtf(nodes.along) * sinc_mtf(nodes.across) * sinc_mtf(nodes.along, width_px=blur)
         if spread is not None:

@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 from uwopt.forward import switching
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.scene import SceneOptics
+from uwopt.forward.views import CORNER_FIELD, RMS_FIELD
 from uwopt.model import sensor, sharpness
+from uwopt.model.aberration import field_blur
 from uwopt.model.image_mean import FRAME_SHARE
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.imagers import Imagers, limit
@@ -140,7 +142,7 @@ def information_table() -> tuple[Array, Array, Array]:
     """Bit per px by SNR [dB] and rated pitch [px], blurred by pixel and lens rating alone."""
     snr_db, rated = np.linspace(-60.0, 120.0, 361), np.linspace(0.0, 4.0, 41)
     at = sharpness.Sharpness(
-        working_f_number=0.0, wavelength_nm=500.0, pixel_pitch_m=1e-6, rated_pitch_px=rated[None, :]
+        working_f_number=0.0, wavelength_nm=500.0, pixel_pitch_m=1e-6, lens_pitch_px=rated[None, :]
     )
     return snr_db, rated, sharpness.information_bit_per_px(db_to_ratio(snr_db)[:, None], sharpness=at)
 
@@ -470,9 +472,10 @@ class Bounds:
         return best
 
     def _information_bound(self, scene_index: int, snr_db: Array, rows: Array) -> Array:
-        """Information [bit/m2] of a sharp pixel behind the rated lens at an SNR: nothing else blurs."""
+        """Information [bit/m2] of a sharp pixel behind the rated lens, closed far, at an SNR: nothing else blurs."""
         cameras = self.problem.cameras.take(self.imagers.camera[rows])
         rated = self.problem.lenses.rated_pitch_m[self.imagers.lens[rows]] / cameras.pixel_pitch_m
+        rated = rated * field_blur(float(RMS_FIELD) / CORNER_FIELD)
         view = self.imagers.scenes[scene_index].view
         area = view.footprint_along_m[rows, 1] * view.footprint_across_m[rows, 1]
         return bit_per_px_bound(snr_db, rated) * (cameras.resolution_x_px * cameras.resolution_y_px) / area

@@ -298,7 +298,7 @@ class Trade:
         best = np.full(len(some), np.inf)
         for scene in some.rows:
             assert scene.sharp is not None
-            bits = bit_per_px_bound(np.maximum(most, -1e3), scene.sharp.rated_pitch_px)
+            bits = bit_per_px_bound(np.maximum(most, -1e3), scene.sharp.rated_pitch_px * scene.sharp.lens_blur("rms"))
             best = np.minimum(best, bits / scene.sharp.pixel_area_m2)
         return np.where(np.isfinite(most), best, -np.inf)
 

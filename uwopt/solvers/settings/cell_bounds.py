@@ -24,7 +24,7 @@ from uwopt.model.sharpness import (
     HALF_NYQUIST_CYC_PER_PX,
     defocus_mtf,
     diffraction_mtf,
-    lens_rating_mtf,
+    lens_mtf,
     sinc_mtf,
 )
 from uwopt.solvers.settings import closed_form
@@ -106,9 +106,9 @@ class SceneCells:
     def _still_mtf(self, sharp: Any) -> None:
         """Factors of the MTF at half Nyquist that no setting changes."""
         nu = HALF_NYQUIST_CYC_PER_PX
-        still = sinc_mtf(nu) * lens_rating_mtf(nu, rated_pitch_px=sharp.rated_pitch_px)
+        still = np.full(len(sharp.wavelength_nm), sinc_mtf(nu))
         self.along, self.across = np.array(still), np.array(still)
-        for mine, spread in sharp.groups():
+        for mine, spread in sharp.groups("place"):
             if spread is not None:
                 self.along[mine] *= spread_mtf(sharp.place_k_along[mine] * nu, table=spread)
                 self.across[mine] *= spread_mtf(sharp.place_k_across[mine] * nu, table=spread)
@@ -148,7 +148,8 @@ class SceneCells:
         assert self.sharp is not None
         sharp, nu = self.sharp, HALF_NYQUIST_CYC_PER_PX
         cycle = n_low * self.rows.working_factor[d] * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
-        round_ = diffraction_mtf(nu, cycle_px=cycle)[:, None] * defocus_mtf(
+        lens = lens_mtf(nu, lens_pitch_px=sharp.lens_pitch_px("place", f_number=n_high, rows=d))
+        round_ = (diffraction_mtf(nu, cycle_px=cycle) * lens)[:, None] * defocus_mtf(
             nu, disc_px=sharp.place_disc_px[d] / n_high[:, None]
         )
         return self.along[d][:, None] * round_, self.across[d][:, None] * round_

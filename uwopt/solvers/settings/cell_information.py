@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 from scipy.special import j0, j1
 
 from uwopt.forward.sharpness import SharpRows
+from uwopt.model.aberration import ABERRATION_POWER
 from uwopt.model.lateral import spread_mtf
-from uwopt.model.sharpness import J1_ZERO, ORDERS, TEXTURE_CONTRAST, lens_rating_mtf, sinc_mtf
+from uwopt.model.sharpness import J1_ZERO, ORDERS, TEXTURE_CONTRAST, sinc_mtf
 
 Array = NDArray[Any]
 RULE_ERROR = 3e-5  # relative, between these nodes and those of the model (measured at each answer as well)
@@ -102,6 +103,20 @@ def log_box(a: Array) -> tuple[Array, Array]:
     return np.where(dead, -np.inf, log), np.where(dead, 0.0, slope)
 
 
+def log_lens(sharp: SharpRows, design: Array, f_number: Array, radius_cyc_per_px: Array) -> tuple[Array, Array]:
+    """Ln of the lens's transfer by radius and its slope in ln 1/N, (n, n_base); both fall with 1/N."""
+    scale = -np.log(2.0) * (2.0 * radius_cyc_per_px) ** 2
+    pitch2 = np.square(sharp.lens_pitch_px("rms", f_number=f_number, rows=design))
+    closed2 = np.square(sharp.lens_blur("rms") * sharp.rated_pitch_px[design])
+    return scale * pitch2[:, None], scale * ABERRATION_POWER * (pitch2 - closed2)[:, None]
+
+
+def summed(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Logarithms and slopes of a product; where one is null the product has no slope."""
+    log = one[0] + other[0]
+    return log, np.where(np.isfinite(log), one[1] + other[1], 0.0)
+
+
 class Information:
     """Information per pixel of designs in one scene, at settings and over cells."""
 
@@ -111,7 +126,7 @@ class Information:
         n = len(sharp.wavelength_nm)
         self.group, self.place = np.zeros(n, int), np.zeros(n, int)
         self.groups: list[TransferGroup] = []
-        for rows, spread in sharp.groups():
+        for rows, spread in sharp.groups("rms"):
             k = np.hypot(sharp.rms_k_along[rows], sharp.rms_k_across[rows])
             rms_px = np.zeros(len(rows)) if spread is None else k * spread.index_rms / (2.0 * np.pi)
             rms_px = np.where(smears[rows], np.maximum(rms_px, SMEARED_RMS_PX), rms_px)
@@ -124,8 +139,7 @@ class Information:
                 some = rows[mine]
                 nodes = Nodes.of((orders[0], orders[1]), both_signs=spread is not None)
                 still = sinc_mtf(nodes.along) * sinc_mtf(nodes.across)
-                radius = np.tile(nodes.radius_cyc_per_px, len(nodes.along) // len(nodes.radius_cyc_per_px))
-                transfer = still * lens_rating_mtf(radius, rated_pitch_px=sharp.rated_pitch_px[some][:, None])
+                transfer = np.broadcast_to(still, (len(some), len(still)))
                 if spread is not None:
                     k_al, k_ac = sharp.rms_k_along[some][:, None], sharp.rms_k_across[some][:, None]
                     transfer = transfer * spread_mtf(k_al * nodes.along + k_ac * nodes.across, table=spread)
@@ -140,13 +154,19 @@ class Information:
     def _parts(
         self, group: TransferGroup, design: Array, f_number: Array, working: Array, blur: Array
     ) -> list[Any]:
-        """Pupil and disc by radius, motion by node: (ln, slope) each, (n, n_base), (n, n_base), (n, n_nodes)."""
+        """Pupil by radius, disc and lens by radius, motion by node: (ln, slope) each.
+
+        (n, n_base), (n, n_base), (n, n_nodes); the slopes in ln N_w, ln 1/N and ln time.
+        """
         sharp, nodes = self.sharp, group.nodes
         cycle = working * sharp.wavelength_nm[design] * 1e-9 / sharp.pixel_pitch_m[design]
         disc = np.pi * sharp.rms_disc_px[design, 1] / f_number
         return [
             log_pupil(cycle[:, None] * nodes.radius_cyc_per_px),
-            log_disc(disc[:, None] * nodes.radius_cyc_per_px),
+            summed(
+                log_disc(disc[:, None] * nodes.radius_cyc_per_px),
+                log_lens(sharp, design, f_number, nodes.radius_cyc_per_px),
+            ),
             log_box(blur[:, None] * nodes.along),
         ]
 

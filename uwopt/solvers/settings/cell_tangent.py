@@ -43,7 +43,8 @@ def typical_bit_per_px(
     assert sharp is not None
     cycle = n_low * scene.rows.working_factor[d] * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
     disc, blur = sharp.rms_disc_px[d, 1] / n_high, sharp.blur_px_per_s[d, 1] * blur_s
-    transfer2 = 1.0 / (1.0 + cycle**2 + disc**2 + blur**2)
+    lens = sharp.lens_pitch_px("rms", f_number=n_high, rows=d)
+    transfer2 = 1.0 / (1.0 + cycle**2 + disc**2 + blur**2 + lens**2)
     return np.asarray(0.5 * np.log2(1.0 + np.square(TEXTURE_CONTRAST * snr) * transfer2))
 
 

@@ -1,0 +1,72 @@
+"""What lenses do to fine detail beside diffraction: worst wide open and in the corner, better as the iris closes.
+
+A lens's blur is told as a pixel pitch: that at whose Nyquist frequency the lens alone leaves half the contrast, as
+a maker's rating does (`sharpness.lens_mtf`). Squares of pitches add up as those of independent blurs do.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
+
+#: Power of N_min / N in the square of the blur: 2 for field curvature, astigmatism and axial colour (blur as 1/N),
+#: 4 for coma, 6 for spherical aberration. Measured in corners: 3 fits best, 2 to 4 as well (docs/lenses.md).
+ABERRATION_POWER = 3.0
+#: Blur at 80 % of the half diagonal over that on the axis. Measured 1.7 stopped down and 2.0 wide open, makers'
+#: centre and edge 160 and 100 lp/mm, 1.6; 1.3 to 3 (docs/lenses.md).
+CORNER_BLUR = 1.8
+
+
+def aberration_at_f1(aberration_pitch: Numeric, *, f_number_min: Numeric) -> Numeric:
+    """Pitch of the aberrations as if the lens opened to F1: what `lens_pitch` scales to any opening.
+
+        q_1 = q_a N_min^(P/2)
+
+    aberration_pitch : broadcast, in any unit of length, wide open on the axis; f_number_min : broadcast. Returns
+    the same unit. A number to compute with: no lens is used wider than N_min.
+    """
+    return aberration_pitch * f_number_min ** (ABERRATION_POWER / 2.0)
+
+
+def lens_pitch(
+    rated_pitch: Numeric, *, aberration_f1: Numeric, f_number: Numeric, field_blur: Numeric = 1.0
+) -> Numeric:
+    """Pixel pitch that a lens is good for at an opening and a field point.
+
+        q = B sqrt(q_r^2 + q_a^2 (N_min / N)^P),   P = 3                                              [sym]
+
+    Parameters
+    ----------
+    rated_pitch : broadcast, q_r, what the lens is rated for; 0 unknown
+    aberration_f1 : broadcast, of `aberration_at_f1`, in the same unit
+    f_number : broadcast, N as engraved, at least N_min
+    field_blur : broadcast, B, of `field_blur`
+
+    Returns
+    -------
+    (...,) in the unit of the pitches, falling with N. ln MTF = -ln 2 (2 nu q)^2 is concave in ln N.
+
+    Notes
+    -----
+    Valid for: the classes of lenses in class_estimates.csv, on average; single lenses differ by their design.
+    The same blur along and across: astigmatism is not told apart.
+
+    References
+    ----------
+    docs/lenses.md: measured MTF50 against aperture, and what it gives.
+    """
+    return field_blur * np.sqrt(rated_pitch**2 + aberration_f1**2 * f_number**-ABERRATION_POWER)
+
+
+def field_blur(field_over_corner: Numeric) -> Numeric:
+    """How much wider a lens blurs off the axis.
+
+        B = sqrt(1 + (B_c^2 - 1) (h / h_c)^2),   B_c = 1.8 at h_c, 80 % of the half diagonal
+
+    field_over_corner : broadcast, h / h_c >= 0. Returns (...,) 1 on the axis. The square of the blur grows with
+    that of the field as the mean of third-order astigmatism and coma does; an assumption between axis and corner.
+    """
+    return np.sqrt(1.0 + (CORNER_BLUR**2 - 1.0) * field_over_corner**2)
