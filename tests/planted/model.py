@@ -419,7 +419,7 @@ DEFECTS = (
         ),
     ),
     Defect(
-        name="a lens is as sharp in the corner as on the axis",
+        name="aberrations are no wider in the corner",
         file="uwopt/model/aberration.py",
         old="CORNER_BLUR = 1.8",
         new="CORNER_BLUR = 1.0",
@@ -430,14 +430,14 @@ DEFECTS = (
         ),
     ),
     Defect(
-        name="an f-number's aberrations are those of F1",
+        name="aberrations wide open are those of F1",
         file="uwopt/model/aberration.py",
         old="return aberration_pitch * f_number_min ** (ABERRATION_POWER / 2.0)",
         new="return aberration_pitch",
         test="tests/evaluation/test_aberrations.py::test_aberrations_take_contrast_wide_open_and_in_the_corner",
     ),
     Defect(
-        name="board lenses are as good as those for machine vision",
+        name="aberrations of board lenses are those of machine vision",
         file="uwopt/catalog/readers/read_lens.py",
         old='        return "board"',
         new='        return "machine-vision"',

@@ -15,6 +15,22 @@ FRAME = "tests/solvers/test_over_frame.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="the best transfer of a cell has its aberrations wide open",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old='sharp.lens_pitch_px("place", f_number=n_high, rows=d)',
+        new='sharp.lens_pitch_px("place", f_number=n_low, rows=d)',
+        test="tests/solvers/test_cell_bounds.py"
+        "::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[signal of a sharp image, soft wide open]",
+    ),
+    Defect(
+        name="the tangent of the aberrations' transfer is flat",
+        file="uwopt/solvers/settings/cell_information.py",
+        old="return scale * pitch2[:, None], scale * ABERRATION_POWER",
+        new="return scale * pitch2[:, None], 0.0 * scale * ABERRATION_POWER",
+        test="tests/solvers/test_cell_bounds.py"
+        "::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[information, soft wide open]",
+    ),
+    Defect(
         name="a pulse is taken as short as can be though dark current helps the wanted level",
         file="uwopt/solvers/settings/dark.py",
         old="return np.asarray(top & (sides.for_level <= sides.for_snr))",

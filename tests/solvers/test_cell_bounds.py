@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from hand_made_rows import STEPS
 from numpy.typing import NDArray
-from settings_attack import COLOURED, SIGNS, figures, lit, sample
+from settings_attack import COLOURED, SIGNS, figures, lit, sample, sharp
 
 from uwopt.forward.part_columns import PULSED
 from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.sharpness import SharpRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings.cell_tangent import DIMMEST
 from uwopt.solvers.settings.cells import CellSearch, best_by_cells
@@ -19,6 +20,13 @@ from uwopt.solvers.settings.cells import CellSearch, best_by_cells
 Array = NDArray[Any]
 GAP = 1e-4
 LED = {"kind": PULSED, "rate_hz": 5.0, "min_exposure_s": 1e-5, "time_max_s": 4e-3}
+
+
+def soft() -> SharpRows:
+    """A lens whose aberrations outweigh what else blurs: 3.6 px wide open, at F1.4, and half a pixel at F5.6."""
+    return sharp(aberration=6.0, rated=0.1, place=0.5, rms=0.5, blur=500.0)
+
+
 BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
     "information under lamps": ({}, "information"),
     "information with a veil and dark current": (dict(veil=60.0, dark_current_e_s=50.0), "information"),
@@ -26,6 +34,10 @@ BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
     "information against power": (dict(veil=30.0), {"information": 1e-5, "power": 0.01}),
     "power of a sharp image": (dict(min_mtf=0.25), "power"),
     "signal of a sharp image": (dict(min_mtf=0.25), "snr_db"),
+    "signal of a sharp image, soft wide open": (dict(sharpness=soft(), min_mtf=0.4), "snr_db"),
+    "information, soft wide open": (
+        dict(sharpness=soft(), signal_e=[1.2e4, 1e4, 8e3], well_e=6000.0), "information",
+    ),
     "signal under the sun": (dict(sun=(3e5, 2e5), open_max_s=5e-3), "snr_db"),
     "contrast under the sun": (dict(sun=(3e5, 2e5), veil=20.0, open_max_s=5e-3), "contrast"),
     "power under the sun": (dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0), "power"),
