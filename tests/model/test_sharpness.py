@@ -381,3 +381,17 @@ def test_factors_accept_symbols(symbol: Any) -> None:
         got = [float(value) for value in function(x)]
         assert got[: len(expected)] == pytest.approx(expected, rel=1e-9, abs=1e-15)
         assert np.all(np.isfinite(got))
+
+
+def test_narrowest_bars_are_where_a_tenth_of_all_light_is_left() -> None:
+    # a lens for pixels twice as wide: at 0.25 cycles per px 0.5^1 of it and sin(pi / 4) / (pi / 4) of the pixel are
+    # left, 0.4501582. A veil that leaves 0.1 / 0.4501582 of contrast makes a tenth of it: bars two pixels wide
+    soft = replace(NOTHING, lens_pitch_px=2.0)
+    for gsd_m in (1e-3, 3e-3):
+        got = sharpness.smallest_bars_m(soft, contrast=0.1 / 0.4501582, ground_sample_m=gsd_m)
+        assert got == pytest.approx(2.0 * gsd_m, rel=1e-6)
+
+
+def test_bars_are_no_narrower_than_a_pixel_and_none_arrive_through_nine_tenths_of_veil() -> None:
+    assert sharpness.smallest_bars_m(NOTHING, contrast=1.0, ground_sample_m=1e-3) == pytest.approx(1e-3)
+    assert sharpness.smallest_bars_m(NOTHING, contrast=np.array([0.1, 0.05]), ground_sample_m=1e-3).min() == np.inf

@@ -196,6 +196,9 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("min_mtf_half_nyquist", lambda over: {
         **FULL, "requirements.min_mtf_half_nyquist":
             reached("mtf_half_nyquist", *FULL.items(), ("requirements.min_mtf_half_nyquist", 0.1)) * (1.0 + over)}),
+    ("resolve_mm", lambda over: {
+        **FULL, "requirements.resolve_mm":
+            1e3 * reached("smallest_bars_m", *FULL.items(), ("requirements.resolve_mm", 50.0)) / (1.0 + over)}),
     ("min_contrast", lambda over: {**FULL, "requirements.min_contrast": contrast() * (1.0 + over)}),
     ("min_uniformity", lambda over: {**FULL, "requirements.min_uniformity": uniformity() * (1.0 + over)}),
     ("mean_level", lambda over: {"requirements.mean_level": reached("mean_level") * (1.0 + max(over, 0.0))}),

@@ -432,8 +432,8 @@ DEFECTS = (
     Defect(
         name="aberrations wide open are those of F1",
         file="uwopt/model/aberration.py",
-        old="return aberration_pitch * f_number_min ** (ABERRATION_POWER / 2.0)",
-        new="return aberration_pitch",
+        old="return aberration_pitch_m * f_number_min ** (ABERRATION_POWER / 2.0)",
+        new="return aberration_pitch_m",
         test="tests/evaluation/test_aberrations.py::test_aberrations_take_contrast_wide_open_and_in_the_corner",
     ),
     Defect(

@@ -38,9 +38,9 @@ def sharp(
 
 def lit(
     sharpness: SharpRows | None = None, *, sun: tuple[float, float] | None = None, veil: float | None = None,
-    open_max_s: float | None = None, min_mtf: float = 0.0, min_contrast: float = 0.0, may_miss: int | None = None,
-    colours: tuple[tuple[float, ...], tuple[float, ...]] | None = None, min_snr_red: float = 0.0,
-    max_white_balance: float = np.inf, **changed: Any,
+    open_max_s: float | None = None, min_mtf: float = 0.0, resolve_m: float = 0.0, min_contrast: float = 0.0,
+    may_miss: int | None = None, colours: tuple[tuple[float, ...], tuple[float, ...]] | None = None,
+    min_snr_red: float = 0.0, max_white_balance: float = np.inf, **changed: Any,
 ) -> SceneRows:  # fmt: skip
     """Three altitudes under lamps, with sun (signal, veil) where a test wants it.
 
@@ -52,7 +52,8 @@ def lit(
     values.update(changed)
     rows = scene(**values)
     shape = np.array([[1.2, 1.0, 0.8]])
-    more: dict[str, Any] = dict(sharp=sharpness or sharp(), min_mtf=min_mtf, min_contrast=min_contrast)
+    asked = dict(min_mtf=min_mtf, resolve_m=resolve_m, min_contrast=min_contrast)
+    more: dict[str, Any] = dict(sharp=sharpness or sharp(), **asked)
     if veil is not None:
         more["veil_e"] = veil * shape[:, ::-1]
     if sun is not None:
@@ -136,6 +137,9 @@ def figures(
     if r.min_mtf:
         mtf = r.sharp.mtf_half_nyquist(f_number=n, working_f_number=n_w, blur_s=blur)
         ok &= mtf.min(axis=1) >= r.min_mtf * (1 - 1e-8)
+    if r.resolve_m:
+        bars_m = r.sharp.smallest_bars_m(contrast, f_number=n, working_f_number=n_w, blur_s=blur)
+        ok &= bars_m.max(axis=1) <= r.resolve_m * (1 + 1e-8)
     duty = np.minimum(1.0, tau * r.rate_hz)
     drawn = {CONTINUOUS: r.full_power_w, PULSED: r.full_power_w * duty, FLASH: r.pulse_energy_j * r.rate_hz}
     bits = np.zeros(len(n))

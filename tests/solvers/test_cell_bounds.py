@@ -35,6 +35,10 @@ BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
     "power of a sharp image": (dict(min_mtf=0.25), "power"),
     "signal of a sharp image": (dict(min_mtf=0.25), "snr_db"),
     "signal of a sharp image, soft wide open": (dict(sharpness=soft(), min_mtf=0.4), "snr_db"),
+    "signal of bars behind a veil": (dict(sharpness=soft(), resolve_m=2.2e-3, veil=40.0), "snr_db"),
+    "power of bars under the sun": (
+        dict(sharpness=soft(), resolve_m=2.2e-3, veil=20.0, sun=(3e3, 6e3), open_max_s=5e-3, min_snr=12.0), "power",
+    ),
     "information, soft wide open": (
         dict(sharpness=soft(), signal_e=[1.2e4, 1e4, 8e3], well_e=6000.0), "information",
     ),

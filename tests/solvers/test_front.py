@@ -32,7 +32,7 @@ CLOSED = (
     ("power", "cost", "snr_db"), ("power", "snr_db"), ("cost", "snr_db"), ("power", "cost"),
     ("power", "mass", "gsd_mm"), ("cost", "gsd_mm", "snr_db"), ("power", "contrast", "cost"),
 )  # fmt: skip
-SUNNY = ("sun", "steps in the sun", "sun at a level")
+SUNNY = ("sun", "steps in the sun", "sun at a level", "bars in the sun")
 SHADED = tuple(name for name in fc.PLANTED if name not in SUNNY)
 INFORMATION = ("steps", "flash", "counts and mounts", "still")
 CASES = [
@@ -164,7 +164,10 @@ def test_sun_and_information_have_points_that_hold(key, monkeypatch):
 
 @pytest.mark.parametrize(
     "key",
-    drawn([7, "all", "dark", "counts and mounts"], [3, 7, 24, "all", "dark", "sharp", "counts and mounts"]),
+    drawn(
+        [7, "all", "dark", "bars", "counts and mounts"],
+        [3, 7, 24, "all", "dark", "sharp", "bars", "counts and mounts"],
+    ),
 )
 @pytest.mark.parametrize("name", ["power", "cost", "snr_db"])
 def test_ends_are_what_the_exact_search_finds(key, name):

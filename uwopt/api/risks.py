@@ -24,8 +24,8 @@ ASKED = {
     "min_dof_m": "depth of field", "dof_near_m": "depth of field", "dof_far_m": "depth of field",
     "min_uniformity": "evenness of the light", "power_w": "power", "peak_power_w": "peak power", "mass_kg": "mass",
     "mean_level": "image brightness", "saturation_fraction": "highlights", "depth_rating_m": "depth rating",
-    "min_mtf_half_nyquist": "sharpness", "frame_interval_s": "time between images", "data_rate_mb_s": "data rate",
-    "min_snr_red_db": "signal to noise of red", "max_white_balance": "white balance",
+    "min_mtf_half_nyquist": "sharpness", "resolve_mm": "sharpness", "frame_interval_s": "time between images",
+    "data_rate_mb_s": "data rate", "min_snr_red_db": "signal to noise of red", "max_white_balance": "white balance",
     "max_airy_px": "sharpness against diffraction", "lamp_clear_m": "room between lamps and view",
 }  # fmt: skip
 #: Ends of the ranges that settings may have, and what a setting with room left can mend.

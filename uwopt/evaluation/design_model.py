@@ -283,7 +283,7 @@ class DesignModel:
     def figures(self, index: int, settings: SettingRows, *, information: bool = False) -> Figures:
         """Figures of one scene, for one or many settings with a common focus."""
         scene, rows = self.problem.scenes[index], self.rows[index]
-        if not scene.paper and (information or scene.view.requirements.min_mtf_half_nyquist is not None):
+        if not scene.paper and (information or scene.view.requirements.asks_sharpness):
             sharp = self.sharp_rows(index, float(settings.dioptre_per_m[0]))
             rows = replace(rows, sharp=sharp.take(np.zeros(len(settings.f_number), int)))
         return figures_of(scene, rows, settings, information=information)

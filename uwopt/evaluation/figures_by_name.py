@@ -178,8 +178,8 @@ def at_one(column: Array | None) -> float | None:
 # Strongest over weakest channel, gains that make a grey floor grey, relative to green, and what red then lacks in SNR.
 WHITE_BALANCE = ("white_balance", "white_balance_red", "white_balance_blue", "snr_red_below_green_db")
 SHARPNESS = (
-    "mtf50_cyc_per_px", "mtf_half_nyquist", "mtf_half_nyquist_corner", "resolution_10_mm", "lateral_colour_px",
-    "defocus_corner_px", "decentring_distortion_px", "decentring_defocus_px",
+    "mtf50_cyc_per_px", "mtf_half_nyquist", "mtf_half_nyquist_corner", "resolution_10_mm", "resolve_mm",
+    "lateral_colour_px", "defocus_corner_px", "decentring_distortion_px", "decentring_defocus_px",
 )  # fmt: skip
 
 
@@ -206,6 +206,9 @@ def sharpness_figures(
     at = seen("place")
     resolution_m = sharpness.resolution_10_m(
         at, ground_sample_along_m=view.gsd_m[:, 1], ground_sample_across_m=view.gsd_m[:, 1]
+    )
+    bars_m = sharpness.smallest_bars_m(
+        seen("corner"), contrast=figures.contrast[:, scene.nominal], ground_sample_m=view.gsd_m[:, 1]
     )
     spectrum = int(problem.contractions[index].spectrum_of[int(model.lights.optics_index[0])])
     electrons = arriving(scene, problem.contractions[index], spectrum, int(model.cameras.qe_index[0]))
@@ -235,6 +238,7 @@ def sharpness_figures(
         "mtf_half_nyquist": float(sharpness.mtf_half_nyquist(at)[0]),
         "mtf_half_nyquist_corner": float(sharpness.mtf_half_nyquist(seen("corner"))[0]),
         "resolution_10_mm": float(resolution_m[0]) * 1e3,
+        "resolve_mm": float(bars_m[0]) * 1e3,
         "lateral_colour_px": colour if problem.effects.lateral_colour else None,
         "defocus_corner_px": float(disc.max()),  # even where nothing depends on it: it is told with every image
         **decentring(model, index, float(f_number[0])),

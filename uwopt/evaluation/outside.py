@@ -153,9 +153,7 @@ def other_focus(
         own, searched = float(rows.dioptre_per_m[0]), model.searched_dioptre_per_m(index)
         focal = float(model.views[index].focal_length_m[0])
         brighter = focal * (searched - own) > MORE_LIGHT_REL * (1.0 - focal * searched)
-        sharpness = (
-            scene.view.requirements.min_mtf_half_nyquist is not None or objective.weight("information") > 0
-        )
+        sharpness = scene.view.requirements.asks_sharpness or objective.weight("information") > 0
         moved = not np.isclose(own, searched, rtol=MORE_LIGHT_REL, atol=0.0)
         if (brighter and not scene.paper) or (sharpness and moved):
             text = (

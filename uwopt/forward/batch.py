@@ -174,7 +174,7 @@ class Batch:
     ) -> Figures:
         """All figures that requirements need in one scene."""
         scene = self.problem.scenes[index]
-        if not scene.paper and (information or scene.view.requirements.min_mtf_half_nyquist is not None):
+        if not scene.paper and (information or scene.view.requirements.asks_sharpness):
             rows = replace(rows, sharp=self.sharp_rows(index, settings.dioptre_per_m))
         return figures_of(scene, rows, settings, information=information)
 

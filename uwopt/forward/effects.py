@@ -112,7 +112,7 @@ def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dic
     found = dict.fromkeys(Effects.names(), (0.0, 0.0))
     shape = problem.shape(group.port, group.scene_index)
     view = group.view
-    if needs.dof_at == "corner" or information:
+    if needs.dof_at == "corner" or needs.resolve_mm is not None or information:
         found["image_curvature"] = found["lateral_colour"] = (KEPT, 0.0)
     if not shape.is_dome:
         corner = np.hypot(view.tan_along, view.tan_across)
@@ -218,7 +218,7 @@ def sun_bound(
     lit_s = np.where(pulsed, np.minimum(settings.pulse_s, open_s), open_s)
     needs = scene.view.requirements
     if np.any(lit_s < open_s) and (
-        needs.max_blur_px is not None or needs.min_mtf_half_nyquist is not None or information
+        needs.max_blur_px is not None or needs.asks_sharpness or information
     ):
         return KEPT
     sun = SunField(

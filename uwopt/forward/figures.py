@@ -105,6 +105,7 @@ class Figures:
     duty_frac: Array
     data_rate_mb_s: Array
     mtf_half_nyquist: Array | None  # (n, 3), where the mission wants it
+    smallest_bars_m: Array | None  # (n, 3), where the mission wants some resolved
     information_bit_per_m2: Array | None  # (n,), nominal altitude
 
 
@@ -149,7 +150,10 @@ def figures_of(
     snr = np.asarray(sensor.snr(seen.signal_e, veil_e=veil, **noise))
     blur_s = collected_s if rows.sun is None else open_s(rows, settings)
     apertures = dict(f_number=settings.f_number, working_f_number=working, blur_s=blur_s)
-    needs_mtf = rows.sharp is not None and scene.view.requirements.min_mtf_half_nyquist is not None
+    needs = scene.view.requirements
+    needs_mtf = rows.sharp is not None and needs.min_mtf_half_nyquist is not None
+    needs_bars = rows.sharp is not None and needs.resolve_mm is not None
+    contrast = share_of(seen.signal_e, every)
     return Figures(
         working_f_number=working,
         light_x=light_x,
@@ -159,7 +163,7 @@ def figures_of(
         electrons_backscatter=seen.backscatter_e,
         electrons_sun=seen.sun_e,
         electrons_dark=dark,
-        contrast=share_of(seen.signal_e, every),
+        contrast=contrast,
         snr=snr,
         snr_pixels=None if seen.worst_e is None else snr_of_pixels(seen, noise, rows.light.may_miss),
         snr_red=None if seen.colour_e is None else np.asarray(
@@ -180,6 +184,9 @@ def figures_of(
         duty_frac=np.asarray(light_model.duty_frac(collected_s, frame_rate_hz=settings.rate_hz)),
         data_rate_mb_s=cam.frame_mb * settings.rate_hz,
         mtf_half_nyquist=rows.sharp.mtf_half_nyquist(**apertures) if needs_mtf and rows.sharp else None,
+        smallest_bars_m=rows.sharp.smallest_bars_m(contrast[:, [0, scene.nominal, -1]], **apertures)
+        if needs_bars and rows.sharp
+        else None,
         information_bit_per_m2=rows.sharp.information_bit_per_m2(snr[:, scene.nominal], **apertures)
         if information and rows.sharp
         else None,

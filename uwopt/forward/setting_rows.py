@@ -20,9 +20,10 @@ from uwopt.forward.part_columns import (
     Lights,
 )
 from uwopt.forward.problem import Problem
-from uwopt.forward.sharpness import SharpRows, airy_f_number
+from uwopt.forward.sharpness import Bars, SharpRows, airy_f_number
 from uwopt.mission.sections import Requirements
 from uwopt.model import sensor
+from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, RESOLVED_CONTRAST
 
 if TYPE_CHECKING:
     from uwopt.forward.sharpness import SharpRows
@@ -93,6 +94,7 @@ class SceneRows(Columns):
     max_white_balance: float = np.inf
     min_contrast: float = 0.0
     min_mtf: float = 0.0  # at half the Nyquist frequency
+    resolve_m: float = 0.0  # width of bars on the floor that must arrive
     sharp: SharpRows | None = None  # only where MTF or information are asked for
     open_max_s: Array | None = None  # longest open shutter under the sun; None: as long as the lamps need
     lead_s: Array | None = None  # that lamps burn beside the time that collects light; inf or None: all the time
@@ -105,6 +107,55 @@ class SceneRows(Columns):
     def total_e(self) -> Array:
         """All electrons per lm s, image mean, by altitude."""
         return self.signal_e if self.veil_e is None else self.signal_e + self.veil_e
+
+    @property
+    def asks_sharpness(self) -> bool:
+        """Whether a contrast of fine detail is asked for."""
+        return self.min_mtf > 0.0 or self.resolve_m > 0.0
+
+    @property
+    def bars(self) -> list[Bars]:
+        """The bars whose contrast is asked for, each with the least of it."""
+        found: list[Bars] = []
+        if self.sharp is None:
+            return found
+        if self.min_mtf > 0.0:
+            at = np.full_like(self.sharp.gsd_m, HALF_NYQUIST_CYC_PER_PX)
+            found.append(Bars(at, "place", self.min_mtf))
+        if self.resolve_m > 0.0:
+            at = self.sharp.gsd_m / (2.0 * self.resolve_m)
+            found.append(Bars(at, "corner", RESOLVED_CONTRAST, veiled=True))
+        return found
+
+    @property
+    def three(self) -> Array:
+        """Where near, nominal and far altitude stand among all."""
+        return np.array([0, self.nominal, self.signal_e.shape[1] - 1])
+
+    def contrast_within(self) -> tuple[Array, Array]:
+        """Least and greatest contrast that lamps and sun leave in whatever mixture, (n, 3) by altitude."""
+        signal, total = self.signal_e[:, self.three], self.total_e[:, self.three]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            lamps = np.where(total > 0, signal / total, 0.0)
+            if self.sun_signal_e_s is None or self.sun_veil_e_s is None:
+                return lamps, lamps
+            shining = self.sun_signal_e_s[:, self.three]
+            every = shining + self.sun_veil_e_s[:, self.three]
+            sun = np.where(every > 0, shining / every, lamps)
+        return np.minimum(lamps, sun), np.maximum(lamps, sun)
+
+    def sharp_enough(
+        self, *, f_number: Array, blur_s: Array, contrast: Array | None = None, slack: float = 1e-9
+    ) -> Array:
+        """Whether the bars that are asked for arrive, (n,); `contrast` (n, 3), None: the least there can be."""
+        enough = np.ones(len(f_number), bool)
+        least = self.contrast_within()[0] if contrast is None else contrast
+        settings = dict(f_number=f_number, working_f_number=f_number * self.working_factor, blur_s=blur_s)
+        for bars in self.bars:
+            assert self.sharp is not None
+            left = self.sharp.transfer(bars, **settings) * (least if bars.veiled else 1.0)
+            enough &= left.min(axis=1) >= bars.least * (1.0 - slack)
+        return enough
 
     @property
     def sunlit(self) -> bool:
@@ -281,6 +332,7 @@ def setting_rows(
         max_white_balance=needs.max_white_balance or np.inf,
         min_contrast=needs.min_contrast or 0.0,
         min_mtf=needs.min_mtf_half_nyquist or 0.0,
+        resolve_m=(needs.resolve_mm or 0.0) * 1e-3,
         sharp=sharp,
         nominal=scene.nominal,
         read_noise_e=cam.read_noise_e,

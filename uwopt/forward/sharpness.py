@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
@@ -30,7 +31,7 @@ from uwopt.model import aberration, lateral, operation, sharpness
 from uwopt.model.defocus import defocus_px
 from uwopt.model.lateral import SpreadTable
 from uwopt.model.lens import airy_diameter_m
-from uwopt.model.sharpness import Sharpness
+from uwopt.model.sharpness import NYQUIST_CYC_PER_PX, Sharpness
 from uwopt.model.spectrum import trapezoid_weights_nm
 
 if TYPE_CHECKING:
@@ -38,6 +39,22 @@ if TYPE_CHECKING:
 
 Array = NDArray[Any]
 Field = Literal["place", "corner", "rms"]
+NYQUIST_ROUND = 1e-9  # of a frequency: bars as wide as a pixel are just allowed
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Bars of which a share of the contrast must be left, at near, nominal and far altitude: one mechanism for all."""
+
+    frequency_cyc_per_px: Array  # (n, 3), along and across alike
+    field: Field
+    least: float
+    veiled: bool = False  # of all light; else of the light that forms the image. Coarser bars must be left then, too
+
+    def still(self, transfer: Any, frequency: Array) -> Array:
+        """A transfer by frequency, where the pixels can show such bars: two a cycle are needed of veiled ones."""
+        aliased = self.veiled & (frequency > NYQUIST_CYC_PER_PX * (1.0 + NYQUIST_ROUND))
+        return np.where(aliased, 0.0, transfer)
 
 
 @dataclass(frozen=True)
@@ -113,7 +130,7 @@ class SharpRows(Columns):
     def lens_pitch_px(self, field: Field, *, f_number: Array, rows: Array | slice = slice(None)) -> Array:
         """Pitch that the lens is good for at these f-numbers and a field point, over the camera's."""
         pitch = aberration.lens_pitch(
-            self.rated_pitch_px[rows], aberration_f1=self.aberration_px[rows], f_number=f_number,
+            self.rated_pitch_px[rows], aberration_f1_px=self.aberration_px[rows], f_number=f_number,
             field_blur=self.lens_blur(field),
         )  # fmt: skip
         return np.asarray(pitch)
@@ -152,6 +169,38 @@ class SharpRows(Columns):
                 for k in range(3)
             ],
             axis=1,
+        )
+
+    def transfer(self, bars: Bars, *, f_number: Array, working_f_number: Array, blur_s: Array) -> Array:
+        """What is left of the contrast of bars, without veil: the worse of along and across, (n, 3) by altitude."""
+        settings = dict(f_number=f_number, working_f_number=working_f_number, blur_s=blur_s)
+
+        def left(nu: Array, at: Sharpness, rows: Array) -> Array:
+            frequency = nu[rows]
+            one, other = (
+                of(frequency, sharpness=at, falling=bars.veiled) for of in (sharpness.mtf_along, sharpness.mtf_across)
+            )
+            return bars.still(np.minimum(one, other), frequency)
+
+        return np.stack(
+            [
+                self.each(partial(left, nu), field=bars.field, altitude=k, **settings)
+                for k, nu in enumerate(bars.frequency_cyc_per_px.T)
+            ],
+            axis=1,
+        )
+
+    def smallest_bars_m(
+        self, contrast: Array, *, f_number: Array, working_f_number: Array, blur_s: Array
+    ) -> Array:
+        """Narrowest bars on the floor that arrive in the corner, veil counted; (n, 3), as is the contrast."""
+        settings = dict(f_number=f_number, working_f_number=working_f_number, blur_s=blur_s)
+
+        def narrowest(k: int, at: Sharpness, rows: Array) -> Array:
+            return sharpness.smallest_bars_m(at, contrast=contrast[rows, k], ground_sample_m=self.gsd_m[rows, k])
+
+        return np.stack(
+            [self.each(partial(narrowest, k), field="corner", altitude=k, **settings) for k in range(3)], axis=1
         )
 
     def information_bit_per_m2(

@@ -13,6 +13,7 @@ from pydantic import BeforeValidator, Field
 
 from uwopt.documents.key_types import NUMBER, Section, one_of
 from uwopt.mission.sections import Requirements, Vehicle
+from uwopt.model.sharpness import RESOLVED_SNR
 from uwopt.units import S_PER_H, db_to_ratio, ratio_to_db
 
 RECOMMENDED = "recommended"
@@ -72,7 +73,7 @@ REFUSED: Mapping[str, tuple[str, float]] = {
 def asked_of(wanted: Requirements, vehicle: Vehicle) -> Requirements:
     """Requirements with the default of each refusal in place; a key that the mission gives stays as it is.
 
-    Area per hour is swath x (1 - sidelap) x speed, so that it asks for a swath.
+    Area per hour is swath x (1 - sidelap) x speed, so that it asks for a swath; bars ask for pixels and an SNR.
 
     The swath is refused in a survey alone: at speed, with an overlap.
     """
@@ -85,7 +86,20 @@ def asked_of(wanted: Requirements, vehicle: Vehicle) -> Requirements:
     if wanted.min_area_m2_h is not None and vehicle.speed_m_s > 0.0:
         swath_m = wanted.min_area_m2_h / (S_PER_H * vehicle.speed_m_s * (1.0 - wanted.sidelap))
         made["min_swath_m"] = max(swath_m, wanted.min_swath_m or made.get("min_swath_m", 0.0))
+    if wanted.resolve_mm is not None:
+        made |= asked_by_bars(wanted, wanted.resolve_mm)
     return wanted.model_copy(update=made) if made else wanted
+
+
+def asked_by_bars(wanted: Requirements, bar_mm: float) -> dict[str, float]:
+    """What bars on the floor ask for beside their contrast: no pixel is wider, and a tenth shows in the noise."""
+    made = {"max_gsd_mm": min(bar_mm, wanted.max_gsd_mm or bar_mm)}
+    if (wanted.min_snr or 0.0) < RESOLVED_SNR:
+        key, value = ("min_snr_db", float(ratio_to_db(RESOLVED_SNR)))
+        if wanted.min_snr_db is None and wanted.min_snr_given is not None:
+            key, value = ("min_snr_given", RESOLVED_SNR)
+        made[key] = value
+    return made
 
 
 def factors_of(reserve: Reserve) -> dict[str, float]:

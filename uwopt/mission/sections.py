@@ -228,6 +228,11 @@ class Requirements(Section):
         description="largest ratio between the strongest and the weakest colour channel of a grey floor, at least 1, "
         "recommended 4; a mono sensor has none",
     )
+    resolve_mm: Positive | None = Field(
+        default=None,
+        description="bars this wide on the floor, in millimetres, arrive with a contrast of a tenth in the corner, "
+        "veil counted; implies pixels no larger and an SNR of 20 dB",
+    )
     shutter: Annotated[Literal["any", "global", "rolling"], CHOICE] = Field(
         default="any", description="shutter of the camera: any, global or rolling"
     )
@@ -253,6 +258,11 @@ class Requirements(Section):
     def min_snr_red(self) -> float | None:
         """The least signal-to-noise ratio of the red channel; None when none was asked for."""
         return None if self.min_snr_red_db is None else db_to_ratio(self.min_snr_red_db)
+
+    @property
+    def asks_sharpness(self) -> bool:
+        """Whether a contrast of fine detail is asked for."""
+        return self.min_mtf_half_nyquist is not None or self.resolve_mm is not None
 
     @property
     def min_snr(self) -> float | None:

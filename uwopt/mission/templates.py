@@ -77,6 +77,7 @@ requirements:
   # min_uniformity: 0.3        # darkest over mean illuminance of the floor
   # min_mtf_half_nyquist: 0.3
   # max_white_balance: 4       # strongest over weakest colour channel; refuse: all holds 4
+  # resolve_mm: 2              # bars this wide on the floor arrive with a tenth of their contrast, in the corner too
   # shutter: any               # any | global | rolling
   colour: any                  # colour: a sensor that sees colours; mono: it needs less light and sees finer detail;
                                # any: whichever is best, which mostly is mono

@@ -20,19 +20,19 @@ ABERRATION_POWER = 3.0
 CORNER_BLUR = 1.8
 
 
-def aberration_at_f1(aberration_pitch: Numeric, *, f_number_min: Numeric) -> Numeric:
+def aberration_at_f1(aberration_pitch_m: Numeric, *, f_number_min: Numeric) -> Numeric:
     """Pitch of the aberrations as if the lens opened to F1: what `lens_pitch` scales to any opening.
 
         q_1 = q_a N_min^(P/2)
 
-    aberration_pitch : broadcast, in any unit of length, wide open on the axis; f_number_min : broadcast. Returns
-    the same unit. A number to compute with: no lens is used wider than N_min.
+    aberration_pitch_m : broadcast [m], wide open on the axis; f_number_min : broadcast. Returns [m]. A number to
+    compute with: no lens is used wider than N_min.
     """
-    return aberration_pitch * f_number_min ** (ABERRATION_POWER / 2.0)
+    return aberration_pitch_m * f_number_min ** (ABERRATION_POWER / 2.0)
 
 
 def lens_pitch(
-    rated_pitch: Numeric, *, aberration_f1: Numeric, f_number: Numeric, field_blur: Numeric = 1.0
+    rated_pitch_px: Numeric, *, aberration_f1_px: Numeric, f_number: Numeric, field_blur: Numeric = 1.0
 ) -> Numeric:
     """Pixel pitch that a lens is good for at an opening and a field point.
 
@@ -40,14 +40,14 @@ def lens_pitch(
 
     Parameters
     ----------
-    rated_pitch : broadcast, q_r, what the lens is rated for; 0 unknown
-    aberration_f1 : broadcast, of `aberration_at_f1`, in the same unit
+    rated_pitch_px : broadcast [px], q_r, what the lens is rated for over the camera's pitch; 0 unknown
+    aberration_f1_px : broadcast [px], of `aberration_at_f1`, over the camera's pitch
     f_number : broadcast, N as engraved, at least N_min
     field_blur : broadcast, B, of `field_blur`
 
     Returns
     -------
-    (...,) in the unit of the pitches, falling with N. ln MTF = -ln 2 (2 nu q)^2 is concave in ln N.
+    (...,) [px], falling with N. ln MTF = -ln 2 (2 nu q)^2 is concave in ln N.
 
     Notes
     -----
@@ -58,7 +58,7 @@ def lens_pitch(
     ----------
     docs/lenses.md: measured MTF50 against aperture, and what it gives.
     """
-    return field_blur * np.sqrt(rated_pitch**2 + aberration_f1**2 * f_number**-ABERRATION_POWER)
+    return field_blur * np.sqrt(rated_pitch_px**2 + aberration_f1_px**2 * f_number**-ABERRATION_POWER)
 
 
 def field_blur(field_over_corner: Numeric) -> Numeric:

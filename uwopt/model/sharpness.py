@@ -27,6 +27,10 @@ Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi 
 Array = NDArray[Any]
 
 TEXTURE_CONTRAST = 0.1  # C_t, rms contrast of the floor's texture at every frequency (physics page, 8)
+RESOLVED_CONTRAST = 0.1  # of bars that count as resolved, of all light that arrives (MTF10)
+#: SNR from which a tenth of the light equals a pixel's noise. Two bars of n pixels then differ by sqrt(2 n) times the
+#: noise of their means, Rose's 5 for n = 12.5: bars 1.6 px wide and, as on the USAF chart, five times as long.
+RESOLVED_SNR = 1.0 / RESOLVED_CONTRAST
 NYQUIST_CYC_PER_PX = 0.5
 HALF_NYQUIST_CYC_PER_PX = 0.25
 #: Gauss-Legendre nodes of `information_bit_per_px` in radius and angle, by the largest lateral colour [px
@@ -218,19 +222,20 @@ def mtf_half_nyquist(sharpness: Sharpness) -> Numeric:
 # ---------------------------------------------------------------- frequencies of a level
 
 
-def frequencies_at_cyc_per_px(level: float, *, sharpness: Sharpness) -> tuple[Array, Array]:
+def frequencies_at_cyc_per_px(level: Numeric, *, sharpness: Sharpness) -> tuple[Array, Array]:
     """Frequencies along and across at which the transfer has fallen to a level.
 
         MTF(nu) = level
 
     Parameters
     ----------
-    level : scalar, 0 < level < 1
+    level : broadcast, > 0
     sharpness : fields broadcast to (...,)
 
     Returns
     -------
-    along, across : (...,) [cycles per px], 0..1; 0 where the blur is infinite. Relative error 1e-12.
+    along, across : (...,) [cycles per px], 0..1; 0 where the blur is infinite or the level 1 or more. Relative error
+    1e-12.
 
     Notes
     -----
@@ -242,7 +247,8 @@ def frequencies_at_cyc_per_px(level: float, *, sharpness: Sharpness) -> tuple[Ar
     null = np.minimum(disc_null, pupil_null)
     motion_null = 1.0 / np.maximum(np.minimum(sharpness.motion_blur_px, _HUGE), 1.0)
     null, motion_null = (np.where(end > 2.0 / _HUGE, end, 0.0) for end in (null, motion_null))
-    shape = _shape(sharpness)
+    shape = _shape(sharpness, level)
+    null = np.where(np.asarray(level) < 1.0, null, 0.0)
     along = _root(mtf_along, level, sharpness, np.broadcast_to(np.minimum(null, motion_null), shape))
     return along, _root(mtf_across, level, sharpness, np.broadcast_to(null, shape))
 
@@ -251,6 +257,22 @@ def mtf50_cyc_per_px(sharpness: Sharpness) -> Array:
     """Frequency at which half the contrast is left, the worse of along and across [cycles per px]."""
     along, across = frequencies_at_cyc_per_px(0.5, sharpness=sharpness)
     return np.minimum(along, across)
+
+
+def smallest_bars_m(sharpness: Sharpness, *, contrast: Numeric, ground_sample_m: Numeric) -> Array:
+    """Narrowest bars on the floor of which a tenth of the contrast arrives, veil counted.
+
+        b = GSD / (2 nu),   nu the highest at which C MTF is 0.1 at least, 1/2 at most
+
+    sharpness : fields (...,); contrast : broadcast, C, image-forming over all light; ground_sample_m : broadcast [m per
+    px]. Returns (...,) [m], the width of one bar, the worse of along and across; inf where nothing is resolved. Bars
+    are no narrower than a pixel: below, the image shows aliases. The transfer is that of a sine; black and white
+    bars, whose first harmonic is 4 / pi, have more.
+    """
+    with np.errstate(divide="ignore", over="ignore"):
+        level = np.minimum(RESOLVED_CONTRAST / np.asarray(contrast, dtype=float), 1.0)
+        highest = np.minimum(*frequencies_at_cyc_per_px(level, sharpness=sharpness))
+        return np.asarray(ground_sample_m / (2.0 * np.minimum(highest, NYQUIST_CYC_PER_PX)))
 
 
 def resolution_10_m(
@@ -278,7 +300,7 @@ def _shape(sharpness: Sharpness, *others: Numeric) -> tuple[int, ...]:
     return np.broadcast_shapes(*(np.shape(number) for number in (*numbers, *others)))
 
 
-def _root(transfer: Any, level: float, sharpness: Sharpness, null: Array) -> Array:
+def _root(transfer: Any, level: Numeric, sharpness: Sharpness, null: Array) -> Array:
     """Where a transfer that falls from 1 at 0 to 0 at its null meets a level; Illinois and bisection."""
     low, high = np.zeros(null.shape), null * 1.0
     at_low, at_high = np.full(null.shape, 1.0 - level), np.full(null.shape, -level)

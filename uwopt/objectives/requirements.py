@@ -202,6 +202,9 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         value, where = worst(figures.mtf_half_nyquist, three, highest=False)
         least = at_all(figures, needs.min_mtf_half_nyquist)
         yield MarginRows("min_mtf_half_nyquist", value, least, ">=", "", where)
+    if figures.smallest_bars_m is not None and needs.resolve_mm is not None:
+        value, where = worst(figures.smallest_bars_m * 1e3, three, highest=True)
+        yield MarginRows("resolve_mm", value, at_all(figures, needs.resolve_mm), "<=", "mm", where)
     if needs.min_contrast is not None:
         value, where = worst(figures.contrast, scene.range_m, highest=False)
         yield MarginRows("min_contrast", value, at_all(figures, needs.min_contrast), ">=", "", where)

@@ -51,6 +51,7 @@ REQUIREMENTS: Mapping[str, str] = {
     "min_contrast": "contrast",
     "min_uniformity": "evenness of the light",
     "min_mtf_half_nyquist": "sharpness at half Nyquist",
+    "resolve_mm": "finest bars that arrive",
     "mean_level": "mean image level",
     "saturation_fraction": "highlights, share of saturation",
     "f_number_min": "f-number, widest of the lens",

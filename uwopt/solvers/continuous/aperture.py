@@ -68,7 +68,7 @@ class ApertureProgram:
             working_f_number=f_number * float(rows.working_factor[0]), wavelength_nm=float(sharp.wavelength_nm[0]),
             pixel_pitch_m=float(sharp.pixel_pitch_m[0]), defocus_px=float(sharp.rms_disc_px[0, 1]) / f_number,
             lens_pitch_px=lens_pitch(
-                float(sharp.rated_pitch_px[0]), aberration_f1=float(sharp.aberration_px[0]), f_number=f_number,
+                float(sharp.rated_pitch_px[0]), aberration_f1_px=float(sharp.aberration_px[0]), f_number=f_number,
                 field_blur=sharp.lens_blur("rms"),
             ),
         )  # fmt: skip

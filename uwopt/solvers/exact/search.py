@@ -483,7 +483,7 @@ class Search:
     def _sharp(self, scene_index: int, imager: Array, lighting: Lighting) -> SharpRows | None:
         """What MTF and information depend on, where either is asked for."""
         needs = self.problem.scenes[scene_index].view.requirements
-        if needs.min_mtf_half_nyquist is None and not self.objective.weight("information"):
+        if not needs.asks_sharpness and not self.objective.weight("information"):
             return None
         unique, back = np.unique(imager, return_inverse=True)
         imagers, seen = self.imagers, self.imagers.scenes[scene_index]

@@ -45,6 +45,7 @@ RELAXABLE: dict[str, tuple[str, str, str | None]] = {
     "min_contrast": ("requirements", "min_contrast", "contrast"),
     "min_uniformity": ("requirements", "min_uniformity", None),
     "min_mtf_half_nyquist": ("requirements", "min_mtf_half_nyquist", None),
+    "resolve_mm": ("requirements", "resolve_mm", None),
     "cost": ("limits", "cost", "cost"),
     "power_w": ("limits", "power_w", "power"),
     "peak_power_w": ("limits", "peak_power_w", None),

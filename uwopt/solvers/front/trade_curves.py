@@ -120,7 +120,7 @@ def with_exposures(rows: list[SceneRows], chosen: list[Chosen]) -> list[Chosen]:
 
 def unhindered(rows: list[SceneRows]) -> list[SceneRows]:
     """Rows with least dark current and no wanted sharpness, which have a closed form: no settings do better."""
-    return [replace(dark.relaxed(r), min_mtf=0.0) for r in rows]
+    return [replace(dark.relaxed(r), min_mtf=0.0, resolve_m=0.0) for r in rows]
 
 
 class Trade:
@@ -204,7 +204,7 @@ class Trade:
 
     def tried(self, some: Hopeful) -> list[Answers]:
         """A few settings of each design that any solver might try: points to beat, before bounds are drawn in."""
-        if self.quality != "information" or any(r.sunlit or r.min_mtf > 0 for r in some.rows):
+        if self.quality != "information" or any(r.sunlit or r.asks_sharpness for r in some.rows):
             return []
         low = np.max([r.n_low for r in some.rows], axis=0)
         high = np.min([r.n_high for r in some.rows], axis=0)

@@ -251,7 +251,7 @@ class Coding:
         ]
         tops += [("light", max(int(self.light_size.max(initial=1)) - 1, 0)), ("count", self.high - self.low)]
         tops += [("baseline", self.mounts.shape[0] - 1), ("tilt", self.mounts.shape[1] - 1)]
-        needs_more = any(s.sunlit or s.view.requirements.min_mtf_half_nyquist is not None for s in scenes)
+        needs_more = any(s.sunlit or s.view.requirements.asks_sharpness for s in scenes)
         own = any(not isinstance(axis, str) for axis in axes)
         self.curve = problem.paper or not (needs_more or own or "information" in axes)
         if problem.paper and own:

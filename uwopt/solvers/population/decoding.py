@@ -292,14 +292,12 @@ class SceneRange:
     def _sharp_s(self, f_number: Array) -> Array:
         """Longest time that keeps the wanted MTF at these f-numbers, to a hair; 0 where none does."""
         rows = self.rows
-        if rows.min_mtf <= 0.0 or rows.sharp is None:
+        if not rows.asks_sharpness or rows.sharp is None:
             return np.full(len(f_number), np.inf)
         working = np.where(np.isfinite(f_number), f_number, 1.0)
         low, high = np.zeros(len(f_number)), np.where(rows.time_max_s > 0, rows.time_max_s, 1.0)
-        aperture = dict(f_number=working, working_f_number=working * rows.working_factor)
         for step in range(SHARP_STEPS):
             tried = high if step == 0 else 0.5 * (low + high)
-            mtf = rows.sharp.mtf_half_nyquist(blur_s=tried, **aperture).min(axis=1)
-            sharp = mtf >= rows.min_mtf
+            sharp = rows.sharp_enough(f_number=working, blur_s=tried, slack=0.0)
             low, high = np.where(sharp, tried, low), np.where(sharp, high, tried)
         return low

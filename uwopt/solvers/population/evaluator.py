@@ -52,7 +52,7 @@ class Evaluator:
     def __init__(self, search: Search, axes: Sequence[str | OwnObjective], coding: Coding):
         self.search, self.problem, self.axes, self.coding = search, search.problem, list(axes), coding
         self.own = any(not isinstance(axis, str) for axis in axes)
-        mtf = any(s.view.requirements.min_mtf_half_nyquist is not None for s in self.problem.scenes)
+        mtf = any(s.view.requirements.asks_sharpness for s in self.problem.scenes)
         wanted = "information" in axes or self.own or bool(search.objective.weight("information"))
         self.information = wanted and not self.problem.paper
         self.store = LightStore(search, sharp=self.information or (mtf and not self.problem.paper))

@@ -238,7 +238,7 @@ class SettableScene:
 
     def _judged(self, settings: SettingRows) -> Tried:
         """Figures and margins; what is dear only of settings where all else holds: each pixel, then sharpness."""
-        scene, asks_sharpness = self.model.problem.scenes[self.index], self.needs.min_mtf_half_nyquist is not None
+        scene, asks_sharpness = self.model.problem.scenes[self.index], self.needs.asks_sharpness
         figures = [figures_of(scene, rows, settings) for rows in self.means]
         of_pixels = self.rows.light.worst_e is not None
         shortfall = self._shortfall(settings, figures, without=PIXELS_ASKED if of_pixels else "")

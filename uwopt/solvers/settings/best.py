@@ -40,7 +40,7 @@ class Best:
 
 def scenes_need_cells(scenes: Sequence[SceneOptics], objective: Objective) -> bool:
     """Whether a mission's settings have no closed form: sun, sharpness or information."""
-    asked = any(s.sunlit or s.view.requirements.min_mtf_half_nyquist is not None for s in scenes)
+    asked = any(s.sunlit or s.view.requirements.asks_sharpness for s in scenes)
     return not scenes[0].paper and (asked or bool(objective.weight("information")))
 
 
@@ -50,7 +50,7 @@ def needs_cells(rows: list[SceneRows], objective: Objective) -> bool:
     Power that falls with the time as well as with the level is not convex along the SNR: no weighing of both.
     """
     weighs = bool(objective.weight("snr_db") and objective.weight("power")) and any(r.switched for r in rows)
-    return bool(objective.weight("information")) or weighs or any(r.sunlit or r.min_mtf > 0 for r in rows)
+    return bool(objective.weight("information")) or weighs or any(r.sunlit or r.asks_sharpness for r in rows)
 
 
 def best_settings(
@@ -179,14 +179,11 @@ def searched_where(
 
 def is_sharp(rows: SceneRows, chosen: closed_form.Chosen) -> Array:
     """Whether the MTF that is asked for holds at these settings, without sun."""
-    if rows.min_mtf <= 0 or rows.sharp is None:
+    if not rows.asks_sharpness or rows.sharp is None:
         return np.ones(len(chosen.f_number), bool)
     known = np.isfinite(chosen.f_number) & np.isfinite(chosen.time_s)
     f_number, time = np.where(known, chosen.f_number, 1.0), np.where(known, chosen.time_s, 0.0)
-    mtf = rows.sharp.mtf_half_nyquist(
-        f_number=f_number, working_f_number=f_number * rows.working_factor, blur_s=time
-    )
-    return np.asarray(known & (mtf.min(axis=1) >= rows.min_mtf * (1 - 1e-9)))
+    return np.asarray(known & rows.sharp_enough(f_number=f_number, blur_s=time))
 
 
 def best_closed(

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
+from uwopt.forward.sharpness import Bars, SharpRows
 from uwopt.model import sensor
 from uwopt.model.image_mean import reached_by_most
 from uwopt.model.lateral import spread_mtf
 from uwopt.model.sharpness import (
-    HALF_NYQUIST_CYC_PER_PX,
     defocus_mtf,
     diffraction_mtf,
     lens_mtf,
@@ -80,6 +80,27 @@ class Points:
     blur_s: Array
 
 
+@dataclass(frozen=True)
+class StillBars:
+    """Bars with those factors of their transfer that no setting changes, (n, 3) each."""
+
+    bars: Bars
+    along: Array
+    across: Array
+
+    @staticmethod
+    def of(bars: Bars, sharp: SharpRows) -> StillBars:
+        """Pixel and lateral colour of bars."""
+        nu = bars.frequency_cyc_per_px
+        still = bars.still(sinc_mtf(nu), nu)
+        found = [np.array(still), np.array(still)]
+        for mine, spread in sharp.groups(bars.field):
+            if spread is not None:
+                for one, k in zip(found, sharp.colour(bars.field), strict=True):
+                    one[mine] *= spread_mtf(k[mine, None] * nu[mine], table=spread, falling=bars.veiled)
+        return StillBars(bars, *found)
+
+
 class SceneCells:
     """One scene's designs."""
 
@@ -100,18 +121,9 @@ class SceneCells:
         self.constant_window = None
         if not self.sunlit and not np.any(rows.dark_current_e_s > 0):
             self.constant_window = window_over(self.rows, 0.0, 0.0, 0.0, 0.0)
-        if rows.min_mtf > 0 and self.sharp is not None:
-            self._still_mtf(self.sharp)
-
-    def _still_mtf(self, sharp: Any) -> None:
-        """Factors of the MTF at half Nyquist that no setting changes."""
-        nu = HALF_NYQUIST_CYC_PER_PX
-        still = np.full(len(sharp.wavelength_nm), sinc_mtf(nu))
-        self.along, self.across = np.array(still), np.array(still)
-        for mine, spread in sharp.groups("place"):
-            if spread is not None:
-                self.along[mine] *= spread_mtf(sharp.place_k_along[mine] * nu, table=spread)
-                self.across[mine] *= spread_mtf(sharp.place_k_across[mine] * nu, table=spread)
+        self.bars = [] if self.sharp is None else [StillBars.of(bars, self.sharp) for bars in rows.bars]
+        if self.bars:
+            self.least_contrast, self.most_contrast = rows.contrast_within()
 
     # ------------------------------------------------------------ time and shutter
 
@@ -143,30 +155,55 @@ class SceneCells:
 
     # ------------------------------------------------------------ MTF
 
-    def mtf_parts(self, d: Array, n_low: Array, n_high: Array) -> tuple[Array, Array]:
-        """MTF along (without motion) and across at half Nyquist, (m, 3): best over a range of f-numbers."""
+    def mtf_parts(self, still: StillBars, d: Array, n_low: Array, n_high: Array) -> tuple[Array, Array]:
+        """MTF along (without motion) and across of bars, (m, 3): best over a range of f-numbers."""
         assert self.sharp is not None
-        sharp, nu = self.sharp, HALF_NYQUIST_CYC_PER_PX
+        sharp, nu, field = self.sharp, still.bars.frequency_cyc_per_px[d], still.bars.field
         cycle = n_low * self.rows.working_factor[d] * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
-        lens = lens_mtf(nu, lens_pitch_px=sharp.lens_pitch_px("place", f_number=n_high, rows=d))
-        round_ = (diffraction_mtf(nu, cycle_px=cycle) * lens)[:, None] * defocus_mtf(
-            nu, disc_px=sharp.place_disc_px[d] / n_high[:, None]
+        pitch = sharp.lens_pitch_px(field, f_number=n_high, rows=d)
+        round_ = (
+            diffraction_mtf(nu, cycle_px=cycle[:, None])
+            * lens_mtf(nu, lens_pitch_px=pitch[:, None])
+            * defocus_mtf(nu, disc_px=sharp.disc_px(field)[d] / n_high[:, None])
         )
-        return self.along[d][:, None] * round_, self.across[d][:, None] * round_
+        return still.along[d] * round_, still.across[d] * round_
+
+    def sharp_enough(
+        self, d: Array, n_low: Array, n_high: Array, blur_s: Array, contrast: Array, slack: float
+    ) -> Array:
+        """Whether all bars arrive at the best of a range of f-numbers, (m,); `contrast` (m, 3)."""
+        enough = np.ones(len(d), bool)
+        for still in self.bars:
+            assert self.sharp is not None
+            along, across = self.mtf_parts(still, d, n_low, n_high)
+            moved = self.sharp.blur_px_per_s[d] * blur_s[:, None]
+            along = along * sinc_mtf(still.bars.frequency_cyc_per_px[d], width_px=moved)
+            left = np.minimum(along, across) * (contrast if still.bars.veiled else 1.0)
+            enough &= left.min(axis=1) >= still.bars.least * (1 - slack)
+        return enough
 
     def sharp_time_s(self, d: Array, n_low: Array, n_high: Array, *, safe: bool) -> Array:
-        """Longest blur time at which the MTF may hold, -1 if none; `safe`: surely holds at that time."""
-        wanted = self.rows.min_mtf
-        if wanted <= 0.0 or self.sharp is None:
-            return np.full(len(d), np.inf)
-        along, across = self.mtf_parts(d, n_low, n_high)
-        fits = (across >= wanted * (1 - 1e-12)).all(axis=1) & (along >= wanted * (1 - 1e-12)).all(axis=1)
-        need = np.clip(wanted / np.maximum(along, 1e-300), 0.0, 1.0)
-        sign = -1.0 if safe else 1.0
-        ratio = np.interp(-need, -_BOX, _RATIO) * (1.0 + sign * _TABLE_ERROR) + max(sign, 0.0) * 1e-9
-        with np.errstate(divide="ignore"):
-            time = (ratio / HALF_NYQUIST_CYC_PER_PX / self.sharp.blur_px_per_s[d]).min(axis=1)
-        return np.where(fits, time, -1.0)
+        """Longest blur time at which the MTF may hold, -1 if none; `safe`: surely holds at that time.
+
+        The contrast is the best that lamps and sun can leave, or the least where it must be safe.
+        """
+        longest = np.full(len(d), np.inf)
+        for still in self.bars:
+            assert self.sharp is not None
+            wanted: Any = still.bars.least
+            if still.bars.veiled:
+                seen = (self.least_contrast if safe else self.most_contrast)[d]
+                wanted = still.bars.least / np.maximum(seen, 1e-300)
+            along, across = self.mtf_parts(still, d, n_low, n_high)
+            fits = (across >= wanted * (1 - 1e-12)).all(axis=1) & (along >= wanted * (1 - 1e-12)).all(axis=1)
+            need = np.clip(wanted / np.maximum(along, 1e-300), 0.0, 1.0)
+            sign = -1.0 if safe else 1.0
+            ratio = np.interp(-need, -_BOX, _RATIO) * (1.0 + sign * _TABLE_ERROR) + max(sign, 0.0) * 1e-9
+            with np.errstate(divide="ignore"):
+                nu = still.bars.frequency_cyc_per_px[d]
+                time = (ratio / nu / self.sharp.blur_px_per_s[d]).min(axis=1)
+            longest = np.minimum(longest, np.where(fits, time, -1.0))
+        return longest
 
     # ------------------------------------------------------------ boxes
 
@@ -229,6 +266,9 @@ class SceneCells:
         snr, contrast = self._snr_and_contrast(rows, box, bottom, top, x_lo, x_cap, y_lo, y_hi)
         if rows.worst_e is None:  # what pixels reach may be more than the mean has
             alive &= snr >= rows.min_snr * (1 - 1e-9)
+        if self.sunlit and any(still.bars.veiled for still in self.bars):
+            seen = self._most_contrast(rows, box, top, bottom, x_lo, x_cap, y_lo, y_hi)
+            alive &= self.sharp_enough(d, box.n_lo, box.n_hi, box.open_lo, seen[:, rows.three], 1e-9)
         return Reach(alive, power, snr, contrast, x_lo, x_cap, high, bottom, top)
 
     def balanced_levels(self, rows: SceneRows, box: Box, bottom: Array, top: Array) -> tuple[Array, Array]:
@@ -278,6 +318,21 @@ class SceneCells:
             ends = [(lamp * r + sun) / (lamp_all * r + sun + over) for r in (np.minimum(r_lo, r_hi), r_hi)]
         best = np.nanmax(np.stack([*ends, np.zeros_like(r_hi)]), axis=0)
         return np.asarray(snr), np.minimum(best, 1.0)
+
+    def _most_contrast(
+        self, rows: SceneRows, box: Box, u_hi: Array, u_lo: Array, x_lo: Array, x_hi: Array, y_lo: Array, y_hi: Array
+    ) -> Array:  # fmt: skip
+        """Highest contrast by altitude: at an end of the lamps' light over the sun's, (m, n_altitudes)."""
+        assert rows.sun_signal_e_s is not None and rows.sun_veil_e_s is not None
+        sun, every = rows.sun_signal_e_s, rows.sun_signal_e_s + rows.sun_veil_e_s
+        with np.errstate(divide="ignore", invalid="ignore"):
+            most, least = self.lit_share(rows, box)
+            r_hi = np.minimum(x_hi / y_lo, rows.light_lm * u_hi * most)
+            r_lo = np.minimum(np.maximum(x_lo / y_hi, rows.light_lm * u_lo * least), r_hi)
+            ends = [
+                (rows.signal_e * r[:, None] + sun) / (rows.total_e * r[:, None] + every) for r in (r_lo, r_hi)
+            ]
+        return np.minimum(np.nan_to_num(np.maximum(*ends), nan=1.0) * (1 + SLACK), 1.0)
 
     def lit_share(self, rows: SceneRows, box: Box) -> tuple[Array, Array]:
         """Light-collecting over open time, most and least."""
@@ -331,13 +386,9 @@ class SceneCells:
             np.where(full_w > 0, self.share[d], 0.0) * full_w
         )  # a flash that never fires draws nothing
         fits &= holds & (power - rows.idle <= drawn_most * (1 + 2e-9))
-        if rows.min_mtf > 0:
-            along, across = self.mtf_parts(d, f_number, f_number)
-            assert self.sharp is not None
-            along = along * sinc_mtf(
-                HALF_NYQUIST_CYC_PER_PX, width_px=self.sharp.blur_px_per_s[d] * blur_s[:, None]
-            )
-            fits &= np.minimum(along, across).min(axis=1) >= rows.min_mtf * (1 - MEETS)
+        if self.bars:
+            seen = contrast_of(rows, light_x, sun)[:, rows.three]
+            fits &= self.sharp_enough(d, f_number, f_number, blur_s, seen, MEETS)
         chosen = closed_form.Chosen(f_number, level, time_s, gain, light_x, power, peak, exposure)
         return Points(chosen, fits, snr, contrast, blur_s)
 
@@ -367,6 +418,15 @@ class SceneCells:
         return level, fits, step, np.clip(
             exact, np.minimum(rows.time_min_s, time_s), np.minimum(1.001 * time_s, np.maximum(rows.time_max_s, time_s))
         )  # fmt: skip
+
+
+def contrast_of(rows: SceneRows, light_x: Array, sun: Sun | None) -> Array:
+    """Image-forming over all light by altitude, (n, n_altitudes)."""
+    signal, total = rows.signal_e * light_x[:, None], rows.total_e * light_x[:, None]
+    if sun is not None:
+        signal, total = signal + sun.signal_e, total + sun.total_e
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(total > 0, signal / total, 0.0)
 
 
 def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) -> tuple[Array, Array, Array]:

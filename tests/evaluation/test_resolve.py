@@ -1,0 +1,64 @@
+"""Bars on the floor that must arrive: the figure against closed forms, and what the key asks for beside it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import j1
+
+import uwopt
+from uwopt.errors import MissionError
+from uwopt.mission.mission import load_mission
+
+MISSION: dict[str, Any] = {
+    "physics": "full",
+    "scene": {"water": "III", "seafloor": 0.2, "depth_m": 50},
+    "vehicle": {"altitude_m": 2, "speed_m_s": 0.3, "light_baseline_m": 0.5},
+}  # fmt: skip
+SYSTEM: dict[str, Any] = {
+    "camera": {
+        "resolution_x_px": 2448, "resolution_y_px": 2048, "pixel_pitch_um": 3.45, "read_noise_e": 2.4,
+        "quantum_efficiency": 0.6, "bit_depth": 12, "saturation_e": 10000,
+    },
+    "lens": {"focal_length_mm": 8, "f_number_min": 2.0, "rated_pixel_pitch_um": 3.45, "aberration_pitch_um": 6.9},
+    "port": {"geometry": "dome", "outer_radius_mm": 100, "thickness_mm": 10},
+    "light": {"flux_lm": 40000, "power_w": 400, "beam_half_angle_deg": 40},
+    "light_baseline_m": 0.5, "settings": {"f_number": 2.8, "exposure_ms": 1.0, "gain": 1.0},
+}  # fmt: skip
+
+
+def requirements(**wanted: Any) -> Any:
+    return load_mission({**MISSION, "requirements": {"overlap": 0.3, **wanted}}).views[0].requirements
+
+
+def test_narrowest_bars_have_a_tenth_of_the_contrast_by_the_closed_forms() -> None:
+    mission = {**MISSION, "requirements": {"overlap": 0.3, "resolve_mm": 20.0}}
+    scene = uwopt.evaluate(mission, SYSTEM).design.scenes[0]
+    found = scene.figures
+    nu = found["gsd_mm"] / (2.0 * found["resolve_mm"])  # one altitude; a cycle is two bars
+    s = nu * 0.53e-3 * found["working_f_number"] / 3.45e-3  # blue-green light: 530 nm to 5 %
+    pupil = 2.0 / np.pi * (np.arccos(s) - s * np.sqrt(1.0 - s * s))
+    disc = np.pi * found["defocus_corner_px"] * nu
+    pitch2_px = 1.8**2 * (1.0 + (6.9 / 3.45) ** 2 * (2.0 / 2.8) ** 3)  # rated and aberrations, in the corner
+    left = found["contrast"] * np.sinc(nu) * np.sinc(nu * found["blur_px"]) * pupil * 2.0 * j1(disc) / disc
+    assert left * 0.5 ** ((2.0 * nu) ** 2 * pitch2_px) == pytest.approx(0.1, rel=5e-3)
+    margin = {m.requirement: m for m in scene.margins}["resolve_mm"]
+    assert (margin.value, margin.limit, margin.unit) == (pytest.approx(found["resolve_mm"]), 20.0, "mm")
+
+
+def test_bars_ask_for_pixels_no_wider_and_an_snr_of_twenty_decibels() -> None:
+    wanted = requirements(resolve_mm=2.0)
+    assert (wanted.max_gsd_mm, wanted.min_snr) == (2.0, pytest.approx(10.0))
+    stricter = requirements(resolve_mm=2.0, max_gsd_mm=1.0, min_snr_db=26.0)
+    assert (stricter.max_gsd_mm, stricter.min_snr_db) == (1.0, 26.0)
+    weaker = requirements(resolve_mm=2.0, max_gsd_mm=5.0, min_snr=3.0)
+    assert (weaker.max_gsd_mm, weaker.min_snr) == (2.0, pytest.approx(10.0))
+
+
+@pytest.mark.parametrize("wrong", [0, -1, "fine"])
+def test_a_wrong_width_of_bars_is_told_once(wrong: Any) -> None:
+    with pytest.raises(MissionError, match="resolve_mm") as caught:
+        requirements(resolve_mm=wrong)
+    assert len(caught.value.faults) == 1
