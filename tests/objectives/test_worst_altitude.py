@@ -13,6 +13,7 @@ ALTITUDE_M, TOLERANCE_M = 2.0, 0.5
 LIMITS: dict[str, float] = {
     "max_blur_px": 1.0, "max_skew_px": 100.0, "overlap": 0.3, "max_gsd_mm": 2.0, "min_swath_m": 1.0,
     "min_snr_db": 10.0, "min_mtf_half_nyquist": 0.1, "min_contrast": 0.1,
+    "resolve_mm": 50.0,
 }  # fmt: skip
 WORST_NEAR = ("max_blur_px", "max_skew_px", "overlap", "min_swath_m")
 SYSTEM: dict[str, Any] = {
@@ -61,7 +62,7 @@ def test_margin_is_that_of_the_worst_altitude(
 ) -> None:
     ends = {1.5: near[name], 2.5: far[name]}
     where = min(ends, key=lambda altitude_m: ends[altitude_m].margin or 0.0)
-    assert where == (1.5 if name in WORST_NEAR else 2.5) or name == "min_mtf_half_nyquist"
+    assert where == (1.5 if name in WORST_NEAR else 2.5) or name in ("min_mtf_half_nyquist", "resolve_mm")
     # Sharpness takes the colours of the light that returns from the nominal altitude: 3e-3
     assert band[name].value == pytest.approx(ends[where].value, rel=3e-3)
     assert band[name].at_altitude_m == where

@@ -445,6 +445,33 @@ DEFECTS = (
         "::test_aberrations_of_a_lens_follow_its_class_and_rating_unless_stated",
     ),
     Defect(
+        name="bars may be narrower than a pixel",
+        file="uwopt/model/sharpness.py",
+        old="(2.0 * np.minimum(highest, NYQUIST_CYC_PER_PX))",
+        new="(2.0 * highest)",
+        test="tests/model/test_sharpness.py"
+        "::test_bars_are_no_narrower_than_a_pixel_and_none_arrive_through_nine_tenths_of_veil",
+    ),
+    Defect(
+        name="a bar on the floor is a whole cycle",
+        file="uwopt/model/sharpness.py",
+        old="ground_sample_m / (2.0 * np.minimum(highest",
+        new="ground_sample_m / (1.0 * np.minimum(highest",
+        test=(
+            "tests/model/test_sharpness.py::test_narrowest_bars_are_where_a_tenth_of_all_light_is_left",
+            "tests/evaluation/test_resolve.py"
+            "::test_narrowest_bars_have_a_tenth_of_the_contrast_by_the_closed_forms",
+        ),
+    ),
+    Defect(
+        name="bars that arrive are those of clear water",
+        file="uwopt/evaluation/figures_by_name.py",
+        old="contrast=figures.contrast[:, scene.nominal], ground",
+        new="contrast=1.0, ground",
+        test="tests/evaluation/test_resolve.py"
+        "::test_narrowest_bars_have_a_tenth_of_the_contrast_by_the_closed_forms",
+    ),
+    Defect(
         name="sharpness of the better direction",
         file="uwopt/model/sharpness.py",
         old="return np.minimum(mtf_along(nu, sharpness=sharpness)",

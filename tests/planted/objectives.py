@@ -277,6 +277,29 @@ DEFECTS = (
         test=f"{WORST}[min_swath_m]",
     ),
     Defect(
+        name="the best altitude counts: resolve_mm, bars",
+        file="uwopt/objectives/requirements.py",
+        old="figures.smallest_bars_m * 1e3, three, highest=True",
+        new="figures.smallest_bars_m * 1e3, three, highest=False",
+        test=f"{WORST}[resolve_mm]",
+    ),
+    Defect(
+        name="bars ask for no signal to noise",
+        file="uwopt/mission/reserves.py",
+        old="if (wanted.min_snr or 0.0) < RESOLVED_SNR:",
+        new="if False:",
+        test="tests/evaluation/test_resolve.py"
+        "::test_bars_ask_for_pixels_no_wider_and_an_snr_of_twenty_decibels",
+    ),
+    Defect(
+        name="bars are narrower than the pixels that must show them",
+        file="uwopt/mission/reserves.py",
+        old='{"max_gsd_mm": min(bar_mm, wanted.max_gsd_mm or bar_mm)}',
+        new='{"max_gsd_mm": wanted.max_gsd_mm or bar_mm}',
+        test="tests/evaluation/test_resolve.py"
+        "::test_bars_ask_for_pixels_no_wider_and_an_snr_of_twenty_decibels",
+    ),
+    Defect(
         name="the best altitude counts: min_mtf_half_nyquist",
         file="uwopt/objectives/requirements.py",
         old="figures.mtf_half_nyquist, three, highest=False",

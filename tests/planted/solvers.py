@@ -15,6 +15,36 @@ FRAME = "tests/solvers/test_over_frame.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="bars in a cell under the sun have the least contrast there is",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="seen = (self.least_contrast if safe else self.most_contrast)[d]",
+        new="seen = self.least_contrast[d]",
+        test="tests/solvers/test_cell_bounds.py"
+        "::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[power of bars under the sun]",
+    ),
+    Defect(
+        name="the search forgets the bars that must arrive",
+        file="uwopt/forward/setting_rows.py",
+        old="resolve_m=(needs.resolve_mm or 0.0) * 1e-3",
+        new="resolve_m=0.0",
+        test="tests/solvers/test_front.py::test_bars_that_arrive_draw_no_more_power_than_anything_that_is_tried",
+    ),
+    Defect(
+        name="the search counts no veil in bars",
+        file="uwopt/forward/setting_rows.py",
+        old='found.append(Bars(at, "corner", RESOLVED_CONTRAST, veiled=True))',
+        new='found.append(Bars(at, "corner", RESOLVED_CONTRAST))',
+        test="tests/solvers/test_front.py::test_bars_that_arrive_draw_no_more_power_than_anything_that_is_tried",
+    ),
+    Defect(
+        name="bars in a cell have half of the contrast that is there",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="np.nan_to_num(np.maximum(*ends), nan=1.0)",
+        new="np.nan_to_num(0.5 * np.maximum(*ends), nan=1.0)",
+        test="tests/solvers/test_cell_bounds.py"
+        "::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[power of bars under the sun]",
+    ),
+    Defect(
         name="the best transfer of a cell has its aberrations wide open",
         file="uwopt/solvers/settings/cell_bounds.py",
         old='sharp.lens_pitch_px("place", f_number=n_high, rows=d)',

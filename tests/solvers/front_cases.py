@@ -72,7 +72,7 @@ PLANTED = {
     "level": rc.planted("power", (FREE, PULSED_FREE, ON), {"mean_level": 0.3, "max_blur_px": 2.0}),
     "altitudes": rc.planted("power", (FREE, STEPS), {**WANTED, "mean_level": 0.3}, altitude_tolerance_m=0.4),
     "sharp": rc.planted("power", (FREE, PULSED_FREE, ON), {**WANTED, "min_mtf_half_nyquist": 0.25}),
-    "bars": rc.planted("power", (FREE, PULSED_FREE, ON), {**WANTED, "resolve_mm": 4.0}, altitude_tolerance_m=0.3),
+    "bars": rc.planted("power", (STEPS,), {**WANTED, "resolve_mm": 3.5}, altitude_tolerance_m=0.3),
     "still": rc.planted("power", (PULSED_FREE, FREE, FLASH_STEPS), {"min_snr_db": 20.0}, speed_m_s=0.0),
     "nothing asked": rc.planted("power", (FREE, PULSED_FREE, ON), {"max_blur_px": 1.0}),
     "clear": rc.planted("power", (FREE, PULSED_FREE), {**WANTED, "min_contrast": 0.5}),
@@ -87,7 +87,7 @@ PLANTED = {
     "impossible": rc.planted("power", (FREE, FLASHING), {**WANTED, "min_snr_db": 95.0}),
     "sun": in_sun(rc.planted("power", (STEPS, PULSED_ON), WANTED)),
     "steps in the sun": in_sun(rc.planted("power", (STEPS,), WANTED)),
-    "bars in the sun": in_sun(rc.planted("power", (STEPS,), {**WANTED, "resolve_mm": 4.0})),
+    "bars in the sun": in_sun(rc.planted("power", (STEPS,), {**WANTED, "resolve_mm": 3.5})),
     "sun at a level": in_sun(
         rc.planted("power", (FREE, PULSED_FREE), {"mean_level": 0.3, "max_blur_px": 2.0})
     ),
