@@ -47,8 +47,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the best transfer of a cell has its aberrations wide open",
         file="uwopt/solvers/settings/cell_bounds.py",
-        old='sharp.lens_pitch_px("place", f_number=n_high, rows=d)',
-        new='sharp.lens_pitch_px("place", f_number=n_low, rows=d)',
+        old="pitch = sharp.lens_pitch_px(field, f_number=n_high, rows=d)",
+        new="pitch = sharp.lens_pitch_px(field, f_number=n_low, rows=d)",
         test="tests/solvers/test_cell_bounds.py"
         "::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[signal of a sharp image, soft wide open]",
     ),
