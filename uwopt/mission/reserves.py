@@ -13,7 +13,6 @@ from pydantic import BeforeValidator, Field
 
 from uwopt.documents.key_types import NUMBER, Section, one_of
 from uwopt.mission.sections import Requirements, Vehicle
-from uwopt.model.sharpness import RESOLVED_SNR
 from uwopt.units import S_PER_H, db_to_ratio, ratio_to_db
 
 RECOMMENDED = "recommended"
@@ -93,6 +92,8 @@ def asked_of(wanted: Requirements, vehicle: Vehicle) -> Requirements:
 
 def asked_by_bars(wanted: Requirements, bar_mm: float) -> dict[str, float]:
     """What bars on the floor ask for beside their contrast: no pixel is wider, and a tenth shows in the noise."""
+    from uwopt.model.sharpness import RESOLVED_SNR  # brings numpy, which loading a mission does without
+
     made = {"max_gsd_mm": min(bar_mm, wanted.max_gsd_mm or bar_mm)}
     if (wanted.min_snr or 0.0) < RESOLVED_SNR:
         key, value = ("min_snr_db", float(ratio_to_db(RESOLVED_SNR)))
