@@ -228,6 +228,8 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("nearest_focus_m", low("lens.min_object_distance_m", 2.0)),
     ("gain_min", lambda over: {"given": {"gain": 1.0 / (1.0 + over)}}),
     ("gain_max", lambda over: {"camera.max_gain_db": 20.0 * log10(2.0 / (1.0 + over)), "settings.gain": 2.0}),
+    ("max_gain_db", lambda over: {
+        "requirements.max_gain_db": 20.0 * log10(2.0) / (1.0 + over), "settings.gain": 2.0}),
     ("max_exposure_ms", high("camera.max_exposure_us", 1000.0)),
     ("max_exposure_ms", high("limits.max_exposure_ms", 1.0)),
     ("max_exposure_ms", lambda over: {"settings.exposure_ms": 1e3 / 2.0 * (1.0 + over)}),

@@ -57,6 +57,12 @@ class SceneSearch:
 
     # ------------------------------------------------------------ what hardware allows
 
+    @property
+    def most_gain(self) -> float:
+        """Highest gain of the camera, and no more than the mission allows."""
+        allowed_db = self.needs.max_gain_db
+        return min(float(self.cam.max_gain[0]), np.inf if allowed_db is None else 10.0 ** (allowed_db / 20.0))
+
     def _switching(self) -> tuple[float, float]:
         """How long a lamp is on beside the time that collects light (inf: all the time), and what it draws when off."""
         off = self.scene.view.vehicle.lamps_between_images == "off" and self.light.switchable[0]
@@ -201,7 +207,7 @@ class SceneSearch:
         shown = every.max(axis=-1) if needs.mean_level is None else every[..., nominal]
         goal_dn = full / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full
         wanted = (goal_dn - black) / (gain * np.maximum(shown + dark[..., 0], 1e-300))
-        system = gain * np.clip(wanted, 1.0, float(cam.max_gain[0]))[..., None]
+        system = gain * np.clip(wanted, 1.0, self.most_gain)[..., None]
         noise = dict(
             read_noise_e=cam.read_noise_e[0], gain_dn_per_e=system, dark_e=dark, prnu_frac=cam.prnu_frac[0]
         )
@@ -211,7 +217,7 @@ class SceneSearch:
         bright |= needs.highlight_ratio * (every.max(axis=-1) + dark[..., 0]) > cam.saturation_e[0]
         dim = np.zeros(light_x.shape, bool)
         if needs.mean_level is not None:
-            dim = wanted > cam.max_gain[0]
+            dim = wanted > self.most_gain
         if needs.min_snr is not None:
             snr = np.asarray(sensor.snr(signal, veil_e=veil, **noise))
             if needs.snr_at != "mean" and seen.worst_e is not None:
@@ -245,7 +251,7 @@ class SceneSearch:
             gain = (1.0 / needs.highlight_ratio - black) / np.maximum(level.max(axis=1) - black, 1e-300)
         else:
             gain = (needs.mean_level - black) / np.maximum(level[:, self.scene.nominal] - black, 1e-300)
-        return replace(unit, gain=np.clip(gain, 1.0, self.cam.max_gain[0]))
+        return replace(unit, gain=np.clip(gain, 1.0, self.most_gain))
 
     def light_range(self, time_s: Array) -> tuple[Array, Array]:
         """Least light that is not too dark and most that is not too bright, by bisection."""

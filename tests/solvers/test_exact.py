@@ -83,6 +83,9 @@ PLANTED = {
         "power", (BURNING, BURNING_STEPS), {"mean_level": 0.3, "highlight_ratio": 1.0}, altitude_tolerance_m=0.3,
         camera={"max_gain_db": exact(0.0), "black_level_dn": 0.0},
     ),
+    "gain that the mission caps": planted(
+        "power", (BURNING, BURNING_STEPS), {"mean_level": 0.3, "max_gain_db": 6.0}, camera={"max_gain_db": exact(30.0)},
+    ),
     "flash in steps, open for all of it": planted("snr_db", (FLASH_STEPS,), {}, camera=ROLLING),
     "flash far too bright": planted("power", (FLASH_STEPS,), {"min_snr_db": 20.0, "mean_level": 0.1}, camera=ROLLING),
     "pulses in steps with gaps": planted(SNR_AND_POWER, (PULSED_STEPS, BURNING_STEPS), {"max_blur_px": 1.0}),

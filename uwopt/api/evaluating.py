@@ -51,7 +51,7 @@ def evaluate(
     """
     start = time.perf_counter()
     timing: dict[str, float] = {}
-    wanted = prepared(mission, physics, None)
+    wanted = prepared(mission, physics, None).without_gain_cap  # what is given is not refused for it
     auto = wanted.physics == "auto"
     allowed = math.inf  # error of integrals
     if checked_tolerance(tolerance) is not None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
-from uwopt.mission.reserves import REFUSED
+from uwopt.mission.reserves import RECOMMENDED_RESERVE, REFUSED
 from uwopt.results.basis import Risk
 from uwopt.results.design import Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
@@ -33,14 +33,14 @@ OF_SETTINGS = (
     "f_number_min", "f_number_max", "gain_min", "gain_max", "max_exposure_ms", "min_exposure_ms", "light_level_max",
     "light_level", "max_pulse_ms", "min_pulse_ms", "light_duty", "light_rate", "shutter_open_ms", "common_f_number",
     "common_focus_m", "nearest_focus_m", "frame_rate", "frame_interval_s", "overlap", "saturation_fraction",
-    "cost", "lens_stop_down",
+    "cost", "lens_stop_down", "max_gain_db",
 )  # fmt: skip
 NOTHING_IN_HAND = 0.02  # of a limit
 EVEN, VERY_UNEVEN = 0.3, 0.1  # darkest place against the mean
 SEEN_PX = 2.0  # a blur, skew or coloured edge wider than this is seen
 STEADY_DEG = 3.0  # as well as a lamp's direction is kept on a vehicle
 DEPTH_IN_HAND = 0.1
-MOST_GAIN_DB = 12.0
+MOST_GAIN_DB = RECOMMENDED_RESERVE["max_gain_db"]
 MUCH_ESTIMATED = 0.3  # of the price
 
 #: Weights of notes by code; of those that are not named, the last. 0: another rule tells it, or it is no risk.

@@ -110,12 +110,15 @@ def solve(
     result = base_result("solve", wanted, goal, sought.problem)
     if not sought.outcome.best:
         result = infeasible_result(
-            result, wanted, catalog, goal, sought, alternative, timing, deadline, progress
+            result, wanted.without_gain_cap, catalog, goal, sought, alternative, timing, deadline, progress
         )
     else:
         result, sought = found_result(
             result, goal, sought, alternative, timing, deadline, progress, solver=solver, quick=quick
         )
+        assert result.recommendation is not None
+        yielded = gain_warnings(wanted, sought, result.recommendation)
+        result = replace(result, warnings=[*result.warnings, *yielded])
         if measured is None and accuracy and not interrupted(result):
             try:
                 estimator = estimator_of_search(sought, goal, deadline)
@@ -173,7 +176,21 @@ def searched(
             alternative = generic_search(mission, catalog, goal, sought, top, patience, progress)
         if not sought.outcome.best and alternative is not None and alternative.outcome.best:
             sought, alternative = alternative, None
+    if not sought.outcome.best and sought.outcome.complete and mission.without_gain_cap is not mission:
+        return searched(
+            mission.without_gain_cap, catalog, goal, top, deadline, progress, timing, fineness
+        )  # light is out of reach
     return sought, alternative
+
+
+def gain_warnings(mission: Mission, sought: Sought, winner: Design) -> list[Note]:
+    """That nothing fits below the gain that is recommended, where its cap had to yield."""
+    cap_db = mission.reserve.max_gain_db
+    if cap_db is None or sought.problem.mission.reserve.max_gain_db is not None:
+        return []
+    gain_db = max((scene.settings.get("gain_db") or 0.0) for scene in winner.scenes)
+    text = f"gain {gain_db:.3g} dB, beyond {cap_db:g} dB, below which nothing fits: light is out of reach"
+    return [Note("gain_cap", "reserve.max_gain_db", text)]
 
 
 def generic_search(

@@ -24,6 +24,7 @@ from uwopt.model import fineness as fine
 from uwopt.model import water
 from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr
 from uwopt.model.spectrum import resample, wavelength_grid_nm
+from uwopt.units import db_to_ratio
 
 Array = NDArray[Any]
 LampLeg = Literal["diffuse", "least", "most"]
@@ -84,6 +85,11 @@ class SceneOptics:
     def name(self) -> str:
         """Name of the scene."""
         return self.view.scene.name
+
+    def max_gain(self, of_camera: Array) -> Array:
+        """Highest gain, a ratio: the camera's, or what the mission allows."""
+        allowed_db = self.view.requirements.max_gain_db
+        return of_camera if allowed_db is None else np.minimum(of_camera, db_to_ratio(allowed_db))
 
     @property
     def scatters(self) -> bool:

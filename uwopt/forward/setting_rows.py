@@ -339,7 +339,7 @@ def setting_rows(
         gain_dn_per_e=cam.gain_dn_per_e,
         full_scale_dn=2.0**cam.bits - 1.0,
         black_level_dn=cam.black_level_dn,
-        max_gain=cam.max_gain,
+        max_gain=scene.max_gain(cam.max_gain),
         well_e=cam.saturation_e,
         prnu_frac=cam.prnu_frac,
         dark_current_e_s=cam.dark_current_e_s,

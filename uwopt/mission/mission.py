@@ -202,6 +202,13 @@ class Mission(Section):
             made.__dict__["vehicle"] = self.vehicle
         return made
 
+    @property
+    def without_gain_cap(self) -> Mission:
+        """The same without the cap of gain that yields where nothing fits below it; itself where it has none."""
+        if self.reserve.max_gain_db is None:
+            return self
+        return self.with_changes(reserve=self.reserve.model_dump(mode="json") | {"max_gain_db": None})
+
     def to_dict(self, absolute_paths: bool = False) -> dict[str, Any]:
         """Plain values with all defaults filled in; `load_mission` takes them again.
 

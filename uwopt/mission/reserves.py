@@ -6,6 +6,7 @@ the latter alone. The former stay beside them, so that a margin can say how much
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, Any
 
@@ -18,6 +19,7 @@ from uwopt.units import S_PER_H, db_to_ratio, ratio_to_db
 RECOMMENDED = "recommended"
 RECOMMENDED_RESERVE: Mapping[str, float] = {
     "snr_db": 3.0, "blur": 0.20, "swath": 0.10, "dof": 0.10, "depth": 1.25, "tilt_deg": 3.0,
+    "max_gain_db": 12.0,
 }  # fmt: skip
 IN_DB = ("min_snr_db", "min_snr_red_db")  # what the reserve of the signal-to-noise ratio is added to
 REFUSED_DEPTH = 1.1  # rating over depth: less than 10 % in hand
@@ -45,6 +47,12 @@ class Reserve(Section):
         default=0.0,
         description="degrees that every lamp may lean inward or outward before what is asked for is lost, "
         "recommended 3; checked of the answer, with a warning",
+    )
+
+    max_gain_db: Annotated[float, Field(ge=0, le=120), NUMBER] | None = Field(
+        default=None,
+        description="highest gain in decibels while anything fits below it, recommended 12; solve lifts it where "
+        "nothing does, with a warning",
     )
 
     @property
@@ -123,6 +131,8 @@ def held_of(asked: Requirements, reserve: Reserve) -> Requirements:
     for key in IN_DB:
         if reserve.snr_db and (value := getattr(asked, key)) is not None:
             made[key] = value + reserve.snr_db
+    if reserve.max_gain_db is not None:
+        made["max_gain_db"] = min(reserve.max_gain_db, math.inf if asked.max_gain_db is None else asked.max_gain_db)
     return asked.model_copy(update=made) if made else asked
 
 

@@ -211,6 +211,11 @@ class Requirements(Section):
         default=None,
         description="wanted mean image level, a share 0..1 of full scale; the gain is chosen for it",
     )
+    max_gain_db: Annotated[float, Field(ge=0, le=120), NUMBER] | None = Field(
+        default=None,
+        description="highest gain in decibels above the camera's lowest; reserve.max_gain_db is one that yields where "
+        "nothing fits",
+    )
     highlight_ratio: Annotated[float, Field(ge=1, le=1000), NUMBER] = Field(
         default=1.5, description="brightest detail over mean level, at least 1, that must not saturate"
     )

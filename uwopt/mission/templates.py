@@ -72,6 +72,7 @@ requirements:
   # min_area_m2_h: 1000        # covered in an hour, the sidelap taken off
   # sidelap: 0.2                # of neighbouring lines, a share 0..1
   mean_level: 0.3              # wanted mean image level, share of full scale; the gain is chosen for it
+  # max_gain_db: 12            # that no design may exceed; reserve.max_gain_db yields where nothing fits
   # highlight_ratio: 1.5       # brightest detail over the mean, must not saturate
   # min_contrast: 0.5          # image-forming light over all light
   # min_uniformity: 0.3        # darkest over mean illuminance of the floor
@@ -92,6 +93,7 @@ reserve:
   swath: 0.1
   dof: 0.1
   depth: 1.25                  # depth rating over the depth asked
+  max_gain_db: 12              # more gain stands in for light; lifted with a warning where nothing fits
   tilt_deg: 3                  # how far each lamp may lean in or out
 
 # What the system may cost, draw and weigh. A limit that is left out limits nothing.

@@ -96,6 +96,9 @@ def scene_margins(
     yield MarginRows("saturation_fraction", figures.saturation_fraction, at_all(figures, 1.0), "<=", "")
     if needs.lens_stop_down:
         yield stop_down_margin(needs.lens_stop_down, rows, settings, figures)
+    if needs.max_gain_db is not None:
+        gain_db = np.asarray(ratio_to_db(np.maximum(settings.gain, 1e-300)))
+        yield MarginRows("max_gain_db", gain_db, at_all(figures, needs.max_gain_db), "<=", "dB")
     yield from setting_margins(rows, settings, figures, limits)
 
 

@@ -57,6 +57,7 @@ REQUIREMENTS: Mapping[str, str] = {
     "f_number_min": "f-number, widest of the lens",
     "lens_stop_down": "lens closed from its widest opening",
     "max_airy_px": "Airy disc",
+    "max_gain_db": "gain",
     "lamp_clear_m": "lamps clear of the view",
     "f_number_max": "f-number, smallest of the lens",
     "gain_min": "gain as a ratio, lowest",

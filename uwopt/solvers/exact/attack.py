@@ -137,7 +137,7 @@ class Spread:
         widest = lens.f_number_from(model.problem.scenes[index].view.requirements.lens_stop_down)[0]
         return [
             (widest, max(widest, lens.f_number_max[0])), (shortest, max(longest, shortest)), (dimmest, 1.0),
-            (1.0, np.e if levelled else max(cam.max_gain[0], 1.0)),
+            (1.0, np.e if levelled else max(model.problem.scenes[index].max_gain(cam.max_gain)[0], 1.0)),
             (shut_s, max(open_s, shut_s) if sunlit else shut_s),
         ]  # fmt: skip
 
@@ -193,7 +193,8 @@ class Spread:
         by_level = at.gain < np.sqrt(np.e)
         low, high = np.exp(self.low[self.places[index]]), np.exp(self.high[self.places[index]])
         wanted = self._times_to_wanted(index, replace(at, gain=np.ones_like(at.gain)))
-        at = replace(at, gain=np.clip(wanted, 1.0, self.model.cameras.max_gain[0]))
+        most = self.model.problem.scenes[index].max_gain(self.model.cameras.max_gain)[0]
+        at = replace(at, gain=np.clip(wanted, 1.0, most))
         own = index == 0 or self.places[index][0] != 0
         for _ in range(LEVEL_STEPS):  # dark current and the sun do not follow the light
             more = self._times_to_wanted(index, at)

@@ -39,6 +39,7 @@ RELAXABLE: dict[str, tuple[str, str, str | None]] = {
     "max_blur_px": ("requirements", "max_blur_px", None),
     "max_skew_px": ("requirements", "max_skew_px", None),
     "max_airy_px": ("requirements", "max_airy_px", None),
+    "max_gain_db": ("requirements", "max_gain_db", None),
     "lens_stop_down": ("requirements", "lens_stop_down", None),
     "overlap": ("requirements", "overlap", None),
     "mean_level": ("requirements", "mean_level", None),

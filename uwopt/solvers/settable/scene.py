@@ -87,7 +87,7 @@ class SettableScene:
         self.kind = int(model.lights.kind[0])
         self.levels = light_levels(model.lights)
         self.needs = model.problem.scenes[index].view.requirements
-        n_gains = int(_db(model.cameras.max_gain[0]) / GAIN_STEP_DB + EDGE) + 1
+        n_gains = int(_db(model.problem.scenes[index].max_gain(model.cameras.max_gain)[0]) / GAIN_STEP_DB + EDGE) + 1
         self.gains_db = np.arange(n_gains) * GAIN_STEP_DB
         self.at_exact = self._figures(exact)
         self.models = [self.model, *(few_pixels(lean, index) for lean in leaner)]

@@ -1,0 +1,38 @@
+"""Planted defects of the cap of gain."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+CAP = "tests/api/test_gain_cap.py"
+
+DEFECTS = (
+    Defect(
+        name="a cap of gain is no bound of the settings",
+        file="uwopt/forward/scene.py",
+        old="return of_camera if allowed_db is None else",
+        new="return of_camera if True else",
+        test="tests/solvers/test_exact.py::test_planted_cases_equal_enumeration[gain that the mission caps]",
+    ),
+    Defect(
+        name="a cap of gain never yields",
+        file="uwopt/api/solving.py",
+        old="and mission.without_gain_cap is not mission:",
+        new="and False:",
+        test=f"{CAP}::test_a_cap_below_which_nothing_fits_is_lifted_with_a_warning",
+    ),
+    Defect(
+        name="a recommended cap of gain replaces a lower one that is asked for",
+        file="uwopt/mission/reserves.py",
+        old="math.inf if asked.max_gain_db is None else asked.max_gain_db",
+        new="math.inf",
+        test=f"{CAP}::test_a_number_of_the_requirements_is_hard",
+    ),
+    Defect(
+        name="a margin of gain is of its ratio",
+        file="uwopt/objectives/requirements.py",
+        old="np.asarray(ratio_to_db(np.maximum(settings.gain, 1e-300)))",
+        new="np.asarray(settings.gain)",
+        test="tests/objectives/test_margin_limits.py::test_requirement_is_missed_just_outside_its_limit[max_gain_db]",
+    ),
+)
