@@ -12,7 +12,7 @@ DEFECTS = (
         file="uwopt/forward/scene.py",
         old="return of_camera if allowed_db is None else",
         new="return of_camera if True else",
-        test="tests/solvers/test_exact.py::test_planted_cases_equal_enumeration[gain that the mission caps]",
+        test="tests/solvers/test_exact.py::test_planted_cases_equal_enumeration[as shipped-gain that the mission caps]",
     ),
     Defect(
         name="a cap of gain never yields",
