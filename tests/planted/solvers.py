@@ -190,8 +190,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="bound of contrast a tenth too low",
         file="uwopt/solvers/exact/bounds.py",
-        old="best = np.minimum(best, nominal)",
-        new="best = np.minimum(best, 0.5 * nominal)",
+        old="best = np.minimum(best, self._most_contrast(index, [lighting], rows))",
+        new="best = np.minimum(best, 0.5 * self._most_contrast(index, [lighting], rows))",
         test=f"{BOUNDS}test_contrast_is_bounded_by_the_image_itself[None]",
     ),
     Defect(
@@ -372,7 +372,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="cells' information bounded without tangents",
         file="uwopt/solvers/settings/cell_information.py",
-        old="tangent = live & (most <= best)",
+        old="tangent = live & (most - best <= best - log)",
         new="tangent = live & (most < -np.inf)",
         test=f"{CELLS}test_bounds_of_cells_close_the_gap_soon[information under lamps]",
     ),

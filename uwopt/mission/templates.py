@@ -17,6 +17,11 @@ objective: power
 # Physics of the model: auto leaves out what this scene does not need, full keeps all, paper keeps it plain.
 physics: auto
 # tolerance: 0.005             # error that auto may make, a share
+
+# What a key that is left out asks for. recommended: good practice, that is light and sharpness over the whole image
+# (snr_at, dof_at, min_uniformity), a lens one stop down, reserves, and nothing that an expert would refuse.
+# bare: nothing. A key that is given holds either way.
+practice: recommended
 # seed: 0
 
 # Where it works. Several places that one system must serve: write `scenes:` and a list.
@@ -55,18 +60,18 @@ vehicle:
   # lamps_between_images: on   # on | off: recommended off below an image in some seconds
   # camera_between_images: on  # on | off: recommended off below an image a minute
 
-# What the images must be. A requirement that is left out asks for nothing.
+# What the images must be. A requirement that is left out asks for nothing, but for what good practice asks.
 requirements:
   overlap: 0.6                 # along track, a share 0..1
   # frame_interval_s: 2
   max_blur_px: 1.0
   # max_skew_px: 2             # of a rolling shutter
   min_dof_m: 0.6               # depth of field
-  # dof_at: corner             # recommended: sharp over the frame; axis: in its middle alone (default)
+  # dof_at: corner             # by good practice: sharp over the frame; axis: in its middle alone
   # circle_of_confusion_px: 2
   min_snr_db: 30               # or min_snr, a ratio
   # min_snr_red_db: 15         # of the red channel alone; asks for a colour sensor
-  # snr_at: worst              # recommended: 95 % of the frame reach it; worst_px: the darkest pixel; mean (default)
+  # snr_at: worst              # by good practice: 95 % of the frame reach it; worst_px: the darkest pixel; mean
   max_gsd_mm: 1.0              # largest pixel on the floor
   # min_swath_m: 1.0
   # min_area_m2_h: 1000        # covered in an hour, the sidelap taken off
@@ -75,26 +80,26 @@ requirements:
   # max_gain_db: 12            # that no design may exceed; reserve.max_gain_db yields where nothing fits
   # highlight_ratio: 1.5       # brightest detail over the mean, must not saturate
   # min_contrast: 0.5          # image-forming light over all light
-  # min_uniformity: 0.3        # darkest over mean illuminance of the floor
+  # min_uniformity: 0.3        # by good practice, with lamps: darkest over mean illuminance of the floor
   # min_mtf_half_nyquist: 0.3
   # max_white_balance: 4       # strongest over weakest colour channel; refuse: all holds 4
   # resolve_mm: 2              # bars this wide on the floor arrive with a tenth of their contrast, in the corner too
   # shutter: any               # any | global | rolling
   colour: any                  # colour: a sensor that sees colours; mono: it needs less light and sees finer detail;
                                # any: whichever is best, which mostly is mono
-  lens_stop_down: 1            # stops that the lens is closed from its widest opening, where it can be; 0 unless given
+  # lens_stop_down: 1          # by good practice: stops that the lens is closed from its widest opening
   # max_airy_px: 2             # diffraction: diameter of the Airy disc
-  refuse: all                  # airy | skew | swath | depth | lamp | white_balance: what an expert would refuse
+  # refuse: all                # by good practice; or a list of airy | skew | swath | depth | lamp | white_balance
 
-# What is kept in hand of each requirement. `reserve: recommended` says the same in a word; left out: nothing.
-reserve:
-  snr_db: 3
-  blur: 0.2                    # shares of what is asked
-  swath: 0.1
-  dof: 0.1
-  depth: 1.25                  # depth rating over the depth asked
-  max_gain_db: 12              # more gain stands in for light; lifted with a warning where nothing fits
-  tilt_deg: 3                  # how far each lamp may lean in or out
+# What is kept in hand of each requirement; by good practice as here.
+# reserve:
+#   snr_db: 3
+#   blur: 0.2                  # shares of what is asked
+#   swath: 0.1
+#   dof: 0.1
+#   depth: 1.25                # depth rating over the depth asked
+#   max_gain_db: 12            # more gain stands in for light; lifted with a warning where nothing fits
+#   tilt_deg: 3                # how far each lamp may lean in or out
 
 # What the system may cost, draw and weigh. A limit that is left out limits nothing.
 limits:
@@ -125,7 +130,7 @@ catalog:
   # verified: [price]          # fields that must come from a source
   # accept_unrated: []         # ids whose unknown depth rating you accept
   # lens_rating: warn          # warn | limit: lenses rated for larger pixels than the camera's
-  # host: none                 # none | estimate: computer that takes the images, by the camera's interface
+  # host: estimate             # by good practice: the computer that takes the images, by the camera's interface; none
   # extras: [{name: housing, cost: 900, mass_kg: 2.5, power_w: 0}]
 """
 
