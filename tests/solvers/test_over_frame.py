@@ -109,7 +109,7 @@ def test_darkest_pixels_alone_bound_the_light_under_the_sun(may_miss: int) -> No
     def least(of: Any) -> float:
         at_once = of.worst_sun_signal_e_s + of.worst_sun_veil_e_s
         sun = Sun(np.array([[1.0]]), np.array([[1.0]]), of.worst_sun_signal_e_s, at_once)
-        return float(closed_form.light_for_snr(of, 0, 20.0, worst=True, sun=sun)[0])
+        return float(closed_form.light_for_snr(of, 0, 20.0, of="worst", sun=sun)[0])
 
     few = of_darkest_pixels(rows, 12)
     assert few.worst_e.shape == (1, 1, 12) and few.may_miss == may_miss

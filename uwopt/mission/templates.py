@@ -69,7 +69,7 @@ requirements:
   min_dof_m: 0.6               # depth of field
   # dof_at: corner             # by good practice: sharp over the frame; axis: in its middle alone
   # circle_of_confusion_px: 2
-  min_snr_db: 30               # or min_snr, a ratio
+  min_snr_db: 25               # or min_snr, a ratio
   # min_snr_red_db: 15         # of the red channel alone; asks for a colour sensor
   # snr_at: worst              # by good practice: 95 % of the frame reach it; worst_px: the darkest pixel; mean
   max_gsd_mm: 1.0              # largest pixel on the floor
