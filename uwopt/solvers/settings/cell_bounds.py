@@ -571,7 +571,8 @@ def share_window(
 ) -> tuple[Array, Array]:
     """The window of X in which gains * X >= misses * Y may hold for some Y in its range, in every column of (n, m)."""
     y_lo, y_hi = (np.reshape(y, (-1, 1)) for y in (y_lo, y_hi))
-    need = np.where(misses > 0, np.where(gains > 0, misses * y_lo / gains, np.inf), 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a channel that neither lamps nor sun reach asks for nothing
+        need = np.where(misses > 0, np.where(gains > 0, misses * y_lo / gains, np.inf), 0.0)
+        cap = np.where(gains < 0, np.where(misses < 0, misses * y_hi / gains, 0.0), np.inf)
     need = np.where((misses > 0) & (gains <= 0) & (y_lo <= 0), 0.0, need)
-    cap = np.where(gains < 0, np.where(misses < 0, misses * y_hi / gains, 0.0), np.inf)
     return np.maximum(low, need.max(axis=1)), np.minimum(high, cap.min(axis=1))
