@@ -154,11 +154,15 @@ def test_exact_is_ahead_only_with_its_proof() -> None:
     assert "its proof takes longer" in peers.ahead_table(faster).rows[0][-1]
 
 
-def test_suite_runs_the_mission_that_init_writes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_suite_runs_the_mission_that_init_writes_where_none_is_named() -> None:
+    assert contest.sources_of(Budget(quick=True)) == [("uwopt init", None)]
+    assert contest.mission_of(None).practice == "recommended"
+
+
+def test_suite_runs_the_missions_that_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(peers, "LONGEST_RUN_S", FEW_S)
-    budget = Budget(quick=True, seconds=math.inf)
+    budget = Budget(quick=True, seconds=math.inf, missions=("problems/mbari-lass-2013.yaml",))
     rows = list(peers.measure(budget, methods=["random"]))
-    assert {row.method for row in rows} == {"exact", "random"} and {row.case for row in rows} == {
-        "uwopt init"
-    }
+    assert {row.method for row in rows} == {"exact", "random"}
+    assert {row.case for row in rows} == {"mbari-lass-2013"}
     assert [table.title for table in peers.SUITE.tables(rows)]
