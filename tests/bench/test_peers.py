@@ -155,7 +155,7 @@ def test_exact_is_ahead_only_with_its_proof() -> None:
 
 
 def test_suite_runs_the_mission_that_init_writes_where_none_is_named() -> None:
-    assert contest.sources_of(Budget(quick=True)) == [("uwopt init", None)]
+    assert contest.sources_of(Budget(quick=True, seconds=math.inf)) == [("uwopt init", None)]
     assert contest.mission_of(None).practice == "recommended"
 
 
