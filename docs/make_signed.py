@@ -41,6 +41,8 @@ order. `python docs/make_signed.py --write` makes this page from the results alo
 LEGEND = """\
 ## The checklist
 
+What a result does not tell does not pass.
+
 | line | what is looked at | passes |
 |---|---|---|
 | light | darkest place of the lit floor over its mean | at least 0.3; sunlight alone passes |
@@ -97,7 +99,7 @@ def snr(result: Result, design: Design) -> Line:
     asked = requirements.get("min_snr_db")
     known = figures(design, "snr_db_p05") or figures(design, "snr_db_min")
     if not known:
-        return Line("snr", True, "not told")  # physics paper knows the image's mean alone
+        return Line("snr", False, "not told")  # physics paper knows the image's mean alone
     reached = min(known)
     if asked is None:
         return Line("snr", True, f"{reached:.0f} dB, not asked")
@@ -106,8 +108,8 @@ def snr(result: Result, design: Design) -> Line:
 
 def corner(result: Result, design: Design) -> Line:
     """Defocus at the corner."""
-    most = max(figures(design, "defocus_corner_px"), default=0.0)
-    return Line("corner", most <= 2.0, f"{most:.1f} px")
+    most = max(figures(design, "defocus_corner_px"), default=math.nan)
+    return Line("corner", most <= 2.0, "not told" if math.isnan(most) else f"{most:.1f} px")
 
 
 def stop(result: Result, design: Design) -> Line:
@@ -150,14 +152,14 @@ def reserve(result: Result, design: Design) -> Line:
 def bad_ends(result: Result, design: Design) -> Line:
     """Estimated numbers at their bad ends."""
     held = (result.robustness or {}).get("feasible_at_bad_end")
-    return Line("bad ends", held is not False, {True: "holds", False: "missed", None: "not told"}[held])
+    return Line("bad ends", held is True, {True: "holds", False: "missed", None: "not told"}[held])
 
 
 def water(result: Result, design: Design) -> Line:
     """Other waters."""
     waters = (result.robustness or {}).get("waters") or []
     served = sum(1 for one in waters if one.get("objective_value") is not None)
-    return Line("water", served == len(waters), f"{served} of {len(waters)}")
+    return Line("water", 0 < served == len(waters), f"{served} of {len(waters)}")
 
 
 def sold(result: Result, design: Design) -> Line:
