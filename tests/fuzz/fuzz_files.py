@@ -25,20 +25,13 @@ from uwopt.catalog.inline import INLINE_MODELS
 from uwopt.catalog.parts.cell import LARGEST
 from uwopt.catalog.parts.kinds import ALL_FIELDS
 from uwopt.documents.key_types import keys_of
+from uwopt.mission.checks import HARDWARE_KEYS
 from uwopt.mission.keys import JERLOV_TYPES, OBJECTIVES, SEAFLOORS
 from uwopt.mission.mission import sections as mission_sections
 from uwopt.mission.sections import LightMount
 from uwopt.mission.system import sections as system_sections
 
 MISSION, SYSTEM = mission_sections(), system_sections()
-HARDWARE = (
-    "light_count",
-    "light_baseline_m",
-    "light_tilt_deg",
-    "light_mounts",
-    "camera_count",
-    "orientation",
-)
 PHYSICS = ("auto", "full", "paper")
 SPANS = {field.name: field.cell.span for field in ALL_FIELDS}
 FUZZ = float(os.environ.get("UWOPT_FUZZ", drawn("0.3", "5")))  # times the number of examples
@@ -170,7 +163,7 @@ def missions(draw: Draw, most: int = 4, waters: tuple[str, ...] = ()) -> dict[st
             {"name": "b", "water": "III", "seafloor": "sand", "depth_m": 40.0},
         ]
         for section in draw(st.lists(st.sampled_from(["scene", "vehicle", "requirements"]), max_size=2)):
-            key = draw(st.sampled_from([k for k in KNOWN[section] if k not in HARDWARE]))
+            key = draw(st.sampled_from([k for k in KNOWN[section] if k not in HARDWARE_KEYS]))
             made["scenes"][1][key] = draw(KNOWN[section][key])
     return made
 
