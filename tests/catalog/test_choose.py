@@ -6,12 +6,15 @@ import pytest
 
 from uwopt.catalog.catalogue import Catalog, Exclusion
 from uwopt.catalog.choose import Choice, matches, select
+from uwopt.catalog.load import assembled, build_rows
 from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.parts.lens import Lens
 from uwopt.catalog.parts.light import Light
 from uwopt.catalog.parts.port import Port
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.catalog.records import exact
+from uwopt.catalog.tables import DATA_DIR, parse_table
+from uwopt.catalog.userparts import typed_rows
 from uwopt.errors import CatalogError
 
 CATALOG = Catalog(
@@ -164,3 +167,28 @@ def test_owned_cameras_save_their_share_of_several():
     # one of two is at hand: each costs half of 800 on average
     selection = select(CATALOG, Choice(owned=[{"id": "flir-bfs-1", "quantity": 1}]), camera_count=2)
     assert selection.cameras[0].price.value == 400.0
+
+
+def housed(*mounts):
+    """A catalogue of ports with these mounts, as a file of parts states them."""
+    head = "id,geometry,mount,thickness_mm,nominal_diameter_mm,depth_rating_m\n"
+    rows = "".join(f"port-{n},flat,{mount},10,100,100\n" for n, mount in enumerate(mounts))
+    table = parse_table(head + rows, "ports.csv")
+    typed, faults = typed_rows(table, "port", DATA_DIR, built_in=True)
+    assert faults == []
+    return assembled(build_rows(typed, "published"))
+
+
+def test_a_port_of_a_photo_housing_waits_for_the_mount_the_port_or_its_owner():
+    catalog = housed("", "blue-robotics-4-in", "nauticam-n120", "degz-h-50", "nobody-knows-it")
+    assert select(catalog).indices["port"] == (0, 1)
+    assert set(rules_of(select(catalog)).values()) == {"port mount"}
+    assert select(catalog, Choice(port_mounts=["Nauticam_N120"])).indices["port"] == (0, 1, 2)
+    assert select(catalog, Choice(ports=["port-3"])).indices["port"] == (3,)
+    assert select(catalog, Choice(ports=["port-*"])).indices["port"] == (0, 1)
+    assert select(catalog, Choice(owned=[{"id": "port-4"}])).indices["port"] == (0, 1, 4)
+
+
+def test_a_mount_that_no_port_has_warns_with_near_ones():
+    (warning,) = select(housed("nauticam-n120"), Choice(port_mounts=["nauticam-n12"])).warnings
+    assert "nauticam-n120" in warning

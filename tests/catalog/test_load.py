@@ -67,9 +67,7 @@ def test_depth_ratings_radii_and_mounts_are_as_the_files_state_them():
     assert lumen.depth_rating_m is None
     assert CATALOG.part("zen-100-mm-dome-port").outer_radius_mm is None
     assert CATALOG.part("zwo-asi183mm").mounts == ()
-    assert [e.reason for e in CATALOG.exclusions_of("zen-100-mm-dome-port")] == [
-        "radius of curvature unknown"
-    ]
+    assert "radius of curvature unknown" in [e.reason for e in CATALOG.exclusions_of("zen-100-mm-dome-port")]
 
 
 def test_published_numbers_reach_the_record_unchanged():

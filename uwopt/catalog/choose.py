@@ -20,6 +20,7 @@ RULES = (
     "vital facts",
     "pattern",
     "exclude",
+    "port mount",
     "verified",
     "colour",
     "shutter",
@@ -48,6 +49,7 @@ class Choice:
     generic: Literal["fallback", "allow", "never"] = "fallback"
     verified: Sequence[str] = ()
     accept_unrated: Sequence[str] = ()
+    port_mounts: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -154,16 +156,31 @@ class _Filters:
         """Rule and reason of the first rule that discards a part; None when it may be searched."""
         patterns = getattr(self.wish, PATTERN_KEYS[kind])
         named = any(plain_name(pattern) == plain_name(part.id) for pattern in patterns)
+        wanted = named or plain_name(part.id) in self.owned_keys
         for exclusion in self.standing.get(part.id, ()):
-            if exclusion.rule == "availability" and (named or plain_name(part.id) in self.owned_keys):
+            if exclusion.rule == "availability" and wanted:
                 continue
+            if exclusion.rule == "port mount":
+                continue  # has its turn below
             return exclusion.rule, exclusion.reason
         if patterns and not any(matches(pattern, part) for pattern in patterns):
             return "pattern", f"not among {', '.join(patterns)}"
         for pattern in self.wish.exclude:
             if matches(pattern, part):
                 return "exclude", f"excluded by {pattern!r}"
-        return self._unverified(part) or self._wrong_sensor(part) or self._too_shallow(part)
+        return (
+            (None if wanted else self._needs_housing(part))
+            or self._unverified(part)
+            or self._wrong_sensor(part)
+            or self._too_shallow(part)
+        )
+
+    def _needs_housing(self, part: Part) -> tuple[str, str] | None:
+        """A port of a closed mount is no part of its own, unless the mission has what it is fastened to."""
+        if not isinstance(part, Port) or plain_name(part.mount) in map(plain_name, self.wish.port_mounts):
+            return None
+        reasons = (found.reason for found in self.standing.get(part.id, ()) if found.rule == "port mount")
+        return next((("port mount", reason) for reason in reasons), None)
 
     def _unverified(self, part: Part) -> tuple[str, str] | None:
         for field_name in self.wish.verified:
@@ -282,6 +299,12 @@ def _pattern_warnings(catalog: Catalog, wish: Choice) -> Iterable[str]:
     everything = [part for kind in KINDS for part in catalog.parts(kind)]
     for pattern in wish.exclude:
         yield from _warn_if_idle(pattern, everything, "catalog.exclude")
+    mounts = {plain_name(port.mount): port.mount for port in catalog.ports if port.mount}
+    for name in wish.port_mounts:
+        if plain_name(name) not in mounts:
+            near = near_names(name, mounts.values())
+            hint = f"; near ones: {', '.join(near)}" if near else ""
+            yield f"catalog.port_mounts: no port has the mount {name!r}{hint}"
 
 
 def _warn_if_idle(pattern: str, parts: Sequence[Part], key: str) -> Iterable[str]:

@@ -360,6 +360,11 @@ class CatalogChoice(Section):
     accept_unrated: Texts = Field(
         default=(), description="ids of parts whose unknown depth rating is accepted"
     )
+    port_mounts: Texts = Field(
+        default=(),
+        description="mounts of ports, such as nauticam-n120, for which a housing or an adapter is to hand; ports that "
+        "fit only their maker's housings are left out otherwise",
+    )
     lens_rating: Annotated[Literal["warn", "limit"], CHOICE] = Field(
         default="warn",
         description="what a lens rated for larger pixels than the camera's is: warn tells of it, limit refuses it",

@@ -129,6 +129,7 @@ catalog:
   # generic: fallback          # fallback | allow | never: parts that no shop sells as such
   # verified: [price]          # fields that must come from a source
   # accept_unrated: []         # ids whose unknown depth rating you accept
+  # port_mounts: [nauticam-n120]  # mounts of photo housings that you have an adapter for
   # lens_rating: warn          # warn | limit: lenses rated for larger pixels than the camera's
   # host: estimate             # by good practice: the computer that takes the images, by the camera's interface; none
   # extras: [{name: housing, cost: 900, mass_kg: 2.5, power_w: 0}]

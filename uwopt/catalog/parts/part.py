@@ -48,7 +48,10 @@ class Part:
     mass_low_g: ClassVar[Annotated[float, Cell("", FROM_ZERO, at_most="mass_g")]]
     mass_high_g: ClassVar[Annotated[float, Cell("", FROM_ZERO)]]
     source_url: Annotated[str, Cell("where the numbers are from", inline="never")] = ""
-    correction: ClassVar[Annotated[str, Cell("old value and reason, where a source was corrected")]]
+    checked: Annotated[str, Cell("YYYY-MM-DD on which the row was held against its source", inline="never")] = ""
+    correction: Annotated[
+        str, Cell("old value and reason, where a source was corrected", inline="never")
+    ] = ""
     note: Annotated[str, Cell("remark")] = ""
 
 

@@ -11,6 +11,18 @@ from uwopt.catalog.parts.cell import FROM_ZERO, NEEDED, POSITIVE, SMALLEST, Cell
 from uwopt.catalog.parts.part import Part, PartKind, shown_depth
 from uwopt.catalog.parts.quantity import Known, Quantity
 
+Purpose = Literal[
+    "camera port",
+    "photo port",
+    "pressure sphere",
+    "laboratory window",
+    "display dome",
+    "lamp window",
+    "part of a camera",
+    "detector vessel",
+    "one-off",
+]
+
 REFRACTIVE_INDEX = Quantity(1.5, 1.46, 1.52, "estimated", "default of an inline port")
 THICKNESS_MM = Quantity(10.0, 5.0, 15.0, "estimated", "default of an inline port")
 
@@ -23,6 +35,12 @@ class Port(Part):
         Literal["flat", "dome"],
         Cell("shape of the window: flat or dome", needed=True, tells=True, inline=NEEDED),
     ] = "flat"
+    purpose: Annotated[
+        Purpose, Cell("what it is made and sold for", inline="never")
+    ] = "camera port"
+    mount: Annotated[
+        str, Cell("what it is fastened to, such as nauticam-n120; empty: a free flange", inline="never")
+    ] = ""
     material: Annotated[str, Cell("material, such as acrylic")] = ""
     refractive_index: Annotated[
         Known,

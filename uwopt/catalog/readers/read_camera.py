@@ -54,7 +54,10 @@ def from_row(row: PartRow, origin: Origin) -> Built:
         made["max_frame_rate_hz"] = _rate_by_interface(
             made.get("bandwidth_mb_s"), _pixels(row), made["bit_depth"]
         )
-    return Built(Camera(**made), tuple(_lacking(row)))
+    lacks = _lacking(row)
+    if origin == "published" and made.get("bandwidth_mb_s") is None:
+        lacks.append("interface not stated")
+    return Built(Camera(**made), tuple(lacks))
 
 
 def _classes(row: PartRow, family: Mapping[str, str]) -> tuple[str, ...]:

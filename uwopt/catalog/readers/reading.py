@@ -13,8 +13,10 @@ from typing import Any, Literal
 
 from uwopt.catalog.catalogue import Exclusion
 from uwopt.catalog.estimates import ClassEstimate, first_class, slug
+from uwopt.catalog.mounts import counterpart, is_free
 from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.part import Kind, Part
+from uwopt.catalog.parts.port import Port
 from uwopt.catalog.parts.quantity import Curve, Quantity, Status, exact
 from uwopt.catalog.userparts import PartRow
 
@@ -37,6 +39,8 @@ class Built:
             found.append(Exclusion(self.part.id, kind, "availability", _WITHDRAWN[self.part.availability]))
         if self.lacks:
             found.append(Exclusion(self.part.id, kind, "vital facts", "; ".join(self.lacks)))
+        if isinstance(self.part, Port) and not is_free(self.part.mount):
+            found.append(Exclusion(self.part.id, kind, "port mount", f"needs {counterpart(self.part.mount)}"))
         return found
 
 

@@ -88,6 +88,7 @@ RULES: Mapping[str, str] = {
     "vital facts": "a fact that the model needs is unknown",
     "pattern": "not among the parts the mission names",
     "exclude": "excluded by the mission",
+    "port mount": "fits only its maker's housing",
     "verified": "a field that must be sourced is not",
     "colour": "sensor of the other colour type",
     "shutter": "shutter of the other type",
