@@ -21,6 +21,9 @@ from uwopt.model import sensor
 
 Array = NDArray[Any]
 
+#: Widest opening and stops below it -> the number engraved for it, where that is less than the true one (ISO 517).
+MARKED = {(1.8, 1.0): 2.5, (2.0, 1.0): 2.8, (1.8, 2.0): 3.5, (4.0, 1.0): 5.6}
+
 
 class SceneSearch:
     """One scene of one hardware: candidates of settings by f-number, with their power and SNR.
@@ -134,7 +137,7 @@ class SceneSearch:
         """
         low, high = float(self.model.lenses.f_number_min[0]), float(self.model.lenses.f_number_max[0])
         if low < high:
-            low *= 2.0 ** (self.needs.lens_stop_down / 2.0)
+            low = MARKED.get((low, self.needs.lens_stop_down), low * 2.0 ** (self.needs.lens_stop_down / 2.0))
         high = min(high, self._airy_f_number())
         if low > high * (1 + 1e-12):
             return 1.0, 0.0

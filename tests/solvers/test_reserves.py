@@ -27,6 +27,11 @@ def test_the_search_stops_the_lens_down():
     assert f_number(one(wanted={"lens_stop_down": 2.0})) == pytest.approx(4.0)
 
 
+def test_the_mark_a_stop_down_is_enough():
+    # a stop below f/2 is f/2.83, for which rings are engraved 2.8
+    assert f_number(one(wanted={"lens_stop_down": 1.0})) == pytest.approx(2.8)
+
+
 def test_a_lens_of_one_opening_is_searched_as_it_is():
     single = {"f_number_min": 4.0, "f_number_max": 4.0}
     assert f_number(one(lens=single, wanted={"lens_stop_down": 1.0})) == pytest.approx(4.0)

@@ -21,6 +21,7 @@ from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
 from uwopt.catalog.records import Camera, Curve, Lens, Light, Part, Port, Quantity
 from uwopt.forward.columns import Columns
 from uwopt.model.aberration import aberration_at_f1
+from uwopt.model.f_stops import f_number_closed
 from uwopt.model.light import flash_light_lm_s
 from uwopt.units import convert, db_to_ratio
 
@@ -88,8 +89,10 @@ class Lenses(Columns):
         return np.asarray(self.f_number_max <= self.f_number_min)
 
     def f_number_from(self, stops_down: float) -> Array:
-        """The smallest f-number to use when lenses are closed by so many stops, N_min 2^(stops / 2)."""
-        return np.where(self.one_opening, 1.0, 2.0 ** (stops_down / 2.0)) * self.f_number_min
+        """The smallest f-number to use when lenses are closed by so many stops: see `f_number_closed`."""
+        widest, back = np.unique(self.f_number_min, return_inverse=True)
+        closed = np.array([f_number_closed(each, stops_down) for each in widest.tolist()])
+        return np.where(self.one_opening, self.f_number_min, closed[back.reshape(-1)])
 
 
 @dataclass(frozen=True)

@@ -105,8 +105,11 @@ def scene_margins(
 def stop_down_margin(
     stops: float, rows: DesignRows, settings: SettingRows, figures: Figures
 ) -> MarginRows:
-    """How far the lens is closed from its widest opening, 2 log2(N / N_min); of a lens of one opening no matter."""
-    closed = 2.0 * np.log2(settings.f_number / rows.lenses.f_number_min)
+    """How far the lens is closed from its widest opening, 2 log2(N / N_min); of a lens of one opening no matter.
+
+    The mark that stands for so many stops counts as them, though it is engraved with a rounded number.
+    """
+    closed = stops + 2.0 * np.log2(settings.f_number / rows.lenses.f_number_from(stops))
     value = np.where(rows.lenses.one_opening, np.inf, closed)
     return MarginRows("lens_stop_down", value, at_all(figures, stops), ">=", "stops")
 

@@ -8,14 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.part_columns import Lenses, Lights
+from uwopt.model.f_stops import THIRD_STOPS
 
 Array = NDArray[np.float64]
 
-# As lenses are engraved, a third of a stop apart; powers of the sixth root of 2 round to other numbers.
-THIRD_STOPS = (
-    1.0, 1.1, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.5, 2.8, 3.2, 3.5, 4.0, 4.5, 5.0, 5.6, 6.3, 7.1, 8.0, 9.0, 10.0, 11.0,
-    13.0, 14.0, 16.0, 18.0, 20.0, 22.0, 25.0, 29.0, 32.0, 36.0, 40.0, 45.0, 51.0, 57.0, 64.0,
-)  # fmt: skip
 GAIN_STEP_DB = 0.1
 TIME_STEP_S = 1e-6
 LEVEL_STEP = 0.01
