@@ -4,11 +4,26 @@ from __future__ import annotations
 
 from planted.defect import Defect
 
+PIXELS = "tests/solvers/test_few_pixels.py::"
 AUDIT = "tests/solvers/test_audit.py::"
 CERTIFICATE = "tests/solvers/test_certificate.py::"
 RULES = "tests/solvers/test_rules.py::"
 
 DEFECTS: tuple[Defect, ...] = (
+    Defect(
+        name="pixels are left out by what they ask for at the shortest exposure alone",
+        file="uwopt/solvers/settings/few_pixels.py",
+        old="for time in (shortest, longest))",
+        new="for time in (shortest, shortest))",
+        test=f"{PIXELS}test_few_pixels_ask_for_what_all_but_k_of_all_do",
+    ),
+    Defect(
+        name="pixels that miss the SNR in any case may miss it twice",
+        file="uwopt/solvers/settings/few_pixels.py",
+        old="may_miss=rows.may_miss - first,",
+        new="may_miss=rows.may_miss,",
+        test=f"{PIXELS}test_few_pixels_ask_for_what_all_but_k_of_all_do",
+    ),
     Defect(
         name="the lower bound is the best value itself",
         file="uwopt/solvers/exact/certificate.py",

@@ -13,6 +13,7 @@ from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings import closed_form, dark
+from uwopt.solvers.settings.few_pixels import deciding_pixels
 from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.units import ratio_to_db
 
@@ -208,7 +209,7 @@ def best_closed(
     if rows[0].optimistic:
         rows = [dark.relaxed(r) for r in rows]
         return closed_at(rows, settings_at_dark(rows, *given))
-    start = rows = [dark.at_time(r, r.time_min_s) for r in rows]
+    start = rows = [dark.at_time(deciding_pixels(r), r.time_min_s) for r in rows]
     ever = np.zeros(len(motorised), bool)
     for _ in range(DARK_ROUNDS):
         found = settings_at_dark(rows, *given)

@@ -186,17 +186,25 @@ def light_for_snr(
 ) -> Array:
     """Least X that reaches an SNR at one altitude, with the gain at its best; at all its pixels that may not miss it.
 
+    All but k pixels reach it from the X that is the (k + 1)-th greatest of theirs: see `light_of_each`. `never` is what
+    a pixel asks for that no X serves.
+    """
+    each = light_of_each(rows, altitude, snr, of=of, sun=sun)
+    may_miss = rows.may_miss if of == "worst" and rows.worst_e is not None else 0
+    return needed_by_most(np.where(np.isfinite(each), each, never), may_miss)
+
+
+def light_of_each(
+    rows: SceneRows, altitude: int, snr: Array | float, *, of: Light, sun: Sun | None = None
+) -> Array:
+    """Least X at which each pixel reaches an SNR at one altitude, (n, n_pixels); of what is no pixel one column.
+
     The gain lowers quantisation noise; it is as high as the wanted mean level or saturation lets it
     be. Up to the X where the highest gain fills the range, that gain counts; beyond it the noise
-    follows the level. SNR grows with X throughout, so the larger of the two answers that apply holds, and
-    all but k pixels reach it from the X that is the (k + 1)-th greatest of theirs. `never` is what a pixel
-    asks for that no X serves. `of`: the image's mean, the pixels that the SNR is asked of, or the red channel.
+    follows the level. SNR grows with X throughout, so the larger of the two answers that apply holds. `of`: the
+    image's mean, the pixels that the SNR is asked of, or the red channel.
     """
     at_worst = of == "worst" and rows.worst_e is not None
-
-    def for_most(each: Array) -> Array:
-        return needed_by_most(np.where(np.isfinite(each), each, never), rows.may_miss if at_worst else 0)
-
     if at_worst and rows.worst_e is not None:
         signal = rows.worst_e[:, altitude]
         veil: Any = 0.0 if rows.worst_veil_e is None else rows.worst_veil_e[:, altitude]
@@ -232,7 +240,7 @@ def light_for_snr(
     total = rows.total_e
     if rows.mean_level is not None:
         wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
-        return for_most(
+        return np.asarray(
             sensor.light_for_snr(
                 wanted,
                 level_per_light_e=total[:, rows.nominal, None],
@@ -250,7 +258,7 @@ def light_for_snr(
     following = sensor.light_for_snr(
         wanted, level_per_light_e=brightest, level_dn=headroom_dn, other_level_e=other_brightest, **common
     )
-    return for_most(np.where(at_top_gain <= fills, at_top_gain, np.maximum(following, fills)))
+    return np.where(at_top_gain <= fills, at_top_gain, np.maximum(following, fills))
 
 
 def reach(rows: SceneRows) -> tuple[Array, Array]:

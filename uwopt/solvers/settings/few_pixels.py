@@ -1,0 +1,56 @@
+"""Pixels of an image that may decide its SNR at some exposure: few, where there were hundreds.
+
+Dark current asks for more light the longer the exposure, of every pixel a little. Which pixel is the (k + 1)-th most
+demanding, so that all but k reach the SNR, is then settled between a few of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.model.image_mean import needed_by_most
+from uwopt.solvers.settings import closed_form
+from uwopt.tolerances import SLACK
+
+Array = NDArray[Any]
+
+
+def deciding_pixels(rows: SceneRows) -> SceneRows:
+    """The rows with those pixels alone of which one decides, at whatever exposure the designs may have.
+
+    The light x_p that pixel p asks for grows with dark electrons, from a_p at the shortest exposure to b_p at the
+    longest, and so does the (k + 1)-th greatest of all, from A to B. A pixel of b_p < A is never that one, nor is one
+    of a_p > B, which counts as one of the k: as many of these are left out as every design has, at every altitude.
+    """
+    worst = rows.worst_e
+    if worst is None or worst.shape[2] == 1 or rows.worst_sun_signal_e_s is not None:
+        return rows
+    shortest = np.maximum(rows.exposure_s(rows.time_min_s), 0.0)
+    longest = np.maximum(rows.exposure_s(np.maximum(rows.time_max_s, rows.time_min_s)), shortest)
+    least, most = (_asked(replace(rows, dark_time_s=time)) for time in (shortest, longest))
+    low, high = (needed_by_most(asked, rows.may_miss)[:, :, None] for asked in (least, most))
+    above, below = least > high * (1 + SLACK), most < low * (1 - SLACK)
+    order = np.argsort(np.where(above, 0, np.where(below, 2, 1)), axis=2, kind="stable")
+    first = min(int(above.sum(axis=2).min(initial=rows.may_miss)), rows.may_miss)
+    last = max(int((~below).sum(axis=2).max(initial=0)), rows.may_miss + 1)
+    pick = order[:, :, first:last]
+    veil = rows.worst_veil_e
+    return replace(
+        rows,
+        worst_e=np.take_along_axis(worst, pick, axis=2),
+        worst_veil_e=None if veil is None else np.take_along_axis(veil, pick, axis=2),
+        may_miss=rows.may_miss - first,
+    )
+
+
+def _asked(rows: SceneRows) -> Array:
+    """Light that each pixel asks for at every altitude, (n, n_altitudes, n_pixels); inf: no light is enough."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        each = [closed_form.light_of_each(rows, a, rows.min_snr, of="worst") for a in range(rows.signal_e.shape[1])]
+    asked = np.stack(each, axis=1)
+    return np.where(np.isfinite(asked), asked, np.inf)
