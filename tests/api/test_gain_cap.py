@@ -54,3 +54,32 @@ def test_a_number_of_the_requirements_is_hard() -> None:
     assert mission.views[0].requirements.max_gain_db == 0.0
     assert mission.without_gain_cap.views[0].requirements.max_gain_db == 0.0
     assert mission.reserve.max_gain_db == 12.0
+
+
+GIVEN: dict[str, Any] = {
+    "camera": "flir-bfs-u3-120s4m", "lens": "kowa-lm8jc10m", "port": "generic-flat-acrylic-100mm",
+    "light": "deepsea-power-light-led-sealite-lsl-flood", "light_count": 1,
+}  # fmt: skip
+PLAIN: dict[str, Any] = {
+    "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "practice": "bare", "physics": "paper",
+    "vehicle": {"altitude_m": 1.0, "speed_m_s": 0.1, "light_count": 1}, "requirements": {"overlap": 0.3},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("gain", "told"), [(10.0, 1), (1.0, 0)])
+def test_a_given_gain_beyond_the_cap_is_told_and_not_refused(gain: float, told: int) -> None:
+    # a gain of 10 is 20 dB, 8 beyond the 12 that are recommended
+    mission = {**PLAIN, "reserve": {"max_gain_db": 12}}
+    result = uwopt.evaluate(mission, {**GIVEN, "settings": {"gain": gain}})
+    assert result.design is not None
+    scene = result.design.scenes[0]
+    notes = [note.message for note in result.warnings if note.code == "gain_cap"]
+    assert [text.startswith(f"{scene.name}: gain 20 dB, beyond 12 dB;") for text in notes] == [True] * told
+    assert "max_gain_db" not in [margin.requirement for margin in scene.margins]
+
+
+def test_good_practice_may_be_asked_for_by_its_word() -> None:
+    keys = ("max_gain_db", "lens_stop_down", "max_airy_px", "max_white_balance")
+    wanted = {"overlap": 0.3, **dict.fromkeys(keys, "Recommended")}
+    asked = load_mission({**PLAIN, "requirements": wanted}).views[0].asked
+    assert [getattr(asked, key) for key in keys] == [12.0, 1.0, 2.0, 4.0]

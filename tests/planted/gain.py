@@ -22,6 +22,20 @@ DEFECTS = (
         test=f"{CAP}::test_a_cap_below_which_nothing_fits_is_lifted_with_a_warning",
     ),
     Defect(
+        name="a given gain beyond the cap is not told",
+        file="uwopt/api/evaluating.py",
+        old="            *gain_notes(as_written, design),\n",
+        new="",
+        test=f"{CAP}::test_a_given_gain_beyond_the_cap_is_told_and_not_refused[10.0-1]",
+    ),
+    Defect(
+        name="a word stands for no number",
+        file="uwopt/mission/keys.py",
+        old='return recommended if plain == "recommended" else to_number(value)',
+        new="return to_number(value)",
+        test=f"{CAP}::test_good_practice_may_be_asked_for_by_its_word",
+    ),
+    Defect(
         name="a recommended cap of gain replaces a lower one that is asked for",
         file="uwopt/mission/reserves.py",
         old="math.inf if asked.max_gain_db is None else asked.max_gain_db",

@@ -43,6 +43,11 @@ def prepared(mission: Source | Mission, physics: str | None, objective: Any) -> 
     return made
 
 
+def beyond_cap(gain_db: float, cap_db: float) -> str:
+    """A gain that is higher than good practice has it, in words."""
+    return f"gain {gain_db:.3g} dB, beyond {cap_db:g} dB"
+
+
 def selection_warnings(selection: Selection) -> list[Note]:
     """Patterns that match nothing."""
     return [Note("pattern", "catalog", text) for text in selection.warnings]

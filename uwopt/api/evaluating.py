@@ -14,7 +14,7 @@ from uwopt.api.accuracy import (
     of_integrals,
     plain_accuracy,
 )
-from uwopt.api.common import Source, base_result, prepared
+from uwopt.api.common import Source, base_result, beyond_cap, prepared
 from uwopt.api.floats import own_float_rules
 from uwopt.api.risks import with_risks
 from uwopt.api.timing import timed
@@ -51,7 +51,8 @@ def evaluate(
     """
     start = time.perf_counter()
     timing: dict[str, float] = {}
-    wanted = prepared(mission, physics, None).without_gain_cap  # what is given is not refused for it
+    as_written = prepared(mission, physics, None)
+    wanted = as_written.without_gain_cap  # what is given is not refused for it
     auto = wanted.physics == "auto"
     allowed = math.inf  # error of integrals
     if checked_tolerance(tolerance) is not None:
@@ -98,6 +99,7 @@ def evaluate(
             *result.warnings,
             *design.warnings,
             *tilt_notes(problem, hardware, given),
+            *gain_notes(as_written, design),
             *accuracy_warnings(measured, allowed),
         ],
         accuracy=plain_accuracy(measured, allowed, None, []),
@@ -184,6 +186,17 @@ def inexact_level_notes(design: Design) -> list[Note]:
         if level.requirement == "mean_level" and level.satisfied
         if (level.margin or 0.0) < -SATISFIED_REL * (level.limit or 0.0)
     ]
+
+
+def gain_notes(mission: Mission, design: Design) -> list[Note]:
+    """That a gain is beyond the cap below which `solve` looks first; nothing is refused for it."""
+    cap_db = mission.reserve.max_gain_db
+    return [
+        Note("gain_cap", "reserve.max_gain_db", f"{scene.name}: {beyond_cap(gain_db, cap_db)}; solve would take it "
+             "only where nothing fits below")
+        for scene in design.scenes
+        if cap_db is not None and (gain_db := scene.settings.get("gain_db") or 0.0) > cap_db * (1 + SATISFIED_REL)
+    ]  # fmt: skip
 
 
 def breathing_notes(design: Design) -> list[Note]:

@@ -16,7 +16,14 @@ from uwopt.api.accuracy import (
     plain_accuracy,
     search_within,
 )
-from uwopt.api.common import Progress, Source, base_result, prepared, selection_warnings
+from uwopt.api.common import (
+    Progress,
+    Source,
+    base_result,
+    beyond_cap,
+    prepared,
+    selection_warnings,
+)
 from uwopt.api.floats import own_float_rules
 from uwopt.api.risks import with_risks
 from uwopt.api.timing import STAGES, timed
@@ -189,7 +196,7 @@ def gain_warnings(mission: Mission, sought: Sought, winner: Design) -> list[Note
     if cap_db is None or sought.problem.mission.reserve.max_gain_db is not None:
         return []
     gain_db = max((scene.settings.get("gain_db") or 0.0) for scene in winner.scenes)
-    text = f"gain {gain_db:.3g} dB, beyond {cap_db:g} dB, below which nothing fits: light is out of reach"
+    text = f"{beyond_cap(gain_db, cap_db)}, below which nothing fits: light is out of reach"
     return [Note("gain_cap", "reserve.max_gain_db", text)]
 
 

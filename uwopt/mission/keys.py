@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, get_args
 
+from pydantic import BeforeValidator
+
 from uwopt.documents.faults import nearest, show
 from uwopt.documents.key_types import one_of, refusal, to_choice, to_number, to_text
 from uwopt.quantities import TERMS
@@ -155,6 +157,16 @@ def to_part_fields(value: Any) -> tuple[str, ...]:
             mend = f"did you mean {near}?" if near else "name fields such as price, power_w, read_noise_e"
             raise refusal(f"holds {show(name)}, which no part has", mend)
     return tuple(names)
+
+
+def number_or_recommended(recommended: float) -> BeforeValidator:
+    """A number, or the word that stands for what good practice asks for."""
+
+    def to_value(value: Any) -> float:
+        plain = value.strip().casefold() if isinstance(value, str) else value
+        return recommended if plain == "recommended" else to_number(value)
+
+    return BeforeValidator(to_value)
 
 
 def to_on_off(value: Any) -> Any:

@@ -211,10 +211,10 @@ class Requirements(Section):
         default=None,
         description="wanted mean image level, a share 0..1 of full scale; the gain is chosen for it",
     )
-    max_gain_db: Annotated[float, Field(ge=0, le=120), NUMBER] | None = Field(
+    max_gain_db: Annotated[float, Field(ge=0, le=120), words.number_or_recommended(12.0)] | None = Field(
         default=None,
-        description="highest gain in decibels above the camera's lowest; reserve.max_gain_db is one that yields where "
-        "nothing fits",
+        description="highest gain in decibels above the camera's lowest, recommended 12; reserve.max_gain_db is one "
+        "that yields where nothing fits",
     )
     highlight_ratio: Annotated[float, Field(ge=1, le=1000), NUMBER] = Field(
         default=1.5, description="brightest detail over mean level, at least 1, that must not saturate"
@@ -228,7 +228,7 @@ class Requirements(Section):
     min_mtf_half_nyquist: Share | None = Field(
         default=None, description="least MTF at half the Nyquist frequency, a share 0..1"
     )
-    max_white_balance: Annotated[float, Field(ge=1, le=1e6), NUMBER] | None = Field(
+    max_white_balance: Annotated[float, Field(ge=1, le=1e6), words.number_or_recommended(4.0)] | None = Field(
         default=None,
         description="largest ratio between the strongest and the weakest colour channel of a grey floor, at least 1, "
         "recommended 4; a mono sensor has none",
@@ -244,12 +244,12 @@ class Requirements(Section):
     colour: Annotated[Literal["any", "mono", "colour"], CHOICE] = Field(
         default="any", description="sensor of the camera: any, mono or colour"
     )
-    lens_stop_down: Annotated[float, Field(ge=0, le=10), NUMBER] = Field(
+    lens_stop_down: Annotated[float, Field(ge=0, le=10), words.number_or_recommended(1.0)] = Field(
         default=0.0,
         description="stops that the lens is closed from its widest opening at least, recommended 1; "
         "a lens of one opening is taken as it is",
     )
-    max_airy_px: Positive | None = Field(
+    max_airy_px: Annotated[Positive, words.number_or_recommended(2.0)] | None = Field(
         default=None, description="largest diameter of the Airy disc in pixels, recommended 2"
     )
     refuse: Annotated[tuple[words.Refusal, ...], BeforeValidator(words.to_refusals)] = Field(
