@@ -100,6 +100,17 @@ def test_where_all_is_in_hand_there_is_no_risk(calm: Result) -> None:
     assert risks_of(replace(calm, design=None)) == []
 
 
+@pytest.mark.parametrize(("end", "sense", "figure", "off"), [
+    ("dof_near_m", "<=", "sharp from 0.150 m, the nearest floor at 0.150 m: 0 m in hand", "focus set any farther"),
+    ("dof_far_m", ">=", "sharp to 0.150 m, the farthest floor at 0.150 m: 0 m in hand", "focus set any nearer"),
+])  # fmt: skip
+def test_an_end_of_the_depth_of_field_says_what_uses_it_up(
+    calm: Result, end: str, sense: str, figure: str, off: str
+) -> None:
+    risk = only(with_margin(calm, margin(end, 0.15, 0.15, sense, "m")))
+    assert risk.figure == figure and off in risk.because
+
+
 def test_missed_requirement_has_value_and_limit(calm: Result) -> None:
     risk = only(with_margin(calm, margin("max_blur_px", 2.0, 1.0, "<=", "px")))
     assert (risk.what, risk.figure) == ("motion blur is not as asked for", "2.00 px against 1.00 px")

@@ -4,7 +4,21 @@ from __future__ import annotations
 
 from planted.defect import Defect
 
-DEFECTS = (
+DEFECTS: tuple[Defect, ...] = (
+    Defect(
+        name="lamps lean outward whatever their tilt",
+        file="uwopt/report/text/words.py",
+        old="'outward' if tilt > 0 else 'inward'",
+        new="'outward'",
+        test="tests/report/test_words.py::test_a_tilt_says_its_way[-45.0-tilted 45 deg inward]",
+    ),
+    Defect(
+        name="a near end of sharp depth is told as a depth",
+        file="uwopt/api/risks.py",
+        old="if stem_of(margin.requirement) not in OFF_FOCUS:",
+        new="if True:",
+        test="tests/api/test_risks.py::test_an_end_of_the_depth_of_field_says_what_uses_it_up",
+    ),
     Defect(
         name="at least is printed as at most",
         file="uwopt/report/text/tables.py",

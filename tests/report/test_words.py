@@ -95,6 +95,12 @@ def test_lights_are_placed_in_words() -> None:
     assert words.mounts_text(mounts) == "at +0.8 m, -0.8 m across track, aimed straight down"
 
 
+@pytest.mark.parametrize(("tilt_deg", "said"), [(12.5, "tilted 12.5 deg outward"), (-45.0, "tilted 45 deg inward")])
+def test_a_tilt_says_its_way(tilt_deg: float, said: str) -> None:
+    mounts = [LampPlace(0.0, y_m, 0.0, 0.0, tilt_deg) for y_m in (0.2, -0.2)]
+    assert words.mounts_text(mounts) == f"at +0.2 m, -0.2 m across track, {said}"
+
+
 def test_plain_signs_replace_what_ascii_lacks() -> None:
     assert words.in_encoding("3 µm – 5°", "ascii") == "3 um - 5 deg"
     assert words.in_encoding("3 µm", "utf-8") == "3 µm"

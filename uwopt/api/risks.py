@@ -36,6 +36,11 @@ OF_SETTINGS = (
     "cost", "lens_stop_down", "max_gain_db",
 )  # fmt: skip
 NOTHING_IN_HAND = 0.02  # of a limit
+#: Ends of the depth of field, and what uses up the little that is in hand there.
+OFF_FOCUS = {
+    "dof_near_m": "a floor that is any nearer, or a focus set any farther, is not sharp",
+    "dof_far_m": "a floor that is any farther, or a focus set any nearer, is not sharp",
+}
 EVEN, VERY_UNEVEN = 0.3, 0.1  # darkest place against the mean
 SEEN_PX = 2.0  # a blur, skew or coloured edge wider than this is seen
 STEADY_DEG = 3.0  # as well as a lamp's direction is kept on a vehicle
@@ -95,10 +100,9 @@ def nothing_in_hand(result: Result, design: Design) -> Weighed:
     because = (
         f"nothing is in hand in {in_hand_names(design)}: whatever is a little worse than computed misses it"
     )
-    yield (
-        52.0,
-        Risk("it may not do what is asked", because, f"{asked_name(least[0])} {against_limit(least[0])}"),
-    )
+    if (end := stem_of(least[0].requirement)) in OFF_FOCUS:
+        because += f"; {OFF_FOCUS[end]}"
+    yield 52.0, Risk("it may not do what is asked", because, tight_figure(least[0]))
 
 
 def shallow(result: Result, design: Design) -> Weighed:
@@ -319,6 +323,15 @@ def room(margin: Margin) -> float | None:
         return None
     left = margin.margin + margin.reserve
     return float(db_to_ratio(left)) - 1.0 if margin.unit == "dB" else left / abs(asked)
+
+
+def tight_figure(margin: Margin) -> str:
+    """What is tightest, with value and limit; an end of the depth of field as what is still sharp there."""
+    if stem_of(margin.requirement) not in OFF_FOCUS:
+        return f"{asked_name(margin)} {against_limit(margin)}"
+    value, limit, left = (format_quantity(x, margin.unit) for x in (margin.value, margin.limit, margin.margin))
+    side, wanted = ("from", "nearest") if margin.sense == "<=" else ("to", "farthest")
+    return f"sharp {side} {value}, the {wanted} floor at {limit}: {left} in hand"
 
 
 def asked_name(margin: Margin) -> str:

@@ -307,7 +307,7 @@ def differing_parts(design: Design, best: Design) -> str:
 
 
 def mounts_text(mounts: Sequence[LampPlace]) -> str:
-    """Where the lights stand and how far they lean outward."""
+    """Where the lights stand and how far they lean, and which way."""
     if not mounts:
         return ""
     fore = any(m.x_m or m.z_m or m.tilt_x_deg for m in mounts)
@@ -321,7 +321,7 @@ def mounts_text(mounts: Sequence[LampPlace]) -> str:
     places = ", ".join(f"{n} at {place}" if uneven else place for place, n in number.items())
     tilt = mounts[0].tilt_y_deg
     return f"{'' if uneven else 'at '}{places} across track" + (
-        f", tilted {tilt:g} deg outward" if tilt else ", aimed straight down"
+        f", tilted {abs(tilt):g} deg {'outward' if tilt > 0 else 'inward'}" if tilt else ", aimed straight down"
     )
 
 
