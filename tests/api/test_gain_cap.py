@@ -18,7 +18,7 @@ CAP_DB = 20.0
 def solved(cap_db: float | None, *, dark: bool) -> Any:
     """A survey with one camera, from so near that there is light enough, or from farther and faster."""
     mission: dict[str, Any] = {
-        "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "physics": "paper",
+        "practice": "bare", "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "physics": "paper",
         "vehicle": {
             "altitude_m": 2.0 if dark else 1.0, "speed_m_s": 0.3 if dark else 0.1, "light_count": [1, 4 if dark else 8],
         },
@@ -48,6 +48,7 @@ def test_a_cap_below_which_nothing_fits_is_lifted_with_a_warning() -> None:
 
 def test_a_number_of_the_requirements_is_hard() -> None:
     mission = load_mission({
+        "practice": "bare",
         "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3},
         "requirements": {"overlap": 0.3, "max_gain_db": 0}, "reserve": "recommended",
     })  # fmt: skip

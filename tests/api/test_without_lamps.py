@@ -19,7 +19,7 @@ FEW = {"cameras": [CAMERA], "lenses": [LENS], "ports": [PORT], "generic": "never
 def mission(count: Any, *, sun_lux: float = 80_000.0, depth_m: float = 6.0, **wanted: Any) -> dict[str, Any]:
     """A reef that a diver swims over."""
     return {
-        "name": "diver", "objective": "power", "physics": "full",
+        "practice": "bare", "name": "diver", "objective": "power", "physics": "full",
         "scenes": [{"water": "IB", "seafloor": "coral", "depth_m": depth_m, "sun_lux": sun_lux}],
         "vehicle": {"altitude_m": 1.5, "altitude_tolerance_m": 0.3, "speed_m_s": 0.3, "light_count": count},
         "requirements": {"overlap": 0.7, "max_blur_px": 2.0, "min_snr_db": 25.0, "min_dof_m": 0.4, **wanted},

@@ -10,7 +10,7 @@ import pytest
 import uwopt
 
 MISSION: dict[str, Any] = {
-    "physics": "full",
+    "practice": "bare", "physics": "full",
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 50},
     "vehicle": {"altitude_m": 2, "speed_m_s": 0.0},
     "requirements": {"frame_interval_s": 1.0},

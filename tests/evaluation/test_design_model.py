@@ -52,7 +52,7 @@ def evaluated(
     objective: str = "power", **system: Any,
 ) -> Result:  # fmt: skip
     mission = {
-        "scenes": scenes or [{"name": "one", **SCENE}], "vehicle": {**SPEED, **(vehicle or {})},
+        "practice": "bare", "scenes": scenes or [{"name": "one", **SCENE}], "vehicle": {**SPEED, **(vehicle or {})},
         "requirements": requirements or {}, "limits": limits or {}, "objective": objective,
     }  # fmt: skip
     return uwopt.evaluate(mission, {**SYSTEM, **system}, physics=physics)
@@ -220,7 +220,7 @@ def test_worst_scene_counts_in_what_is_to_be_low() -> None:
 def test_power_is_that_of_the_scene_with_the_most() -> None:
     # Nine tenths of the light near the floor, three far from it
     system = {**SYSTEM, **BOTH, "scenes": {"near": {"dim_frac": 0.9}, "far": {"dim_frac": 0.3}}}
-    design = uwopt.evaluate({"scenes": TWO, "vehicle": SPEED}, system, physics="paper").design
+    design = uwopt.evaluate({"practice": "bare", "scenes": TWO, "vehicle": SPEED}, system, physics="paper").design
     assert design is not None
     assert design.totals["power_w"] == pytest.approx(4.0 + 2 * 100.0 * 0.9)
     assert design.totals["light_power_w"] == pytest.approx(2 * 100.0 * 0.9)
@@ -330,7 +330,9 @@ def test_focus_lies_between_centre_and_corner_where_both_must_be_sharp(n_water: 
     bent = power * (secant - 1.0) if dof_at == "corner" else 0.0
     focus_per_m = power + 1.0 / n_water / (2.0 + RADIUS_M) + 0.5 * bent
     scene: dict[str, Any] = {"name": "one", **SCENE}
-    mission = load_mission({"scenes": [scene], "vehicle": SPEED, "requirements": {"dof_at": dof_at}, "physics": "full"})
+    mission = load_mission({
+        "practice": "bare", "scenes": [scene], "vehicle": SPEED, "requirements": {"dof_at": dof_at}, "physics": "full"
+    })
     model = DesignModel(*system_problem(mission, load_system({**SYSTEM, "port": DOME})))
     focus = place_focus(model.problem.scenes, model.maps, model.views)
     assert focus.dioptre_per_m[0][0] == pytest.approx(focus_per_m, rel=1e-9)
@@ -394,7 +396,7 @@ def test_prices_of_the_bill_are_in_the_missions_currency() -> None:
 def test_owned_lamps_are_not_paid_and_estimates_are_told_apart() -> None:
     lamp = "deepsea-power-light-led-sealite-lsl-flood"
     mission = {
-        "scenes": [{"name": "one", **SCENE}], "vehicle": SPEED,
+        "practice": "bare", "scenes": [{"name": "one", **SCENE}], "vehicle": SPEED,
         "catalog": {"owned": [{"id": lamp, "quantity": 1}]},
     }  # fmt: skip
     design = uwopt.evaluate(mission, {**SYSTEM, **SET, "light": lamp}, physics="paper").design

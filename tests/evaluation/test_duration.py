@@ -13,7 +13,7 @@ from uwopt.mission.mission import load_mission
 from uwopt.report.text.words import power_sentence
 
 MISSION: dict[str, Any] = {
-    "name": "six hours", "physics": "paper",
+    "practice": "bare", "name": "six hours", "physics": "paper",
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "light_count": 2, "duration_h": 6.0, "battery_wh": 500.0},
     "requirements": {"frame_interval_s": 2.0, "circle_of_confusion_px": 2.0}, "limits": {},
     "scenes": [

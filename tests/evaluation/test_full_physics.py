@@ -92,7 +92,7 @@ class Case:
 
     def mission(self) -> dict[str, Any]:
         return {
-            "name": "full", "physics": "full",
+            "practice": "bare", "name": "full", "physics": "full",
             "scene": {
                 "water": self.water, "seafloor": self.floor, "depth_m": 50,
                 **({} if self.water.endswith(".csv") else {"water_table": self.table}),

@@ -9,7 +9,7 @@ import pytest
 import uwopt
 
 MISSION: dict[str, Any] = {
-    "name": "with a computer", "physics": "paper",
+    "practice": "bare", "name": "with a computer", "physics": "paper",
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0, "light_count": 1, "camera_count": 1},
     "requirements": {"frame_interval_s": 100.0, "circle_of_confusion_px": 2.0},

@@ -39,7 +39,7 @@ def sensor(name: str) -> dict[str, str]:
 def mission_of(run: dict[str, Any]) -> dict[str, Any]:
     """A run of the tool as a mission."""
     return {
-        "name": "a run of the paper's tool",
+        "practice": "bare", "name": "a run of the paper's tool",
         "physics": "paper",
         "scene": {
             "water": run["water"], "water_table": "solonenko-mobley", "seafloor": run["reflectance"], "depth_m": 10,

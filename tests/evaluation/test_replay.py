@@ -18,7 +18,7 @@ from uwopt.results.result import Result
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 TWO_SCENES: dict[str, Any] = {
-    "name": "two", "physics": "full",
+    "practice": "bare", "name": "two", "physics": "full",
     "scenes": [
         {"name": "clear", "water": "IB", "seafloor": "sand", "depth_m": 20},
         {"name": "murky", "water": "1C", "seafloor": 0.2, "depth_m": 5, "vehicle": {"altitude_m": 1.2}},
@@ -139,6 +139,7 @@ DIVER: dict[str, Any] = {
                  "frame_rate_hz": 1.5, "focus_distance_m": 1.25},
 }  # fmt: skip
 DIVE: dict[str, Any] = {
+    "practice": "bare",
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30.0}, "vehicle": {"altitude_m": 1.5, "speed_m_s": 0.2},
 }  # fmt: skip
 

@@ -11,7 +11,7 @@ from uwopt.results.design import Margin
 from uwopt.results.result import Result
 
 MISSION: dict[str, Any] = {
-    "scene": {"water": "II", "seafloor": 0.3, "depth_m": 40},
+    "practice": "bare", "scene": {"water": "II", "seafloor": 0.3, "depth_m": 40},
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.2, "light_baseline_m": 0.6, "light_count": 2},
     "requirements": {"overlap": 0.5, "max_blur_px": 2.0, "min_swath_m": 1.0, "min_snr_db": 10},
     "physics": "full",

@@ -13,7 +13,7 @@ from uwopt.errors import MissionError
 from uwopt.mission.mission import load_mission
 
 MISSION: dict[str, Any] = {
-    "physics": "full",
+    "practice": "bare", "physics": "full",
     "scene": {"water": "III", "seafloor": 0.2, "depth_m": 50},
     "vehicle": {"altitude_m": 2, "speed_m_s": 0.3, "light_baseline_m": 0.5},
 }  # fmt: skip

@@ -15,7 +15,7 @@ from uwopt.solvers.explain.robustness import doubtful
 
 OFF = {"lamps_between_images": "off", "camera_between_images": "off"}
 MISSION: dict[str, Any] = {
-    "name": "lander", "physics": "paper",
+    "practice": "bare", "name": "lander", "physics": "paper",
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0, "light_count": 2, "duration_h": 4380.0, "battery_wh": 1000.0},
     "requirements": {"frame_interval_s": 3600.0, "circle_of_confusion_px": 2.0}, "limits": {"max_exposure_ms": 100.0},

@@ -32,7 +32,7 @@ FLAT = {"geometry": "flat", "gap_mm": 5, "thickness_mm": 10, "refractive_index":
 def mission(physics: str = "full", **sections: Any) -> dict[str, Any]:
     """A mission; `scene`, `vehicle`, `requirements`, `limits` on top of the usual."""
     return {
-        "name": "extreme", "physics": physics,
+        "practice": "bare", "name": "extreme", "physics": physics,
         "scene": {"water": "II", "seafloor": 0.2, "depth_m": 2000, **sections.get("scene", {})},
         "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, **sections.get("vehicle", {})},
         "requirements": {"overlap": 0.3, "max_blur_px": 1.0, **sections.get("requirements", {})},

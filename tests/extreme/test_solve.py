@@ -46,7 +46,7 @@ def files(folder: Path, *, well_e: float, read_noise_e: float, water: str) -> di
         "mass_g,price",
         f"own-light,continuous,{LAMP_LM},{LAMP_W},1,disc,80,water,continuous,green.csv,500,700,500"])  # fmt: skip
     return {
-        "physics": "paper", "objective": "power",
+        "practice": "bare", "physics": "paper", "objective": "power",
         "scene": {"water": cases.flat_water(folder, a_per_m=a, b_per_m=b), "seafloor": FLOOR, "depth_m": 50},
         "vehicle": {"altitude_m": RANGE_M, "speed_m_s": 0.0, "light_count": 1, "orientation": "landscape"},
         "requirements": {"frame_interval_s": 1.0}, "limits": {"max_exposure_ms": 1e3 * TIME_S},

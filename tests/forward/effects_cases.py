@@ -34,7 +34,7 @@ def random_mission(rng: np.random.Generator) -> dict[str, Any]:
     if rng.random() < 0.3:
         scene.update(sun_lux=between(rng, 1e-3, 1e5), sun_elevation_deg=float(rng.uniform(5, 90)))
     return {
-        "scene": scene, "requirements": requirements, "tolerance": between(rng, 1e-3, 0.1),
+        "practice": "bare", "scene": scene, "requirements": requirements, "tolerance": between(rng, 1e-3, 0.1),
         "objective": rng.choice(["power", "snr_db", "contrast", "information"]).item(),
         "vehicle": {
             "altitude_m": altitude, "altitude_tolerance_m": float(rng.choice([0.0, 0.2])) * altitude,

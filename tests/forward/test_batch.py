@@ -17,7 +17,7 @@ from uwopt.mission.mission import load_mission
 from uwopt.model.effects import Effects
 
 MISSION: dict[str, Any] = {
-    "physics": "full",
+    "practice": "bare", "physics": "full",
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30.0, "sun_lux": 2e4},
     "vehicle": {"altitude_m": 1.5, "altitude_tolerance_m": 0.2, "speed_m_s": 0.2, "light_baseline_m": 0.4},
     "requirements": {

@@ -28,7 +28,7 @@ def f_number_of(*altitudes_m: float, lens: str = "zz-12mm", **scene: Any) -> lis
         for a in altitudes_m
     ]
     best = uwopt.solve({
-        "name": "focus", "objective": "power", "physics": "paper", "scenes": scenes,
+        "practice": "bare", "name": "focus", "objective": "power", "physics": "paper", "scenes": scenes,
         "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "orientation": "landscape", "light_count": 1},
         "requirements": {"overlap": 0.2, "min_snr_db": 0},
         "catalog": {"files": [str(PARTS / f"{kind}.csv") for kind in KINDS], "generic": "never",

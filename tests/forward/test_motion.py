@@ -11,7 +11,7 @@ from uwopt.results.design import SceneResult
 
 # Physics paper behind a dome: a pixel on the floor is p d / f = 5 um * 2 m / 8 mm = 1.25 mm.
 MISSION: dict[str, Any] = {
-    "physics": "paper",
+    "practice": "bare", "physics": "paper",
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 10},
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0, "orientation": "landscape"},
     "requirements": {"frame_interval_s": 1.0, "max_blur_px": 1.0},

@@ -106,7 +106,7 @@ def extremes(model: Any) -> dict[str, st.SearchStrategy[Any]]:
 
 
 ODD: dict[str, dict[str, st.SearchStrategy[Any]]] = {
-    "": {"objective": st.sampled_from(OBJECTIVES) | st.dictionaries(
+    "practice": "bare", "": {"objective": st.sampled_from(OBJECTIVES) | st.dictionaries(
         st.sampled_from([name for name in OBJECTIVES if name != "information"]), between(1e-6, 1e6), min_size=1)},
     "vehicle": {
         "light_count": st.integers(1, 3) | st.sampled_from([[1, 2], [2, 3]]),
@@ -131,7 +131,7 @@ KNOWN["scene"].pop("time_share")
 def plain_mission() -> dict[str, Any]:
     """A mission that many systems can serve."""
     return {
-        "name": "fuzz", "objective": "power", "physics": "full",
+        "practice": "bare", "name": "fuzz", "objective": "power", "physics": "full",
         "scene": {"water": "II", "seafloor": 0.2, "depth_m": 50.0},
         "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3, "light_count": [1, 2]},
         "requirements": {"overlap": 0.3, "max_blur_px": 1.0, "min_snr": 3.0}, "limits": {},

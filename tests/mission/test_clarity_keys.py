@@ -16,7 +16,7 @@ KEYS = {"c_per_m": 0.4, "visibility_m": 12.0, "secchi_m": 10.0, "turbidity_ntu":
 
 def mission(**scene: Any) -> dict[str, Any]:
     return {
-        "scene": {"seafloor": "sand", "depth_m": 30, **scene},
+        "practice": "bare", "scene": {"seafloor": "sand", "depth_m": 30, **scene},
         "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5},
     }
 

@@ -16,7 +16,7 @@ ABE = str(Path(__file__).parents[2] / "problems" / "whoi-abe")
 def changed(**wanted: Any) -> uwopt.Mission:
     """A survey at 0.3 m/s with other requirements."""
     return uwopt.load_mission({
-        "scene": {"water": "II", "seafloor": "sand", "depth_m": 30},
+        "practice": "bare", "scene": {"water": "II", "seafloor": "sand", "depth_m": 30},
         "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3}, "requirements": {"overlap": 0.5, **wanted},
     })  # fmt: skip
 
@@ -44,7 +44,7 @@ def test_design_tells_its_lines_and_area() -> None:
 def test_area_at_rest_is_a_fault() -> None:
     with pytest.raises(MissionError, match="nothing is covered"):
         uwopt.load_mission({
-            "scene": {"water": "II", "seafloor": "sand", "depth_m": 30},
+            "practice": "bare", "scene": {"water": "II", "seafloor": "sand", "depth_m": 30},
             "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0},
             "requirements": {"frame_interval_s": 10, "min_area_m2_h": 5},
         })  # fmt: skip

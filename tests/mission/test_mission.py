@@ -20,7 +20,7 @@ from uwopt.mission.templates import mission_json_schema, mission_template
 
 EXAMPLE = Path(__file__).parents[1] / "reference" / "example_mission.yaml"
 SMALL = {
-    "scene": {"water": "II", "seafloor": "sand", "depth_m": 30},
+    "practice": "bare", "scene": {"water": "II", "seafloor": "sand", "depth_m": 30},
     "vehicle": {"altitude_m": 2, "speed_m_s": 0.5},
 }
 
@@ -60,7 +60,7 @@ def test_the_example_loads_as_it_stands():
     mission = load_mission(EXAMPLE)
     assert mission.scenes[0].water == "II"
     assert mission.vehicle.light_count == (1, 4)
-    assert mission.required_depth_m == 100
+    assert (mission.asked_depth_m, mission.required_depth_m) == (100, 125)  # a quarter in hand, by good practice
     assert mission.requirements.min_snr == pytest.approx(31.6227766)  # 10^(30/20), by table
     assert mission.base_dir == EXAMPLE.parent
 
@@ -265,7 +265,7 @@ def test_seafloor_is_a_name_a_share_or_a_file(given_as, seafloor):
 
 def two_scenes(**second):
     return {
-        "scenes": [SMALL["scene"], {**SMALL["scene"], "water": "III", **second}],
+        "practice": "bare", "scenes": [SMALL["scene"], {**SMALL["scene"], "water": "III", **second}],
         "vehicle": SMALL["vehicle"],
         "requirements": {"min_snr_db": 20, "max_blur_px": 1},
     }

@@ -13,7 +13,7 @@ from uwopt.mission.practice import RECOMMENDED_KEYS
 from uwopt.mission.reserves import RECOMMENDED_RESERVE, Reserve
 
 
-def mission(practice: str | None = "recommended", **given: dict[str, Any]) -> Mission:
+def mission(practice: str | None = None, **given: dict[str, Any]) -> Mission:
     """A survey that says the least a mission must."""
     plain: dict[str, Any] = {
         "scene": {"water": "II", "seafloor": "sand", "depth_m": 20},
@@ -25,8 +25,9 @@ def mission(practice: str | None = "recommended", **given: dict[str, Any]) -> Mi
     return load_mission(plain if practice is None else {"practice": practice, **plain})
 
 
-def test_good_practice_asks_for_what_is_recommended() -> None:
-    made = mission()
+@pytest.mark.parametrize("practice", [None, "recommended", " Recommended"])
+def test_good_practice_is_asked_for_unless_a_mission_says_otherwise(practice: str | None) -> None:
+    made = mission(practice)
     asked = made.requirements
     assert (asked.snr_at, asked.dof_at, asked.lens_stop_down, asked.min_uniformity) == ("worst", "corner", 1.0, 0.3)
     assert set(asked.refuse) == set(get_args(Refusal))
@@ -34,10 +35,8 @@ def test_good_practice_asks_for_what_is_recommended() -> None:
     assert made.catalog.host == "estimate"
 
 
-@pytest.mark.parametrize("practice", [None, "bare"])
-def test_without_it_nothing_is_asked_for(practice: str | None) -> None:
-    made = mission(practice)
-    assert made.requirements == mission(None).requirements
+def test_without_it_nothing_is_asked_for() -> None:
+    made = mission("bare")
     assert (made.requirements.snr_at, made.requirements.lens_stop_down, made.requirements.refuse) == ("mean", 0.0, ())
     assert made.reserve == Reserve()
 
@@ -50,6 +49,7 @@ def test_what_a_mission_says_stays() -> None:
 
 
 def test_a_key_left_empty_is_left_out() -> None:
+    assert load_mission({**mission().to_dict(), "practice": None}).practice == "recommended"
     assert mission(requirements={"snr_at": None}).requirements.snr_at == "worst"
 
 
@@ -74,7 +74,7 @@ def test_a_mission_with_all_filled_in_comes_back() -> None:
 
 
 def test_a_loaded_mission_can_be_asked_for_good_practice() -> None:
-    changed = mission(None, requirements={"dof_at": "axis"}).with_changes(practice="recommended")
+    changed = mission("bare", requirements={"dof_at": "axis"}).with_changes(practice="recommended")
     assert (changed.requirements.snr_at, changed.requirements.dof_at) == ("worst", "axis")
 
 

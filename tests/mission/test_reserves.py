@@ -7,7 +7,7 @@ from uwopt.mission.mission import load_mission
 from uwopt.mission.reserves import asked_when_held
 
 BASE = {
-    "scene": {"water": "II", "seafloor": "sand", "depth_m": 40},
+    "practice": "bare", "scene": {"water": "II", "seafloor": "sand", "depth_m": 40},
     "vehicle": {"altitude_m": 2, "speed_m_s": 0.5},
 }
 WANTED = {"min_snr_db": 30, "max_blur_px": 1.0, "min_swath_m": 2.0, "min_dof_m": 0.5, "overlap": 0.5}
@@ -66,7 +66,10 @@ def test_what_is_not_asked_has_no_reserve():
 def test_a_scene_that_asks_for_more_keeps_the_reserve_of_that():
     scenes = [{**BASE["scene"], "name": "a"}, {**BASE["scene"], "name": "b", "min_snr_db": 34}]
     made = load_mission(
-        {"scenes": scenes, "vehicle": BASE["vehicle"], "requirements": WANTED, "reserve": {"snr_db": 3}}
+        {
+            "practice": "bare", "scenes": scenes, "vehicle": BASE["vehicle"], "requirements": WANTED,
+            "reserve": {"snr_db": 3},
+        }
     )
     assert [view.requirements.min_snr_db for view in made.views] == [33.0, 37.0]
 
@@ -93,7 +96,7 @@ def test_depth_rating_is_asked_for_with_its_reserve(given, needed):
 
 def test_one_scene_may_refuse_for_the_whole_system():
     scenes = [{**BASE["scene"], "name": "a"}, {**BASE["scene"], "name": "b", "refuse": ["depth"]}]
-    made = load_mission({"scenes": scenes, "vehicle": BASE["vehicle"]})
+    made = load_mission({"practice": "bare", "scenes": scenes, "vehicle": BASE["vehicle"]})
     assert made.required_depth_m == pytest.approx(44.0)
 
 

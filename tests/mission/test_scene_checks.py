@@ -16,7 +16,7 @@ from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.mission import load_mission
 
 MISSION: dict[str, Any] = {
-    "name": "checks", "physics": "full",
+    "practice": "bare", "name": "checks", "physics": "full",
     "scene": {"name": "reef", "water": "II", "seafloor": "sand", "depth_m": 30},
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3},
     "requirements": {"overlap": 0.3},

@@ -126,7 +126,7 @@ def test_settings_of_a_scene_stand_on_those_of_all():
 
 def test_settings_for_a_scene_that_is_not_there_are_told():
     scene = {"name": "reef", "water": "II", "seafloor": "sand", "depth_m": 3}
-    mission = load_mission({"scene": scene, "vehicle": {"altitude_m": 2, "speed_m_s": 1}})
+    mission = load_mission({"practice": "bare", "scene": scene, "vehicle": {"altitude_m": 2, "speed_m_s": 1}})
     load_system({**SMALL, "scenes": {"reef": {}}}).check_scenes(mission)
     with pytest.raises(MissionError, match="did you mean 'reef'"):
         load_system({**SMALL, "scenes": {"ref": {}}}).check_scenes(mission)

@@ -17,7 +17,7 @@ def mission(objective: Any, **limits: Any) -> Any:
     """A survey in one water."""
     return load_mission(
         {
-            "objective": objective, "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30},
+            "practice": "bare", "objective": objective, "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30},
             "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3}, "requirements": {"overlap": 0.5}, "limits": limits,
         }
     )  # fmt: skip

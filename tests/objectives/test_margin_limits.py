@@ -31,7 +31,7 @@ PACKAGE = Path(uwopt.__file__).parent
 JUST = 1e-5  # of a limit; 1e-6 is allowed for rounding
 
 MISSION: dict[str, Any] = {
-    "name": "limits", "physics": "paper",
+    "practice": "bare", "name": "limits", "physics": "paper",
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "light_baseline_m": 0.5, "light_count": [2, 2]},
     "catalog": {"extras": [{"name": "housing", "cost": 50.0, "mass_kg": 3.0, "power_w": 6.0}]},

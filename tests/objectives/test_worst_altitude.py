@@ -28,7 +28,7 @@ SYSTEM: dict[str, Any] = {
 
 def margins_at(altitude_m: float, tolerance_m: float) -> dict[str, Margin]:
     mission = {
-        "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
+        "practice": "bare", "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
         "vehicle": {"altitude_m": altitude_m, "altitude_tolerance_m": tolerance_m, "speed_m_s": 0.5,
                     "light_baseline_m": 0.5},
         "requirements": LIMITS,

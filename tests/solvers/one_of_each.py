@@ -67,6 +67,7 @@ def one(
 ) -> Case:  # fmt: skip
     """The one design with what a test changes."""
     plain = {
+        "practice": "bare",
         "objective": objective, "physics": physics, "limits": dict(limits), "catalog": dict(catalog),
         "requirements": {"overlap": 0.3, "min_snr_db": 20.0, **dict(wanted)},
         "vehicle": {

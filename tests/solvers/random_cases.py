@@ -147,6 +147,7 @@ def planted(
     """One camera behind a dome, a lens and the lamps given: cases made to hit one rule each."""
     rng = np.random.default_rng(7)
     plain = {
+        "practice": "bare",
         "objective": objective, "physics": "full", "limits": {}, "requirements": {"overlap": 0.3, **requirements},
         "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3, "orientation": "landscape", "light_count": 1, **vehicle},
         "scenes": [

@@ -220,6 +220,7 @@ def mission(rng: Rng) -> dict[str, Any]:
         ]  # fmt: skip
         vehicle["light_count"] = [2, 2]
     plain: dict[str, Any] = {
+        "practice": "bare",
         "objective": pick(rng, OBJECTIVES), "physics": pick(rng, ["full", "full", "paper"]), "vehicle": vehicle,
         "requirements": requirements(rng, speed_m_s), "scenes": [scene(rng, 1)], "limits": {},
     }  # fmt: skip

@@ -58,7 +58,7 @@ def random_mission(rng: Rng) -> dict[str, Any]:
         )
     use = {kind: [str(n) for n in names if rng.random() < 0.7] or [names[0]] for kind, names in KINDS.items()}
     return {
-        "name": "attack", "objective": str(rng.choice(["power", "power", "cost", "snr_db"])),
+        "practice": "bare", "name": "attack", "objective": str(rng.choice(["power", "power", "cost", "snr_db"])),
         "physics": str(rng.choice(["paper", "full"])), "scenes": scenes, "requirements": wanted,
         "vehicle": {
             "altitude_m": altitude_m, "speed_m_s": spread(rng, 0.05, 1), "light_count": [1, 2],

@@ -149,7 +149,7 @@ def test_certificate_adds_up_over_the_catalogue() -> None:
     """Every combination loaded is evaluated or discarded by one rule, selection included."""
     mission = small.loaded(
         {
-            "objective": "power", "physics": "paper", "limits": {"power_w": 60.0},
+            "practice": "bare", "objective": "power", "physics": "paper", "limits": {"power_w": 60.0},
             "requirements": {"overlap": 0.3, "max_blur_px": 1.0, "min_snr_db": 25.0, "max_gsd_mm": 2.0},
             "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3, "light_count": [1, 2]},
             "scenes": [{"water": "II", "seafloor": 0.2, "depth_m": 300.0}],

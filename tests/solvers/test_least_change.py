@@ -57,7 +57,7 @@ def mission(
     files = [str(parts / f"{name}.csv") for name in FILES]
     return load_mission(
         {
-            "name": "a little too much",
+            "practice": "bare", "name": "a little too much",
             "scene": {"water": "II", "seafloor": "coral", "depth_m": depth_m},
             "vehicle": {
                 "altitude_m": 2.0, "speed_m_s": 0.5, "orientation": "landscape", "light_baseline_m": 0.8,

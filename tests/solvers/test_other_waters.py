@@ -93,7 +93,7 @@ def test_the_other_table_is_tried_with_the_same_reading():
 def test_a_clearer_scene_leaves_the_others_as_they_are():
     mission = load_mission(
         {
-            "scenes": [
+            "practice": "bare", "scenes": [
                 {"water": "II", "seafloor": 0.2, "depth_m": 30, "name": "a"},
                 {"secchi_m": 10, "seafloor": 0.2, "depth_m": 30, "name": "b"},
             ],
@@ -133,7 +133,7 @@ def test_the_text_says_what_to_measure():
 
 def test_evaluate_takes_a_reading_and_says_so():
     mission = {
-        "scene": {"secchi_m": 10, "seafloor": 0.2, "depth_m": 30},
+        "practice": "bare", "scene": {"secchi_m": 10, "seafloor": 0.2, "depth_m": 30},
         "vehicle": {"altitude_m": 2, "speed_m_s": 0.3}, "requirements": {"overlap": 0.3},
     }  # fmt: skip
     system = {

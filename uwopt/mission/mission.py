@@ -20,7 +20,7 @@ from uwopt.documents.validation import validated
 from uwopt.mission import checks
 from uwopt.mission.best_image import NAME, BestImageGoal, to_goal
 from uwopt.mission.keys import OBJECTIVES
-from uwopt.mission.practice import Practice, with_practice
+from uwopt.mission.practice import DEFAULT_PRACTICE, Practice, with_practice
 from uwopt.mission.reserves import REFUSED_DEPTH, Reserve, ReserveOrWord, asked_of, held_of, kept_of
 from uwopt.mission.sections import (
     CatalogChoice,
@@ -73,7 +73,7 @@ class Mission(Section):
         default=0.005, description="error that physics auto may make, a share such as 0.005"
     )
     practice: Annotated[Practice, CHOICE] = Field(
-        default="bare",
+        default=DEFAULT_PRACTICE,
         description="what a mission that leaves a key out asks for: recommended (good practice: light and sharpness "
         "over the whole image, reserves, a lens one stop down, what an expert would refuse) or bare (nothing)",
     )

@@ -1,7 +1,7 @@
 """What an experienced engineer asks for without being told: all recommended keys, by one word of a mission.
 
-`practice: recommended` fills in what a mission leaves out, and nothing that it says. What is filled in stands in the
-mission of a result like any other key.
+`practice: recommended`, the default, fills in what a mission leaves out, and nothing that it says. What is filled in
+stands in the mission of a result like any other key. `practice: bare` asks for nothing beside what is written.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Any, Literal
 from uwopt.mission.reserves import RECOMMENDED
 
 Practice = Literal["recommended", "bare"]
+DEFAULT_PRACTICE: Practice = "recommended"
 
 #: Keys by section, with the values that fill them.
 RECOMMENDED_KEYS: Mapping[str, Mapping[str, Any]] = {
@@ -25,7 +26,9 @@ SLOW_LAMP_S, SLOW_CAMERA_S = 10.0, 60.0  # between images; from here on what is 
 def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
     """A mission's plain values with what good practice asks for, where it is wanted and nothing else is said."""
     made = dict(data)
-    if not is_wanted(made.get("practice")):
+    if made.get("practice", DEFAULT_PRACTICE) is None:
+        del made["practice"]  # a key left empty is left out
+    if not is_wanted(made.get("practice", DEFAULT_PRACTICE)):
         return made
     filled: dict[str, dict[str, Any]] = {section: dict(keys) for section, keys in RECOMMENDED_KEYS.items()}
     vehicle, requirements, catalog = (_section(made, name) for name in ("vehicle", "requirements", "catalog"))

@@ -21,7 +21,7 @@ physics: auto
 # What a key that is left out asks for. recommended: good practice, that is light and sharpness over the whole image
 # (snr_at, dof_at, min_uniformity), a lens one stop down, reserves, and nothing that an expert would refuse.
 # bare: nothing. A key that is given holds either way.
-practice: recommended
+practice: recommended          # the default
 # seed: 0
 
 # Where it works. Several places that one system must serve: write `scenes:` and a list.
