@@ -154,6 +154,14 @@ def test_grey_water_gives_beers_law() -> None:
     assert path_table.log_mean_transmission(table, 3.0, 2.0) == pytest.approx(-1.6, rel=1e-13)  # rounding
 
 
+def test_table_holds_where_hardly_a_photon_is_left() -> None:
+    kw, box = optics("9C"), (600.0, 601.0)  # exponents that no product of factors can hold
+    table = path_table.build_path_table(LED_WEIGHT, **kw, lamp_range_m=box, camera_range_m=box)
+    lamp_m, camera_m = np.random.default_rng(1).uniform(*box, (2, 100))
+    exact = summed_log_transmission(LED_WEIGHT, **kw, lamp_m=lamp_m, camera_m=camera_m)
+    assert np.abs(path_table.log_mean_transmission(table, lamp_m, camera_m) - exact).max() <= 1.2e-6
+
+
 @pytest.mark.parametrize("water_type", ["I", "II", "III", "9C"])
 @pytest.mark.parametrize("box", [(2.0, 2.0), (1.5, 2.5), (0.3, 5.0), (0.2, 20.0)])
 def test_table_meets_its_tolerance_against_the_sum_over_the_spectrum(

@@ -94,9 +94,16 @@ DEFECTS = (
     Defect(
         name="camera leg with K instead of c",
         file="uwopt/model/path_table.py",
+        old="to_camera = np.multiply.outer(camera, centres[1] - self.c_camera)",
+        new="to_camera = np.multiply.outer(camera, centres[1] - self.k_lamp)",
+        test="tests/model/test_water.py::test_grey_water_gives_beers_law",
+    ),
+    Defect(
+        name="camera leg with K instead of c, by logarithms",
+        file="uwopt/model/path_table.py",
         old="exponent -= np.multiply.outer(camera, self.c_camera[lit])",
         new="exponent -= np.multiply.outer(camera, self.k_lamp[lit])",
-        test="tests/model/test_water.py::test_grey_water_gives_beers_law",
+        test="tests/model/test_water.py::test_table_holds_where_hardly_a_photon_is_left",
     ),
     Defect(
         name="slopes of the loss table swapped",

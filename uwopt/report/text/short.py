@@ -36,6 +36,10 @@ BARE = (
     "Only what the mission says is held: `practice: recommended` in it asks for light and sharpness over the whole "
     "image and for reserves as well."
 )
+ASKED_BY_PRACTICE = (
+    "Good practice asks for part of this: light and sharpness over the whole image, reserves, and nothing that an "
+    "expert would refuse. `practice: bare` asks only for what the mission says."
+)
 HINT = (
     "--full adds the proof, every requirement, other choices and all that is assumed; --out DIR writes a page with "
     "pictures."
@@ -301,6 +305,8 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
         lines = [sentence("Give it more time, or a mission with fewer parts to choose from.")]
     elif result.infeasible:
         lines = [sentence("No single requirement stands in the way; at least two have to give.")]
+    if result.status == "infeasible" and result.mission.get("practice") == "recommended":
+        lines.append(sentence(ASKED_BY_PRACTICE))
     if lines:
         yield block("What would help", lines)
     miss = nearest_miss(result)
