@@ -36,7 +36,7 @@ def mission(physics: str = "paper", **sections: Any) -> dict[str, Any]:
     scenes = sections.pop("scenes", None)
     where = {"scenes": scenes} if scenes else {"scene": {"water": "II", "seafloor": "coral", "depth_m": 30}}
     return {
-        "name": "rules", "objective": "power", "physics": physics, **where,
+        "name": "rules", "practice": "bare", "objective": "power", "physics": physics, **where,
         "vehicle": {**VEHICLE, **sections.pop("vehicle", {})},
         "requirements": {"min_snr_db": 12, "max_blur_px": 2.0, **sections.pop("requirements", {})},
         "catalog": {"files": files, "generic": "never", **own}, **sections,
