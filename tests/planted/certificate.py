@@ -20,8 +20,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="pixels that miss the SNR in any case may miss it twice",
         file="uwopt/solvers/settings/few_pixels.py",
-        old="may_miss=rows.may_miss - first,",
-        new="may_miss=rows.may_miss,",
+        old="order[:, :, first:last], may_miss - first",
+        new="order[:, :, first:last], may_miss",
         test=f"{PIXELS}test_few_pixels_ask_for_what_all_but_k_of_all_do",
     ),
     Defect(

@@ -65,4 +65,14 @@ DEFECTS: tuple[Defect, ...] = (
         new="self.rows = self.model.rows[index] = replace(self.model.rows[index], sun=None)",
         test=f"{TESTS}test_sunlight_counts_when_a_sunlit_optimum_is_rounded",
     ),
+    Defect(
+        name="rounding looks at the pixels of a camera without noise", file=SCENE,
+        old="always = float(cam.read_noise_e[0]) ** 2", new="always = 0.0 * float(cam.read_noise_e[0])",
+        test=f"{TESTS}test_few_pixels_say_of_any_settings_whether_the_snr_holds",
+    ),
+    Defect(
+        name="rounding takes its time", file=SCENE,
+        old="            self.deadline.check()\n", new="",
+        test=f"{TESTS}test_rounding_ends_with_the_time",
+    ),
 )  # fmt: skip

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import io
 from dataclasses import replace
-from typing import Any
+from itertools import count
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -18,15 +19,16 @@ from thorough import drawn
 import uwopt
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.records import exact
+from uwopt.deadline import Deadline
 from uwopt.evaluation.design_model import DesignModel, design_model
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.problem import Parts
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.tables import result_blocks
 from uwopt.results.design import SettableCheck
-from uwopt.solvers.recommend import hardware_of
+from uwopt.solvers.recommend import SETTINGS_TO_SET, Sought, best_settable, hardware_of
 from uwopt.solvers.settable.rounding import exact_settings, rounded_design
-from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL
+from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL, few_pixels
 from uwopt.solvers.settable.steps import focus_distances_m, rates_hz, stops, time_steps
 
 # Lamps that burn, pulse, flash; by steps or freely; one scene or two; full, auto, paper; every kind of requirement.
@@ -106,6 +108,35 @@ def test_pulsed_lamp_that_the_sun_makes_idle_is_rounded() -> None:
     made = rounded_design(problem, hardware_of(best), best.settings, case.objective).design
     assert made.feasible
     assert made.scenes[0].settings["dim_frac"] == 0.0
+
+
+@pytest.mark.parametrize("prnu_frac", [0.0, 0.02])
+def test_few_pixels_say_of_any_settings_whether_the_snr_holds(prnu_frac: float) -> None:
+    """Of a murky image whose SNR 95 % must reach, at settings drawn at random: the same as all pixels say."""
+    murky: dict[str, Any] = {"min_snr_db": 8.0, "snr_at": "worst"}
+    camera = {"prnu_frac": exact(prnu_frac), "dark_current_e_s": exact(50.0)}
+    case = rc.planted("power", (BURNING,), murky, camera=camera)
+    problem, best = best_of(case)
+    model = design_model(problem, hardware_of(best))
+    few = few_pixels(model, 0)
+    every, some = (one.rows[0].light.worst_e for one in (model, few))
+    assert every is not None and some is not None and some.shape[2] < every.shape[2]
+    tried = sc.random_settings(model, best.settings[0], np.random.default_rng(3), 2000)
+    full, less = (
+        next(m.satisfied for m in one.margins(0, tried, one.figures(0, tried)) if m.requirement == "min_snr_db")
+        for one in (model, few)
+    )
+    assert (full == less).all() and full.any() and not full.all()
+
+
+def test_rounding_ends_with_the_time() -> None:
+    case = rc.planted("power", (STEPPED,), {"min_snr_db": 20.0, "max_blur_px": 1.0})
+    search, outcome = case.solve(top=1)
+    sought, clock = Sought(cast(Any, None), search.problem, search, outcome), count(1)
+    late = Deadline(1.5, clock.__next__)  # its clock counts readings: time is over at the second, within the rounding
+    _, design = best_settable(sought, case.objective, late)
+    assert design.rounded is None and late.left_out == [SETTINGS_TO_SET]
+    assert next(clock) < 6  # and is not asked again by every setting that might be tried
 
 
 # ---------------------------------------------------------------- the best that can be set

@@ -58,6 +58,7 @@ from uwopt.tolerances import PROVEN_GAP_REL
 from uwopt.units import format_quantity
 
 EXPLAIN_S = 10.0  # of the processor, for what would help a mission that nothing meets, where no time is given
+SEARCH_SHARE = 0.9  # of the time that is given: the rest is for settings that can be set
 SOLVERS = ("exact", "casadi", "nlopt", "bonmin")
 
 
@@ -94,6 +95,7 @@ def solve(
     quick : leave out how firm the answer is, and second opinions
     """
     start, deadline = time.perf_counter(), Deadline.after(seconds)
+    for_search = deadline if seconds is None else deadline.at_most(SEARCH_SHARE * seconds)
     if solver not in SOLVERS:
         raise MissionError(f"solver {solver!r} is not one of {', '.join(SOLVERS)}")
     wanted = prepared(mission, physics, objective)
@@ -104,7 +106,7 @@ def solve(
         catalog = load_catalog(wanted)
 
     def search(fineness: Fineness) -> Searched:
-        return searched(wanted, catalog, goal, top, deadline, progress, timing, fineness)
+        return searched(wanted, catalog, goal, top, for_search, progress, timing, fineness)
 
     if tolerance is None:
         (sought, alternative), measured = search(DEFAULT), None
@@ -236,7 +238,7 @@ def found_result(
     others: list[Design] = []
     with timed(timing, "evaluation"):
         try:
-            sought, winner = best_settable(sought, goal)
+            sought, winner = best_settable(sought, goal, deadline)
             runners_up = sought.outcome.best[1:]
             others = [design_of(sought, found, goal, with_rounding=False) for found in runners_up]
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
@@ -245,7 +247,7 @@ def found_result(
     cut_short = cut_short or cut
     generic = None
     if alternative is not None and alternative.outcome.best:
-        generic = design_of(alternative, alternative.outcome.best[0], goal)
+        generic = design_of(alternative, alternative.outcome.best[0], goal, deadline=deadline)
     doubt: dict[str, Any] | None = None
     opinions: list[dict[str, Any]] = []
     asked = not cut_short and not quick

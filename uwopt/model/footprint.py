@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -89,13 +90,20 @@ class LegLoss:
     def between(
         nearest_m: float, farthest_m: float, share_of_wave: Array, attenuation_per_m: Array, n_ranges: int
     ) -> LegLoss:
-        """The table from the nearest to the farthest range."""
-        ranges = np.linspace(nearest_m, farthest_m, n_ranges)
+        """The table from the nearest to the farthest range.
+
+        exp(-K (r_0 + (i b + j) h)) is a product of two, so that a matrix product of few exponentials makes all.
+        """
+        ranges, step_m = np.linspace(nearest_m, farthest_m, n_ranges, retstep=True)
         lit = share_of_wave > 0.0  # what the lamp does not emit may be attenuated far less
-        optical = ranges[:, None] * attenuation_per_m[lit]
-        least = optical.min(axis=1)
+        least = attenuation_per_m[lit].min()
+        beyond = attenuation_per_m[lit] - least
+        block = math.isqrt(n_ranges) + 1
         with np.errstate(under="ignore"):
-            return LegLoss(ranges, np.log(np.exp(-(optical - least[:, None])) @ share_of_wave[lit]) - least)
+            coarse = np.exp(-ranges[::block, None] * beyond) * share_of_wave[lit]
+            fine = np.exp(-step_m * np.arange(block)[:, None] * beyond)
+            means = (coarse @ fine.T).reshape(-1)[:n_ranges]
+            return LegLoss(ranges, np.log(means) - ranges * least)
 
     def at(self, range_m: Array) -> Array:
         """The loss at these ranges [m], its logarithm interpolated linearly."""

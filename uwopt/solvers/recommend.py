@@ -38,6 +38,7 @@ from uwopt.units import format_quantity
 
 Progress = Callable[[float, str], None]
 GENERIC_GAIN = 0.10
+SETTINGS_TO_SET = "settings that can be set"  # where there is no time for them
 WORTH_REL = 0.05  # of the objective: what settings to set must cost the best before the next are tried
 BETTER_UNSETTABLE = "better_unsettable"  # code of the warning that better parts cannot be set
 
@@ -88,13 +89,19 @@ def scene_rows_of(search: Search, found: Found) -> list[SceneRows]:
     return search.rows(imager, lights, np.array([found.light]), np.array([found.count]), found.lighting)
 
 
-def design_of(sought: Sought, found: Found, objective: Objective, *, with_rounding: bool = True) -> Design:
-    """A found design as a result: evaluated again, rounded, checked."""
+def design_of(
+    sought: Sought, found: Found, objective: Objective, *, with_rounding: bool = True, deadline: Deadline = NEVER
+) -> Design:
+    """A found design as a result: evaluated again, checked, and rounded as far as there is time."""
     problem = sought.problem
     hardware, design = hardware_of(found), evaluated(problem, found, objective)
     check_claim(design, found, objective)
     design = replace(design, warnings=[*part_warnings(problem, hardware), *design.warnings])
-    return with_tilt(problem, hardware, with_rounded(problem, found, design, objective)) if with_rounding else design
+
+    def rounded() -> Design:
+        return with_tilt(problem, hardware, with_rounded(problem, found, design, objective, deadline))
+
+    return deadline.within(SETTINGS_TO_SET, rounded, design) if with_rounding else design
 
 
 def with_tilt(problem: Problem, hardware: Hardware, design: Design) -> Design:
@@ -103,20 +110,20 @@ def with_tilt(problem: Problem, hardware: Hardware, design: Design) -> Design:
     return replace(design, warnings=[*design.warnings, *tilt_notes(problem, hardware, given)])
 
 
-def best_settable(sought: Sought, objective: Objective) -> tuple[Sought, Design]:
+def best_settable(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> tuple[Sought, Design]:
     """The best design as a person can set it, and the search with it at the head of those it found.
 
     By exact numbers the first is best. Where it cannot be set, or what can be set costs it much, the next may be
     better as set; none can be better as set than by exact numbers, so few are tried. Where none can be set, the
-    first is recommended all the same, with a warning.
+    first is recommended all the same, with a warning. What the deadline does not reach is not tried.
     """
     found = sought.outcome.best
-    first = chosen = design_of(sought, found[0], objective)
+    first = chosen = design_of(sought, found[0], objective, deadline=deadline)
     place, value, much = 0, value_as_set(first, objective), objective.step(WORTH_REL, found[0].minimised)
     for index, other in enumerate(found[1:], 1):
-        if other.minimised >= value - much:
+        if other.minimised >= value - much or deadline.passed():
             break
-        design = design_of(sought, other, objective)
+        design = design_of(sought, other, objective, deadline=deadline)
         own = value_as_set(design, objective)
         if own < value - much:
             place, value, chosen = index, own, design
@@ -176,12 +183,14 @@ def check_claim(design: Design, found: Found, objective: Objective) -> None:
         )
 
 
-def with_rounded(problem: Problem, found: Found, design: Design, objective: Objective | None) -> Design:
+def with_rounded(
+    problem: Problem, found: Found, design: Design, objective: Objective | None, deadline: Deadline = NEVER
+) -> Design:
     """Add the settings a person can set, and how the design does with them; a warning where there are none.
 
-    Without an objective they are those nearest to the design's own.
+    Without an objective they are those nearest to the design's own. Raises OutOfTimeError past the deadline.
     """
-    again = rounded_design(problem, hardware_of(found), found.settings, objective).design
+    again = rounded_design(problem, hardware_of(found), found.settings, objective, deadline).design
     missed = list(dict.fromkeys(m.requirement for s in again.scenes for m in s.margins if not m.satisfied))
     if not again.feasible:
         rounded = SettableCheck(False, None, missed)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import DesignModel, design_model
 from uwopt.evaluation.influences import influences_of
@@ -42,9 +43,10 @@ class Rounded:
 
 
 def rounded_design(
-    problem: Problem, hardware: Hardware, exact: Sequence[dict[str, Any]], objective: Objective | None
-) -> Rounded:
-    """The best design that can be set; feasible, or the nearest miss where none is.
+    problem: Problem, hardware: Hardware, exact: Sequence[dict[str, Any]], objective: Objective | None,
+    deadline: Deadline = NEVER,
+) -> Rounded:  # fmt: skip
+    """The best design that can be set; feasible, or the nearest miss where none is. Raises OutOfTimeError.
 
     `exact` : the optimum's settings by scene. Without an objective the design stays as near to it as it can.
     Physics `auto` leaves effects out when the settings are evaluated; the requirements then hold with and without.
@@ -53,7 +55,7 @@ def rounded_design(
     optimum = [model.settings(i, exact_settings(model, i, numbers)) for i, numbers in enumerate(exact)]
     leaner: list[DesignModel] = []
     while True:
-        given = settable(model, optimum, objective, leaner)
+        given = settable(model, optimum, objective, leaner, deadline)
         made = Rounded(given, evaluated(problem, hardware, given, goal))
         if not made.design.feasible or problem.mission.physics != "auto":
             return made
@@ -70,13 +72,15 @@ def settable(
     optimum: Sequence[SettingRows],
     objective: Objective | None,
     leaner: Sequence[DesignModel],
+    deadline: Deadline = NEVER,
 ) -> list[SceneSettings]:
     """The best settings that can be set, or those of the nearest miss; `leaner` models must agree that all holds."""
     nearest: tuple[float, list[SceneSettings]] = (np.inf, [])
     for rates, dioptres in variants(model, optimum):
         scenes = [
             SettableScene(
-                model, i, one, objective, rate_hz=rates[i], dioptre_per_m=dioptres[i], leaner=leaner
+                model, i, one, objective, rate_hz=rates[i], dioptre_per_m=dioptres[i], leaner=leaner,
+                deadline=deadline,
             )
             for i, one in enumerate(optimum)
         ]

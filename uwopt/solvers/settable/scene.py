@@ -16,14 +16,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of
-from uwopt.forward.lamp_light import worst_candidates
+from uwopt.forward.lamp_light import ImageLight, worst_candidates
 from uwopt.forward.part_columns import FLASH, PULSED
+from uwopt.model.sensor import QUANTISATION_VARIANCE_DN2, light_for_snr
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import depth_of_field_margins
 from uwopt.solvers.exact.ranking import told_apart
 from uwopt.solvers.settable.steps import EDGE, GAIN_STEP_DB, TIME_STEP_S, light_levels, time_steps
+from uwopt.solvers.settings.few_pixels import between
 from uwopt.units import db_to_ratio, ratio_to_db
 
 Array = NDArray[np.float64]
@@ -80,8 +83,10 @@ class SettableScene:
 
     def __init__(
         self, model: DesignModel, index: int, exact: SettingRows, objective: Objective | None, *,
-        rate_hz: float, dioptre_per_m: float, leaner: Sequence[DesignModel] = (),
+        rate_hz: float, dioptre_per_m: float, leaner: Sequence[DesignModel] = (), deadline: Deadline = NEVER,
     ):  # fmt: skip
+        """Trying raises OutOfTimeError past the deadline."""
+        self.deadline = deadline
         self.model, self.index, self.exact, self.objective = few_pixels(model, index), index, exact, objective
         self.rate_hz, self.dioptre_per_m = rate_hz, dioptre_per_m
         self.kind = int(model.lights.kind[0])
@@ -177,6 +182,7 @@ class SettableScene:
         low, high = (np.full(count, end) for end in self._step_range())
         best: Tried | None = None
         for _ in range(ROUNDS):
+            self.deadline.check()
             steps = spread_steps(low, high)
             row = np.repeat(np.arange(count), TIMES)
             best = self._with_gains(f_number[row], steps.ravel(), level[row], extra_s[row], row, best)
@@ -309,14 +315,17 @@ class SettableScene:
 
 
 def few_pixels(model: DesignModel, index: int) -> DesignModel:
-    """The model with the pixels alone that some balance of lamps and sun makes the worst.
+    """The model with the pixels alone that may decide: by lamps alone, or by some balance of lamps and sun.
 
     What is found with them is evaluated with all.
     """
     rows = model.rows[index]
     lamp, sun = rows.light, rows.sun
-    if lamp.worst_e is None or sun is None or sun.worst_e_s is None or not sun.worst_e_s.mean() > 0:
+    if lamp.worst_e is None:
         return model
+    if sun is None or sun.worst_e_s is None or not sun.worst_e_s.mean() > 0:
+        light = deciding_light(model, index, lamp, lamp.worst_e)
+        return model if light is lamp else with_rows(model, index, replace(rows, light=light))
     if lamp.may_miss:  # then the darkest ones do not tell
         return model
     with np.errstate(divide="ignore"):
@@ -329,10 +338,46 @@ def few_pixels(model: DesignModel, index: int) -> DesignModel:
         )
         for balance in (0.0, *np.geomspace(1e-3, 1e3, BALANCES))
     ]))  # fmt: skip
-    few = copy(model)
-    few.rows = list(model.rows)
-    few.rows[index] = replace(rows, light=only_pixels(lamp, keep), sun=only_pixels(sun, keep))
-    return few
+    return with_rows(model, index, replace(rows, light=only_pixels(lamp, keep), sun=only_pixels(sun, keep)))
+
+
+def with_rows(model: DesignModel, index: int, rows: DesignRows) -> DesignModel:
+    """The model with other rows of one scene."""
+    made = copy(model)
+    made.rows = list(model.rows)
+    made.rows[index] = rows
+    return made
+
+
+def deciding_light(model: DesignModel, index: int, lamp: ImageLight, worst_e: Array) -> ImageLight:
+    """Lamps' light with those pixels alone of which one decides whether the SNR holds, at any settings.
+
+    What a pixel asks for grows with the noise that comes without light, least of all without quantisation and dark
+    current, most of all at the lowest gain and the longest exposure: see `few_pixels.between`.
+    """
+    scene, cam = model.problem.scenes[index], model.cameras
+    wanted = scene.view.requirements.min_snr
+    if not wanted or worst_e.shape[2] == 1:
+        return lamp
+    longest_s = min(float(cam.max_exposure_s[0]), model.problem.mission.limits.max_exposure_ms * 1e-3)
+    always = float(cam.read_noise_e[0]) ** 2
+    dark_e = float(cam.dark_current_e_s[0]) * longest_s
+    most = always + QUANTISATION_VARIANCE_DN2 / float(cam.gain_dn_per_e[0]) ** 2 + dark_e
+    veil = 0.0 if lamp.worst_veil_e is None else lamp.worst_veil_e
+    asked = [
+        np.asarray(light_for_snr(
+            wanted, signal_per_light_e=worst_e, total_per_light_e=worst_e + veil, read_noise_e=noise_e2**0.5,
+            prnu_frac=float(cam.prnu_frac[0]),
+        ))
+        for noise_e2 in (always, most)
+    ]  # fmt: skip
+    pick, may_miss = between(asked[0], asked[1], lamp.may_miss)
+    return replace(
+        lamp,
+        worst_e=np.take_along_axis(worst_e, pick, axis=2),
+        worst_veil_e=None if lamp.worst_veil_e is None else np.take_along_axis(lamp.worst_veil_e, pick, axis=2),
+        may_miss=may_miss,
+    )
 
 
 def means_alone(rows: DesignRows) -> DesignRows:

@@ -33,19 +33,27 @@ def deciding_pixels(rows: SceneRows) -> SceneRows:
     shortest = np.maximum(rows.exposure_s(rows.time_min_s), 0.0)
     longest = np.maximum(rows.exposure_s(np.maximum(rows.time_max_s, rows.time_min_s)), shortest)
     least, most = (_asked(replace(rows, dark_time_s=time)) for time in (shortest, longest))
-    low, high = (needed_by_most(asked, rows.may_miss)[:, :, None] for asked in (least, most))
-    above, below = least > high * (1 + SLACK), most < low * (1 - SLACK)
-    order = np.argsort(np.where(above, 0, np.where(below, 2, 1)), axis=2, kind="stable")
-    first = min(int(above.sum(axis=2).min(initial=rows.may_miss)), rows.may_miss)
-    last = max(int((~below).sum(axis=2).max(initial=0)), rows.may_miss + 1)
-    pick = order[:, :, first:last]
+    pick, may_miss = between(least, most, rows.may_miss)
     veil = rows.worst_veil_e
     return replace(
         rows,
         worst_e=np.take_along_axis(worst, pick, axis=2),
         worst_veil_e=None if veil is None else np.take_along_axis(veil, pick, axis=2),
-        may_miss=rows.may_miss - first,
+        may_miss=may_miss,
     )
+
+
+def between(least: Array, most: Array, may_miss: int) -> tuple[Array, int]:
+    """Places (n, n_altitudes, n_few) of the pixels that may be the (k + 1)-th most demanding, and the k of these few.
+
+    What pixels ask for is from `least` to `most` (n, n_altitudes, n_pixels), and grows from one to the other together.
+    """
+    low, high = (needed_by_most(asked, may_miss)[:, :, None] for asked in (least, most))
+    above, below = least > high * (1 + SLACK), most < low * (1 - SLACK)
+    order = np.argsort(np.where(above, 0, np.where(below, 2, 1)), axis=2, kind="stable")
+    first = min(int(above.sum(axis=2).min(initial=may_miss)), may_miss)
+    last = max(int((~below).sum(axis=2).max(initial=0)), may_miss + 1)
+    return order[:, :, first:last], may_miss - first
 
 
 def _asked(rows: SceneRows) -> Array:
