@@ -66,8 +66,8 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{TESTS}test_sunlight_counts_when_a_sunlit_optimum_is_rounded",
     ),
     Defect(
-        name="rounding looks at the pixels of a camera without noise", file=SCENE,
-        old="always = float(cam.read_noise_e[0]) ** 2", new="always = 0.0 * float(cam.read_noise_e[0])",
+        name="rounding looks at the pixel that asks for most", file=SCENE,
+        old="between(asked[0], asked[1], lamp.may_miss)", new="between(asked[0], asked[1], 0)",
         test=f"{TESTS}test_few_pixels_say_of_any_settings_whether_the_snr_holds",
     ),
     Defect(

@@ -58,6 +58,7 @@ from uwopt.tolerances import PROVEN_GAP_REL
 from uwopt.units import format_quantity
 
 EXPLAIN_S = 10.0  # of the processor, for what would help a mission that nothing meets, where no time is given
+DOUBTS_S = 6.0  # of the processor, for how firm a proven answer is, likewise
 SEARCH_SHARE = 0.9  # of the time that is given: the rest is for settings that can be set
 SOLVERS = ("exact", "casadi", "nlopt", "bonmin")
 
@@ -251,21 +252,21 @@ def found_result(
     doubt: dict[str, Any] | None = None
     opinions: list[dict[str, Any]] = []
     asked = not cut_short and not quick
+    patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(DOUBTS_S, time.process_time)
     bought: Knee | None = None
     try:
         if progress is not None and sought.outcome.complete:
             progress(0.0, proven_line(winner, goal, sought.problem.mission.limits.currency))
         with timed(timing, "robustness", progress):
             if asked:
-                doubt = doubts(sought, goal, winner, deadline)
+                doubt = doubts(sought, goal, winner, patience)
         if goal.quality and asked:
             with timed(timing, "knee", progress):
                 bought = deadline.within(STAGES["knee"], lambda: knee(sought, goal, deadline), None)
         with timed(timing, "second_opinion", progress):
             if asked:
-                opinions = deadline.within(
-                    "second opinions", lambda: second_opinions(sought, goal, solver, deadline), []
-                )
+                slow = deadline if solver != "exact" else patience  # what is asked for by name takes its time
+                opinions = slow.within("second opinions", lambda: second_opinions(sought, goal, solver, slow), [])
     except KeyboardInterrupt:  # what is proven is not lost
         cut = True
     proven = sought.outcome.complete
@@ -295,6 +296,7 @@ def found_result(
             *colour_notes(sought.problem, hardware),
             *(interruption_warnings(sought) or (cut_warnings() if cut else [])),
             *(gap_warnings(proof) if wide and not second_best else []),
+            *(patience_warnings(patience, DOUBTS_S) if patience is not deadline else []),
         ],
     )
     return made, sought
@@ -364,7 +366,7 @@ def infeasible_result(
         if work.interrupted:
             notes = cut_warnings("that nothing fits is proven, but not all that may help was tried")
         if patience is not deadline:
-            notes += patience_warnings(patience)
+            notes += patience_warnings(patience, EXPLAIN_S)
     status = "infeasible" if used.outcome.complete else "stopped"
     return replace(
         result,
@@ -432,11 +434,11 @@ def time_warnings(deadline: Deadline) -> list[Note]:
     return [Note("time", "", text)]
 
 
-def patience_warnings(patience: Deadline) -> list[Note]:
+def patience_warnings(patience: Deadline, seconds: float) -> list[Note]:
     """What an explanation left out that nobody gave a time."""
     if not patience.left_out:
         return []
-    text = f"not worked out in {EXPLAIN_S:g} s; --seconds gives more: "
+    text = f"not worked out in {seconds:g} s; --seconds gives more: "
     return [Note("time", "", text + "; ".join(dict.fromkeys(patience.left_out)))]
 
 

@@ -31,6 +31,7 @@ UNITS_BY_SUFFIX = {
     "_j": "J", "_s": "s", "_deg": "deg", "_mm": "mm", "_m": "m", "_frac": "", "_mb_s": "MB/s", "_lm_s_per_j": "lm s/J",
 }  # fmt: skip
 SLOW_S = 2.5  # for a rival, where settings have no closed form
+TURN = 0.5  # of the time left: what the search for a rival may take of it
 
 
 def unit_of(name: str, part: Part) -> str:
@@ -145,8 +146,8 @@ def robustness(
 ) -> dict[str, Any] | None:
     """Regret, rival, and the quotes that could change the answer.
 
-    Where settings have no closed form the search for a rival ends after a while (`complete` says so), and
-    single quotes are not tried.
+    The search for a rival ends after half of the time left, or after a while where settings have no closed form
+    (`complete` says so); then single quotes are not tried.
     """
     if not sought.outcome.best:
         return None
@@ -157,7 +158,7 @@ def robustness(
     bad_value = best_of(at_bad, objective, deadline)
     mixed = mixed_problem(problem, bad)
     slow = scenes_need_cells(problem.scenes, objective)
-    patience = deadline.at_most(SLOW_S) if slow else deadline
+    patience = deadline.at_most(SLOW_S if slow else TURN * deadline.left_s)
     outcome = Search(mixed, objective, top=2, deadline=patience).run()
     deadline.check()  # a rival of half a search is none
     if outcome.interrupted:  # a search keeps what it has; these doubts are all or nothing
@@ -176,8 +177,12 @@ def robustness(
         else rival_dict(mixed, rival, objective),
         "quotes_that_matter": []
         if slow
-        else quotes_that_matter(
-            sought, objective, outcome_rivals(sought, outcome.best, mixed), top=top, deadline=deadline
+        else deadline.within(
+            "which quotes matter",
+            lambda: quotes_that_matter(
+                sought, objective, outcome_rivals(sought, outcome.best, mixed), top=top, deadline=deadline
+            ),
+            [],
         ),
     }
 
