@@ -15,7 +15,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the best is recommended though it cannot be set", file="uwopt/solvers/recommend.py",
-        old="if other.minimised >= value - much:", new="if other.minimised >= first.objective_value - much:",
+        old="if other.minimised >= value - much or", new="if other.minimised >= first.objective_value - much or",
         test=f"{TESTS}test_next_best_that_can_be_set_is_recommended",
     ),
     Defect(
@@ -74,5 +74,10 @@ DEFECTS: tuple[Defect, ...] = (
         name="rounding takes its time", file=SCENE,
         old="            self.deadline.check()\n", new="",
         test=f"{TESTS}test_rounding_ends_with_the_time",
+    ),
+    Defect(
+        name="doubts take as long as they like", file="uwopt/api/solving.py",
+        old="doubt = doubts(sought, goal, winner, patience)", new="doubt = doubts(sought, goal, winner, deadline)",
+        test="tests/api/test_patience.py::test_doubts_beyond_patience_are_left_out_and_told[0.0-True]",
     ),
 )  # fmt: skip

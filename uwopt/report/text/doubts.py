@@ -127,8 +127,8 @@ def robustness_block(result: Result) -> Block:
     doubt = result.robustness or {}
     facts = [("could be beaten by", regret_text(result))]
     if doubt.get("complete") is False:
-        facts.append(("", "the search for a rival was cut short, and single quotes were not tried: settings have "
-                          "no closed form here, and each takes long"))  # fmt: skip
+        facts.append(("", "the search for a rival was cut short, for each takes long here: a better one may be left; "
+                          "where settings have no closed form single quotes were not tried"))  # fmt: skip
     facts.append(("rival", rival_text(doubt.get("rival"))))
     facts.append(("at the bad ends", bad_ends_text(doubt)))
     facts += [("other water", water_text(other, result)) for other in doubt.get("waters") or []]

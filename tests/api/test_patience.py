@@ -1,0 +1,30 @@
+"""What is told beyond a proof takes a while at most where nobody has given a time, and what is left out is told."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import uwopt
+from uwopt.api import solving
+
+MISSION: dict[str, Any] = {
+    "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "practice": "bare", "physics": "paper",
+    "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3, "light_count": [1, 4]},
+    "requirements": {"overlap": 0.3, "max_blur_px": 1.0, "min_snr_db": 10},
+    "catalog": {"cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa"], "lights": ["deepsea"], "generic": "never"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("patience_s", "told"), [(0.0, True), (1e9, False)])
+def test_doubts_beyond_patience_are_left_out_and_told(
+    monkeypatch: pytest.MonkeyPatch, patience_s: float, told: bool
+) -> None:
+    monkeypatch.setattr(solving, "DOUBTS_S", patience_s)
+    result = uwopt.solve(MISSION, top=1)
+    assert result.status == "optimal" and result.recommendation is not None
+    notes = [note.message for note in result.warnings if note.code == "time"]
+    assert [text.startswith("not worked out in 0 s; --seconds gives more: how firm") for text in notes] == [True] * told
+    assert (result.robustness is None) == told
+    assert result.recommendation.rounded is not None  # settings to set are no doubt
