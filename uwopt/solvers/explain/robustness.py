@@ -182,7 +182,7 @@ def robustness(
             lambda: quotes_that_matter(
                 sought, objective, outcome_rivals(sought, outcome.best, mixed), top=top, deadline=deadline
             ),
-            [],
+            list[dict[str, Any]](),
         ),
     }
 
