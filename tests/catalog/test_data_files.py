@@ -23,7 +23,7 @@ ALL_FILES = sorted(path.name for path in DATA_DIR.glob("*.csv"))
 ROWS = {
     "cameras.csv": 103 + 7 + 40,
     "lenses.csv": 242 + 8,
-    "lights.csv": 43,
+    "lights.csv": 43 + 3 + 27,  # options of a strobe; those of the second gathering
     "ports.csv": 38 + 69,
     "jerlov_iop.csv": 170,
     "pure_water.csv": 91,
@@ -89,8 +89,9 @@ RANGES = {
     "colour_temperature_k": (2500, 10000),
     "cri": (50, 100),
     "depth_rating_m": (4, 15000),
-    "supply_v_min": (5, 100),
-    "supply_v_max": (5, 100),
+    "supply_v_min": (5, 250),
+    "supply_v_max": (5, 250),
+    "run_time_min": (10, 1000),
     "refractive_index": (1.4, 1.8),
     "outer_radius_mm": (20, 400),
     "thickness_mm": (1, 100),
@@ -102,7 +103,7 @@ RANGES = {
 }
 UNIT_ENDINGS = (
     "_px", "_um", "_nm", "_hz", "_e", "_db", "_e_s", "_dn", "_per_e", "_us", "_s", "_w", "_g", "_in", "_mm",
-    "_m", "_frac", "_pct", "_lm", "_deg", "_candela", "_k", "_j", "_v_min", "_v_max", "_bits", "_per_mm",
+    "_m", "_frac", "_pct", "_lm", "_deg", "_candela", "_k", "_j", "_v_min", "_v_max", "_bits", "_per_mm", "_min",
 )  # fmt: skip
 PLAIN_NUMBERS = {
     "bit_depth", "qe", "f_number_min", "f_number_max", "rated_megapixel", "output_factor", "dim_step_count",
@@ -121,6 +122,8 @@ CHOICES = {
     "kind": {"continuous", "pulsed_led", "flash"},
     "beam": {"cosine-power", "tabulated", ""},
     "beam_medium": {"air", "water", "not stated", ""},
+    "supply": {"external", "battery", "unknown"},
+    "trigger": {"electrical", "optical", "none", "unknown", ""},
     "geometry": {"flat", "dome", ""},
     "purpose": {
         "camera port", "photo port", "pressure sphere", "laboratory window", "display dome", "lamp window",

@@ -198,13 +198,13 @@ def test_depth_ratings_are_never_estimated():
 # Relations as stated by their sources (central, low, high).
 ESTIMATES = [
     ("light-efficacy-lm-per-w-led", 100, 34, 140),
-    ("light-efficacy-lm-per-w-pulsed-led", 94, 19, 94),
+    ("light-efficacy-lm-per-w-pulsed-led", 42, 19, 94),
     ("light-output-factor-nameplate", 0.70, 0.47, 1.0),
     ("light-flux-lm-per-price-to-150m", 13.8, 12.2, 15.7),
     ("light-colour-temperature-k-led", 5700, 5000, 6200),
     ("lens-transmission-frac-any", 0.90, 0.80, 0.94),
     ("camera-price-scale-any", 438, 311, 613),  # 438 x 0.71 and x 1.4
-    ("camera-max-gain-db-any", 48, 27, 48),
+    ("camera-max-gain-db-any", 37.5, 27, 48),
     ("port-thickness-over-outer-radius-deep-glass-sphere", 0.076, 0.058, 0.078),
     ("port-price-small-window", 64, 59, 69),
 ]

@@ -24,6 +24,9 @@ RULES = (
     "verified",
     "colour",
     "shutter",
+    "lamp supply",
+    "run time",
+    "trigger",
     "depth rating",
     "generic",
 )
@@ -31,6 +34,7 @@ RULES = (
 PATTERN_KEYS: dict[Kind, str] = {"camera": "cameras", "lens": "lenses", "port": "ports", "light": "lights"}
 SOURCED = ("published", "measured", "derived", "quoted", "user")
 GLOB_SIGNS = "*?["
+SUPPLIES = {"external": "takes its power from outside", "battery": "has its own battery", "unknown": "supply unknown"}
 
 
 PartT = TypeVar("PartT", bound=Part)
@@ -91,6 +95,8 @@ def select(
     required_depth_m: float | None = None,
     colour: str = "any",
     shutter: str = "any",
+    lamp_supply: str = "any",
+    duration_h: float | None = None,
     camera_count: int = 1,
 ) -> Selection:
     """Apply a mission's choice to a catalogue.
@@ -104,7 +110,8 @@ def select(
     excluded: list[Exclusion] = []
     indices: dict[Kind, tuple[int, ...]] = {}
     owned_keys = frozenset(plain_name(name) for name in owned)
-    filters = _Filters(wish, owned_keys, required_depth_m, colour, shutter, _by_part(catalog.exclusions))
+    standing = _by_part(catalog.exclusions)
+    filters = _Filters(wish, owned_keys, required_depth_m, colour, shutter, lamp_supply, duration_h, standing)
     for kind in KINDS:
         kept = []
         for index, part in enumerate(catalog.parts(kind)):
@@ -150,6 +157,8 @@ class _Filters:
     required_depth_m: float | None
     colour: str
     shutter: str
+    lamp_supply: str
+    duration_h: float | None
     standing: Mapping[str, Sequence[Exclusion]]  # by part id, in rule order
 
     def first_verdict(self, kind: Kind, part: Part) -> tuple[str, str] | None:
@@ -172,6 +181,7 @@ class _Filters:
             (None if wanted else self._needs_housing(part))
             or self._unverified(part)
             or self._wrong_sensor(part)
+            or self._wrong_supply(part, wanted)
             or self._too_shallow(part)
         )
 
@@ -195,6 +205,19 @@ class _Filters:
             return "colour", f"{part.colour} sensor, {self.colour} is wanted"
         if self.shutter not in ("any", part.shutter):
             return "shutter", f"{part.shutter} shutter, {self.shutter} is wanted"
+        return None
+
+    def _wrong_supply(self, part: Part, wanted: bool) -> tuple[str, str] | None:
+        """What feeds and fires a lamp; one that is named by its id, or owned, may have either supply."""
+        if not isinstance(part, Light):
+            return None
+        if self.lamp_supply not in ("any", part.supply) and not wanted:
+            return "lamp supply", f"{SUPPLIES[part.supply]}, {self.lamp_supply} is wanted"
+        needed_min = None if self.duration_h is None else 60.0 * self.duration_h
+        if needed_min is not None and part.run_time_min is not None and part.run_time_min < needed_min:
+            return "run time", f"its battery lasts {part.run_time_min:g} min at full, {needed_min:g} min are needed"
+        if part.kind != "continuous" and part.trigger == "none":
+            return "trigger", "nothing fires it with the camera"
         return None
 
     def _too_shallow(self, part: Part) -> tuple[str, str] | None:

@@ -101,6 +101,7 @@ def explain_pair(
         *_image_circle_findings(camera, lens),
         *_sharpness_findings(camera, lens),
         *_interface_findings(camera, frame_rate_hz),
+        *(_supply_findings(light) if light is not None else ()),
         *(f for part in (port, light) if part is not None for f in _depth_findings(part, required_depth_m)),
     ]
     return sorted(findings, key=lambda finding: finding.severity)
@@ -191,6 +192,21 @@ def _interface_findings(camera: Camera, frame_rate_hz: float | None) -> list[Fin
                 )
             )
     return findings
+
+
+def _supply_findings(light: Light) -> list[Finding]:
+    """What feeds a lamp, and what fires a pulse or a flash."""
+    found = []
+    if light.supply == "battery":
+        lasts = "" if light.run_time_min is None else f" that lasts {light.run_time_min:g} min at full"
+        text = f"{light.id} has its own battery{lasts}; it is set and switched by hand"
+        found.append(Finding("lamp supply", text, "warning"))
+    if light.kind != "continuous" and light.trigger == "none":
+        found.append(Finding("trigger", f"nothing fires {light.id} with the camera"))
+    elif light.kind != "continuous" and light.trigger == "optical":
+        text = f"{light.id} is fired by the light of another flash, which must come from the camera's side"
+        found.append(Finding("trigger", text, "warning"))
+    return found
 
 
 def _depth_findings(part: Port | Light, required_depth_m: float | None) -> list[Finding]:

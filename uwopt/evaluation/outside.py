@@ -72,7 +72,11 @@ def other_parts(mission: Mission, catalog: Catalog, system: System) -> Iterator[
     names = [name for name in Choice.__dataclass_fields__ if name != "generic"]
     generic = "never" if mission.catalog.generic == "never" else "allow"
     choice = Choice(**{name: getattr(mission.catalog, name) for name in names}, generic=generic)  # type: ignore[arg-type]
-    selection = select(catalog, choice, required_depth_m=mission.required_depth_m)
+    vehicle = mission.vehicle
+    selection = select(
+        catalog, choice, required_depth_m=mission.required_depth_m, lamp_supply=vehicle.lamp_supply,
+        duration_h=vehicle.duration_h,
+    )  # fmt: skip
     left_out = {(e.kind, e.part_id): e for e in selection.excluded if e.rule not in TOLD_OTHERWISE}
     for kind in PART_KINDS:
         named = getattr(system, kind)

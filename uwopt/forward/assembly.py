@@ -55,6 +55,8 @@ def selected(
         catalog,
         choice,
         required_depth_m=mission.required_depth_m if depth_m is None else depth_m,
+        lamp_supply=mission.vehicle.lamp_supply,
+        duration_h=mission.vehicle.duration_h,
         camera_count=mission.vehicle.camera_count,
         **select_problem_mission(mission),
     )

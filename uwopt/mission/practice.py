@@ -17,6 +17,7 @@ DEFAULT_PRACTICE: Practice = "recommended"
 #: Keys by section, with the values that fill them.
 RECOMMENDED_KEYS: Mapping[str, Mapping[str, Any]] = {
     "requirements": {"snr_at": "worst", "dof_at": "corner", "lens_stop_down": 1.0, "refuse": "all"},
+    "vehicle": {"lamp_supply": "external"},
     "catalog": {"host": "estimate"},
 }
 LEAST_UNIFORMITY = 0.3  # darkest over mean illuminance of the floor, where there are lamps
@@ -39,7 +40,7 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
     interval_s = requirements.get("frame_interval_s")
     if isinstance(interval_s, (int, float)):
         slow = {"lamps_between_images": SLOW_LAMP_S, "camera_between_images": SLOW_CAMERA_S}
-        filled["vehicle"] = {key: "off" for key, least_s in slow.items() if interval_s >= least_s}
+        filled["vehicle"] |= {key: "off" for key, least_s in slow.items() if interval_s >= least_s}
     for section, keys in filled.items():
         given = made.get(section)
         if given is None or isinstance(given, Mapping):

@@ -103,6 +103,11 @@ class Vehicle(Section):
     battery_wh: Positive | None = Field(
         default=None, description="energy of the battery in watt-hours, for the figure endurance"
     )
+    lamp_supply: Annotated[Literal["any", "external", "battery"], CHOICE] = Field(
+        default="any",
+        description="lamps that may be used: external (fed by the vehicle, recommended), battery (with their own, as "
+        "divers' torches) or any; a lamp that catalog.lights names by its id, or that is owned, may have either",
+    )
     lamps_between_images: BetweenImages = Field(
         default="on",
         description="whether lamps that burn stay on between images: on or off; off is recommended below an image in "

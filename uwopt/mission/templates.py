@@ -57,6 +57,7 @@ vehicle:
   #   - {x_m: 0.3, y_m: 0.8, z_m: 0, tilt_x_deg: 0, tilt_y_deg: 10}
   # duration_h: 8              # how long it takes: energy and storage are counted over it
   # battery_wh: 500            # for the figure endurance
+  # lamp_supply: external      # by good practice: fed by the vehicle; battery: divers' torches; any
   # lamps_between_images: on   # on | off: recommended off below an image in some seconds
   # camera_between_images: on  # on | off: recommended off below an image a minute
 

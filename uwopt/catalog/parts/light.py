@@ -27,6 +27,8 @@ from uwopt.documents.key_types import NUMBER
 LightKind = Literal["continuous", "pulsed_led", "flash"]
 Beam = Literal["disc", "cone", "cosine-power", "tabulated"]
 Medium = Literal["air", "water", "not stated"]
+Supply = Literal["external", "battery", "unknown"]
+Trigger = Literal["electrical", "optical", "none", "unknown"]
 Levels = tuple[Annotated[float, Field(ge=0, le=1), NUMBER], ...]
 SHARE_SPAN = (1e-9, 1.0)
 TIME_US = (1e-6, 1e10)
@@ -225,6 +227,20 @@ class Light(Part):
     depth_rating_m: Annotated[float | None, Cell("depth rating in metres", POSITIVE)] = (
         None  # never estimated
     )
+    supply: Annotated[
+        Supply,
+        Cell(
+            "where its power comes from: external (a cable), battery (of its own, switched by hand) or unknown; "
+            "external unless given"
+        ),
+    ] = "external"
+    run_time_min: Annotated[float | None, Cell("how long its own battery lasts at full in minutes", POSITIVE)] = None
+    trigger: Annotated[
+        Trigger,
+        Cell("what fires a pulse or a flash: electrical (an input), optical (another flash), none or unknown"),
+    ] = "unknown"
+    trigger_delay_us: ClassVar[Annotated[float, Cell("time from the trigger to the light", FROM_ZERO)]]
+    trigger_jitter_us: ClassVar[Annotated[float, Cell("spread of that time", FROM_ZERO)]]
     supply_v_min: ClassVar[Annotated[float, Cell("", POSITIVE, at_most="supply_v_max")]]
     supply_v_max: ClassVar[Annotated[float, Cell("", POSITIVE)]]
     mass_water_g: ClassVar[Annotated[float, Cell("", FROM_ZERO)]]
@@ -236,7 +252,8 @@ def _summary(light: Light) -> tuple[str, ...]:
     power = "" if is_flash else shown("", light.power_w, " W")
     medium = "(medium not stated)" if light.beam_medium == "not stated" else f"in {light.beam_medium}"
     angle = shown("", light.beam_angle_deg, f" deg {medium}")
-    return (light.kind, output, power, angle, shown_depth(light.depth_rating_m))
+    supply = {"battery": "own battery", "unknown": "supply unknown"}.get(light.supply, "")
+    return (light.kind, output, power, angle, shown_depth(light.depth_rating_m), supply)
 
 
 KIND = PartKind(

@@ -60,12 +60,22 @@ def from_row(row: PartRow, origin: Origin) -> Built:
     made |= {"dim_levels": levels, "dim_status": dim_status, "spectrum_id": spectrum_id, "spectrum": spectrum}
     made |= _profile_fields(profile, is_candela, row.text("beam_profile"), row.text("beam"))
     made["output_factor"] = _output_factor(row, origin, kind)
+    made |= _supply_fields(row, origin)
     light = Light(**made)
-    return Built(light, tuple(_lacking(light)))
+    return Built(light, tuple(_lacking(row, light)))
 
 
-def _lacking(light: Light) -> list[str]:
+def _supply_fields(row: PartRow, origin: Origin) -> dict[str, Any]:
+    """Whose power it takes: a product's row that does not say leaves it open; a torch is switched by hand."""
+    supply = row.text("supply") or ("unknown" if origin == "published" else "external")
+    own = {"switchable": "no"} if supply == "battery" and not row.text("switchable") else {}
+    return {"supply": supply} | own
+
+
+def _lacking(row: PartRow, light: Light) -> list[str]:
     lacks = []
+    if row.number("beam_angle_deg") is None and light.beam_profile is None:
+        lacks.append("no beam angle or profile stated")
     if light.kind == "flash" and light.flash_energy_j is None:
         lacks.append("no flash energy or guide number stated")
     if light.kind != "flash" and light.flux_lm is None:

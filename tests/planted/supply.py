@@ -1,0 +1,82 @@
+"""Defects in what feeds and fires lamps."""
+
+from planted.defect import Defect
+
+LAMPS = "tests/catalog/test_supply.py::"
+CHOICE = "uwopt/catalog/choose.py"
+
+DEFECTS = (
+    Defect(
+        name="torches pass as lamps that the vehicle feeds",
+        file=CHOICE,
+        old='if self.lamp_supply not in ("any", part.supply) and not wanted:',
+        new='if self.lamp_supply not in ("any", part.supply, "external") and not wanted:',
+        test=f"{LAMPS}test_lamps_are_chosen_by_what_feeds_them",
+    ),
+    Defect(
+        name="a torch that is named is refused all the same",
+        file=CHOICE,
+        old='if self.lamp_supply not in ("any", part.supply) and not wanted:',
+        new='if self.lamp_supply not in ("any", part.supply):',
+        test=f"{LAMPS}test_a_torch_that_is_named_or_owned_may_be_used",
+    ),
+    Defect(
+        name="a battery need last half the mission",
+        file=CHOICE,
+        old="None if self.duration_h is None else 60.0 * self.duration_h",
+        new="None if self.duration_h is None else 30.0 * self.duration_h",
+        test=f"{LAMPS}test_a_battery_must_last_as_long_as_the_mission",
+    ),
+    Defect(
+        name="a flash that nothing fires is searched",
+        file=CHOICE,
+        old='if part.kind != "continuous" and part.trigger == "none":',
+        new='if part.kind == "pulsed_led" and part.trigger == "none":',
+        test=f"{LAMPS}test_each_lamp_that_is_left_out_is_counted_by_its_own_rule",
+    ),
+    Defect(
+        name="torches are switched off between images",
+        file="uwopt/catalog/readers/read_light.py",
+        old='if supply == "battery" and not row.text("switchable")',
+        new='if supply == "unknown" and not row.text("switchable")',
+        test=f"{LAMPS}test_a_torch_is_not_switched_between_images_unless_it_says_so",
+    ),
+    Defect(
+        name="a lamp without a beam is searched with that of its class",
+        file="uwopt/catalog/readers/read_light.py",
+        old='lacks.append("no beam angle or profile stated")',
+        new="pass",
+        test=(
+            f"{LAMPS}test_each_lamp_that_is_left_out_is_counted_by_its_own_rule",
+            f"{LAMPS}test_no_built_in_lamp_without_a_beam_is_searched",
+        ),
+    ),
+    Defect(
+        name="a strobe takes the power of its best case",
+        file="uwopt/catalog/data/class_estimates.csv",
+        old="LED strobe: flux while on over electrical power while on,42,19,94,",
+        new="LED strobe: flux while on over electrical power while on,94,19,94,",
+        test=f"{LAMPS}test_no_estimate_is_at_the_end_that_favours_a_design",
+    ),
+    Defect(
+        name="the mission's supply of lamps reaches no choice",
+        file="uwopt/forward/assembly.py",
+        old="lamp_supply=mission.vehicle.lamp_supply,",
+        new='lamp_supply="any",',
+        test=f"{LAMPS}test_a_mission_hands_supply_and_duration_to_the_choice_of_parts",
+    ),
+    Defect(
+        name="evaluation tells no lamp of another supply",
+        file="uwopt/evaluation/outside.py",
+        old="lamp_supply=vehicle.lamp_supply,",
+        new='lamp_supply="any",',
+        test=f"{LAMPS}test_a_mission_hands_supply_and_duration_to_the_choice_of_parts",
+    ),
+    Defect(
+        name="good practice takes torches",
+        file="uwopt/mission/practice.py",
+        old='{"lamp_supply": "external"}',
+        new='{"lamp_supply": "any"}',
+        test=f"{LAMPS}test_good_practice_takes_lamps_that_the_vehicle_feeds",
+    ),
+)
