@@ -59,10 +59,11 @@ class Case:
 
 
 @cache
-def case(seed: int, *, over_frame: bool = False, coloured: bool = False) -> Case:
+def case(seed: int, *, over_frame: bool = False, coloured: bool = False, in_mid_water: bool = False) -> Case:
     """A random case whose limits are, in a part of the cases, just what one of its designs needs.
 
-    `over_frame` asks its SNR, eased, of 95 % of the image, wherever it was asked; `coloured` asks something of colours.
+    `over_frame` asks its SNR, eased, of 95 % of the image, wherever it was asked; `coloured` asks something of colours;
+    `in_mid_water` puts dark targets into open water.
     """
     rng = np.random.default_rng(seed)
     parts, plain = small.parts(rng, 3 if THOROUGH else 2), small.with_in_hand(small.mission(rng), seed)
@@ -72,6 +73,8 @@ def case(seed: int, *, over_frame: bool = False, coloured: bool = False) -> Case
     if coloured:
         own = np.random.default_rng([seed, COLOURS])
         parts, plain = small.with_colours(own, parts), small.asking_of_colours(own, plain)
+    if in_mid_water:
+        plain = small.in_mid_water(plain)
     objective = Objective.of(plain["objective"])
     free = Case(parts, small.loaded(plain), objective)
     limits, wanted = limits_that_bind(rng, free)

@@ -202,12 +202,15 @@ class SceneSearch:
         signal = seen.signal_e[0] * light_x[..., None]
         veil = np.zeros_like(signal) if seen.veil_e is None else seen.veil_e[0] * light_x[..., None]
         every = signal + veil
+        brightest = every.max(axis=-1)
+        if seen.background_e is not None:
+            brightest = np.maximum(brightest, seen.background_e[0, 0] * light_x)
         full, black, gain = (
             2.0 ** float(cam.bits[0]) - 1.0,
             float(cam.black_level_dn[0]),
             float(cam.gain_dn_per_e[0]),
         )
-        shown = every.max(axis=-1) if needs.mean_level is None else every[..., nominal]
+        shown = brightest if needs.mean_level is None else every[..., nominal]
         goal_dn = full / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full
         wanted = (goal_dn - black) / (gain * np.maximum(shown + dark[..., 0], 1e-300))
         system = gain * np.clip(wanted, 1.0, self.most_gain)[..., None]
@@ -215,9 +218,9 @@ class SceneSearch:
             read_noise_e=cam.read_noise_e[0], gain_dn_per_e=system, dark_e=dark, prnu_frac=cam.prnu_frac[0]
         )
         bright = wanted < 1.0
-        level = (system * (every + dark) + black) / full
-        bright = bright | (needs.highlight_ratio * level.max(axis=-1) > 1.0 + 1e-11)
-        bright |= needs.highlight_ratio * (every.max(axis=-1) + dark[..., 0]) > cam.saturation_e[0]
+        level = (system[..., 0] * (brightest + dark[..., 0]) + black) / full
+        bright = bright | (needs.highlight_ratio * level > 1.0 + 1e-11)
+        bright |= needs.highlight_ratio * (brightest + dark[..., 0]) > cam.saturation_e[0]
         dim = np.zeros(light_x.shape, bool)
         if needs.mean_level is not None:
             dim = wanted > self.most_gain
@@ -248,10 +251,12 @@ class SceneSearch:
             np.array([numbers["f_number"]]), self.exposure_s(time_s), pulse * np.ones(1), np.ones(1),
             np.array([numbers["level"]]), np.array([self.rate]), np.array([self.dioptre]),
         )  # fmt: skip
-        level = self.model.figures(self.index, unit).mean_level
+        figures = self.model.figures(self.index, unit)
+        level, behind = figures.mean_level, figures.background_level
         needs, black = self.needs, self.cam.black_level_dn[0] / (2.0 ** self.cam.bits[0] - 1.0)
         if needs.mean_level is None:
-            gain = (1.0 / needs.highlight_ratio - black) / np.maximum(level.max(axis=1) - black, 1e-300)
+            brightest = level.max(axis=1) if behind is None else np.maximum(level.max(axis=1), behind)
+            gain = (1.0 / needs.highlight_ratio - black) / np.maximum(brightest - black, 1e-300)
         else:
             gain = (needs.mean_level - black) / np.maximum(level[:, self.scene.nominal] - black, 1e-300)
         return replace(unit, gain=np.clip(gain, 1.0, self.most_gain))

@@ -295,6 +295,17 @@ def with_readings(rng: Rng, plain: dict[str, Any]) -> dict[str, Any]:
     return {**plain, "scenes": scenes}
 
 
+def in_mid_water(plain: dict[str, Any]) -> dict[str, Any]:
+    """The same mission by night, of dark things without a floor behind them: the water may be brighter than they."""
+    wanted = {key: value for key, value in plain["requirements"].items() if key != "overlap"}
+    scenes = [
+        {**{key: value for key, value in given.items() if key not in ("sun_lux", "overlap")},
+         "target": "mid_water", "seafloor": 0.02}
+        for given in plain["scenes"]
+    ]  # fmt: skip
+    return {**plain, "scenes": scenes, "requirements": {"frame_interval_s": 0.5, **wanted}}
+
+
 def loaded(plain: dict[str, Any], limits: dict[str, float] | None = None, **wanted: float) -> Mission:
     """The mission with more limits and requirements on top."""
     return load_mission(

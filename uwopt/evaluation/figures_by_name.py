@@ -104,6 +104,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "electrons_forward": at_nominal(figures.electrons_forward, at),
         "electrons_backscatter": at_nominal(figures.electrons_backscatter, at),
         "electrons_sun": at_nominal(figures.electrons_sun, at),
+        **background(figures),
         "electrons_dark": float(figures.electrons_dark[0]),
         "mean_level": mean_level,
         "mean_dn": mean_level * float(2.0 ** cam.bits[0] - 1.0),
@@ -130,6 +131,14 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "information_bit_per_m2": at_one(figures.information_bit_per_m2),
     }
     return with_flags(out)
+
+
+def background(figures: Figures) -> dict[str, float]:
+    """Electrons and level of open water behind the targets; nothing where there is none, or it is left out."""
+    if figures.background_e is None or figures.background_level is None:
+        return {}
+    level = float(figures.background_level[0])
+    return {"electrons_background": float(figures.background_e[0, 0]), "background_level": level}
 
 
 def used_up_here(model: DesignModel, index: int, figures: Figures) -> dict[str, float | None]:

@@ -195,6 +195,10 @@ def backscatter_bound(field: LampField, view: Views, signal: Array) -> float:
         )  # fmt: skip
         share = coarse * view.collecting_m2 / np.maximum(signal[:, index], TINY)
         most = max(most, float(np.max(share)))
+    if field.scene.open_water:
+        behind = field.mean_background(view, order=COARSE_ORDER) * view.collecting_m2 * margin(field)
+        if np.any(behind > signal.max(axis=1)):  # the brightest that must not saturate
+            return KEPT
     return most * margin(field)
 
 

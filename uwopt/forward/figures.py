@@ -92,7 +92,7 @@ class Figures:
     snr_red: Array | None  # (n, n_altitudes), where something is asked of it; 0 of a mono sensor
     white_balance: Array | None  # (n, n_altitudes), the same; 1 of a mono sensor
     mean_level: Array  # (n, n_altitudes)
-    saturation_fraction: Array
+    saturation_fraction: Array  # of the brightest: at any altitude, or of open water
     blur_px: Array
     skew_px: Array
     overlap: Array
@@ -107,6 +107,14 @@ class Figures:
     mtf_half_nyquist: Array | None  # (n, 3), where the mission wants it
     smallest_bars_m: Array | None  # (n, 3), where the mission wants some resolved
     information_bit_per_m2: Array | None  # (n,), nominal altitude
+    background_e: Array | None = None  # (n, 1), of open water behind the targets, image mean
+    background_level: Array | None = None  # (n,), the same
+
+    @property
+    def bright_level(self) -> Array:
+        """Levels of all that must not saturate: behind the altitudes, open water where there is any."""
+        behind = self.background_level
+        return self.mean_level if behind is None else np.concatenate([self.mean_level, behind[:, None]], axis=1)
 
 
 def figures_of(
@@ -138,13 +146,15 @@ def figures_of(
     )
     veil = 0.0 if seen.veil_e is None else seen.veil_e
     every = seen.signal_e if seen.veil_e is None else seen.signal_e + seen.veil_e
-    level = sensor.mean_level(
-        every,
+    bright = every if seen.background_e is None else np.concatenate([every, seen.background_e], axis=1)
+    bright_level = np.asarray(sensor.mean_level(
+        bright,
         gain_dn_per_e=gain[:, None],
         bits=cam.bits[:, None],
         dark_e=dark[:, None],
         offset_dn=cam.black_level_dn[:, None],
-    )
+    ))
+    level = bright_level[:, : every.shape[1]]
     near, far = depth_of_field_m(scene, rows, settings)
     power, peak = power_w(scene, rows, settings, collected_s)
     snr = np.asarray(sensor.snr(seen.signal_e, veil_e=veil, **noise))
@@ -170,8 +180,10 @@ def figures_of(
             sensor.snr(seen.colour_e[:, :, 0], veil_e=0.0 if seen.red_veil_e is None else seen.red_veil_e, **noise)
         ),
         white_balance=None if seen.colour_e is None else np.asarray(sensor.white_balance(seen.colour_e)),
-        mean_level=np.asarray(level),
-        saturation_fraction=saturation_fraction(scene, cam, level, every, dark),
+        mean_level=level,
+        background_e=seen.background_e,
+        background_level=None if seen.background_e is None else bright_level[:, -1],
+        saturation_fraction=saturation_fraction(scene, cam, bright_level, bright, dark),
         blur_px=blur_px(scene, rows, blur_s),
         skew_px=skew_px(scene, rows),
         overlap=overlap(scene, view, settings.rate_hz),
@@ -206,6 +218,7 @@ class Electrons:
     worst_veil_e: Array | None
     colour_e: Array | None = None  # image-forming, of the channels asked for (n, n_altitudes, n_channels), red first
     red_veil_e: Array | None = None
+    background_e: Array | None = None
 
 
 def electrons_in_image(rows: DesignRows, light_x: Array, open_y: Array) -> Electrons:
@@ -236,7 +249,9 @@ def electrons_in_image(rows: DesignRows, light_x: Array, open_y: Array) -> Elect
             colour = added(colour, sunlit(sun.colour_e_s))
             red_veil = added(red_veil, sunlit(sun.red_veil_e_s))
     veil = added(forward, back)
-    return Electrons(signal, forward, back, sun_e, veil, worst, worst_veil, colour, red_veil)
+    return Electrons(
+        signal, forward, back, sun_e, veil, worst, worst_veil, colour, red_veil, lit(lamps.background_e)
+    )
 
 
 def share_of(part: Array, whole: Array) -> Array:

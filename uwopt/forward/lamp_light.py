@@ -69,6 +69,7 @@ class ImageLight(Columns):
     may_miss: int = 0  # so many of the pixels may be darker than the SNR allows
     colour_e: Array | None = None  # image-forming, of the channels asked for (n, n_altitudes, n_channels), red first
     red_veil_e: Array | None = None  # of the red channel
+    background_e: Array | None = None  # (n, 1) where no target stands: all that the water sends back, image mean
 
     @property
     def veil_e(self) -> Array | None:
@@ -152,6 +153,8 @@ class LampField:
         if veils == "all" and self.effects.backscatter and self.scene.scatters:
             backscatter = columns * self.mean_backscatter(view)
         light = ImageLight(signal, forward, backscatter)
+        if veils == "all" and self.effects.backscatter and self.scene.open_water:
+            light = replace(light, background_e=(view.collecting_m2 * self.mean_background(view))[:, None])
         if veils == "coarse" and self.effects.backscatter and self.scene.scatters and self.is_wide():
             light = self.between_bounds(view, light)
         if pixels is None:
@@ -232,6 +235,14 @@ class LampField:
                 for range_m in self.scene.range_m
             ],
             axis=1,
+        )  # fmt: skip
+
+    def mean_background(self, view: Views, order: int | None = None) -> Array:
+        """Mean over the image of what the lamps' light makes of water without a target or an end, (n,)."""
+        scatterers, end_m = self.contraction.endless_scatterers(self.spectrum, self.efficiency, self.channel)
+        return mean_backscatter(
+            view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=scatterers, order=order,
+            fineness=self.fineness.veil, **self.common(max(end_m, 2.0 * float(self.scene.range_m[-1]))),
         )  # fmt: skip
 
     # ------------------------------------------------------------ pixels

@@ -133,6 +133,11 @@ class SceneOptics:
         return asked.sun_lux * float(np.exp(-seen.min() * above_m)) > FAINTEST_SUN_LX
 
     @property
+    def open_water(self) -> bool:
+        """Whether the camera sees past its targets into water that scatters."""
+        return self.view.scene.target == "mid_water" and bool(self.scattering)
+
+    @property
     def radiance_index(self) -> Array | float:
         """n_w of the radiance theorem; 1 in physics `paper`, which leaves it out."""
         return 1.0 if self.paper else self.n_water_spectrum

@@ -12,6 +12,7 @@ from uwopt.errors import CatalogError, MissionError
 from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.forward.scene import clarity_of, table_of
 from uwopt.mission.best_image import BestImageGoal
+from uwopt.mission.keys import TARGET_WORDS
 from uwopt.mission.mission import Mission, SceneView
 from uwopt.model.scattering import FOURNIER_FORAND_RATIOS
 
@@ -48,13 +49,16 @@ def objective_faults(mission: Mission) -> Iterator[str]:
 
 
 def light_faults(view: SceneView) -> Iterator[str]:
-    """Lamps on or below the floor."""
+    """Lamps on or beyond what is looked at."""
     lowest = view.vehicle.altitude_m - view.vehicle.altitude_tolerance_m
+    thing, way = TARGET_WORDS[view.scene.target]
+    far = "below the port at the lowest" if thing == "floor" else "before the port at the nearest"
     for n, mount in enumerate(view.vehicle.light_mounts or ()):
         if mount.z_m >= lowest:
             yield (
-                f"vehicle.light_mounts[{n}].z_m = {mount.z_m:g} m puts the lamp on or below the floor, which is "
-                f"{lowest:g} m below the port at the lowest; lower z_m or raise the altitude"
+                f"vehicle.light_mounts[{n}].z_m = {mount.z_m:g} m puts the lamp on or "
+                f"{'below' if thing == 'floor' else 'behind'} the {thing}, which is {lowest:g} m {far}; lower z_m or "
+                f"raise the {way}"
             )
 
 

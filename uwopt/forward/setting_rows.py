@@ -99,6 +99,7 @@ class SceneRows(Columns):
     open_max_s: Array | None = None  # longest open shutter under the sun; None: as long as the lamps need
     lead_s: Array | None = None  # that lamps burn beside the time that collects light; inf or None: all the time
     idle_w: Array | None = None  # drawn whatever the light: lamps that are off, cameras beside their least scene
+    background_e: Array | None = None  # (n, 1), of open water behind the targets; there is no sun with it
     spare_dark_s: Array | None = (
         None  # of bounds: further exposure whose dark current may fill the wanted level
     )
@@ -107,6 +108,12 @@ class SceneRows(Columns):
     def total_e(self) -> Array:
         """All electrons per lm s, image mean, by altitude."""
         return self.signal_e if self.veil_e is None else self.signal_e + self.veil_e
+
+    @property
+    def bright_e(self) -> Array:
+        """The same of all that must not saturate: behind the altitudes, open water where there is any."""
+        every = self.total_e
+        return every if self.background_e is None else np.concatenate([every, self.background_e], axis=1)
 
     @property
     def asks_sharpness(self) -> bool:
@@ -326,6 +333,7 @@ def setting_rows(
         worst_sun_veil_e_s=None if sun is None else sun.worst_veil_e_s,
         colour_e=shining.colour_e,
         red_veil_e=shining.red_veil_e,
+        background_e=shining.background_e,
         sun_colour_e_s=None if sun is None else sun.colour_e_s,
         sun_red_veil_e_s=None if sun is None else sun.red_veil_e_s,
         min_snr_red=needs.min_snr_red or 0.0,

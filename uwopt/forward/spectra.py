@@ -22,6 +22,7 @@ from uwopt.model.veil.geometry import OPTICAL_REACH, Scatterer
 Array = NDArray[Any]
 
 REACH_STEP = 1.3
+ENDLESS = 16.0  # c + K times the path that stands for all of the water
 MOST_ORDER, TABLE_ERROR_LOG = 16, 1e-6  # of tables of water's loss
 TINY = 1e-300  # in place of a sum of weights that is zero: a black floor, a blind sensor
 LARGEST_EXPONENT = 600.0  # of a veil over what it veils: exp(709) is the last that a float holds
@@ -233,6 +234,19 @@ class Contraction:
             )
         found: tuple[Scatterer, ...] = scene.cache[key]
         return found
+
+    def endless_scatterers(
+        self, spectrum: int, efficiency: int, channel: str | None = None
+    ) -> tuple[tuple[Scatterer, ...], float]:
+        """The same for water without an end, and how far it must be followed [m].
+
+        From beyond a path of c + K = 16 comes less than e^-16 of what a lamp at the camera sends back.
+        """
+        scene = self.scene
+        both = scene.attenuation_per_m + scene.lamp_attenuation_per_m
+        seen = self.weight(spectrum, efficiency, channel) > 0.0
+        end_m = ENDLESS / max(float(both[seen].min()) if seen.any() else float(both.min()), TINY)
+        return self.reaching(end_m, end_m).scatterers(spectrum, efficiency, channel), end_m
 
     def scatter_weight(
         self, scattering_per_m: Array, spectrum: int, efficiency: int, channel: str | None = None

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from uwopt.documents.faults import KeyPath
 from uwopt.documents.key_types import given_values, keys_of
-from uwopt.mission.keys import CLARITY_KEYS, JERLOV_TYPES
+from uwopt.mission.keys import CLARITY_KEYS, JERLOV_TYPES, OTHER_NAMES, TARGET_WORDS
 from uwopt.mission.sections import Requirements, Vehicle
 
 HARDWARE_KEYS = (
@@ -46,6 +46,10 @@ def in_one_form(data: Values) -> tuple[dict[str, Any], list[Fault]]:
     for section in ("requirements", "reserve", "limits", "catalog"):
         if section in plain and plain[section] is None:
             del plain[section]
+    plain["vehicle"], twice = _by_usual_names(plain.get("vehicle"), ("vehicle",))
+    faults += twice
+    if plain["vehicle"] is None:
+        del plain["vehicle"]
     if isinstance(plain.get("scenes"), Mapping):
         plain["scenes"] = [plain["scenes"]]
     if isinstance(plain.get("scenes"), (list, tuple)):
@@ -59,6 +63,22 @@ def in_one_form(data: Values) -> tuple[dict[str, Any], list[Fault]]:
         if plain["vehicle"] is None:
             del plain["vehicle"]
     return plain, faults
+
+
+def _by_usual_names(section: Any, path: KeyPath) -> tuple[Any, list[Fault]]:
+    """A section with the usual names of keys that have another one; a key that is given by both is told of."""
+    if not isinstance(section, Mapping):
+        return section, []
+    made, faults = dict(section), []
+    for other, usual in OTHER_NAMES.items():
+        if other not in made:
+            continue
+        value = made.pop(other)
+        if made.get(usual) is not None and value is not None:
+            faults.append(((*path, other), f"and {usual} are both given and mean the same; keep one of them"))
+        elif value is not None:
+            made[usual] = value
+    return made, faults
 
 
 def _with_what_every_scene_gives(vehicle: Any, scenes: Sequence[Any]) -> Any:
@@ -79,8 +99,10 @@ def _with_what_every_scene_gives(vehicle: Any, scenes: Sequence[Any]) -> Any:
 
 
 def _scene_in_one_form(scene: Values, index: int) -> tuple[dict[str, Any], list[Fault]]:
-    made: dict[str, Any] = dict(scene)
-    faults: list[Fault] = []
+    made, faults = _by_usual_names(dict(scene), ("scenes", index))
+    if "vehicle" in made:
+        made["vehicle"], twice = _by_usual_names(made["vehicle"], ("scenes", index, "vehicle"))
+        faults += twice
     if made.get("name") is None:
         made["name"] = f"scene {index + 1}"
     for section, model in (("vehicle", Vehicle), ("requirements", Requirements)):
@@ -106,7 +128,14 @@ def _scene_in_one_form(scene: Values, index: int) -> tuple[dict[str, Any], list[
 
 
 def origins(path: KeyPath) -> Iterator[KeyPath]:
-    """Where the source may hold what now stands at a path, most direct first."""
+    """Where the source may hold what now stands at a path, most direct first, and by which name."""
+    others = [(*path[:-1], other) for other, usual in OTHER_NAMES.items() if path and path[-1] == usual]
+    for named in (path, *others):
+        yield from _places(named)
+
+
+def _places(path: KeyPath) -> Iterator[KeyPath]:
+    """The places of one path."""
     if path == ("scenes",):
         yield ("scene",)
     yield path
@@ -162,15 +191,17 @@ def cross_faults(parts: Values) -> list[Fault]:
         vehicle = overridden(parts["vehicle"], scene.get("vehicle") or {})
         wanted = overridden(parts["requirements"], scene.get("requirements") or {})
         for section, key, text in (
-            *_vehicle_faults(vehicle),
+            *_vehicle_faults(vehicle, scene.get("target") or "floor"),
+            *_target_faults(vehicle, wanted, scene.get("target") or "floor"),
             *_snr_faults(wanted),
             *_area_faults(vehicle, wanted),
-            *_rate_faults(vehicle, wanted),
+            *_rate_faults(vehicle, wanted, scene.get("target") or "floor"),
         ):
             inside = key in (scene.get(section) or {})
             faults.append((("scenes", index, section, key) if inside else (section, key), text))
         faults += _hardware_faults(scene, index)
         faults += _dark_faults(scene, index, vehicle)
+        faults += _sun_faults(scene, index)
         faults += _clarity_faults(scene, index)
         faults += _rating_faults(parts["limits"], scene, vehicle)
     faults += _name_faults(scenes)
@@ -180,11 +211,11 @@ def cross_faults(parts: Values) -> list[Fault]:
     return list(dict.fromkeys(faults))
 
 
-def _vehicle_faults(vehicle: Values) -> Iterator[tuple[str, str, str]]:
+def _vehicle_faults(vehicle: Values, target: str) -> Iterator[tuple[str, str, str]]:
     altitude_m, tolerance_m = vehicle.get("altitude_m"), vehicle.get("altitude_tolerance_m") or 0.0
     if altitude_m is not None and tolerance_m >= altitude_m:
         key = "altitude_tolerance_m"
-        text = f"= {tolerance_m:g} is not below altitude_m = {altitude_m:g}; lower it"
+        text = f"= {tolerance_m:g} is not below {TARGET_WORDS[target][1]}_m = {altitude_m:g}; lower it"
         yield "vehicle", key, text
     mounts, counts = vehicle.get("light_mounts"), vehicle.get("light_count")
     if mounts is not None and counts is not None and counts[1] > len(mounts):
@@ -195,6 +226,30 @@ def _vehicle_faults(vehicle: Values) -> Iterator[tuple[str, str, str]]:
         yield "vehicle", "light_count", text
     if mounts is not None and len(mounts) == 0:
         yield "vehicle", "light_mounts", "is empty; list at least one place, or leave the key out"
+
+
+def _target_faults(vehicle: Values, wanted: Values, target: str) -> Iterator[tuple[str, str, str]]:
+    """In mid-water there is no ground that images could cover."""
+    if target != "mid_water":
+        return
+    for key in ("overlap", "min_area_m2_h"):
+        if wanted.get(key) is not None:
+            text = "is asked of ground that is passed over, and target: mid_water has none; leave it out"
+            yield "requirements", key, text
+    if wanted.get("sidelap"):
+        text = "is of lines over ground, and target: mid_water has none; leave it out"
+        yield "requirements", "sidelap", text
+
+
+def _sun_faults(scene: Values, index: int) -> Iterator[Fault]:
+    """How much daylight a wall or a fish gets depends on which way it faces, which no key says."""
+    target = scene.get("target") or "floor"
+    if target != "floor" and scene.get("sun_lux"):
+        text = (
+            f"= {scene['sun_lux']:g} is daylight, which is reckoned on a floor alone: on a {TARGET_WORDS[target][0]} "
+            "it depends on where that faces; set sun_lux: 0 (by night, or by lamps that outshine the day)"
+        )
+        yield ("scenes", index, "sun_lux"), text
 
 
 def _dark_faults(scene: Values, index: int, vehicle: Values) -> Iterator[tuple[KeyPath, str]]:
@@ -218,8 +273,11 @@ def _snr_faults(wanted: Values) -> Iterator[tuple[str, str, str]]:
         yield "requirements", "min_snr_red_db", text
 
 
-def _rate_faults(vehicle: Values, wanted: Values) -> Iterator[tuple[str, str, str]]:
-    if (
+def _rate_faults(vehicle: Values, wanted: Values, target: str) -> Iterator[tuple[str, str, str]]:
+    if target == "mid_water" and wanted.get("frame_interval_s") is None:
+        text = "is missing; in mid_water no overlap sets the frame rate: give the longest time between images"
+        yield "requirements", "frame_interval_s", text
+    elif (
         vehicle.get("speed_m_s") == 0
         and wanted.get("frame_interval_s") is None
         and wanted.get("overlap") is None
@@ -253,10 +311,13 @@ def _clarity_faults(scene: Values, index: int) -> Iterator[Fault]:
 def _rating_faults(limits: Values, scene: Values, vehicle: Values) -> Iterator[Fault]:
     rating_m, depth_m = limits.get("depth_rating_m"), scene.get("depth_m")
     altitude_m = vehicle.get("altitude_m")
-    if rating_m is None or depth_m is None or altitude_m is None or rating_m >= depth_m - altitude_m:
+    level = (scene.get("target") or "floor") != "floor"
+    if rating_m is None or depth_m is None or altitude_m is None:
         return
-    text = f"= {rating_m:g} is less than the {depth_m - altitude_m:g} m at which the camera works"
-    yield ("limits", "depth_rating_m"), f"{text} (depth_m less altitude_m); raise it or leave it out"
+    works_at_m, why = (depth_m, "") if level else (depth_m - altitude_m, " (depth_m less altitude_m)")
+    if rating_m < works_at_m:
+        text = f"= {rating_m:g} is less than the {works_at_m:g} m at which the camera works{why}"
+        yield ("limits", "depth_rating_m"), f"{text}; raise it or leave it out"
 
 
 def _name_faults(scenes: Sequence[Values]) -> Iterator[Fault]:

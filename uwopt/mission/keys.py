@@ -17,6 +17,19 @@ SEAFLOORS = ("sand", "hard", "coral", "organic", "benthic-average")
 OBJECTIVES = tuple(TERMS)
 Refusal = Literal["airy", "skew", "swath", "depth", "lamp", "white_balance"]
 REFUSALS: tuple[str, ...] = get_args(Refusal)
+Target = Literal["floor", "wall", "mid_water"]
+#: Other names of keys of `vehicle`, for what is not a floor.
+OTHER_NAMES = {"distance_m": "altitude_m", "distance_tolerance_m": "altitude_tolerance_m"}
+#: What is looked at, and how far it is, in words.
+TARGET_WORDS: Mapping[str, tuple[str, str]] = {
+    "floor": ("floor", "altitude"), "wall": ("wall", "distance"), "mid_water": ("target", "distance"),
+}  # fmt: skip
+
+
+def to_target(value: Any) -> Any:
+    """What is looked at, with underscores."""
+    plain = to_choice(value)
+    return plain.replace("-", "_").replace(" ", "_") if isinstance(plain, str) else plain
 
 
 def to_water(value: Any) -> str:

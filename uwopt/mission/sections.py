@@ -61,10 +61,12 @@ class Vehicle(Section):
     """How the camera is carried, and which hardware it may carry."""
 
     altitude_m: Annotated[float, Field(gt=0, le=1000), at_least(1e-3), NUMBER] = Field(
-        description="distance from the port to the floor in metres"
+        description="distance from the port to the floor, wall or target in metres; also as distance_m"
     )
     altitude_tolerance_m: Annotated[float, Field(ge=0, le=1000), NUMBER] = Field(
-        default=0.0, description="half-width of the altitudes over which every requirement holds, in metres"
+        default=0.0,
+        description="half-width of the altitudes over which every requirement holds, in metres; also as "
+        "distance_tolerance_m",
     )
     speed_m_s: Annotated[float, Field(ge=0, le=50), NUMBER] = Field(
         description="speed over the floor in metres per second, 0 when it hovers"
@@ -423,10 +425,15 @@ class Scene(Section):
     )
     seafloor: Annotated[float | str, BeforeValidator(words.to_seafloor)] = Field(
         description=f"seafloor: {', '.join(words.SEAFLOORS)}, a reflectance 0..1, or the name of a "
-        "CSV spectrum"
+        "CSV spectrum; of a wall or a target in mid-water, its reflectance"
+    )
+    target: Annotated[words.Target, BeforeValidator(words.to_target), CHOICE] = Field(
+        default="floor",
+        description="thing that is looked at: floor (the camera looks straight down), wall (it looks level and faces "
+        "it), or mid_water (things that stand or swim at the distance, looked at level with open water behind them)",
     )
     depth_m: Annotated[float, Field(ge=0, le=11_000), NUMBER] = Field(
-        description="depth of the scene in metres"
+        description="depth of the scene in metres: of the floor; of the camera where it looks level"
     )
     temperature_c: Annotated[float, Field(ge=-3, le=45), NUMBER] = Field(
         default=10.0, description="temperature of the water in degrees Celsius"

@@ -50,7 +50,7 @@ class SmoothScene:
     """One design in one scene, as plain floats (CasADi takes no NumPy scalars); see `SceneRows`."""
 
     signal_e: tuple[float, ...]  # image mean, by altitude
-    total_e: tuple[float, ...]  # veils included
+    total_e: tuple[float, ...]  # veils included, and behind the altitudes open water where there is any
     wanted: tuple[tuple[float, float, float], ...]  # of pixels with an SNR to reach: signal, total, SNR
     nominal: int
     read_noise_e: float
@@ -97,7 +97,7 @@ class SmoothScene:
         steps = tuple(float(v) for v in rows.levels[0] if np.isfinite(v) and 0.0 < v <= top)
         return SmoothScene(
             signal_e=signal,
-            total_e=tuple(float(v) for v in rows.total_e[0]),
+            total_e=tuple(float(v) for v in rows.bright_e[0]),
             wanted=(*wanted_pixels(rows), *wanted_of_red(rows)),
             nominal=rows.nominal,
             kind=int(rows.kind[0]),

@@ -230,7 +230,8 @@ class SettableScene:
         cam, scene = self.model.cameras, self.model.problem.scenes[self.index]
         full, black = float(2.0 ** cam.bits[0] - 1.0), float(cam.black_level_dn[0])
         wanted = self.needs.mean_level
-        seen = [figures_of(scene, rows, settings).mean_level * full - black for rows in self.means]
+        figures = [figures_of(scene, rows, settings) for rows in self.means]
+        seen = [(one.bright_level if wanted is None else one.mean_level) * full - black for one in figures]
         reached = np.max(seen, axis=(0, 2)) if wanted is None else seen[0][:, scene.nominal]
         target = (full / self.needs.highlight_ratio if wanted is None else wanted * full) - black
         with np.errstate(divide="ignore", invalid="ignore"):

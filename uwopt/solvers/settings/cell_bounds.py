@@ -456,6 +456,8 @@ def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) ->
             lowest = reached_by_most(each, rows.may_miss).min(axis=1)
         ratio = rows.highlight_ratio
         brightest = (total + dark).max(axis=1)
+        if rows.background_e is not None:
+            brightest = np.maximum(brightest, (rows.background_e * x + dark)[:, 0])
         holds = lowest >= rows.min_snr * (1 - MEETS)
         if rows.colour_e is not None:
             holds &= colours_hold(rows, light_x, sun, noise)
@@ -495,7 +497,7 @@ def window_over(
     rows: SceneRows, y_lo: Any, y_hi: Any, shortest_s: Any, longest_s: Any
 ) -> tuple[Array, Array]:
     """`settings.window` over ranges of open shutter over N_w^2 and of exposures: an X outside fits nowhere."""
-    total, nominal = rows.total_e, rows.total_e[:, rows.nominal]
+    total, nominal = rows.bright_e, rows.total_e[:, rows.nominal]
     dark_lo, dark_hi = (np.asarray(rows.dark_current_e_s * s) for s in (shortest_s, longest_s))
     quiet = replace(rows, dark_time_s=np.broadcast_to(np.asarray(shortest_s, float), nominal.shape))
     least = np.zeros_like(total)
@@ -528,7 +530,7 @@ def window_over(
                 steep = np.abs(excess) > SLACK * wanted_dn[:, None] * total
                 high = np.minimum(high, np.where(steep & (excess > 0), spare / excess, np.inf).min(axis=1))
                 low = np.maximum(low, np.where(steep & (excess < 0), spare / excess, 0.0).max(axis=1))
-        for altitude in range(total.shape[1]):
+        for altitude in range(rows.signal_e.shape[1]):
             never = np.inf if helping is None else 0.0  # with sun of another contrast it rules no X out
             low = np.maximum(low, closed_form.light_asked_for(quiet, altitude, sun=helping, never=never))
         if rows.min_contrast > 0.0 and not rows.optimistic:

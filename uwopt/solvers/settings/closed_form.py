@@ -113,7 +113,7 @@ def window(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | None =
 
 def window_sides(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | None = None) -> Window:
     """The window of X by what bounds it, as `window` takes its arguments."""
-    total = rows.total_e
+    total = rows.bright_e
     nominal = total[:, rows.nominal]
     dark = dark_e(rows)
     level_dark = dark if rows.spare_dark_s is None else dark + rows.dark_current_e_s * rows.spare_dark_s
@@ -147,7 +147,7 @@ def window_sides(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | 
                 )
             elif rows.most_veil_e is not None:
                 for_level = least_e / (rows.signal_e + rows.most_veil_e)[:, rows.nominal]
-        for altitude in range(total.shape[1]):
+        for altitude in range(rows.signal_e.shape[1]):
             for_snr = np.maximum(for_snr, light_asked_for(rows, altitude, sun=sun))
         for_snr = np.maximum(for_snr, light_for_snr(rows, rows.nominal, snr_floor, of="mean", sun=sun))
     if rows.min_contrast > 0.0 and sun is None:
@@ -249,7 +249,7 @@ def light_of_each(
                 **common,
             )
         )
-    brightest = total.max(axis=1)[:, None]
+    brightest = rows.bright_e.max(axis=1)[:, None]
     other_brightest = other.max(axis=1)[:, None]
     headroom_dn = (rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn)[:, None]
     top_gain = (rows.gain_dn_per_e * rows.max_gain)[:, None]
@@ -359,7 +359,7 @@ def peak_power_w(rows: SceneRows, level: Array) -> Array:
 def best_gain(rows: SceneRows, light_x: Array, sun: Sun | None = None) -> Array:
     """The gain that gives the wanted mean level; without one, the highest that does not saturate."""
     dark = dark_e(rows)
-    every = rows.total_e * light_x[:, None]
+    every = rows.bright_e * light_x[:, None]
     if sun is not None:
         every = every + sun.total_e
     if rows.mean_level is not None:

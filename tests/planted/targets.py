@@ -1,0 +1,89 @@
+"""Planted defects of walls and targets in open water: their keys, and the water behind them."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+KEYS, SEEN = "tests/mission/test_targets.py", "tests/forward/test_targets.py"
+SEARCHED = "tests/solvers/test_mid_water.py"
+CHECKS = "uwopt/mission/checks.py"
+
+DEFECTS = (
+    Defect(
+        name="of two names of a distance one is dropped in silence",
+        file=CHECKS,
+        old="if made.get(usual) is not None and value is not None:",
+        new="if False:",
+        test=f"{KEYS}::test_faults_name_the_key_as_it_was_written",
+    ),
+    Defect(
+        name="a fault of a distance is told of an altitude",
+        file=CHECKS,
+        old="for named in (path, *others):",
+        new="for named in (path,):",
+        test=f"{KEYS}::test_faults_name_the_key_as_it_was_written",
+    ),
+    Defect(
+        name="mid-water takes an overlap",
+        file=CHECKS,
+        old='for key in ("overlap", "min_area_m2_h"):',
+        new='for key in ("min_area_m2_h",):',
+        test=f"{KEYS}::test_what_has_no_meaning_in_mid_water_is_told",
+    ),
+    Defect(
+        name="mid-water leaves the frame rate open",
+        file=CHECKS,
+        old='if target == "mid_water" and wanted.get("frame_interval_s") is None:',
+        new="if False:",
+        test=f"{KEYS}::test_what_has_no_meaning_in_mid_water_is_told",
+    ),
+    Defect(
+        name="the sun shines on a wall as on a floor",
+        file=CHECKS,
+        old='if target != "floor" and scene.get("sun_lux"):',
+        new="if False:",
+        test=f"{KEYS}::test_daylight_is_reckoned_on_floors_alone",
+    ),
+    Defect(
+        name="a camera before a wall works above its depth",
+        file=CHECKS,
+        old='works_at_m, why = (depth_m, "") if level else',
+        new='works_at_m, why = (depth_m, "") if False else',
+        test=f"{KEYS}::test_a_camera_that_looks_level_works_at_the_depth_of_its_target",
+    ),
+    Defect(
+        name="open water ends soon behind its targets",
+        file="uwopt/forward/spectra.py",
+        old="ENDLESS = 16.0",
+        new="ENDLESS = 1.2",
+        test=f"{SEEN}::test_open_water_sends_back_the_light_of_the_whole_ray",
+    ),
+    Defect(
+        name="the water behind targets saturates nothing",
+        file="uwopt/forward/figures.py",
+        old="saturation_fraction=saturation_fraction(scene, cam, bright_level, bright, dark),",
+        new="saturation_fraction=saturation_fraction(scene, cam, level, every, dark),",
+        test=f"{SEEN}::test_the_brighter_of_target_and_water_is_what_must_not_saturate",
+    ),
+    Defect(
+        name="auto leaves out the backscatter that is brightest in the image",
+        file="uwopt/forward/effects.py",
+        old="if np.any(behind > signal.max(axis=1)):",
+        new="if False:",
+        test=f"{SEEN}::test_auto_keeps_backscatter_where_open_water_is_the_brightest",
+    ),
+    Defect(
+        name="the search lets open water saturate",
+        file="uwopt/forward/setting_rows.py",
+        old="return every if self.background_e is None else",
+        new="return every if True else",
+        test=f"{SEARCHED}::test_a_wanted_level_of_the_target_leaves_room_for_the_water_behind_it",
+    ),
+    Defect(
+        name="the least gain of settings forgets open water",
+        file="uwopt/solvers/settings/closed_form.py",
+        old="    total = rows.bright_e\n    nominal",
+        new="    total = rows.total_e\n    nominal",
+        test=f"{SEARCHED}::test_the_well_holds_open_water_and_so_limits_the_signal_of_the_target",
+    ),
+)
