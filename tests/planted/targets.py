@@ -10,6 +10,20 @@ CHECKS = "uwopt/mission/checks.py"
 
 DEFECTS = (
     Defect(
+        name="a page changes its scripts with its texts",
+        file="uwopt/report/text/looked_at.py",
+        old="part if n % 2 else said(part)",
+        new="said(part)",
+        test="tests/report/test_looked_at.py::test_only_the_texts_of_a_page_change",
+    ),
+    Defect(
+        name="tables of walls are out of line",
+        file="uwopt/report/text/looked_at.py",
+        old='return said + " " * max(len(found[0]) - len(said), 1) if found[2] else said',
+        new='return said + (found[2] or "")',
+        test="tests/report/test_looked_at.py::test_columns_of_a_table_stay_in_line",
+    ),
+    Defect(
         name="of two names of a distance one is dropped in silence",
         file=CHECKS,
         old="if made.get(usual) is not None and value is not None:",

@@ -18,6 +18,7 @@ def hand_over(
 ) -> None:
     """Write the files and print the result, on one page or in full; what cannot be written is printed all the same."""
     from uwopt.report.text.console import ProgressBar, print_blocks, print_text
+    from uwopt.report.text.looked_at import wording
     from uwopt.report.write import json_text, write_front, write_results
     from uwopt.results.front import FrontResult
 
@@ -39,15 +40,15 @@ def hand_over(
     elif isinstance(result, FrontResult):
         from uwopt.report.text.front_tables import front_blocks
 
-        print_blocks(front_blocks(result))
+        print_blocks(front_blocks(result), said=wording(result.mission))
     elif full:
         from uwopt.report.text.tables import result_blocks
 
-        print_blocks(result_blocks(result))
+        print_blocks(result_blocks(result), said=wording(result.mission))
     else:
         from uwopt.report.text.short import short_text_blocks
 
-        print_blocks(short_text_blocks(result))
+        print_blocks(short_text_blocks(result), said=wording(result.mission))
     if refused is not None:
         raise refused
     if written and not quiet:

@@ -31,6 +31,7 @@ scene:
                                # or visibility_m (a black disc seen horizontally), secchi_m or turbidity_ntu
   # water_table: measured      # measured | solonenko-mobley
   seafloor: coral              # sand | hard | coral | organic | benthic-average | 0..1 | a CSV spectrum
+  # target: floor              # wall | mid_water: looked at level; mid_water has open water behind its targets
   depth_m: 30
   # temperature_c: 10
   # salinity_psu: 35           # 0 for fresh water
@@ -43,7 +44,7 @@ scene:
 
 # How the camera is carried, and which hardware may be tried.
 vehicle:
-  altitude_m: 2.0              # from the port to the floor
+  altitude_m: 2.0              # from the port to the floor; or distance_m, of a wall or a target
   altitude_tolerance_m: 0.25   # every requirement holds over altitude +/- tolerance
   speed_m_s: 0.5               # 0 when it hovers; then give requirements.frame_interval_s
   # pitch_rate_deg_s: 0
@@ -170,7 +171,7 @@ def system_template() -> str:
 def mission_json_schema() -> dict[str, Any]:
     """JSON schema of a mission file: `scene` or `scenes`, and what a scene may override."""
     from uwopt.mission.checks import HARDWARE_KEYS, WHOLE_MISSION_KEYS
-    from uwopt.mission.keys import CLARITY_KEYS
+    from uwopt.mission.keys import CLARITY_KEYS, OTHER_NAMES
     from uwopt.mission.mission import Mission
 
     schema = Mission.model_json_schema(by_alias=True)
@@ -190,6 +191,12 @@ def mission_json_schema() -> dict[str, Any]:
         "$ref": "#/$defs/Scene",
         "description": "the one scene, instead of scenes",
     }
+    for other, usual in OTHER_NAMES.items():
+        for properties in (definitions["Vehicle"]["properties"], definitions["VehicleOverride"]["properties"]):
+            properties[other] = properties[usual]
+        scene["properties"][other] = scene["properties"][usual]
+    definitions["Vehicle"]["required"] = [key for key in definitions["Vehicle"]["required"] if key != "altitude_m"]
+    definitions["Vehicle"]["anyOf"] = [{"required": ["altitude_m"]}, {"required": ["distance_m"]}]
     scene["anyOf"] = [{"required": [key]} for key in ("water", *CLARITY_KEYS)]
     schema["required"] = [key for key in schema["required"] if key != "scenes"]
     schema["oneOf"] = [{"required": ["scene"]}, {"required": ["scenes"]}]

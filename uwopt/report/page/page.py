@@ -21,6 +21,7 @@ from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Line, fact_lines
+from uwopt.report.text.looked_at import in_figure, in_page, wording
 from uwopt.report.text.short import goal_sentence, short_blocks
 from uwopt.report.text.verdict import verdict
 from uwopt.results.design import Design
@@ -78,7 +79,9 @@ def report_html(result: Result | FrontResult) -> str:
     data = {"figures": pictures.drawn, "front": table}
     first, second = opening(result)
     scripts = ("front.js", "page.js") if data["front"] else ("page.js",)
-    return rendered(
+    said = wording(result.mission)
+    data["figures"] = in_figure(data["figures"], said)
+    page = rendered(
         "page.html", scripts, data, result=result, front=front, version=result.uwopt_version, table=table,
         quantity=words.quantity, title=TITLES.get(result.command, "Result"),
         name=words.one_line(result.mission.get("name") or "Mission", 120), first=first, second=second,
@@ -90,6 +93,7 @@ def report_html(result: Result | FrontResult) -> str:
         mission_text=mission_text(result), raw=packed(compact_json(result.to_dict())),
         raw_name="front.json" if front else "result.json", status=status_words(result),
     )  # fmt: skip
+    return in_page(page, said)
 
 
 def opening(result: Result | FrontResult) -> tuple[str, str]:

@@ -29,8 +29,10 @@ LINE_EVERY_S = 10.0  # in a pipe or a log, where there is no bar
 Timer = Callable[[float, Callable[[], None]], threading.Timer]
 
 
-def print_blocks(blocks: Iterable[RenderableType], stream: TextIO | None = None) -> None:
-    """Print rich text: in colour and as wide as the terminal, else plain and 100 columns wide."""
+def print_blocks(
+    blocks: Iterable[RenderableType], stream: TextIO | None = None, *, said: Callable[[str], str] = str
+) -> None:
+    """Print rich text, in other words by `said`: in colour and as wide as the terminal, else plain and 100 wide."""
     from rich.console import Console
 
     out = stream or sys.stdout
@@ -48,7 +50,7 @@ def print_blocks(blocks: Iterable[RenderableType], stream: TextIO | None = None)
     )
     for block in blocks:
         console.print(block)
-    lines = [line.rstrip() for line in rendered.getvalue().split("\n")]
+    lines = [line.rstrip() for line in said(rendered.getvalue()).split("\n")]
     print_text("\n".join(lines).rstrip("\n"), out)
 
 

@@ -1,0 +1,52 @@
+"""The words for what is looked at: a report of a wall speaks of that wall, not of a floor."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from uwopt.mission.keys import TARGET_WORDS
+
+MARKUP = re.compile(r"(<(?:script|style|pre)\b.*?</(?:script|style|pre)>|<[^>]*>)", re.DOTALL)
+SPOKEN = re.compile(r"\b(?:sea ?floor|floor|altitude)(s?)\b( {2,})?", re.IGNORECASE)
+
+
+def wording(mission: Mapping[str, Any]) -> Callable[[str], str]:
+    """What turns a text about floors into one about the mission's targets; of floors, and of several kinds, itself."""
+    scenes = [scene for scene in mission.get("scenes") or () if isinstance(scene, Mapping)]
+    targets = {str(scene.get("target") or "floor") for scene in scenes}
+    target = targets.pop() if len(targets) == 1 else "floor"
+    if target == "floor" or target not in TARGET_WORDS:
+        return unchanged
+    thing, way = TARGET_WORDS[target]
+
+    def word(found: re.Match[str]) -> str:
+        said = (way if found[0].casefold().startswith("altitude") else thing) + found[1]
+        said = said.capitalize() if found[0][0].isupper() else said
+        return said + " " * max(len(found[0]) - len(said), 1) if found[2] else said  # columns stay in line
+
+    return lambda text: SPOKEN.sub(word, text).replace("straight down", "straight ahead")
+
+
+def unchanged(text: str) -> str:
+    """A text as it is."""
+    return text
+
+
+def in_page(page: str, said: Callable[[str], str]) -> str:
+    """The texts of an HTML page in other words; tags, scripts, styles and quoted files stay."""
+    if said is unchanged:
+        return page
+    return "".join(part if n % 2 else said(part) for n, part in enumerate(MARKUP.split(page)))
+
+
+def in_figure(value: Any, said: Callable[[str], str]) -> Any:
+    """The texts of a drawn figure in other words."""
+    if said is unchanged:
+        return value
+    if isinstance(value, str):
+        return said(value)
+    if isinstance(value, Mapping):
+        return {key: in_figure(item, said) for key, item in value.items()}
+    return [in_figure(item, said) for item in value] if isinstance(value, (list, tuple)) else value
