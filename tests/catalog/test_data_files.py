@@ -94,6 +94,8 @@ RANGES = {
     "run_time_min": (10, 1000),
     "refractive_index": (1.4, 1.8),
     "outer_radius_mm": (20, 400),
+    "outer_radius_low_mm": (20, 400),
+    "outer_radius_high_mm": (20, 400),
     "thickness_mm": (1, 100),
     "clear_diameter_mm": (20, 500),
     "nominal_diameter_mm": (20, 600),

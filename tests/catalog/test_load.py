@@ -1,13 +1,16 @@
 """The built-in catalogue as records: nothing the model needs is missing, estimates carry range and basis."""
 
+import math
 from dataclasses import fields
 
 import pytest
 
 from uwopt.catalog.catalogue import plain_name
-from uwopt.catalog.load import load_catalog
+from uwopt.catalog.load import build_rows, load_catalog
 from uwopt.catalog.parts.quantity import Quantity
-from uwopt.catalog.records import KINDS
+from uwopt.catalog.records import KINDS, exact
+from uwopt.catalog.tables import DATA_DIR, parse_table
+from uwopt.catalog.userparts import typed_rows
 from uwopt.errors import CatalogError
 
 CATALOG = load_catalog()
@@ -65,9 +68,56 @@ def test_domes_without_a_radius_are_not_searched():
 def test_depth_ratings_radii_and_mounts_are_as_the_files_state_them():
     lumen = CATALOG.part("blue-robotics-lumen-current-product-page")
     assert lumen.depth_rating_m is None
-    assert CATALOG.part("zen-100-mm-dome-port").outer_radius_mm is None
     assert CATALOG.part("zwo-asi183mm").mounts == ()
-    assert "radius of curvature unknown" in [e.reason for e in CATALOG.exclusions_of("zen-100-mm-dome-port")]
+    assert [e.rule for e in CATALOG.exclusions_of("zen-100-mm-dome-port")] == ["port mount"]
+
+
+@pytest.mark.parametrize(
+    ("cells", "low_mm", "high_mm"),
+    [
+        # a cap of 230 mm: from 230 / 2 to 3/4 230
+        ({"mount": "nauticam-n120", "nominal_diameter_mm": "230"}, 115.0, 172.5),
+        # a hemisphere on a 4 in tube: half of 101.6 mm as the high end, 44.8 mm where a CAD file was read
+        ({"mount": "blue-robotics-4-in", "nominal_diameter_mm": "101.6"}, 44.7, 50.8),
+        # a dome of which nothing but its size is known: any of both
+        ({"nominal_diameter_mm": "100"}, 44.0, 75.0),
+        # ends that a source allows beat the class
+        ({"nominal_diameter_mm": "100", "outer_radius_low_mm": "60", "outer_radius_high_mm": "62"}, 60.0, 62.0),
+    ],
+)
+def test_an_unknown_radius_lies_between_ends_and_at_their_geometric_mean(cells, low_mm, high_mm):
+    radius = port_of(geometry="dome", **cells).outer_radius_mm
+    assert (radius.low, radius.high) == pytest.approx((low_mm, high_mm), rel=1e-3)
+    assert radius.value == pytest.approx(math.sqrt(low_mm * high_mm), rel=2e-3)  # the table has three digits
+    assert radius.status in ("estimated", "derived")
+
+
+def test_a_stated_radius_is_no_estimate_and_a_dome_without_any_size_stays_out():
+    assert port_of(geometry="dome", outer_radius_mm="60", nominal_diameter_mm="100").outer_radius_mm == exact(60.0)
+    assert [p.id for p in CATALOG.ports if p.geometry == "dome" and p.outer_radius_mm is None] == [
+        "deepsea-power-light-apex-seacam-dome-port"
+    ]
+
+
+def test_an_unknown_clear_diameter_is_eight_tenths_of_the_nominal_one():
+    clear = port_of(geometry="flat", nominal_diameter_mm="100").clear_diameter_mm
+    assert (clear.value, clear.low, clear.high) == pytest.approx((80.0, 70.0, 90.0))
+    stated = port_of(geometry="flat", nominal_diameter_mm="100", clear_diameter_mm="60").clear_diameter_mm
+    assert (stated.value, stated.low) == (60.0, 60.0)
+
+
+def test_no_depth_rating_follows_from_a_size():
+    assert port_of(geometry="dome", nominal_diameter_mm="100").depth_rating_m is None
+
+
+def port_of(**cells):
+    """The port of a published row with these cells."""
+    row = {"id": "a-port", **cells}
+    table = parse_table(",".join(row) + "\n" + ",".join(row.values()), "ports.csv")
+    typed, faults = typed_rows(table, "port", DATA_DIR, built_in=True)
+    assert faults == []
+    ((_, built),) = build_rows(typed, "published")
+    return built.part
 
 
 def test_published_numbers_reach_the_record_unchanged():

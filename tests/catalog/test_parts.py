@@ -16,7 +16,7 @@ from uwopt.catalog.inline import part_from_inline
 from uwopt.catalog.load import load_catalog
 from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.parts.cell import FROM_ZERO, POSITIVE, Cell, Inline, Range, beyond, fields_of, kept_fields
-from uwopt.catalog.parts.kinds import FAVOURED, ORDERED_PAIRS
+from uwopt.catalog.parts.kinds import EITHER, FAVOURED, ORDERED_PAIRS
 from uwopt.catalog.parts.light import Light
 from uwopt.catalog.parts.part import Part
 from uwopt.catalog.parts.quantity import Quantity
@@ -191,8 +191,9 @@ def test_each_estimate_that_enters_a_figure_favours_the_right_end():
         "saturation_e", "qe_scale", "max_frame_rate_hz", "bandwidth_mb_s", "max_gain_db", "max_exposure_us",
         "exposure_offset_us", "transmission_frac", "f_number_max", "flux_lm", "output_factor", "max_pulse_us",
         "max_duty_frac", "max_rate_hz", "flash_energy_j", "flash_efficacy_lm_s_per_j", "charging_efficiency_frac",
-        "refractive_index",
+        "refractive_index", "clear_diameter_mm",
     }  # fmt: skip
+    assert {"outer_radius_mm"} == EITHER  # a large dome is easier to focus through, a small one nearer to the floor
     assert {name for name, sign in FAVOURED.items() if sign == -1} == less
     assert {name for name, sign in FAVOURED.items() if sign == +1} == more
 
@@ -202,6 +203,7 @@ def test_ends_of_a_range_are_compared_in_files():
         ("f_number_min", "f_number_max"), ("min_exposure_us", "max_exposure_us"), ("min_pulse_us", "max_pulse_us"),
         ("price_low", "price"), ("price", "price_high"), ("mass_low_g", "mass_g"), ("mass_g", "mass_high_g"),
         ("supply_v_min", "supply_v_max"), ("thickness_mm", "outer_radius_mm"),
+        ("outer_radius_low_mm", "outer_radius_high_mm"),
     }  # fmt: skip
 
 

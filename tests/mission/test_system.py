@@ -43,7 +43,7 @@ def test_the_example_loads_as_it_stands():
     lens = part_from_inline("lens", system.part("lens"))
     assert (lens.focal_length_mm, lens.transmission_frac.value, lens.inline) == (8, 0.9, True)
     port = part_from_inline("port", system.part("port"))
-    assert (port.geometry, port.outer_radius_mm, port.thickness_mm.value) == ("dome", 100, 10)
+    assert (port.geometry, port.outer_radius_mm.value, port.thickness_mm.value) == ("dome", 100, 10)
     light = part_from_inline("light", system.part("light"))
     assert (light.flux_lm.value, light.output_factor.value, light.flux_lm.status) == (20000, 1.0, "user")
     # half-angle 45 degrees in water is a full angle of 90 degrees there

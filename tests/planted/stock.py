@@ -1,4 +1,4 @@
-"""Planted defects of what the catalogue knows of ports: their mounts."""
+"""Planted defects of what the catalogue knows of ports: mounts, and radii that are estimated."""
 
 from __future__ import annotations
 
@@ -25,5 +25,47 @@ DEFECTS = (
         old="in map(plain_name, self.wish.port_mounts):",
         new="in ():",
         test="tests/catalog/test_choose.py::test_a_port_of_a_photo_housing_waits_for_the_mount_the_port_or_its_owner",
+    ),
+    Defect(
+        name="a cap is taken for a hemisphere",
+        file="uwopt/catalog/readers/read_port.py",
+        old='"photo housing": "spherical-cap"}',
+        new='"photo housing": "hemisphere"}',
+        test="tests/catalog/test_load.py::test_an_unknown_radius_lies_between_ends_and_at_their_geometric_mean",
+    ),
+    Defect(
+        name="the centre of a radius is its good end",
+        file="uwopt/catalog/readers/read_port.py",
+        old="return Quantity(math.sqrt(low_mm * high_mm), low_mm",
+        new="return Quantity(high_mm, low_mm",
+        test="tests/catalog/test_load.py::test_an_unknown_radius_lies_between_ends_and_at_their_geometric_mean",
+    ),
+    Defect(
+        name="a stated clear diameter is estimated again",
+        file="uwopt/catalog/readers/read_port.py",
+        old='known(row, "clear_diameter_mm", origin) or _clear_diameter(row)',
+        new='_clear_diameter(row) or known(row, "clear_diameter_mm", origin)',
+        test="tests/catalog/test_load.py::test_an_unknown_clear_diameter_is_eight_tenths_of_the_nominal_one",
+    ),
+    Defect(
+        name="doubts see no radius",
+        file="uwopt/solvers/explain/robustness.py",
+        old='with_either_end(bad["port"]):',
+        new='[bad["port"]]:',
+        test="tests/solvers/test_robustness.py::test_a_dome_whose_radius_is_estimated_fails_at_whichever_end_harms",
+    ),
+    Defect(
+        name="only a small dome is doubted",
+        file="uwopt/solvers/explain/robustness.py",
+        old="value.low if end == \"low\" else value.high, value.status",
+        new="value.low, value.status",
+        test="tests/solvers/test_robustness.py::test_a_dome_whose_radius_is_estimated_fails_at_whichever_end_harms",
+    ),
+    Defect(
+        name="rivals keep the radius that is estimated",
+        file="uwopt/solvers/explain/robustness.py",
+        old='else with_either_end(at_end(part, "good"))',
+        new='else [at_end(part, "good")]',
+        test="tests/solvers/test_robustness.py::test_a_rival_dome_may_have_any_radius_of_its_range",
     ),
 )

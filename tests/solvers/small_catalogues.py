@@ -108,7 +108,9 @@ def port(rng: Rng, name: str) -> Port:
         refractive_index=exact(pick(rng, [1.49, 1.52, 1.76])), thickness_mm=exact(between(rng, 4, 20)),
     )  # fmt: skip
     if chance(rng, 0.5):
-        return Port(geometry="dome", outer_radius_mm=between(rng, 40, 130), **common)
+        radius_mm = between(rng, 40, 130)  # estimated: a search takes the central value alone
+        estimated = Quantity(radius_mm, 0.9 * radius_mm, 1.2 * radius_mm, "estimated", "no source")
+        return Port(geometry="dome", outer_radius_mm=estimated, **common)
     return Port(
         geometry="flat",
         gap_mm=pick(rng, [0.0, 0.0, 5.0, 30.0]),

@@ -9,10 +9,12 @@ from typing import Any
 import pytest
 from one_of_each import one, with_parts
 
-from uwopt.catalog.parts.quantity import Quantity
+from uwopt.catalog.parts.quantity import Quantity, exact
+from uwopt.deadline import NEVER
 from uwopt.solvers.explain.robustness import (
     assumptions,
     at_end,
+    at_worst,
     doubtful,
     mixed_problem,
     parts_of,
@@ -113,3 +115,52 @@ def test_assumptions_name_the_estimate_with_its_range() -> None:
     found = assumptions(sought().problem, sought().outcome.best[0])
     price = next(item for item in found if item["path"] == "camera.price")
     assert (price["low"], price["value"], price["high"], price["unit"]) == (900.0, 1000.0, 1500.0, "USD")
+
+
+RADIUS = between(60.0, 80.0, 100.0)
+
+
+def doubt_of_a_dome(wanted: dict[str, Any], lens: dict[str, Any]) -> tuple[Sought, dict[str, Any]]:
+    """A dome of 60 to 100 mm beside a dearer one of 80 mm, at 400 instead of 300 USD."""
+    case_ = with_parts(
+        one("cost", wanted=wanted, lens=lens, port={"outer_radius_mm": RADIUS}),
+        ports=[{"outer_radius_mm": exact(80.0), "price": 400.0}],
+    )
+    search, outcome = case_.solve(top=2)
+    sought_ = Sought(None, search.problem, search, outcome)  # type: ignore[arg-type]
+    doubt = robustness(sought_, search.objective)
+    assert doubt is not None
+    return sought_, doubt
+
+
+@pytest.mark.parametrize(
+    ("wanted", "lens", "end"),
+    [
+        # 1 / q' = 1 / (n (2 m + R)) + (1/1.5 - 1/n) / R + (1 - 1/1.5) / (R - 10 mm) with n near 1.34: the lens looks
+        # at 0.24 m behind 80 mm, at 0.175 m behind 60 mm, and focuses from 0.2 m on
+        ({}, {"min_object_distance_m": 0.2}, "low"),
+        # (2 m + R) 4 um / 8 mm: 1.04 mm behind 80 mm, 1.05 mm behind 100 mm
+        ({"max_gsd_mm": 1.045}, {}, "high"),
+    ],
+)
+def test_a_dome_whose_radius_is_estimated_fails_at_whichever_end_harms(
+    wanted: dict[str, Any], lens: dict[str, Any], end: str
+) -> None:
+    """A small dome brings the virtual image too near, a large one the camera too far."""
+    sought_, doubt = doubt_of_a_dome(wanted, lens)
+    assert sought_.problem.parts.ports[sought_.outcome.best[0].port].id == "dome"  # the cheaper, as estimated
+    assert not doubt["feasible_at_bad_end"]
+    assert ("dome", "outer_radius_mm") in {(q["part"], q["field"]) for q in doubt["quotes_that_matter"]}
+    ends = {"low": 60.0, "high": 100.0}
+    worst, _ = at_worst(sought_.problem, sought_.outcome.best[0], sought_.search.objective, NEVER)
+    assert worst["port"].outer_radius_mm.value == ends[end]  # type: ignore[attr-defined]
+
+
+def test_a_rival_dome_may_have_any_radius_of_its_range() -> None:
+    """Once as estimated, once at either end; a dome whose radius is known stands there once."""
+    case_ = with_parts(one("cost"), ports=[{"outer_radius_mm": RADIUS, "price": 400.0}])
+    search, outcome = case_.solve(top=2)
+    bad = dict(parts_of(search.problem, outcome.best[0]))  # the one of 300 USD, whose radius is known
+    mixed = mixed_problem(search.problem, bad)
+    radii = [port.outer_radius_mm.value for port in mixed.parts.ports if port.outer_radius_mm]
+    assert sorted(radii) == [60.0, 80.0, 80.0, 100.0]

@@ -1,7 +1,7 @@
 """Class estimates: what stands in for a number that no source states, with its range and basis.
 
-Each is found by the key `kind-field-class` in class_estimates.csv. Depth ratings, dome radii and mounts
-have no class: an unknown one stays unknown.
+Each is found by the key `kind-field-class` in class_estimates.csv. Depth ratings and mounts have no class: an
+unknown one stays unknown.
 """
 
 from __future__ import annotations

@@ -305,7 +305,7 @@ def port_rows(
         return glass_index(part.glass) if part.glass else 1.5
 
     def radius_of(part: Port) -> float:
-        return (part.outer_radius_mm or 0.0) * 1e-3 if part.geometry == "dome" else 0.0
+        return number(part.outer_radius_mm, 0.0) * 1e-3 if part.geometry == "dome" else 0.0
 
     known = columns_of(Port, parts, end)
     return Ports(

@@ -81,7 +81,8 @@ class Cell:
     doc: str = ""
     within: Range = ANY
     span: tuple[float, float] = (SMALLEST, LARGEST)  # of parts that can be made: outside, the unit is wrong
-    favours: Literal["low", "high", ""] = ""  # which end of an estimate favours a design; "" enters no figure
+    #: Which end of an estimate favours a design; "either": that depends on the design; "": it enters no figure.
+    favours: Literal["low", "high", "either", ""] = ""
     unknown: float = 0.0  # stands in the model's columns where nothing is known
     at_most: str = ""  # the field that must not be smaller
     choices: tuple[str, ...] = ()  # of a list; a choice's are those of its type

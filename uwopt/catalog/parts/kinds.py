@@ -16,7 +16,12 @@ PARTS: dict[Kind, PartKind] = {
 ALL_FIELDS: tuple[Field, ...] = tuple(field for kind in PARTS.values() for field in fields_of(kind.record))
 
 #: +1: more favours a design, -1: less does. Only fields whose estimate enters a figure stand here.
-FAVOURED = {f.name: 1 if f.cell.favours == "high" else -1 for f in ALL_FIELDS if f.cell.favours}
+FAVOURED = {
+    f.name: 1 if f.cell.favours == "high" else -1 for f in ALL_FIELDS if f.cell.favours in ("low", "high")
+}
+
+#: Fields of which more favours one design and less another: both ends are tried.
+EITHER = frozenset(f.name for f in ALL_FIELDS if f.cell.favours == "either")
 
 #: (smaller, larger) pairs of fields.
 ORDERED_PAIRS = tuple(dict.fromkeys((f.name, f.cell.at_most) for f in ALL_FIELDS if f.cell.at_most))

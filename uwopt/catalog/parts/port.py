@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic.dataclasses import dataclass
 
 from uwopt.catalog.parts.cell import FROM_ZERO, NEEDED, POSITIVE, SMALLEST, Cell, Inline, Range
-from uwopt.catalog.parts.part import Part, PartKind, shown_depth
+from uwopt.catalog.parts.part import Part, PartKind, shown, shown_depth
 from uwopt.catalog.parts.quantity import Known, Quantity
 
 Purpose = Literal[
@@ -54,14 +54,17 @@ class Port(Part):
     ] = None  # constant: no dispersion formula
     glass: Annotated[str, Cell("id of a dispersion formula, such as n_bk7")] = ""
     outer_radius_mm: Annotated[
-        float | None,
+        Known,
         Cell(
             "outer radius of a dome in millimetres",
             POSITIVE,
             span=(0.1, 1e6),
+            favours="either",
             inline=Inline(names=("radius_mm",)),
         ),
     ] = None
+    outer_radius_low_mm: ClassVar[Annotated[float, Cell("", POSITIVE, at_most="outer_radius_high_mm")]]
+    outer_radius_high_mm: ClassVar[Annotated[float, Cell("", POSITIVE)]]
     thickness_mm: Annotated[
         Known,
         Cell(
@@ -74,7 +77,8 @@ class Port(Part):
         ),
     ] = None
     clear_diameter_mm: Annotated[
-        float | None, Cell("clear diameter in millimetres", POSITIVE, span=(0.01, 1e6), unknown=math.inf)
+        Known,
+        Cell("clear diameter in millimetres", POSITIVE, span=(0.01, 1e6), favours="high", unknown=math.inf),
     ] = None
     nominal_diameter_mm: ClassVar[Annotated[float, Cell("trade size", POSITIVE)]]
     gap_mm: Annotated[
@@ -91,7 +95,7 @@ class Port(Part):
 
 
 def _summary(port: Port) -> tuple[str, ...]:
-    size = "" if port.outer_radius_mm is None else f"radius {port.outer_radius_mm:g} mm"
+    size = shown("radius ", port.outer_radius_mm, " mm")
     return (port.geometry, port.material, size, shown_depth(port.depth_rating_m))
 
 

@@ -2,7 +2,10 @@
 
 Assumptions are the numbers of the winner's parts that no source states. The regret puts the winner's
 parts at the bad end of their ranges and all rivals' at the good end, and searches once more. A quote
-matters when that one number, at its bad end, would let another design win.
+matters when that one number, at its bad end, would let another design win. Of a number that favours one
+design at its high end and another at its low one (the radius of a dome: a large one is easier to focus
+through, a small one brings the camera nearer) both ends are tried: the winner has the worse one, a rival
+any of them.
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from uwopt.catalog.curves.clarity import Clarity
+from uwopt.catalog.parts.kinds import EITHER
 from uwopt.catalog.records import Part, Quantity, exact
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FAVOURED
@@ -103,10 +107,17 @@ def from_reading(scene: str, known: Clarity) -> Assumption:
 
 
 def at_end(part: Any, end: str, only: str | None = None) -> Any:
-    """A part with its doubtful numbers (or one of them) put at one end of their ranges."""
+    """A part with its doubtful numbers (or one of them) put at one end of their ranges.
+
+    `good` and `bad` move what has such ends; `low` and `high` what may favour a design at either.
+    """
     changes = {}
     for name, value in doubtful(part):
         if only is not None and name != only:
+            continue
+        if end in ("low", "high"):
+            if name in EITHER:
+                changes[name] = exact(value.low if end == "low" else value.high, value.status, value.source)
             continue
         sign = FAVOURED.get(name, 0)
         if sign:
@@ -114,6 +125,27 @@ def at_end(part: Any, end: str, only: str | None = None) -> Any:
             worst = value.low if sign > 0 else value.high
             changes[name] = exact(best if end == "good" else worst, value.status, value.source)
     return replace(part, **changes) if changes else part
+
+
+def with_either_end(part: Any) -> list[Any]:
+    """A part as it is, and at both ends of what may favour a design at either."""
+    if any(name in EITHER for name, _ in doubtful(part)):
+        return [part, at_end(part, "low"), at_end(part, "high")]
+    return [part]
+
+
+def at_worst(
+    problem: Problem, found: Found, objective: Objective, deadline: Deadline
+) -> tuple[dict[str, Part], float]:
+    """A design's parts at the bad ends, and its best objective with them; inf where infeasible then."""
+    bad = {kind: at_end(part, "bad") for kind, part in parts_of(problem, found)}
+    worst, worst_value = bad, -math.inf
+    for port in with_either_end(bad["port"]):
+        lists = {kind: [part] for kind, part in (bad | {"port": port}).items()}
+        value = best_of(problem_of(problem, found, lists=lists), objective, deadline)
+        if value > worst_value:
+            worst, worst_value = bad | {"port": port}, value
+    return worst, worst_value
 
 
 Variant = tuple[str, str, str]  # kind, field ("" for all), end
@@ -153,9 +185,7 @@ def robustness(
         return None
     winner = sought.outcome.best[0]
     problem = sought.problem
-    bad = {kind: at_end(part, "bad") for kind, part in parts_of(problem, winner)}
-    at_bad = problem_of(problem, winner, lists={kind: [part] for kind, part in bad.items()})
-    bad_value = best_of(at_bad, objective, deadline)
+    bad, bad_value = at_worst(problem, winner, objective, deadline)
     mixed = mixed_problem(problem, bad)
     slow = scenes_need_cells(problem.scenes, objective)
     patience = deadline.at_most(SLOW_S if slow else TURN * deadline.left_s)
@@ -191,7 +221,13 @@ def mixed_problem(problem: Problem, bad: dict[str, Part]) -> Problem:
     """The winner's parts at their bad end among all others at their good end."""
 
     def mixed(kind: str, parts: Sequence[Any]) -> tuple[Any, ...]:
-        return tuple(bad[kind] if part.id == bad[kind].id else at_end(part, "good") for part in parts)
+        return tuple(
+            variant
+            for part in parts
+            for variant in (
+                [bad[kind]] if part.id == bad[kind].id else with_either_end(at_end(part, "good"))
+            )
+        )
 
     parts = problem.parts
     return Problem(
@@ -238,7 +274,7 @@ def matters(name: str, problem: Problem, objective: Objective) -> bool:
         return bool(objective.weight("cost")) or limits.cost is not None
     if name == "mass_g":
         return bool(objective.weight("mass")) or limits.mass_kg is not None
-    return bool(FAVOURED.get(name))
+    return bool(FAVOURED.get(name)) or name in EITHER
 
 
 def quotes_that_matter(
@@ -255,6 +291,7 @@ def quotes_that_matter(
             for kind, part in parts_of(problem, design)
             for name, doubt in doubtful(part)
             if matters(name, problem, objective)
+            for end in (("low", "high") if name in EITHER else (end,))
         ]
         ours = with_changes(sought, winner, objective, asked, deadline)
         theirs = with_changes(sought, rival, objective, asked, deadline)
