@@ -91,7 +91,7 @@ def plausible(part: Part) -> bool:
             and central(part.transmission_frac) < 1.0
         )
     if isinstance(part, Port):
-        return part.geometry == "flat" or (part.outer_radius_mm or 0.0) > central(part.thickness_mm) > 0
+        return part.geometry == "flat" or central(part.outer_radius_mm) > central(part.thickness_mm) > 0
     assert isinstance(part, Light)
     efficacy_lm_w = central(part.flux_lm) / central(part.power_w)
     return part.kind == "flash" or 0 < efficacy_lm_w < 250.0  # white light cannot have more than about 300
