@@ -43,7 +43,7 @@ VEHICLE: dict[str, Any] = {
 }  # fmt: skip
 MISSIONS: dict[str, dict[str, Any]] = {
     "loose": {"objective": "power", "limits": {}},
-    "cost-bound": {"objective": "power", "limits": {"cost": 5500.0}},
+    "cost-bound": {"objective": "power", "limits": {"cost": 8500.0}},
     "power-bound": {"objective": "cost", "limits": {"power_w": 4.0}},
     "infeasible": {"objective": "power", "limits": {"cost": 4100.0, "power_w": 2.5}},
 }
@@ -69,7 +69,7 @@ def mission_for(name: str, physics: str = PHYSICS) -> Mission:
     plain = {
         "name": name, "objective": MISSIONS[name]["objective"], "physics": physics,
         "scene": {"water": "II", "seafloor": "coral", "depth_m": DEPTH_M}, "vehicle": VEHICLE,
-        "requirements": REQUIREMENTS, "limits": limits,
+        "requirements": REQUIREMENTS, "limits": limits, "practice": "bare",
     }  # fmt: skip
     return load_mission(plain)
 
