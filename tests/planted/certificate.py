@@ -11,6 +11,27 @@ RULES = "tests/solvers/test_rules.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a unit is bounded by the number of lamps that lights the deciding pixel least",
+        file="uwopt/solvers/exact/bounds.py",
+        old="pixel_e[index] = np.max(by_count, axis=0)",
+        new="pixel_e[index] = 0.5 * np.min(by_count, axis=0)",
+        test="tests/solvers/test_bounds.py::test_the_pixel_that_decides_bounds_a_unit_more_sharply",
+    ),
+    Defect(
+        name="the deciding pixel does not count in a bound",
+        file="uwopt/solvers/exact/bounds.py",
+        old="            if pixel_e is not None:\n",
+        new="            if False:\n",
+        test="tests/solvers/test_bounds.py::test_the_pixel_that_decides_bounds_a_unit_more_sharply",
+    ),
+    Defect(
+        name="nodes that better bounds discard are not counted",
+        file="uwopt/solvers/exact/search.py",
+        old="value[failed] = np.inf\n                self.account.discarded[name] += int(size[failed].sum())\n",
+        new="value[failed] = np.inf\n",
+        test="tests/solvers/test_bounds.py::test_bounds_by_pixels_leave_the_answer_and_the_account_as_they_are",
+    ),
+    Defect(
         name="pixels are left out by what they ask for at the shortest exposure alone",
         file="uwopt/solvers/settings/few_pixels.py",
         old="for time in (shortest, longest))",

@@ -70,6 +70,12 @@ MISSIONS: dict[str, Callable[[], Case]] = {
     ),
     "power against signal": lambda: one(SUM, wanted=FAST, physics="paper", limits={"mass_kg": 2.0}),
 }
+OVER_FRAME: dict[str, Callable[[], Case]] = {
+    "an SNR over the frame": lambda: one(wanted={**FAST, "min_snr_db": 20.0, "snr_at": "worst"}),
+    "the same in two scenes": lambda: one(
+        wanted={**FAST, "min_snr_db": 16.0, "snr_at": "worst"}, scenes=TWO, vehicle={"altitude_tolerance_m": 0.2}
+    ),
+}
 MOSTLY_BOUNDED = 0.6
 UNDIMMED = ("least power", "two scenes", "pulses")  # where nothing is left out of a bound but quantisation
 
@@ -77,7 +83,7 @@ UNDIMMED = ("least power", "two scenes", "pulses")  # where nothing is left out 
 @cache
 def world(name: str) -> Case:
     """Two of each part around the one of each, in one or two lamps."""
-    made = MISSIONS[name]()
+    made = (MISSIONS | OVER_FRAME)[name]()
     grown = with_parts(
         made, cameras=[{"pixel_pitch_um": 3.0, "read_noise_e": 6.0, "price": 700.0}],
         lenses=[{"focal_length_mm": 12.0, "f_number_min": 2.8, "price": 300.0}],
@@ -159,6 +165,42 @@ def test_a_unit_is_bounded_by_its_best(name: str, coupled: bool) -> None:
             assert below(unit.value[row], best)
             assert unit.power[row] <= best.power_w * FOUND
     assert tried > 0, "the mission was made to be feasible"
+
+
+@pytest.mark.parametrize("name", OVER_FRAME)
+def test_the_pixel_that_decides_bounds_a_unit_more_sharply(name: str) -> None:
+    """Every unit by its best of all lamps and numbers; and more sharply than the mean does by a tenth of its light."""
+    _, imagers = searched(name)
+    bounds, rows, tried, gained = bounds_of(name, coupled=False), np.arange(len(imagers)), 0, 0
+    for k, table in enumerate(bounds.light_tables):
+        rough, unit = bounds.of_nodes(k, rows), bounds.of_pixels(k, rows)
+        assert (unit.power >= rough.power).all() and (unit.value >= rough.value).all()
+        gained += int((unit.power - 3.0 > 1.1 * (rough.power - 3.0)).sum())
+        for row in rows:
+            own = dict(camera=imagers.camera[row], lens=imagers.lens[row], port=imagers.port[row])
+            best = known(name).least(**own, light=table.light)
+            if best is not None:
+                tried += 1
+                assert unit.rule[row] < 0, "discarded, and yet feasible"
+                assert below(unit.value[row], best) and unit.power[row] <= best.power_w * FOUND
+    assert tried > 0 and gained > 0
+
+
+def test_bounds_by_pixels_leave_the_answer_and_the_account_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where power allows little more than the best: what enumeration finds, each combination counted once."""
+    name = "an SNR over the frame"
+    best = known(name).least()
+    assert best is not None
+    tight = world(name).mission.with_changes(limits={"power_w": best.power_w * 1.05})
+    case_ = Case(world(name).parts, tight, world(name).objective)
+    found = {}
+    for refined in (False, True):
+        monkeypatch.setattr(Search, "_asks_of_pixels", lambda self, refined=refined: refined)
+        found[refined] = case_.solve(top=1)[1]
+        assert found[refined].account.adds_up()
+        assert found[refined].best[0].minimised == pytest.approx(best.value, rel=FOUND - 1.0)
+    rough, fine = (found[refined].account for refined in (False, True))
+    assert fine.discarded["power_w"] > rough.discarded["power_w"] and fine.evaluated <= rough.evaluated
 
 
 @pytest.mark.parametrize("coupled", [False, True])

@@ -6,7 +6,7 @@ the lights that are able enough, and no quantisation: each term at its least, so
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -81,7 +81,8 @@ class Corner:
 class Needs:
     """What imagers need in one scene before any light is chosen."""
 
-    by_snr_e: Array  # electrons, at every altitude
+    by_snr_e: Array  # electrons of the mean, at every altitude
+    by_pixel_e: Array  # of the pixel that must reach the SNR, at every altitude
     by_red_e: Array | None  # of the red channel, at every altitude; None: nothing is asked of it
     by_gain_e: Array  # electrons, at the nominal altitude
     square: Array  # of the smallest working f-number
@@ -200,8 +201,11 @@ class Bounds:
             rows.kind,
         )
 
-    def of_nodes(self, k: int, rows: Array) -> NodeBounds:
-        """Bounds of these imagers under one lighting, worst scene."""
+    def of_nodes(self, k: int, rows: Array, pixel_e: Mapping[int, Array] | None = None) -> NodeBounds:
+        """Bounds of these imagers under one lighting, worst scene.
+
+        `pixel_e`: by scene the most electrons per lm s of the pixel that must reach the SNR, where that is known.
+        """
         table = self.light_tables[k]
         n = len(rows)
         bounds = NodeBounds.empty(n)
@@ -210,8 +214,25 @@ class Bounds:
             return bounds
         for kind in np.unique(table.kind):
             own = table.kind == kind
-            bounds = bounds.better_of(self._kind_bounds(k, own, int(kind), rows))
+            bounds = bounds.better_of(self._kind_bounds(k, own, int(kind), rows, pixel_e or {}))
         return bounds
+
+    def of_pixels(self, k: int, rows: Array) -> NodeBounds:
+        """Bounds of these imagers under one lighting by the pixel that decides whether the SNR holds, too.
+
+        That pixel has at most the light that `likely_pixel` finds, whatever the number of lamps, and no less is needed
+        of it at the farthest altitude than at any. No bound is lower than that of the mean alone.
+        """
+        lighting, (low, high) = self.tables.lightings[k], self.problem.count_range
+        pixel_e = {}
+        for index, scene in enumerate(self.problem.scenes):
+            if scene.pixels is not None and not self.is_sunlit(index):
+                by_count = [
+                    self.tables.likely_pixel(index, lighting, rows, count=count, pixels=scene.pixels)
+                    for count in range(max(low, 1), max(high, 1) + 1)
+                ]
+                pixel_e[index] = np.max(by_count, axis=0)
+        return self.of_nodes(k, rows, pixel_e)
 
     def _corner(self, k: int, kind: int, name: str, value: Array, budget: Array) -> Corner:
         """A table of the lights of one lighting and kind, made once."""
@@ -219,7 +240,9 @@ class Bounds:
             self._corners[k, kind, name] = Corner.of(value, budget)
         return self._corners[k, kind, name]
 
-    def _kind_bounds(self, k: int, own: Array, kind: int, rows: Array) -> NodeBounds:
+    def _kind_bounds(
+        self, k: int, own: Array, kind: int, rows: Array, pixel_e: Mapping[int, Array]
+    ) -> NodeBounds:
         """Bounds from the lights of one kind: what capable lights cost, weigh and draw at least."""
         lighting, table, limits = self.tables.lightings[k], self.light_tables[k], self.limits
         imagers = self.imagers
@@ -240,7 +263,7 @@ class Bounds:
             )
         for index in range(len(imagers.scenes)):
             need = self._needs(index, rows)
-            light_time, wanted, most = self._light_needed(index, lighting, need, kind, rows)
+            light_time, wanted, most = self._light_needed(index, lighting, need, kind, rows, pixel_e.get(index))
             if self.coupled:
                 light_time, wanted = self._within_pulse(k, kind, own, need, light_time, wanted)
             capacity_needed = np.maximum(capacity_needed, wanted)
@@ -337,13 +360,16 @@ class Bounds:
         return np.array(most)[back.reshape(-1)]
 
     def _light_needed(
-        self, scene_index: int, lighting: Lighting, need: Needs, kind: int, rows: Array
+        self, scene_index: int, lighting: Lighting, need: Needs, kind: int, rows: Array,
+        pixel_e: Array | None = None,
     ) -> tuple[Array, Array, Array]:
         """Least light * time that the requirements need, the lamp capacity it takes, and the most
         electrons a unit of capacity can give at the nominal altitude."""
         signal = self._signal_bound(scene_index, lighting, rows)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             light_x = np.where(need.by_snr_e > 0, need.by_snr_e / signal.min(axis=1), 0.0)
+            if pixel_e is not None:
+                light_x = np.maximum(light_x, np.where(need.by_pixel_e > 0, need.by_pixel_e / pixel_e, 0.0))
             light_x = np.maximum(light_x, np.where(need.by_gain_e > 0, need.by_gain_e / signal[:, -1], 0.0))
             if need.by_red_e is not None:
                 far = len(self.problem.scenes[scene_index].range_m) - 1
@@ -389,7 +415,9 @@ class Bounds:
             focused = self.imagers.scenes[scene_index].focused.take(rows)
             by_snr, by_gain = self._electrons_needed(scene_index, rows)
             known[scene_index] = Needs(
-                by_snr, self._red_needed(scene_index, rows), by_gain, np.square(focused.n_low * focused.working_factor),
+                by_snr, by_snr / least_mean_frac(self.problem.scenes[scene_index]),
+                self._red_needed(scene_index, rows),
+                by_gain, np.square(focused.n_low * focused.working_factor),
                 self._longest_time_s(focused, rows), focused.rate_hz,
             )  # fmt: skip
         return known[scene_index]

@@ -46,6 +46,7 @@ from uwopt.tolerances import ROUND, TIE
 Array = NDArray[Any]
 
 FIRST_BATCH, LARGEST_BATCH = 32, 2048
+REFINED_AHEAD = 8  # batches of nodes whose bounds are made better before the first of them is taken
 FIRST_CHUNK, LARGEST_CHUNK = 4096, 65536  # imagers that are bounded together
 MOST_IMAGERS = 600_000  # beyond which pairs of camera and lens are bounded before their ports
 MOST_UNITS = 6_000_000  # imagers times lightings: what memory allows
@@ -235,9 +236,26 @@ class Search:
         alive = np.nonzero(np.isfinite(value) & (rule < 0))[0]
         order = alive[np.lexsort((power[alive], value[alive]))]
         position, batch = 0, FIRST_BATCH
+        rough = np.full(len(value), not few and self.sift is None and self._asks_of_pixels())
         while position < len(order):
             threshold = self.ranking.threshold()
+            if rough[order[position]] and value[order[position]] <= threshold:
+                ahead = order[position : position + REFINED_AHEAD * batch]
+                ahead = ahead[rough[ahead] & (value[ahead] <= threshold)]
+                try:
+                    self._refine(ahead, rows, value, power, size)
+                except OutOfTimeError:
+                    rest = order[position:][np.isfinite(value[order[position:]])]
+                    self.account.discarded["not_reached"] = int(size[rest].sum())
+                    return float(value[rest].min(initial=np.inf))
+                rough[ahead] = False
+                rest = order[position:]
+                rest = rest[np.isfinite(value[rest])]
+                order = rest[np.lexsort((power[rest], value[rest]))]
+                position = 0
+                continue
             ahead = order[position : position + batch]
+            ahead = ahead[np.logical_and.accumulate(~rough[ahead])]
             ahead = ahead[value[ahead] <= threshold]
             if len(ahead) == 0:
                 break
@@ -258,6 +276,28 @@ class Search:
         self.account.discarded["bound"] += int(size[order[position:]].sum())
         self._sample("bound", order[position:], rows)
         return None
+
+    def _refine(self, nodes: Array, rows: Array, value: Array, power: Array, size: Array) -> None:
+        """Bounds of these nodes by the pixels that decide, in place; inf, and accounted for, where a rule discards one.
+
+        Raises OutOfTimeError, with the bounds that are done in place: those left stay as valid as they were.
+        """
+        n = len(rows)
+        for k in np.unique(nodes // n):
+            self.deadline.check()
+            mine = nodes[nodes // n == k]
+            bounds = self.bounds.of_pixels(int(k), rows[mine % n])
+            value[mine], power[mine] = np.maximum(value[mine], bounds.value), np.maximum(power[mine], bounds.power)
+            for index, name in enumerate(NODE_RULES):
+                failed = mine[bounds.rule == index]
+                value[failed] = np.inf
+                self.account.discarded[name] += int(size[failed].sum())
+                self._sample(name, failed, rows)
+
+    def _asks_of_pixels(self) -> bool:
+        """Whether the SNR is asked of pixels that lamps alone light, in some scene."""
+        scenes = enumerate(self.problem.scenes)
+        return any(scene.pixels is not None and not self.bounds.is_sunlit(index) for index, scene in scenes)
 
     def _sample(self, rule: str, nodes: Array, rows: Array, *, any_light: bool = False) -> None:
         """Remember some of the nodes that a rule discards, evenly spread, for an audit."""
