@@ -20,6 +20,7 @@ from typer.testing import CliRunner
 import uwopt
 from uwopt.api import solving as api
 from uwopt.api.evaluating import evaluate
+from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.cli.app import app
 from uwopt.errors import SolverError
 from uwopt.results.basis import WhyNothing
@@ -96,7 +97,7 @@ def test_every_command_has_help(words: list[str]) -> None:
 
 
 def test_version_is_printed() -> None:
-    assert run("--version").stdout == f"uwopt {uwopt.__version__}\n"
+    assert run("--version").stdout == f"uwopt {uwopt.__version__}, catalogue {EDITION} of {AS_OF}\n"
 
 
 def test_help_imports_nothing_heavy() -> None:

@@ -68,4 +68,25 @@ DEFECTS = (
         new='else [at_end(part, "good")]',
         test="tests/solvers/test_robustness.py::test_a_rival_dome_may_have_any_radius_of_its_range",
     ),
+    Defect(
+        name="a price is a month older from the first on",
+        file="uwopt/catalog/stale.py",
+        old=" - (now[2] < then[2])",
+        new="",
+        test="tests/catalog/test_stale.py::test_a_price_is_as_old_as_whole_months_since_its_date",
+    ),
+    Defect(
+        name="the least used is asked for first",
+        file="uwopt/catalog/stale.py",
+        old="key=lambda row: (-row.uses,",
+        new="key=lambda row: (row.uses,",
+        test="tests/catalog/test_stale.py::test_what_recommendations_rest_on_comes_first_and_alone",
+    ),
+    Defect(
+        name="an estimated price is a quote",
+        file="uwopt/catalog/stale.py",
+        old='part.price is None or part.price.status == "estimated"',
+        new="part.price is None",
+        test="tests/catalog/test_stale.py::test_each_fault_of_a_row_is_told",
+    ),
 )

@@ -12,6 +12,7 @@ from typing import Any
 
 from uwopt.catalog.choose import Selection
 from uwopt.catalog.curves.clarity import Clarity
+from uwopt.catalog.edition import EDITION
 from uwopt.forward.effects import Influence
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene_checks import check_physical
@@ -101,7 +102,7 @@ def versions() -> dict[str, str]:
 @cache
 def installed_versions() -> dict[str, str]:
     """The same, looked up once: reading packages' metadata costs as much as a small evaluation."""
-    out = {"python": sys.version.split()[0]}
+    out = {"catalogue": EDITION, "python": sys.version.split()[0]}
     for name in ("numpy", "scipy", "casadi", "nlopt", "pymoo", "jerlov"):
         try:
             out[name] = metadata.version(name)

@@ -13,6 +13,7 @@ from typing import Annotated
 
 import typer
 
+from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.cli.bench import bench_command
 from uwopt.cli.catalog import catalog_app
 from uwopt.cli.options import (
@@ -250,7 +251,7 @@ def schema_command(
 def print_version(wanted: bool) -> None:
     """Print the version and leave."""
     if wanted:
-        typer.echo(f"uwopt {__version__}")
+        typer.echo(f"uwopt {__version__}, catalogue {EDITION} of {AS_OF}")
         raise typer.Exit(DONE)
 
 

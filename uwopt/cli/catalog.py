@@ -115,6 +115,51 @@ def check_command(
     return DONE if all(report.ok for report in reports) else BAD_INPUT
 
 
+@catalog_app.command("stale", short_help="List parts whose facts are old or missing.")
+@command
+def stale_command(
+    results: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[RESULT]", help="Results that --out wrote: only parts they rest on, most used first."),
+    ] = None,
+    months: Annotated[int, typer.Option(min=1, help="From how many months on a price is old.")] = 12,
+    files: FilesOption = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> None:
+    """List parts whose price is old, undated or not quoted, those without a source, or that nobody was seen to sell."""
+    from uwopt.catalog.stale import stale_rows
+    from uwopt.report.text.console import print_blocks, print_json
+
+    rows = stale_rows(loaded_catalog(files), recommended_in(results or []), months=months)
+    if as_json:
+        print_json(rows)
+    elif rows:
+        from uwopt.report.text.parts import stale_blocks
+
+        print_blocks(stale_blocks(rows))
+    else:
+        told("nothing there is old or missing.", DONE)
+
+
+def recommended_in(files: list[str]) -> dict[str, int]:
+    """How often each part is recommended in results and fronts, by id."""
+    from collections import Counter
+
+    from uwopt.catalog.records import KINDS
+    from uwopt.results.front import FrontResult
+    from uwopt.results.reading import read_result
+
+    found: Counter[str] = Counter()
+    for name in files:
+        result = read_result(name)
+        if isinstance(result, FrontResult):
+            designs = [point.design for point in result.points]
+        else:
+            designs = [result.recommendation] if result.recommendation else []
+        found.update(getattr(design.hardware, kind).id for design in designs for kind in KINDS)
+    return dict(found)
+
+
 @catalog_app.command("template", short_help="Print a file to start from.")
 @command
 def template_command(

@@ -6,8 +6,10 @@ from collections.abc import Iterator, Sequence
 
 from uwopt.catalog.catalogue import Exclusion
 from uwopt.catalog.checkfile import FileReport
+from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.catalog.listing import FieldLine, PartLine
 from uwopt.catalog.records import KINDS, Quantity
+from uwopt.catalog.stale import StaleRow
 from uwopt.report.text import words
 from uwopt.report.text.layout import Block, Line, Text, block, columns, sentence
 from uwopt.units import format_number
@@ -36,6 +38,16 @@ def part_list_blocks(lines: Sequence[PartLine]) -> Iterator[Block | Text]:
         yield block(f"{PLURALS[kind]} ({len(own)})", [table])
     if doubtful:
         yield sentence(LEGEND, "dim")
+
+
+def stale_blocks(rows: Sequence[StaleRow]) -> Iterator[Block | Text]:
+    """Parts with what is old or missing of them."""
+    counted = any(row.uses for row in rows)
+    table = columns(("part", "left"), *([("used", "right")] if counted else []), ("what to ask for", "left"))
+    for row in rows:
+        uses = [Text(str(row.uses))] if counted else []
+        table.add_row(Text(words.one_line(row.id, 60)), *uses, Text("; ".join(row.reasons)))
+    yield block(f"Old or missing ({len(rows)}), catalogue {EDITION} of {AS_OF}", [table])
 
 
 def price_is_estimated(price: Quantity | None) -> bool:
