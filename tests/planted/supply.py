@@ -1,7 +1,8 @@
-"""Defects in what feeds and fires lamps."""
+"""Defects in what feeds and fires lamps, and in the rest of a system."""
 
 from planted.defect import Defect
 
+REST = "tests/evaluation/test_rest.py::"
 LAMPS = "tests/catalog/test_supply.py::"
 CHOICE = "uwopt/catalog/choose.py"
 
@@ -78,5 +79,47 @@ DEFECTS = (
         old='{"lamp_supply": "external"}',
         new='{"lamp_supply": "any"}',
         test=f"{LAMPS}test_good_practice_takes_lamps_that_the_vehicle_feeds",
+    ),
+    Defect(
+        name="connectors of lamps cost nothing",
+        file="uwopt/forward/problem.py",
+        old="lamp = burns * self.rest_price(",
+        new="lamp = 0.0 * burns * self.rest_price(",
+        test=f"{REST}test_the_rest_counts_in_cost_and_bill",
+    ),
+    Defect(
+        name="each camera has a pressure test of its own",
+        file="uwopt/forward/problem.py",
+        old="share = 1.0 / self.mission.vehicle.camera_count",
+        new="share = 1.0",
+        test=f"{REST}test_two_cameras_share_what_is_bought_once",
+    ),
+    Defect(
+        name="a cost limit takes the rest at its middle",
+        file="uwopt/forward/problem.py",
+        old='"limit_price": "bad" if high_basis else self.end}',
+        new='"limit_price": self.end}',
+        test=f"{REST}test_a_cost_limit_holds_for_the_rest_at_the_end_that_it_asks_for",
+    ),
+    Defect(
+        name="the rest stands in no bill",
+        file="uwopt/evaluation/bill.py",
+        old="for item in problem.rest if numbers[item.per]]",
+        new="for item in problem.rest if not numbers[item.per]]",
+        test=f"{REST}test_the_rest_counts_in_cost_and_bill",
+    ),
+    Defect(
+        name="deep systems are tested as shallow ones",
+        file="uwopt/catalog/rest.py",
+        old='if depth_m <= limit_m), DEEPEST)',
+        new='if depth_m <= 7.0 * limit_m), DEEPEST)',
+        test=f"{REST}test_the_pressure_test_is_that_of_the_depth",
+    ),
+    Defect(
+        name="cables among the extras count twice",
+        file="uwopt/mission/practice.py",
+        old='filled["catalog"] = {}',
+        new='filled["catalog"] = {"rest": "estimate"}',
+        test=f"{REST}test_good_practice_counts_the_rest_unless_extras_hold_it",
     ),
 )

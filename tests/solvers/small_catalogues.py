@@ -244,7 +244,10 @@ def mission(rng: Rng) -> dict[str, Any]:
 
 
 def in_hand(seed: int) -> dict[str, dict[str, Any]]:
-    """Reserves, a lens stopped down and refusals of a case, from a generator of their own: the rest stays as it is."""
+    """Reserves, a lens stopped down, refusals and what else is counted, from a generator of their own.
+
+    All else of a case stays as it is.
+    """
     rng = np.random.default_rng([seed, 1])
     wanted: dict[str, Any] = {}
     reserve: dict[str, Any] = {}
@@ -254,7 +257,8 @@ def in_hand(seed: int) -> dict[str, dict[str, Any]]:
         wanted["lens_stop_down"] = pick(rng, [0.5, 1.0, 2.0])
     if chance(rng, 0.25):
         wanted["max_airy_px"] = between(rng, 0.8, 4)
-    return {"requirements": wanted, "reserve": reserve}
+    catalog = {"rest": "estimate"} if chance(rng, 0.3) else {}
+    return {"requirements": wanted, "reserve": reserve, "catalog": catalog}
 
 
 def with_in_hand(plain: dict[str, Any], seed: int) -> dict[str, Any]:

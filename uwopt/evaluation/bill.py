@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from uwopt.catalog.records import Part, Quantity
+from uwopt.catalog.rest import RestItem
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.results.design import BillRow, Cost, LampPlace, UsedHardware, UsedPart
@@ -80,6 +81,9 @@ def bill_of_materials(problem: Problem, hw: Hardware) -> list[BillRow]:
     extras = problem.mission.catalog.extras
     if problem.counts_host:
         rows.append(host_row(problem, parts_host(problem, hw)))
+    lamps = sum(count - owned for kind, _, count, owned in bought(problem, hw) if kind == "light")
+    numbers = {"system": 1, "camera": problem.mission.vehicle.camera_count, "lamp": lamps}
+    rows += [rest_row(problem, item, numbers[item.per]) for item in problem.rest if numbers[item.per]]
     return rows + [
         BillRow(
             kind="extra", id=extra.name, manufacturer="", model=extra.name, count=1, owned=0,
@@ -105,6 +109,17 @@ def host_row(problem: Problem, price: Quantity) -> BillRow:
         price_status="own" if price.status == "user" else price.status,
         price_date="", generic=False, source="class estimate by the camera's interface",
         price_basis=price.source,
+    )  # fmt: skip
+
+
+def rest_row(problem: Problem, item: RestItem, count: int) -> BillRow:
+    """What every system needs beside its parts."""
+    rate, price = problem.money(1.0, "USD"), item.price
+    return BillRow(
+        kind="extra", id=item.id, manufacturer="", model=item.name, count=count, owned=0,
+        unit_price=rate * price.value, unit_price_low=rate * price.low, unit_price_high=rate * price.high,
+        currency=problem.mission.limits.currency, price_status=price.status, price_date="", generic=False,
+        source="class estimate", price_basis=price.source,
     )  # fmt: skip
 
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from uwopt.catalog import money
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Lens, Light, Port
+from uwopt.catalog.rest import Per, RestItem, rest_items
 from uwopt.forward import switching
 from uwopt.forward.lamps import (
     Mount,
@@ -27,6 +28,7 @@ from uwopt.forward.lamps import (
     mission_mounts,
 )
 from uwopt.forward.part_columns import (
+    FAVOURED,
     Cameras,
     End,
     Lenses,
@@ -35,6 +37,7 @@ from uwopt.forward.part_columns import (
     camera_rows,
     lens_rows,
     light_rows,
+    number,
     port_rows,
 )
 from uwopt.forward.scene import SceneOptics, glass_index, scene_optics
@@ -125,6 +128,8 @@ class Problem:
         self.lights: Lights = light_rows(
             parts.lights, money=self.money, optics_index=optics_index, end=end, paper=paper, high_basis=high
         )
+        if self.rest:
+            self._add_rest(high)
         self.fineness = self.scenes[0].fineness
         self.contractions = [Contraction(scene, self.optics, self.efficiencies) for scene in self.scenes]
 
@@ -161,6 +166,29 @@ class Problem:
             float(sum(item.mass_kg or 0.0 for item in items)),
             float(sum(item.power_w or 0.0 for item in items)),
         )
+
+    @cached_property
+    def rest(self) -> tuple[RestItem, ...]:
+        """Connectors, cables, electronics, spares and test, where the mission wants them counted."""
+        if self.mission.catalog.rest == "none":
+            return ()
+        return rest_items(self.mission.required_depth_m, lit=self.mission.vehicle.light_count[1] > 0)
+
+    def rest_price(self, per: Per, end: End) -> float:
+        """What the rest costs once for a system, or for each camera or lamp, in the mission's currency."""
+        favoured = FAVOURED["price"]
+        return sum(self.money(number(i.price, 0.0, end, favoured), "USD") for i in self.rest if i.per == per)
+
+    def _add_rest(self, high_basis: bool) -> None:
+        """Each camera costs its own rest and its share of the system's; each lamp that is bought its own."""
+        ends: dict[str, End] = {"price": self.end, "limit_price": "bad" if high_basis else self.end}
+        share = 1.0 / self.mission.vehicle.camera_count
+        burns = np.array([part.id != NO_LAMP.id for part in self.parts.lights], float)
+        for name, end in ends.items():
+            camera = self.rest_price("camera", end) + share * self.rest_price("system", end)
+            lamp = burns * self.rest_price("lamp", end)
+            self.cameras = replace(self.cameras, **{name: getattr(self.cameras, name) + camera})
+            self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})
 
     @property
     def counts_host(self) -> bool:

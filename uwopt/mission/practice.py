@@ -18,7 +18,7 @@ DEFAULT_PRACTICE: Practice = "recommended"
 RECOMMENDED_KEYS: Mapping[str, Mapping[str, Any]] = {
     "requirements": {"snr_at": "worst", "dof_at": "corner", "lens_stop_down": 1.0, "refuse": "all"},
     "vehicle": {"lamp_supply": "external"},
-    "catalog": {"host": "estimate"},
+    "catalog": {"host": "estimate", "rest": "estimate"},
 }
 LEAST_UNIFORMITY = 0.3  # darkest over mean illuminance of the floor, where there are lamps
 SLOW_LAMP_S, SLOW_CAMERA_S = 10.0, 60.0  # between images; from here on what is switched off between them saves much
@@ -36,7 +36,7 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
     if _most_lamps(vehicle.get("light_count")) > 0:
         filled["requirements"]["min_uniformity"] = LEAST_UNIFORMITY
     if catalog.get("extras"):
-        del filled["catalog"]["host"]  # it may be among them, and would count twice
+        filled["catalog"] = {}  # computer and cables may be among them, and would count twice
     interval_s = requirements.get("frame_interval_s")
     if isinstance(interval_s, (int, float)):
         slow = {"lamps_between_images": SLOW_LAMP_S, "camera_between_images": SLOW_CAMERA_S}

@@ -381,6 +381,11 @@ class CatalogChoice(Section):
         description="the computer that takes the images: none leaves it out, estimate (recommended, unless it is among "
         "the extras) counts power and cost by the camera's interface",
     )
+    rest: Annotated[Literal["none", "estimate"], CHOICE] = Field(
+        default="none",
+        description="the rest that every system needs: none leaves it out, estimate (recommended, unless there are "
+        "extras) counts connectors and cables by depth, trigger electronics, spares and a pressure test in the cost",
+    )
     extras: tuple[Extra, ...] = Field(
         default=(), description="list of items added to every system: {name, cost, mass_kg, power_w}"
     )

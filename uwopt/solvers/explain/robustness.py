@@ -66,6 +66,13 @@ def assumptions(problem: Problem, found: Found) -> list[Assumption]:
         for kind, part in parts_of(problem, found)
         for name, value in doubtful(part)
     ]  # fmt: skip
+    items += [
+        Assumption(
+            f"{item.id}.price", item.id, item.price.value, item.price.low, item.price.high, "USD", item.price.status,
+            item.price.source,
+        )
+        for item in problem.rest
+    ]  # fmt: skip
     return items + model_assumptions(problem, found)
 
 

@@ -1,0 +1,96 @@
+"""Connectors, cables, electronics, spares and the pressure test: in cost and bill, by hand from the class estimates."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import uwopt
+from uwopt.catalog.rest import rest_items
+from uwopt.mission.mission import load_mission
+
+# To 1000 m, in USD: a connection 300 (120 to 750), lamp control 150 (50 to 450), spares 100 (40 to 250), test 600
+# (300 to 1200). One camera and two lamps: 3 x 300 + 850 = 1750 (3 x 120 + 390 = 750, 3 x 750 + 1900 = 4150).
+# At 1.25 USD a euro: 1400 EUR (600 to 3320).
+SYSTEM: dict[str, Any] = {
+    "camera": {"resolution_x_px": 2000, "resolution_y_px": 1000, "pixel_pitch_um": 5.0, "read_noise_e": 5.0,
+               "quantum_efficiency": 0.5, "bit_depth": 12, "max_frame_rate_hz": 10.0, "power_w": 4.0,
+               "interface": "GigE", "price": 1000.0, "currency": "USD"},
+    "lens": {"focal_length_mm": 10.0, "f_number_min": 1.4, "f_number_max": 16.0},
+    "port": {"geometry": "flat", "gap_mm": 5.0, "thickness_mm": 10.0},
+    "light": {"kind": "pulsed_led", "flux_lm": 3_000, "power_w": 0.0, "beam": "cosine-power",
+              "beam_half_angle_deg": 40.0},
+    "settings": {"f_number": 4.0, "exposure_ms": 50.0, "pulse_ms": 1.0, "gain": 1.0},
+}  # fmt: skip
+
+
+def design(rest: str = "estimate", *, cameras: int = 1, lamps: int = 2, basis: str = "central") -> Any:
+    """What `evaluate` says of the system."""
+    mission = {
+        "practice": "bare", "name": "with the rest", "physics": "paper",
+        "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
+        "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0, "light_count": [1, 2], "camera_count": cameras},
+        "requirements": {"frame_interval_s": 100.0, "circle_of_confusion_px": 2.0},
+        "limits": {"currency": "EUR", "rates": {"EUR": 1.25}, "cost": 2300.0, "cost_basis": basis},
+        "catalog": {"rest": rest},
+    }  # fmt: skip
+    found = uwopt.evaluate(mission, {**SYSTEM, "camera_count": cameras, "light_count": lamps}).design
+    assert found is not None
+    return found
+
+
+def cost_margin(found: Any) -> float:
+    """What is left of the cost limit."""
+    return float(next(m.margin for m in found.scenes[0].margins if m.requirement == "cost"))
+
+
+def test_the_rest_counts_in_cost_and_bill() -> None:
+    found, without = design(), design("none")
+    assert without.totals.cost.value == pytest.approx(800.0)
+    cost = found.totals.cost
+    assert (cost.value, cost.low, cost.high) == pytest.approx((2200.0, 1400.0, 4120.0))
+    assert cost.estimated == pytest.approx(1400.0)
+    assert found.scenes[0].figures["cost"] == pytest.approx(2200.0)
+    extras = {row.id: row.count for row in found.bom if row.kind == "extra"}
+    assert extras == {
+        "rest-camera-connection": 1, "rest-lamp-connection": 2, "rest-lamp-control": 1, "rest-spares": 1,
+        "rest-pressure-test": 1,
+    }  # fmt: skip
+
+
+def test_two_cameras_share_what_is_bought_once() -> None:
+    # 2 x 800 + (2 + 1) x 240 + 680 EUR
+    found = design(cameras=2, lamps=1)
+    assert found.totals.cost.value == pytest.approx(3000.0)  # of the bill
+    assert found.scenes[0].figures["cost"] == pytest.approx(3000.0)  # of the columns that the search reads
+
+
+@pytest.mark.parametrize(("basis", "left"), [("central", 100.0), ("high", -1820.0)])
+def test_a_cost_limit_holds_for_the_rest_at_the_end_that_it_asks_for(basis: str, left: float) -> None:
+    assert cost_margin(design(basis=basis)) == pytest.approx(left)
+
+
+def test_without_lamps_nothing_is_wired_to_them() -> None:
+    assert [item.id for item in rest_items(10.0, lit=False)] == [
+        "rest-camera-connection", "rest-spares", "rest-pressure-test"
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("depth_m", "test_usd"), [(150, 200), (151, 600), (1000, 600), (1001, 1600)])
+def test_the_pressure_test_is_that_of_the_depth(depth_m: float, test_usd: float) -> None:
+    assert rest_items(depth_m, lit=True)[-1].price.value == test_usd
+
+
+def recommended(**catalog: Any) -> Any:
+    """A survey of few words, in good practice."""
+    return load_mission({
+        "practice": "recommended", "scene": {"water": "II", "seafloor": "sand", "depth_m": 20}, "catalog": catalog,
+        "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5}, "requirements": {"overlap": 0.6, "min_snr_db": 20},
+    }).catalog  # fmt: skip
+
+
+def test_good_practice_counts_the_rest_unless_extras_hold_it() -> None:
+    assert recommended().rest == "estimate"
+    assert recommended(rest="none").rest == "none"
+    assert recommended(extras=[{"name": "cables", "cost": 500}]).rest == "none"
