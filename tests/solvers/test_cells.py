@@ -105,14 +105,14 @@ def test_least_power_and_most_snr_of_a_sharp_image(wanted: str, seed: int) -> No
     check(rows, wanted, seed)
 
 
-@pytest.mark.parametrize("seed", drawn(SEEDS, range(14)))
+@pytest.mark.parametrize("seed", drawn(SEEDS[:3], range(14)))
 def test_most_information(seed: int) -> None:
     rng = np.random.default_rng(100 + seed)
     # 2e-4: where motion ends inside the Nyquist square, the bound's nodes and the model's differ by up to 1e-4.
     check(random_rows(rng, kind=[CONTINUOUS, PULSED][seed % 2]), "information", seed, gap=2e-4)
 
 
-@pytest.mark.parametrize("seed", drawn(SEEDS[:3], range(10)))
+@pytest.mark.parametrize("seed", drawn(SEEDS[:2], range(10)))
 @pytest.mark.parametrize("wanted", ["power", "snr_db"])
 def test_sunlight_beside_lamps(wanted: str, seed: int) -> None:
     rng = np.random.default_rng(200 + seed)

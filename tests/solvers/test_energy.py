@@ -12,7 +12,7 @@ from agreement import agree
 from energy_cases import energy_case, enumerated_of
 from random_cases import CHOSEN, lamp, planted, ranked, solved
 from settings_attack import lit, sharp
-from thorough import THOROUGH
+from thorough import THOROUGH, drawn
 
 from uwopt.catalog.records import exact
 from uwopt.evaluation.design import evaluate_design
@@ -26,7 +26,7 @@ from uwopt.solvers.settings.mean_limit import MeanLimit
 BURNING = lamp("burning", flux_lm=2e4, power_w=200.0)
 
 #: With one scene and two, all kinds of lamps, and SNR alone, in a sum, or not in the objective.
-SEEDS = tuple(s for s in CHOSEN if solved(s).best) if THOROUGH else (9, 10, 14, 24, 33, 39, 91, 54, 75, 81)
+SEEDS = tuple(s for s in CHOSEN if solved(s).best) if THOROUGH else (9, 33, 39, 91, 75, 81)
 
 
 @pytest.mark.usefixtures("batches")
@@ -63,7 +63,7 @@ def test_claims_hold_with_an_energy_limit(seed: int) -> None:
 # ---------------------------------------------------------------- over scenes: cells, rules
 
 
-@pytest.mark.parametrize("share", [0.2, 0.7])
+@pytest.mark.parametrize("share", drawn([0.7], [0.2, 0.7]))
 @pytest.mark.parametrize("wanted", ["power", "snr_db", {"power": 1.0, "snr_db": 2.0}])
 def test_cells_and_closed_form_agree_on_energy_over_two_scenes(wanted: Any, share: float) -> None:
     """One scene asks for ten times the SNR; a wanted sharpness of nothing leaves the closed form."""
