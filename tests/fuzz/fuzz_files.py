@@ -34,7 +34,7 @@ from uwopt.mission.system import sections as system_sections
 MISSION, SYSTEM = mission_sections(), system_sections()
 PHYSICS = ("auto", "full", "paper")
 SPANS = {field.name: field.cell.span for field in ALL_FIELDS}
-FUZZ = float(os.environ.get("UWOPT_FUZZ", drawn("0.3", "5")))  # times the number of examples
+FUZZ = float(os.environ.get("UWOPT_FUZZ", drawn("0.2", "5")))  # times the number of examples
 Draw = Any
 
 
