@@ -46,6 +46,7 @@ from uwopt.tolerances import ROUND, TIE
 Array = NDArray[Any]
 
 FIRST_BATCH, LARGEST_BATCH = 32, 2048
+LARGEST_COSTLY = 256  # where each node takes light at pixels: the next batch then knows what this one found
 REFINED_AHEAD = 8  # batches of nodes whose bounds are made better before the first of them is taken
 FIRST_CHUNK, LARGEST_CHUNK = 4096, 65536  # imagers that are bounded together
 MOST_IMAGERS = 600_000  # beyond which pairs of camera and lens are bounded before their ports
@@ -237,6 +238,7 @@ class Search:
         order = alive[np.lexsort((power[alive], value[alive]))]
         position, batch = 0, FIRST_BATCH
         rough = np.full(len(value), not few and self.sift is None and self._asks_of_pixels())
+        largest = LARGEST_COSTLY if rough.any() else LARGEST_BATCH
         while position < len(order):
             threshold = self.ranking.threshold()
             if rough[order[position]] and value[order[position]] <= threshold:
@@ -272,7 +274,7 @@ class Search:
                 self.account.discarded["not_reached"] = int(size[rest].sum())
                 return float(value[rest].min())
             position += len(ahead)
-            batch = min(2 * batch, LARGEST_BATCH)
+            batch = min(2 * batch, largest)
         self.account.discarded["bound"] += int(size[order[position:]].sum())
         self._sample("bound", order[position:], rows)
         return None
@@ -330,8 +332,9 @@ class Search:
     # ------------------------------------------------------------ evaluation
 
     def evaluate_nodes(self, lighting_index: Array, imager: Array) -> None:
-        """Exact signal of these nodes, then all their lights and counts."""
-        for k in np.unique(lighting_index):
+        """Exact signal of these nodes, then all their lights and counts; the lighting of the first node first."""
+        keys, first = np.unique(lighting_index, return_index=True)
+        for k in keys[np.argsort(first)]:
             rows = imager[lighting_index == k]
             lighting, table = self.tables.lightings[k], self.bounds.light_tables[k]
             lights = [
