@@ -15,6 +15,13 @@ FRAME = "tests/solvers/test_over_frame.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a rival keeps its place among the mixed",
+        file="uwopt/solvers/explain/robustness.py",
+        old="return replace(found, **places)",
+        new="return found",
+        test=f"{DOUBT}test_a_rival_that_stands_twice_among_the_mixed_is_one_of_the_catalogue",
+    ),
+    Defect(
         name="bars in a cell under the sun have the least contrast there is",
         file="uwopt/solvers/settings/cell_bounds.py",
         old="seen = (self.least_contrast if safe else self.most_contrast)[d]",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -12,6 +13,7 @@ from one_of_each import one, with_parts
 from uwopt.catalog.parts.quantity import Quantity, exact
 from uwopt.deadline import NEVER
 from uwopt.solvers.explain.robustness import (
+    among,
     assumptions,
     at_end,
     at_worst,
@@ -102,6 +104,14 @@ def test_the_quotes_that_matter_are_those_that_change_the_choice() -> None:
     assert {(quote["part"], quote["field"]) for quote in doubt["quotes_that_matter"]} == {
         ("camera", "price"), ("camera-0", "price"),
     }  # fmt: skip
+
+
+def test_a_rival_that_stands_twice_among_the_mixed_is_one_of_the_catalogue() -> None:
+    """Each camera listed three times: the last is the second of the catalogue, which the mixed problem has sixth."""
+    base = sought()
+    thrice = replace(base.problem.parts, cameras=tuple(part for part in base.problem.parts.cameras for _ in range(3)))
+    mixed: Any = SimpleNamespace(parts=thrice)
+    assert among(base.problem, replace(base.outcome.best[0], camera=5), mixed).camera == 1
 
 
 def test_a_price_does_not_matter_where_none_is_asked_for() -> None:

@@ -266,12 +266,22 @@ def outcome_rivals(sought: Sought, good: Sequence[Found], mixed: Problem) -> lis
     """Designs that could take the winner's place: its runner-up, and the rival of the regret search."""
     winner = sought.outcome.best[0]
     rivals = list(sought.outcome.best[1:2])
-    for found in good:
-        if not same_parts(mixed, found, sought.problem, winner) and not any(
-            same_parts(mixed, found, sought.problem, r) for r in rivals
-        ):
+    for other in good:
+        found = among(sought.problem, other, mixed)
+        if not any(same_parts(sought.problem, found, sought.problem, known) for known in (winner, *rivals)):
             rivals.append(found)
     return rivals[:2]
+
+
+def among(problem: Problem, found: Found, mixed: Problem) -> Found:
+    """A design of the mixed problem, which may hold a part twice, by the places of its parts in another."""
+    own_parts = problem.parts
+    lists = dict(zip(KINDS, (own_parts.cameras, own_parts.lenses, own_parts.ports, own_parts.lights), strict=True))
+    places = {
+        kind: next(place for place, own in enumerate(lists[kind]) if own.id == part.id)
+        for kind, part in parts_of(mixed, found)
+    }
+    return replace(found, **places)
 
 
 def matters(name: str, problem: Problem, objective: Objective) -> bool:
