@@ -442,8 +442,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="rivals are taken at their bad end",
         file="uwopt/solvers/explain/robustness.py",
-        old='else at_end(part, "good") for part in parts',
-        new='else at_end(part, "bad") for part in parts',
+        old='else with_either_end(at_end(part, "good"))',
+        new='else with_either_end(at_end(part, "bad"))',
         test=f"{DOUBT}test_the_regret_is_what_a_rival_saves_at_worst",
     ),
     Defect(

@@ -277,7 +277,7 @@ def among(problem: Problem, found: Found, mixed: Problem) -> Found:
     """A design of the mixed problem, which may hold a part twice, by the places of its parts in another."""
     own_parts = problem.parts
     lists = dict(zip(KINDS, (own_parts.cameras, own_parts.lenses, own_parts.ports, own_parts.lights), strict=True))
-    places = {
+    places: dict[str, Any] = {
         kind: next(place for place, own in enumerate(lists[kind]) if own.id == part.id)
         for kind, part in parts_of(mixed, found)
     }
