@@ -81,6 +81,13 @@ DEFECTS = (
         test=f"{LAMPS}test_good_practice_takes_lamps_that_the_vehicle_feeds",
     ),
     Defect(
+        name="cameras of an unknown interface pass for any",
+        file=CHOICE,
+        old="if self.wish.interfaces and part.interface not in self.wish.interfaces:",
+        new='if self.wish.interfaces and part.interface not in (*self.wish.interfaces, ""):',
+        test="tests/catalog/test_interfaces.py::test_cameras_are_chosen_by_the_interfaces_that_the_host_has",
+    ),
+    Defect(
         name="connectors of lamps cost nothing",
         file="uwopt/forward/problem.py",
         old="lamp = burns * self.rest_price(",

@@ -24,6 +24,7 @@ RULES = (
     "verified",
     "colour",
     "shutter",
+    "interface",
     "lamp supply",
     "run time",
     "trigger",
@@ -54,6 +55,7 @@ class Choice:
     verified: Sequence[str] = ()
     accept_unrated: Sequence[str] = ()
     port_mounts: Sequence[str] = ()
+    interfaces: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -205,6 +207,9 @@ class _Filters:
             return "colour", f"{part.colour} sensor, {self.colour} is wanted"
         if self.shutter not in ("any", part.shutter):
             return "shutter", f"{part.shutter} shutter, {self.shutter} is wanted"
+        if self.wish.interfaces and part.interface not in self.wish.interfaces:
+            wanted = " or ".join(self.wish.interfaces)
+            return "interface", f"interface {part.interface or 'unknown'}, {wanted} is wanted"
         return None
 
     def _wrong_supply(self, part: Part, wanted: bool) -> tuple[str, str] | None:

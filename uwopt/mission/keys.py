@@ -17,6 +17,7 @@ SEAFLOORS = ("sand", "hard", "coral", "organic", "benthic-average")
 OBJECTIVES = tuple(TERMS)
 Refusal = Literal["airy", "skew", "swath", "depth", "lamp", "white_balance"]
 REFUSALS: tuple[str, ...] = get_args(Refusal)
+INTERFACES = ("USB3", "GigE", "2.5GigE", "5GigE", "10GigE", "CSI-2", "Camera Link", "coax", "Ethernet RTSP")
 Target = Literal["floor", "wall", "mid_water"]
 #: Other names of keys of `vehicle`, for what is not a floor.
 OTHER_NAMES = {"distance_m": "altitude_m", "distance_tolerance_m": "altitude_tolerance_m"}
@@ -129,6 +130,23 @@ def to_refusals(value: Any) -> Any:
         if not isinstance(word, str) or word not in (*REFUSALS, "all"):
             raise one_of(str(word), (*REFUSALS, "all"))
     return REFUSALS if "all" in names else tuple(dict.fromkeys(names))
+
+
+def to_interfaces(value: Any) -> Any:
+    """A list of interfaces as the catalogue spells them, each once; case, `-`, `_` and blanks are ignored."""
+
+    def plain(name: str) -> str:
+        return "".join(sign for sign in name.casefold() if sign not in "-_ ")
+
+    given = [value] if isinstance(value, str) else value
+    if not isinstance(given, (list, tuple)):
+        return value
+    by_name, found = {plain(name): name for name in INTERFACES}, []
+    for word in given:
+        if plain(str(word)) not in by_name:
+            raise one_of(str(word), INTERFACES)
+        found.append(by_name[plain(str(word))])
+    return tuple(dict.fromkeys(found))
 
 
 def to_currency_code(value: Any) -> str:

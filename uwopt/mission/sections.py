@@ -376,6 +376,11 @@ class CatalogChoice(Section):
         default="warn",
         description="what a lens rated for larger pixels than the camera's is: warn tells of it, limit refuses it",
     )
+    interfaces: Annotated[tuple[str, ...], BeforeValidator(words.to_interfaces)] = Field(
+        default=(),
+        description="interfaces that the host has, such as [USB3, GigE]; cameras of another, or of an unknown one, "
+        "are left out; none allows all",
+    )
     host: Annotated[Literal["none", "estimate"], CHOICE] = Field(
         default="none",
         description="the computer that takes the images: none leaves it out, estimate (recommended, unless it is among "

@@ -133,6 +133,7 @@ catalog:
   # accept_unrated: []         # ids whose unknown depth rating you accept
   # port_mounts: [nauticam-n120]  # mounts of photo housings that you have an adapter for
   # lens_rating: warn          # warn | limit: lenses rated for larger pixels than the camera's
+  # interfaces: [USB3, GigE]   # those that the host has; left out: all
   # host: estimate             # by good practice: the computer that takes the images, by the camera's interface; none
   # rest: estimate             # by good practice: connectors, cables, trigger electronics, spares, pressure test; none
   # extras: [{name: housing, cost: 900, mass_kg: 2.5, power_w: 0}]

@@ -92,6 +92,7 @@ RULES: Mapping[str, str] = {
     "verified": "a field that must be sourced is not",
     "colour": "sensor of the other colour type",
     "shutter": "shutter of the other type",
+    "interface": "camera's interface is not one that the host has, or unknown",
     "lamp supply": "lamp has its own battery, or its supply is unknown",
     "run time": "lamp's battery does not last",
     "trigger": "nothing fires the lamp with the camera",
