@@ -266,6 +266,10 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
         "light.depth_rating_m": 330.0 / (1.0 + over), "requirements.refuse": ["depth"]}),
     ("lamp_clear_m", lambda over: {
         **FULL, "requirements.refuse": ["lamp"], "vehicle.light_mounts": beside_the_view(0.02 / (1.0 + over))}),
+    ("lamps_apart_m", lambda over: {
+        **FULL, "vehicle.lamp_size_m": 0.2 * (1.0 + over), "vehicle.light_baseline_m": 0.1}),
+    ("lamp_beside_port_m", lambda over: {
+        **FULL, "vehicle.lamp_size_m": 0.2 * (1.0 + over), "vehicle.light_baseline_m": 0.1}),
     ("port_clears_view_mm", high("port.clear_diameter_mm", 2.0 * CORNER_MM, **FULL)),
 ]  # fmt: skip
 NAMES = [name for name, _ in CASES]

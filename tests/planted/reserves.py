@@ -91,7 +91,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a lamp may stand as near to the view as it likes",
         file="uwopt/forward/lamp_views.py",
-        old="clear_m >= LAMP_FRONT_M * (1 - 1e-9)",
+        old="clear_m >= least_m * (1 - 1e-9)",
         new="clear_m >= -LAMP_FRONT_M",
         test="tests/solvers/test_reserves.py::test_a_lamp_in_the_view_is_refused[vehicle1-refuse1-False]",
     ),

@@ -256,7 +256,8 @@ def _least_power(power: Array, snr: Array, floors: Array) -> tuple[Array, Array]
 def best_of(bench: Bench, hardware: Hardware, objective: Objective) -> Best:
     """Best settings of one hardware, read back through the margins of the forward model."""
     model = bench.model(hardware)
-    if not passes_without_light(model) or misses_limits(model):
+    room = all(m.satisfied.all() for index in range(len(model.views)) for m in model.lamp_margins(index))
+    if not room or not passes_without_light(model) or misses_limits(model):
         return Best(hardware, np.inf, np.inf, 1.0, [])
     value, power, snr, settings = settle_all(model, objective)
     if settings:

@@ -27,6 +27,7 @@ ASKED = {
     "min_mtf_half_nyquist": "sharpness", "resolve_mm": "sharpness", "frame_interval_s": "time between images",
     "data_rate_mb_s": "data rate", "min_snr_red_db": "signal to noise of red", "max_white_balance": "white balance",
     "max_airy_px": "sharpness against diffraction", "lamp_clear_m": "room between lamps and view",
+    "lamp_beside_port_m": "room between lamps and port", "lamps_apart_m": "room between lamps",
 }  # fmt: skip
 #: Ends of the ranges that settings may have, and what a setting with room left can mend.
 OF_SETTINGS = (

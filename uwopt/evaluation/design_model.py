@@ -22,8 +22,15 @@ from uwopt.forward.figures import (
 from uwopt.forward.floor_light import footprint_light, uniformity
 from uwopt.forward.focus import Focus, place_focus
 from uwopt.forward.lamp_light import ImageLight, LampField, SunLight, image_light
-from uwopt.forward.lamp_views import lamp_clearance_m, lamps_refused
-from uwopt.forward.lamps import LAMP_FRONT_M
+from uwopt.forward.lamp_views import (
+    bodies_refused,
+    from_port_axis_m,
+    lamp_clearance_m,
+    lamps_apart_m,
+    least_clearance_m,
+    port_radius_m,
+    views_refused,
+)
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Lights
 from uwopt.forward.problem import Problem
@@ -42,7 +49,9 @@ Array = NDArray[Any]
 DARK_CELLS = 80  # a side of the image, where its unlit share is counted
 
 #: Margins that say nothing where there is no lamp.
-LAMP_MARGINS = ("light_level_max", "light_level", "min_uniformity", "lamp_clear_m")
+LAMP_MARGINS = (
+    "light_level_max", "light_level", "min_uniformity", "lamp_clear_m", "lamp_beside_port_m", "lamps_apart_m",
+)  # fmt: skip
 
 
 class DesignModel:
@@ -377,12 +386,21 @@ class DesignModel:
         return [MarginRows("min_uniformity", value, np.array([wanted]), ">=", "", where)]
 
     def lamp_margins(self, index: int) -> list[MarginRows]:
-        """How far lamps stand from the view, where one in it is refused."""
-        if not lamps_refused(self.problem, index):
-            return []
-        clear, front = np.array([self.lamp_clearance_m(index)]), np.array([LAMP_FRONT_M])
-        where = np.array([float(self.problem.scenes[index].range_m[0])])
-        return [MarginRows("lamp_clear_m", clear, front, ">=", "m", where)]
+        """How far lamps stand from the view, from the port and from each other, where the mission refuses some."""
+        problem, hw = self.problem, self.hardware
+        margins = []
+        if views_refused(problem, index):
+            clear, front = np.array([self.lamp_clearance_m(index)]), np.array([least_clearance_m(problem)])
+            where = np.array([float(problem.scenes[index].range_m[0])])
+            margins.append(MarginRows("lamp_clear_m", clear, front, ">=", "m", where))
+        if bodies_refused(problem):
+            size_m = problem.mission.vehicle.lamp_size_m or 0.0
+            aside = np.array([from_port_axis_m(hw.mount, hw.count)])
+            beside = port_radius_m(problem, np.array([hw.port])) + 0.5 * size_m
+            margins.append(MarginRows("lamp_beside_port_m", aside, beside, ">=", "m"))
+            apart = np.array([lamps_apart_m(hw.mount, hw.count)])
+            margins.append(MarginRows("lamps_apart_m", apart, np.array([size_m]), ">=", "m"))
+        return margins
 
     def accepted_unrated(self) -> frozenset[str]:
         """Parts of this design whose unknown depth rating the mission accepts, however it spells their ids."""

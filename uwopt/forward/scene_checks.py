@@ -5,6 +5,7 @@ Physics `paper` puts lamps on the axis and knows no sun, so that most of this do
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -72,6 +73,18 @@ def lamp_front_faults(view: SceneView) -> Iterator[str]:
                 f"vehicle.light_mounts[{n}] is {aside:g} m from the port, within the {LAMP_FRONT_M:g} m radius of a "
                 "lamp's front; move it aside (x_m or y_m)"
             )
+        for other, there in enumerate((vehicle.light_mounts or ())[:n]):
+            apart_m = math.dist((mount.x_m, mount.y_m, mount.z_m), (there.x_m, there.y_m, there.z_m))
+            if vehicle.lamp_size_m is not None and apart_m < vehicle.lamp_size_m * (1 - 1e-9):
+                yield (
+                    f"vehicle.light_mounts[{n}] is {apart_m:g} m from light_mounts[{other}], less than lamp_size_m = "
+                    f"{vehicle.lamp_size_m:g} m: one lamp would stand in the other; move them apart"
+                )
+    if vehicle.lamp_size_m is not None and vehicle.light_mounts is None and vehicle.light_count[0] > 2:
+        yield (
+            f"vehicle.light_count begins at {vehicle.light_count[0]}, and at one baseline no more than two lamps of "
+            "lamp_size_m have room; write light_mounts, or begin at 2"
+        )
     least = vehicle.light_baseline_range_m[0]
     if vehicle.light_mounts is None and least < LAMP_FRONT_M:
         yield (

@@ -20,6 +20,7 @@ HARDWARE_KEYS = (
     "light_baseline_m",
     "light_tilt_deg",
     "light_mounts",
+    "lamp_size_m",
     "lamp_supply",
     "camera_count",
     "orientation",

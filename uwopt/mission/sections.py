@@ -97,6 +97,12 @@ class Vehicle(Section):
         default=None,
         description="places and aims of the lights, taken in this order; instead of baseline and tilt",
     )
+    lamp_size_m: Annotated[float, Field(gt=0, le=2), NUMBER] | None = Field(
+        default=None,
+        description="diameter of a lamp's body in metres, recommended 0.1: with it lamps may not stand in one another, "
+        "in the port's body or, where refuse holds lamp, with their bodies in the view; of more than two lamps "
+        "light_mounts says where they stand",
+    )
 
     duration_h: Positive | None = Field(
         default=None,

@@ -56,6 +56,7 @@ vehicle:
   # light_tilt_deg: 0          # outward tilt: a number, or [least, most]
   # light_mounts:              # instead of baseline and tilt: place and aim of each light
   #   - {x_m: 0.3, y_m: 0.8, z_m: 0, tilt_x_deg: 0, tilt_y_deg: 10}
+  # lamp_size_m: 0.1           # a lamp's body: none may stand in another or in the port
   # duration_h: 8              # how long it takes: energy and storage are counted over it
   # battery_wh: 500            # for the figure endurance
   # lamp_supply: external      # by good practice: fed by the vehicle; battery: divers' torches; any

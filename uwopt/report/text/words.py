@@ -59,6 +59,8 @@ REQUIREMENTS: Mapping[str, str] = {
     "max_airy_px": "Airy disc",
     "max_gain_db": "gain",
     "lamp_clear_m": "lamps clear of the view",
+    "lamp_beside_port_m": "lamps beside the port's body",
+    "lamps_apart_m": "lamps beside each other",
     "f_number_max": "f-number, smallest of the lens",
     "gain_min": "gain as a ratio, lowest",
     "gain_max": "gain as a ratio, highest",

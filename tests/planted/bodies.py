@@ -1,0 +1,52 @@
+"""Planted defects of lamps' bodies: room between them, beside the port and beside the view."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+PLACES, TESTS = "uwopt/forward/lamp_views.py", "tests/solvers/test_lamp_bodies.py"
+
+DEFECTS = (
+    Defect(
+        name="lamps stand in the port",
+        file=PLACES,
+        old="return np.asarray(beside & apart)",
+        new="return np.asarray((beside | True) & apart)",
+        test=f"{TESTS}::test_no_lamp_stands_in_the_port",
+    ),
+    Defect(
+        name="half of a lamp stands in the port",
+        file=PLACES,
+        old="(port_radius_m(problem, port) + 0.5 * size_m)",
+        new="(port_radius_m(problem, port) + 0.0 * size_m)",
+        test=f"{TESTS}::test_no_lamp_stands_in_the_port",
+    ),
+    Defect(
+        name="lamps stand in one another",
+        file=PLACES,
+        old="return np.asarray(beside & apart)",
+        new="return np.asarray(beside & (apart | True))",
+        test=f"{TESTS}::test_at_one_baseline_two_lamps_have_room",
+    ),
+    Defect(
+        name="a body may reach into the view",
+        file=PLACES,
+        old="return LAMP_FRONT_M if size_m is None else max(0.5 * size_m, LAMP_FRONT_M)",
+        new="return LAMP_FRONT_M",
+        test=f"{TESTS}::test_the_body_not_the_front_must_be_clear_of_the_view",
+    ),
+    Defect(
+        name="margins take a lamp for its middle",
+        file="uwopt/evaluation/design_model.py",
+        old="beside = port_radius_m(problem, np.array([hw.port])) + 0.5 * size_m",
+        new="beside = port_radius_m(problem, np.array([hw.port]))",
+        test=f"{TESTS}::test_margins_tell_how_much_room_is_left",
+    ),
+    Defect(
+        name="mounts in one another are not named",
+        file="uwopt/forward/scene_checks.py",
+        old="apart_m < vehicle.lamp_size_m * (1 - 1e-9):",
+        new="apart_m < 0.0:",
+        test=f"{TESTS}::test_mounts_in_one_another_are_named",
+    ),
+)
