@@ -33,6 +33,7 @@ def test_no_lamp_stands_in_the_port(baseline_m: float, size_m: float | None, fit
 
 def test_at_one_baseline_two_lamps_have_room() -> None:
     assert counts(light_baseline_m=0.5, light_count=[2, 4], lamp_size_m=SIZE_M) == {2}
+    assert not counts(light_baseline_m=0.5, light_count=3, lamp_size_m=SIZE_M)
     assert counts(light_baseline_m=0.5, light_count=3) == {3}
 
 
