@@ -23,6 +23,8 @@ ASKED = {
     "min_swath_m": "swath", "min_snr_db": "signal to noise", "min_snr": "signal to noise",
     "min_dof_m": "depth of field", "dof_near_m": "depth of field", "dof_far_m": "depth of field",
     "min_uniformity": "evenness of the light", "power_w": "power", "peak_power_w": "peak power", "mass_kg": "mass",
+    "mass_water_kg": "mass in water", "size_mm": "size of the housing", "dome_radius_mm": "room in the dome",
+    "housing_diameter_mm": "room in the housing", "housing_length_mm": "room in the housing",
     "mean_level": "image brightness", "saturation_fraction": "highlights", "depth_rating_m": "depth rating",
     "min_mtf_half_nyquist": "sharpness", "resolve_mm": "sharpness", "frame_interval_s": "time between images",
     "data_rate_mb_s": "data rate", "min_snr_red_db": "signal to noise of red", "max_white_balance": "white balance",
@@ -51,7 +53,8 @@ MUCH_ESTIMATED = 0.3  # of the price
 
 #: Weights of notes by code; of those that are not named, the last. 0: another rule tells it, or it is no risk.
 NOTES = {
-    "not_settable": 95.0, "no_image": 90.0, "dark_image": 77.0, "lamp_in_view": 68.0, "better_unsettable": 24.0,
+    "not_settable": 95.0, "no_image": 90.0, "dark_image": 77.0, "lamp_in_view": 68.0, "measure_the_camera": 62.0,
+    "better_unsettable": 24.0,
     "colour_left_open": 0.0, "uneven_light": 0.0, "pattern": 0.0, "tolerance": 0.0, "interrupted": 0.0, "time": 0.0,
 }  # fmt: skip
 OTHER_NOTE = 15.0
@@ -257,7 +260,8 @@ def to_be_made(result: Result, design: Design) -> Weighed:
     kinds = [kind for kind, part in design.hardware.parts.items() if part.generic]
     if kinds:
         because = f"{listed(kinds)} must be found or made; figures and prices are those of their class"
-        yield 65.0, Risk("parts that no shop sells under a name", because, f"{len(kinds)} of 4 parts")
+        share = f"{len(kinds)} of {len(design.hardware.parts)} parts"
+        yield 65.0, Risk("parts that no shop sells under a name", because, share)
 
 
 def better_elsewhere(result: Result, design: Design) -> Weighed:

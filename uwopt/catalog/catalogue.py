@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from uwopt.catalog.records import KINDS, Camera, Kind, Lens, Light, Part, Port
+from uwopt.catalog.records import KINDS, Camera, Housing, Kind, Lens, Light, Part, Port
 from uwopt.errors import CatalogError
 
 
@@ -31,6 +31,7 @@ class Catalog:
     lights: tuple[Light, ...] = ()
     exclusions: tuple[Exclusion, ...] = ()
     files: tuple[str, ...] = field(default=())  # users' files that took part
+    housings: tuple[Housing, ...] = ()
 
     def parts(self, kind: Kind) -> tuple[Part, ...]:
         """All parts of one kind, in the order in which indices count."""
@@ -39,6 +40,7 @@ class Catalog:
             "lens": self.lenses,
             "port": self.ports,
             "light": self.lights,
+            "housing": self.housings,
         }
         return by_kind[kind]
 

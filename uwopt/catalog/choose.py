@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, TypeVar
 
 from uwopt.catalog.catalogue import Catalog, Exclusion, near_names, plain_name, unknown_part
-from uwopt.catalog.records import KINDS, Camera, Kind, Lens, Light, Part, Port, Quantity, exact
+from uwopt.catalog.records import KINDS, Camera, Housing, Kind, Lens, Light, Part, Port, Quantity, exact
 from uwopt.errors import CatalogError
 
 RULES = (
@@ -32,7 +32,9 @@ RULES = (
     "generic",
 )
 
-PATTERN_KEYS: dict[Kind, str] = {"camera": "cameras", "lens": "lenses", "port": "ports", "light": "lights"}
+PATTERN_KEYS: dict[Kind, str] = {
+    "camera": "cameras", "lens": "lenses", "port": "ports", "light": "lights", "housing": "housings",
+}  # fmt: skip
 SOURCED = ("published", "measured", "derived", "quoted", "user")
 GLOB_SIGNS = "*?["
 SUPPLIES = {"external": "takes its power from outside", "battery": "has its own battery", "unknown": "supply unknown"}
@@ -49,6 +51,7 @@ class Choice:
     lenses: Sequence[str] = ()
     ports: Sequence[str] = ()
     lights: Sequence[str] = ()
+    housings: Sequence[str] = ()
     exclude: Sequence[str] = ()
     owned: Sequence[Any] = ()  # {id, quantity}
     generic: Literal["fallback", "allow", "never"] = "fallback"
@@ -89,6 +92,11 @@ class Selection:
         """The lights to search; owned ones keep their price, `owned` says how many are free."""
         return tuple(self.catalog.lights[i] for i in self.indices["light"])
 
+    @property
+    def housings(self) -> tuple[Housing, ...]:
+        """The housings to search; owned ones cost nothing."""
+        return tuple(self.catalog.housings[i] for i in self.indices["housing"])
+
 
 def select(
     catalog: Catalog,
@@ -103,7 +111,7 @@ def select(
 ) -> Selection:
     """Apply a mission's choice to a catalogue.
 
-    An owned camera, lens or port costs nothing if there are `camera_count` of it; owned lights keep their
+    An owned camera, lens, port or housing costs nothing if there are `camera_count` of it; owned lights keep their
     price in the record, because only the first `owned[id]` of them are free (`money.cost_of`).
     """
     wish = _as_choice(choice)
@@ -226,7 +234,7 @@ class _Filters:
         return None
 
     def _too_shallow(self, part: Part) -> tuple[str, str] | None:
-        if self.required_depth_m is None or not isinstance(part, Port | Light):
+        if self.required_depth_m is None or not isinstance(part, Port | Light | Housing):
             return None
         if part.depth_rating_m is None:
             accepted = {plain_name(name) for name in self.wish.accept_unrated}
@@ -295,7 +303,7 @@ def _counts(kind: Kind, excluded: Iterable[Exclusion]) -> dict[str, int]:
 
 
 def _with_owned_prices(catalog: Catalog, owned: Mapping[str, int], camera_count: int) -> Catalog:
-    """Cameras, lenses and ports at what is left to pay for each of `camera_count` of them."""
+    """Cameras, lenses, ports and housings at what is left to pay for each of `camera_count` of them."""
     counts = {catalog.part(name).id: quantity for name, quantity in owned.items()}
 
     def paid(part: PartT) -> PartT:
@@ -316,6 +324,7 @@ def _with_owned_prices(catalog: Catalog, owned: Mapping[str, int], camera_count:
         cameras=tuple(paid(part) for part in catalog.cameras),
         lenses=tuple(paid(part) for part in catalog.lenses),
         ports=tuple(paid(part) for part in catalog.ports),
+        housings=tuple(paid(part) for part in catalog.housings),
     )
 
 

@@ -6,6 +6,7 @@ What it leaves out is not checked against anything (`inline=True`), and these de
     camera  12 bits, global shutter, mono; gain unknown: full scale at saturation; up to 48 dB of gain
     lens    F1.4 to F16, 90 % transmission (80 to 100 %)
     port    index 1.5, 10 mm thick
+    housing no wall: as wide outside as inside
     light   continuous, all nameplate lumens leave the window (output_factor 1), generic white LED
 """
 
@@ -130,14 +131,16 @@ if TYPE_CHECKING:  # a type checker takes no class that is made as the program r
     InlineLens = InlinePart
     InlinePort = InlinePart
     InlineLight = InlinePart
+    InlineHousing = InlinePart
 else:
-    InlineCamera, InlineLens, InlinePort, InlineLight = map(_model, PARTS)
+    InlineCamera, InlineLens, InlinePort, InlineLight, InlineHousing = map(_model, PARTS)
 
 INLINE_MODELS: dict[str, type[InlinePart]] = {
     "camera": InlineCamera,
     "lens": InlineLens,
     "port": InlinePort,
     "light": InlineLight,
+    "housing": InlineHousing,
 }
 
 

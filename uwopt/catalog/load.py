@@ -12,7 +12,7 @@ from uwopt.catalog.catalogue import Catalog, Exclusion, plain_name, unknown_part
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.readers.readers import READERS
 from uwopt.catalog.readers.reading import Built, Origin
-from uwopt.catalog.records import KINDS, Camera, Kind, Lens, Light, Part, Port, Quantity
+from uwopt.catalog.records import KINDS, Camera, Housing, Kind, Lens, Light, Part, Port, Quantity
 from uwopt.catalog.tables import DATA_DIR, read_table
 from uwopt.catalog.userparts import PartRow, PriceQuote, read_parts, read_prices, typed_rows
 from uwopt.errors import CatalogError
@@ -93,6 +93,7 @@ def assembled(built: Iterable[tuple[Kind, Built]]) -> Catalog:
         ports=tuple(part for part in parts["port"] if isinstance(part, Port)),
         lights=tuple(part for part in parts["light"] if isinstance(part, Light)),
         exclusions=tuple(exclusions),
+        housings=tuple(part for part in parts["housing"] if isinstance(part, Housing)),
     )
 
 
@@ -113,6 +114,7 @@ def with_prices(catalog: Catalog, quotes: Sequence[PriceQuote]) -> Catalog:
         lenses=tuple(_priced(part, by_key) for part in catalog.lenses),
         ports=tuple(_priced(part, by_key) for part in catalog.ports),
         lights=tuple(_priced(part, by_key) for part in catalog.lights),
+        housings=tuple(_priced(part, by_key) for part in catalog.housings),
     )
 
 
@@ -152,6 +154,7 @@ def _with_user_parts(catalog: Catalog, rows: Iterable[PartRow], files: tuple[str
         catalog.lights + own.lights,
         catalog.exclusions + own.exclusions,
         files,
+        catalog.housings + own.housings,
     )
 
 

@@ -25,6 +25,7 @@ class KindName(StrEnum):
     lens = "lens"
     port = "port"
     light = "light"
+    housing = "housing"
 
 
 FilesOption = Annotated[
@@ -164,7 +165,7 @@ def recommended_in(files: list[str]) -> dict[str, int]:
 @command
 def template_command(
     kind: Annotated[
-        str, typer.Argument(metavar="KIND", help="camera, lens, port, light, prices, or a spectrum.")
+        str, typer.Argument(metavar="KIND", help="camera, lens, port, light, housing, prices, or a spectrum.")
     ],
 ) -> None:
     """Print a file to start from: comments on every column, the header, an example row."""

@@ -14,6 +14,7 @@ from uwopt.results.design import BillRow, Cost, LampPlace, UsedHardware, UsedPar
 def used_hardware(problem: Problem, hw: Hardware) -> UsedHardware:
     """The hardware by ids, and where its lights stand."""
     parts = problem.parts
+    housing = parts.ports[hw.port].housing
     return UsedHardware(
         camera=used_part(parts.cameras[hw.camera]),
         lens=used_part(parts.lenses[hw.lens]),
@@ -23,6 +24,7 @@ def used_hardware(problem: Problem, hw: Hardware) -> UsedHardware:
         light_count=0 if problem.unlit(hw.light) else hw.count,
         orientation="landscape" if hw.landscape else "portrait",
         light_mounts=[] if problem.unlit(hw.light) else lamp_places(hw),
+        housing=None if housing is None else used_part(housing),
     )
 
 
@@ -42,13 +44,14 @@ def lamp_places(hw: Hardware) -> list[LampPlace]:
 def bought(problem: Problem, hw: Hardware) -> list[tuple[str, Part, int, int]]:
     """Each part of a design with how many there are and how many of them are owned."""
     parts, n = problem.parts, problem.mission.vehicle.camera_count
-    light = parts.lights[hw.light]
+    light, port = parts.lights[hw.light], parts.ports[hw.port]
     owned = min(hw.count, problem.owned_lights.get(light.id, 0))
     lamps: list[tuple[str, Part, int, int]] = [("light", light, hw.count, owned)]
     return [
         ("camera", parts.cameras[hw.camera], n, 0),
         ("lens", parts.lenses[hw.lens], n, 0),
-        ("port", parts.ports[hw.port], n, 0),
+        ("port", port, n, 0),
+        *([] if port.housing is None else [("housing", port.housing, n, 0)]),
         *([] if problem.unlit(hw.light) else lamps),
     ]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -22,11 +23,12 @@ from uwopt.evaluation.figures_by_name import (
     uneven_notes,
 )
 from uwopt.forward.designs import Hardware, SceneSettings
+from uwopt.forward.enclosures import tight_at_worst
 from uwopt.forward.figures import Figures, SettingRows
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import MarginRows, common_margins
-from uwopt.results.design import Design, Margin, SceneResult, Totals
+from uwopt.results.design import Design, Margin, Note, SceneResult, Totals
 from uwopt.units import ratio_to_db
 
 UNBOUND = ("light_level", "mean_level", "common_f_number", "common_focus_m")  # met or not, never scarce
@@ -88,15 +90,43 @@ def evaluate_design(
             light_power_w=max(light_powers),
             light_peak_power_w=max(peaks),
             mass_kg=mass,
+            **housed_totals(model),
             **used_up(model, by_scene),
         ),
         scenes=scenes,
         bom=bill,
-        warnings=[*light_notes(model), *uneven_notes(scenes), *stop_notes(model)],
+        warnings=[*light_notes(model), *housing_notes(model), *uneven_notes(scenes), *stop_notes(model)],
     )
 
 
-def used_up(model: DesignModel, by_scene: Sequence[Figures]) -> dict[str, float | None]:
+def housing_notes(model: DesignModel) -> list[Note]:
+    """What is to be measured before the housing is bought: sizes that are estimates, and may not fit."""
+    problem, hardware = model.problem, model.hardware
+    port = problem.ports.take(np.array([hardware.port]))
+    if not port.housed[0]:
+        return []
+    camera, lens = problem.parts.cameras[hardware.camera], problem.parts.lenses[hardware.lens]
+    tight = tight_at_worst(camera, lens, port)
+    if not tight:
+        return []
+    told = " and ".join(
+        f"{name.removesuffix('_mm').replace('_', ' ')} {1e3 * needed:.0f} mm needed where {1e3 * room:.0f} mm are"
+        for name, (needed, room) in tight.items()
+    )
+    text = f"measure camera, plug and lens before you buy the housing; by the high ends of estimates {told}"
+    return [Note("measure_the_camera", "hardware.housing", text)]
+
+
+def housed_totals(model: DesignModel) -> dict[str, Any]:
+    """Mass in water and outer size, as totals name them; nothing without a housing."""
+    port = model.problem.ports.take(np.array([model.hardware.port]))
+    if not port.housed[0]:
+        return {}
+    size_mm = [float(measure[0]) * 1e3 for measure in (port.outer_length_m, port.outer_diameter_m)]
+    return {"mass_water_kg": float(model.mass_in_water_kg()[0]), "size_mm": size_mm}
+
+
+def used_up(model: DesignModel, by_scene: Sequence[Figures]) -> dict[str, Any]:
     """What the whole mission uses up, as totals name it; None where no duration or battery is known."""
     duration = model.problem.duration
     mean_power_w = float(duration.mean([model.totals(f)["power_w"][0] for f in by_scene]))

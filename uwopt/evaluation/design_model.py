@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.catalogue import plain_name
+from uwopt.catalog.records import Housing, Light, Port
 from uwopt.forward.designs import Hardware, SceneSettings
+from uwopt.forward.enclosures import bodies_of, housing_size_mm, mass_in_water_kg, room_needed_m
 from uwopt.forward.figures import (
     DesignRows,
     Figures,
@@ -309,6 +311,7 @@ class DesignModel:
             ),
             *self.airy_margins(index, figures),
             *self.port_margins(index),
+            *self.housing_margins(),
             *self.evenness_margins(index),
             *self.lamp_margins(index),
             *system_margins(
@@ -407,13 +410,39 @@ class DesignModel:
         named = {plain_name(name) for name in self.problem.mission.catalog.accept_unrated}
         return frozenset(part for part in self.ratings_m() if plain_name(part) in named)
 
+    def housing_margins(self) -> list[MarginRows]:
+        """Whether camera and lens have room in the housing, and the housing where it is to go; none without one."""
+        port = self.problem.ports.take(np.array([self.hardware.port]))
+        if not port.housed[0]:
+            return []
+        limits = self.problem.mission.limits
+        margins = [
+            MarginRows(name, needed * 1e3, room * 1e3, "<=", "mm")
+            for name, (needed, room) in room_needed_m(bodies_of(self.cameras, self.lenses), port).items()
+        ]
+        if limits.size_mm is not None:
+            margins.append(MarginRows("size_mm", housing_size_mm(port), np.array([limits.size_mm]), "<=", "mm"))
+        if limits.mass_water_kg is not None:
+            margins.append(
+                MarginRows("mass_water_kg", self.mass_in_water_kg(), np.array([limits.mass_water_kg]), "<=", "kg")
+            )
+        return margins
+
+    def mass_in_water_kg(self) -> Array:
+        """Mass in water of all cameras in their housings, lamps not counted."""
+        port = self.problem.ports.take(np.array([self.hardware.port]))
+        count = self.problem.mission.vehicle.camera_count
+        return mass_in_water_kg(count, self.cameras, self.lenses, port)[:, 0]
+
     def ratings_m(self) -> dict[str, float | None]:
         """Depth ratings of the parts that meet the water; inline parts are not checked for what they leave out."""
         port = self.problem.parts.ports[self.hardware.port]
         light = self.problem.parts.lights[self.hardware.light]
+        wet: list[Port | Housing | Light] = [port, *([port.housing] if port.housing else [])]
+        wet += [] if self.unlit else [light]
         return {
             part.id: part.depth_rating_m
-            for part in ((port,) if self.unlit else (port, light))
+            for part in wet
             if not (part.inline and part.depth_rating_m is None)
         }
 

@@ -21,7 +21,7 @@ from uwopt.forward.lamps import mission_mounts
 from uwopt.forward.part_columns import PULSED
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
-from uwopt.mission.system import PART_KINDS, System
+from uwopt.mission.system import System
 from uwopt.model.imaging import Lamps
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Note
@@ -65,7 +65,7 @@ def departures(
 
 def other_parts(mission: Mission, catalog: Catalog, system: System) -> Iterator[Departure]:
     """Parts that the mission does not let `solve` use, or that no catalogue holds."""
-    own = [kind for kind in PART_KINDS if not isinstance(getattr(system, kind), str)]
+    own = [kind for kind in system.kinds if not isinstance(getattr(system, kind), str)]
     if own:
         text = f"{', '.join(own)}: written out in the system, so not among the parts that solve searches"
         yield Departure("parts", own[0], text)
@@ -78,7 +78,7 @@ def other_parts(mission: Mission, catalog: Catalog, system: System) -> Iterator[
         duration_h=vehicle.duration_h,
     )  # fmt: skip
     left_out = {(e.kind, e.part_id): e for e in selection.excluded if e.rule not in TOLD_OTHERWISE}
-    for kind in PART_KINDS:
+    for kind in system.kinds:
         named = getattr(system, kind)
         if not isinstance(named, str):
             continue

@@ -8,14 +8,14 @@ parts from the catalogue of today or from the system that was evaluated, the set
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from uwopt.catalog.catalogue import plain_name
-from uwopt.catalog.records import Kind, Part
+from uwopt.catalog.records import Housing, Kind, Part, Port
 from uwopt.errors import UwoptError
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.figures_by_name import illuminance, plain_figures
@@ -116,15 +116,18 @@ def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardwar
     from uwopt.forward.assembly import build_problem, load_catalog, owned_ids, selected
 
     chosen = design.hardware
+    wanted = {**{kind: chosen.parts[kind].id for kind in KINDS}, "port": enclosure_id(design)}
     to_be_made = any(part.generic for part in chosen.parts.values())
     allow = to_be_made or mission.catalog.generic == "allow"
     catalog = load_catalog(mission)
     selection = selected(mission, catalog, generic="allow" if allow else "never")
     problem = build_problem(mission, selection)
     rows = (problem.parts.cameras, problem.parts.lenses, problem.parts.ports, problem.parts.lights)
-    places = [place_of(part_id, row) for part_id, row in zip(chosen.ids, rows, strict=True)]
+    places = [place_of(part_id, row) for part_id, row in zip(wanted.values(), rows, strict=True)]
     if None in places:
         camera, lens, port, light = (catalog.part(chosen.parts[kind].id, kind) for kind in KINDS)
+        if chosen.housing is not None:
+            port = replace(port, housing=catalog.part(chosen.housing.id, "housing"))  # type: ignore[call-arg]
         parts = Parts((camera,), (lens,), (port,), (light,))  # type: ignore[arg-type]
         paper = mission.physics == "paper"
         problem = Problem(mission, parts, paper=paper, owned_lights=owned_ids(selection))
@@ -139,7 +142,17 @@ def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardwar
 def place_of(part_id: str, parts: Sequence[Part]) -> int | None:
     """Index of a part among those that the mission allows."""
     wanted = plain_name(part_id)
-    return next((index for index, part in enumerate(parts) if plain_name(part.id) == wanted), None)
+
+    def name(part: Part) -> str:
+        return part.enclosure_id if isinstance(part, Port) else part.id
+
+    return next((index for index, part in enumerate(parts) if plain_name(name(part)) == wanted), None)
+
+
+def enclosure_id(design: Design) -> str:
+    """The id of a design's port with that of its housing."""
+    port, housing = design.hardware.port, design.hardware.housing
+    return Port(port.id, housing=None if housing is None else Housing(housing.id)).enclosure_id
 
 
 def mount_of(mounts: list[LampPlace], declared: list[Mount]) -> Mount:

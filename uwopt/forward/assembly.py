@@ -10,8 +10,10 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, matches, select
 from uwopt.catalog.load import load_catalog as _load_catalog
 from uwopt.catalog.parts.light import NO_LAMP
+from uwopt.catalog.records import Port
 from uwopt.errors import CatalogError, MissionError
 from uwopt.forward.designs import Hardware
+from uwopt.forward.enclosures import enclosed
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission
@@ -86,10 +88,17 @@ def names_nothing(mission: Mission, catalog: Catalog, warning: str) -> bool:
 
 def build_problem(mission: Mission, selection: Selection, **changes: Any) -> Problem:
     """Tables over the selected parts."""
-    parts = Parts(selection.cameras, selection.lenses, selection.ports, selection.lights)
+    parts = Parts(selection.cameras, selection.lenses, ports_of(mission, selection), selection.lights)
     return Problem(
         mission, parts, paper=mission.physics == "paper", owned_lights=owned_ids(selection), **changes
     )
+
+
+def ports_of(mission: Mission, selection: Selection) -> tuple[Port, ...]:
+    """The ports to search, each in every housing that takes it where the mission asks for housings."""
+    if mission.catalog.housing == "none":
+        return selection.ports
+    return enclosed(selection.ports, selection.housings)
 
 
 def owned_ids(selection: Selection) -> dict[str, int]:
@@ -128,7 +137,10 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
         except CatalogError as error:
             raise CatalogError([f"{system.source_name}: {kind}: {text}" for text in error.faults]) from None
 
-    parts = Parts((part("camera"),), (part("lens"),), (part("port"),), (part("light"),))
+    port = part("port")
+    if system.housing is not None:
+        port = replace(port, housing=part("housing"))
+    parts = Parts((part("camera"),), (part("lens"),), (port,), (part("light"),))
     count = max(system.light_count, 1)
     if system.light_mounts:
         mount = Mount(explicit=tuple(system.light_mounts))

@@ -7,6 +7,7 @@ becomes one column in SI, taken at its central value, or at the end that favours
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
@@ -18,10 +19,11 @@ from numpy.typing import NDArray
 from uwopt.catalog.compatibility import rated_pitch_um
 from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
-from uwopt.catalog.records import Camera, Curve, Lens, Light, Part, Port, Quantity
+from uwopt.catalog.records import Camera, Curve, Housing, Lens, Light, Part, Port, Quantity
 from uwopt.forward.columns import Columns
 from uwopt.model.aberration import aberration_at_f1
 from uwopt.model.f_stops import f_number_closed
+from uwopt.model.hull import SEAWATER_KG_M3
 from uwopt.model.light import flash_light_lm_s
 from uwopt.units import convert, db_to_ratio
 
@@ -65,6 +67,10 @@ class Cameras(Columns):
     power_w: Array
     standby_w: Array  # where it is switched off between images
     on_s: Array  # that an image keeps it on then: waking up, the longest exposure, the transfer
+    body_width_m: Array  # 0 where it is not known, here and below
+    body_height_m: Array
+    body_length_m: Array
+    plug_m: Array
 
 
 @dataclass(frozen=True)
@@ -79,6 +85,9 @@ class Lenses(Columns):
     rated_pitch_m: Array  # pixel pitch that the maker rates the lens for; 0 when unknown
     aberration_f1_m: Array  # that of its aberrations, at f-number 1
     motorised: Array
+    length_m: Array  # 0 where it is not known
+    diameter_m: Array
+    pupil_m: Array
     price: Array
     limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
@@ -97,7 +106,7 @@ class Lenses(Columns):
 
 @dataclass(frozen=True)
 class Ports(Columns):
-    """Port columns; `outer_radius_m` is 0 for a flat port."""
+    """Port columns; `outer_radius_m` is 0 for a flat port. Cost and mass are those of the enclosure."""
 
     is_dome: Array
     outer_radius_m: Array
@@ -108,6 +117,13 @@ class Ports(Columns):
     price: Array
     limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
+    housed: Array  # whether it is built into a housing
+    is_sphere: Array  # the housing
+    room_diameter_m: Array  # inside the housing; inf where there is none
+    room_length_m: Array
+    outer_diameter_m: Array  # of the housing with its port
+    outer_length_m: Array
+    displaced_kg: Array  # of seawater
 
 
 @dataclass(frozen=True)
@@ -308,9 +324,13 @@ def port_rows(
         return number(part.outer_radius_mm, 0.0) * 1e-3 if part.geometry == "dome" else 0.0
 
     known = columns_of(Port, parts, end)
+    bare = prices(parts, money, end, high_basis)
+    hulls = housing_columns(parts, money, end, high_basis)
     return Ports(
         **of_table(Ports, known)
-        | prices(parts, money, end, high_basis)
+        | {name: bare[name] + hulls.pop(name) for name in bare}
+        | {"mass_kg": known["mass_kg"] + hulls.pop("mass_kg")}
+        | hulls
         | {
             "is_dome": np.array([part.geometry == "dome" for part in parts], bool),
             "outer_radius_m": np.array([radius_of(part) for part in parts], float),
@@ -318,6 +338,39 @@ def port_rows(
             "clear_radius_m": known["clear_diameter_m"] / 2.0,
         }
     )
+
+
+def housing_columns(
+    parts: Sequence[Port], money: Money, end: End, high_basis: bool
+) -> dict[str, Array]:
+    """What the housings of ports add to them; of a port without one nothing, and room without end."""
+    housed = np.array([part.housing is not None for part in parts], bool)
+    hulls = [part.housing or Housing("none", inner_diameter_mm=math.inf) for part in parts]
+    known = columns_of(Housing, hulls, end)
+    sphere = np.array([hull.shape == "sphere" for hull in hulls], bool)
+    port_mm = [part.outer_radius_mm or 0.0 if part.geometry == "dome" else 0.0 for part in parts]
+    stands_out = np.where(sphere | ~housed, 0.0, np.array(port_mm, float) * 1e-3)
+    inner = known["inner_diameter_m"]
+
+    def outer(outside: str, inside: str) -> Array:
+        known_or_inner = np.where(known[outside] > 0.0, known[outside], known[inside])
+        return np.where(housed, known_or_inner, 0.0)
+
+    diameter = outer("outer_diameter_m", "inner_diameter_m")
+    length = np.where(sphere, diameter, outer("outer_length_m", "inner_length_m"))
+    volume = np.where(sphere, np.pi / 6.0 * diameter**3, np.pi / 4.0 * diameter**2 * length)
+    volume += 2.0 / 3.0 * np.pi * stands_out**3  # of a dome in front
+    return {
+        **prices(hulls, money, end, high_basis),
+        "mass_kg": known["mass_kg"],
+        "housed": housed,
+        "is_sphere": sphere,
+        "room_diameter_m": inner,
+        "room_length_m": np.where(sphere, inner, known["inner_length_m"]),
+        "outer_diameter_m": np.maximum(diameter, 2.0 * stands_out),
+        "outer_length_m": length + stands_out,
+        "displaced_kg": SEAWATER_KG_M3 * volume,
+    }
 
 
 def measured_lumens(profile: Curve) -> float:

@@ -21,6 +21,7 @@ from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Lens, Light, Port
 from uwopt.catalog.rest import Per, RestItem, rest_items
 from uwopt.forward import switching
+from uwopt.forward.enclosures import camera_with_size, lens_with_size
 from uwopt.forward.lamps import (
     Mount,
     distinct_optics,
@@ -65,7 +66,8 @@ class Parts:
 
 
 def estimated(mission: Mission, parts: Parts) -> Parts:
-    """The parts with the estimates that only some missions ask for: what they draw while off, and their computer."""
+    """The parts with the estimates that only some missions ask for: what they draw while off, their
+    computer, and how large they are."""
     vehicles = [view.vehicle for view in mission.views]
     if switching.any_off(vehicles, "lamps_between_images"):
         parts = replace(parts, lights=tuple(switching.light_with_estimates(p) for p in parts.lights))
@@ -73,7 +75,19 @@ def estimated(mission: Mission, parts: Parts) -> Parts:
         parts = replace(parts, cameras=tuple(switching.camera_with_estimates(p) for p in parts.cameras))
     if mission.catalog.host == "estimate":
         parts = replace(parts, cameras=tuple(switching.camera_with_host(p) for p in parts.cameras))
+    if mission.catalog.housing == "required" or any(port.housing is not None for port in parts.ports):
+        parts = replace(
+            parts,
+            cameras=tuple(camera_with_size(p) for p in parts.cameras),
+            lenses=tuple(lens_with_size(p) for p in parts.lenses),
+        )
     return parts
+
+
+#: Columns of ports that views and light depend on.
+PORT_OPTICS = (
+    "is_dome", "outer_radius_m", "thickness_m", "refractive_index", "gap_m", "clear_radius_m"
+)  # fmt: skip
 
 
 class Problem:
@@ -189,6 +203,24 @@ class Problem:
             lamp = burns * self.rest_price("lamp", end)
             self.cameras = replace(self.cameras, **{name: getattr(self.cameras, name) + camera})
             self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})
+
+    @cached_property
+    def port_groups(self) -> list[Array]:
+        """Indices of ports that differ by their housing alone, and so share views and light."""
+        columns = [getattr(self.ports, name) for name in PORT_OPTICS]
+        groups: dict[Any, list[int]] = {}
+        for index, part in enumerate(self.parts.ports):
+            key = (part.id, *(float(column[index]) for column in columns)) if part.housing else index
+            groups.setdefault(key, []).append(index)
+        return [np.array(group, int) for group in groups.values()]
+
+    @cached_property
+    def like_port(self) -> Array:
+        """For each port the first with the same optics."""
+        first = np.zeros(len(self.parts.ports), int)
+        for group in self.port_groups:
+            first[group] = group[0]
+        return first
 
     @property
     def counts_host(self) -> bool:

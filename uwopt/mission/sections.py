@@ -318,6 +318,16 @@ class Limits(Section):
         description="most storage for images over vehicle.duration_h in gigabytes (10^9 byte), uncompressed",
     )
     mass_kg: Positive | None = Field(default=None, description="highest mass in kilograms")
+    mass_water_kg: Annotated[float, Field(ge=-1e4, le=1e4), NUMBER] | None = Field(
+        default=None,
+        description="highest mass in water, in kilograms, of the cameras in their housings, lamps not counted; needs "
+        "catalog.housing: required",
+    )
+    size_mm: Positive | None = Field(
+        default=None,
+        description="largest outer length or diameter of a housing with its port, in millimetres; needs "
+        "catalog.housing: required",
+    )
     depth_rating_m: Annotated[float, Field(ge=0, le=11_000), NUMBER] | None = Field(
         default=None,
         description="depth that ports and lights must be rated for, in metres; the deepest scene "
@@ -354,6 +364,7 @@ class CatalogChoice(Section):
     lenses: Texts = Field(default=(), description="patterns of lenses that may be used; none allows all")
     ports: Texts = Field(default=(), description="patterns of ports that may be used; none allows all")
     lights: Texts = Field(default=(), description="patterns of lights that may be used; none allows all")
+    housings: Texts = Field(default=(), description="patterns of housings that may be used; none allows all")
     exclude: Texts = Field(default=(), description="patterns of parts that must not be used")
     files: Texts = Field(
         default=(), description="CSV or YAML files of own parts, relative to the mission file"
@@ -396,6 +407,11 @@ class CatalogChoice(Section):
         default="none",
         description="the rest that every system needs: none leaves it out, estimate (recommended, unless there are "
         "extras) counts connectors and cables by depth, trigger electronics, spares and a pressure test in the cost",
+    )
+    housing: Annotated[Literal["none", "required"], CHOICE] = Field(
+        default="none",
+        description="housing of each port: none leaves it out, required (recommended, unless it is among the extras) "
+        "chooses one that takes port, camera and lens, and counts its depth rating, cost and mass",
     )
     extras: tuple[Extra, ...] = Field(
         default=(), description="list of items added to every system: {name, cost, mass_kg, power_w}"

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -16,6 +16,7 @@ from uwopt.catalog.inline import (
     INLINE_MODELS,
     SYNONYMS,
     InlineCamera,
+    InlineHousing,
     InlineLens,
     InlineLight,
     InlinePart,
@@ -43,10 +44,10 @@ from uwopt.mission.checks import Fault, valid_values
 from uwopt.mission.mission import Mission, resolve_path
 from uwopt.mission.sections import MAX_LIGHTS, LightMount
 
-PART_KINDS = ("camera", "lens", "port", "light")
+PART_KINDS = ("camera", "lens", "port", "light", "housing")  # the last may be left out
 LEVEL_KEYS = ("flux_lm", "dim_frac", "flash_energy_j")
 
-BY_ID, INLINE = "<id>", "<inline>"  # steps of pydantic's paths that no file holds
+BY_ID, INLINE, NOTHING = "<id>", "<inline>", "<nothing>"  # steps of pydantic's paths that no file holds
 
 
 def _form_of_part(value: Any) -> str | None:
@@ -55,15 +56,20 @@ def _form_of_part(value: Any) -> str | None:
     return INLINE if isinstance(value, (Mapping, InlinePart)) else None
 
 
-_FORM = Discriminator(
-    _form_of_part,
-    custom_error_type="fault",
-    custom_error_message="{what}",
-    custom_error_context={
-        "what": "is neither an id nor an inline record",
-        "mend": "write the id of a catalogue part, or its keys in braces",
-    },
-)
+def _discriminator(form: Callable[[Any], str | None]) -> Discriminator:
+    return Discriminator(
+        form,
+        custom_error_type="fault",
+        custom_error_message="{what}",
+        custom_error_context={
+            "what": "is neither an id nor an inline record",
+            "mend": "write the id of a catalogue part, or its keys in braces",
+        },
+    )
+
+
+_FORM = _discriminator(_form_of_part)
+_FORM_OR_NOTHING = _discriminator(lambda value: NOTHING if value is None else _form_of_part(value))
 PartId = Annotated[str, BeforeValidator(to_text), Tag(BY_ID)]
 
 
@@ -121,6 +127,11 @@ class System(Section):
     light: Annotated[PartId | Annotated[InlineLight, Tag(INLINE)], _FORM] = Field(
         description="light: an id of the catalogue, or an inline record; no-lamp with light_count 0"
     )
+    housing: Annotated[
+        PartId | Annotated[InlineHousing, Tag(INLINE)] | Annotated[None, Tag(NOTHING)], _FORM_OR_NOTHING
+    ] = Field(
+        default=None, description="housing that the port is built into, an id of the catalogue or an inline record"
+    )
     camera_count: Count = Field(default=1, description="number of cameras, each with lens and port")
     light_count: Annotated[int, Field(ge=0, le=MAX_LIGHTS), WHOLE] = Field(
         default=1, description="number of lights, 0 for none; that of light_mounts unless given"
@@ -154,7 +165,7 @@ class System(Section):
 
     @model_validator(mode="after")
     def _keys_agree(self) -> System:
-        parts = {kind: getattr(self, kind) for kind in PART_KINDS}
+        parts = {kind: getattr(self, kind) for kind in self.kinds}
         faults = _cross_faults(
             given_values(self)
             | {kind: part if isinstance(part, str) else given_values(part) for kind, part in parts.items()}
@@ -175,8 +186,13 @@ class System(Section):
         """Name of the system file, for messages."""
         return self._source_name
 
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The kinds of parts that it names."""
+        return tuple(kind for kind in PART_KINDS if getattr(self, kind) is not None)
+
     def part(self, kind: str) -> str | dict[str, Any]:
-        """The id of the camera, lens, port or light, or what its inline record states."""
+        """The id of the camera, lens, port, light or housing, or what its inline record states."""
         part: str | InlinePart = getattr(self, kind)
         return part if isinstance(part, str) else part.model_dump(mode="json", exclude_unset=True)
 
@@ -209,10 +225,10 @@ class System(Section):
         With `absolute_paths` the files that inline parts name are found from any folder.
         """
         data = self.model_dump(mode="json", exclude={*PART_KINDS, "scenes"})
-        data |= {kind: self.part(kind) for kind in PART_KINDS}
+        data |= {kind: self.part(kind) for kind in self.kinds}
         data["scenes"] = {n: s.model_dump(mode="json", exclude_unset=True) for n, s in self.scenes.items()}
         if absolute_paths:
-            for part in (data[kind] for kind in PART_KINDS if isinstance(data[kind], dict)):
+            for part in (data[kind] for kind in self.kinds if isinstance(data[kind], dict)):
                 for key, value in part.items():
                     if isinstance(value, str) and value.casefold().endswith(".csv"):
                         part[key] = str(self.resolve_path(value).absolute())

@@ -60,15 +60,19 @@ class UsedHardware(Record):
         description="landscape: the image's height along the motion; portrait: its width"
     )
     light_mounts: list[LampPlace] = Field(description="one a lamp")
+    housing: UsedPart | None = Field(
+        default=None, description="that each port is built into; null where none is asked for"
+    )
 
     @property
     def parts(self) -> dict[str, UsedPart]:
-        """The four parts by kind."""
-        return {"camera": self.camera, "lens": self.lens, "port": self.port, "light": self.light}
+        """The parts by kind: four, and the housing where there is one."""
+        housing = {} if self.housing is None else {"housing": self.housing}
+        return {"camera": self.camera, "lens": self.lens, "port": self.port, **housing, "light": self.light}
 
     @property
     def ids(self) -> list[str]:
-        """Ids of camera, lens, port and light."""
+        """Ids of camera, lens, port, housing where there is one, and light."""
         return [part.id for part in self.parts.values()]
 
 
@@ -94,6 +98,12 @@ class Totals(Record):
     light_power_w: Number | None = Field(description="of it the lamps'")
     light_peak_power_w: Number | None = Field(description="while the lamps burn")
     mass_kg: Number | None = Field(description="of all parts")
+    mass_water_kg: Number | None = Field(
+        default=None, description="in water, of the cameras in their housings; null without housings"
+    )
+    size_mm: list[Number] | None = Field(
+        default=None, description="length and diameter of a housing with its port; null without housings"
+    )
     energy_wh: Number | None = Field(
         default=None,
         description="over the mission's duration, scenes weighed by their time; null without one",
@@ -111,7 +121,7 @@ class Totals(Record):
 class BillRow(Record):
     """One row of the bill of materials."""
 
-    kind: str = Field(description="camera | lens | port | light | extra")
+    kind: str = Field(description="camera | lens | port | light | housing | extra")
     id: str = Field(description="of the part")
     manufacturer: str = Field(description="empty where there is none")
     model: str = Field(description="maker's name of the part")

@@ -8,6 +8,7 @@ from typing import Any
 
 from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.parts.cell import fields_of
+from uwopt.catalog.parts.housing import Housing
 from uwopt.catalog.parts.lens import Lens
 from uwopt.catalog.parts.light import Light
 from uwopt.catalog.parts.part import Part
@@ -64,10 +65,19 @@ def light_faults(values: Mapping[str, Any]) -> list[Fault]:
     return faults
 
 
+def housing_faults(values: Mapping[str, Any]) -> list[Fault]:
+    """Keys of an inline housing that do not agree."""
+    faults = unordered(Housing, values)
+    if values.get("shape") != "sphere" and values.get("inner_length_mm") is None:
+        faults.append(("inner_length_mm", "is missing; a tube needs its length between the end caps in millimetres"))
+    return faults
+
+
 #: What does not agree, by kind.
 FAULTS: dict[str, Callable[[Mapping[str, Any]], list[Fault]]] = {
     "camera": partial(unordered, Camera),
     "lens": partial(unordered, Lens),
     "port": port_faults,
     "light": light_faults,
+    "housing": housing_faults,
 }

@@ -166,6 +166,14 @@ class Camera(Part):
     standby_w: Annotated[
         Known, Cell("power of the camera while it is switched off in watts", FROM_ZERO, favours="low")
     ] = None
+    body_width_mm: Annotated[Known, Cell("width of the body in millimetres", POSITIVE, favours="low")] = None
+    body_height_mm: Annotated[Known, Cell("height of the body in millimetres", POSITIVE, favours="low")] = None
+    body_length_mm: Annotated[
+        Known, Cell("length of the body from the mount's face to its back in millimetres", POSITIVE, favours="low")
+    ] = None
+    plug_mm: Annotated[
+        Known, Cell("room behind the body for plug and cable in millimetres", FROM_ZERO, favours="low")
+    ] = None
     host_power_w: Annotated[
         Known, Cell("power of the computer that takes the images in watts", FROM_ZERO, favours="low")
     ] = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from uwopt.catalog.parts import camera, lens, light, port
+from uwopt.catalog.parts import camera, housing, lens, light, port
 from uwopt.catalog.parts.cell import Field, fields_of
 from uwopt.catalog.parts.part import Kind, PartKind
 
@@ -11,6 +11,7 @@ PARTS: dict[Kind, PartKind] = {
     "lens": lens.KIND,
     "port": port.KIND,
     "light": light.KIND,
+    "housing": housing.KIND,
 }
 
 ALL_FIELDS: tuple[Field, ...] = tuple(field for kind in PARTS.values() for field in fields_of(kind.record))

@@ -97,8 +97,11 @@ class Lens(Part):
         Known, Cell("nearest focus in air in metres", FROM_ZERO, favours="low")
     ] = None
     distortion_pct: Annotated[float | None, Cell("distortion in per cent")] = None
-    length_mm: Annotated[float | None, Cell("length in millimetres", POSITIVE)] = None
-    diameter_mm: Annotated[float | None, Cell("diameter in millimetres", POSITIVE)] = None
+    length_mm: Annotated[Known, Cell("length in millimetres", POSITIVE, favours="low")] = None
+    diameter_mm: Annotated[Known, Cell("diameter in millimetres", POSITIVE, favours="low")] = None
+    pupil_mm: Annotated[
+        Known, Cell("distance of the entrance pupil behind the lens's front in millimetres", FROM_ZERO)
+    ] = None
     filter_thread: ClassVar[Annotated[str, Cell()]]
     is_zoom: ClassVar[Annotated[bool, Cell()]]
 

@@ -11,8 +11,8 @@ from pydantic.dataclasses import dataclass
 from uwopt.catalog.parts.cell import FROM_ZERO, UNSEEN, Cell, Inline
 from uwopt.catalog.parts.quantity import Known, Quantity
 
-Kind = Literal["camera", "lens", "port", "light"]
-KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light")
+Kind = Literal["camera", "lens", "port", "light", "housing"]
+KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light", "housing")
 Availability = Literal["current", "discontinued", "not_a_product", "unknown"]
 PriceStatus = Literal["quoted", "derived", "estimated"]
 

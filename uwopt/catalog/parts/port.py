@@ -7,7 +7,8 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic.dataclasses import dataclass
 
-from uwopt.catalog.parts.cell import FROM_ZERO, NEEDED, POSITIVE, SMALLEST, Cell, Inline, Range
+from uwopt.catalog.parts.cell import FROM_ZERO, NEEDED, POSITIVE, SMALLEST, UNSEEN, Cell, Inline, Range
+from uwopt.catalog.parts.housing import Housing
 from uwopt.catalog.parts.part import Part, PartKind, shown, shown_depth
 from uwopt.catalog.parts.quantity import Known, Quantity
 
@@ -92,6 +93,19 @@ class Port(Part):
     depth_rating_m: Annotated[float | None, Cell("depth rating in metres", POSITIVE)] = (
         None  # never estimated
     )
+    housing: Annotated[Housing | None, UNSEEN] = None  # that it is built into, where housings are searched
+
+    @property
+    def enclosure_id(self) -> str:
+        """The id of the port with that of its housing: a port in another housing is another choice."""
+        return self.id if self.housing is None else f"{self.id} in {self.housing.id}"
+
+    @property
+    def width_mm(self) -> float | None:
+        """How wide the opening is that it closes; None where nothing tells."""
+        if self.clear_diameter_mm is not None:
+            return self.clear_diameter_mm
+        return 2.0 * self.outer_radius_mm if self.geometry == "dome" and self.outer_radius_mm else None
 
 
 def _summary(port: Port) -> tuple[str, ...]:

@@ -32,7 +32,7 @@ SHORT_FOCAL_MM, MIDDLE_FOCAL_MM = 20.0, 30.0
 def from_row(row: PartRow, origin: Origin) -> Built:
     """The lens of a row, with what the model needs filled in."""
     circle_mm, circle_status = _image_circle(row, origin)
-    classes = (_circle_class(circle_mm), _focal_class(row.number("focal_length_mm") or 0.0), "any")
+    classes = (circle_class(circle_mm), _focal_class(row.number("focal_length_mm") or 0.0), "any")
     made = row_fields(Lens, row, origin, classes)
     made |= identity(row, origin, _price_class(row, circle_mm), "USD", made["mass_g"])
     made |= {"image_circle_mm": circle_mm, "image_circle_status": circle_status}
@@ -67,7 +67,8 @@ def _image_circle(row: PartRow, origin: Origin) -> tuple[float | None, Status]:
     return optical_format_diagonals_mm().get(name), "derived"
 
 
-def _circle_class(circle_mm: float | None) -> str:
+def circle_class(circle_mm: float | None) -> str:
+    """The class of a lens by its image circle; empty where it is not known."""
     if circle_mm is None:
         return ""
     if circle_mm <= SMALL_CIRCLE_MM:
@@ -113,7 +114,7 @@ def _price_class(row: PartRow, circle_mm: float | None) -> ClassEstimate:
     if row.text("manufacturer").casefold() in HOBBY_MAKERS:
         return required_class("lens-price", "hobby")
     megapixel = row.number("rated_megapixel")
-    circle = _circle_class(circle_mm)
+    circle = circle_class(circle_mm)
     if circle == "large-circle":
         name = "rule-large-circle"
     elif circle == "medium-circle":

@@ -20,7 +20,6 @@ from uwopt.results.design import Design, SceneResult, UsedHardware
 from uwopt.results.front import FrontPoint, FrontResult
 from uwopt.units import symbol
 
-KINDS = ("camera", "lens", "port", "light")
 #: Figures beside the objectives, unless an objective shows the same.
 BESIDE = ("cost", "power_w", "gsd_mm", "snr_db", "dof_m", "frame_rate_hz", "f_number")
 SHORT_ID = 14  # signs of an id that are always shown in the table
@@ -174,7 +173,7 @@ def point_data(
         "parts": texts.row(*(words.part_id(part) for part in parts)),
         "short": texts.row(*(short[words.part_id(part)] for part in parts)),
         "names": texts.row(*(words.part_name(part) for part in parts)),
-        "counts": [many, many, many, hardware.light_count],
+        "counts": [hardware.light_count if kind == "light" else many for kind in hardware.parts],
         "stand": texts.number(stand_text(hardware)),
         "cards": [texts.row(*card_texts(card)) for card in cards(design)],
         "scenes": [

@@ -12,7 +12,7 @@ from typing import Any
 
 from uwopt.errors import UwoptError
 from uwopt.report.page import sections as page_parts
-from uwopt.report.page.front import KINDS, front_cards, front_data, history_figure
+from uwopt.report.page.front import front_cards, front_data, history_figure
 from uwopt.report.page.html_file import compact_json, packed, rendered, safe_id, slim
 from uwopt.report.page.sections import DesignPart
 from uwopt.report.page.svg import clean_svg
@@ -218,6 +218,7 @@ def front_certificate(certificate: Mapping[str, Any]) -> list[Line]:
 def front_facts(front: FrontResult, pictures: Pictures) -> dict[str, Any]:
     """What a front has beside its points."""
     history = history_figure(front)
+    kinds = list(front.points[0].design.hardware.parts) if front.points else []
     if history is not None:
         pictures.drawn[HISTORY["id"]] = slim(history)
     return {
@@ -225,7 +226,7 @@ def front_facts(front: FrontResult, pictures: Pictures) -> dict[str, Any]:
         "cards": front_cards(front),
         "heads": METHOD_HEADS, "methods": method_rows(front),
         "paper_step": -(-len(front.points) // MOST_ON_PAPER),
-        "kinds": KINDS, "peers": bool(front.peers), "three": len(front.objectives) == 3,
+        "kinds": kinds, "peers": bool(front.peers), "three": len(front.objectives) == 3,
     }  # fmt: skip
 
 

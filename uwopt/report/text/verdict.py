@@ -44,7 +44,8 @@ def system_text(design: Design) -> str:
     names = {kind: words.part_name(part) for kind, part in hardware.parts.items()}
     return (
         f"{many} × {names['camera']} with {many} × {names['lens']} behind {many} × {names['port']}"
-        f", and {lights} × {names['light']}"
+        + (f" in {many} × {names['housing']}" if "housing" in names else "")
+        + f", and {lights} × {names['light']}"
     )
 
 

@@ -79,6 +79,11 @@ REQUIREMENTS: Mapping[str, str] = {
     "power_w": "power",
     "peak_power_w": "peak power of the lamps",
     "mass_kg": "mass",
+    "mass_water_kg": "mass in water",
+    "size_mm": "size of the housing",
+    "housing_diameter_mm": "width of camera and lens in the housing",
+    "housing_length_mm": "length of camera and lens in the housing",
+    "dome_radius_mm": "front of the lens in the dome",
     "data_rate_mb_s": "data rate",
     "energy_wh": "energy of the whole mission",
     "storage_gb": "storage of the whole mission",
@@ -117,6 +122,11 @@ RULES: Mapping[str, str] = {
     "light": "no light gives the wanted signal",
     "cost": "too expensive",
     "mass_kg": "too heavy",
+    "mass_water_kg": "too heavy in water",
+    "size_mm": "housing too large",
+    "housing": "camera with lens does not fit into the housing",
+    "housing: port": "port does not go on the housing",
+    "better_housing": "fits as well into a housing that costs and weighs no more",
     "power_w": "too much power",
     "energy_wh": "too much energy over the mission",
     "bound": "proven not better than the systems shown",
@@ -374,8 +384,18 @@ def power_sentence(totals: Totals) -> str:
         f" (lights {quantity(totals.light_power_w, 'W')} on average,"
         f" {quantity(totals.light_peak_power_w, 'W')} at peak),"
         f" mass {quantity(totals.mass_kg, 'kg')}"
+        f"{housing_clause(totals)}"
         f"{used_up_clause(totals)}"
     )
+
+
+def housing_clause(totals: Totals) -> str:
+    """` (camera in its housing -0.2 kg in water, 248 x 114 mm)`; nothing without a housing."""
+    if totals.mass_water_kg is None or totals.size_mm is None:
+        return ""
+    length, diameter = (format_number(measure, 3) for measure in totals.size_mm)
+    in_water = quantity(totals.mass_water_kg, "kg")
+    return f" (cameras in their housings {in_water} in water, each {length} × {diameter} mm)"
 
 
 def used_up_clause(totals: Totals) -> str:

@@ -47,16 +47,22 @@ def accounted(
 ) -> dict[str, Any]:
     """Where every combination of the catalogue went: loaded, selected, evaluated, discarded by rule."""
     catalog = selection.catalog
-    sizes: dict[str, int] = {kind: len(catalog.parts(kind)) for kind in KINDS}  # type: ignore[arg-type]
-    chosen: dict[str, int] = {kind: len(selection.indices[kind]) for kind in KINDS}  # type: ignore[index]
+    kinds = KINDS if problem.mission.catalog.housing == "none" else (*KINDS, "housing")
+    sizes: dict[str, int] = {kind: len(catalog.parts(kind)) for kind in kinds}  # type: ignore[arg-type]
+    chosen: dict[str, int] = {kind: len(selection.indices[kind]) for kind in kinds}  # type: ignore[index]
     factor = per_light(problem)
     discarded: list[dict[str, Any]] = []
     left = dict(sizes)
-    for kind in KINDS:
-        others = math.prod(left[k] for k in KINDS if k != kind)
+    for kind in kinds:
+        others = math.prod(left[k] for k in kinds if k != kind)
         for rule, count in selection.counts[kind].items():  # type: ignore[index]
             discarded.append({"rule": f"{kind}: {rule}", "count": count * others * factor})
         left[kind] = chosen[kind]
+    if "housing" in kinds:
+        apart = chosen["port"] * chosen["housing"] - len(problem.parts.ports)  # no port of that kind goes on it
+        others = math.prod(chosen[k] for k in ("camera", "lens", "light"))
+        if apart:
+            discarded.append({"rule": "housing: port", "count": apart * others * factor})
     order = [*RULES, *(rule for rule in by_rule if rule not in RULES)]
     discarded += [{"rule": rule, "count": by_rule[rule]} for rule in order if by_rule.get(rule)]
     return {
@@ -72,9 +78,12 @@ def scope(problem: Problem) -> str:
     parts = problem.parts
     generic = sum(p.generic for p in all_parts(parts))
     low, high = problem.count_range
+    ports = {port.id for port in parts.ports}
+    housings = {port.housing.id for port in parts.ports if port.housing is not None}
     return (
-        f"{len(parts.cameras)} cameras, {len(parts.lenses)} lenses, {len(parts.ports)} ports, "
-        f"{len(parts.lights)} lights"
+        f"{len(parts.cameras)} cameras, {len(parts.lenses)} lenses, {len(ports)} ports, "
+        + (f"{len(housings)} housings, " if housings else "")
+        + f"{len(parts.lights)} lights"
         + (f" ({generic} of these parts generic)" if generic else " (real parts only)")
         + f", {low} to {high} lights, {len(problem.mounts)} mount(s), "
         f"{' and '.join(problem.mission.vehicle.orientations)}; estimates at their central values; "
@@ -90,4 +99,6 @@ def scope(problem: Problem) -> str:
 
 def all_parts(parts: Any) -> list[Part]:
     """All parts of a problem in one list."""
-    return [*parts.cameras, *parts.lenses, *parts.ports, *parts.lights]
+    ports = {port.id: port for port in parts.ports}
+    housings = {port.housing.id: port.housing for port in parts.ports if port.housing is not None}
+    return [*parts.cameras, *parts.lenses, *ports.values(), *housings.values(), *parts.lights]

@@ -21,6 +21,7 @@ from uwopt.catalog.compatibility import (
     rated_pitch_um,
 )
 from uwopt.forward.columns import Columns
+from uwopt.forward.enclosures import beaten, fits_inside, housing_size_mm, mass_in_water_kg
 from uwopt.forward.focus import Focused, place_focus, working_factor
 from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
 from uwopt.forward.problem import Problem
@@ -33,8 +34,8 @@ PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule
 
 IMAGER_RULES = (
     "mount", "image_circle", "lens_rating", "view", "focus", "max_gsd_mm", "min_swath_m", "frame_rate",
-    "data_rate_mb_s", "storage_gb", "lens_stop_down", "min_dof_m", "max_blur_px", "cost", "mass_kg", "power_w",
-    "energy_wh",
+    "data_rate_mb_s", "storage_gb", "lens_stop_down", "min_dof_m", "max_blur_px", "housing", "size_mm",
+    "mass_water_kg", "cost", "mass_kg", "power_w", "energy_wh", "better_housing",
 )  # fmt: skip
 
 
@@ -88,10 +89,10 @@ def enumerate_imagers(problem: Problem, *, cameras: Array | None = None) -> Imag
     samples = pairs.samples
     blocks = [
         block
-        for port in range(len(problem.parts.ports))
+        for ports in problem.port_groups
         for landscape in landscapes(problem)
         for block in imagers_behind(
-            problem, pairs.camera, pairs.lens, port, landscape, pairs.discarded, samples
+            problem, pairs.camera, pairs.lens, ports, landscape, pairs.discarded, samples
         )
     ]
     return joined(problem, blocks, pairs.discarded, samples)
@@ -165,22 +166,26 @@ def ratings_ok(problem: Problem) -> Array:
 
 @dataclass(frozen=True)
 class PortBlock:
-    """Imagers behind one port in one orientation."""
+    """Imagers behind ports of the same optics in one orientation."""
 
     camera: Array
     lens: Array
-    port: int
+    port: Array
     landscape: bool
     scenes: list[SceneImagers]
 
 
 def imagers_behind(
-    problem: Problem, camera: Array, lens: Array, port: int, landscape: bool, discarded: dict[str, int],
+    problem: Problem, camera: Array, lens: Array, ports: Array, landscape: bool, discarded: dict[str, int],
     samples: dict[str, list[tuple[int, int, int, bool]]],
 ) -> Iterator[PortBlock]:  # fmt: skip
-    """The imagers that pass every rule, and the count of those each rule discards."""
+    """The imagers that pass every rule, and the count of those each rule discards.
+
+    ports : indices of ports that share their optics: what is seen through one is seen through all
+    """
     if len(camera) == 0:
         return
+    port = int(ports[0])
     cameras, lenses = problem.cameras.take(camera), problem.lenses.take(lens)
     seen = []
     for index, scene in enumerate(problem.scenes):
@@ -208,31 +213,55 @@ def imagers_behind(
     powers = problem.camera_powers_w(cameras, [extra.rate_hz for extra in focused])
     least = np.min(powers, axis=0)
     focused = [replace(f, beside_w=power - least) for f, power in zip(focused, powers, strict=True)]
-    alive = np.ones(len(camera), bool)
-    for rule, passes in rules(problem, cameras, lenses, port, seen, focused):
-        failed = alive & ~passes
+    alive = np.ones((len(camera), len(ports)), bool)
+
+    def drop(rule: str, passes: Array) -> None:
+        failed = alive & ~(passes if passes.ndim == 2 else passes[:, None])
         discarded[rule] += int(failed.sum())
-        lost = np.nonzero(failed)[0]
-        some = lost[:: max(1, len(lost) // SAMPLES)]
-        samples.setdefault(rule, []).extend((int(camera[i]), int(lens[i]), port, landscape) for i in some)
-        alive &= passes
+        lost, of = np.nonzero(failed)
+        some = slice(None, None, max(1, len(lost) // SAMPLES))
+        samples.setdefault(rule, []).extend(
+            (int(camera[i]), int(lens[i]), int(ports[p]), landscape)
+            for i, p in zip(lost[some], of[some], strict=True)
+        )
+        alive[failed] = False
+
+    for rule, passes in rules(problem, cameras, lenses, ports, seen, focused):
+        drop(rule, passes)
+    if len(ports) > 1:
+        drop("better_housing", ~beaten_housings(problem, ports, alive))
     if alive.any():
-        keep = np.nonzero(alive)[0]
+        keep, of = np.nonzero(alive)
         scenes = [
             SceneImagers(view.take(keep), extra.take(keep)) for view, extra in zip(seen, focused, strict=True)
         ]
-        yield PortBlock(camera[keep], lens[keep], port, landscape, scenes)
+        yield PortBlock(camera[keep], lens[keep], ports[of], landscape, scenes)
+
+
+def beaten_housings(problem: Problem, ports: Array, alive: Array) -> Array:
+    """Imagers that do as well in another housing, which costs and weighs no more; (n, n_ports).
+
+    What is left out can be built into the other housing with the same image and light, at no greater cost or mass,
+    and stays within every limit that it keeps: no objective that grows with cost and mass is lost.
+    """
+    rows = problem.ports.take(ports)
+    worth = [rows.price, rows.limit_price, rows.mass_kg]
+    if problem.mission.limits.mass_water_kg is not None:
+        worth.append(rows.mass_kg - rows.displaced_kg)
+    housings = [problem.parts.ports[p].housing for p in ports]
+    return beaten(alive, worth, ["" if one is None else one.id for one in housings])
 
 
 def rules(
     problem: Problem,
     cameras: Any,
     lenses: Any,
-    port: int,
+    ports: Array,
     seen: list[Views],
     focused: list[Focused],
 ) -> Iterator[tuple[str, Array]]:
-    """Each rule in turn with the imagers that pass it."""
+    """Each rule in turn with the imagers that pass it, (n,), or (n, n_ports) where the housing matters."""
+    port = int(ports[0])
     limits, count = problem.mission.limits, problem.mission.vehicle.camera_count
     every = list(zip(problem.scenes, seen, focused, strict=True))
     yield "view", all_of(view_clears(problem, port, view) for view in seen)
@@ -271,7 +300,15 @@ def rules(
             for extra in focused
         ),
     )
-    _, cost, mass = totals(problem, cameras, lenses, port)
+    housings = problem.ports.take(ports)
+    yield "housing", fits_inside(cameras, lenses, housings)
+    every_pair = np.ones((len(cameras.price), 1), bool)
+    yield "size_mm", every_pair & (housing_size_mm(housings) <= limit(limits.size_mm) * ROUND)
+    in_water = mass_in_water_kg(count, cameras, lenses, housings)
+    most = limit(limits.mass_water_kg)
+    yield "mass_water_kg", in_water <= most + (ROUND - 1.0) * abs(most) if np.isfinite(most) else every_pair
+    each = [totals(problem, cameras, lenses, int(p)) for p in ports]
+    cost, mass = (np.stack([one[k] for one in each], axis=1) for k in (1, 2))
     powers = problem.camera_powers_w(cameras, [extra.rate_hz for extra in focused])
     yield "cost", cost <= limit(limits.cost) * ROUND
     yield "mass_kg", mass <= limit(limits.mass_kg) * ROUND
@@ -349,7 +386,7 @@ def joined(
 
     camera = stack([b.camera for b in blocks]).astype(int)
     lens = stack([b.lens for b in blocks]).astype(int)
-    port = stack([np.full(len(b.camera), b.port) for b in blocks]).astype(int)
+    port = stack([b.port for b in blocks]).astype(int)
     landscape = stack([np.full(len(b.camera), b.landscape) for b in blocks]).astype(bool)
     cameras = problem.cameras.take(camera)
     cost, limit_cost, mass = totals(problem, cameras, problem.lenses.take(lens), port)

@@ -374,7 +374,8 @@ class LargeSearch:
             for landscape in self.orientations:
                 mine = np.nonzero((port == number) & (rows.landscape == landscape))[0]
                 blocks += list(imagers_behind(
-                    self.problem, rows.camera[mine], rows.lens[mine], int(number), landscape, discarded, self.samples
+                    self.problem, rows.camera[mine], rows.lens[mine], np.array([number]), landscape, discarded,
+                    self.samples,
                 ))  # fmt: skip
         for rule, count in discarded.items():
             search.account.discarded[rule] += count * self.every
@@ -423,7 +424,7 @@ class LargeSearch:
         places: list[Found] = []
         for found in search.ranking.best:
             one = imagers_behind(
-                self.problem, np.array([found.camera]), np.array([found.lens]), found.port, found.landscape,
+                self.problem, np.array([found.camera]), np.array([found.lens]), np.array([found.port]), found.landscape,
                 dict.fromkeys(search.account.discarded, 0), {},
             )  # fmt: skip
             places.append(replace(found, imager=len(blocks)))

@@ -158,7 +158,7 @@ class FieldTables:
         """
         problem, imagers = self.problem, self.imagers
         view = imagers.scenes[scene_index].view
-        port = np.zeros(len(rows), int) if problem.paper else imagers.port[rows]
+        port = np.zeros(len(rows), int) if problem.paper else problem.like_port[imagers.port[rows]]
         parts = []
         for value in np.unique(port):
             deadline.check()
@@ -188,7 +188,8 @@ class FieldTables:
     ) -> Iterator[tuple[LampField, Array]]:
         """The lighting as imagers of one port and one efficiency curve see it, with their places."""
         problem = self.problem
-        keys = np.stack([self.imagers.port[rows], problem.cameras.qe_index[self.imagers.camera[rows]]])
+        port_of = problem.like_port[self.imagers.port[rows]]
+        keys = np.stack([port_of, problem.cameras.qe_index[self.imagers.camera[rows]]])
         for port, efficiency in np.unique(keys, axis=1).T:
             field = RememberedField(
                 problem, scene_index, port_index=int(port), optics=lighting.optics, mount=lighting.mount, count=count,
@@ -204,7 +205,7 @@ class FieldTables:
 
 def alike(problem: Problem, imagers: Imagers) -> tuple[Array, Array]:
     """One imager of each image that differs by more than its collecting area, and each imager's image."""
-    keys = [imagers.port.astype(float), problem.cameras.qe_index[imagers.camera].astype(float)]
+    keys = [problem.like_port[imagers.port].astype(float), problem.cameras.qe_index[imagers.camera].astype(float)]
     for scene in imagers.scenes:
         keys += [scene.view.tan_along, scene.view.tan_across]
     order = np.lexsort(keys)
@@ -357,10 +358,11 @@ def crowding_of(
     """Upper bound of (samples per floor area) over (uniform): the corner's, where a flat port crowds most."""
     view = imagers.scenes[scene_index].view
     out = np.ones(len(rows))
-    for port in np.unique(imagers.port[rows]):
+    ports = problem.like_port[imagers.port[rows]]
+    for port in np.unique(ports):
         if problem.ports.is_dome[port]:
             continue
-        mine = np.nonzero(imagers.port[rows] == port)[0]
+        mine = np.nonzero(ports == port)[0]
         tan_along, tan_across = view.tan_along[rows[mine]], view.tan_across[rows[mine]]
         shape = problem.shape(int(port), scene_index)
         corner = np.hypot(tan_along, tan_across)

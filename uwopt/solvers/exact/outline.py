@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
+from uwopt.forward.enclosures import bodies_of
 from uwopt.forward.focus import Focused, held_at_corner, place_focus, sharp_ends_m
 from uwopt.forward.motion import motion_across, motion_along, required_rate_hz
 from uwopt.forward.problem import Problem
@@ -48,6 +49,8 @@ class PortGroups:
     index_low: Array
     index_high: Array
     transmission: Array  # the most, by scene: (n_scenes, n)
+    room_diameter_m: Array  # inside the housing, the most; inf without one
+    room_length_m: Array
     price: Array  # the least
     limit_price: Array
     mass_kg: Array
@@ -77,7 +80,8 @@ class PortGroups:
         return PortGroups(
             order, start, stop, ports.is_dome[order[start]], low(radius), high(radius), low(ports.gap_m),
             high(ports.gap_m), low(ports.thickness_m), high(ports.thickness_m), low(ports.refractive_index),
-            high(ports.refractive_index), np.array([high(column) for column in passed]), low(ports.price),
+            high(ports.refractive_index), np.array([high(column) for column in passed]), high(ports.room_diameter_m),
+            high(ports.room_length_m), low(ports.price),
             low(ports.limit_price), low(ports.mass_kg),
         )  # fmt: skip
 
@@ -397,11 +401,23 @@ class Level:
             )
         passes["storage_gb"] = duration.mean(rates) <= duration.mean_data_limit_mb_s * COARSE_ROUND
         passes["max_blur_px"] = cameras.min_exposure_s[rows.camera] <= limits.max_exposure_ms * 1e-3
+        passes["housing"] = self.may_fit(rows)
         passes["cost"] = imagers.limit_cost <= limit(limits.cost) * COARSE_ROUND
         passes["mass_kg"] = imagers.mass_kg <= limit(limits.mass_kg) * COARSE_ROUND
         passes["power_w"] = imagers.camera_power_w <= limit(limits.power_w) * COARSE_ROUND
         passes["energy_wh"] = imagers.camera_power_w <= duration.mean_power_limit_w * COARSE_ROUND
         return list(passes.items())
+
+
+    def may_fit(self, rows: OutlineRows) -> Array:
+        """Whether the roomiest housing of the group is wide enough, and as long as what lies behind the pupil.
+
+        A tube needs at least that, whatever its port, and a sphere more than its half.
+        """
+        bodies = bodies_of(self.problem.cameras.take(rows.camera), self.problem.lenses.take(rows.lens))
+        width, length = self.groups.room_diameter_m[rows.group], self.groups.room_length_m[rows.group]
+        fits = (bodies.diagonal_m <= width * COARSE_ROUND) & (bodies.behind_pupil_m <= length * COARSE_ROUND)
+        return np.asarray(fits)
 
 
 class OutlineTables(FieldTables):

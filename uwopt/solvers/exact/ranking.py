@@ -128,7 +128,7 @@ class Ranking:
             return (
                 parts.cameras[f.camera].id,
                 parts.lenses[f.lens].id,
-                parts.ports[f.port].id,
+                parts.ports[f.port].enclosure_id,
                 parts.lights[f.light].id,
             )
 

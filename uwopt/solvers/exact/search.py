@@ -112,7 +112,7 @@ class Search:
         start = time.perf_counter()
         self.progress(0.0, "imagers")
         pairs = fitting_pairs(self.problem, cameras=self._cameras_below_ceiling())
-        if len(pairs.camera) * len(self.problem.parts.ports) * len(landscapes(self.problem)) > MOST_IMAGERS:
+        if len(pairs.camera) * len(self.problem.port_groups) * len(landscapes(self.problem)) > MOST_IMAGERS:
             from uwopt.solvers.exact.large import (
                 LargeSearch,  # a search of its own, of no use to small catalogues
             )

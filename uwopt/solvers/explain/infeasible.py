@@ -287,7 +287,9 @@ def with_limit(mission: Mission, section: str, key: str, asked: float, value: fl
 def rated_depth(found: Sought) -> float | None:
     """Depth that the relaxed design's parts are rated for; None where it is unknown."""
     best, parts = found.outcome.best[0], found.problem.parts
-    ratings = (parts.ports[best.port].depth_rating_m, parts.lights[best.light].depth_rating_m)
+    port = parts.ports[best.port]
+    ratings = [port.depth_rating_m, parts.lights[best.light].depth_rating_m]
+    ratings += [] if port.housing is None else [port.housing.depth_rating_m]
     known = [rating for rating in ratings if rating is not None]
     return min(known) if len(known) == len(ratings) else None
 

@@ -18,7 +18,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Bought, Knee
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.one_hardware import parts_of
+from uwopt.solvers.explain.one_hardware import pieces_of
 from uwopt.solvers.recommend import Sought
 
 MORE_W, MORE_USD = 1.0, 100.0
@@ -66,7 +66,7 @@ def best_within(
     if not outcome.best:
         return 0.0, {}
     best = outcome.best[0]
-    return quality.share(mine - best.minimised, mine), {kind: part.id for kind, part in parts_of(problem, best)}
+    return quality.share(mine - best.minimised, mine), {kind: part.id for kind, part in pieces_of(problem, best)}
 
 
 def with_limits(problem: Problem, limits: dict[str, float]) -> Problem:

@@ -33,6 +33,13 @@ def parts_of(problem: Problem, found: Found) -> list[tuple[str, Part]]:
     ]
 
 
+def pieces_of(problem: Problem, found: Found) -> list[tuple[str, Part]]:
+    """All pieces of a design by kind: its parts, and the housing that its port is built into."""
+    housing = problem.parts.ports[found.port].housing
+    camera, lens, port, light = parts_of(problem, found)
+    return [camera, lens, port, *([] if housing is None else [("housing", housing)]), light]
+
+
 def problem_of(
     base: Problem, found: Found, *, mission: Mission | None = None, mount: Mount | None = None,
     scenes: list[SceneOptics] | None = None, lists: Mapping[str, Sequence[Any]] | None = None,

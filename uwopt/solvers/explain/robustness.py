@@ -17,7 +17,7 @@ from typing import Any
 
 from uwopt.catalog.curves.clarity import Clarity
 from uwopt.catalog.parts.kinds import EITHER
-from uwopt.catalog.records import Part, Quantity, exact
+from uwopt.catalog.records import Part, Port, Quantity, exact
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.problem import Parts, Problem
@@ -25,7 +25,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Assumption
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.one_hardware import KINDS, best_of, best_of_each, parts_of, problem_of
+from uwopt.solvers.explain.one_hardware import KINDS, best_of, best_of_each, parts_of, pieces_of, problem_of
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 
@@ -63,7 +63,7 @@ def assumptions(problem: Problem, found: Found) -> list[Assumption]:
             f"{kind}.{name}", part.id, value.value, value.low, value.high, unit_of(name, part), value.status,
             value.source,
         )
-        for kind, part in parts_of(problem, found)
+        for kind, part in pieces_of(problem, found)
         for name, value in doubtful(part)
     ]  # fmt: skip
     items += [
@@ -118,7 +118,7 @@ def at_end(part: Any, end: str, only: str | None = None) -> Any:
 
     `good` and `bad` move what has such ends; `low` and `high` what may favour a design at either.
     """
-    changes = {}
+    changes: dict[str, Any] = {}
     for name, value in doubtful(part):
         if only is not None and name != only:
             continue
@@ -131,6 +131,8 @@ def at_end(part: Any, end: str, only: str | None = None) -> Any:
             best = value.high if sign > 0 else value.low
             worst = value.low if sign > 0 else value.high
             changes[name] = exact(best if end == "good" else worst, value.status, value.source)
+    if only is None and getattr(part, "housing", None) is not None:
+        changes["housing"] = at_end(part.housing, end)
     return replace(part, **changes) if changes else part
 
 
@@ -155,6 +157,11 @@ def at_worst(
     return worst, worst_value
 
 
+def housing_at_end(port: Port, end: str, only: str | None = None) -> Port:
+    """A port whose housing's doubtful numbers (or one of them) are put at one end of their ranges."""
+    return replace(port, housing=at_end(port.housing, end, only))
+
+
 Variant = tuple[str, str, str]  # kind, field ("" for all), end
 
 
@@ -174,8 +181,10 @@ def values_with(
         place = dict.fromkeys(KINDS, 0)
         if variant is not None:
             kind, name, end = variant
-            place[kind] = len(lists[kind])
-            lists[kind].append(at_end(lists[kind][0], end, only=name or None))
+            slot = "port" if kind == "housing" else kind
+            made = housing_at_end if kind == "housing" else at_end
+            place[slot] = len(lists[slot])
+            lists[slot].append(made(lists[slot][0], end, only=name or None))
         places.append(place)
     return best_of_each(problem_of(base, found, lists=lists), objective, places, deadline)
 
@@ -224,6 +233,11 @@ def robustness(
     }
 
 
+def own_id(part: Part) -> str:
+    """The id of a part; of a port with that of its housing."""
+    return part.enclosure_id if isinstance(part, Port) else part.id
+
+
 def mixed_problem(problem: Problem, bad: dict[str, Part]) -> Problem:
     """The winner's parts at their bad end among all others at their good end."""
 
@@ -232,7 +246,7 @@ def mixed_problem(problem: Problem, bad: dict[str, Part]) -> Problem:
             variant
             for part in parts
             for variant in (
-                [bad[kind]] if part.id == bad[kind].id else with_either_end(at_end(part, "good"))
+                [bad[kind]] if own_id(part) == own_id(bad[kind]) else with_either_end(at_end(part, "good"))
             )
         )
 
@@ -249,14 +263,14 @@ def mixed_problem(problem: Problem, bad: dict[str, Part]) -> Problem:
 
 
 def same_parts(one: Problem, a: Found, other: Problem, b: Found) -> bool:
-    """Whether two designs are made of the same four parts."""
-    return [p.id for _, p in parts_of(one, a)] == [p.id for _, p in parts_of(other, b)]
+    """Whether two designs are made of the same parts."""
+    return [own_id(p) for _, p in parts_of(one, a)] == [own_id(p) for _, p in parts_of(other, b)]
 
 
 def rival_dict(problem: Problem, rival: Found, objective: Objective) -> dict[str, Any]:
     """A rival by its ids, with what it would reach."""
     return {
-        **{kind: part.id for kind, part in parts_of(problem, rival)},
+        **{kind: part.id for kind, part in pieces_of(problem, rival)},
         "light_count": rival.count,
         "objective_value": objective.reported(rival.minimised),
     }
@@ -305,7 +319,7 @@ def quotes_that_matter(
         asked = [
             (kind, part, name, doubt, end)
             for design, end in ((winner, "bad"), (rival, "good"))
-            for kind, part in parts_of(problem, design)
+            for kind, part in pieces_of(problem, design)
             for name, doubt in doubtful(part)
             if matters(name, problem, objective)
             for end in (("low", "high") if name in EITHER else (end,))
@@ -319,7 +333,7 @@ def quotes_that_matter(
                     {
                         "part": part.id, "kind": kind, "field": name, "value": doubt.value, "low": doubt.low,
                         "high": doubt.high, "unit": unit_of(name, part),
-                        "then_better": " + ".join(p.id for _, p in parts_of(problem, rival)),
+                        "then_better": " + ".join(p.id for _, p in pieces_of(problem, rival)),
                     }
                 )  # fmt: skip
     return matter[: 4 * top]
@@ -330,8 +344,8 @@ def with_changes(
     deadline: Deadline = NEVER,
 ) -> list[float]:  # fmt: skip
     """A design's objective under each change in turn; changes of parts it does not have leave it as it is."""
-    own = {kind: part.id for kind, part in parts_of(sought.problem, design)}
+    own = {kind: part.id for kind, part in pieces_of(sought.problem, design)}
     variants: list[Variant | None] = [
-        (kind, name, end) if own[kind] == part.id else None for kind, part, name, _, end in asked
+        (kind, name, end) if own.get(kind) == part.id else None for kind, part, name, _, end in asked
     ]
     return values_with(sought, design, objective, variants, deadline)

@@ -20,7 +20,7 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.scene import LampLeg, SceneOptics, scene_optics
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.explain.one_hardware import best_of, parts_of, problem_of
+from uwopt.solvers.explain.one_hardware import best_of, pieces_of, problem_of
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 
@@ -123,7 +123,7 @@ def verdict(
     return {
         "feasible": math.isfinite(values[0]),
         "objective_value": objective.reported(values[0]) if math.isfinite(values[0]) else None,
-        "best_of_shown": [part.id for _, part in parts_of(problem, shown[best])]
+        "best_of_shown": [part.id for _, part in pieces_of(problem, shown[best])]
         if math.isfinite(values[best])
         else None,
         "changes": not math.isfinite(values[0]) or values[best] < values[0] - 1e-9 * abs(values[0]),

@@ -1,0 +1,148 @@
+"""Ports built into housings, and which cameras with their lenses fit inside: enclosures take the place of ports.
+
+Ports that differ by their housing alone share their optics, so that views and light are worked out once for all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.choose import matches
+from uwopt.catalog.compatibility import canonical_mount
+from uwopt.catalog.estimates import ClassEstimate, required_class
+from uwopt.catalog.parts.housing import ANY_PORT
+from uwopt.catalog.readers.read_lens import circle_class
+from uwopt.catalog.records import Camera, Housing, Lens, Port, Quantity
+from uwopt.forward.part_columns import Cameras, Lenses, Ports
+from uwopt.model.enclosure import Bodies, dome_needed_m, sphere_needed_m, tube_needed_m
+from uwopt.tolerances import ROUND
+
+Array = NDArray[Any]
+Mask = NDArray[np.bool_]
+BODY = ("body_width_mm", "body_height_mm", "body_length_mm", "plug_mm")
+
+
+def enclosed(ports: Sequence[Port], housings: Sequence[Housing]) -> tuple[Port, ...]:
+    """Every port in every housing that takes it, port by port."""
+    return tuple(replace(port, housing=one) for port in ports for one in housings if takes(one, port))
+
+
+def takes(housing: Housing, port: Port) -> bool:
+    """Whether a port fits on a housing: it is named there, or its end is made for any port no wider than itself."""
+    named = [pattern for pattern in housing.ports if pattern != ANY_PORT]
+    if any(matches(pattern, port) for pattern in named):
+        return True
+    widest = housing.outer_diameter_mm
+    if ANY_PORT not in housing.ports or widest is None:
+        return ANY_PORT in housing.ports
+    return port.width_mm is None or port.width_mm <= widest.value
+
+
+def camera_with_size(camera: Camera) -> Camera:
+    """A camera with the size of its body, that of its interface's class where it does not say."""
+    if camera.inline:
+        return camera
+
+    def of_class(name: str) -> Quantity:
+        key = f"camera-{name.replace('_', '-')}"
+        return required_class(key, f"body-{camera.interface}", "body-any").quantity()
+
+    sizes: dict[str, Any] = {name: getattr(camera, name) or of_class(name) for name in BODY}
+    return replace(camera, **sizes)
+
+
+def lens_with_size(lens: Lens) -> Lens:
+    """A lens with length, width and the place of its entrance pupil, those of its class where it does not say."""
+    if lens.inline and lens.length_mm is None:
+        return lens
+    length = lens.length_mm or _of_class("lens-length-mm", lens).quantity()
+    share = required_class("lens-pupil-over-length", "body-any")
+    return replace(
+        lens,
+        length_mm=length,
+        diameter_mm=lens.diameter_mm or _of_class("lens-diameter-mm", lens).quantity(),
+        pupil_mm=lens.pupil_mm or share.quantity(length.value),
+    )
+
+
+def _of_class(prefix: str, lens: Lens) -> ClassEstimate:
+    board = {canonical_mount(mount) for mount in lens.mounts} == {"S"}
+    return required_class(prefix, "body-s-mount" if board else f"body-{circle_class(lens.image_circle_mm)}", "body-any")
+
+
+def bodies_of(cameras: Cameras, lenses: Lenses) -> Bodies:
+    """What rows of cameras and lenses take up."""
+    return Bodies(
+        cameras.body_width_m, cameras.body_height_m, cameras.body_length_m, cameras.plug_m, lenses.diameter_m,
+        lenses.length_m, lenses.pupil_m,
+    )  # fmt: skip
+
+
+def room_needed_m(bodies: Bodies, port: Ports) -> dict[str, tuple[Array, Array]]:
+    """What camera and lens need in one enclosure and what it has, (n_pairs,) each, by the name of the requirement."""
+    inner = port.room_diameter_m
+    if port.is_sphere[0]:
+        return {"housing_diameter_mm": (sphere_needed_m(bodies), inner)}
+    width, length = tube_needed_m(bodies, is_dome=port.is_dome, gap_m=port.gap_m)
+    needed = {"housing_diameter_mm": (width, inner), "housing_length_mm": (length, port.room_length_m)}
+    if port.is_dome[0]:
+        needed["dome_radius_mm"] = (dome_needed_m(bodies), port.outer_radius_m - port.thickness_m)
+    return needed
+
+
+def tight_at_worst(camera: Camera, lens: Lens, port: Ports) -> dict[str, tuple[float, float]]:
+    """Needed and had [m], by requirement, of what is not enough where estimated sizes are at their high ends."""
+
+    def high(part: Camera | Lens, name: str) -> Array:
+        value: Quantity | None = getattr(part, name)
+        return np.array([0.0 if value is None else value.high * 1e-3])
+
+    length = high(lens, "length_mm")
+    pupil = np.array([0.0 if lens.pupil_mm is None else lens.pupil_mm.value * 1e-3])  # either end may be the worse
+    width, height, deep, plug = (high(camera, name) for name in BODY)
+    worst = Bodies(width, height, deep, plug, high(lens, "diameter_mm"), length, pupil)
+    needed = room_needed_m(worst, port)
+    return {name: (float(n[0]), float(r[0])) for name, (n, r) in needed.items() if not n[0] <= r[0] * ROUND}
+
+
+def fits_inside(cameras: Cameras, lenses: Lenses, ports: Ports) -> Mask:
+    """Whether each pair of camera and lens fits into each enclosure, (n_pairs, n_ports); all into bare ports."""
+    bodies, fits = bodies_of(cameras, lenses), np.ones((len(cameras.price), len(ports.price)), bool)
+    for p in np.flatnonzero(ports.housed):
+        for needed, room in room_needed_m(bodies, ports.take(np.array([p]))).values():
+            fits[:, p] &= needed <= room * ROUND
+    return fits
+
+
+def housing_size_mm(ports: Ports) -> Array:
+    """The largest outer measure of housings with their ports."""
+    return np.asarray(np.maximum(ports.outer_length_m, ports.outer_diameter_m) * 1e3)
+
+
+def mass_in_water_kg(camera_count: int, cameras: Cameras, lenses: Lenses, ports: Ports) -> Array:
+    """Mass in water of all cameras in their housings, lamps not counted, (n, n_ports)."""
+    inside = (cameras.mass_kg + lenses.mass_kg)[:, None]
+    return np.asarray(camera_count * (inside + ports.mass_kg - ports.displaced_kg))
+
+
+def beaten(fits: Array, worth: Sequence[NDArray[np.float64]], names: Sequence[str]) -> Mask:
+    """Whether another housing, that fits as well, is no worse in anything: (n_pairs, n_ports).
+
+    fits : (n_pairs, n_ports), of one port's optics
+    worth : columns of which less is better, (n_ports,)
+    names : of the housings; those of one name are variants of one another and do not compete
+    """
+    n = len(names)
+    no_worse, better = np.ones((n, n), bool), np.zeros((n, n), bool)
+    for column in worth:
+        no_worse &= column[:, None] <= column[None, :]
+        better |= column[:, None] < column[None, :]
+    first = np.arange(n)[:, None] < np.arange(n)[None, :]
+    rival = np.array(names, object)[:, None] != np.array(names, object)[None, :]
+    beats = no_worse & (better | first) & rival
+    return np.asarray(fits & ((fits.astype(np.float32) @ beats.astype(np.float32)) > 0.5))
