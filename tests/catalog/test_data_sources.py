@@ -186,7 +186,8 @@ def test_every_estimate_has_a_range_a_unit_and_a_basis():
         assert row["key"].startswith(f"{row['applies_to']}-{row['field'].replace('_', '-')}-"), row["key"]
         assert float(row["low"]) <= float(row["central"]) <= float(row["high"]), row["key"]
         assert row["basis"] and row["unit"] and row["class_rule"] and row["source_url"], row["key"]
-        priced = row["field"].startswith("price") and row["field"] != "price_exponent" or row["field"] in {"flux_lm_per_price", "host_price"}
+        money = {"price", "price_scale", "flux_lm_per_price", "host_price", "price_work", "price_per_kg"}
+        priced = row["field"] in money
         assert bool(row["currency"]) == priced, row["key"]
         assert row["at_nm"] or row["field"] != "qe", row["key"]
 

@@ -25,6 +25,7 @@ NEEDED = {
     "lens": "f_number_min f_number_max image_circle_mm transmission_frac min_object_distance_m mass_g price",
     "port": "thickness_mm mass_g price",
     "light": "output_factor beam_angle_deg mass_g price",
+    "housing": "inner_diameter_mm inner_length_mm outer_diameter_mm outer_length_mm depth_rating_m mass_g price",
 }
 
 

@@ -10,7 +10,7 @@ import ast
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from math import hypot, log2, log10, sqrt
+from math import hypot, log2, log10, pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +45,7 @@ SYSTEM: dict[str, Any] = {
     "port": {"id": "port", "geometry": "flat", "gap_mm": 5.0, "thickness_mm": 10.0, "price": 200.0, "mass_g": 300.0},
     "light": {"id": "lamp", "flux_lm": 10_000, "power_w": 100.0, "beam": "cosine-power", "beam_half_angle_deg": 40.0,
               "price": 400.0, "mass_g": 700.0},
+    "housing": None,
     "light_count": 2,
     "settings": {"f_number": 4.0, "exposure_ms": 1.0, "gain": 1.0, "frame_rate_hz": 2.0},
 }  # fmt: skip
@@ -54,6 +55,16 @@ FLASH = {
     **{"light.flash_energy_j": 10.0, "light.flash_duration_us": 1000.0},
 }
 FULL = {"physics": "full"}
+#: A body of 50 mm across its corners, 30 mm from the entrance pupil to it, 80 mm from there to the end of the plug.
+BODIES = {
+    "camera.body_width_mm": 30.0, "camera.body_height_mm": 40.0, "camera.body_length_mm": 35.0, "camera.plug_mm": 45.0,
+    "lens.diameter_mm": 30.0, "lens.length_mm": 50.0, "lens.pupil_mm": 20.0,
+}  # fmt: skip
+ROOM = {
+    "inner_diameter_mm": 80.0, "inner_length_mm": 160.0, "outer_diameter_mm": 100.0, "outer_length_mm": 200.0,
+    "mass_g": 1000.0,
+}  # fmt: skip
+IN_WATER_KG = 0.5 + 0.1 + 0.3 + 1.0 - 1025.0 * pi / 4.0 * 0.1**2 * 0.2
 #: Flat curves: of the mean, (R + 2 G + B) / 4 = 0.55, red has 0.2.
 CHANNELS = str(Path(__file__).parents[1] / "reference" / "flat_channels.csv")
 COLOUR = {"camera.colour": "colour", "camera.quantum_efficiency": CHANNELS}
@@ -223,6 +234,17 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("max_airy_px", lambda over: {"requirements.max_airy_px": airy_px() / (1.0 + over)}),
     ("max_airy_px", lambda over: {
         "requirements.refuse": ["airy"], "settings.f_number": 4.0 * 2.0 / airy_px() * (1.0 + over)}),
+    ("housing_diameter_mm", lambda over: {
+        **BODIES, "housing": {**ROOM, "inner_diameter_mm": (50.0 + 2 * 2.0) / (1.0 + over)}}),
+    ("housing_length_mm", lambda over: {
+        **BODIES, "housing": {**ROOM, "inner_length_mm": (50.0 + 35.0 + 45.0 + 2.0) / (1.0 + over)}}),
+    ("housing_diameter_mm", lambda over: {
+        **BODIES, "housing": {"shape": "sphere", "inner_diameter_mm": 2 * (hypot(110.0, 25.0) + 2.0) / (1.0 + over)}}),
+    ("dome_radius_mm", lambda over: {
+        **BODIES, "housing": ROOM, "port.geometry": "dome", "port.gap_mm": None,
+        "port.outer_radius_mm": 10.0 + (hypot(20.0, 15.0) + 2.0) / (1.0 + over)}),
+    ("size_mm", lambda over: {**BODIES, "housing": ROOM, "limits.size_mm": 200.0 / (1.0 + over)}),
+    ("mass_water_kg", lambda over: {**BODIES, "housing": ROOM, "limits.mass_water_kg": IN_WATER_KG / (1.0 + over)}),
     ("f_number_min", low("lens.f_number_min", 4.0)),
     ("f_number_max", high("lens.f_number_max", 4.0)),
     ("nearest_focus_m", low("lens.min_object_distance_m", 2.0)),

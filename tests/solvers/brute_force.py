@@ -8,6 +8,7 @@ and depth of field. What is best is read back through `DesignModel.margins`; not
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -54,8 +55,25 @@ def buildable(problem: Problem) -> Iterator[Hardware]:
         diagonal = sensor_diagonal_mm(camera.resolution_x_px, camera.resolution_y_px, camera.pixel_pitch_um)
         if mount_compatible([camera.mounts], [lens.mounts])[0, 0] and image_circle_ok(
             diagonal, lens.image_circle_mm
-        ):
+        ) and goes_inside(camera, lens, parts.ports[p]):
             yield Hardware(c, le, p, name == "landscape", li, count, mount)
+
+
+def goes_inside(camera: Any, lens: Any, port: Any) -> bool:
+    """Whether camera with lens goes into the port's housing, in millimetres and 2 mm from any wall."""
+    if port.housing is None:
+        return True
+    body = math.hypot(camera.body_width_mm.value, camera.body_height_mm.value)
+    glass, pupil = lens.diameter_mm.value, lens.pupil_mm.value
+    behind = lens.length_mm.value - pupil + camera.body_length_mm.value + camera.plug_mm.value
+    if port.housing.shape == "sphere":
+        farthest = max(math.hypot(behind, body / 2), math.hypot(pupil, glass / 2))
+        return bool(2 * (farthest + 2) <= port.housing.inner_diameter_mm)
+    dome = port.geometry == "dome"
+    if dome and math.hypot(pupil, glass / 2) + 2 > port.outer_radius_mm - port.thickness_mm.value:
+        return False
+    long = behind + 2 + (0 if dome else max(pupil, port.gap_mm))
+    return bool(max(body, glass) + 4 <= port.housing.inner_diameter_mm and long <= port.housing.inner_length_mm)
 
 
 class Bench:

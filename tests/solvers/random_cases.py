@@ -23,6 +23,7 @@ from uwopt.solvers.exact.search import Search
 TOP = 4
 READINGS = 8  # names the generator of what is read of the water, which must not change the cases' other draws
 COLOURS = 9  # the same of what is asked of colours
+HOUSINGS = 10  # the same of housings and the sizes of bodies
 #: Of the first hundred random cases some that are enumerated quickly and, together, meet every kind of part, wish and
 #: rule, most of them with designs that are feasible; a test lists the kinds.
 CHOSEN = (
@@ -59,11 +60,13 @@ class Case:
 
 
 @cache
-def case(seed: int, *, over_frame: bool = False, coloured: bool = False, in_mid_water: bool = False) -> Case:
+def case(
+    seed: int, *, over_frame: bool = False, coloured: bool = False, in_mid_water: bool = False, housed: bool = False
+) -> Case:
     """A random case whose limits are, in a part of the cases, just what one of its designs needs.
 
     `over_frame` asks its SNR, eased, of 95 % of the image, wherever it was asked; `coloured` asks something of colours;
-    `in_mid_water` puts dark targets into open water.
+    `in_mid_water` puts dark targets into open water; `housed` builds each port into three housings.
     """
     rng = np.random.default_rng(seed)
     parts, plain = small.parts(rng, 3 if THOROUGH else 2), small.with_in_hand(small.mission(rng), seed)
@@ -75,6 +78,8 @@ def case(seed: int, *, over_frame: bool = False, coloured: bool = False, in_mid_
         parts, plain = small.with_colours(own, parts), small.asking_of_colours(own, plain)
     if in_mid_water:
         plain = small.in_mid_water(plain)
+    if housed:
+        parts = small.housed(np.random.default_rng([seed, HOUSINGS]), parts)
     objective = Objective.of(plain["objective"])
     free = Case(parts, small.loaded(plain), objective)
     limits, wanted = limits_that_bind(rng, free)
@@ -121,7 +126,7 @@ def bench(seed: int, **asked: bool) -> Any:
 @cache
 def enumerated(seed: int, **asked: bool) -> list[Any]:
     """Best settings of every hardware of a case, best first."""
-    return brute.enumerate_all(bench(seed, **asked), case(seed).objective)
+    return brute.enumerate_all(bench(seed, **asked), case(seed, **asked).objective)
 
 
 def ranked(found: list[Any]) -> dict[tuple[int, ...], Any]:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from uwopt.catalog.parts.camera import Camera
+from uwopt.catalog.parts.housing import Housing
 from uwopt.catalog.parts.lens import Lens
 from uwopt.catalog.parts.light import Light
 from uwopt.catalog.parts.port import Port
@@ -164,6 +165,32 @@ def parts(rng: Rng, most: int = 3) -> Parts:
         tuple(port(rng, f"port-{i}") for i in range(int(rng.integers(1, 4)))),
         tuple(light(rng, f"light-{i}", pick(rng, looks)) for i in range(sizes[2])),
     )
+
+
+def housed(rng: Rng, parts: Parts) -> Parts:
+    """The same catalogue with bodies of a size, each port in three housings, of which some fit few or cost no less."""
+
+    def mm(low: float, high: float) -> Quantity:
+        return exact(between(rng, low, high))
+
+    cameras = tuple(
+        replace(c, body_width_mm=mm(20, 60), body_height_mm=mm(20, 60), body_length_mm=mm(20, 60), plug_mm=mm(5, 50))
+        for c in parts.cameras
+    )
+    lenses = tuple(
+        replace(one, length_mm=mm(15, 70), diameter_mm=mm(15, 50), pupil_mm=mm(3, 20)) for one in parts.lenses
+    )
+    ports = []
+    for port in parts.ports:
+        for number in range(3):
+            inner, length = between(rng, 50, 110), between(rng, 90, 220)
+            housing = Housing(
+                f"housing-{number}", price=price(rng, 200, 2000), mass_g=mm(300, 4000), depth_rating_m=6000.0,
+                shape="sphere" if chance(rng, 0.2) else "tube", inner_length_mm=length,
+                inner_diameter_mm=3.0 * inner if number == 2 else inner,
+            )  # fmt: skip
+            ports.append(replace(port, housing=housing))
+    return replace(parts, cameras=cameras, lenses=lenses, ports=tuple(ports))
 
 
 def scene(rng: Rng, number: int) -> dict[str, Any]:

@@ -416,10 +416,12 @@ class DesignModel:
         if not port.housed[0]:
             return []
         limits = self.problem.mission.limits
-        margins = [
-            MarginRows(name, needed * 1e3, room * 1e3, "<=", "mm")
-            for name, (needed, room) in room_needed_m(bodies_of(self.cameras, self.lenses), port).items()
-        ]
+        rooms = room_needed_m(bodies_of(self.cameras, self.lenses), port)
+        margins = []
+        for name, unit in (("housing_diameter_mm", "mm"), ("housing_length_mm", "mm"), ("dome_radius_mm", "mm")):
+            if name in rooms:
+                needed, room = rooms[name]
+                margins.append(MarginRows(name, needed * 1e3, room * 1e3, "<=", unit))
         if limits.size_mm is not None:
             margins.append(MarginRows("size_mm", housing_size_mm(port), np.array([limits.size_mm]), "<=", "mm"))
         if limits.mass_water_kg is not None:

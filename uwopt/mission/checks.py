@@ -208,6 +208,7 @@ def cross_faults(parts: Values) -> list[Fault]:
     faults += _name_faults(scenes)
     faults += _share_faults(scenes)
     faults += _duration_faults(parts["vehicle"], parts["limits"])
+    faults += _housing_faults(parts["limits"], parts.get("catalog") or {})
     faults += _currency_faults(parts["limits"])
     return list(dict.fromkeys(faults))
 
@@ -355,6 +356,12 @@ def _duration_faults(vehicle: Values, limits: Values) -> Iterator[Fault]:
         if limits.get(key) is not None and vehicle.get("duration_h") is None:
             text = "is counted over the mission's time; add vehicle.duration_h, the hours that it takes"
             yield ("limits", key), text
+
+
+def _housing_faults(limits: Values, catalog: Values) -> Iterator[Fault]:
+    for key in ("size_mm", "mass_water_kg"):
+        if limits.get(key) is not None and catalog.get("housing", "none") == "none":
+            yield ("limits", key), "is of the housing; add catalog.housing: required, or leave it out"
 
 
 def _currency_faults(limits: Values) -> Iterator[Fault]:

@@ -119,7 +119,8 @@ class Mission(Section):
             | {name: given_values(getattr(scene, name)) for name in ("vehicle", "requirements")}
             for scene in self.scenes
         ]
-        given = {name: given_values(getattr(self, name)) for name in ("vehicle", "requirements", "limits")}
+        named = ("vehicle", "requirements", "limits", "catalog")
+        given = {name: given_values(getattr(self, name)) for name in named}
         faults = [*checks.missing_waters(scenes), *checks.cross_faults({**given, "scenes": scenes})]
         if faults:
             raise PydanticCustomError("cross_check", "{what}", {"what": faults[0][1]})
@@ -289,6 +290,7 @@ def _valid_parts(raw: Mapping[str, Any]) -> dict[str, Any]:
     sections_of: dict[str, type[Section]] = {"vehicle": VehicleOverride, "requirements": RequirementsOverride}
     parts: dict[str, Any] = {name: valid(model, raw.get(name)) for name, model in sections_of.items()}
     parts["limits"] = valid(Limits, raw.get("limits"))
+    parts["catalog"] = valid(CatalogChoice, with_practice(raw).get("catalog"))
     scene_model = all_optional(Scene, "SceneParts")
     parts["scenes"] = []
     scenes = raw.get("scenes")

@@ -18,9 +18,10 @@ DEFAULT_PRACTICE: Practice = "recommended"
 RECOMMENDED_KEYS: Mapping[str, Mapping[str, Any]] = {
     "requirements": {"snr_at": "worst", "dof_at": "corner", "lens_stop_down": 1.0, "refuse": "all"},
     "vehicle": {"lamp_supply": "external"},
-    "catalog": {"host": "estimate", "rest": "estimate"},
+    "catalog": {"host": "estimate", "rest": "estimate", "housing": "required"},
 }
 LEAST_UNIFORMITY = 0.3  # darkest over mean illuminance of the floor, where there are lamps
+HOUSING_WORDS = ("hous", "enclos", "hull", "pressure case", "canister")  # in the names of extras
 SLOW_LAMP_S, SLOW_CAMERA_S = 10.0, 60.0  # between images; from here on what is switched off between them saves much
 
 
@@ -36,7 +37,8 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
     if _most_lamps(vehicle.get("light_count")) > 0:
         filled["requirements"]["min_uniformity"] = LEAST_UNIFORMITY
     if catalog.get("extras"):
-        filled["catalog"] = {}  # computer and cables may be among them, and would count twice
+        own = {} if _names_a_housing(catalog["extras"]) else {"housing": filled["catalog"]["housing"]}
+        filled["catalog"] = own  # computer and cables may be among them, and would count twice
     interval_s = requirements.get("frame_interval_s")
     if isinstance(interval_s, (int, float)):
         slow = {"lamps_between_images": SLOW_LAMP_S, "camera_between_images": SLOW_CAMERA_S}
@@ -48,6 +50,13 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
     if made.get("reserve") is None:
         made["reserve"] = RECOMMENDED
     return made
+
+
+def _names_a_housing(extras: Any) -> bool:
+    """Whether a housing is among what every system carries besides its parts."""
+    items = extras if isinstance(extras, (list, tuple)) else []
+    names = [str(item.get("name")).casefold() for item in items if isinstance(item, Mapping)]
+    return any(word in name for name in names for word in HOUSING_WORDS)
 
 
 def is_wanted(practice: Any) -> bool:

@@ -115,6 +115,8 @@ limits:
   # energy_wh: 400             # over vehicle.duration_h
   # storage_gb: 1000           # of uncompressed images, over vehicle.duration_h
   # mass_kg: 20
+  # mass_water_kg: 5           # of the cameras in their housings, lamps not counted
+  # size_mm: 600               # largest length or diameter of a housing
   depth_rating_m: 100          # left out: the deepest scene
   # data_rate_mb_s: 100
   # max_exposure_ms: 1000
@@ -125,6 +127,7 @@ catalog:
   # lenses: [kowa, "fujinon*"]
   # ports: [blue_robotics]
   # lights: ["*"]
+  # housings: ["*"]
   # exclude: []
   # files: [my_parts.csv]      # own parts, relative to this file
   # prices: my_quotes.csv      # own quotes that override prices
@@ -137,7 +140,8 @@ catalog:
   # interfaces: [USB3, GigE]   # those that the host has; left out: all
   # host: estimate             # by good practice: the computer that takes the images, by the camera's interface; none
   # rest: estimate             # by good practice: connectors, cables, trigger electronics, spares, pressure test; none
-  # extras: [{name: housing, cost: 900, mass_kg: 2.5, power_w: 0}]
+  # housing: required          # by good practice: one that takes port, camera and lens is chosen and counted; none
+  # extras: [{name: cables, cost: 900, mass_kg: 2.5, power_w: 0}]
 """
 
 _SYSTEM = """\

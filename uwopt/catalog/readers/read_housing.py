@@ -10,7 +10,7 @@ from typing import Any
 
 from uwopt.catalog.estimates import ClassEstimate, first_class, required_class
 from uwopt.catalog.parts.housing import Housing
-from uwopt.catalog.parts.quantity import Quantity
+from uwopt.catalog.parts.quantity import Quantity, Status
 from uwopt.catalog.readers.reading import Built, Origin, Reader, identity, inline_fields, known, row_fields
 from uwopt.catalog.userparts import PartRow
 from uwopt.model import hull
@@ -49,7 +49,7 @@ def from_row(row: PartRow, origin: Origin) -> Built:
     cap_mm = _cap_mm(row, material) if is_tube else 0.0
     mass = _mass(row, material, wall, cap_mm)
     made = row_fields(Housing, row, origin, ())
-    made |= identity(row, origin, _price(row, made.get("mass_g") or mass), "USD", mass)
+    made |= identity(row, origin, _price(row, origin, made.get("mass_g") or mass), "USD", mass)
     made |= {"wall_mm": wall}
     made |= _outer_sizes(row, origin, wall, cap_mm)
     return Built(Housing(**made), tuple(_lacking(row, is_tube)))
@@ -124,14 +124,15 @@ def _mass(row: PartRow, material: Material, wall: Quantity | None, cap_mm: float
     return required_class("housing-mass-over-bulk", "any").quantity(material.density.central * KG_M3_TO_G_MM3 * bulk)
 
 
-def _price(row: PartRow, mass: Quantity) -> Quantity:
+def _price(row: PartRow, origin: Origin, mass: Quantity) -> Quantity:
     """Work on one housing, and its material by the kilogram."""
     name = row.text("material")
     work = required_class("housing-price-work", name, "unknown")
     by_kg = first_class("housing-price-per-kg", name) or required_class("housing-price-per-kg", "unknown")
     kg = mass.value * 1e-3
     ends = [work.central + kg * by_kg.central, work.low + kg * by_kg.low, work.high + kg * by_kg.high]
-    return Quantity(ends[0], ends[1], ends[2], "estimated", f"{work.key} and {by_kg.key}: {work.basis}")
+    status: Status = "generic" if origin == "generic" else "estimated"
+    return Quantity(ends[0], ends[1], ends[2], status, f"{work.key} and {by_kg.key}: {work.basis}")
 
 
 def from_inline(values: Mapping[str, Any], base_dir: Path | None) -> Housing:

@@ -1,0 +1,135 @@
+"""Ports in housings: what goes on what, and what an enclosure costs, weighs and bears."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from uwopt.catalog.choose import select
+from uwopt.catalog.load import load_catalog
+from uwopt.catalog.records import Camera, Curve, Housing, Lens, Light, Port, exact
+from uwopt.errors import MissionError
+from uwopt.evaluation.bill import bill_of_materials
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.designs import Hardware
+from uwopt.forward.enclosures import camera_with_size, enclosed, lens_with_size, takes
+from uwopt.forward.problem import Parts, Problem
+from uwopt.mission.mission import load_mission
+from uwopt.mission.practice import with_practice
+
+CATALOG = load_catalog()
+MISSION: dict[str, Any] = {
+    "practice": "bare", "physics": "paper", "scene": {"water": "II", "seafloor": 0.2, "depth_m": 100.0},
+    "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "camera_count": 2}, "requirements": {"overlap": 0.3},
+    "catalog": {"housing": "required"},
+}  # fmt: skip
+PORT = Port(
+    "dome", geometry="dome", outer_radius_mm=50.0, thickness_mm=exact(5.0), price=exact(200.0), mass_g=exact(300.0),
+    depth_rating_m=1000.0,
+)  # fmt: skip
+TUBE = Housing(
+    "tube", inner_diameter_mm=100.0, inner_length_mm=250.0, outer_diameter_mm=exact(110.0),
+    outer_length_mm=exact(300.0), price=exact(700.0), mass_g=exact(2500.0), depth_rating_m=300.0, ports=("dome",),
+)  # fmt: skip
+
+
+def model(port: Port) -> DesignModel:
+    """One design behind a port."""
+    camera = Camera(
+        "camera", resolution_x_px=2000, resolution_y_px=1000, pixel_pitch_um=5.0, mounts=("C",), inline=True,
+        qe_curves={"mono": Curve((380.0, 780.0), (0.5, 0.5))}, read_noise_e=exact(5.0), saturation_e=exact(1e4),
+        price=exact(1000.0), mass_g=exact(100.0), interface="USB3",
+    )  # fmt: skip
+    lens = Lens("lens", focal_length_mm=10.0, price=exact(300.0), mass_g=exact(80.0), inline=True)
+    lamp = Light("lamp", flux_lm=exact(1e4), power_w=exact(100.0), beam_angle_deg=exact(80.0), depth_rating_m=500.0)
+    problem = Problem(load_mission(MISSION), Parts((camera,), (lens,), (port,), (lamp,)), paper=True)
+    return DesignModel(problem, Hardware(0, 0, 0, True, 0, 1, problem.mounts[0]))
+
+
+def test_port_goes_where_it_is_named_and_on_ends_made_for_it_unless_it_is_wider():
+    other, any_end = replace(TUBE, ports=("acme*",)), replace(TUBE, ports=("any",))
+    assert takes(TUBE, PORT) and not takes(other, PORT)
+    assert takes(any_end, PORT)  # 100 mm on 110 mm
+    assert not takes(any_end, replace(PORT, outer_radius_mm=56.0))
+    assert takes(any_end, replace(PORT, outer_radius_mm=56.0, clear_diameter_mm=90.0))
+    assert [one.enclosure_id for one in enclosed([PORT], [TUBE, other, any_end])] == ["dome in tube", "dome in tube"]
+
+
+def test_enclosure_costs_and_weighs_as_port_and_housing():
+    bare, built = model(PORT), model(replace(PORT, housing=TUBE))
+    for name, each in (("cost", 700.0), ("mass_kg", 2.5)):
+        figures = [one.totals(one.figures(0, one.settings(0, given()), information=False)) for one in (bare, built)]
+        assert figures[1][name][0] - figures[0][name][0] == pytest.approx(2 * each)  # of two cameras
+
+
+def given() -> Any:
+    """Any settings."""
+    from uwopt.forward.designs import SceneSettings
+
+    return SceneSettings(gain=1.0)
+
+
+def test_rating_of_an_enclosure_is_the_least_of_port_and_housing():
+    built = model(replace(PORT, housing=TUBE))
+    margins = built.margins(0, (rows := built.settings(0, given())), built.figures(0, rows, information=False))
+    ratings = {m.requirement: float(m.value[0]) for m in margins if m.requirement.startswith("depth_rating_m")}
+    assert ratings == {"depth_rating_m (dome)": 1000.0, "depth_rating_m (tube)": 300.0, "depth_rating_m (lamp)": 500.0}
+
+
+def test_bill_names_a_housing_for_each_camera():
+    built = model(replace(PORT, housing=TUBE))
+    (row,) = [row for row in bill_of_materials(built.problem, built.hardware) if row.kind == "housing"]
+    assert (row.id, row.count, row.unit_price) == ("tube", 2, 700.0)
+
+
+def test_mass_in_water_and_size_of_a_tube_with_a_dome():
+    # 2 x (0.1 + 0.08 + 0.3 + 2.5 kg less 1025 kg/m3 x (pi / 4 0.11^2 0.3 + 2 / 3 pi 0.05^3 m3)) = -0.421 kg
+    built = model(replace(PORT, housing=TUBE))
+    assert built.mass_in_water_kg()[0] == pytest.approx(2 * (2.98 - 1025 * (0.00285100 + 0.00026180)), rel=1e-4)
+    ports = built.problem.ports
+    assert (ports.outer_length_m[0], ports.outer_diameter_m[0]) == pytest.approx((0.350, 0.110))
+
+
+def test_sizes_that_nobody_states_are_those_of_the_class_and_inline_ones_are_not_checked():
+    bare = Camera("camera", interface="USB3")
+    assert camera_with_size(bare).body_width_mm.value == 29.0
+    assert camera_with_size(replace(bare, body_width_mm=exact(44.0))).body_width_mm.value == 44.0
+    assert camera_with_size(replace(bare, inline=True)).body_width_mm is None
+    lens = lens_with_size(Lens("lens", length_mm=exact(60.0)))
+    assert (lens.length_mm.value, lens.pupil_mm.value) == (60.0, 24.0)  # two fifths of the length
+
+
+def test_housing_that_is_too_shallow_is_left_out():
+    chosen = select(CATALOG, {"generic": "allow"}, required_depth_m=2000.0).housings
+    assert {housing.depth_rating_m for housing in chosen} == {3000.0, 7000.0}
+
+
+def test_enclosure_of_the_first_generation_weighs_in_water_as_its_maker_says():
+    # Blue Robotics, 2 in series: 500 g in air, -326 g in fresh water; 322 mm long and 57.2 mm wide
+    housing = CATALOG.part("blue-robotics-2-in-enclosure-first-generation", "housing")
+    assert isinstance(housing, Housing)
+    displaced_g = 1e-3 * 0.7854 * housing.outer_diameter_mm.value**2 * housing.outer_length_mm.value
+    assert housing.mass_g.value - displaced_g == pytest.approx(-326.0, abs=3.0)
+
+
+def test_walls_of_housings_to_be_made_grow_with_depth():
+    walls = [CATALOG.part(f"generic-housing-titanium-110x250-{m}m").wall_mm.value for m in (3000, 7000)]
+    assert 6.0 < walls[0] < walls[1] < 10.0
+
+
+def test_good_practice_asks_for_housings_unless_they_are_among_the_extras():
+    mission = {"practice": "recommended", "vehicle": {}}
+    assert with_practice(mission)["catalog"]["housing"] == "required"
+    for name, wanted in (("Pressure housing", None), ("cables", "required")):
+        made = with_practice({**mission, "catalog": {"extras": [{"name": name}]}})
+        assert made["catalog"].get("housing") == wanted
+
+
+def test_limits_of_a_housing_need_one():
+    asked = {**MISSION, "catalog": {}, "limits": {"size_mm": 400, "mass_water_kg": 2}}
+    with pytest.raises(MissionError) as told:
+        load_mission(asked)
+    assert len(told.value.faults) == 2
+    assert "limits.size_mm is of the housing; add catalog.housing: required" in str(told.value)

@@ -1,0 +1,49 @@
+"""Room in a housing, by hand: a body of 30 x 40 x 35 mm with 45 mm for the plug, a lens of 50 mm with its pupil at 20."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from uwopt.model.enclosure import Bodies, dome_needed_m, sphere_needed_m, tube_needed_m
+
+
+def bodies(**changes: float) -> Bodies:
+    """In metres, one row."""
+    sizes = {
+        "camera_width_m": 0.030, "camera_height_m": 0.040, "camera_length_m": 0.035, "plug_m": 0.045,
+        "lens_diameter_m": 0.030, "lens_length_m": 0.050, "pupil_m": 0.020, **changes,
+    }  # fmt: skip
+    return Bodies(**{name: np.array([value]) for name, value in sizes.items()})
+
+
+def test_tube_behind_a_dome_begins_at_the_pupil():
+    # across the corners 50 mm; behind the pupil 30 + 35 + 45; 2 mm to each wall
+    width, length = tube_needed_m(bodies(), is_dome=True, gap_m=0.0)
+    assert width[0] == pytest.approx(0.054)
+    assert length[0] == pytest.approx(0.112)
+
+
+def test_tube_behind_a_flat_port_holds_the_whole_lens():
+    assert tube_needed_m(bodies(), is_dome=False, gap_m=0.0)[1][0] == pytest.approx(0.132)
+    assert tube_needed_m(bodies(), is_dome=False, gap_m=0.060)[1][0] == pytest.approx(0.172)  # 40 mm of air in front
+
+
+def test_wide_lens_decides_where_the_body_is_slender():
+    assert tube_needed_m(bodies(lens_diameter_m=0.070), is_dome=True, gap_m=0.0)[0][0] == pytest.approx(0.074)
+
+
+def test_lens_front_stands_in_the_dome():
+    # 20 mm before the centre, 15 mm from the axis: 25 mm away
+    assert dome_needed_m(bodies())[0] == pytest.approx(0.027)
+    assert dome_needed_m(bodies(lens_diameter_m=0.0, pupil_m=0.0))[0] == 0.0
+
+
+def test_sphere_holds_the_rear_corner():
+    # 110 mm behind the centre, 25 mm from the axis
+    assert sphere_needed_m(bodies())[0] == pytest.approx(2 * (math.hypot(110, 25) + 2) * 1e-3)
+    short = replace(bodies(), camera_length_m=np.zeros(1), plug_m=np.zeros(1), camera_width_m=np.zeros(1))
+    assert sphere_needed_m(replace(short, lens_length_m=np.array([0.02])))[0] == pytest.approx(0.054)  # front: 25 + 2

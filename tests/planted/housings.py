@@ -1,0 +1,104 @@
+"""Planted defects of housings: what fits, what an enclosure costs, weighs and bears, and which are needless."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+ROOM = "tests/model/test_enclosure.py::"
+HULL = "tests/model/test_hull.py::"
+BUILT = "tests/forward/test_enclosures.py::"
+SEARCH = "tests/solvers/test_housings.py::test_search_among_housings_equals_enumeration"
+
+DEFECTS: tuple[Defect, ...] = (
+    Defect(
+        name="an enclosure is rated as its port alone",
+        file="uwopt/evaluation/design_model.py",
+        old="[port, *([port.housing] if port.housing else [])]",
+        new="[port]",
+        test=BUILT + "test_rating_of_an_enclosure_is_the_least_of_port_and_housing",
+    ),
+    Defect(
+        name="the lens takes no length in a housing",
+        file="uwopt/model/enclosure.py",
+        old="self.lens_length_m - self.pupil_m + self.camera_length_m",
+        new="self.camera_length_m",
+        test=ROOM + "test_tube_behind_a_dome_begins_at_the_pupil",
+    ),
+    Defect(
+        name="the lens may stand in the glass of a flat port",
+        file="uwopt/model/enclosure.py",
+        old="np.maximum(bodies.pupil_m, gap_m)",
+        new="gap_m",
+        test=ROOM + "test_tube_behind_a_flat_port_holds_the_whole_lens",
+    ),
+    Defect(
+        name="a square body goes through a hole as wide as its side",
+        file="uwopt/model/enclosure.py",
+        old="np.hypot(self.camera_width_m, self.camera_height_m)",
+        new="np.maximum(self.camera_width_m, self.camera_height_m)",
+        test=ROOM + "test_tube_behind_a_dome_begins_at_the_pupil",
+    ),
+    Defect(
+        name="the housing is for nothing",
+        file="uwopt/forward/part_columns.py",
+        old="name: bare[name] + hulls.pop(name) for name in bare",
+        new="name: bare[name] + 0.0 * hulls.pop(name) for name in bare",
+        test=BUILT + "test_enclosure_costs_and_weighs_as_port_and_housing",
+    ),
+    Defect(
+        name="the housing weighs nothing",
+        file="uwopt/forward/part_columns.py",
+        old='known["mass_kg"] + hulls.pop("mass_kg")',
+        new='known["mass_kg"] + 0.0 * hulls.pop("mass_kg")',
+        test=BUILT + "test_enclosure_costs_and_weighs_as_port_and_housing",
+    ),
+    Defect(
+        name="the dearer housing makes the cheaper one needless",
+        file="uwopt/forward/enclosures.py",
+        old="no_worse &= column[:, None] <= column[None, :]",
+        new="no_worse &= column[:, None] >= column[None, :]",
+        test=SEARCH,
+    ),
+    Defect(
+        name="a housing that does not fit makes another needless",
+        file="uwopt/forward/enclosures.py",
+        old="((fits.astype(np.float32) @ beats",
+        new="((np.ones(fits.shape, np.float32) @ beats",
+        test=SEARCH,
+    ),
+    Defect(
+        name="groups of ports are as roomy as their tightest housing",
+        file="uwopt/solvers/exact/outline.py",
+        old="high(ports.room_diameter_m),\n            high(ports.room_length_m)",
+        new="low(ports.room_diameter_m),\n            low(ports.room_length_m)",
+        test=SEARCH,
+    ),
+    Defect(
+        name="a port goes on ends that are narrower than itself",
+        file="uwopt/forward/enclosures.py",
+        old="return port.width_mm is None or port.width_mm <= widest.value",
+        new="return True",
+        test=BUILT + "test_port_goes_where_it_is_named_and_on_ends_made_for_it_unless_it_is_wider",
+    ),
+    Defect(
+        name="housings bear any depth",
+        file="uwopt/catalog/choose.py",
+        old="isinstance(part, Port | Light | Housing)",
+        new="isinstance(part, Port | Light)",
+        test=BUILT + "test_housing_that_is_too_shallow_is_left_out",
+    ),
+    Defect(
+        name="tubes do not buckle",
+        file="uwopt/model/hull.py",
+        old="max(inner_diameter_mm * slender / (1.0 - slender), ",
+        new="max(0.0, ",
+        test=HULL + "test_thin_tube_buckles_at_the_pressure_of_its_ring",
+    ),
+    Defect(
+        name="what floats in water is weighed in air",
+        file="uwopt/forward/enclosures.py",
+        old="(inside + ports.mass_kg - ports.displaced_kg)",
+        new="(inside + ports.mass_kg)",
+        test=BUILT + "test_mass_in_water_and_size_of_a_tube_with_a_dome",
+    ),
+)

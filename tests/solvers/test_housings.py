@@ -1,0 +1,54 @@
+"""The search among housings, held against enumeration: which fit, which another one makes needless, and the account."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from agreement import agree
+from random_cases import RICH, Case, case, enumerated, ranked
+from thorough import drawn
+
+from uwopt.solvers.exact import search as exact_search
+
+CASES = drawn(RICH[1:3], tuple(range(100)))
+
+
+def needless(case_: Case, found: dict[tuple[int, ...], Any], key: tuple[int, ...]) -> bool:
+    """Whether the same parts do as well in another housing, which costs and weighs no more."""
+    parts = case_.parts
+
+    def worth(port: int) -> tuple[float, float, float]:
+        one = parts.ports[port].housing
+        return one.price.value, one.price.value, one.mass_g.value
+
+    camera, lens, port, light = key
+    for other in found:
+        twin = other[:2] == (camera, lens) and other[3] == light and other[2] != port
+        if twin and parts.ports[other[2]].id == parts.ports[port].id:
+            mine, its = worth(port), worth(other[2])
+            if all(a <= b for a, b in zip(its, mine, strict=True)) and (its != mine or other[2] < port):
+                return True
+    return False
+
+
+def worth_having(case_: Case, hardware: list[Any]) -> dict[tuple[int, ...], Any]:
+    """What enumeration finds, without what another housing makes needless."""
+    found = ranked(hardware)
+    return {key: best for key, best in found.items() if not needless(case_, found, key)}
+
+
+@pytest.mark.usefixtures("batches")
+@pytest.mark.parametrize("seed", CASES)
+def test_search_among_housings_equals_enumeration(seed: int) -> None:
+    """Best designs, feasibility and account, with three housings to each port; large searches keep needless ones."""
+    housed, found = case(seed, housed=True), enumerated(seed, housed=True)
+    large = exact_search.MOST_IMAGERS == 0
+    agree(housed, housed.solve()[1], ranked(found) if large else worth_having(housed, found))
+
+
+def test_rules_of_housings_discard_something_in_these_cases() -> None:
+    """Else the comparison above would say nothing of them."""
+    discarded = [case(seed, housed=True).solve()[1].account.discarded for seed in CASES]
+    for rule in ("housing", "better_housing"):
+        assert any(one[rule] for one in discarded), rule
