@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from uwopt.catalog.choose import select
@@ -14,7 +15,7 @@ from uwopt.errors import MissionError
 from uwopt.evaluation.bill import bill_of_materials
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import Hardware
-from uwopt.forward.enclosures import camera_with_size, enclosed, lens_with_size, takes
+from uwopt.forward.enclosures import beaten, camera_with_size, enclosed, lens_with_size, takes
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import load_mission
 from uwopt.mission.practice import with_practice
@@ -90,6 +91,23 @@ def test_mass_in_water_and_size_of_a_tube_with_a_dome():
     assert built.mass_in_water_kg()[0] == pytest.approx(2 * (2.98 - 1025 * (0.00285100 + 0.00026180)), rel=1e-4)
     ports = built.problem.ports
     assert (ports.outer_length_m[0], ports.outer_diameter_m[0]) == pytest.approx((0.350, 0.110))
+
+
+def test_needless_is_what_another_housing_that_fits_does_for_no_more():
+    # Prices 3, 1, 2 and masses 1, 2, 2 of housings a, b, c: b makes c needless where it fits; a is the lightest.
+    fits = np.array([[True, True, True], [True, False, True], [False, True, False]])
+    price, mass = np.array([3.0, 1.0, 2.0]), np.array([1.0, 2.0, 2.0])
+    left_out = beaten(fits, [price, mass], ["a", "b", "c"])
+    assert left_out.tolist() == [[False, False, True], [False, False, False], [False, False, False]]
+    alike = beaten(np.ones((1, 2), bool), [np.ones(2)], ["a", "b"])
+    assert alike.tolist() == [[False, True]]  # of two alike one stays
+    variants = beaten(np.ones((1, 2), bool), [np.array([1.0, 2.0])], ["a", "a"])
+    assert not variants.any()  # the same housing at two prices
+
+
+def test_port_of_a_photo_housing_has_a_housing_of_its_own():
+    (bare,) = enclosed([replace(PORT, mount="nauticam-n120")], [TUBE, replace(TUBE, ports=("any",))])
+    assert bare.housing is None
 
 
 def test_sizes_that_nobody_states_are_those_of_the_class_and_inline_ones_are_not_checked():

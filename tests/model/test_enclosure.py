@@ -1,4 +1,4 @@
-"""Room in a housing, by hand: a body of 30 x 40 x 35 mm with 45 mm for the plug, a lens of 50 mm with its pupil at 20."""
+"""Room in a housing, by hand: a body of 30 x 40 x 35 mm, 45 mm for the plug, a lens of 50 mm with its pupil at 20."""
 
 from __future__ import annotations
 

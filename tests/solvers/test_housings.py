@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 from agreement import agree
 from random_cases import RICH, Case, case, enumerated, ranked
 from thorough import drawn
 
+from uwopt.forward.enclosures import fits_inside
 from uwopt.solvers.exact import search as exact_search
+from uwopt.solvers.exact.outline import Level, OutlineRows, port_tree
 
 CASES = drawn(RICH[1:3], tuple(range(100)))
 
@@ -52,3 +55,18 @@ def test_rules_of_housings_discard_something_in_these_cases() -> None:
     discarded = [case(seed, housed=True).solve()[1].account.discarded for seed in CASES]
     for rule in ("housing", "better_housing"):
         assert any(one[rule] for one in discarded), rule
+
+
+def test_no_group_of_ports_is_tighter_than_its_roomiest_housing() -> None:
+    """What fits behind some port of a group may pass as a whole."""
+    problem = case(CASES[0], housed=True).problem()
+    n_camera, n_lens = len(problem.parts.cameras), len(problem.parts.lenses)
+    camera, lens = (index.ravel() for index in np.meshgrid(range(n_camera), range(n_lens), indexing="ij"))
+    fits = fits_inside(problem.cameras.take(camera), problem.lenses.take(lens), problem.ports)
+    assert fits.any() and not fits.all()
+    for groups in port_tree(problem):
+        level = Level(problem, groups)
+        for number, (start, stop) in enumerate(zip(groups.start, groups.stop, strict=True)):
+            rows = OutlineRows(camera, lens, np.ones(len(camera), bool), np.full(len(camera), number))
+            some = fits[:, groups.order[start:stop]].any(axis=1)
+            assert np.all(level.may_fit(rows) | ~some)

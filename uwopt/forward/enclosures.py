@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from uwopt.catalog.choose import matches
 from uwopt.catalog.compatibility import canonical_mount
 from uwopt.catalog.estimates import ClassEstimate, required_class
+from uwopt.catalog.mounts import is_free
 from uwopt.catalog.parts.housing import ANY_PORT
 from uwopt.catalog.readers.read_lens import circle_class
 from uwopt.catalog.records import Camera, Housing, Lens, Port, Quantity
@@ -28,8 +29,12 @@ BODY = ("body_width_mm", "body_height_mm", "body_length_mm", "plug_mm")
 
 
 def enclosed(ports: Sequence[Port], housings: Sequence[Housing]) -> tuple[Port, ...]:
-    """Every port in every housing that takes it, port by port."""
-    return tuple(replace(port, housing=one) for port in ports for one in housings if takes(one, port))
+    """Every port in every housing that takes it, port by port; a port of a closed mount has its own and stays bare."""
+    made: list[Port] = []
+    for port in ports:
+        built = [replace(port, housing=one) for one in housings if takes(one, port)]
+        made += built if is_free(port.mount) else [port]
+    return tuple(made)
 
 
 def takes(housing: Housing, port: Port) -> bool:
