@@ -17,7 +17,7 @@ import pytest
 from one_of_each import DISTANCE_M, RATE_HZ, one, with_parts
 from random_cases import Case
 
-from uwopt.catalog.records import exact
+from uwopt.catalog.records import Housing, exact
 from uwopt.solvers.exact import large
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import RULES
@@ -85,6 +85,21 @@ RATED = {"catalog": {"lens_rating": "limit"}}
 SHORT = {"limits": {"max_exposure_ms": 0.5}, "wanted": {"max_blur_px": 9.0}}
 
 
+#: A body of 50 mm across its corners in a tube of 100 mm, 77 mm and the body's length behind the pupil.
+HOUSED = {
+    "camera": {"body_width_mm": 30.0, "body_height_mm": 40.0, "body_length_mm": 20.0, "plug_mm": 45.0},
+    "lens": {"length_mm": 50.0, "diameter_mm": 30.0, "pupil_mm": 20.0},
+    "port": {"housing": Housing(
+        "tube", inner_diameter_mm=100.0, inner_length_mm=112.0, outer_diameter_mm=exact(110.0),
+        outer_length_mm=exact(200.0), mass_g=exact(2500.0),
+    )},
+    "catalog": {"housing": "required"},
+}  # fmt: skip
+IN_WATER_KG = 0.8 + 2.5 - 1025.0 * np.pi * (0.11**2 * 0.2 / 4.0 + 0.08**3 * 2.0 / 3.0)
+OF_SEVERAL = "better_housing"  # takes two housings: tests/solvers/test_housings.py
+ALONE = tuple(rule for rule in IMAGER_RULES if rule != OF_SEVERAL)
+
+
 @cache
 def imager_limits() -> dict[str, Limit]:
     """What each rule of imagers looks at."""
@@ -103,6 +118,9 @@ def imager_limits() -> dict[str, Limit]:
         "min_dof_m": Limit("lens", "f_number_max", f_number_of_depth(0.6), least=True, near=1e-5,
                            more={"wanted": {**SHARP, "min_dof_m": 0.6}, "vehicle": DEEP}),
         "max_blur_px": Limit("camera", "min_exposure_us", 500.0, least=False, more=SHORT),
+        "housing": Limit("camera", "body_length_mm", 112.0 - 30.0 - 45.0 - 2.0, least=False, more=HOUSED),
+        "size_mm": Limit("limits", "size_mm", 200.0 + 80.0, least=True, more=HOUSED),
+        "mass_water_kg": Limit("limits", "mass_water_kg", IN_WATER_KG, least=True, more=HOUSED),
         "cost": Limit("limits", "cost", 1800.0, least=True),
         "mass_kg": Limit("limits", "mass_kg", 0.8, least=True),
         "power_w": Limit("limits", "power_w", 3.0, least=True),
@@ -112,7 +130,7 @@ def imager_limits() -> dict[str, Limit]:
 
 
 MOUNTS = {True: one(), False: one(lens={"mounts": ("S",)})}
-NAMES = tuple(rule for rule in IMAGER_RULES if rule != "mount")
+NAMES = tuple(rule for rule in ALONE if rule != "mount")
 
 
 def sides(rule: str, *, fits: bool) -> Case:
@@ -125,10 +143,10 @@ def sides(rule: str, *, fits: bool) -> Case:
 
 def test_every_rule_of_imagers_has_a_case() -> None:
     """A new rule needs a limit above."""
-    assert set(IMAGER_RULES) == {"mount", *imager_limits()}
+    assert set(IMAGER_RULES) == {"mount", OF_SEVERAL, *imager_limits()}
 
 
-@pytest.mark.parametrize("rule", IMAGER_RULES)
+@pytest.mark.parametrize("rule", ALONE)
 def test_a_rule_discards_what_is_a_millionth_outside(rule: str) -> None:
     """That imager, and under this rule's name."""
     imagers = enumerate_imagers(sides(rule, fits=False).problem())
@@ -136,14 +154,14 @@ def test_a_rule_discards_what_is_a_millionth_outside(rule: str) -> None:
     assert {name: count for name, count in imagers.discarded.items() if count} == {rule: 1}
 
 
-@pytest.mark.parametrize("rule", IMAGER_RULES)
+@pytest.mark.parametrize("rule", ALONE)
 def test_a_rule_keeps_what_is_a_millionth_inside(rule: str) -> None:
     """Nothing is discarded."""
     imagers = enumerate_imagers(sides(rule, fits=True).problem())
     assert len(imagers) == 1 and not any(imagers.discarded.values())
 
 
-@pytest.mark.parametrize("rule", [rule for rule in IMAGER_RULES if rule != "lens_rating"])
+@pytest.mark.parametrize("rule", [rule for rule in ALONE if rule != "lens_rating"])
 def test_what_a_rule_of_imagers_discards_has_no_feasible_settings(rule: str) -> None:
     """Enumeration finds none; that a lens is softer than its sensor is a wish that it does not know."""
     case_ = sides(rule, fits=False)
@@ -162,7 +180,8 @@ def test_discarded_imagers_are_counted_with_all_their_lamps_and_numbers() -> Non
 # ---------------------------------------------------------------- outlines
 
 
-OUTLINED = tuple(rule for rule in NAMES if rule not in ("image_circle", "lens_rating", "view"))
+ASKED_ELSEWHERE = ("image_circle", "lens_rating", "view", "size_mm", "mass_water_kg")  # before, or of imagers
+OUTLINED = tuple(rule for rule in NAMES if rule not in ASKED_ELSEWHERE)
 
 
 def outline(case_: Case) -> dict[str, bool]:
@@ -304,7 +323,7 @@ def test_rules_of_all_searches_are_known_here() -> None:
 
 
 @pytest.mark.parametrize("way", ["small", "large"])
-@pytest.mark.parametrize("rule", IMAGER_RULES)
+@pytest.mark.parametrize("rule", ALONE)
 def test_a_search_counts_what_a_rule_of_imagers_discards(
     rule: str, way: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -24,6 +24,7 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.forward.views import Views, focus_map, port_transmission
 from uwopt.model import lens, operation, port
+from uwopt.model.enclosure import tube_needed_m
 from uwopt.solvers.exact.imagers import Imagers, SceneImagers, limit, stops_down
 from uwopt.solvers.exact.light_tables import FieldTables, Rectangles
 from uwopt.tolerances import COARSE_ROUND
@@ -412,12 +413,13 @@ class Level:
     def may_fit(self, rows: OutlineRows) -> Array:
         """Whether the roomiest housing of the group is wide enough, and as long as what lies behind the pupil.
 
-        A tube needs at least that, whatever its port, and a sphere more than its half.
+        That is what a tube behind a dome needs, the least of all: a flat port leaves room for the lens's front too, and
+        a sphere's diameter is more than either.
         """
         bodies = bodies_of(self.problem.cameras.take(rows.camera), self.problem.lenses.take(rows.lens))
         width, length = self.groups.room_diameter_m[rows.group], self.groups.room_length_m[rows.group]
-        fits = (bodies.diagonal_m <= width * COARSE_ROUND) & (bodies.behind_pupil_m <= length * COARSE_ROUND)
-        return np.asarray(fits)
+        wide, long = tube_needed_m(bodies, is_dome=True, gap_m=0.0)
+        return np.asarray((wide <= width * COARSE_ROUND) & (long <= length * COARSE_ROUND))
 
 
 class OutlineTables(FieldTables):
