@@ -243,8 +243,11 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("dome_radius_mm", lambda over: {
         **BODIES, "housing": ROOM, "port.geometry": "dome", "port.gap_mm": None,
         "port.outer_radius_mm": 10.0 + (hypot(20.0, 15.0) + 2.0) / (1.0 + over)}),
-    ("size_mm", lambda over: {**BODIES, "housing": ROOM, "limits.size_mm": 200.0 / (1.0 + over)}),
-    ("mass_water_kg", lambda over: {**BODIES, "housing": ROOM, "limits.mass_water_kg": IN_WATER_KG / (1.0 + over)}),
+    ("size_mm", lambda over: {
+        **BODIES, "housing": ROOM, "catalog.housing": "required", "limits.size_mm": 200.0 / (1.0 + over)}),
+    ("mass_water_kg", lambda over: {
+        **BODIES, "housing": ROOM, "catalog.housing": "required",
+        "limits.mass_water_kg": IN_WATER_KG / (1.0 + over)}),
     ("f_number_min", low("lens.f_number_min", 4.0)),
     ("f_number_max", high("lens.f_number_max", 4.0)),
     ("nearest_focus_m", low("lens.min_object_distance_m", 2.0)),
