@@ -70,7 +70,7 @@ def goes_inside(camera: Any, lens: Any, port: Any) -> bool:
         farthest = max(math.hypot(behind, body / 2), math.hypot(pupil, glass / 2))
         return bool(2 * (farthest + 2) <= port.housing.inner_diameter_mm)
     dome = port.geometry == "dome"
-    if dome and math.hypot(pupil, glass / 2) + 2 > port.outer_radius_mm - port.thickness_mm.value:
+    if dome and math.hypot(pupil, glass / 2) + 2 > port.outer_radius_mm.value - port.thickness_mm.value:
         return False
     long = behind + 2 + (0 if dome else max(pupil, port.gap_mm))
     return bool(max(body, glass) + 4 <= port.housing.inner_diameter_mm and long <= port.housing.inner_length_mm)

@@ -348,7 +348,7 @@ def housing_columns(
     hulls = [part.housing or Housing("none", inner_diameter_mm=math.inf) for part in parts]
     known = columns_of(Housing, hulls, end)
     sphere = np.array([hull.shape == "sphere" for hull in hulls], bool)
-    port_mm = [part.outer_radius_mm or 0.0 if part.geometry == "dome" else 0.0 for part in parts]
+    port_mm = [number(part.outer_radius_mm, 0.0) if part.geometry == "dome" else 0.0 for part in parts]
     stands_out = np.where(sphere | ~housed, 0.0, np.array(port_mm, float) * 1e-3)
     inner = known["inner_diameter_m"]
 

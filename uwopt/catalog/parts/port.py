@@ -104,8 +104,8 @@ class Port(Part):
     def width_mm(self) -> float | None:
         """How wide the opening is that it closes; None where nothing tells."""
         if self.clear_diameter_mm is not None:
-            return self.clear_diameter_mm
-        return 2.0 * self.outer_radius_mm if self.geometry == "dome" and self.outer_radius_mm else None
+            return self.clear_diameter_mm.value
+        return 2.0 * self.outer_radius_mm.value if self.geometry == "dome" and self.outer_radius_mm else None
 
 
 def _summary(port: Port) -> tuple[str, ...]:
