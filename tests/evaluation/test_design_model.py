@@ -11,6 +11,8 @@ from typing import Any
 import pytest
 
 import uwopt
+from uwopt.catalog.parts.port import Port
+from uwopt.evaluation.bill import remark
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.assembly import system_problem
 from uwopt.forward.focus import place_focus
@@ -411,3 +413,14 @@ def test_owned_lamps_are_not_paid_and_estimates_are_told_apart() -> None:
     )
     assert cost["estimated"] == pytest.approx(row["unit_price"])
     assert design.scenes[0].figures["cost"] == pytest.approx(cost["value"])
+
+
+def test_what_limits_a_port_stands_in_the_bill() -> None:
+    """What it was made for and what it needs behind it, before the catalogue's note."""
+    plain = Port(id="plain", note="For use under two weeks.")
+    photo = Port(id="photo", purpose="photo port", mount="nauticam-n120", note="Glass.")
+    assert remark(plain) == "For use under two weeks."
+    assert remark(photo) == (
+        "made as a photo port; needs a photo housing with the mount nauticam-n120; "
+        "the adapter is not in the bill; Glass."
+    )

@@ -89,4 +89,11 @@ DEFECTS = (
         new="part.price is None",
         test="tests/catalog/test_stale.py::test_each_fault_of_a_row_is_told",
     ),
+    Defect(
+        name="the bill keeps silent on what a port needs behind it",
+        file="uwopt/evaluation/bill.py",
+        old="words = [made_for, needs, part.note]",
+        new="words = [made_for, part.note]",
+        test="tests/evaluation/test_design_model.py::test_what_limits_a_port_stands_in_the_bill",
+    ),
 )

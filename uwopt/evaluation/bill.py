@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from uwopt.catalog.records import Part, Quantity
+from uwopt.catalog.mounts import counterpart, is_free
+from uwopt.catalog.records import Part, Port, Quantity
 from uwopt.catalog.rest import RestItem
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
@@ -78,7 +79,7 @@ def bill_of_materials(problem: Problem, hw: Hardware) -> list[BillRow]:
                 kind=kind, id=part.id, manufacturer=part.manufacturer, model=part.model, count=count, owned=owned,
                 unit_price=value, unit_price_low=low, unit_price_high=high, currency=currency,
                 price_status=price_status(part), price_date=part.price_date, generic=part.generic,
-                source=part.source_url, price_basis=price.source,
+                source=part.source_url, price_basis=price.source, note=remark(part),
             )
         )  # fmt: skip
     extras = problem.mission.catalog.extras
@@ -95,6 +96,16 @@ def bill_of_materials(problem: Problem, hw: Hardware) -> list[BillRow]:
         )
         for extra in extras
     ]  # fmt: skip
+
+
+def remark(part: Part) -> str:
+    """What a buyer must know of a part: what it was made for, what it is fastened to, and the catalogue's note."""
+    words = [part.note]
+    if isinstance(part, Port):
+        made_for = "" if part.purpose == "camera port" else f"made as a {part.purpose}"
+        needs = "" if is_free(part.mount) else f"needs {counterpart(part.mount)}; the adapter is not in the bill"
+        words = [made_for, needs, part.note]
+    return "; ".join(word for word in words if word)
 
 
 def parts_host(problem: Problem, hw: Hardware) -> Quantity:

@@ -27,6 +27,7 @@ FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r", "\n")
 BOM_COLUMNS = (
     "kind", "id", "manufacturer", "model", "count", "owned", "unit_price", "unit_price_low", "unit_price_high",
     "to_pay", "currency", "price_status", "price_date", "generic", "source", "price_basis",
+    "note",
 )  # fmt: skip
 
 

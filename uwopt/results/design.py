@@ -136,6 +136,7 @@ class BillRow(Record):
     generic: Flag = Field(description="to be made: a class of parts, no product")
     source: str = Field(description="where the part is described")
     price_basis: str = Field(description="where the price is from")
+    note: str = Field(default="", description="what the catalogue remarks of the part, such as limits of its use")
 
     @property
     def to_buy(self) -> int:

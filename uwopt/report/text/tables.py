@@ -305,7 +305,10 @@ def bom_block(design: Design) -> Block:
             Text(line.due),
             Text(line.known),
         )
-    return block("Bill of materials", [table, *([sentence(ESTIMATED_LEGEND, "dim")] if doubtful else [])])
+    noted = [row for row in design.bom if row.note]
+    notes = [sentence(f"{words.one_line(row.id, 60)}: {words.one_line(row.note, 600)}") for row in noted]
+    legend = [sentence(ESTIMATED_LEGEND, "dim")] if doubtful else []
+    return block("Bill of materials", [table, *legend, *notes])
 
 
 ESTIMATED_LEGEND = "~ estimated from parts of its class, with the range in brackets"
