@@ -48,6 +48,7 @@ Array = NDArray[Any]
 FIRST_BATCH, LARGEST_BATCH = 32, 2048
 LARGEST_COSTLY = 256  # where each node takes light at pixels: the next batch then knows what this one found
 REFINED_AHEAD = 8  # batches of nodes whose bounds are made better before the first of them is taken
+FIRST_DEAR = 4  # of a first batch where information counts: dear to bound while nothing is found that others must beat
 FIRST_CHUNK, LARGEST_CHUNK = 4096, 65536  # imagers that are bounded together
 MOST_IMAGERS = 600_000  # beyond which pairs of camera and lens are bounded before their ports
 MOST_UNITS = 6_000_000  # imagers times lightings: what memory allows
@@ -236,7 +237,7 @@ class Search:
             self._sample(name, np.nonzero(failed)[0], rows)
         alive = np.nonzero(np.isfinite(value) & (rule < 0))[0]
         order = alive[np.lexsort((power[alive], value[alive]))]
-        position, batch = 0, FIRST_BATCH
+        position, batch = 0, FIRST_DEAR if self.objective.weight("information") else FIRST_BATCH
         rough = np.full(len(value), not few and self.sift is None and self._asks_of_pixels())
         largest = LARGEST_COSTLY if rough.any() else LARGEST_BATCH
         while position < len(order):

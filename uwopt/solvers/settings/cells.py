@@ -44,6 +44,7 @@ SMALLEST = 1e-12  # width of a side in logarithms
 LIKELY = 24  # points of a design at a time whose information is worked out
 MOST_POINTS = 4096  # tried at a time
 TELLS = 0.02  # of the most that halving some side lifts the bounds
+THINNEST = 8.0  # times as wide as the widest side that tells: halved all the same
 LEAST_SCALE = 0.1  # of the terms' sum: a sum near 0 has no relative gap
 NEAR = 1e-9  # relative, of ties
 
@@ -521,6 +522,8 @@ class CellSearch:
             # Sides that tell little are left alone; of the others the widest, or slivers would never be told apart.
             scaled = width * np.where(np.isin(np.arange(self.n_dims), self.n_dim), 2.0, 1.0)
             tells = score > TELLS * score.max(axis=1)[:, None]
+            # What rules points out, such as sharpness, lifts no bound: no cell gets so thin that it never sees that.
+            tells |= scaled > THINNEST * np.where(tells, scaled, 0.0).max(axis=1)[:, None]
             score = np.where(tells, scaled, 1e-6 * scaled)
             side = score.argmax(axis=1)
         middle = 0.5 * (pool.lo + pool.hi)
