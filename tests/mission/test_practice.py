@@ -30,6 +30,7 @@ def test_good_practice_is_asked_for_unless_a_mission_says_otherwise(practice: st
     made = mission(practice)
     asked = made.requirements
     assert (asked.snr_at, asked.dof_at, asked.lens_stop_down, asked.min_uniformity) == ("worst", "corner", 1.0, 0.3)
+    assert asked.min_mtf_half_nyquist == 0.3
     assert set(asked.refuse) == set(get_args(Refusal))
     assert made.reserve.model_dump() == pytest.approx(RECOMMENDED_RESERVE)
     assert made.catalog.host == "estimate"

@@ -16,7 +16,9 @@ DEFAULT_PRACTICE: Practice = "recommended"
 
 #: Keys by section, with the values that fill them.
 RECOMMENDED_KEYS: Mapping[str, Mapping[str, Any]] = {
-    "requirements": {"snr_at": "worst", "dof_at": "corner", "lens_stop_down": 1.0, "refuse": "all"},
+    "requirements": {
+        "snr_at": "worst", "dof_at": "corner", "lens_stop_down": 1.0, "min_mtf_half_nyquist": 0.3, "refuse": "all",
+    },
     "vehicle": {"lamp_supply": "external"},
     "catalog": {"host": "estimate", "rest": "estimate", "housing": "required"},
 }

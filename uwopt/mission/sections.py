@@ -239,7 +239,7 @@ class Requirements(Section):
         default=None, description="least over mean floor illuminance, a share 0..1"
     )
     min_mtf_half_nyquist: Share | None = Field(
-        default=None, description="least MTF at half the Nyquist frequency, a share 0..1"
+        default=None, description="least MTF at half the Nyquist frequency, a share 0..1, recommended 0.3"
     )
     max_white_balance: Annotated[float, Field(ge=1, le=1e6), words.number_or_recommended(4.0)] | None = Field(
         default=None,

@@ -84,7 +84,7 @@ requirements:
   # highlight_ratio: 1.5       # brightest detail over the mean, must not saturate
   # min_contrast: 0.5          # image-forming light over all light
   # min_uniformity: 0.3        # by good practice, with lamps: darkest over mean illuminance of the floor
-  # min_mtf_half_nyquist: 0.3
+  # min_mtf_half_nyquist: 0.3  # by good practice: what the finest bars that mosaics live on keep of their contrast
   # max_white_balance: 4       # strongest over weakest colour channel; refuse: all holds 4
   # resolve_mm: 2              # bars this wide on the floor arrive with a tenth of their contrast, in the corner too
   # shutter: any               # any | global | rolling
