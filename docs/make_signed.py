@@ -54,17 +54,19 @@ What a result does not tell does not pass.
 | reserve | requirements on the images met with nothing in hand | none |
 | bad ends | what is asked, with estimated numbers at their bad ends | still met |
 | water | other descriptions of the same water | all served |
-| sold | parts that are sold under a name | all four |
+| housing | a housing that takes port, camera and lens | one is in the order |
+| lamps | what feeds and fires the lamps | supply from outside and a trigger were asked for |
+| sold | parts that are sold under a name | all |
 | price | high end of the price, against the limit | within it, or no limit |
 | quoted | share of the price that somebody has quoted | half or more |
 """
 NOT_LOOKED_AT = """\
 ## What no line looks at
 
-A result does not know these yet, so that each order needs them checked by hand: whether camera and lens fit into the
-housing with their cables; the rating of the whole assembly rather than of its port; trigger, delay and supply of lamps;
-computer, batteries, cables and connectors, and what they cost; delivery. `uwopt` lists what else it does not model in
-every result.
+A result does not know these yet, so that each order needs them checked by hand: whether cables and their bends fit into
+the housing; whether maker's flanges and ports really take each other; delay and jitter of the trigger, which no maker
+states; batteries; delivery. Bodies of cameras and lenses, cables, connectors and the computer are class estimates.
+`uwopt` lists what else it does not model in every result.
 """
 
 
@@ -162,6 +164,20 @@ def water(result: Result, design: Design) -> Line:
     return Line("water", 0 < served == len(waters), f"{served} of {len(waters)}")
 
 
+def housing(result: Result, design: Design) -> Line:
+    """What the camera stands in."""
+    part = design.hardware.parts.get("housing")
+    return Line("housing", part is not None, "none" if part is None else "to be made" if part.generic else "sold")
+
+
+def lamps(result: Result, design: Design) -> Line:
+    """Supply and trigger of the lamps."""
+    if design.hardware.light_count == 0:
+        return Line("lamps", True, "sun")
+    asked = (result.mission.get("vehicle") or {}).get("lamp_supply") == "external"
+    return Line("lamps", asked, "external" if asked else "not asked")
+
+
 def sold(result: Result, design: Design) -> Line:
     """Parts under a name."""
     made = [kind for kind, part in design.hardware.parts.items() if part.generic]
@@ -183,7 +199,8 @@ def quoted(result: Result, design: Design) -> Line:
 
 
 CHECKS: tuple[Check, ...] = (
-    light, snr, corner, stop, colour, depth, reserve, bad_ends, water, sold, price, quoted,
+    light, snr, corner, stop, colour, depth, reserve, bad_ends, water, housing, lamps, sold, price,
+    quoted,
 )  # fmt: skip
 
 

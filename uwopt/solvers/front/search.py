@@ -132,7 +132,7 @@ class FrontSearch:
         """Ideals of all nodes that may be feasible, with their lighting and imager."""
         bounds, imagers = self.search.bounds, self.search.imagers
         every = np.arange(len(imagers))
-        ideals, lightings, rows = [], [], []
+        ideals, lightings, rows = [np.empty((0, len(self.axes)))], [np.empty(0, int)], [np.empty(0, int)]  # no lamps
         for k, lighting in enumerate(self.search.tables.lightings):
             seen = bounds.of_nodes(k, every)
             size = len(bounds.light_tables[k].light)

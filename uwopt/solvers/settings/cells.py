@@ -520,10 +520,11 @@ class CellSearch:
             most = np.where(dies, 0.0, score).max(axis=1)[:, None]
             score = np.where(dies, np.where(most > 0, most, 1.0), score)
             # Sides that tell little are left alone; of the others the widest, or slivers would never be told apart.
-            scaled = width * np.where(np.isin(np.arange(self.n_dims), self.n_dim), 2.0, 1.0)
+            lens = np.isin(np.arange(self.n_dims), self.n_dim)
+            scaled = width * np.where(lens, 2.0, 1.0)
             tells = score > TELLS * score.max(axis=1)[:, None]
-            # What rules points out, such as sharpness, lifts no bound: no cell gets so thin that it never sees that.
-            tells |= scaled > THINNEST * np.where(tells, scaled, 0.0).max(axis=1)[:, None]
+            # Sharpness rules settings out and lifts no bound: no cell gets so thin that it never sees the f-number.
+            tells |= lens & (scaled > THINNEST * np.where(tells, scaled, 0.0).max(axis=1)[:, None])
             score = np.where(tells, scaled, 1e-6 * scaled)
             side = score.argmax(axis=1)
         middle = 0.5 * (pool.lo + pool.hi)
