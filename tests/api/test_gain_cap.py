@@ -10,7 +10,11 @@ import pytest
 import uwopt
 from uwopt.mission.mission import load_mission
 
-HARDWARE = {"cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa"], "lights": ["deepsea"], "generic": "never"}
+LIGHT = "deepsea-power-light-led-sealite-lsl-flood"
+HARDWARE = {
+    "cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa"], "lights": [LIGHT], "accept_unrated": [LIGHT],
+    "generic": "never",
+}  # fmt: skip
 CAP_DB = 20.0
 
 
@@ -59,7 +63,7 @@ def test_a_number_of_the_requirements_is_hard() -> None:
 
 GIVEN: dict[str, Any] = {
     "camera": "flir-bfs-u3-120s4m", "lens": "kowa-lm8jc10m", "port": "generic-flat-acrylic-100mm",
-    "light": "deepsea-power-light-led-sealite-lsl-flood", "light_count": 1,
+    "light": LIGHT, "light_count": 1,
 }  # fmt: skip
 PLAIN: dict[str, Any] = {
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "practice": "bare", "physics": "paper",

@@ -9,11 +9,15 @@ import pytest
 import uwopt
 from uwopt.api import solving
 
+LIGHT = "deepsea-power-light-led-sealite-lsl-flood"
 MISSION: dict[str, Any] = {
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "practice": "bare", "physics": "paper",
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3, "light_count": [1, 4]},
     "requirements": {"overlap": 0.3, "max_blur_px": 1.0, "min_snr_db": 10},
-    "catalog": {"cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa"], "lights": ["deepsea"], "generic": "never"},
+    "catalog": {
+        "cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa"], "lights": [LIGHT], "accept_unrated": [LIGHT],
+        "generic": "never",
+    },
 }  # fmt: skip
 
 

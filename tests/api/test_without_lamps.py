@@ -11,7 +11,7 @@ from uwopt.errors import MissionError
 
 CAMERA, LENS, PORT, LIGHT = (
     "daheng-mer2-041-528u3m", "raspberry-pi-16-mm-telephoto-hq-camera", "blue-robotics-3-in-acrylic-end-cap-2026",
-    "deepsea-power-light-led-multi-sealite",
+    "deepsea-power-light-led-sealite-lsl-flood",
 )  # fmt: skip
 FEW = {"cameras": [CAMERA], "lenses": [LENS], "ports": [PORT], "generic": "never"}
 
@@ -63,7 +63,7 @@ def test_the_sun_alone_is_what_an_idle_lamp_leaves(unlit: uwopt.Result) -> None:
 def test_lamps_are_taken_where_the_sun_does_not_reach(depth_m: float, lamps: bool) -> None:
     # 6 m under 80 000 lux some 10^4 lux are left; at 120 m nearly nothing
     result = uwopt.solve(
-        mission([0, 2], depth_m=depth_m, min_uniformity=0.01) | {"catalog": {**FEW, "lights": [LIGHT]}}
+        mission([0, 2], depth_m=depth_m, min_uniformity=0.01) | {"catalog": {**FEW, "lights": [LIGHT], "accept_unrated": [LIGHT]}}
     )
     assert result.best is not None and result.certificate is not None and result.certificate.adds_up()
     assert (result.best.hardware["light_count"] > 0) is lamps

@@ -124,7 +124,7 @@ def test_help_imports_nothing_heavy() -> None:
 
 def test_module_runs_as_the_command_does() -> None:
     done = program("--version")
-    assert (done.returncode, done.stdout) == (0, f"uwopt {uwopt.__version__}\n")
+    assert (done.returncode, done.stdout) == (0, f"uwopt {uwopt.__version__}, catalogue {EDITION} of {AS_OF}\n")
 
 
 # ---------------------------------------------------------------- evaluate
@@ -404,7 +404,7 @@ def test_missing_and_wrong_files_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("kind", "name", "lacks"), [
-    ("camera", "zimo-subsea-camera", "pixel pitch"), ("port", "zen-100-mm-dome-port", "radius"),
+    ("camera", "zimo-subsea-camera", "pixel pitch"), ("port", "deepsea-power-light-apex-seacam-dome-port", "radius"),
     ("light", "ikelite-ds160", "light output"),
 ])  # fmt: skip
 def test_part_that_lacks_a_vital_number_is_refused(kind: str, name: str, lacks: str, tmp_path: Path) -> None:

@@ -34,8 +34,8 @@ DEFECTS = (
     Defect(
         name="the light's depth rating is no margin",
         file="uwopt/evaluation/design_model.py",
-        old="for part in ((port,) if self.unlit else (port, light))",
-        new="for part in (port,)",
+        old="wet += [] if self.unlit else [light]",
+        new="wet += []",
         test=f"{OUTSIDE}[depth_rating_m (lamp)]",
     ),
     Defect(

@@ -125,8 +125,8 @@ DEFECTS = (
     Defect(
         name="cables among the extras count twice",
         file="uwopt/mission/practice.py",
-        old='filled["catalog"] = {}',
-        new='filled["catalog"] = {"rest": "estimate"}',
+        old='filled["catalog"] = own',
+        new='filled["catalog"] = own | {"rest": "estimate"}',
         test=f"{REST}test_good_practice_counts_the_rest_unless_extras_hold_it",
     ),
 )

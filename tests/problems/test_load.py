@@ -209,7 +209,7 @@ def test_rig_as_built_sees_the_published_width(name, pixels, altitude_m, width_m
     # 0.5 %: focal lengths are rounded.
     camera, lens, port = (built_part(f"{name}.system.yaml", kind) for kind in ("camera", "lens", "port"))
     sensor_width_mm = pixels * camera.pixel_pitch_um * 1e-3
-    seen_m = sensor_width_mm / lens.focal_length_mm * (altitude_m + port.outer_radius_mm * 1e-3)
+    seen_m = sensor_width_mm / lens.focal_length_mm * (altitude_m + port.outer_radius_mm.value * 1e-3)
     assert seen_m == pytest.approx(width_m, rel=0.005)
 
 
