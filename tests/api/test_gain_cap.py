@@ -24,7 +24,7 @@ def solved(cap_db: float | None, *, dark: bool) -> Any:
     mission: dict[str, Any] = {
         "practice": "bare", "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "physics": "paper",
         "vehicle": {
-            "altitude_m": 2.0 if dark else 1.0, "speed_m_s": 0.3 if dark else 0.1, "light_count": [1, 4 if dark else 8],
+            "altitude_m": 2.5 if dark else 1.0, "speed_m_s": 0.3 if dark else 0.1, "light_count": [1, 1 if dark else 8],
         },
         "requirements": {"overlap": 0.3, "max_blur_px": 1.0, "mean_level": 0.3 if dark else 0.15, "min_snr_db": 10},
         "catalog": HARDWARE, "reserve": {} if cap_db is None else {"max_gain_db": cap_db},
