@@ -15,7 +15,7 @@ from uwopt.catalog.parts.quantity import Known, Quantity
 Purpose = Literal[
     "camera port",
     "photo port",
-    "pressure sphere",
+    "sealed float",
     "laboratory window",
     "display dome",
     "lamp window",
