@@ -213,25 +213,39 @@ def imagers_behind(
     powers = problem.camera_powers_w(cameras, [extra.rate_hz for extra in focused])
     least = np.min(powers, axis=0)
     focused = [replace(f, beside_w=power - least) for f, power in zip(focused, powers, strict=True)]
-    alive = np.ones((len(camera), len(ports)), bool)
-
-    def drop(rule: str, passes: Array) -> None:
-        failed = alive & ~(passes if passes.ndim == 2 else passes[:, None])
-        discarded[rule] += int(failed.sum())
-        lost, of = np.nonzero(failed)
+    def count(rule: str, lost: Array, of: Array) -> None:
+        """Rows and places of ports that a rule discards."""
+        discarded[rule] += len(lost)
         some = slice(None, None, max(1, len(lost) // SAMPLES))
         samples.setdefault(rule, []).extend(
             (int(camera[i]), int(lens[i]), int(ports[p]), landscape)
             for i, p in zip(lost[some], of[some], strict=True)
         )
-        alive[failed] = False
 
-    for rule, passes in rules(problem, cameras, lenses, ports, seen, focused):
+    passed = np.ones(len(camera), bool)
+    every = np.arange(len(ports))
+    for rule, passes in shared_rules(problem, cameras, lenses, port, seen, focused):
+        lost = np.flatnonzero(passed & ~passes)
+        count(rule, np.repeat(lost, len(ports)), np.tile(every, len(lost)))
+        passed &= passes
+    left = np.flatnonzero(passed)
+    if len(left) == 0:
+        return
+    alive = np.ones((len(left), len(ports)), bool)
+
+    def drop(rule: str, passes: Array) -> None:
+        lost, of = np.nonzero(alive & ~(passes if passes.ndim == 2 else passes[:, None]))
+        count(rule, left[lost], of)
+        alive[lost, of] = False
+
+    rates = [extra.rate_hz[left] for extra in focused]
+    for rule, passes in own_rules(problem, cameras.take(left), lenses.take(left), ports, rates):
         drop(rule, passes)
     if len(ports) > 1:
         drop("better_housing", ~beaten_housings(problem, ports, alive))
     if alive.any():
-        keep, of = np.nonzero(alive)
+        row, of = np.nonzero(alive)
+        keep = left[row]
         scenes = [
             SceneImagers(view.take(keep), extra.take(keep)) for view, extra in zip(seen, focused, strict=True)
         ]
@@ -252,16 +266,15 @@ def beaten_housings(problem: Problem, ports: Array, alive: Array) -> Array:
     return beaten(alive, worth, ["" if one is None else one.id for one in housings])
 
 
-def rules(
+def shared_rules(
     problem: Problem,
     cameras: Any,
     lenses: Any,
-    ports: Array,
+    port: int,
     seen: list[Views],
     focused: list[Focused],
 ) -> Iterator[tuple[str, Array]]:
-    """Each rule in turn with the imagers that pass it, (n,), or (n, n_ports) where the housing matters."""
-    port = int(ports[0])
+    """Each rule that ports of the same optics share, in turn, with the imagers that pass it, (n,)."""
     limits, count = problem.mission.limits, problem.mission.vehicle.camera_count
     every = list(zip(problem.scenes, seen, focused, strict=True))
     yield "view", all_of(view_clears(problem, port, view) for view in seen)
@@ -300,6 +313,16 @@ def rules(
             for extra in focused
         ),
     )
+
+
+def own_rules(
+    problem: Problem, cameras: Any, lenses: Any, ports: Array, rates: list[Array]
+) -> Iterator[tuple[str, Array]]:
+    """Each rule after those, with the imagers that pass it: (n, n_ports) where the housing matters, else (n,).
+
+    rates : of the images by scene, (n,) [Hz]
+    """
+    limits, count = problem.mission.limits, problem.mission.vehicle.camera_count
     housings = problem.ports.take(ports)
     yield "housing", fits_inside(cameras, lenses, housings)
     every_pair = np.ones((len(cameras.price), 1), bool)
@@ -309,7 +332,7 @@ def rules(
     yield "mass_water_kg", in_water <= most + (ROUND - 1.0) * abs(most) if np.isfinite(most) else every_pair
     each = [totals(problem, cameras, lenses, int(p)) for p in ports]
     cost, mass = (np.stack([one[k] for one in each], axis=1) for k in (1, 2))
-    powers = problem.camera_powers_w(cameras, [extra.rate_hz for extra in focused])
+    powers = problem.camera_powers_w(cameras, rates)
     yield "cost", cost <= limit(limits.cost) * ROUND
     yield "mass_kg", mass <= limit(limits.mass_kg) * ROUND
     yield "power_w", np.max(powers, axis=0) <= limit(limits.power_w) * ROUND

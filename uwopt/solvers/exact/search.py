@@ -49,7 +49,8 @@ FIRST_BATCH, LARGEST_BATCH = 32, 2048
 LARGEST_COSTLY = 256  # where each node takes light at pixels: the next batch then knows what this one found
 REFINED_AHEAD = 8  # batches of nodes whose bounds are made better before the first of them is taken
 FIRST_DEAR = 4  # of a first batch where information counts: dear to bound while nothing is found that others must beat
-FIRST_CHUNK, LARGEST_CHUNK = 4096, 65536  # imagers that are bounded together
+FIRST_CHUNK = 400_000  # imagers times lightings that are bounded first: cheaper than to evaluate the wrong ones
+LARGEST_CHUNK = 65536  # imagers that are bounded together
 MOST_IMAGERS = 600_000  # beyond which pairs of camera and lens are bounded before their ports
 MOST_UNITS = 6_000_000  # imagers times lightings: what memory allows
 SAMPLES_A_TIME, MOST_SAMPLES = 64, 1024
@@ -180,7 +181,7 @@ class Search:
         every = int(sum(len(t.light) for t in self.bounds.light_tables))
         lightings = max(1, len(self.tables.lightings))
         most = max(64, MOST_UNITS // lightings)
-        position, chunk = 0, min(FIRST_CHUNK, most)
+        position, chunk = 0, min(max(1, FIRST_CHUNK // lightings), LARGEST_CHUNK, most)
         while position < len(order):
             rows = order[position : position + chunk]
             useful = rows[floor[rows] <= self.ranking.threshold()]
