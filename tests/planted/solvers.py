@@ -15,6 +15,13 @@ FRAME = "tests/solvers/test_over_frame.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="of a front's points that tie the worst is picked",
+        file="uwopt/solvers/front/designs.py",
+        old="best = tied[unit[tied].sum(axis=1).argmin()]",
+        new="best = tied[unit[tied].sum(axis=1).argmax()]",
+        test="tests/api/test_trading.py::test_picks_are_what_their_definitions_say",
+    ),
+    Defect(
         name="a rival keeps its place among the mixed",
         file="uwopt/solvers/explain/robustness.py",
         old="return replace(found, **places)",
