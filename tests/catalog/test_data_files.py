@@ -128,7 +128,7 @@ CHOICES = {
     "trigger": {"electrical", "optical", "none", "unknown", ""},
     "geometry": {"flat", "dome", ""},
     "purpose": {
-        "camera port", "photo port", "pressure sphere", "laboratory window", "display dome", "lamp window",
+        "camera port", "photo port", "sealed float", "laboratory window", "display dome", "lamp window",
         "part of a camera", "detector vessel", "one-off",
     },
     "material": {"acrylic", "polycarbonate", "glass", "sapphire", "fused silica", ""},

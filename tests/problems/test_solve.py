@@ -114,7 +114,7 @@ def test_mission_is_solved_and_its_claims_hold(
 
 
 def test_settings_to_set_keep_the_information_that_was_asked_for() -> None:
-    """Rounding loses a step of gain or so beside the mark on the ring, not the light that the optimum was chosen for."""
+    """Rounding loses a step of gain or so beside the mark on the ring, not the light that was chosen."""
     mission = prepared(PROBLEMS / "reef-mosaic.yaml", None, "information")
     goal = Objective.of(mission.objective)
     sought = seek(mission, load_catalog(mission), goal, generic="never", top=1)
