@@ -181,7 +181,7 @@ def test_account_shown_adds_up_to_all_combinations_of_a_fresh_run(outputs: tuple
 
 def test_output_shown_names_the_parts_and_the_objective_of_a_fresh_run(outputs: tuple[str, str]):
     shown, fresh = outputs
-    parts = re.compile(r"^  \d+ x  (?:camera|lens|port|light) +(.+?)   ", re.MULTILINE)
+    parts = re.compile(r"^  \d+ x  (?:camera|lens|port|light) +(.+?)  ", re.MULTILINE)
     assert len(parts.findall(shown)) == 4
     assert parts.findall(shown) == parts.findall(fresh)
     assert shown.splitlines()[1] == fresh.splitlines()[1]
