@@ -77,6 +77,7 @@ def test_a_mission_with_all_filled_in_comes_back() -> None:
 def test_a_loaded_mission_can_be_asked_for_good_practice() -> None:
     changed = mission("bare", requirements={"dof_at": "axis"}).with_changes(practice="recommended")
     assert (changed.requirements.snr_at, changed.requirements.dof_at) == ("worst", "axis")
+    assert changed.vehicle.lamp_supply == "external"
 
 
 def test_each_key_that_is_filled_in_says_that_it_is_recommended() -> None:

@@ -199,7 +199,7 @@ class Mission(Section):
         made = _checked(Document(self._source_name, {**given, **changes}, base_dir=self._base_dir))
         made._base_dir, made._source_name = self._base_dir, self._source_name
         made._source_text = self._source_text
-        if "vehicle" not in changes:  # what its file states binds a system, defaults do not
+        if not {"vehicle", "practice"} & changes.keys():  # what its file states binds a system, defaults do not
             made.__dict__["vehicle"] = self.vehicle
         return made
 
