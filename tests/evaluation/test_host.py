@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from priced_system import PRICED
 
 import uwopt
 
@@ -15,16 +16,7 @@ MISSION: dict[str, Any] = {
     "requirements": {"frame_interval_s": 100.0, "circle_of_confusion_px": 2.0},
     "limits": {"max_exposure_ms": 100.0, "currency": "EUR", "rates": {"EUR": 1.25}}, "catalog": {"host": "estimate"},
 }  # fmt: skip
-SYSTEM: dict[str, Any] = {
-    "camera": {"resolution_x_px": 2000, "resolution_y_px": 1000, "pixel_pitch_um": 5.0, "read_noise_e": 5.0,
-               "quantum_efficiency": 0.5, "bit_depth": 12, "max_frame_rate_hz": 10.0, "power_w": 4.0,
-               "interface": "GigE", "price": 1000.0, "currency": "USD", "wake_up_s": 4.8, "standby_w": 0.002},
-    "lens": {"focal_length_mm": 10.0, "f_number_min": 1.4, "f_number_max": 16.0},
-    "port": {"geometry": "flat", "gap_mm": 5.0, "thickness_mm": 10.0},
-    "light": {"kind": "pulsed_led", "flux_lm": 3_000, "power_w": 0.0, "beam": "cosine-power",
-              "beam_half_angle_deg": 40.0},
-    "settings": {"f_number": 4.0, "exposure_ms": 50.0, "pulse_ms": 1.0, "gain": 1.0},
-}  # fmt: skip
+SYSTEM: dict[str, Any] = {**PRICED, "camera": {**PRICED["camera"], "wake_up_s": 4.8, "standby_w": 0.002}}
 # A computer for GigE: 5 W (2.4 to 10), 200 USD (100 to 500); at 1.25 USD a euro 160 EUR (80 to 400).
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from priced_system import PRICED
 
 import uwopt
 from uwopt.catalog.rest import rest_items
@@ -13,16 +14,6 @@ from uwopt.mission.mission import load_mission
 # To 1000 m, in USD: a connection 300 (120 to 750), lamp control 150 (50 to 450), spares 100 (40 to 250), test 600
 # (300 to 1200). One camera and two lamps: 3 x 300 + 850 = 1750 (3 x 120 + 390 = 750, 3 x 750 + 1900 = 4150).
 # At 1.25 USD a euro: 1400 EUR (600 to 3320).
-SYSTEM: dict[str, Any] = {
-    "camera": {"resolution_x_px": 2000, "resolution_y_px": 1000, "pixel_pitch_um": 5.0, "read_noise_e": 5.0,
-               "quantum_efficiency": 0.5, "bit_depth": 12, "max_frame_rate_hz": 10.0, "power_w": 4.0,
-               "interface": "GigE", "price": 1000.0, "currency": "USD"},
-    "lens": {"focal_length_mm": 10.0, "f_number_min": 1.4, "f_number_max": 16.0},
-    "port": {"geometry": "flat", "gap_mm": 5.0, "thickness_mm": 10.0},
-    "light": {"kind": "pulsed_led", "flux_lm": 3_000, "power_w": 0.0, "beam": "cosine-power",
-              "beam_half_angle_deg": 40.0},
-    "settings": {"f_number": 4.0, "exposure_ms": 50.0, "pulse_ms": 1.0, "gain": 1.0},
-}  # fmt: skip
 
 
 def design(rest: str = "estimate", *, cameras: int = 1, lamps: int = 2, basis: str = "central") -> Any:
@@ -35,7 +26,7 @@ def design(rest: str = "estimate", *, cameras: int = 1, lamps: int = 2, basis: s
         "limits": {"currency": "EUR", "rates": {"EUR": 1.25}, "cost": 2300.0, "cost_basis": basis},
         "catalog": {"rest": rest},
     }  # fmt: skip
-    found = uwopt.evaluate(mission, {**SYSTEM, "camera_count": cameras, "light_count": lamps}).design
+    found = uwopt.evaluate(mission, {**PRICED, "camera_count": cameras, "light_count": lamps}).design
     assert found is not None
     return found
 

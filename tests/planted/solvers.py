@@ -398,6 +398,13 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{CELLS}test_bounds_of_cells_close_the_gap_soon[signal under the sun]",
     ),
     Defect(
+        name="cells get ever thinner beside an f-number that is never halved",
+        file="uwopt/solvers/settings/cells.py",
+        old="tells |= lens & (scaled > THINNEST",
+        new="tells |= lens & (scaled > np.inf",
+        test=f"{CELLS}test_bounds_of_cells_close_the_gap_soon[hardly sharp by steps of light]",
+    ),
+    Defect(
         name="cost breaks ties before power",
         file="uwopt/solvers/exact/ranking.py",
         old="return (power, cost, mass, self.count,",

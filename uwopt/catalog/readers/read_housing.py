@@ -125,12 +125,13 @@ def _mass(row: PartRow, material: Material, wall: Quantity | None, cap_mm: float
 
 
 def _price(row: PartRow, origin: Origin, mass: Quantity) -> Quantity:
-    """Work on one housing, and its material by the kilogram."""
+    """Work on one housing, and its material by the kilogram; three digits are more than anybody knows of it."""
     name = row.text("material")
     work = required_class("housing-price-work", name, "unknown")
     by_kg = first_class("housing-price-per-kg", name) or required_class("housing-price-per-kg", "unknown")
     kg = mass.value * 1e-3
-    ends = [work.central + kg * by_kg.central, work.low + kg * by_kg.low, work.high + kg * by_kg.high]
+    exact = (work.central + kg * by_kg.central, work.low + kg * by_kg.low, work.high + kg * by_kg.high)
+    ends = [float(f"{price:.3g}") for price in exact]
     status: Status = "generic" if origin == "generic" else "estimated"
     return Quantity(ends[0], ends[1], ends[2], status, f"{work.key} and {by_kg.key}: {work.basis}")
 

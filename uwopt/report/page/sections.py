@@ -137,14 +137,10 @@ def cards(design: Design) -> list[Card]:
     notes = [f"{words.money(cost.low)} to {words.money(cost.high)}"] if cost.low != cost.high else []
     if unpriced := words.n_unpriced(design.bom):
         notes.append(f"without {words.counted(unpriced, 'part')} of unknown price")
-    peak = totals.light_peak_power_w
     shown = [
         Card("Cost", words.money(cost.value, cost.currency), ", ".join(notes)),
-        Card(
-            "Power", words.quantity(design.power_as_set_w, "W"),
-            f"{words.quantity(peak, 'W')} at peak" if peak else "",
-        ),
-    ]  # fmt: skip
+        Card("Power", words.quantity(design.power_as_set_w, "W"), words.burning_text(design)),
+    ]
     for name in FIGURES:
         values = [scene_value(scene.figures, scene.settings, name) for scene in design.scenes]
         text = span_text(values, BY_NAME[name].unit, DIGITS)

@@ -209,10 +209,9 @@ def cost_block(result: Result, design: Design) -> Block:
 
 def power_text(design: Design) -> str:
     """`3.05 W on average, the lamps 638 W while they burn`, at the settings to type in where there are any."""
-    power_w, peak = design.power_as_set_w, design.totals.light_peak_power_w
-    text = f"{words.quantity(power_w, 'W')} on average"
-    if peak and peak > (power_w or 0.0):
-        text += f", the lamps {words.quantity(peak, 'W')} while they burn"
+    text = f"{words.quantity(design.power_as_set_w, 'W')} on average"
+    if burning := words.burning_text(design):
+        text += f", the {burning}"
     return text
 
 
@@ -269,7 +268,8 @@ def width(row: BillRow) -> float:
 
 #: Estimated facts that decide how much light is measured, in words; the others matter less.
 LIGHT_FACTS = {
-    "light.output_factor": "how much light leaves the lamp", "camera.qe_scale": "quantum efficiency of the camera",
+    "light.output_factor": "how much light leaves the lamp",
+    "camera.qe_scale": "quantum efficiency of the camera, as a factor",
     "camera.read_noise_e": "its read noise", "lens.transmission_frac": "transmission of the lens",
 }  # fmt: skip
 

@@ -377,6 +377,12 @@ def cost_sentence(design: Design) -> str:
     return f"{text}, of which {money(cost.estimated)} estimated{span}"
 
 
+def burning_text(design: Design) -> str:
+    """`lamps 638 W while they burn`; empty where that is no more than the whole system draws on average."""
+    peak = design.totals.light_peak_power_w
+    return f"lamps {quantity(peak, 'W')} while they burn" if peak and peak > (design.power_as_set_w or 0.0) else ""
+
+
 def power_sentence(totals: Totals) -> str:
     """`power 3.05 W (lights 1.15 W on average, 638 W at peak), mass 1.08 kg`."""
     return (
