@@ -559,7 +559,8 @@ def test_full_disk_behind_standard_output_is_told() -> None:
 @pytest.mark.skipif(os.name == "nt", reason="signals differ")
 def test_ctrl_c_ends_with_status_130(tmp_path: Path) -> None:
     waiting = (
-        "import sys, time\nfrom uwopt.api import solving as api\nfrom uwopt.cli import app as cli\n"
+        "import signal, sys, time\nfrom uwopt.api import solving as api\nfrom uwopt.cli import app as cli\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell's background has it ignored
         "def solve(*a, **k):\n    print('ready', file=sys.stderr, flush=True)\n    time.sleep(60)\n"
         "api.solve = solve\nsys.argv = ['uwopt', 'solve', 'x.yaml']\ncli.main()\n"
     )
@@ -569,7 +570,10 @@ def test_ctrl_c_ends_with_status_130(tmp_path: Path) -> None:
     assert child.stderr is not None and "ready" in child.stderr.readline()
     time.sleep(0.05)
     child.send_signal(signal.SIGINT)
-    stdout, stderr = child.communicate(timeout=30)
+    try:
+        stdout, stderr = child.communicate(timeout=30)
+    finally:
+        child.kill()
     assert (child.returncode, stdout) == (130, "")
     assert "interrupted" in stderr and "Traceback" not in stderr
 
