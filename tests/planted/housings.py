@@ -101,4 +101,11 @@ DEFECTS: tuple[Defect, ...] = (
         new="(inside + ports.mass_kg)",
         test=BUILT + "test_mass_in_water_and_size_of_a_tube_with_a_dome",
     ),
+    Defect(
+        name="a rival in another housing is taken for one in the first",
+        file="uwopt/solvers/explain/robustness.py",
+        old="if own_id(own) == own_id(part))",
+        new="if own.id == part.id)",
+        test="tests/solvers/test_robustness.py::test_a_rival_keeps_its_housing_among_the_catalogue",
+    ),
 )

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from one_of_each import one, with_parts
 
+from uwopt.catalog.parts.housing import Housing
 from uwopt.catalog.parts.quantity import Quantity, exact
 from uwopt.deadline import NEVER
 from uwopt.solvers.explain.robustness import (
@@ -112,6 +113,17 @@ def test_a_rival_that_stands_twice_among_the_mixed_is_one_of_the_catalogue() -> 
     thrice = replace(base.problem.parts, cameras=tuple(part for part in base.problem.parts.cameras for _ in range(3)))
     mixed: Any = SimpleNamespace(parts=thrice)
     assert among(base.problem, replace(base.outcome.best[0], camera=5), mixed).camera == 1
+
+
+def test_a_rival_keeps_its_housing_among_the_catalogue() -> None:
+    base = sought()
+    port = base.problem.parts.ports[0]
+    built = tuple(replace(port, housing=Housing(name, inner_diameter_mm=100.0)) for name in ("small", "large"))
+    with_both: Any = SimpleNamespace(parts=replace(base.problem.parts, ports=built))
+    turned: Any = SimpleNamespace(parts=replace(base.problem.parts, ports=built[::-1]))
+    rival = replace(base.outcome.best[0], port=0)  # in the large one there
+    assert among(with_both, rival, turned).port == 1
+
 
 
 def test_a_price_does_not_matter_where_none_is_asked_for() -> None:

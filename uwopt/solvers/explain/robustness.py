@@ -292,7 +292,7 @@ def among(problem: Problem, found: Found, mixed: Problem) -> Found:
     own_parts = problem.parts
     lists = dict(zip(KINDS, (own_parts.cameras, own_parts.lenses, own_parts.ports, own_parts.lights), strict=True))
     places: dict[str, Any] = {
-        kind: next(place for place, own in enumerate(lists[kind]) if own.id == part.id)
+        kind: next(place for place, own in enumerate(lists[kind]) if own_id(own) == own_id(part))
         for kind, part in parts_of(mixed, found)
     }
     return replace(found, **places)
