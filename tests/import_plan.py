@@ -20,9 +20,9 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 #: The one sentence of the door: each room imports only from those before it.
 SENTENCE = [
     "errors",
+    "tolerances",
     "units",
     "version",
-    "tolerances",
     "quantities",
     "deadline",
     "documents",

@@ -87,3 +87,24 @@ def test_a_formatted_number_is_within_half_a_digit(value):
 def test_every_suffix_is_lower_case_and_unique():
     assert len(set(units.UNIT_SUFFIXES)) == len(units.UNIT_SUFFIXES)
     assert all(re.fullmatch(r"(_[a-z0-9]+)+", suffix) for suffix in units.UNIT_SUFFIXES)
+
+
+def _db(value, digits):
+    return units.format_quantity(value, "dB", digits)
+
+
+@pytest.mark.parametrize(
+    ("values", "texts"),
+    [
+        ((24.997, 25.0), ("24.997 dB", "25.000 dB")),  # with three digits both were 25.0 dB
+        ((24.99, 25.0), ("24.99 dB", "25.00 dB")),
+        ((29.0, 30.0), ("29.0 dB", "30.0 dB")),
+        ((25.0, 25.0), ("25.0 dB", "25.0 dB")),
+        ((25.0 * (1 - 5e-7), 25.0), ("25.0 dB", "25.0 dB")),  # counts as met, so it looks met
+        ((25.0 * (1 - 2e-6), 25.0), ("24.99995 dB", "25.00000 dB")),
+        ((None, 25.0), ("–", "25.0 dB")),
+        ((math.inf, 25.0), ("infinite dB", "25.0 dB")),
+    ],
+)
+def test_numbers_side_by_side_have_the_digits_that_tell_them_apart(values, texts):
+    assert units.texts_apart(*values, text=_db) == texts

@@ -6,10 +6,13 @@ conversion happens once, where a file becomes numbers.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
+
+from uwopt.tolerances import SATISFIED_REL
 
 #: Every unit that a public name may end in, longest first where one is the tail of another.
 UNIT_SUFFIXES: tuple[str, ...] = (
@@ -34,6 +37,7 @@ SYMBOLS: Mapping[str, str] = MappingProxyType(
 
 _DEGREES = math.pi / 180.0
 _MINUTE_S = 60.0
+MOST_DIGITS = 9  # of numbers that fewer do not tell apart
 _FOOT_M = 0.3048  # international foot, exact
 S_PER_H = 3600.0
 _KNOT_M_S = 1852.0 / S_PER_H  # international nautical mile per hour, exact
@@ -133,3 +137,20 @@ def format_quantity(value: float | None, unit: str = "", digits: int = 3) -> str
     sign = symbol(unit)
     gap = "" if sign in ("", "°", "%") else " "
     return f"{format_number(value, digits)}{gap}{sign}"
+
+
+def texts_apart(
+    *values: float | None, text: Callable[[float | None, int], str], digits: int = 3
+) -> tuple[str, ...]:
+    """Numbers that stand side by side, by `text` of a number and its digits: as many digits as tell them apart.
+
+    25.003 dB against 25.000 dB, not 25.0 dB against 25.0 dB. Numbers that agree as nearly as requirements are met
+    (`tolerances.SATISFIED_REL`) are equal, and look it.
+    """
+    known = sorted({value for value in values if value is not None and math.isfinite(value)})
+    differ = [b - a > SATISFIED_REL * max(abs(a), abs(b)) for a, b in itertools.pairwise(known)]
+    for more in range(digits, MOST_DIGITS + 1):
+        seen = [text(value, more) for value in known]
+        if not any(apart and a == b for apart, (a, b) in zip(differ, itertools.pairwise(seen), strict=True)):
+            return tuple(text(value, more) for value in values)
+    return tuple(text(value, MOST_DIGITS) for value in values)

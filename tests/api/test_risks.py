@@ -116,6 +116,11 @@ def test_missed_requirement_has_value_and_limit(calm: Result) -> None:
     assert (risk.what, risk.figure) == ("motion blur is not as asked for", "2.00 px against 1.00 px")
 
 
+def test_a_requirement_that_is_just_missed_does_not_look_met(calm: Result) -> None:
+    risk = only(with_margin(calm, margin("min_snr_db", 24.997, 25.0, ">=", "dB")))
+    assert risk.figure == "24.997 dB against 25.000 dB"
+
+
 @pytest.mark.parametrize(("reached_db", "reserve_db", "told"), [
     (30.1, 0.0, True),  # 0.1 dB are 1.2 % of the ratio
     (30.3, 0.0, False),  # 0.3 dB are 3.5 %

@@ -617,8 +617,8 @@ DEFECTS = (
     Defect(
         name="the word in place of a margin's value is not shown",
         file="uwopt/report/text/words.py",
-        old="one_line(margin.word)\n        if margin.value is None and margin.word\n        else quantity(",
-        new="quantity(",
+        old="one_line(margin.word) if margin.value is None and margin.word else value, limit",
+        new="value, limit",
         test="tests/report/test_tables.py::test_margin_without_a_signal_says_so_in_text_and_page",
     ),
     Defect(

@@ -348,4 +348,25 @@ DEFECTS: tuple[Defect, ...] = (
         new="elif self._piped and",
         test="tests/report/test_console.py::test_a_log_gets_a_line_a_stage_but_no_two_within_a_second",
     ),
+    Defect(
+        name="a margin just missed looks met",
+        file="uwopt/report/text/words.py",
+        old="value, limit = quantities_apart(margin.value, margin.limit, unit=margin.unit, digits=4)",
+        new="value, limit = (quantity(end, margin.unit, 4) for end in (margin.value, margin.limit))",
+        test="tests/report/test_tables.py::test_a_margin_just_missed_is_told_apart_from_its_limit",
+    ),
+    Defect(
+        name="what is possible looks like what is asked",
+        file="uwopt/report/text/doubts.py",
+        old="asked, possible = words.quantities_apart(item.limit, item.needed, unit=unit, digits=4)",
+        new="asked, possible = (words.quantity(end, unit, 4) for end in (item.limit, item.needed))",
+        test="tests/report/test_tables.py::test_what_is_possible_is_told_apart_from_what_is_asked",
+    ),
+    Defect(
+        name="numbers that differ look alike",
+        file="uwopt/units.py",
+        old="for more in range(digits, MOST_DIGITS + 1):",
+        new="for more in range(digits, digits + 1):",
+        test="tests/api/test_risks.py::test_a_requirement_that_is_just_missed_does_not_look_met",
+    ),
 )

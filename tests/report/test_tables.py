@@ -156,6 +156,25 @@ def test_infeasible_result_tells_why_and_what_helps(make_result: Make, make_desi
         )
 
 
+def test_what_is_possible_is_told_apart_from_what_is_asked(make_result: Make, make_design: Make) -> None:
+    why = {
+        "requirements": [], "nearest_miss": make_design(),
+        "relaxations": [{"name": "min_snr", "limit": 25.0, "needed": 24.9973, "miss_rel": 3e-4}],
+    }  # fmt: skip
+    result = make_result(
+        status="infeasible", recommendation=None, runners_up=[], generic_alternative=None, infeasible=why
+    )
+    assert "24.997 dB instead of 25.000 dB" in flat(text_of(result))
+
+
+def test_a_margin_just_missed_is_told_apart_from_its_limit(
+    make_result: Make, make_design: Make, make_scene: Make, make_margin: Make
+) -> None:
+    missed = make_margin("max_blur_px", 1.00004, 1.0, "<=", "px", satisfied=False)
+    result = make_result(recommendation=make_design(scenes=[make_scene("reef", margins=[missed])]))
+    assert "motion blur 1.00004 px at most 1.00000 px" in flat(text_of(result))
+
+
 def test_failed_audit_stands_out(make_result: Make) -> None:
     audit = {
         "tried": 20,

@@ -13,7 +13,7 @@ from uwopt.mission.reserves import RECOMMENDED_RESERVE, REFUSED
 from uwopt.results.basis import Risk
 from uwopt.results.design import Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
-from uwopt.units import db_to_ratio, format_quantity, split_unit
+from uwopt.units import db_to_ratio, format_quantity, split_unit, texts_apart
 
 Weighed = Iterator[tuple[float, Risk]]
 
@@ -334,7 +334,7 @@ def tight_figure(margin: Margin) -> str:
     """What is tightest, with value and limit; an end of the depth of field as what is still sharp there."""
     if stem_of(margin.requirement) not in OFF_FOCUS:
         return f"{asked_name(margin)} {against_limit(margin)}"
-    value, limit, left = (format_quantity(x, margin.unit) for x in (margin.value, margin.limit, margin.margin))
+    (value, limit), left = ends_of(margin), format_quantity(margin.margin, margin.unit)
     side, wanted = ("from", "nearest") if margin.sense == "<=" else ("to", "farthest")
     return f"sharp {side} {value}, the {wanted} floor at {limit}: {left} in hand"
 
@@ -346,10 +346,13 @@ def asked_name(margin: Margin) -> str:
 
 def against_limit(margin: Margin) -> str:
     """`29.0 dB against 30.0 dB`."""
-    value = (
-        margin.word if margin.value is None and margin.word else format_quantity(margin.value, margin.unit)
-    )
-    return f"{value} against {format_quantity(margin.limit, margin.unit)}"
+    value, limit = ends_of(margin)
+    return f"{margin.word if margin.value is None and margin.word else value} against {limit}"
+
+
+def ends_of(margin: Margin) -> tuple[str, ...]:
+    """Value and limit, with as many digits as tell them apart."""
+    return texts_apart(margin.value, margin.limit, text=lambda x, digits: format_quantity(x, margin.unit, digits))
 
 
 def stem_of(requirement: str) -> str:

@@ -34,7 +34,7 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.settable.rounding import given_of, rounded_design
 from uwopt.solvers.settable.steps import printed
 from uwopt.tolerances import AGREES_REL
-from uwopt.units import format_quantity
+from uwopt.units import format_quantity, texts_apart
 
 Progress = Callable[[float, str], None]
 GENERIC_GAIN = 0.10
@@ -144,13 +144,14 @@ def value_as_set(design: Design, objective: Objective) -> float:
 def better_but_unsettable(first: Design, chosen: Design, objective: Objective, currency: str) -> Note:
     """That other parts would be better by exact numbers that nobody can type in."""
 
-    def told(value: float | None) -> str:
-        return format_quantity(value, objective.unit(currency), 4)
+    def told(*values: float | None) -> tuple[str, ...]:
+        unit = objective.unit(currency)
+        return texts_apart(*values, text=lambda value, digits: format_quantity(value, unit, digits), digits=4)
 
     names = ", ".join(first.hardware.ids)
-    text = f"with {names} the exact optimum is {told(first.objective_value)}, but "
+    text = f"with {names} the exact optimum is {told(first.objective_value)[0]}, but "
     if first.is_settable and first.rounded is not None and chosen.rounded is not None:
-        as_set, ours = told(first.rounded.objective_value), told(chosen.rounded.objective_value)
+        as_set, ours = told(first.rounded.objective_value, chosen.rounded.objective_value)
         text += f"{as_set} with settings that can be set; recommended is what is better as set, {ours}"
     else:
         text += (

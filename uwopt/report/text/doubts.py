@@ -115,10 +115,11 @@ def relaxation_texts(result: Result | FrontResult, item: Relaxed) -> tuple[str, 
     """Requirement, what is asked, what could be had."""
     currency = str((result.mission.get("limits") or {}).get("currency") or "")
     unit = {"cost": currency, "min_snr": "dB"}.get(item.name, split_unit(item.name)[1])
+    asked, possible = words.quantities_apart(item.limit, item.needed, unit=unit, digits=4)
     return (
         f"{words.requirement_name(item.name)} ({words.one_line(item.name)})",
-        words.quantity(item.limit, unit, 4),
-        "left out" if item.needed is None else words.quantity(item.needed, unit, 4),
+        asked,
+        "left out" if item.needed is None else possible,
     )
 
 

@@ -262,11 +262,11 @@ def margin_state(margin: Margin) -> str:
 def margin_texts(margin: Margin, kinds: Mapping[str, str]) -> tuple[str, str, str, str, str]:
     """Requirement, value, limit, what is left, and the altitude where it is worst."""
     sign = {"<=": "at most ", ">=": "at least "}.get(margin.sense, "exactly ")
-    limit = "no limit" if margin.limit is None else sign + words.quantity(margin.limit, margin.unit, 4)
+    value, limit = words.margin_ends(margin)
     return (
         words.requirement_name(margin.requirement, kinds),
-        words.margin_value(margin),
-        limit,
+        value,
+        "no limit" if margin.limit is None else sign + limit,
         words.margin_text(margin),
         "" if margin.at_altitude_m is None else words.quantity(margin.at_altitude_m, "m"),
     )

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from uwopt.results.design import BillRow, Design, LampPlace, Margin, Totals, UsedPart
 from uwopt.results.result import Certificate, Result
-from uwopt.units import format_number, format_quantity, split_unit, symbol
+from uwopt.units import format_number, format_quantity, split_unit, symbol, texts_apart
 
 STATUS_SENTENCES: Mapping[str, str] = {
     "optimal": "best of the catalogue under these assumptions, proven",
@@ -182,6 +182,11 @@ def quantity(value: float | None, unit: str = "", digits: int = 3) -> str:
     return format_quantity(None if value is None else value / per, unit, digits)
 
 
+def quantities_apart(*values: float | None, unit: str = "", digits: int = 3) -> tuple[str, ...]:
+    """Quantities that stand side by side, with as many digits as tell them apart."""
+    return texts_apart(*values, text=lambda value, more: quantity(value, unit, more), digits=digits)
+
+
 def prefixed(unit: str, largest: float) -> tuple[float, str]:
     """What to divide by and the unit then: 2.5e6 bit/m2 are read as 2.5 Mbit/m²; other units stay."""
     if unit not in BITS:
@@ -197,13 +202,10 @@ def change(value: float, unit: str, scale: float, digits: int = 3) -> str:
     return ("+" if value > 0 else "") + format_quantity(value, unit, digits)
 
 
-def margin_value(margin: Margin) -> str:
-    """What is reached of a requirement: a number with its unit, or the word in its place."""
-    return (
-        one_line(margin.word)
-        if margin.value is None and margin.word
-        else quantity(margin.value, margin.unit, 4)
-    )
+def margin_ends(margin: Margin) -> tuple[str, str]:
+    """What is reached of a requirement, a number with its unit or the word in its place; and its limit."""
+    value, limit = quantities_apart(margin.value, margin.limit, unit=margin.unit, digits=4)
+    return one_line(margin.word) if margin.value is None and margin.word else value, limit
 
 
 def margin_text(margin: Margin) -> str:
