@@ -54,8 +54,16 @@ CELLS = [
     ("lights.csv", "arctic-rays-dragonfish-mini-strobe", "mean_power_w", 16),
     ("lights.csv", "nikon-nikonos-sb-104", "guide_number_m", 32),
     ("ports.csv", "blue-robotics-4-in-series-end-cap-first-generation", "clear_diameter_mm", 89),
+    ("ports.csv", "blue-robotics-4-in-dome-aluminium-ring-2026", "outer_radius_mm", 44 + 5.8),  # data sheet WTE Rev C.5
     ("ports.csv", "teledyne-benthos-2040-17v-sphere-17-in", "depth_rating_m", 6706),  # 22 000 ft
     ("ports.csv", "nautilus-vitrovex-mdom-vessel-half", "refractive_index", 1.4711),
+    ("housings.csv", "blue-robotics-4-in-aluminium-tube-300", "wall_mm", (112 - 103) / 2),  # the same data sheet
+    ("housings.csv", "blue-robotics-4-in-aluminium-tube-300", "mass_g", 1066 + 2 * 107 + 223),  # tube, flanges, cap
+    ("housings.csv", "blue-robotics-4-in-acrylic-tube-200", "price", 170 + 2 * 50 + 42),  # tube, flanges, cap
+    ("housings.csv", "blue-robotics-4-in-acrylic-tube-300", "price", 330 + 42),  # tube with flanges, cap
+    ("housings.csv", "blue-robotics-3-in-acrylic-tube-150", "price", 115 + 2 * 34 + 32),
+    ("housings.csv", "blue-robotics-3-in-acrylic-tube-150", "depth_rating_m", 275),  # the maker's configurator
+    ("lenses.csv", "raspberry-pi-16-mm-telephoto-hq-camera", "price", 54),  # a shop, as a user copied it
 ]
 
 
