@@ -26,6 +26,7 @@ from uwopt.mission.practice import LEAST_UNIFORMITY  # noqa: E402
 from uwopt.results.basis import Relaxed  # noqa: E402
 from uwopt.results.design import Design  # noqa: E402
 from uwopt.results.result import Result  # noqa: E402
+from uwopt.units import format_price  # noqa: E402
 
 PROBLEMS = ROOT / "problems"
 PAGE = ROOT / "docs" / "signed.md"
@@ -187,7 +188,7 @@ def sold(result: Result, design: Design) -> Line:
 def price(result: Result, design: Design) -> Line:
     """High end of the price."""
     cost, limit = design.totals.cost, (result.mission.get("limits") or {}).get("cost")
-    span = f"{cost.low:,.0f} to {cost.high:,.0f}".replace(",", " ")
+    span = format_price(cost.low, cost.high)
     return Line("price", limit is None or cost.high <= limit, span + (f" of {limit:g}" if limit else ""))
 
 

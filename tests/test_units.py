@@ -108,3 +108,30 @@ def _db(value, digits):
 )
 def test_numbers_side_by_side_have_the_digits_that_tell_them_apart(values, texts):
     assert units.texts_apart(*values, text=_db) == texts
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "text"),
+    [
+        (5498.0, 19459.0, "5 000 to 19 000 USD"),  # two digits of the high end: thousands
+        (1499.0, 36000.0, "1 500 to 36 000 USD"),  # by thousands the low end would lose a third of itself
+        (783.0, 1411.0, "800 to 1 400 USD"),
+        (9990.0, 10010.0, "9 990 to 10 010 USD"),  # nearly all of it quoted: a range of 20 is known to tens
+        (0.0, 50.0, "0 to 50 USD"),
+        (0.2, 0.3, "0.20 to 0.30 USD"),
+        (1234.0, 1234.0, "1 234 USD"),  # quoted: in full
+    ],
+)
+def test_a_price_has_no_digits_that_nobody_knows(low, high, text):
+    assert units.format_price(low, high, "USD") == text
+
+
+@given(st.floats(0.1, 1e6), st.floats(1.0, 1e4))
+def test_no_end_of_a_price_moves_by_more_than_an_eighth(low, ratio):
+    shown = [float(end.replace(" ", "")) for end in units.format_price(low, low * ratio).split(" to ")]
+    assert shown[0] == pytest.approx(low, rel=0.125, abs=0.006)  # cents
+    assert shown[-1] == pytest.approx(low * ratio, rel=0.125, abs=0.006)
+
+
+def test_the_middle_of_a_price_has_the_digits_of_its_range():
+    assert units.format_within(9836.0, 5498.0, 19459.0, "USD") == "10 000 USD"

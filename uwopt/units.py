@@ -154,3 +154,39 @@ def texts_apart(
         if not any(apart and a == b for apart, (a, b) in zip(differ, itertools.pairwise(seen), strict=True)):
             return tuple(text(value, more) for value in values)
     return tuple(text(value, MOST_DIGITS) for value in values)
+
+
+# ---------------------------------------------------------------- money
+
+
+def format_money(value: float | None, currency: str = "") -> str:
+    """An amount of money in whole units, below a hundred to three digits."""
+    if value is None:
+        return "unknown"
+    number = format_number(round(value) if abs(value) >= 100 else round(value, 2), 3)
+    return f"{number} {currency}".strip()
+
+
+def format_price(low: float, high: float, currency: str = "") -> str:
+    """A price without digits that nobody knows: `5 000 to 19 000 USD`; one amount, in full, where it is known."""
+    if format_money(low) == format_money(high):
+        return format_money(high, currency)
+    ends = " to ".join(format_within(end, low, high) for end in (low, high))
+    return f"{ends} {currency}".strip()
+
+
+def format_within(value: float, low: float, high: float, currency: str = "") -> str:
+    """An amount between the ends of a range, with the digits that the range leaves it.
+
+    That is two digits of the high end, more where the range is narrow, and never so few that the amount moves by more
+    than an eighth.
+    """
+    if not (0 <= low <= value <= high and 0 < high - low < math.inf):
+        return format_money(value, currency)
+    exponent = min(_magnitude(high) - 1, _magnitude(high - low), *([_magnitude(value / 4)] if value > 0 else []))
+    exponent = max(exponent, -2)
+    return f"{round(value, -exponent):,.{max(0, -exponent)}f} {currency}".replace(",", " ").strip()
+
+
+def _magnitude(value: float) -> int:
+    return math.floor(math.log10(value))

@@ -207,6 +207,11 @@ def test_price_above_the_limit_at_its_high_end(calm: Result) -> None:
     assert risks_of(with_cost(calm, 1200.0, low=800.0, high=1100.0, estimated=90.0)) == []
 
 
+def test_a_price_just_above_its_limit_is_told_as_such(calm: Result) -> None:
+    risk = only(with_cost(calm, 8000.0, value=7000.0, low=2000.0, high=8040.0, estimated=450.0))
+    assert risk.figure == "up to 8 040 against 8 000 USD"
+
+
 def test_price_weighs_by_how_wide_its_range_is(calm: Result) -> None:
     # 10 % wide it is less than a lens wide open, from half to one and a half it is more
     lens = replace(margin("f_number_min", 2.8, 2.8, ">=", ""), binding=True)

@@ -123,6 +123,11 @@ def solved(**changes: Any) -> Result:
 OBJECTIVES = {"power": ("minimise", "W"), "cost": ("minimise", "USD"), "information": ("maximise", "bit/m²")}
 
 
+def cost_at(value: float) -> Cost:
+    """A cost whose estimated part spans as much as that of `COST`."""
+    return Cost(**COST | {"value": value, "low": value - 600.0, "high": value + 1100.0})
+
+
 def front(*names: str, points: int = 8, **changes: Any) -> FrontResult:
     """A front of two or three objectives: power falls along it, cost and information rise."""
     wanted = names or tuple(OBJECTIVES)
@@ -134,7 +139,7 @@ def front(*names: str, points: int = 8, **changes: Any) -> FrontResult:
             "information": 1e6 + 1e5 * index**2,
         }
         one = design(values["power"], lens=f"acme-lens-{index // 3}")
-        one = replace(one, totals=replace(one.totals, cost=Cost(**COST | {"value": values["cost"]})))
+        one = replace(one, totals=replace(one.totals, cost=cost_at(values["cost"])))
         one.scenes[0].figures.update(snr_db=30.0 + index, gsd_mm=1.0 - 0.01 * index)
         made.append(
             FrontPoint(f"p{index + 1}", {n: values[n] for n in wanted}, f"c{index // 3}", "exact", one)

@@ -13,7 +13,15 @@ from uwopt.mission.reserves import RECOMMENDED_RESERVE, REFUSED
 from uwopt.results.basis import Risk
 from uwopt.results.design import Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
-from uwopt.units import db_to_ratio, format_quantity, split_unit, texts_apart
+from uwopt.units import (
+    db_to_ratio,
+    format_money,
+    format_price,
+    format_quantity,
+    format_within,
+    split_unit,
+    texts_apart,
+)
 
 Weighed = Iterator[tuple[float, Risk]]
 
@@ -231,10 +239,11 @@ def price(result: Result, design: Design) -> Weighed:
     share = cost.estimated / cost.value if cost.value else 0.0
     because = f"{100 * share:.0f} % of the price is estimated"
     if limit is not None and cost.value <= limit < cost.high:
-        figure = f"up to {whole(cost.high)} against {whole(limit)} {cost.currency}"
+        end = format_within(cost.high, max(cost.low, limit), cost.high)  # never rounded down to the limit
+        figure = f"up to {end} against {format_money(limit, cost.currency)}"
         yield 58.0, Risk("it may cost more than allowed", because, figure)
     elif share > MUCH_ESTIMATED:
-        figure = f"{whole(cost.low)} to {whole(cost.high)} {cost.currency}"
+        figure = format_price(cost.low, cost.high, cost.currency)
         width = (cost.high - cost.low) / cost.value
         yield 20.0 + 30.0 * min(1.0, width), Risk("the price is not known", because, figure)
     unknown = sum(row.to_buy for row in design.bom if row.unit_price is None)
@@ -386,11 +395,6 @@ def least_of(tilt: dict[str, float | None], name: str) -> float | None:
 
 
 # ---------------------------------------------------------------- words
-
-
-def whole(amount: float) -> str:
-    """An amount of money without cents."""
-    return format_quantity(float(round(amount)))
 
 
 def in_scene(design: Design, scene: SceneResult) -> str:

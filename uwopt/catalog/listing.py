@@ -10,6 +10,7 @@ from uwopt.catalog.choose import matches
 from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.records import KINDS, Curve, Kind, Part, Quantity
+from uwopt.units import format_within
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +100,10 @@ def _field_line(part: Part, field: Field) -> FieldLine | None:
     if value is None or value == "" or value == () or value == {}:
         return None
     if isinstance(value, Quantity):
-        text = f"{value.value:.6g}" + (f" {part.currency}" if field.name == "price" else "")
+        if field.name == "price":
+            text = format_within(value.value, value.low, value.high, part.currency)
+        else:
+            text = f"{value.value:.6g}"
         return FieldLine(field.name, text, value.low, value.high, value.status, value.source)
     return FieldLine(field.name, _in_words(value), None, None, _status(part, field), "")
 

@@ -15,7 +15,7 @@ from uwopt.report.page.style import SCALE_DARK, SCALE_LIGHT
 from uwopt.report.text import words
 from uwopt.report.text.front_tables import pick_names
 from uwopt.report.text.tables import has_no_limit, kinds_by_id, scenes_to_set, shown_settings
-from uwopt.report.text.verdict import axis_name
+from uwopt.report.text.verdict import axis_name, best_and_worst
 from uwopt.results.design import Design, SceneResult, UsedHardware
 from uwopt.results.front import FrontPoint, FrontResult
 from uwopt.units import symbol
@@ -34,6 +34,10 @@ class PointColumn:
     unit: str
     per: float  # what the result's numbers were divided by
     values: list[float | None]
+
+    def at(self, index: int) -> tuple[str, str, float | None]:
+        """Key, unit and number of one point."""
+        return self.key, self.unit, self.values[index]
 
 
 class Texts:
@@ -71,7 +75,7 @@ def front_data(front: FrontResult) -> dict[str, Any]:
         ],
         "scales": {"light": SCALE_LIGHT, "dark": SCALE_DARK},
         "points": [
-            point_data(point, names.get(point.id, ""), [(c.unit, c.values[index]) for c in columns], short, texts)
+            point_data(point, names.get(point.id, ""), [c.at(index) for c in columns], short, texts)
             for index, point in enumerate(front.points)
         ],
         "picks": [
@@ -159,7 +163,7 @@ def currency(front: FrontResult) -> str:
 
 
 def point_data(
-    point: FrontPoint, pick: str, numbers: Sequence[tuple[str, float | None]], short: Mapping[str, str],
+    point: FrontPoint, pick: str, numbers: Sequence[tuple[str, str, float | None]], short: Mapping[str, str],
     texts: Texts,
 ) -> dict[str, Any]:  # fmt: skip
     """One point: numbers and texts of its columns, parts, and all that its card shows."""
@@ -168,8 +172,8 @@ def point_data(
     parts, many = hardware.parts.values(), hardware.camera_count
     return {
         "id": words.one_line(point.id, 20), "pick": pick, "curve": words.one_line(point.curve, 20),
-        "method": words.one_line(point.method, 20), "values": [value for _, value in numbers],
-        "shown": texts.row(*(words.quantity(value, unit, 4) for unit, value in numbers)),
+        "method": words.one_line(point.method, 20), "values": [value for *_, value in numbers],
+        "shown": texts.row(*(shown_text(design, key, unit, value) for key, unit, value in numbers)),
         "parts": texts.row(*(words.part_id(part) for part in parts)),
         "short": texts.row(*(short[words.part_id(part)] for part in parts)),
         "names": texts.row(*(words.part_name(part) for part in parts)),
@@ -189,6 +193,11 @@ def point_data(
             for scene in scenes_to_set(design)
         ],
     }  # fmt: skip
+
+
+def shown_text(design: Design, key: str, unit: str, value: float | None) -> str:
+    """A number of a point in words; its cost as a range where prices are estimated."""
+    return words.cost_text(design.totals.cost) if key == "cost" else words.quantity(value, unit, 4)
 
 
 def card_texts(card: Card) -> tuple[str, str, str]:
@@ -227,12 +236,8 @@ def front_cards(front: FrontResult) -> list[Card]:
         )
     ]
     for objective in front.objectives:
-        values = [point.values[objective.name] for point in front.points]
-        best, worst = (
-            (max(values), min(values)) if objective.direction == "maximise" else (min(values), max(values))
-        )
-        span = "" if best == worst else f"to {words.quantity(worst, objective.unit)}"
-        made.append(Card(words.capital(axis_name(objective)), words.quantity(best, objective.unit), span))
+        best, worst = (words.axis_text(objective, point, 3) for point in best_and_worst(front, objective))
+        made.append(Card(words.capital(axis_name(objective)), best, "" if best == worst else f"to {worst}"))
     return made
 
 

@@ -134,11 +134,11 @@ def design_part(
 def cards(design: Design) -> list[Card]:
     """The key figures of a design; of several scenes, from the least to the most."""
     totals, cost = design.totals, design.totals.cost
-    notes = [f"{words.money(cost.low)} to {words.money(cost.high)}"] if cost.low != cost.high else []
+    notes = [words.quoted_share(cost)]
     if unpriced := words.n_unpriced(design.bom):
         notes.append(f"without {words.counted(unpriced, 'part')} of unknown price")
     shown = [
-        Card("Cost", words.money(cost.value, cost.currency), ", ".join(notes)),
+        Card("Cost", words.cost_text(cost), ", ".join(notes)),
         Card("Power", words.quantity(design.power_as_set_w, "W"), words.burning_text(design)),
     ]
     for name in FIGURES:

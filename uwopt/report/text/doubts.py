@@ -7,10 +7,10 @@ from typing import Any
 
 from uwopt.report.text import words
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
-from uwopt.results.basis import Relaxed
+from uwopt.results.basis import Assumption, Relaxed
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Certificate, Result
-from uwopt.units import split_unit
+from uwopt.units import format_within, split_unit
 
 MOST_ASSUMPTIONS = 12
 LONGEST_REASON = 80
@@ -218,6 +218,7 @@ def tilt_facts(doubt: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 #: Fields of parts whose names say little to who has to ask for them.
 NUMBERS = {"qe_scale": "quantum efficiency (as a factor)", "output_factor": "share of light that leaves"}
+PRICES = ("price", "host price")
 #: What is taken for the loss of light between lamp and floor, by the name in a result.
 LAMP_LOSSES = {
     "K_d, within a + b_b and c": "lamp light lost as daylight is",
@@ -269,15 +270,18 @@ def quote_text(item: Any, result: Result) -> str:
 
 
 def quoted_number(item: Any) -> str:
-    """`price of acme-lamp ~2 300 USD (1 700 to 3 400 USD)`."""
+    """`price of acme-lamp (1 700 to 3 400 USD)`, `output of acme-lamp ~0.7 (0.5 to 0.9)`."""
     if not isinstance(item, Mapping):
         return words.one_line(item)
     field = str(item.get("field") or "")
     number = NUMBERS.get(field, split_unit(field)[0].removesuffix("_frac").replace("_", " "))
     unit = str(item.get("unit") or "")
+    whose = item.get("part") or item.get("id") or item.get("path")
+    if number in PRICES and is_number(item.get("low")) and is_number(item.get("high")):
+        return f"{number} of {whose} ({words.price(item['low'], item['high'], unit)})"
     span = range_text(item.get("low"), item.get("high"), unit)
     standing = f" ~{words.quantity(item.get('value'), unit)}" + (f" ({span})" if span else "")
-    return f"{number} of {item.get('part') or item.get('id') or item.get('path')}{standing}"
+    return f"{number} of {whose}{standing}"
 
 
 def second_opinion_block(result: Result) -> Block:
@@ -382,8 +386,7 @@ def assumption_lines(result: Result | FrontResult, *, whole: bool = False) -> li
     for item in ranked[:most]:
         table.add_row(
             Text(words.one_line(item.path, longest // 2)),
-            Text(assumed(item.value, item.unit)),
-            Text(range_text(item.low, item.high, item.unit)),
+            *map(Text, assumed_texts(item)),
             Text(words.one_line(item.source, longest)),
         )
     rest = len(ranked) - most
@@ -391,6 +394,19 @@ def assumption_lines(result: Result | FrontResult, *, whole: bool = False) -> li
         table,
         *([sentence(f"and {rest} more; --json and result.json list all", "dim")] if rest > 0 else []),
     ]
+
+
+def assumed_texts(item: Assumption) -> tuple[str, str]:
+    """What is taken, and its range; of a price no more digits than the range leaves."""
+    low, high = item.low, item.high
+    if item.path.endswith("price") and is_number(item.value) and low is not None and high is not None:
+        return "~" + format_within(item.value, low, high, item.unit), words.price(low, high, item.unit)
+    return assumed(item.value, item.unit), range_text(low, high, item.unit)
+
+
+def is_number(value: Any) -> bool:
+    """Whether it can be counted with."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def assumed(value: Any, unit: str) -> str:

@@ -79,7 +79,7 @@ def evenly(points: Sequence[FrontPoint]) -> list[FrontPoint]:
 
 def value_texts(front: FrontResult, point: FrontPoint) -> list[str]:
     """The objectives with their units."""
-    return [words.quantity(point.values[o.name], o.unit, 4) for o in front.objectives]
+    return [words.axis_text(objective, point) for objective in front.objectives]
 
 
 def parts_text(point: FrontPoint) -> str:

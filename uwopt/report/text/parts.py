@@ -59,7 +59,7 @@ def price_text(price: Quantity | None, currency: str) -> str:
     """A price with its mark."""
     if price is None:
         return "unknown"
-    return ("~" if price_is_estimated(price) else "") + words.money(price.value, currency)
+    return words.price(price.low, price.high, currency) + (", no quote" if price_is_estimated(price) else "")
 
 
 def part_blocks(part_id: str, lines: Sequence[FieldLine], exclusions: Sequence[Exclusion]) -> Iterator[Block]:

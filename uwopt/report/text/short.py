@@ -25,7 +25,7 @@ from uwopt.report.text.tables import (
 from uwopt.results.basis import Risk
 from uwopt.results.design import COLOUR_LEFT_OPEN, BillRow, Design
 from uwopt.results.result import Result
-from uwopt.units import format_number
+from uwopt.units import format_within
 
 MOST_RISKS = 3
 MOST_QUESTIONS = 4
@@ -111,7 +111,7 @@ def goal_sentence(result: Result, design: Design) -> str:
     as_set = rounded is not None and design.is_settable and rounded.objective_value is not None
     value = rounded.objective_value if rounded is not None and as_set else design.objective_value
     most = "most" if goal.direction == "maximise" else "least"
-    return f"Goal: {most} {name}, {words.objective_text(result, value)}{' as set' if as_set else ''}."
+    return f"Goal: {most} {name}, {words.value_text(result, design, value)}{' as set' if as_set else ''}."
 
 
 def image_sentence(design: Design) -> str:
@@ -131,10 +131,12 @@ def image_sentence(design: Design) -> str:
 
 def buy_block(design: Design, title: str) -> Block:
     """Parts with number and what is to pay for them, as a range."""
-    table = columns(("", "right"), ("part", "left"), ("name", "left"), ("to pay", "right"))
+    heads = (("", "right"), ("part", "left"), ("name", "left"), ("to pay", "right"), ("price", "left"))
+    table = columns(*heads)
     for row in design.bom:
         kind = words.one_line(row.kind, 12)
-        table.add_row(Text(f"{row.count} x"), Text(kind), Text(bought_name(row)), Text(to_pay_text(row)))
+        texts = (f"{row.count} x", kind, bought_name(row), words.due_text(row), words.known_price(row))
+        table.add_row(*map(Text, texts))
     if not design.bom:
         table = hardware_block(design, "").lines[0]  # type: ignore[assignment]
     return block(title, [table])
@@ -145,25 +147,6 @@ def bought_name(row: BillRow) -> str:
     if row.generic:
         return f"{words.one_line(row.model or row.id, 50)} (to be made)"
     return words.one_line(f"{row.manufacturer} {row.model}".strip() or row.id, 60)
-
-
-def to_pay_text(row: BillRow) -> str:
-    """What the pieces that are not owned cost together, as a range where it is not known."""
-    if not row.to_buy:
-        return "owned"
-    if row.unit_price is None:
-        return "price unknown"
-    low, high = row.unit_price_low, row.unit_price_high
-    if low is None or high is None:
-        low = high = row.unit_price
-    return span_text(low * row.to_buy, high * row.to_buy, row.currency)
-
-
-def span_text(low: float, high: float, currency: str) -> str:
-    """`5 097 to 19 297 USD`, or one amount."""
-    if words.money(low) == words.money(high):
-        return words.money(high, currency)
-    return f"{words.money(low)} to {words.money(high, currency)}"
 
 
 def set_block(result: Result, design: Design) -> Block:
@@ -186,11 +169,11 @@ def set_block(result: Result, design: Design) -> Block:
 def cost_block(result: Result, design: Design) -> Block:
     """Money as a range, and against the limit; power and mass."""
     cost, totals = design.totals.cost, design.totals
-    text = span_text(cost.low, cost.high, cost.currency)
+    text = words.cost_text(cost)
     if words.money(cost.low) != words.money(cost.high):
-        text += f", most likely {words.money(cost.value)}"
+        text += f", most likely about {format_within(cost.value, cost.low, cost.high)}"
     if cost.value:
-        text += f"; {format_number(100 * cost.estimated / cost.value, 2)} % of it estimated, not quoted"
+        text += f"; {words.quoted_share(cost)}"
     unpriced = words.n_unpriced(design.bom)
     if unpriced and not cost.value:
         text = "not known"
@@ -257,7 +240,7 @@ def quotes(design: Design) -> Iterator[str]:
     for row in sorted(design.bom, key=width, reverse=True):
         unknown = row.to_buy > 0 and row.unit_price is None
         if unknown or (total > 0.0 and width(row) >= DEAR * total):
-            yield f"Ask for a quote: {row.to_buy} x {bought_name(row)}, {to_pay_text(row)}."
+            yield f"Ask for a quote: {row.to_buy} x {bought_name(row)}, {words.due_text(row)}."
 
 
 def width(row: BillRow) -> float:

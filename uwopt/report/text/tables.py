@@ -69,10 +69,10 @@ def headline(result: Result) -> Block:
     title = Joined((Text(name, "bold"), Text(": "), Text(result.status, status_style(result))))
     lines: list[Line] = [title, Text(words.as_sentence(words.status_sentence(result)))]
     value = result.best.objective_value if result.best is not None else None
-    if value is not None:
+    if value is not None and result.best is not None:
         goal = words.one_line(result.objective.name)
         direction = words.one_line(result.objective.direction)
-        lines.append(Text(f"Objective: {goal} {words.objective_text(result, value)} ({direction}d)."))
+        lines.append(Text(f"Objective: {goal} {words.value_text(result, result.best, value)} ({direction}d)."))
     if result.best is not None and (first := fails_first(result.best)):
         lines.append(sentence(words.as_sentence(first)))
     return block("", lines)
@@ -195,7 +195,7 @@ def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
     return [
         sentence(
             f"Rounded as shown and checked again: every requirement still holds; the objective becomes "
-            f"{words.objective_text(result, value)} ({moved})."
+            f"{words.value_text(result, design, value)} ({moved})."
         )
     ]
 
@@ -293,10 +293,8 @@ def bom_block(design: Design) -> Block:
         ("to pay", "right"),
         ("price", "left"),
     )
-    doubtful = False
     for row in design.bom:
         line = bom_line(row)
-        doubtful |= line.estimated
         table.add_row(
             Text(line.number),
             Text(line.kind),
@@ -307,11 +305,11 @@ def bom_block(design: Design) -> Block:
         )
     noted = [row for row in design.bom if row.note]
     notes = [sentence(f"{words.one_line(row.id, 60)}: {words.one_line(row.note, 600)}") for row in noted]
-    legend = [sentence(ESTIMATED_LEGEND, "dim")] if doubtful else []
+    legend = [sentence(ESTIMATED_LEGEND, "dim")] if any(row.estimated for row in design.bom) else []
     return block("Bill of materials", [table, *legend, *notes])
 
 
-ESTIMATED_LEGEND = "~ estimated from parts of its class, with the range in brackets"
+ESTIMATED_LEGEND = "no quote: the range is that of parts of its class"
 
 
 @dataclass(frozen=True)
@@ -329,16 +327,14 @@ class BomLine:
 
 def bom_line(row: BillRow) -> BomLine:
     """What to order, its price and how that is known."""
-    price, currency = row.unit_price, row.currency
-    each = words.estimated_text(price, row.unit_price_low, row.unit_price_high, currency)
-    due = None if price is None else row.to_buy * price
-    known = [row.price_status, row.price_date, f"{row.owned} owned" if row.owned else ""]
+    ends = words.ends_of(row)
+    known = [words.known_price(row), f"{row.owned} owned" if row.owned else ""]
     return BomLine(
         str(row.count),
         words.one_line(row.kind, 12),
         words.one_line(row.id, 60),
-        each if row.estimated else words.money(price, currency),
-        ("~" if row.estimated and due else "") + words.money(due, currency),
+        "unknown" if ends is None else words.price(*ends, row.currency),
+        words.due_text(row),
         words.one_line(", ".join(word for word in known if word), 60),
         row.estimated,
     )
@@ -372,13 +368,13 @@ def runner_up_table(result: Result, best: Design, designs: Sequence[Design]) -> 
     table = columns(*heads, *((name, "right") for name in shown))
     for number, design in enumerate(designs, start=2):
         figures = {
-            "cost": words.money(design.totals.cost.value, design.totals.cost.currency),
+            "cost": words.cost_text(design.totals.cost),
             "power": words.quantity(design.totals.power_w, "W"),
         }
         table.add_row(
             Text(str(number)),
             Text(words.differing_parts(design, best)),
-            Text(words.objective_text(result, design.objective_value)),
+            Text(words.value_text(result, design, design.objective_value)),
             Text(difference_text(result, design, best)),
             *(Text(figures[name]) for name in shown),
         )

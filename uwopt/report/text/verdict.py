@@ -163,7 +163,7 @@ def short_system(point: FrontPoint) -> str:
 def value_texts(front: FrontResult, point: FrontPoint) -> list[str]:
     """Every objective of a point; its name where the unit does not tell it."""
     return [
-        (f"{axis_name(o)} " if o.name not in ("cost", "power") else "") + words.quantity(point.values[o.name], o.unit)
+        (f"{axis_name(o)} " if o.name not in ("cost", "power") else "") + words.axis_text(o, point, 3)
         for o in sorted(front.objectives, key=lambda o: o.name != "cost")
     ]  # fmt: skip
 
@@ -172,12 +172,16 @@ def span_texts(front: FrontResult) -> list[str]:
     """The range of every objective, the better end first."""
     spans = []
     for objective in front.objectives:
-        values = [point.values[objective.name] for point in front.points]
-        ends = (min(values), max(values))
-        best, worst = ends[::-1] if objective.direction == "maximise" else ends
-        span = f"{axis_name(objective)} {words.quantity(best, objective.unit)}"
-        spans.append(span + (f" to {words.quantity(worst, objective.unit)}" if best != worst else ""))
+        best, worst = (words.axis_text(objective, point, 3) for point in best_and_worst(front, objective))
+        spans.append(f"{axis_name(objective)} {best}" + (f" to {worst}" if best != worst else ""))
     return spans
+
+
+def best_and_worst(front: FrontResult, objective: FrontObjective) -> tuple[FrontPoint, FrontPoint]:
+    """The points with the best and the worst of an objective."""
+    ordered = sorted(front.points, key=lambda point: point.values[objective.name])
+    ends = (ordered[0], ordered[-1])
+    return ends[::-1] if objective.direction == "maximise" else ends
 
 
 def gain_text(front: FrontResult, point: FrontPoint, lead: FrontPoint) -> str:
@@ -190,7 +194,7 @@ def gain_text(front: FrontResult, point: FrontPoint, lead: FrontPoint) -> str:
             continue
         if not worse:
             name = "" if objective.name in ("cost", "power") else f"{axis_name(objective)} "
-            gains.append(f"{name}{words.quantity(own, objective.unit)}")
+            gains.append(f"{name}{words.axis_text(objective, point, 3)}")
         elif objective.name.endswith("_db") or other <= 0:
             prices.append(f"{words.quantity(abs(own - other), objective.unit)} worse {axis_name(objective)}")
         else:

@@ -6,9 +6,18 @@ import unicodedata
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from uwopt.results.design import BillRow, Design, LampPlace, Margin, Totals, UsedPart
+from uwopt.results.design import BillRow, Cost, Design, LampPlace, Margin, Totals, UsedPart
+from uwopt.results.front import FrontObjective, FrontPoint
 from uwopt.results.result import Certificate, Result
-from uwopt.units import format_number, format_quantity, split_unit, symbol, texts_apart
+from uwopt.units import (
+    format_money,
+    format_number,
+    format_price,
+    format_quantity,
+    split_unit,
+    symbol,
+    texts_apart,
+)
 
 STATUS_SENTENCES: Mapping[str, str] = {
     "optimal": "best of the catalogue under these assumptions, proven",
@@ -263,21 +272,44 @@ def count_text(number: float | int) -> str:
     return f"{int(number):,}".replace(",", " ") if abs(number) < 1e15 else f"{float(number):.3e}"
 
 
-def estimated_text(value: float | None, low: float | None, high: float | None, currency: str) -> str:
-    """A price that is estimated: `~1 200 USD (900-1 600)`."""
-    if value is None:
-        return "unknown"
-    if low is None or high is None or low == high:
-        return f"~{money(value, currency)}"
-    return f"~{money(value, currency)} ({money(low)}-{money(high)})"
-
-
 def money(value: float | None, currency: str = "") -> str:
     """An amount of money in whole units, below a hundred to three digits."""
-    if value is None:
+    return format_money(value, one_line(currency, 8))
+
+
+def price(low: float, high: float, currency: str) -> str:
+    """`5 000 to 19 000 USD` where nobody quotes it; one amount, in full, where somebody does."""
+    return format_price(low, high, one_line(currency, 8))
+
+
+def cost_text(cost: Cost) -> str:
+    """What a system costs, as a range where prices are estimated."""
+    return price(cost.low, cost.high, cost.currency)
+
+
+def known_price(row: BillRow) -> str:
+    """How a price is known: `list, 2026-05-01`, or that there is no quote."""
+    if row.unit_price is None:
         return "unknown"
-    number = format_number(round(value) if abs(value) >= 100 else round(value, 2), 3)
-    return f"{number} {one_line(currency, 8)}".strip()
+    if row.estimated:
+        return "no quote" if row.price_status == "estimated" else f"{one_line(row.price_status, 20)}, no quote"
+    return one_line(", ".join(word for word in (row.price_status, row.price_date) if word), 60)
+
+
+def ends_of(row: BillRow) -> tuple[float, float] | None:
+    """Both ends of the price of one piece; None where nobody knows it."""
+    if row.unit_price is None:
+        return None
+    low, high = row.unit_price_low, row.unit_price_high
+    return (row.unit_price,) * 2 if low is None or high is None else (low, high)
+
+
+def due_text(row: BillRow) -> str:
+    """What the pieces that are not owned cost together."""
+    if not row.to_buy:
+        return "owned"
+    ends = ends_of(row)
+    return "price unknown" if ends is None else price(ends[0] * row.to_buy, ends[1] * row.to_buy, row.currency)
 
 
 # ---------------------------------------------------------------- names
@@ -367,16 +399,22 @@ def as_sentence(text: str) -> str:
 
 
 def cost_sentence(design: Design) -> str:
-    """`cost 4 210 USD, of which 2 300 estimated (1 700-3 400)`."""
+    """`cost 3 600 to 5 300 USD, of which 1 700 to 3 400 estimated`."""
     cost = design.totals.cost
-    text = f"cost {money(cost.value, cost.currency)}"
+    text = f"cost {cost_text(cost)}"
     if unpriced := n_unpriced(design.bom):
         text += f", without {counted(unpriced, 'part')} of unknown price"
     if not cost.estimated:
         return f"{text}, nothing of it estimated"
-    low, high = cost.estimated_low, cost.estimated_high
-    span = f" ({money(low)}-{money(high)})" if low != high else ""
-    return f"{text}, of which {money(cost.estimated)} estimated{span}"
+    return f"{text}, of which {format_price(cost.estimated_low, cost.estimated_high)} estimated"
+
+
+def quoted_share(cost: Cost) -> str:
+    """How much of a price nobody has quoted: `55 % of it not quoted`."""
+    if not cost.estimated or not cost.value:
+        return "nothing of it estimated"
+    not_quoted = 100.0 * cost.estimated / cost.value
+    return "none of it quoted" if not_quoted > 99.5 else f"{format_number(not_quoted, 2)} % of it not quoted"
 
 
 def burning_text(design: Design) -> str:
@@ -423,6 +461,20 @@ def n_unpriced(bom: Sequence[BillRow]) -> int:
 def objective_text(result: Result, value: float | None, digits: int = 4) -> str:
     """A value of the objective with its unit."""
     return format_quantity(value, result.objective.unit, digits)
+
+
+def value_text(result: Result, design: Design, value: float | None) -> str:
+    """The objective of a design; of a cost its range, for nobody knows it better."""
+    if result.objective.name == "cost" and value is not None:
+        return cost_text(design.totals.cost)
+    return objective_text(result, value)
+
+
+def axis_text(objective: FrontObjective, point: FrontPoint, digits: int = 4) -> str:
+    """The same of a point of a front, in one objective."""
+    if objective.name == "cost":
+        return cost_text(point.design.totals.cost)
+    return quantity(point.values[objective.name], objective.unit, digits)
 
 
 def status_sentence(result: Result) -> str:
