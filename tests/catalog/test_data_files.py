@@ -129,7 +129,8 @@ CHOICES = {
     "geometry": {"flat", "dome", ""},
     "purpose": {
         "camera port", "photo port", "sealed float", "laboratory window", "display dome", "lamp window",
-        "part of a camera", "detector vessel", "one-off",
+        "part of a camera", "detector vessel", "one-off", "vehicle lamp", "video light", "photo strobe",
+        "dive torch", "industrial camera", "board camera", "astronomy camera", "complete camera", "values of a tool",
     },
     "material": {"acrylic", "polycarbonate", "glass", "sapphire", "fused silica", ""},
     "currency": {"USD", "EUR", "GBP", "CHF", "JPY", "AUD", ""},

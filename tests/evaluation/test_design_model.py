@@ -12,6 +12,7 @@ import pytest
 
 import uwopt
 from uwopt.catalog.parts.port import Port
+from uwopt.catalog.records import Camera, Light
 from uwopt.evaluation.bill import remark
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.assembly import system_problem
@@ -420,6 +421,9 @@ def test_what_limits_a_port_stands_in_the_bill() -> None:
     plain = Port(id="plain", note="For use under two weeks.")
     photo = Port(id="photo", purpose="photo port", mount="nauticam-n120", note="Glass.")
     assert remark(plain) == "For use under two weeks."
+    assert remark(Light(id="l", purpose="video light", note="Set by hand.")) == "made as a video light; Set by hand."
+    assert remark(Camera(id="c", purpose="board camera")) == "made as a board camera"
+    assert remark(Light(id="l")) == ""
     assert remark(photo) == (
         "made as a photo port; needs a photo housing with the mount nauticam-n120; "
         "the adapter is not in the bill; Glass."

@@ -8,6 +8,27 @@ CHOICE = "uwopt/catalog/choose.py"
 
 DEFECTS = (
     Defect(
+        name="hand torches light images",
+        file="uwopt/catalog/readers/reading.py",
+        old='    "dive torch": "a diver',
+        new='    "dive-torch": "a diver',
+        test="tests/catalog/test_purpose.py::test_hand_torches_are_counted_by_their_purpose_and_video_lights_stay",
+    ),
+    Defect(
+        name="a torch that its owner names is left out for what it is sold for",
+        file=CHOICE,
+        old='if exclusion.rule in ("availability", "purpose") and wanted:',
+        new='if exclusion.rule == "availability" and wanted:',
+        test="tests/catalog/test_purpose.py::test_a_torch_is_used_by_whom_names_or_owns_it",
+    ),
+    Defect(
+        name="the bill hides what a lamp was made for",
+        file="uwopt/evaluation/bill.py",
+        old="words = [made_for, part.note]",
+        new="words = [part.note]",
+        test="tests/evaluation/test_design_model.py::test_what_limits_a_port_stands_in_the_bill",
+    ),
+    Defect(
         name="torches pass as lamps that the vehicle feeds",
         file=CHOICE,
         old='if self.lamp_supply not in ("any", part.supply) and not wanted:',

@@ -17,6 +17,7 @@ from uwopt.errors import CatalogError
 
 RULES = (
     "availability",
+    "purpose",
     "vital facts",
     "pattern",
     "exclude",
@@ -177,7 +178,7 @@ class _Filters:
         named = any(plain_name(pattern) == plain_name(part.id) for pattern in patterns)
         wanted = named or plain_name(part.id) in self.owned_keys
         for exclusion in self.standing.get(part.id, ()):
-            if exclusion.rule == "availability" and wanted:
+            if exclusion.rule in ("availability", "purpose") and wanted:
                 continue
             if exclusion.rule == "port mount":
                 continue  # has its turn below

@@ -11,6 +11,8 @@ from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.results.design import BillRow, Cost, LampPlace, UsedHardware, UsedPart
 
+PLAIN_PURPOSES = ("camera port", "vehicle lamp", "industrial camera")  # made for what they are bought for
+
 
 def used_hardware(problem: Problem, hw: Hardware) -> UsedHardware:
     """The hardware by ids, and where its lights stand."""
@@ -100,9 +102,10 @@ def bill_of_materials(problem: Problem, hw: Hardware) -> list[BillRow]:
 
 def remark(part: Part) -> str:
     """What a buyer must know of a part: what it was made for, what it is fastened to, and the catalogue's note."""
-    words = [part.note]
+    purpose = getattr(part, "purpose", "")
+    made_for = "" if purpose in ("", *PLAIN_PURPOSES) else f"made as {'an' if purpose[0] in 'ai' else 'a'} {purpose}"
+    words = [made_for, part.note]
     if isinstance(part, Port):
-        made_for = "" if part.purpose == "camera port" else f"made as a {part.purpose}"
         needs = "" if is_free(part.mount) else f"needs {counterpart(part.mount)}; the adapter is not in the bill"
         words = [made_for, needs, part.note]
     return "; ".join(word for word in words if word)

@@ -44,6 +44,9 @@ def _number_or_name(value: Any) -> float | str:
     return number
 
 
+CameraPurpose = Literal[
+    "industrial camera", "board camera", "astronomy camera", "complete camera", "values of a tool"
+]
 NumberOrName = Annotated[float | str, BeforeValidator(_number_or_name)]
 
 
@@ -51,6 +54,9 @@ NumberOrName = Annotated[float | str, BeforeValidator(_number_or_name)]
 class Camera(Part):
     """A camera body with its sensor."""
 
+    purpose: Annotated[
+        CameraPurpose, Cell("what it is made and sold for", inline="never")
+    ] = "industrial camera"
     chip: Annotated[
         str,
         Cell("maker and type of the sensor", inline=Inline(doc="type of the sensor", names=("sensor_chip",))),

@@ -29,6 +29,7 @@ Beam = Literal["disc", "cone", "cosine-power", "tabulated"]
 Medium = Literal["air", "water", "not stated"]
 Supply = Literal["external", "battery", "unknown"]
 Trigger = Literal["electrical", "optical", "none", "unknown"]
+LampPurpose = Literal["vehicle lamp", "video light", "photo strobe", "dive torch"]
 Levels = tuple[Annotated[float, Field(ge=0, le=1), NUMBER], ...]
 SHARE_SPAN = (1e-9, 1.0)
 TIME_US = (1e-6, 1e10)
@@ -38,6 +39,9 @@ TIME_US = (1e-6, 1e10)
 class Light(Part):
     """A lamp: burning (continuous), an LED that pulses (pulsed_led), or a xenon tube (flash)."""
 
+    purpose: Annotated[
+        LampPurpose, Cell("what it is made and sold for", inline="never")
+    ] = "vehicle lamp"
     kind: Annotated[
         LightKind,
         Cell(

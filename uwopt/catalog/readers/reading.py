@@ -22,6 +22,12 @@ from uwopt.catalog.userparts import PartRow
 
 Origin = Literal["published", "user", "generic"]  # whose row it is: the catalogue's, the user's, to be made
 
+#: What is sold for something else, and no part of a camera system: by `purpose`, why not.
+_MADE_FOR_OTHERS = {
+    "dive torch": "a diver's hand torch, with a narrow beam and a switch to press",
+    "astronomy camera": "made to stand behind a telescope",
+    "complete camera": "a camera with lens and port of its own, no body to build in",
+}
 _WITHDRAWN = {"discontinued": "no longer sold", "not_a_product": "nobody sells it as a part"}
 
 
@@ -37,6 +43,9 @@ class Built:
         found = []
         if self.part.availability in _WITHDRAWN:
             found.append(Exclusion(self.part.id, kind, "availability", _WITHDRAWN[self.part.availability]))
+        purpose = getattr(self.part, "purpose", "")
+        if purpose in _MADE_FOR_OTHERS:
+            found.append(Exclusion(self.part.id, kind, "purpose", _MADE_FOR_OTHERS[purpose]))
         if self.lacks:
             found.append(Exclusion(self.part.id, kind, "vital facts", "; ".join(self.lacks)))
         if isinstance(self.part, Port) and not is_free(self.part.mount):

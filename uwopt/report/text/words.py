@@ -101,6 +101,7 @@ REQUIREMENTS: Mapping[str, str] = {
 
 RULES: Mapping[str, str] = {
     "availability": "no longer sold, or never was",
+    "purpose": "made and sold for something else",
     "vital facts": "a fact that the model needs is unknown",
     "pattern": "not among the parts the mission names",
     "exclude": "excluded by the mission",
