@@ -12,8 +12,10 @@ import pytest
 from uwopt.api import solving as api
 from uwopt.api import trading as api_pareto
 from uwopt.api.common import prepared
+from uwopt.api.timing import STAGES
 from uwopt.cli.status import result_status
 from uwopt.deadline import Deadline, OutOfTimeError
+from uwopt.results.result import Result
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain import infeasible, robustness
 
@@ -201,6 +203,16 @@ def test_quick_leaves_doubts_out_and_nothing_else() -> None:
     assert result.recommendation == full.recommendation and result.warnings == full.warnings
     [line] = [what for what in told if what.startswith("proven best: ")]
     assert all(part in line for part in full.recommendation.hardware.ids)
+
+
+def test_recommendation_is_told_before_its_doubts() -> None:
+    told: list[Any] = []
+    wanted = mission(catalog=FEW_PARTS)
+    result = api.solve(wanted, progress=lambda share, what: told.append(what), first=told.append)
+    [first] = [item for item in told if isinstance(item, Result)]
+    assert told.index(first) < told.index(STAGES["robustness"])
+    assert first.recommendation == result.recommendation and first.certificate == result.certificate
+    assert first.robustness is None and result.robustness is not None
 
 
 # ---------------------------------------------------------------- pareto

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import os
 import signal
@@ -23,6 +24,8 @@ from uwopt.api.evaluating import evaluate
 from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.cli.app import app
 from uwopt.errors import SolverError
+from uwopt.report.text.console import print_blocks
+from uwopt.report.text.short import short_text_blocks
 from uwopt.results.basis import WhyNothing
 from uwopt.results.result import Certificate, Result
 from uwopt.solvers.exact.search import Search
@@ -204,8 +207,32 @@ def test_options_reach_the_search(solving: Callable[..., list[dict[str, Any]]]) 
     assert calls == [
         {"mission": str(MISSION), "solver": "nlopt", "objective": {"power": 1.0, "cost": 0.01}, "physics": "full",
          "top": 3, "audit": 7, "seconds": 2.5, "alternatives": False, "accuracy": True, "tolerance": 0.001,
-         "progress": None, "quick": False},
+         "progress": None, "quick": False, "first": calls[0]["first"]},
     ]  # fmt: skip
+
+
+def test_page_begins_before_the_doubts_and_is_the_same_page(
+    monkeypatch: pytest.MonkeyPatch, evaluated: Result
+) -> None:
+    made = replace(evaluated, command="solve", status="optimal", design=None, recommendation=evaluated.design)
+
+    def solve(mission: str, **options: Any) -> Result:
+        if options["first"] is not None:
+            options["first"](made)
+            print("doubts")
+        return made
+
+    monkeypatch.setattr(api, "solve", solve)
+    begun, whole, as_json = (
+        run("solve", MISSION, *more) for more in ((), ("--full",), ("--json",))
+    )
+    before, rest = begun.stdout.split("doubts\n")
+    assert "Buy" in before and "What it costs" in before and "risk" not in before.casefold()
+    assert "risk" in rest and "Buy" not in rest and rest.startswith("\n")
+    page = io.StringIO()
+    print_blocks(short_text_blocks(made), page)
+    assert before + rest == page.getvalue()
+    assert "doubts" not in whole.stdout and json.loads(as_json.stdout)["status"] == "optimal"
 
 
 def test_mission_decides_what_is_not_asked_for(solving: Callable[..., list[dict[str, Any]]]) -> None:

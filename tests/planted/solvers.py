@@ -576,9 +576,30 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="who is in a hurry waits for doubts",
         file="uwopt/api/solving.py",
-        old="asked = not cut_short and not quick",
-        new="asked = not cut_short",
+        old="return (made if quick else doubted(",
+        new="return (doubted(",
         test="tests/test_deadline.py::test_quick_leaves_doubts_out_and_nothing_else",
+    ),
+    Defect(
+        name="a recommendation waits for its doubts",
+        file="uwopt/api/solving.py",
+        old="""    if first is not None:
+        first(with_risks(made))
+    return (made if quick else doubted(made, sought, goal, timing, deadline, progress, solver)), sought
+""",
+        new="""    made = made if quick else doubted(made, sought, goal, timing, deadline, progress, solver)
+    if first is not None:
+        first(with_risks(made))
+    return made, sought
+""",
+        test="tests/test_deadline.py::test_recommendation_is_told_before_its_doubts",
+    ),
+    Defect(
+        name="what has been read stands on the page again",
+        file="uwopt/cli/output.py",
+        old="rest_text_blocks(result) if begun else",
+        new="short_text_blocks(result) if begun else",
+        test="tests/cli/test_app.py::test_page_begins_before_the_doubts_and_is_the_same_page",
     ),
     Defect(
         name="pixels that are alike leave each other out",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -61,6 +61,7 @@ EXPLAIN_S = 10.0  # of the processor, for what would help a mission that nothing
 DOUBTS_S = 6.0  # of the processor, for how firm a proven answer is, likewise
 SEARCH_SHARE = 0.9  # of the time that is given: the rest is for settings that can be set
 SOLVERS = ("exact", "casadi", "nlopt", "bonmin")
+First = Callable[[Result], None]  # takes a result whose recommendation is proven and not yet doubted
 
 
 @own_float_rules
@@ -78,6 +79,7 @@ def solve(
     tolerance: float | None = None,
     progress: Progress | None = None,
     quick: bool = False,
+    first: First | None = None,
 ) -> Result:
     """The best system for a mission, with a certificate; see the package's documentation.
 
@@ -94,6 +96,7 @@ def solve(
     accuracy : estimate the numerical error of every figure, in `result.accuracy`
     tolerance : largest error of a figure, a share: integrals are taken as coarsely as it allows
     quick : leave out how firm the answer is, and second opinions
+    first : called with the result as soon as its recommendation is proven, before all that is told beyond the proof
     """
     start, deadline = time.perf_counter(), Deadline.after(seconds)
     for_search = deadline if seconds is None else deadline.at_most(SEARCH_SHARE * seconds)
@@ -124,7 +127,7 @@ def solve(
         )
     else:
         result, sought = found_result(
-            result, goal, sought, alternative, timing, deadline, progress, solver=solver, quick=quick
+            result, goal, sought, alternative, timing, deadline, progress, solver=solver, quick=quick, first=first
         )
         assert result.recommendation is not None
         yielded = gain_warnings(wanted, sought, result.recommendation)
@@ -229,9 +232,12 @@ def found_result(
     *,
     solver: str,
     quick: bool = False,
+    first: First | None = None,
 ) -> tuple[Result, Sought]:
-    """A result with a recommendation, and the search with what is recommended at its head."""
-    from uwopt.solvers.explain.knee import knee
+    """A result with a recommendation, and the search with what is recommended at its head.
+
+    `first` is called with it before the doubts, unless a person wants no more.
+    """
     from uwopt.solvers.explain.robustness import assumptions
 
     cut = alternative is not None and alternative.outcome.interrupted
@@ -249,26 +255,6 @@ def found_result(
     generic = None
     if alternative is not None and alternative.outcome.best:
         generic = design_of(alternative, alternative.outcome.best[0], goal, deadline=deadline)
-    doubt: dict[str, Any] | None = None
-    opinions: list[dict[str, Any]] = []
-    asked = not cut_short and not quick
-    patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(DOUBTS_S, time.process_time)
-    bought: Knee | None = None
-    try:
-        if progress is not None and sought.outcome.complete:
-            progress(0.0, proven_line(winner, goal, sought.problem.mission.limits.currency))
-        with timed(timing, "robustness", progress):
-            if asked:
-                doubt = doubts(sought, goal, winner, patience)
-        if goal.quality and asked:
-            with timed(timing, "knee", progress):
-                bought = deadline.within(STAGES["knee"], lambda: knee(sought, goal, deadline), None)
-        with timed(timing, "second_opinion", progress):
-            if asked:
-                slow = deadline if solver != "exact" else patience  # what is asked for by name takes its time
-                opinions = slow.within("second opinions", lambda: second_opinions(sought, goal, solver, slow), [])
-    except KeyboardInterrupt:  # what is proven is not lost
-        cut = True
     proven = sought.outcome.complete
     hardware = hardware_of(best)
     given = given_of(sought.problem, hardware, best.settings)
@@ -285,9 +271,6 @@ def found_result(
         generic_alternative=generic,
         certificate=proof,
         assumptions=assumptions(sought.problem, best),
-        robustness=doubt,
-        knee=bought,
-        solvers=opinions,
         objective=replace(result.objective, value=winner.objective_value),
         warnings=[
             *result.warnings,
@@ -296,10 +279,45 @@ def found_result(
             *colour_notes(sought.problem, hardware),
             *(interruption_warnings(sought) or (cut_warnings() if cut else [])),
             *(gap_warnings(proof) if wide and not second_best else []),
-            *(patience_warnings(patience, DOUBTS_S) if patience is not deadline else []),
         ],
     )
-    return made, sought
+    if progress is not None and proven:
+        progress(0.0, proven_line(winner, goal, sought.problem.mission.limits.currency))
+    if cut_short:
+        return made, sought
+    if first is not None:
+        first(with_risks(made))
+    return (made if quick else doubted(made, sought, goal, timing, deadline, progress, solver)), sought
+
+
+def doubted(
+    made: Result, sought: Sought, goal: Objective, timing: dict[str, float], deadline: Deadline,
+    progress: Progress | None, solver: str,
+) -> Result:  # fmt: skip
+    """A result with how firm it is, what more power and money would buy, and second opinions, in time."""
+    from uwopt.solvers.explain.knee import knee
+
+    winner, cut = made.recommendation, False
+    assert winner is not None
+    patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(DOUBTS_S, time.process_time)
+    doubt: dict[str, Any] | None = None
+    opinions: list[dict[str, Any]] = []
+    bought: Knee | None = None
+    try:
+        with timed(timing, "robustness", progress):
+            doubt = doubts(sought, goal, winner, patience)
+        if goal.quality:
+            with timed(timing, "knee", progress):
+                bought = deadline.within(STAGES["knee"], lambda: knee(sought, goal, deadline), None)
+        with timed(timing, "second_opinion", progress):
+            slow = deadline if solver != "exact" else patience  # what is asked for by name takes its time
+            opinions = slow.within("second opinions", lambda: second_opinions(sought, goal, solver, slow), [])
+    except KeyboardInterrupt:  # what is proven is not lost
+        cut = True
+    notes = cut_warnings() if cut else []
+    if patience is not deadline:
+        notes += patience_warnings(patience, DOUBTS_S)
+    return replace(made, robustness=doubt, knee=bought, solvers=opinions, warnings=[*made.warnings, *notes])
 
 
 def proven_line(winner: Design, goal: Objective, currency: str) -> str:

@@ -9,7 +9,7 @@ import math
 import os
 import sys
 from enum import StrEnum
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -26,12 +26,15 @@ from uwopt.cli.options import (
     ToleranceOption,
     checked_seconds,
 )
-from uwopt.cli.output import hand_over
+from uwopt.cli.output import hand_over, print_first
 from uwopt.cli.pareto import pareto_command
 from uwopt.cli.report import report_command
 from uwopt.cli.status import BAD_INPUT, DONE, EXIT_STATUS, command, result_status, told
 from uwopt.errors import MissionError
 from uwopt.version import __version__
+
+if TYPE_CHECKING:
+    from uwopt.results.result import Result
 
 app = typer.Typer(
     name="uwopt",
@@ -114,8 +117,13 @@ def solve_command(
     wanted = None if objective is None else parsed_objective(objective)
     if out is not None:
         check_folder(out)
+    begun: list[Result] = []
     with ProgressBar(quiet=quiet) as bar:
         from uwopt.api import solving as api
+
+        def first(result: Result) -> None:
+            print_first(result, bar)
+            begun.append(result)
 
         result = api.solve(
             mission,
@@ -130,8 +138,9 @@ def solve_command(
             tolerance=tolerance,
             progress=bar.report,
             quick=quick,
+            first=None if as_json or full else first,
         )
-    hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet)
+    hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet, begun=bool(begun))
     return result_status(result)
 
 

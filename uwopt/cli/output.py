@@ -9,14 +9,29 @@ from uwopt.cli.status import DONE, told
 from uwopt.errors import OutputError
 
 if TYPE_CHECKING:
+    from uwopt.report.text.console import ProgressBar
     from uwopt.results.front import FrontResult
     from uwopt.results.result import Result
 
 
+def print_first(result: Result, bar: ProgressBar) -> None:
+    """Print what the page begins with, while what follows is worked out."""
+    from uwopt.report.text.console import print_blocks
+    from uwopt.report.text.looked_at import wording
+    from uwopt.report.text.short import first_text_blocks
+
+    with bar.aside():
+        print_blocks(first_text_blocks(result), said=wording(result.mission))
+
+
 def hand_over(
-    result: Result | FrontResult, *, as_json: bool, out: str | None, quiet: bool, full: bool = False
-) -> None:
-    """Write the files and print the result, on one page or in full; what cannot be written is printed all the same."""
+    result: Result | FrontResult, *, as_json: bool, out: str | None, quiet: bool, full: bool = False,
+    begun: bool = False,
+) -> None:  # fmt: skip
+    """Write the files and print the result, on one page or in full; what cannot be written is printed all the same.
+
+    begun : the page's beginning stands there already, by `print_first`
+    """
     from uwopt.report.text.console import ProgressBar, print_blocks, print_text
     from uwopt.report.text.looked_at import wording
     from uwopt.report.write import json_text, write_front, write_results
@@ -46,9 +61,10 @@ def hand_over(
 
         print_blocks(result_blocks(result), said=wording(result.mission))
     else:
-        from uwopt.report.text.short import short_text_blocks
+        from uwopt.report.text.short import rest_text_blocks, short_text_blocks
 
-        print_blocks(short_text_blocks(result), said=wording(result.mission))
+        blocks = rest_text_blocks(result) if begun else short_text_blocks(result)
+        print_blocks(blocks, said=wording(result.mission))
     if refused is not None:
         raise refused
     if written and not quiet:

@@ -10,7 +10,7 @@ import shutil
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, TextIO
@@ -132,6 +132,16 @@ class ProgressBar:
             if self._bar is not None:
                 self._bar.stop()
                 self._bar = None
+
+    @contextlib.contextmanager
+    def aside(self) -> Iterator[None]:
+        """No bar on the terminal for as long as something is printed there."""
+        with self._lock:
+            if self._bar is not None:
+                self._bar.stop()
+            yield
+            if self._bar is not None:
+                self._bar.start()
 
     def _wait(self, seconds: float, then: Callable[[], None]) -> None:
         self._timer = self._new_timer(seconds, then)

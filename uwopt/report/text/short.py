@@ -48,21 +48,48 @@ HINT = (
 
 def short_text_blocks(result: Result) -> Iterator[Block | Text]:
     """The page as text: name and verdict, its sections, and where the rest is."""
+    yield from first_text_blocks(result)
+    yield from rest_of_blocks(result)
+    yield sentence(HINT, "dim")
+
+
+def first_text_blocks(result: Result) -> Iterator[Block]:
+    """What the page begins with: all that is known once a recommendation is proven."""
     yield Block("", (title_line(result), *verdict_lines(result)))
-    yield from short_blocks(result)
+    yield from first_blocks(result)
+
+
+def rest_text_blocks(result: Result) -> Iterator[Block | Text]:
+    """What follows where the beginning has been read while the doubts were worked out."""
+    yield Text("")
+    if result.knee is not None:  # was not known yet
+        yield Block("", (sentence(goal_text(result)),))
+    yield from rest_of_blocks(result)
     yield sentence(HINT, "dim")
 
 
 def short_blocks(result: Result) -> Iterator[Block]:
     """The sections of the page, which text and HTML share."""
+    yield from first_blocks(result)
+    yield from rest_of_blocks(result)
+
+
+def first_blocks(result: Result) -> Iterator[Block]:
+    """What to buy, to set and to pay; no doubt changes it."""
+    design = result.best
+    if design is None:
+        return
+    yield buy_block(design, "The system" if result.command == "evaluate" else "Buy")
+    yield set_block(result, design)
+    yield cost_block(result, design)
+
+
+def rest_of_blocks(result: Result) -> Iterator[Block]:
+    """Risks and questions, which the doubts decide; or what would help a mission that nothing meets."""
     design = result.best
     if design is None:
         yield from nothing_blocks(result)
         return
-    given = result.command == "evaluate"
-    yield buy_block(design, "The system" if given else "Buy")
-    yield set_block(result, design)
-    yield cost_block(result, design)
     yield risk_block(result.risks)
     if asked := [*questions(result, design)][:MOST_QUESTIONS]:
         yield block("Measure or quote first", numbered(asked))
