@@ -8,15 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from uwopt.catalog.changes import changes_of, is_change_table, moved_on
 from uwopt.catalog.columns import COLUMNS
 from uwopt.catalog.curves.usercurves import check_curves, is_curve_table
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.records import KINDS
-from uwopt.catalog.tables import parse_table, read_text
+from uwopt.catalog.tables import Table, parse_table, read_text
 from uwopt.catalog.userparts import PriceQuote, check_parts, check_prices, is_price_table
 from uwopt.errors import CatalogError
 
-Content = Literal["parts", "prices", "curve", "unreadable"]
+Content = Literal["parts", "prices", "curve", "changes", "unreadable"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +50,8 @@ def _checked(path: Path) -> FileReport:
         if is_curve_table(table):
             curve = check_curves(table)
             return FileReport(path, "curve", len(table.rows), curve.faults)
+        if is_change_table(table):
+            return _checked_changes(path, table)
         if is_price_table(table):
             quotes, faults = check_prices(table)
             return FileReport(path, "prices", len(quotes), tuple(faults), tuple(_unknown_ids(quotes)))
@@ -56,6 +59,19 @@ def _checked(path: Path) -> FileReport:
     if faults:
         return FileReport(path, "parts", len(rows), tuple(faults))
     return FileReport(path, "parts", len(rows), *_built(path))
+
+
+def _checked_changes(path: Path, table: Table) -> FileReport:
+    """A log of changes: its lines, the parts that it leaves, and what has moved on beneath it."""
+    from uwopt.catalog.load import load_catalog
+
+    changes, faults = changes_of(table)
+    if not faults:
+        try:
+            load_catalog([path])
+        except CatalogError as fault:
+            faults = list(fault.faults)
+    return FileReport(path, "changes", len(table.rows), tuple(faults), tuple(moved_on(changes)))
 
 
 def _built(path: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:

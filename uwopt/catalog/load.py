@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from uwopt.catalog.catalogue import Catalog, Exclusion, plain_name, unknown_part
+from uwopt.catalog.changes import Change, checked_rows, read_changes, replayed
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.readers.readers import READERS
 from uwopt.catalog.readers.reading import Built, Origin
@@ -34,9 +35,16 @@ def load_catalog(
     base = Path(base_dir) if base_dir is not None else Path()
     faults: list[str] = []
     rows: list[PartRow] = []
+    changes: list[Change] = []
     for file in user_files:
+        path = _resolved(file, base)
         try:
-            rows += read_parts(_resolved(file, base))
+            log = read_changes(path)
+            if log is None:
+                rows += read_parts(path)
+            else:
+                changes += log
+                catalog = with_changes(built_in_catalog(), changes, path)
         except CatalogError as fault:
             faults += fault.faults
     faults += _taken_ids(rows, catalog)
@@ -95,6 +103,30 @@ def assembled(built: Iterable[tuple[Kind, Built]]) -> Catalog:
         exclusions=tuple(exclusions),
         housings=tuple(part for part in parts["housing"] if isinstance(part, Housing)),
     )
+
+
+def with_changes(catalog: Catalog, log: Sequence[Change], path: Path) -> Catalog:
+    """The catalogue after a log of changes: changed parts in their places, new ones behind."""
+    rows, faults = checked_rows(replayed(log, path.name).values(), path.parent)
+    if faults:
+        raise CatalogError(faults)
+    changed = assembled(build_rows(rows, "published"))
+    keys = {plain_name(part_id) for part_id in changed.ids()}
+    kept = tuple(e for e in catalog.exclusions if plain_name(e.part_id) not in keys)
+    return replace(
+        catalog,
+        cameras=_in_place(catalog.cameras, changed.cameras),
+        lenses=_in_place(catalog.lenses, changed.lenses),
+        ports=_in_place(catalog.ports, changed.ports),
+        lights=_in_place(catalog.lights, changed.lights),
+        housings=_in_place(catalog.housings, changed.housings),
+        exclusions=kept + changed.exclusions,
+    )
+
+
+def _in_place(parts: tuple[P, ...], changed: tuple[P, ...]) -> tuple[P, ...]:
+    by_key = {plain_name(part.id): part for part in changed}
+    return (*(by_key.pop(plain_name(part.id), part) for part in parts), *by_key.values())
 
 
 def with_prices(catalog: Catalog, quotes: Sequence[PriceQuote]) -> Catalog:

@@ -142,6 +142,46 @@ def stale_command(
         told("nothing there is old or missing.", DONE)
 
 
+@catalog_app.command("update", short_help="Add or change parts, with a record of it.")
+@command
+def update_command(
+    sources: Annotated[
+        list[str],
+        typer.Argument(metavar="SOURCE", help="Files or folders of parts or prices (CSV, YAML): what is new."),
+    ],
+    log: Annotated[
+        str, typer.Option("--to", metavar="FILE", help="The log of changes to add to; made where there is none.")
+    ] = "catalogue-changes.csv",
+    source: Annotated[str, typer.Option(help="Where rows are from that do not say it (source_url).")] = "",
+    date: Annotated[str, typer.Option(help="Day of the change, YYYY-MM-DD; today unless given.")] = "",
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Check and list the changes, write nothing.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> None:
+    """Add parts to the catalogue or change theirs: all rows are checked first, then every cell that is new is logged.
+
+    A row with the id of a part changes the cells that it fills (- clears one); another id is a new part. The log is
+    itself a file of parts: name it in a mission's catalog.files, or with --file here.
+    """
+    from datetime import date as calendar
+
+    from uwopt.catalog.changes import log_text
+    from uwopt.catalog.update import planned
+    from uwopt.report.text.console import print_blocks, print_json
+    from uwopt.report.text.parts import change_blocks
+    from uwopt.report.write import check_folder, write_files
+
+    target = Path(log)
+    plan = planned([Path(name) for name in sources], target, date=date or calendar.today().isoformat(), source=source)
+    if plan.changes and not dry_run:
+        write_files(check_folder(target.parent), {target.name: log_text(plan.log)})
+    if as_json:
+        print_json(plan.changes)
+    elif plan.changes:
+        print_blocks(change_blocks(plan.changes, "" if dry_run else str(target)))
+    else:
+        told("nothing there is new.", DONE)
+
+
 def recommended_in(files: list[str]) -> dict[str, int]:
     """How often each part is recommended in results and fronts, by id."""
     from collections import Counter

@@ -367,7 +367,8 @@ class CatalogChoice(Section):
     housings: Texts = Field(default=(), description="patterns of housings that may be used; none allows all")
     exclude: Texts = Field(default=(), description="patterns of parts that must not be used")
     files: Texts = Field(
-        default=(), description="CSV or YAML files of own parts, relative to the mission file"
+        default=(),
+        description="CSV or YAML files of own parts, or of changes to the catalogue, relative to the mission file",
     )
     prices: Text | None = Field(
         default=None, description="CSV of own quotes that override prices, relative to the mission file"

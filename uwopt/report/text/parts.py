@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from uwopt.catalog.catalogue import Exclusion
+from uwopt.catalog.changes import Change
 from uwopt.catalog.checkfile import FileReport
 from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.catalog.listing import FieldLine, PartLine
@@ -48,6 +49,17 @@ def stale_blocks(rows: Sequence[StaleRow]) -> Iterator[Block | Text]:
         uses = [Text(str(row.uses))] if counted else []
         table.add_row(Text(words.one_line(row.id, 60)), *uses, Text("; ".join(row.reasons)))
     yield block(f"Old or missing ({len(rows)}), catalogue {EDITION} of {AS_OF}", [table])
+
+
+def change_blocks(changes: Sequence[Change], written_to: str) -> Iterator[Block | Text]:
+    """Cells that an update changes, and where the record of it is."""
+    table = columns(("part", "left"), ("cell", "left"), ("old", "left"), ("new", "left"))
+    for change in changes:
+        cells = (words.one_line(text, 60) for text in (change.id, change.cell, change.old, change.new))
+        table.add_row(*(Text(cell) for cell in cells))
+    n_parts = len({change.id for change in changes})
+    yield block(f"Changes ({len(changes)} cells of {n_parts} parts)", [table])
+    yield sentence(f"Written to {written_to}; name it in catalog.files." if written_to else "Nothing written.", "dim")
 
 
 def price_is_estimated(price: Quantity | None) -> bool:

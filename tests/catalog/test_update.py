@@ -1,0 +1,161 @@
+"""Updates of the catalogue: what is brought, what is refused, what the log says, and what missions make of it."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from uwopt.catalog.changes import Change, built_in_cells, is_change_table, log_text
+from uwopt.catalog.checkfile import check_file
+from uwopt.catalog.choose import Choice, select
+from uwopt.catalog.load import built_in_catalog, load_catalog
+from uwopt.catalog.tables import parse_table
+from uwopt.catalog.update import Plan, planned
+from uwopt.cli.app import app
+from uwopt.errors import CatalogError
+
+DAY = "2026-11-22"
+DOME = "blue-robotics-4-in-dome-aluminium-ring-2026"
+LAMP = "blue-robotics-lumen-r2"  # 162.5 USD of 2022-04, to 950 m
+NEW_LAMP = (
+    "id,kind,purpose,flux_lm,power_w,beam_angle_deg,beam_medium,depth_rating_m,supply,price,currency,price_date,"
+    "source_url\nacme-lamp,continuous,vehicle lamp,5000,50,90,water,1000,external,900,USD,2026-11-01,https://acme\n"
+)
+
+
+def brought(folder: Path, text: str, name: str = "lights.csv", **options: str) -> Plan:
+    """The plan of an update from a file of that text."""
+    file = folder / name
+    file.write_text(text, encoding="utf-8")
+    return planned([file], folder / "log.csv", date=DAY, **options)
+
+
+def kept(folder: Path, plan: Plan) -> Path:
+    """The log of a plan, written."""
+    path = folder / "log.csv"
+    path.write_text(log_text(plan.log), encoding="utf-8")
+    return path
+
+
+def refusal(folder: Path, text: str, **options: str) -> str:
+    """Why a file is refused."""
+    with pytest.raises(CatalogError) as caught:
+        brought(folder, text, **options)
+    return str(caught.value)
+
+
+def test_a_quote_changes_its_cells_and_the_log_says_from_what_to_what_and_by_whom(tmp_path: Path) -> None:
+    plan = brought(tmp_path, f"id,price,currency,date,note\n{LAMP},210,EUR,2026-11-20,quote 77\n", "quotes.csv")
+    cells = {change.cell: change for change in plan.changes}
+    assert cells["price"] == Change(DAY, "light", LAMP, "price", "162.5", "210", "quote 77")
+    assert (cells["price_date"].old, cells["price_date"].new) == ("2022-04", "2026-11-20")
+    assert (cells["price_status"].old, cells["price_status"].new) == ("derived", "quoted")
+    assert cells["source_url"].new == cells["source_url"].old + " | quote 77"  # of the cells that stay, too
+    assert cells["checked"].new == DAY
+    assert set(cells) == {"price", "currency", "price_date", "price_status", "source_url", "checked"}
+
+
+def test_the_log_is_a_file_of_parts_that_leaves_all_other_facts(tmp_path: Path) -> None:
+    text = f"id,price,currency,date,note\n{LAMP},210,EUR,2026-11-20,quote 77\n"
+    log = kept(tmp_path, brought(tmp_path, text, "q.csv"))
+    before, after = built_in_catalog().part(LAMP), load_catalog([log]).part(LAMP)
+    assert (after.price.value, after.price.low, after.price.high, after.price.status) == (210, 210, 210, "quoted")
+    assert (after.currency, after.price_date) == ("EUR", "2026-11-20")
+    assert after.depth_rating_m == before.depth_rating_m == 950  # type: ignore[attr-defined]
+    assert load_catalog([log]).ids() == built_in_catalog().ids()  # in its place, so that indices stay
+
+
+def test_a_filled_gap_frees_a_part_for_the_search(tmp_path: Path) -> None:
+    text = "id,beam_angle_deg,beam_medium\ndeepsea-power-light-led-multi-sealite,80,water\n"
+    log = kept(tmp_path, brought(tmp_path, text, source="maker's sheet"))
+    found = {light.id for light in select(load_catalog([log]), Choice()).lights}
+    assert "deepsea-power-light-led-multi-sealite" in found
+    assert "deepsea-power-light-led-multi-sealite" not in {light.id for light in select(built_in_catalog()).lights}
+
+
+def test_a_new_part_is_added_and_later_changed_and_cleared(tmp_path: Path) -> None:
+    kept(tmp_path, brought(tmp_path, NEW_LAMP))
+    log = kept(tmp_path, brought(tmp_path, "id,depth_rating_m,power_w\nACME_lamp,600,-\n", source="letter"))
+    lamp = load_catalog([log]).part("acme-lamp")
+    assert lamp.depth_rating_m == 600  # type: ignore[attr-defined]
+    assert lamp.power_w.status == "estimated"  # type: ignore[attr-defined]  # cleared: the class stands in
+    rows = list(csv.DictReader(line for line in log.read_text().splitlines() if not line.startswith("#")))
+    assert [(r["old"], r["new"]) for r in rows if r["cell"] == "depth_rating_m"] == [("", "1000"), ("1000", "600")]
+    assert {r["id"] for r in rows} == {"acme-lamp"}  # the catalogue's spelling
+
+
+def test_what_is_there_already_changes_nothing(tmp_path: Path) -> None:
+    kept(tmp_path, brought(tmp_path, NEW_LAMP))
+    assert brought(tmp_path, NEW_LAMP).changes == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        (f"id,kind,price,currency,price_date\n{LAMP},continuous,210,EUR,2026-11\n", "by which source"),
+        (f"id,kind,price,currency,price_date,source_url\n{LAMP},continuous,210,XYZ,2026-11,a\n", "currency 'XYZ'"),
+        (f"id,kind,price,currency,source_url\n{LAMP},continuous,210,EUR,a\n", "price_date ''"),
+        (f"id,kind,depth_rating_m,source_url\n{LAMP},continuous,deep,a\n", "depth_rating_m = 'deep'"),
+        (f"id,kind,depth_rating_m,source_url\n{LAMP},continuous,9,a\n{LAMP},continuous,8,a\n", "stands already"),
+        (f"id,kind,depht_m,source_url\n{LAMP},continuous,9,a\n", "'depht_m' is no column"),
+        (f"id,kind,flux_lm,source_url\n{DOME},continuous,9,a\n", "is a port of the catalogue, not a light"),
+        ("id,kind,flux_lm,source_url\ngeneric-lamp-flood-1500lm,continuous,9,a\n", "class of parts to be made"),
+        ("id,kind,flux_lm,source_url\nacme,continuous,900,a\n", "purpose is empty"),
+        ("id,price,currency,date,note\nacme,9,USD,2026,a\n", "'acme' is not in the catalogue"),
+    ],
+)  # fmt: skip
+def test_a_row_that_cannot_stand_is_refused_with_its_reason(tmp_path: Path, text: str, word: str) -> None:
+    assert word in refusal(tmp_path, text)
+
+
+def test_one_bad_row_keeps_all_others_out_and_the_log_as_it_was(tmp_path: Path) -> None:
+    log = kept(tmp_path, brought(tmp_path, NEW_LAMP))
+    before = log.read_text()
+    (tmp_path / "more.csv").write_text(f"id,price,currency,date,note\n{LAMP},210,EUR,2026,a\n{DOME},66,USD,,b\n")
+    done = CliRunner().invoke(app, ["catalog", "update", str(tmp_path / "more.csv"), "--to", str(log), "--date", DAY])
+    assert done.exit_code == 2
+    assert log.read_text() == before
+
+
+def test_a_dry_run_writes_nothing_and_a_folder_is_taken_whole(tmp_path: Path) -> None:
+    folder, log = tmp_path / "new", tmp_path / "log.csv"
+    folder.mkdir()
+    (folder / "lights.csv").write_text(NEW_LAMP)
+    (folder / "quotes.csv").write_text(f"id,price,currency,date,note\n{LAMP},210,EUR,2026-11-20,quote 77\n")
+    asked = ["catalog", "update", str(folder), "--to", str(log), "--date", DAY]
+    dry = CliRunner().invoke(app, [*asked, "--dry-run"])
+    assert dry.exit_code == 0
+    assert "acme-lamp" in dry.output
+    assert not log.exists()
+    assert CliRunner().invoke(app, asked).exit_code == 0
+    assert is_change_table(parse_table(log.read_text(), "log.csv"))
+    assert load_catalog([log]).part("acme-lamp").price.value == 900
+    assert load_catalog([log]).part(LAMP).price.value == 210
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+
+
+def test_two_logs_are_read_one_after_the_other(tmp_path: Path) -> None:
+    first, second = tmp_path / "a.csv", tmp_path / "b.csv"
+    first.write_text(log_text([Change(DAY, "light", LAMP, "depth_rating_m", "950", "500", "a")]))
+    second.write_text(log_text([Change(DAY, "light", LAMP, "flux_lm", "1500", "1400", "b")]))
+    lamp = load_catalog([first, second]).part(LAMP)
+    assert (lamp.depth_rating_m, lamp.flux_lm.value) == (500, 1400)  # type: ignore[attr-defined]
+
+
+def test_the_check_of_a_log_tells_what_has_moved_on_beneath_it(tmp_path: Path) -> None:
+    log = tmp_path / "log.csv"
+    log.write_text(log_text([Change(DAY, "light", LAMP, "depth_rating_m", "900", "500", "a")]))
+    report = check_file(log)
+    assert report.ok
+    assert report.content == "changes"
+    assert report.notes == (f"{LAMP}: depth_rating_m was 900 when it was changed, it is 950 now.",)
+    log.write_text(log_text([Change(DAY, "light", LAMP, "beauty", "", "much", "a")]))
+    assert not check_file(log).ok
+
+
+def test_every_built_in_row_stands_as_it_is_written() -> None:
+    assert len(built_in_cells()) == sum(not part.generic for kind in ("camera", "lens", "port", "light", "housing")
+                                        for part in built_in_catalog().parts(kind))  # fmt: skip
