@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -21,6 +23,8 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 import uwopt  # noqa: E402
+from uwopt.catalog.load import load_catalog  # noqa: E402
+from uwopt.catalog.records import KINDS  # noqa: E402
 from uwopt.mission.mission import load_mission  # noqa: E402
 from uwopt.mission.practice import LEAST_UNIFORMITY  # noqa: E402
 from uwopt.results.basis import Relaxed  # noqa: E402
@@ -30,6 +34,10 @@ from uwopt.units import format_price  # noqa: E402
 
 PROBLEMS = ROOT / "problems"
 PAGE = ROOT / "docs" / "signed.md"
+USES = ROOT / "uwopt" / "catalog" / "data" / "recommended.csv"
+USES_HEAD = """\
+# How many recommendations for the missions of problems/ each part stands in: what to ask for first when it is old.
+# Counted from docs/signed.md by docs/make_signed.py --write; classes of parts to be made are no parts to ask for."""
 ENOUGH_S = 300.0
 
 HEAD = """\
@@ -289,6 +297,20 @@ def page(found: list[Judged]) -> str:
     )  # fmt: skip
 
 
+def uses_text(text: str) -> str:
+    """How many of the page's orders each part of the catalogue stands in, as CSV, the most used first."""
+    catalog = load_catalog()
+    names = {f"{part.manufacturer} {part.model}".strip(): part.id for kind in KINDS for part in catalog.parts(kind)}
+    uses = Counter(
+        part_id
+        for order in re.findall(r"^\d+ x .*$", text.partition("## The orders")[2], re.MULTILINE)
+        for part_id in {names.get(name) for name in re.findall(r"\d+ x (.*?)(?=; \d+ x |\. [\d.e+-]+ \S+\.$)", order)}
+        if part_id and not catalog.part(part_id).generic
+    )
+    lines = [f"{part_id},{count}" for part_id, count in sorted(uses.items(), key=lambda item: (-item[1], item[0]))]
+    return "\n".join([USES_HEAD, "id,orders", *lines, ""])
+
+
 def main() -> None:
     """Solve, judge, print or write."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -308,7 +330,11 @@ def main() -> None:
     with ProcessPoolExecutor(given.jobs) as pool:
         found = list(pool.map(judged, *zip(*asked, strict=True), [given.seconds] * len(asked)))
     text = page(found)
-    PAGE.write_text(text, encoding="utf-8") if given.write else print(text)
+    if not given.write:
+        print(text)
+        return
+    PAGE.write_text(text, encoding="utf-8")
+    USES.write_text(uses_text(text), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
 
+import make_signed
 import pytest
 from typer.testing import CliRunner
 
@@ -15,7 +17,7 @@ from uwopt.catalog.load import load_catalog
 from uwopt.catalog.parts.port import Port
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.catalog.records import exact
-from uwopt.catalog.stale import age_months, faults_of, stale_rows
+from uwopt.catalog.stale import age_months, faults_of, orders_by_part, stale_rows
 from uwopt.cli.app import app
 
 FRESH = Port(
@@ -49,6 +51,32 @@ def test_what_recommendations_rest_on_comes_first_and_alone() -> None:
     assert [row.id for row in stale_rows(catalog, {}, as_of="2026-11-22")] == ["bare", "old"]
     ranked = stale_rows(catalog, {"OLD": 3, "bare": 1, "fresh": 9, "made": 9}, as_of="2026-11-22")
     assert [(row.id, row.uses) for row in ranked] == [("old", 3), ("bare", 1)]
+
+
+def test_the_whole_catalogue_is_listed_with_what_orders_rest_on_before_the_rest() -> None:
+    catalog = Catalog(ports=(FRESH, OLD, replace(OLD, id="idle"), replace(BARE, id="bare")))
+    found = stale_rows(catalog, {"old": 2, "fresh": 9}, whole=True, as_of="2026-11-22")
+    assert [(row.id, row.uses) for row in found] == [("old", 2), ("bare", 0), ("idle", 0)]
+
+
+def test_the_counts_of_orders_are_those_of_the_page_and_lead_the_list() -> None:
+    page = make_signed.PAGE.read_text(encoding="utf-8")
+    assert make_signed.USES.read_text(encoding="utf-8") == make_signed.uses_text(page)
+    counts = orders_by_part()
+    assert counts["bigblue-al2600xwp"] == page.count("x Bigblue AL2600XWP")
+    assert sum(counts.values()) > 50
+    listed = CliRunner().invoke(app, ["catalog", "stale", "--json"])
+    uses = [row["uses"] for row in json.loads(listed.output)]
+    assert uses == sorted(uses, reverse=True) and uses[0] > uses[-1] == 0
+
+
+def test_a_part_that_is_ordered_twice_at_once_counts_as_one_order() -> None:
+    page = "# x\n\n2 x Kowa LM8JC10M; 1 x nobody's lamp\n## The orders\n"
+    order = "\n### `a`, practice bare\n\n2 x Kowa LM8JC10M; 1 x Bigblue AL2600XWP; 1 x a spare; 1 x x. 2.5e+03 W.\n"
+    text = make_signed.uses_text(page + order + order.replace("2 x Kowa", "1 x Kowa").replace("1 x Big", "1 x big"))
+    assert [line for line in text.splitlines() if not line.startswith("#")] == [
+        "id,orders", "kowa-lm8jc10m,2", "bigblue-al2600xwp,1",
+    ]  # fmt: skip
 
 
 def test_no_price_of_the_catalogue_is_younger_than_the_catalogue() -> None:

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from uwopt.catalog.changes import Change, built_in_cells, is_change_table, log_text
+from uwopt.catalog.changes import CellChange, built_in_cells, is_change_table, log_text
 from uwopt.catalog.checkfile import check_file
 from uwopt.catalog.choose import Choice, select
 from uwopt.catalog.load import built_in_catalog, load_catalog
 from uwopt.catalog.tables import parse_table
-from uwopt.catalog.update import Plan, planned
+from uwopt.catalog.update import Update, planned
 from uwopt.cli.app import app
 from uwopt.errors import CatalogError
 
@@ -26,14 +26,14 @@ NEW_LAMP = (
 )
 
 
-def brought(folder: Path, text: str, name: str = "lights.csv", **options: str) -> Plan:
+def brought(folder: Path, text: str, name: str = "lights.csv", **options: str) -> Update:
     """The plan of an update from a file of that text."""
     file = folder / name
     file.write_text(text, encoding="utf-8")
     return planned([file], folder / "log.csv", date=DAY, **options)
 
 
-def kept(folder: Path, plan: Plan) -> Path:
+def kept(folder: Path, plan: Update) -> Path:
     """The log of a plan, written."""
     path = folder / "log.csv"
     path.write_text(log_text(plan.log), encoding="utf-8")
@@ -50,7 +50,7 @@ def refusal(folder: Path, text: str, **options: str) -> str:
 def test_a_quote_changes_its_cells_and_the_log_says_from_what_to_what_and_by_whom(tmp_path: Path) -> None:
     plan = brought(tmp_path, f"id,price,currency,date,note\n{LAMP},210,EUR,2026-11-20,quote 77\n", "quotes.csv")
     cells = {change.cell: change for change in plan.changes}
-    assert cells["price"] == Change(DAY, "light", LAMP, "price", "162.5", "210", "quote 77")
+    assert cells["price"] == CellChange(DAY, "light", LAMP, "price", "162.5", "210", "quote 77")
     assert (cells["price_date"].old, cells["price_date"].new) == ("2022-04", "2026-11-20")
     assert (cells["price_status"].old, cells["price_status"].new) == ("derived", "quoted")
     assert cells["source_url"].new == cells["source_url"].old + " | quote 77"  # of the cells that stay, too
@@ -139,20 +139,20 @@ def test_a_dry_run_writes_nothing_and_a_folder_is_taken_whole(tmp_path: Path) ->
 
 def test_two_logs_are_read_one_after_the_other(tmp_path: Path) -> None:
     first, second = tmp_path / "a.csv", tmp_path / "b.csv"
-    first.write_text(log_text([Change(DAY, "light", LAMP, "depth_rating_m", "950", "500", "a")]))
-    second.write_text(log_text([Change(DAY, "light", LAMP, "flux_lm", "1500", "1400", "b")]))
+    first.write_text(log_text([CellChange(DAY, "light", LAMP, "depth_rating_m", "950", "500", "a")]))
+    second.write_text(log_text([CellChange(DAY, "light", LAMP, "flux_lm", "1500", "1400", "b")]))
     lamp = load_catalog([first, second]).part(LAMP)
     assert (lamp.depth_rating_m, lamp.flux_lm.value) == (500, 1400)  # type: ignore[attr-defined]
 
 
 def test_the_check_of_a_log_tells_what_has_moved_on_beneath_it(tmp_path: Path) -> None:
     log = tmp_path / "log.csv"
-    log.write_text(log_text([Change(DAY, "light", LAMP, "depth_rating_m", "900", "500", "a")]))
+    log.write_text(log_text([CellChange(DAY, "light", LAMP, "depth_rating_m", "900", "500", "a")]))
     report = check_file(log)
     assert report.ok
     assert report.content == "changes"
     assert report.notes == (f"{LAMP}: depth_rating_m was 900 when it was changed, it is 950 now.",)
-    log.write_text(log_text([Change(DAY, "light", LAMP, "beauty", "", "much", "a")]))
+    log.write_text(log_text([CellChange(DAY, "light", LAMP, "beauty", "", "much", "a")]))
     assert not check_file(log).ok
 
 

@@ -31,7 +31,7 @@ HEAD = (
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class CellChange:
     """One cell of one part, before and after, when it was changed and by which source."""
 
     date: str
@@ -48,12 +48,12 @@ def is_change_table(table: Table) -> bool:
     return table.header == COLUMNS_OF_LOG
 
 
-def changes_of(table: Table) -> tuple[list[Change], list[str]]:
+def changes_of(table: Table) -> tuple[list[CellChange], list[str]]:
     """The changes of a log, and every fault of its lines."""
     faults = list(table.faults)
     changes = []
     for row in table.rows:
-        change = Change(**{name: row.cells.get(name, "") for name in COLUMNS_OF_LOG})
+        change = CellChange(**{name: row.cells.get(name, "") for name in COLUMNS_OF_LOG})
         kind = kind_named(change.part)
         if kind is None:
             faults.append(f"{row.where()}: part = {change.part!r} is not one of {', '.join(KINDS)}.")
@@ -64,7 +64,7 @@ def changes_of(table: Table) -> tuple[list[Change], list[str]]:
     return changes, faults
 
 
-def read_changes(path: Path) -> list[Change] | None:
+def read_changes(path: Path) -> list[CellChange] | None:
     """The changes of a file; None where it is no log; raises once with every fault."""
     if path.suffix.casefold() != ".csv":
         return None
@@ -77,7 +77,7 @@ def read_changes(path: Path) -> list[Change] | None:
     return changes
 
 
-def log_text(changes: Iterable[Change]) -> str:
+def log_text(changes: Iterable[CellChange]) -> str:
     """The log as CSV."""
     text = io.StringIO()
     text.write(HEAD)
@@ -104,7 +104,7 @@ def built_in_cells(origin: str = "published") -> dict[str, tuple[Kind, Row]]:
     }
 
 
-def replayed(changes: Sequence[Change], file: str) -> dict[str, tuple[Kind, Row]]:
+def replayed(changes: Sequence[CellChange], file: str) -> dict[str, tuple[Kind, Row]]:
     """Rows that a log changes or adds, as they stand after its last line, by their plain names."""
     rows: dict[str, tuple[Kind, Row]] = {}
     for line, change in enumerate(changes, start=1):
@@ -116,9 +116,9 @@ def replayed(changes: Sequence[Change], file: str) -> dict[str, tuple[Kind, Row]
     return rows
 
 
-def moved_on(changes: Iterable[Change]) -> list[str]:
+def moved_on(changes: Iterable[CellChange]) -> list[str]:
     """Cells whose first change was made to something else than the built-in table holds today, in words."""
-    first: dict[tuple[str, str], Change] = {}
+    first: dict[tuple[str, str], CellChange] = {}
     for change in changes:
         first.setdefault((plain_name(change.id), change.cell), change)
     return [

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from uwopt.catalog.catalogue import Catalog, Exclusion, plain_name, unknown_part
-from uwopt.catalog.changes import Change, checked_rows, read_changes, replayed
+from uwopt.catalog.changes import CellChange, checked_rows, read_changes, replayed
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.readers.readers import READERS
 from uwopt.catalog.readers.reading import Built, Origin
@@ -35,7 +35,7 @@ def load_catalog(
     base = Path(base_dir) if base_dir is not None else Path()
     faults: list[str] = []
     rows: list[PartRow] = []
-    changes: list[Change] = []
+    changes: list[CellChange] = []
     for file in user_files:
         path = _resolved(file, base)
         try:
@@ -105,7 +105,7 @@ def assembled(built: Iterable[tuple[Kind, Built]]) -> Catalog:
     )
 
 
-def with_changes(catalog: Catalog, log: Sequence[Change], path: Path) -> Catalog:
+def with_changes(catalog: Catalog, log: Sequence[CellChange], path: Path) -> Catalog:
     """The catalogue after a log of changes: changed parts in their places, new ones behind."""
     rows, faults = checked_rows(replayed(log, path.name).values(), path.parent)
     if faults:

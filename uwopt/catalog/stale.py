@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from uwopt.catalog.catalogue import Catalog, plain_name
 from uwopt.catalog.edition import AS_OF
 from uwopt.catalog.records import KINDS, Kind, Part
+from uwopt.catalog.tables import built_in_rows
 
 MONTHS = 12  # from here on a price is old
 
@@ -22,19 +23,26 @@ class StaleRow:
     reasons: tuple[str, ...]
 
 
+def orders_by_part() -> dict[str, int]:
+    """How many recommendations for the missions that come with uwopt each part stands in, by id."""
+    return {row["id"]: int(row["orders"]) for row in built_in_rows("recommended.csv")}
+
+
 def stale_rows(
-    catalog: Catalog, uses: Mapping[str, int], *, months: int = MONTHS, as_of: str = AS_OF
+    catalog: Catalog, uses: Mapping[str, int], *, whole: bool = False, months: int = MONTHS, as_of: str = AS_OF
 ) -> list[StaleRow]:
     """Parts that can be searched and bought and have a fault, the most used first, then the most faulty.
 
-    `uses` counts by id how often a part is recommended; with none given all parts are looked at, else those alone.
+    `uses` counts by id how often a part is recommended; those alone are looked at, unless there are none or the `whole`
+    catalogue is wanted.
     """
+    whole = whole or not uses
     counted = {plain_name(part_id): number for part_id, number in uses.items()}
     rows = [
         StaleRow(part.id, kind, counted.get(plain_name(part.id), 0), reasons)
         for kind in KINDS
         for part in catalog.parts(kind)
-        if (plain_name(part.id) in counted or not (counted or catalog.exclusions_of(part.id)))
+        if (plain_name(part.id) in counted or (whole and not catalog.exclusions_of(part.id)))
         and not part.generic
         and (reasons := faults_of(part, months=months, as_of=as_of))
     ]

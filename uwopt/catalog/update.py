@@ -9,7 +9,7 @@ from pathlib import Path
 
 from uwopt.catalog.catalogue import plain_name, unknown_part
 from uwopt.catalog.changes import (
-    Change,
+    CellChange,
     built_in_cells,
     changes_of,
     checked_rows,
@@ -31,19 +31,19 @@ SUFFIXES = (".csv", ".yaml", ".yml")
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class Update:
     """What an update would change, after what was changed before."""
 
-    before: tuple[Change, ...]
-    changes: tuple[Change, ...]
+    before: tuple[CellChange, ...]
+    changes: tuple[CellChange, ...]
 
     @property
-    def log(self) -> tuple[Change, ...]:
+    def log(self) -> tuple[CellChange, ...]:
         """The whole log with the new lines at its end."""
         return (*self.before, *self.changes)
 
 
-def planned(sources: Sequence[Path], log: Path, *, date: str, source: str = "") -> Plan:
+def planned(sources: Sequence[Path], log: Path, *, date: str, source: str = "") -> Update:
     """The changes that files or folders bring to the catalogue as the log leaves it; raises once with every fault."""
     faults = [] if DATE.fullmatch(date) else [f"date {date!r} is not YYYY-MM-DD."]
     before, wrong = known_changes(log)
@@ -51,7 +51,7 @@ def planned(sources: Sequence[Path], log: Path, *, date: str, source: str = "") 
     if faults:
         raise CatalogError(faults)
     standing = built_in_cells() | replayed(before, log.name)
-    changes: list[Change] = []
+    changes: list[CellChange] = []
     seen: dict[str, str] = {}
     for kind, row in _brought(sources, standing, faults):
         key = plain_name(row.cells.get("id", ""))
@@ -69,10 +69,10 @@ def planned(sources: Sequence[Path], log: Path, *, date: str, source: str = "") 
     faults += _faults_after(before, changes, log)
     if faults:
         raise CatalogError(faults)
-    return Plan(tuple(before), tuple(changes))
+    return Update(tuple(before), tuple(changes))
 
 
-def known_changes(log: Path) -> tuple[list[Change], list[str]]:
+def known_changes(log: Path) -> tuple[list[CellChange], list[str]]:
     """What a log holds so far; nothing where there is none yet."""
     if not log.exists():
         return [], []
@@ -128,7 +128,7 @@ def _as_part(row: Row) -> Row:
 
 def _changes_of_row(
     kind: Kind, row: Row, known: tuple[Kind, Row] | None, date: str, source: str
-) -> tuple[list[Change], list[str]]:
+) -> tuple[list[CellChange], list[str]]:
     """The cells of a row that say something new, and what is wrong with it as a record."""
     if known and known[0] != kind:
         return [], [f"{row.where()}: is a {known[0]} of the catalogue, not a {kind}."]
@@ -148,7 +148,7 @@ def _changes_of_row(
         return [], faults
     new |= {"source_url": _with_source(old.get("source_url", ""), said_by), "checked": date}
     return [
-        Change(date, kind, part_id, name, old.get(name, ""), text, said_by)
+        CellChange(date, kind, part_id, name, old.get(name, ""), text, said_by)
         for name, text in new.items()
         if text != old.get(name, "")
     ], []
@@ -172,7 +172,7 @@ def _with_source(old: str, new: str) -> str:
     return old if new in old.split(" | ") else " | ".join(text for text in (old, new) if text)
 
 
-def _faults_after(before: Sequence[Change], changes: Sequence[Change], log: Path) -> list[str]:
+def _faults_after(before: Sequence[CellChange], changes: Sequence[CellChange], log: Path) -> list[str]:
     """What is wrong with the parts as the changes would leave them."""
     touched = {plain_name(change.id) for change in changes}
     rows = [item for key, item in replayed([*before, *changes], log.name).items() if key in touched]

@@ -127,17 +127,21 @@ def stale_command(
     files: FilesOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> None:
-    """List parts whose price is old, undated or not quoted, those without a source, or that nobody was seen to sell."""
-    from uwopt.catalog.stale import stale_rows
+    """List parts whose price is old, undated or not quoted, those without a source, or that nobody was seen to sell.
+
+    Those come first that most recommendations rest on: of the results named, else of the missions in problems/.
+    """
+    from uwopt.catalog.stale import orders_by_part, stale_rows
     from uwopt.report.text.console import print_blocks, print_json
 
-    rows = stale_rows(loaded_catalog(files), recommended_in(results or []), months=months)
+    uses = recommended_in(results) if results else orders_by_part()
+    rows = stale_rows(loaded_catalog(files), uses, whole=not results, months=months)
     if as_json:
         print_json(rows)
     elif rows:
         from uwopt.report.text.parts import stale_blocks
 
-        print_blocks(stale_blocks(rows))
+        print_blocks(stale_blocks(rows, "" if results else "used: orders of the missions that come with uwopt"))
     else:
         told("nothing there is old or missing.", DONE)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from uwopt.catalog.catalogue import Exclusion
-from uwopt.catalog.changes import Change
+from uwopt.catalog.changes import CellChange
 from uwopt.catalog.checkfile import FileReport
 from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.catalog.listing import FieldLine, PartLine
@@ -41,7 +41,7 @@ def part_list_blocks(lines: Sequence[PartLine]) -> Iterator[Block | Text]:
         yield sentence(LEGEND, "dim")
 
 
-def stale_blocks(rows: Sequence[StaleRow]) -> Iterator[Block | Text]:
+def stale_blocks(rows: Sequence[StaleRow], legend: str = "") -> Iterator[Block | Text]:
     """Parts with what is old or missing of them."""
     counted = any(row.uses for row in rows)
     table = columns(("part", "left"), *([("used", "right")] if counted else []), ("what to ask for", "left"))
@@ -49,9 +49,11 @@ def stale_blocks(rows: Sequence[StaleRow]) -> Iterator[Block | Text]:
         uses = [Text(str(row.uses))] if counted else []
         table.add_row(Text(words.one_line(row.id, 60)), *uses, Text("; ".join(row.reasons)))
     yield block(f"Old or missing ({len(rows)}), catalogue {EDITION} of {AS_OF}", [table])
+    if counted and legend:
+        yield sentence(legend, "dim")
 
 
-def change_blocks(changes: Sequence[Change], written_to: str) -> Iterator[Block | Text]:
+def change_blocks(changes: Sequence[CellChange], written_to: str) -> Iterator[Block | Text]:
     """Cells that an update changes, and where the record of it is."""
     table = columns(("part", "left"), ("cell", "left"), ("old", "left"), ("new", "left"))
     for change in changes:
