@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import pytest
@@ -72,14 +73,19 @@ def undoubted(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(scope="module")
 def unhurried() -> Iterator[None]:
-    """Let the clock stop no search: the exact front takes its time, population solvers breed a few generations."""
+    """Let the clock stop no search: the exact front takes its time, population solvers breed a few generations.
+
+    Of a front some points are evaluated by default, not all that a user is shown: each is a design with every figure.
+    """
     from uwopt.api import trading as api_pareto
+    from uwopt.solvers.front.designs import MOST_POINTS
     from uwopt.solvers.population import pymoo_front
 
     honest, short = pymoo_front.population_front, {"seconds": None, "pop_size": 40, "generations": 10}
     with pytest.MonkeyPatch.context() as patch:
         for name in ("EXACT_S", "PEER_S", "PEER_ALONE_S"):
             patch.setattr(api_pareto, name, math.inf)
+        patch.setattr(api_pareto, "few", partial(api_pareto.few, most=drawn(30, MOST_POINTS)))
         patch.setattr(
             pymoo_front, "population_front", lambda *given, **more: honest(*given, **(more | short))
         )

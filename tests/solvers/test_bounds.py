@@ -18,6 +18,7 @@ import pytest
 from numpy.typing import NDArray
 from one_of_each import one, with_parts
 from random_cases import Case
+from thorough import drawn
 
 from uwopt.forward.part_columns import Lights
 from uwopt.solvers.exact import large
@@ -70,9 +71,10 @@ MISSIONS: dict[str, Callable[[], Case]] = {
     ),
     "power against signal": lambda: one(SUM, wanted=FAST, physics="paper", limits={"mass_kg": 2.0}),
 }
+DEAREST = "the same in two scenes"
 OVER_FRAME: dict[str, Callable[[], Case]] = {
     "an SNR over the frame": lambda: one(wanted={**FAST, "min_snr_db": 20.0, "snr_at": "worst"}),
-    "the same in two scenes": lambda: one(
+    DEAREST: lambda: one(
         wanted={**FAST, "min_snr_db": 16.0, "snr_at": "worst"}, scenes=TWO, vehicle={"altitude_tolerance_m": 0.2}
     ),
 }
@@ -82,13 +84,15 @@ UNDIMMED = ("least power", "two scenes", "pulses")  # where nothing is left out 
 
 @cache
 def world(name: str) -> Case:
-    """Two of each part around the one of each, in one or two lamps."""
+    """Two of each part around the one of each, in one or two lamps; where an image costs most, one lens and port."""
     made = (MISSIONS | OVER_FRAME)[name]()
+    glass = {
+        "lenses": [{"focal_length_mm": 12.0, "f_number_min": 2.8, "price": 300.0}],
+        "ports": [{"outer_radius_mm": 120.0, "price": 100.0}],
+    }
     grown = with_parts(
         made, cameras=[{"pixel_pitch_um": 3.0, "read_noise_e": 6.0, "price": 700.0}],
-        lenses=[{"focal_length_mm": 12.0, "f_number_min": 2.8, "price": 300.0}],
-        ports=[{"outer_radius_mm": 120.0, "price": 100.0}],
-        lights=[{"price": 900.0, "beam_angle_deg": 50.0}],
+        lights=[{"price": 900.0, "beam_angle_deg": 50.0}], **drawn({} if name == DEAREST else glass, glass),
     )  # fmt: skip
     vehicle = grown.mission.vehicle.model_copy(update={"light_count": (1, 2)})
     views = grown.mission.with_changes(vehicle={**vehicle.model_dump(), "light_count": [1, 2]})
