@@ -176,7 +176,26 @@ def _cross_faults(cells: dict[str, Cell]) -> list[str]:
             parse_dim_levels(levels)
         except CellError as fault:
             faults.append(str(fault))
+    spacers = cells.get("spacers_mm")
+    if isinstance(spacers, str):
+        try:
+            parse_spacers(spacers)
+        except CellError as fault:
+            faults.append(str(fault))
     return faults
+
+
+def parse_spacers(text: str) -> tuple[float, ...]:
+    """Lengths of spacer rings in millimetres, the shortest first; none for a lens that takes none."""
+    if text == "none":
+        return ()
+    try:
+        lengths = sorted({float(item) for item in text.split("|")})
+    except ValueError:
+        lengths = []
+    if not lengths or not 0.0 < lengths[0] <= lengths[-1] <= 100.0:
+        raise CellError(f"spacers_mm = {text!r} must be lengths above 0 and at most 100, such as 0.5|1|5, or none")
+    return tuple(lengths)
 
 
 def parse_dim_levels(text: str) -> tuple[float, ...] | None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from uwopt.catalog.mounts import counterpart, is_free
 from uwopt.catalog.records import Part, Port, Quantity
 from uwopt.catalog.rest import RestItem
+from uwopt.catalog.spacers import rings_in_words, spacer_price
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.results.design import BillRow, Cost, LampPlace, UsedHardware, UsedPart
@@ -14,7 +15,7 @@ from uwopt.results.design import BillRow, Cost, LampPlace, UsedHardware, UsedPar
 PLAIN_PURPOSES = ("camera port", "vehicle lamp", "industrial camera")  # made for what they are bought for
 
 
-def used_hardware(problem: Problem, hw: Hardware) -> UsedHardware:
+def used_hardware(problem: Problem, hw: Hardware, spacer_m: float) -> UsedHardware:
     """The hardware by ids, and where its lights stand."""
     parts = problem.parts
     housing = parts.ports[hw.port].housing
@@ -28,6 +29,7 @@ def used_hardware(problem: Problem, hw: Hardware) -> UsedHardware:
         orientation="landscape" if hw.landscape else "portrait",
         light_mounts=[] if problem.unlit(hw.light) else lamp_places(hw),
         housing=None if housing is None else used_part(housing),
+        spacer_mm=spacer_m * 1e3,
     )
 
 
@@ -68,7 +70,7 @@ def price_status(part: Part) -> str:
     return {"published": "list", "user": "own", "quoted": "quoted"}.get(part.price.status, part.price.status)
 
 
-def bill_of_materials(problem: Problem, hw: Hardware) -> list[BillRow]:
+def bill_of_materials(problem: Problem, hw: Hardware, spacer_m: float = 0.0) -> list[BillRow]:
     """What to order: part, number, price with its range and status, source."""
     currency = problem.mission.limits.currency
     rows = []
@@ -85,6 +87,8 @@ def bill_of_materials(problem: Problem, hw: Hardware) -> list[BillRow]:
             )
         )  # fmt: skip
     extras = problem.mission.catalog.extras
+    if spacer_m > 0.0:
+        rows.append(spacer_row(problem, hw, spacer_m))
     if problem.counts_host:
         rows.append(host_row(problem, parts_host(problem, hw)))
     lamps = sum(count - owned for kind, _, count, owned in bought(problem, hw) if kind == "light")
@@ -127,6 +131,14 @@ def host_row(problem: Problem, price: Quantity) -> BillRow:
         price_date="", generic=False, source="class estimate by the camera's interface",
         price_basis=price.source,
     )  # fmt: skip
+
+
+def spacer_row(problem: Problem, hw: Hardware, spacer_m: float) -> BillRow:
+    """The rings between each camera and its lens."""
+    mounts = problem.parts.lenses[hw.lens].mounts
+    name = f"spacer ring {rings_in_words(mounts, spacer_m * 1e3)} between lens and camera"
+    item = RestItem("spacer-ring", name, "camera", spacer_price())
+    return rest_row(problem, item, problem.mission.vehicle.camera_count)
 
 
 def rest_row(problem: Problem, item: RestItem, count: int) -> BillRow:

@@ -79,9 +79,9 @@ def evaluate_design(
     one = Terms(*(np.array([v]) for v in worst))
     minimised = float(objective.cost_to_minimise(one)[0])
     feasible = all(m.satisfied for s in scenes for m in s.margins)
-    bill = bill_of_materials(problem, hardware)
+    bill = bill_of_materials(problem, hardware, model.spacer_m)
     return Design(
-        hardware=used_hardware(problem, hardware),
+        hardware=used_hardware(problem, hardware, model.spacer_m),
         objective_value=objective.reported(minimised) if math.isfinite(minimised) else None,
         feasible=feasible,
         totals=Totals(
@@ -106,7 +106,7 @@ def housing_notes(model: DesignModel) -> list[Note]:
     if not port.housed[0]:
         return []
     camera, lens = problem.parts.cameras[hardware.camera], problem.parts.lenses[hardware.lens]
-    tight = tight_at_worst(camera, lens, port)
+    tight = tight_at_worst(camera, lens, model.spacer_m, port)
     if not tight:
         return []
     told = " and ".join(

@@ -22,7 +22,7 @@ from uwopt.forward.figures import (
     levers_m,
 )
 from uwopt.forward.floor_light import footprint_light, uniformity
-from uwopt.forward.focus import Focus, place_focus
+from uwopt.forward.focus import Focus, default_dioptres_per_m, place_focus
 from uwopt.forward.lamp_light import ImageLight, LampField, SunLight, image_light
 from uwopt.forward.lamp_views import (
     bodies_refused,
@@ -38,6 +38,7 @@ from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Light
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
 from uwopt.forward.sharpness import SharpRows, airy_wavelength_nm, sharpness_of
+from uwopt.forward.spacers import ring_behind_m
 from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import focus_map, table_reach_m, views
 from uwopt.model.image_mean import cells
@@ -73,6 +74,7 @@ class DesignModel:
         ]
         self.problem = problem.reaching([table_reach_m(view) for view in self.views])
         self._known: dict[Any, Any] = {}  # what no setting changes, worked out once
+        self.spacer_m = self._ring_m() if hardware.spacer_m is None else hardware.spacer_m  # behind each lens
         self.rows = [self._rows(i, pixels=scene.pixels) for i, scene in enumerate(problem.scenes)]
 
     def _once(self, key: Any, make: Callable[[], Any]) -> Any:
@@ -93,7 +95,13 @@ class DesignModel:
             lever_m=levers_m(scene, np.array([self.shapes[index].outer_radius_m])),
             light=self.image_light(index, pixels=pixels),
             sun=self.sun_light(index, pixels=pixels),
+            spacer_m=np.array([self.spacer_m]),
         )
+
+    def _ring_m(self) -> float:
+        """The ring that the focus of a search needs."""
+        dioptres = [np.array([self.searched_dioptre_per_m(i)]) for i in range(len(self.views))]
+        return float(ring_behind_m(self.lenses, dioptres)[0])
 
     def snr_at(self, pixels: Pixels, index: int, settings: SettingRows) -> float | None:
         """Lowest SNR over the image, or that of all but a share of it, at the nominal altitude.
@@ -263,10 +271,7 @@ class DesignModel:
 
     def _default_dioptre_per_m(self, index: int) -> float:
         """Focus at the nominal altitude; of several scenes the one focus that serves all."""
-        scene = self.problem.scenes[index]
-        if len(self.problem.scenes) == 1:
-            return float(lens_dioptre_per_m(scene.range_m[scene.nominal], focus_map=self.maps[index]))
-        return self.searched_dioptre_per_m(index)
+        return float(default_dioptres_per_m(self.problem.scenes, self.maps, self.views)[index][0])
 
     def searched_dioptre_per_m(self, index: int) -> float:
         """Where a search puts the focus."""
@@ -416,7 +421,7 @@ class DesignModel:
         if not port.housed[0]:
             return []
         limits = self.problem.mission.limits
-        rooms = room_needed_m(bodies_of(self.cameras, self.lenses), port)
+        rooms = room_needed_m(bodies_of(self.cameras, self.lenses, self.spacer_m), port)
         margins = []
         for name, unit in (("housing_diameter_mm", "mm"), ("housing_length_mm", "mm"), ("dome_radius_mm", "mm")):
             if name in rooms:
@@ -455,9 +460,10 @@ class DesignModel:
         extra_cost, extra_mass, _ = problem.extras
         port = problem.ports.take(np.array([hw.port]))
         lamps_to_buy = problem.lamps_to_buy(np.array([hw.light]), np.array([hw.count]))
+        rings = dict(zip(("price", "limit_price"), problem.spacer_prices, strict=True)) if self.spacer_m > 0.0 else {}
 
         def money(name: str) -> Array:
-            body = getattr(self.cameras, name) + getattr(self.lenses, name) + getattr(port, name)
+            body = getattr(self.cameras, name) + getattr(self.lenses, name) + getattr(port, name) + rings.get(name, 0.0)
             return n * body + lamps_to_buy * getattr(self.lights, name) + extra_cost
 
         mass = (

@@ -24,6 +24,7 @@ from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.scene import COLOURS
 from uwopt.forward.sharpness import Field, airy_wavelength_nm, arriving
+from uwopt.forward.spacers import scale_distance_m
 from uwopt.forward.spectra import sees_colours
 from uwopt.forward.views import CORNER_FIELD, field_dioptres_per_m
 from uwopt.model import lateral, sensor, sharpness
@@ -55,7 +56,18 @@ def plain_settings(model: DesignModel, settings: SettingRows, figures: Figures) 
         "flash_energy_j": energy,
         "frame_rate_hz": float(settings.rate_hz[0]),
         "focus_distance_m": focus if math.isfinite(focus) else None,
+        "spacer_mm": model.spacer_m * 1e3 if model.spacer_m > 0.0 else None,
+        "focus_scale_m": on_scale_m(model, settings),
     }
+
+
+def on_scale_m(model: DesignModel, settings: SettingRows) -> float | None:
+    """What to set on the lens's own scale, in air; None at its far end, and where a model knows no port's image."""
+    if model.problem.paper:
+        return None
+    with np.errstate(divide="ignore"):
+        distance = float(scale_distance_m(model.lenses, settings.dioptre_per_m, model.spacer_m)[0])
+    return distance if math.isfinite(distance) and settings.dioptre_per_m[0] > 0.0 else None
 
 
 def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures: Figures) -> dict[str, Any]:

@@ -136,7 +136,8 @@ def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardwar
     declared = mission_mounts(mission)
     mount = mount_of(chosen.light_mounts, declared) if chosen.light_mounts else declared[0]
     at = [place or 0 for place in places]
-    return problem.with_mount(mount), Hardware(at[0], at[1], at[2], landscape, at[3], count, mount)
+    spacer_m = chosen.spacer_mm * 1e-3
+    return problem.with_mount(mount), Hardware(at[0], at[1], at[2], landscape, at[3], count, mount, spacer_m)
 
 
 def place_of(part_id: str, parts: Sequence[Part]) -> int | None:

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
+import numpy as np
+
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, matches, select
 from uwopt.catalog.load import load_catalog as _load_catalog
@@ -14,11 +16,15 @@ from uwopt.catalog.records import Port
 from uwopt.errors import CatalogError, MissionError
 from uwopt.forward.designs import Hardware
 from uwopt.forward.enclosures import enclosed
+from uwopt.forward.focus import default_dioptres_per_m
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.spacers import ring_behind_m
+from uwopt.forward.views import focus_map, views
 from uwopt.mission.mission import Mission
 from uwopt.mission.sections import Requirements
 from uwopt.mission.system import System
+from uwopt.model.port import lens_dioptre_per_m
 
 
 def select_problem_mission(mission: Mission) -> dict[str, str]:
@@ -159,7 +165,26 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
         counts=(count, count), mounts=[mount],
     )  # fmt: skip
     refuse_unknown(system, problem)
-    return problem, Hardware(0, 0, 0, system.orientation == "landscape", 0, count, mount)
+    landscape = system.orientation == "landscape"
+    return problem, Hardware(0, 0, 0, landscape, 0, count, mount, spacer_of(problem, system, landscape))
+
+
+def spacer_of(problem: Problem, system: System, landscape: bool) -> float:
+    """The ring behind a system's lens: as it is written, else the least for the focus that is set."""
+    if system.spacer_mm is not None:
+        return system.spacer_mm * 1e-3
+    shapes = [problem.shape(0, index) for index in range(len(problem.scenes))]
+    maps = [focus_map(scene, shape) for scene, shape in zip(problem.scenes, shapes, strict=True)]
+    seen = [
+        views(scene, problem.cameras, problem.lenses, shape, landscape=landscape)
+        for scene, shape in zip(problem.scenes, shapes, strict=True)
+    ]
+    dioptres = default_dioptres_per_m(problem.scenes, maps, seen)
+    for index, scene in enumerate(problem.scenes):
+        wanted = system.settings_for(scene.name).focus_distance_m
+        if wanted is not None:
+            dioptres[index] = np.array([float(lens_dioptre_per_m(wanted, focus_map=maps[index]))])
+    return float(ring_behind_m(problem.lenses, dioptres)[0])
 
 
 def refuse_unknown(system: System, problem: Problem) -> None:

@@ -23,6 +23,7 @@ class Hardware:
     light: int
     count: int
     mount: Mount
+    spacer_m: float | None = None  # ring behind the lens; None: the one that the searched focus needs
 
 
 @dataclass(frozen=True)

@@ -80,11 +80,11 @@ def _of_class(prefix: str, lens: Lens) -> ClassEstimate:
     return required_class(prefix, "body-s-mount" if board else f"body-{circle_class(lens.image_circle_mm)}", "body-any")
 
 
-def bodies_of(cameras: Cameras, lenses: Lenses) -> Bodies:
-    """What rows of cameras and lenses take up."""
+def bodies_of(cameras: Cameras, lenses: Lenses, spacers_m: Array | float) -> Bodies:
+    """What rows of cameras and lenses take up, with rings of these lengths between them."""
     return Bodies(
         cameras.body_width_m, cameras.body_height_m, cameras.body_length_m, cameras.plug_m, lenses.diameter_m,
-        lenses.length_m, lenses.pupil_m,
+        lenses.length_m + spacers_m, lenses.pupil_m,
     )  # fmt: skip
 
 
@@ -100,7 +100,7 @@ def room_needed_m(bodies: Bodies, port: Ports) -> dict[str, tuple[Array, Array]]
     return needed
 
 
-def tight_at_worst(camera: Camera, lens: Lens, port: Ports) -> dict[str, tuple[float, float]]:
+def tight_at_worst(camera: Camera, lens: Lens, spacer_m: float, port: Ports) -> dict[str, tuple[float, float]]:
     """Needed and had [m], by requirement, of what is not enough where estimated sizes are at their high ends."""
 
     def high(part: Camera | Lens, name: str) -> Array:
@@ -110,14 +110,14 @@ def tight_at_worst(camera: Camera, lens: Lens, port: Ports) -> dict[str, tuple[f
     length = high(lens, "length_mm")
     pupil = np.array([0.0 if lens.pupil_mm is None else lens.pupil_mm.value * 1e-3])  # either end may be the worse
     width, height, deep, plug = (high(camera, name) for name in BODY)
-    worst = Bodies(width, height, deep, plug, high(lens, "diameter_mm"), length, pupil)
+    worst = Bodies(width, height, deep, plug, high(lens, "diameter_mm"), length + spacer_m, pupil)
     needed = room_needed_m(worst, port)
     return {name: (float(n[0]), float(r[0])) for name, (n, r) in needed.items() if not n[0] <= r[0] * ROUND}
 
 
-def fits_inside(cameras: Cameras, lenses: Lenses, ports: Ports) -> Mask:
+def fits_inside(cameras: Cameras, lenses: Lenses, spacers_m: Array | float, ports: Ports) -> Mask:
     """Whether each pair of camera and lens fits into each enclosure, (n_pairs, n_ports); all into bare ports."""
-    bodies, fits = bodies_of(cameras, lenses), np.ones((len(cameras.price), len(ports.price)), bool)
+    bodies, fits = bodies_of(cameras, lenses, spacers_m), np.ones((len(cameras.price), len(ports.price)), bool)
     for p in np.flatnonzero(ports.housed):
         for needed, room in room_needed_m(bodies, ports.take(np.array([p]))).values():
             fits[:, p] &= needed <= room * ROUND

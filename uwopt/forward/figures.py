@@ -58,6 +58,7 @@ class DesignRows:
     light: ImageLight  # electrons per lm s of nameplate light
     sun: SunLight | None = None  # electrons per second of open shutter
     sharp: SharpRows | None = None  # what MTF and information depend on
+    spacer_m: Array | float = 0.0  # of rings behind the lenses
 
 
 def light_time_s(rows: DesignRows, settings: SettingRows) -> Array:

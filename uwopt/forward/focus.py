@@ -45,6 +45,16 @@ def place_focus(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap], se
     return Focus([dioptre] * len(scenes), n_depth)
 
 
+def default_dioptres_per_m(
+    scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap], seen: Sequence[Views]
+) -> list[Array]:
+    """Where the focus of a system lies that does not say: at the nominal altitude, of several scenes as searched."""
+    if len(scenes) > 1:
+        return list(place_focus(scenes, maps, seen).dioptre_per_m)
+    at_nominal = port.lens_dioptre_per_m(scenes[0].range_m[scenes[0].nominal], focus_map=maps[0])
+    return [np.full(len(seen[0].tan_along), float(at_nominal))]
+
+
 def middle_focus(intervals: Sequence[tuple[Array, Array]], coc_m: Sequence[Array]) -> Array:
     """The focus that covers all intervals of dioptres (near, far) with the smallest common f-number.
 
@@ -149,4 +159,5 @@ class Focused(Columns):
     rate_hz: Array
     blur_time_s: Array
     skew_px: Array  # of a rolling shutter under lamps that burn; 0 for a global one
+    spacer_m: Array  # of the ring that the focus needs behind the lens; nan where none reaches it
     beside_w: Array  # what its cameras draw here beyond the scene where they draw least

@@ -82,6 +82,9 @@ class Lenses(Columns):
     f_number_max: Array
     transmission: Array
     min_object_distance_m: Array
+    spacers_m: Array  # (n, n_lengths) of rings that may stand behind it, rising, nan-padded
+    thread_travel_m: Array
+    max_magnification: Array  # on a ring or screwed out
     rated_pitch_m: Array  # pixel pitch that the maker rates the lens for; 0 when unknown
     aberration_f1_m: Array  # that of its aberrations, at f-number 1
     motorised: Array
@@ -303,10 +306,20 @@ def lens_rows(
             "aberration_f1_m": aberration_at_f1(
                 known["aberration_pitch_m"], f_number_min=known["f_number_min"]
             ),
+            "spacers_m": _spacers(parts),
             "rated_pitch_m": np.array([(rated_pitch_um(part) or 0.0) * 1e-6 for part in parts], float),
             "motorised": np.array([part.aperture_control == "motorised" for part in parts], bool),
         }
     )
+
+
+def _spacers(parts: Sequence[Lens]) -> Array:
+    """Lengths of the rings that may stand behind each lens in rising order, NaN-padded."""
+    lengths = [sorted(part.spacers_mm or ()) for part in parts]
+    made = np.full((len(parts), max(map(len, lengths), default=0)), np.nan)
+    for row, own in enumerate(lengths):
+        made[row, : len(own)] = np.array(own) * 1e-3
+    return made
 
 
 def port_rows(

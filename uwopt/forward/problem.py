@@ -20,6 +20,7 @@ from uwopt.catalog import money
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Lens, Light, Port
 from uwopt.catalog.rest import Per, RestItem, rest_items
+from uwopt.catalog.spacers import spacer_price
 from uwopt.forward import switching
 from uwopt.forward.enclosures import camera_with_size, lens_with_size
 from uwopt.forward.lamps import (
@@ -42,6 +43,7 @@ from uwopt.forward.part_columns import (
     port_rows,
 )
 from uwopt.forward.scene import SceneOptics, glass_index, scene_optics
+from uwopt.forward.spacers import lens_with_spacers, without_spacers
 from uwopt.forward.spectra import Contraction
 from uwopt.forward.views import port_shape
 from uwopt.mission.duration import Duration
@@ -67,7 +69,7 @@ class Parts:
 
 def estimated(mission: Mission, parts: Parts) -> Parts:
     """The parts with the estimates that only some missions ask for: what they draw while off, their
-    computer, and how large they are."""
+    computer, how large they are, and what rings lenses bear."""
     vehicles = [view.vehicle for view in mission.views]
     if switching.any_off(vehicles, "lamps_between_images"):
         parts = replace(parts, lights=tuple(switching.light_with_estimates(p) for p in parts.lights))
@@ -75,6 +77,8 @@ def estimated(mission: Mission, parts: Parts) -> Parts:
         parts = replace(parts, cameras=tuple(switching.camera_with_estimates(p) for p in parts.cameras))
     if mission.catalog.host == "estimate":
         parts = replace(parts, cameras=tuple(switching.camera_with_host(p) for p in parts.cameras))
+    spaced = lens_with_spacers if mission.catalog.spacers == "allow" else without_spacers
+    parts = replace(parts, lenses=tuple(spaced(p) for p in parts.lenses))
     if mission.catalog.housing == "required" or any(port.housing is not None for port in parts.ports):
         parts = replace(
             parts,
@@ -203,6 +207,14 @@ class Problem:
             lamp = burns * self.rest_price("lamp", end)
             self.cameras = replace(self.cameras, **{name: getattr(self.cameras, name) + camera})
             self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})
+
+    @cached_property
+    def spacer_prices(self) -> tuple[float, float]:
+        """Price of the rings behind one lens, and what of it counts against a budget."""
+        price, favoured = spacer_price(), FAVOURED["price"]
+        limit_end: End = "bad" if self.mission.limits.cost_basis == "high" else self.end
+        value, limit = (self.money(number(price, 0.0, end, favoured), "USD") for end in (self.end, limit_end))
+        return value, limit
 
     @cached_property
     def port_groups(self) -> list[Array]:

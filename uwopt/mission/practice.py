@@ -20,7 +20,7 @@ RECOMMENDED_KEYS: Mapping[str, Mapping[str, Any]] = {
         "snr_at": "worst", "dof_at": "corner", "lens_stop_down": 1.0, "min_mtf_half_nyquist": 0.3, "refuse": "all",
     },
     "vehicle": {"lamp_supply": "external"},
-    "catalog": {"host": "estimate", "rest": "estimate", "housing": "required"},
+    "catalog": {"host": "estimate", "rest": "estimate", "housing": "required", "spacers": "allow"},
 }
 LEAST_UNIFORMITY = 0.3  # darkest over mean illuminance of the floor, where there are lamps
 HOUSING_WORDS = ("hous", "enclos", "hull", "pressure case", "canister")  # in the names of extras
@@ -39,8 +39,9 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
     if _most_lamps(vehicle.get("light_count")) > 0:
         filled["requirements"]["min_uniformity"] = LEAST_UNIFORMITY
     if catalog.get("extras"):
-        own = {} if _names_a_housing(catalog["extras"]) else {"housing": filled["catalog"]["housing"]}
-        filled["catalog"] = own  # computer and cables may be among them, and would count twice
+        left_out = ["host", "rest", *(["housing"] if _names_a_housing(catalog["extras"]) else [])]
+        for key in left_out:  # computer and cables may be among them, and would count twice
+            del filled["catalog"][key]
     interval_s = requirements.get("frame_interval_s")
     if isinstance(interval_s, (int, float)):
         slow = {"lamps_between_images": SLOW_LAMP_S, "camera_between_images": SLOW_CAMERA_S}

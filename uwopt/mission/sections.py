@@ -414,6 +414,11 @@ class CatalogChoice(Section):
         description="housing of each port: none leaves it out, required (recommended, unless it is among the extras) "
         "chooses one that takes port, camera and lens, and counts its depth rating, cost and mass",
     )
+    spacers: Annotated[Literal["none", "allow"], CHOICE] = Field(
+        default="none",
+        description="spacer rings between lens and camera, on which it focuses nearer: none leaves them out, allow "
+        "(recommended) takes the shortest that the focus needs, and counts its price",
+    )
     extras: tuple[Extra, ...] = Field(
         default=(), description="list of items added to every system: {name, cost, mass_kg, power_w}"
     )

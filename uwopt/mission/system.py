@@ -132,6 +132,11 @@ class System(Section):
     ] = Field(
         default=None, description="housing that the port is built into, an id of the catalogue or an inline record"
     )
+    spacer_mm: Annotated[float, Field(ge=0, le=100), NUMBER] | None = Field(
+        default=None,
+        description="length of the spacer rings between lens and camera in millimetres; unless given the least that "
+        "the focus needs where the mission allows rings, else none",
+    )
     camera_count: Count = Field(default=1, description="number of cameras, each with lens and port")
     light_count: Annotated[int, Field(ge=0, le=MAX_LIGHTS), WHOLE] = Field(
         default=1, description="number of lights, 0 for none; that of light_mounts unless given"

@@ -140,6 +140,7 @@ catalog:
   # interfaces: [USB3, GigE]   # those that the host has; left out: all
   # host: estimate             # by good practice: the computer that takes the images, by the camera's interface; none
   # rest: estimate             # by good practice: connectors, cables, trigger electronics, spares, pressure test; none
+  # spacers: allow             # by good practice: rings behind lenses that must focus nearer than they can; none
   # housing: required          # by good practice: one that takes port, camera and lens is chosen and counted; none
   # extras: [{name: cables, cost: 900, mass_kg: 2.5, power_w: 0}]
 """

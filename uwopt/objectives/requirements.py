@@ -17,6 +17,7 @@ from uwopt.forward.figures import DesignRows, Figures, SettingRows
 from uwopt.forward.motion import least_overlap
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lenses
 from uwopt.forward.scene import SceneOptics
+from uwopt.forward.spacers import ring_range_m
 from uwopt.forward.views import altitudes_m
 from uwopt.mission.duration import Duration
 from uwopt.mission.sections import Limits
@@ -225,8 +226,10 @@ def setting_margins(
     yield MarginRows("f_number_max", settings.f_number, rows.lenses.f_number_max, "<=", "")
     with np.errstate(divide="ignore"):
         focus_m = 1.0 / settings.dioptre_per_m
-    nearest_m = np.maximum(rows.lenses.min_object_distance_m, rows.lenses.focal_length_m)
+    nearest_m, farthest_m = ring_range_m(rows.lenses, rows.spacer_m)
     yield MarginRows("nearest_focus_m", focus_m, nearest_m, ">=", "m")
+    if np.any(np.asarray(rows.spacer_m) > 0.0):
+        yield MarginRows("farthest_focus_m", focus_m, farthest_m, "<=", "m")
     yield MarginRows("gain_min", settings.gain, at_all(figures, 1.0), ">=", "")
     yield MarginRows("gain_max", settings.gain, cam.max_gain, "<=", "")
     longest_ms = np.minimum(cam.max_exposure_s * 1e3, limits.max_exposure_ms)

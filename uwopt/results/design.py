@@ -63,6 +63,7 @@ class UsedHardware(Record):
     housing: UsedPart | None = Field(
         default=None, description="that each port is built into; null where none is asked for"
     )
+    spacer_mm: Number = Field(default=0.0, description="length of the rings between lens and camera")
 
     @property
     def parts(self) -> dict[str, UsedPart]:

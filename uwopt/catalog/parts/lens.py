@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, ClassVar, Literal
 
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from uwopt.catalog.parts.cell import FROM_ZERO, NEEDED, POSITIVE, POSITIVE_SHARE, UNSEEN, Cell, Inline, Range
 from uwopt.catalog.parts.part import FORMAT, MOUNTS, Part, PartKind, shown
 from uwopt.catalog.parts.quantity import Known, Quantity, Status
+from uwopt.documents.key_types import NUMBER
 
 F_NUMBERS = (1.4, 16.0)  # widest and smallest opening of an inline lens that does not say
+Lengths = tuple[Annotated[float, Field(gt=0, le=100), NUMBER], ...]
 F_NUMBER = Range(0.4, 128.0, open_low=True)
 TRANSMISSION = Quantity(0.9, 0.8, 1.0, "estimated", "default of an inline lens")
 
@@ -101,6 +105,31 @@ class Lens(Part):
     diameter_mm: Annotated[Known, Cell("diameter in millimetres", POSITIVE, favours="low")] = None
     pupil_mm: Annotated[
         Known, Cell("distance of the entrance pupil behind the lens's front in millimetres", FROM_ZERO)
+    ] = None
+    spacers_mm: Annotated[
+        tuple[float, ...] | None,
+        Cell(
+            "lengths of spacer rings that may stand behind it in millimetres, such as 0.5|1|5; none forbids them",
+            form="text",
+            inline=Inline(doc="lengths in millimetres of the spacer rings that may stand behind it", type=Lengths),
+        ),
+    ] = None  # None: what is sold for its mount
+    thread_travel_mm: Annotated[
+        Known,
+        Cell(
+            "how far it may be screwed out of its thread beyond its nearest focus in millimetres",
+            FROM_ZERO,
+            favours="high",
+        ),
+    ] = None
+    max_magnification: Annotated[
+        Known,
+        Cell(
+            "largest magnification that it bears on a spacer ring or screwed out",
+            POSITIVE,
+            favours="high",
+            unknown=math.inf,
+        ),
     ] = None
     filter_thread: ClassVar[Annotated[str, Cell()]]
     is_zoom: ClassVar[Annotated[bool, Cell()]]

@@ -23,7 +23,7 @@ from uwopt.catalog.readers.reading import (
     user_number,
 )
 from uwopt.catalog.tables import built_in_rows
-from uwopt.catalog.userparts import PartRow
+from uwopt.catalog.userparts import PartRow, parse_spacers
 
 SMALL_CIRCLE_MM, MEDIUM_CIRCLE_MM = 11.5, 18.0  # borders of the classes in class_estimates.csv
 SHORT_FOCAL_MM, MIDDLE_FOCAL_MM = 20.0, 30.0
@@ -32,12 +32,14 @@ SHORT_FOCAL_MM, MIDDLE_FOCAL_MM = 20.0, 30.0
 def from_row(row: PartRow, origin: Origin) -> Built:
     """The lens of a row, with what the model needs filled in."""
     circle_mm, circle_status = _image_circle(row, origin)
-    classes = (circle_class(circle_mm), _focal_class(row.number("focal_length_mm") or 0.0), "any")
+    classes = (circle_class(circle_mm), focal_class(row.number("focal_length_mm") or 0.0), "any")
     made = row_fields(Lens, row, origin, classes)
     made |= identity(row, origin, _price_class(row, circle_mm), "USD", made["mass_g"])
     made |= {"image_circle_mm": circle_mm, "image_circle_status": circle_status}
     if row.text("aperture_control") == "fixed" and row.number("f_number_max") is None:
         made["f_number_max"] = known(row, "f_number_min", origin) or made["f_number_max"]  # it has but one
+    if spacers := row.text("spacers_mm"):
+        made["spacers_mm"] = parse_spacers(spacers)
     lens = _with_aberrations(Lens(**made), stated=row.number("aberration_pitch_um") is not None)
     return Built(lens, tuple(_lacking(lens)))
 
@@ -76,7 +78,7 @@ def circle_class(circle_mm: float | None) -> str:
     return "medium-circle" if circle_mm <= MEDIUM_CIRCLE_MM else "large-circle"
 
 
-def _focal_class(focal_mm: float) -> str:
+def focal_class(focal_mm: float) -> str:
     if focal_mm <= SHORT_FOCAL_MM:
         return "to-20mm"
     return "to-30mm" if focal_mm <= MIDDLE_FOCAL_MM else "above-30mm"

@@ -31,6 +31,8 @@ STATUS_SENTENCES: Mapping[str, str] = {
 SETTINGS: Mapping[str, tuple[str, str]] = {
     "f_number": ("f-number", ""),
     "focus_distance_m": ("focus, in water from the port", "m"),
+    "spacer_mm": ("spacer ring behind the lens", "mm"),
+    "focus_scale_m": ("focus on the lens's own scale", "m"),
     "exposure_ms": ("exposure", "ms"),
     "pulse_ms": ("light pulse", "ms"),
     "gain_db": ("gain", "dB"),
@@ -47,6 +49,7 @@ REQUIREMENTS: Mapping[str, str] = {
     "frame_interval_s": "time between images",
     "frame_rate": "frame rate of the camera",
     "nearest_focus_m": "nearest focus of the lens",
+    "farthest_focus_m": "farthest focus of the lens on its spacer ring",
     "port_clears_view_mm": "view clear of the port's edge",
     "dof_near_m": "near end of sharp depth",
     "dof_far_m": "far end of sharp depth",

@@ -20,6 +20,7 @@ from uwopt.forward.focus import place_focus
 from uwopt.forward.motion import required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
+from uwopt.forward.spacers import needed_spacer_m
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import MarginRows
 from uwopt.units import ratio_to_db
@@ -75,11 +76,9 @@ def fits(problem: Problem, hardware: Hardware) -> bool:
 
 
 def reachable_focus(model: DesignModel) -> bool:
-    """Whether the lens focuses as near as the virtual image of the wanted depth lies."""
+    """Whether the lens, on a ring where it has some, focuses where the virtual image of the wanted depth lies."""
     focus = place_focus(model.problem.scenes, model.maps, model.views)
-    near, focal = float(model.lenses.min_object_distance_m[0]), float(model.lenses.focal_length_m[0])
-    distances = [1.0 / float(dioptre[0]) for dioptre in focus.dioptre_per_m]
-    return all(distance >= near * (1 - 1e-9) and distance > focal for distance in distances)
+    return all(np.isfinite(needed_spacer_m(model.lenses, dioptre)[0]) for dioptre in focus.dioptre_per_m)
 
 
 @dataclass(frozen=True)

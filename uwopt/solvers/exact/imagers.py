@@ -25,6 +25,7 @@ from uwopt.forward.enclosures import beaten, fits_inside, housing_size_mm, mass_
 from uwopt.forward.focus import Focused, place_focus, working_factor
 from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
 from uwopt.forward.problem import Problem
+from uwopt.forward.spacers import needed_spacer_m
 from uwopt.forward.views import Views, focus_map, views
 from uwopt.tolerances import ROUND
 
@@ -206,6 +207,7 @@ def imagers_behind(
                 n_high=lenses.f_number_max,
                 rate_hz=required_rate_hz(requirements, speed, view.footprint_along_m).max(axis=1),
                 blur_time_s=blur_time_s(scene, problem.shape(port, index), view),
+                spacer_m=needed_spacer_m(lenses, dioptre),
                 skew_px=shutter_skew_px(scene, problem.shape(port, index), view, cameras.readout_s),
                 beside_w=np.zeros(len(camera)),
             )
@@ -239,7 +241,8 @@ def imagers_behind(
         alive[lost, of] = False
 
     rates = [extra.rate_hz[left] for extra in focused]
-    for rule, passes in own_rules(problem, cameras.take(left), lenses.take(left), ports, rates):
+    spacers_m = focused[0].spacer_m[left]
+    for rule, passes in own_rules(problem, cameras.take(left), lenses.take(left), spacers_m, ports, rates):
         drop(rule, passes)
     if len(ports) > 1:
         drop("better_housing", ~beaten_housings(problem, ports, alive))
@@ -280,7 +283,7 @@ def shared_rules(
     yield "view", all_of(view_clears(problem, port, view) for view in seen)
     yield (
         "focus",
-        all_of(focus_reached(lenses, extra) for extra in focused),
+        all_of(np.isfinite(extra.spacer_m) for extra in focused),
     )
     yield (
         "max_gsd_mm",
@@ -316,21 +319,22 @@ def shared_rules(
 
 
 def own_rules(
-    problem: Problem, cameras: Any, lenses: Any, ports: Array, rates: list[Array]
+    problem: Problem, cameras: Any, lenses: Any, spacers_m: Array, ports: Array, rates: list[Array]
 ) -> Iterator[tuple[str, Array]]:
     """Each rule after those, with the imagers that pass it: (n, n_ports) where the housing matters, else (n,).
 
+    spacers_m : of rings behind the lenses, (n,)
     rates : of the images by scene, (n,) [Hz]
     """
     limits, count = problem.mission.limits, problem.mission.vehicle.camera_count
     housings = problem.ports.take(ports)
-    yield "housing", fits_inside(cameras, lenses, housings)
+    yield "housing", fits_inside(cameras, lenses, spacers_m, housings)
     every_pair = np.ones((len(cameras.price), 1), bool)
     yield "size_mm", every_pair & (housing_size_mm(housings) <= limit(limits.size_mm) * ROUND)
     in_water = mass_in_water_kg(count, cameras, lenses, housings)
     most = limit(limits.mass_water_kg)
     yield "mass_water_kg", in_water <= most + (ROUND - 1.0) * abs(most) if np.isfinite(most) else every_pair
-    each = [totals(problem, cameras, lenses, int(p)) for p in ports]
+    each = [totals(problem, cameras, lenses, spacers_m, int(p)) for p in ports]
     cost, mass = (np.stack([one[k] for one in each], axis=1) for k in (1, 2))
     powers = problem.camera_powers_w(cameras, rates)
     yield "cost", cost <= limit(limits.cost) * ROUND
@@ -363,14 +367,6 @@ def view_clears(problem: Problem, port: int, view: Views) -> Array:
     return np.asarray(corner * ports.gap_m[port] <= ports.clear_radius_m[port])
 
 
-def focus_reached(lenses: Any, focused: Focused) -> Array:
-    """Whether the lens focuses on what it must: the virtual image lies beyond its nearest distance."""
-    with np.errstate(divide="ignore"):
-        distance = 1.0 / focused.dioptre_per_m
-    beyond_focal = distance > lenses.focal_length_m
-    return np.asarray(beyond_focal & (distance * ROUND >= lenses.min_object_distance_m))
-
-
 def stops_down(problem: Problem, lenses: Any) -> Array:
     """Whether the lens can be closed as far as the mission asks."""
     most = max(scene.view.requirements.lens_stop_down for scene in problem.scenes)
@@ -384,14 +380,17 @@ def common_f_number(lenses: Any, focused: list[Focused]) -> Array:
 
 
 def totals(
-    problem: Problem, cameras: Any, lenses: Any, port: int | Array
+    problem: Problem, cameras: Any, lenses: Any, spacers_m: Array, port: int | Array
 ) -> tuple[Array, Array, Array]:
     """Cost, cost that counts against the budget, and mass of everything but the lights."""
     count = problem.mission.vehicle.camera_count
     extra_cost, extra_mass, _ = problem.extras
     ports = problem.ports
-    cost = count * (cameras.price + lenses.price + ports.price[port]) + extra_cost
-    limit_cost = count * (cameras.limit_price + lenses.limit_price + ports.limit_price[port]) + extra_cost
+    ring, limit_ring = ((spacers_m > 0.0) * price for price in problem.spacer_prices)
+    cost = count * (cameras.price + lenses.price + ring + ports.price[port]) + extra_cost
+    limit_cost = (
+        count * (cameras.limit_price + lenses.limit_price + limit_ring + ports.limit_price[port]) + extra_cost
+    )
     mass = count * (cameras.mass_kg + lenses.mass_kg + ports.mass_kg[port]) + extra_mass
     return cost, limit_cost, mass
 
@@ -412,12 +411,13 @@ def joined(
     port = stack([b.port for b in blocks]).astype(int)
     landscape = stack([np.full(len(b.camera), b.landscape) for b in blocks]).astype(bool)
     cameras = problem.cameras.take(camera)
-    cost, limit_cost, mass = totals(problem, cameras, problem.lenses.take(lens), port)
     scenes = []
     for index in range(len(problem.scenes)):
         own = [b.scenes[index] for b in blocks]
         if own:
             scenes.append(SceneImagers.joined(own))
+    spacers_m = scenes[0].focused.spacer_m if scenes else np.empty(0)
+    cost, limit_cost, mass = totals(problem, cameras, problem.lenses.take(lens), spacers_m, port)
     rates = [s.focused.rate_hz for s in scenes] if scenes else None
     power = problem.least_camera_power_w(cameras, rates)
     gsd = np.max([s.view.gsd_m[:, 1] for s in scenes], axis=0) * 1e3 if scenes else np.empty(0)

@@ -22,6 +22,7 @@ from uwopt.forward.focus import Focused, held_at_corner, place_focus, sharp_ends
 from uwopt.forward.motion import motion_across, motion_along, required_rate_hz
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
+from uwopt.forward.spacers import needed_spacer_m
 from uwopt.forward.views import Views, focus_map, port_transmission
 from uwopt.model import lens, operation, port
 from uwopt.model.enclosure import tube_needed_m
@@ -146,9 +147,8 @@ def focus_behind(problem: Problem, port_index: int) -> tuple[Array, Array, Array
     ok, factors = np.ones(n, bool), []
     for scene, dioptre in zip(scenes, focus.dioptre_per_m, strict=True):
         with np.errstate(divide="ignore", invalid="ignore"):
-            distance = 1.0 / dioptre
-            factor = lens.working_f_number(1.0, focal_length_m=focal, object_distance_m=distance)
-        ok &= (distance > lenses.focal_length_m) & (distance * COARSE_ROUND >= lenses.min_object_distance_m)
+            factor = lens.working_f_number(1.0, focal_length_m=focal, object_distance_m=1.0 / dioptre)
+        ok &= np.isfinite(needed_spacer_m(lenses, dioptre, slack=COARSE_ROUND))
         factors.append(np.ones(n) if scene.paper else factor)
     return ok, np.array(focus.n_depth) * np.array(coc), np.array(factors)
 
@@ -358,7 +358,7 @@ class Level:
         return SceneImagers(view, Focused(
             nothing, self.lens_focus.factor[index][rows.lens, rows.group],
             np.maximum(lenses.f_number_from(needs.lens_stop_down)[rows.lens], n_depth),
-            lenses.f_number_max[rows.lens], rate, self.blur_time_s(scene, rows), nothing, nothing,
+            lenses.f_number_max[rows.lens], rate, self.blur_time_s(scene, rows), nothing, nothing, nothing,
         ))  # fmt: skip
 
     def coc_m(self, scene: SceneOptics, rows: OutlineRows) -> Array:
@@ -414,9 +414,9 @@ class Level:
         """Whether the roomiest housing of the group is wide enough, and as long as what lies behind the pupil.
 
         That is what a tube behind a dome needs, the least of all: a flat port leaves room for the lens's front too, and
-        a sphere's diameter is more than either.
+        a sphere's diameter is more than either; a spacer ring makes it longer.
         """
-        bodies = bodies_of(self.problem.cameras.take(rows.camera), self.problem.lenses.take(rows.lens))
+        bodies = bodies_of(self.problem.cameras.take(rows.camera), self.problem.lenses.take(rows.lens), 0.0)
         width, length = self.groups.room_diameter_m[rows.group], self.groups.room_length_m[rows.group]
         wide, long = tube_needed_m(bodies, is_dome=True, gap_m=0.0)
         return np.asarray((wide <= width * COARSE_ROUND) & (long <= length * COARSE_ROUND))

@@ -163,6 +163,7 @@ class Evaluator:
             view=imagers.scenes[s].view.take(built.imager), focus_map=FocusMap(*columns),
             lever_m=levers_m(scene, problem.ports.outer_radius_m[port]),
             light=seen.light.scaled(lights.output_factor), sun=seen.sun, sharp=seen.sharp,
+            spacer_m=imagers.scenes[s].focused.spacer_m[built.imager],
         )  # fmt: skip
 
     def _figures(
