@@ -192,7 +192,7 @@ def test_each_estimate_that_enters_a_figure_favours_the_right_end():
         "saturation_e", "qe_scale", "max_frame_rate_hz", "bandwidth_mb_s", "max_gain_db", "max_exposure_us",
         "exposure_offset_us", "transmission_frac", "f_number_max", "flux_lm", "output_factor", "max_pulse_us",
         "max_duty_frac", "max_rate_hz", "flash_energy_j", "flash_efficacy_lm_s_per_j", "charging_efficiency_frac",
-        "refractive_index", "clear_diameter_mm",
+        "refractive_index", "clear_diameter_mm", "thread_travel_mm", "max_magnification",
     }  # fmt: skip
     assert {"outer_radius_mm"} == EITHER  # a large dome is easier to focus through, a small one nearer to the floor
     assert {name for name, sign in FAVOURED.items() if sign == -1} == less

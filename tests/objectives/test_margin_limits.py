@@ -46,6 +46,7 @@ SYSTEM: dict[str, Any] = {
     "light": {"id": "lamp", "flux_lm": 10_000, "power_w": 100.0, "beam": "cosine-power", "beam_half_angle_deg": 40.0,
               "price": 400.0, "mass_g": 700.0},
     "housing": None,
+    "spacer_mm": None,
     "light_count": 2,
     "settings": {"f_number": 4.0, "exposure_ms": 1.0, "gain": 1.0, "frame_rate_hz": 2.0},
 }  # fmt: skip
@@ -251,6 +252,8 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("f_number_min", low("lens.f_number_min", 4.0)),
     ("f_number_max", high("lens.f_number_max", 4.0)),
     ("nearest_focus_m", low("lens.min_object_distance_m", 2.0)),
+    ("farthest_focus_m", lambda over: {
+        "spacer_mm": 10.0**2 / (2000.0 / (1.0 + over) - 10.0)}),  # of the lens alone, whatever the window does
     ("gain_min", lambda over: {"given": {"gain": 1.0 / (1.0 + over)}}),
     ("gain_max", lambda over: {"camera.max_gain_db": 20.0 * log10(2.0 / (1.0 + over)), "settings.gain": 2.0}),
     ("max_gain_db", lambda over: {

@@ -259,9 +259,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a lens that focuses just near enough is discarded",
-        file="uwopt/solvers/exact/imagers.py",
-        old="distance * ROUND >= lenses.min_object_distance_m)",
-        new="distance * 0.999 >= lenses.min_object_distance_m)",
+        file="uwopt/forward/spacers.py",
+        old="(distance * slack >= near)",
+        new="(distance * 0.999 >= near)",
         test=f"{RULES}test_a_rule_keeps_what_is_a_millionth_inside[focus]",
     ),
     Defect(

@@ -59,13 +59,13 @@ def buildable(problem: Problem) -> Iterator[Hardware]:
             yield Hardware(c, le, p, name == "landscape", li, count, mount)
 
 
-def goes_inside(camera: Any, lens: Any, port: Any) -> bool:
-    """Whether camera with lens goes into the port's housing, in millimetres and 2 mm from any wall."""
+def goes_inside(camera: Any, lens: Any, port: Any, ring_mm: float = 0.0) -> bool:
+    """Whether camera with lens and a ring between them goes into the port's housing, 2 mm from any wall."""
     if port.housing is None:
         return True
     body = math.hypot(camera.body_width_mm.value, camera.body_height_mm.value)
     glass, pupil = lens.diameter_mm.value, lens.pupil_mm.value
-    behind = lens.length_mm.value - pupil + camera.body_length_mm.value + camera.plug_mm.value
+    behind = lens.length_mm.value - pupil + camera.body_length_mm.value + camera.plug_mm.value + ring_mm
     if port.housing.shape == "sphere":
         farthest = max(math.hypot(behind, body / 2), math.hypot(pupil, glass / 2))
         return bool(2 * (farthest + 2) <= port.housing.inner_diameter_mm)
@@ -124,14 +124,37 @@ class Bench:
         return twin
 
 
+def ring_for(lens: Any, distance_mm: float) -> float | None:
+    """The least ring in millimetres on which a lens focuses at a distance in air; None where none does.
+
+    The lens stands f^2 / (s - f) out from where it is at infinity; a ring adds its length to all that it can. Screwed
+    out of its thread, or on a ring, its image is no larger than it bears, or than it is at its own nearest distance.
+    """
+    focal, near = lens.focal_length_mm, 1e3 * (lens.min_object_distance_m.value if lens.min_object_distance_m else 0)
+    if distance_mm <= focal:
+        return None
+    needed = focal**2 / (distance_mm - focal)
+    own = math.inf if near <= focal else focal**2 / (near - focal)
+    thread = lens.thread_travel_mm.value if lens.thread_travel_mm else 0.0
+    bears = lens.max_magnification.value if lens.max_magnification else math.inf
+    if distance_mm >= near * (1 - 1e-9):
+        return 0.0
+    if needed / focal > bears * (1 + 1e-9):
+        return None
+    for ring in (0.0, *sorted(lens.spacers_mm or ())):
+        if ring * (1 - 1e-9) <= needed <= (ring + own + thread) * (1 + 1e-9):
+            return float(ring)
+    return None
+
+
 def passes_without_light(model: DesignModel) -> bool:
-    """Port clears the corner ray, lens focuses at the virtual image: what no margin says."""
+    """Port clears the corner ray, lens focuses at the virtual image, on a ring that the housing has room for."""
     problem, hw = model.problem, model.hardware
     focus = place_focus(problem.scenes, model.maps, model.views)
-    near, focal = float(model.lenses.min_object_distance_m[0]), float(model.lenses.focal_length_m[0])
+    parts = problem.parts
     for index, view in enumerate(model.views):
-        distance = 1.0 / float(focus.dioptre_per_m[index][0])
-        if distance <= focal or distance < near * (1 - 1e-9):
+        ring = ring_for(parts.lenses[hw.lens], 1e3 / float(focus.dioptre_per_m[index][0]))
+        if ring is None or not goes_inside(parts.cameras[hw.camera], parts.lenses[hw.lens], parts.ports[hw.port], ring):
             return False
         corner = float(np.hypot(view.tan_along[0], view.tan_across[0]))
         flat = not problem.ports.is_dome[hw.port]

@@ -193,6 +193,25 @@ def housed(rng: Rng, parts: Parts) -> Parts:
     return replace(parts, cameras=cameras, lenses=lenses, ports=tuple(ports))
 
 
+def spaced(rng: Rng, parts: Parts) -> Parts:
+    """The same catalogue with lenses that focus on nothing near, most of which may stand on rings or be screwed out."""
+    lenses = tuple(
+        replace(
+            one, min_object_distance_m=exact(pick(rng, [0.1, 0.3, 0.5])),
+            max_magnification=exact(pick(rng, [0.05, 0.3])),
+            spacers_mm=pick(rng, [(), (0.1,), (0.25, 0.5), (0.1, 0.2, 0.3, 0.6)]),
+            thread_travel_mm=pick(rng, [None, None, exact(0.2)]),
+        )
+        for one in parts.lenses
+    )  # fmt: skip
+    return replace(parts, lenses=lenses)
+
+
+def with_rings(plain: dict[str, Any]) -> dict[str, Any]:
+    """A mission that allows rings."""
+    return {**plain, "catalog": {**plain.get("catalog", {}), "spacers": "allow"}}
+
+
 def scene(rng: Rng, number: int) -> dict[str, Any]:
     """Water and floor of one scene."""
     return {

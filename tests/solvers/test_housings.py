@@ -62,7 +62,7 @@ def test_no_group_of_ports_is_tighter_than_its_roomiest_housing() -> None:
     problem = case(CASES[0], housed=True).problem()
     n_camera, n_lens = len(problem.parts.cameras), len(problem.parts.lenses)
     camera, lens = (index.ravel() for index in np.meshgrid(range(n_camera), range(n_lens), indexing="ij"))
-    fits = fits_inside(problem.cameras.take(camera), problem.lenses.take(lens), problem.ports)
+    fits = fits_inside(problem.cameras.take(camera), problem.lenses.take(lens), 0.0, problem.ports)
     assert fits.any() and not fits.all()
     for groups in port_tree(problem):
         level = Level(problem, groups)
