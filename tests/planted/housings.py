@@ -74,6 +74,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_housings.py::test_no_group_of_ports_is_tighter_than_its_roomiest_housing",
     ),
     Defect(
+        name="a row of a large search counts as one port",
+        file="uwopt/solvers/exact/large.py",
+        old="int(level.groups.size[rows.group[rest]].sum()) * sizes",
+        new="len(rest) * sizes",
+        test="tests/solvers/test_housings.py::test_search_among_housings_equals_enumeration[as if large-33]",
+    ),
+    Defect(
         name="a port goes on ends that are narrower than itself",
         file="uwopt/forward/enclosures.py",
         old="return port.width_mm is None or port.width_mm <= widest.value",

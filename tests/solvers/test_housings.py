@@ -11,7 +11,6 @@ from random_cases import RICH, Case, case, enumerated, ranked
 from thorough import drawn
 
 from uwopt.forward.enclosures import fits_inside
-from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.outline import Level, OutlineRows, port_tree
 
 CASES = drawn(RICH[1:3], tuple(range(100)))
@@ -44,10 +43,9 @@ def worth_having(case_: Case, hardware: list[Any]) -> dict[tuple[int, ...], Any]
 @pytest.mark.usefixtures("batches")
 @pytest.mark.parametrize("seed", CASES)
 def test_search_among_housings_equals_enumeration(seed: int) -> None:
-    """Best designs, feasibility and account, with three housings to each port; large searches keep needless ones."""
+    """Best designs, feasibility and account, with three housings to each port."""
     housed, found = case(seed, housed=True), enumerated(seed, housed=True)
-    large = exact_search.MOST_IMAGERS == 0
-    agree(housed, housed.solve()[1], ranked(found) if large else worth_having(housed, found))
+    agree(housed, housed.solve()[1], worth_having(housed, found))
 
 
 def test_rules_of_housings_discard_something_in_these_cases() -> None:

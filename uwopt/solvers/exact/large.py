@@ -343,12 +343,13 @@ class LargeSearch:
         rows, value = rows.take(order), value[order]
         sizes = sum(len(table.light) for table in self.bounds.light_tables)
         position, batch = 0, FIRST_LEAVES
+        each = max(1, int(level.groups.size.mean()))  # ports behind a row
         while position < len(rows):
             self.pending = [(rows.take(np.arange(position, len(rows))), value[position:])]
-            ahead = np.arange(position, min(position + batch, len(rows)))
+            ahead = np.arange(position, min(position + max(1, batch // each), len(rows)))
             if value[position] > search.ranking.threshold() * TAKEN:
                 rest = np.arange(position, len(rows))
-                search.account.discarded["bound"] += len(rest) * sizes
+                search.account.discarded["bound"] += int(level.groups.size[rows.group[rest]].sum()) * sizes
                 self._remember("bound", level, rows, rest)
                 break
             before = self._snapshot()
@@ -368,14 +369,14 @@ class LargeSearch:
         """Search these imagers as those of a small catalogue; False when time ran out."""
         search = self.search
         blocks: list[PortBlock] = []
-        port = self.levels[-1].groups.order[rows.group]  # single ports stand in their order
+        groups = self.levels[-1].groups
         discarded = dict.fromkeys(search.account.discarded, 0)
-        for number in np.unique(port):
+        for number in np.unique(rows.group):
+            alike = groups.order[groups.start[number] : groups.stop[number]]
             for landscape in self.orientations:
-                mine = np.nonzero((port == number) & (rows.landscape == landscape))[0]
+                mine = np.nonzero((rows.group == number) & (rows.landscape == landscape))[0]
                 blocks += list(imagers_behind(
-                    self.problem, rows.camera[mine], rows.lens[mine], np.array([number]), landscape, discarded,
-                    self.samples,
+                    self.problem, rows.camera[mine], rows.lens[mine], alike, landscape, discarded, self.samples
                 ))  # fmt: skip
         for rule, count in discarded.items():
             search.account.discarded[rule] += count * self.every

@@ -3,7 +3,8 @@
 A row of an outline is camera x lens x orientation x a group of ports of one geometry. Every number that a
 bound needs is taken at the end of the group that favours the design: the smallest image for the light, the
 largest for the frame rate, the cheapest port for the cost. What no port of the group can bear is discarded
-with all its ports; what may be best is split into smaller groups, down to single ports, which are imagers.
+with all its ports; what may be best is split into smaller groups, down to ports of the same optics,
+whose imagers are searched together.
 """
 
 from __future__ import annotations
@@ -74,10 +75,10 @@ class PortGroups:
         def high(column: Array) -> Array:
             return np.asarray(np.maximum.reduceat(column[order], start))
 
-        passed = [
-            np.array([port_transmission(problem.shape(p, i)) for p in range(len(order))])
-            for i in range(len(problem.scenes))
-        ]
+        passed = []
+        for index in range(len(problem.scenes)):
+            known = {int(p): port_transmission(problem.shape(int(p), index)) for p in np.unique(problem.like_port)}
+            passed.append(np.array([known[int(p)] for p in problem.like_port]))
         radius = ports.outer_radius_m * (0.0 if problem.paper else 1.0)
         return PortGroups(
             order, start, stop, ports.is_dome[order[start]], low(radius), high(radius), low(ports.gap_m),
@@ -89,21 +90,27 @@ class PortGroups:
 
 
 def port_tree(problem: Problem) -> list[PortGroups]:
-    """Groups of ports, level by level: each geometry as a whole, then parts of it, at last single ports."""
-    ports = problem.ports
+    """Groups of ports, level by level: each geometry as a whole, then parts of it, at last ports of the same optics.
+
+    The last differ by their housings alone, of which one may beat another: only together can that be seen.
+    """
+    ports, alike = problem.ports, problem.port_groups
+    first = np.array([group[0] for group in alike])
     depth = np.where(
         ports.is_dome, ports.outer_radius_m, ports.gap_m + ports.thickness_m / ports.refractive_index
     )
-    order = np.lexsort((depth, ports.is_dome))
-    domes = ports.is_dome[order]
-    ends = [0, int(np.argmax(domes)) if domes.any() else len(order), len(order)]
-    spans = [(a, b) for a, b in pairwise(ends) if b > a]
-    levels = [PortGroups.of(problem, order, np.array([a for a, _ in spans]))]
-    while int(levels[-1].size.max()) > 1:
-        starts: list[int] = []
-        for a, b in zip(levels[-1].start, levels[-1].stop, strict=True):
-            starts += sorted({int(a + (b - a) * i // BRANCHES) for i in range(BRANCHES)})
-        levels.append(PortGroups.of(problem, order, np.array(starts)))
+    rank = np.lexsort((depth[first], ports.is_dome[first]))
+    order = np.concatenate([alike[group] for group in rank])
+    begin = np.cumsum([0, *(len(alike[group]) for group in rank)])  # of each optics, in ports
+    domes = ports.is_dome[first][rank]
+    ends = [0, int(np.argmax(domes)) if domes.any() else len(rank), len(rank)]
+    starts = [a for a, b in pairwise(ends) if b > a]
+    levels = [PortGroups.of(problem, order, begin[starts])]
+    while len(starts) < len(rank):
+        starts = sorted({
+            a + (b - a) * i // BRANCHES for a, b in pairwise([*starts, len(rank)]) for i in range(BRANCHES)
+        })  # fmt: skip
+        levels.append(PortGroups.of(problem, order, begin[starts]))
     return levels
 
 
@@ -120,7 +127,8 @@ class LensFocus:
 
 def lens_focus(problem: Problem, groups: PortGroups) -> LensFocus:
     """The best of each group's ports for every lens."""
-    by_port = [focus_behind(problem, int(p)) for p in groups.order]
+    known = {int(p): focus_behind(problem, int(p)) for p in np.unique(problem.like_port)}
+    by_port = [known[int(problem.like_port[p])] for p in groups.order]
     focuses = np.stack([one[0] for one in by_port], axis=1)
     cover = np.where(focuses, np.stack([one[1] for one in by_port], axis=2), np.inf)
     factor = np.where(focuses, np.stack([one[2] for one in by_port], axis=2), np.inf)
