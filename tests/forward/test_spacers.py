@@ -70,13 +70,13 @@ def test_mounts_tell_what_may_stand_behind_a_lens():
 
 
 def test_a_system_takes_the_ring_that_its_focus_needs_and_tells_what_to_set():
-    # q = 0.25 m, s = q / 1.335 = 0.1873 m: x = 1e-4 / 0.1773 = 0.564 mm, of which 0.25 mm are the ring's and 0.314 mm
-    # the lens's own: 0.010 + 1e-4 / 0.314e-3 = 0.3285 m on its scale
+    # q = 0.25 m, seawater 1.341: s = 0.1864 m, x = 1e-4 / 0.1764 = 0.567 mm, of which 0.25 mm are the ring's and 0.317 mm
+    # the lens's own: 0.010 + 1e-4 / 0.317e-3 = 0.3255 m on its scale
     result = evaluated(0.25)
     design = result.design
     assert design is not None and design.hardware.spacer_mm == pytest.approx(0.25)
     settings = design.scenes[0].settings
-    assert settings["spacer_mm"] == pytest.approx(0.25) and settings["focus_scale_m"] == pytest.approx(0.3285, rel=0.01)
+    assert settings["spacer_mm"] == pytest.approx(0.25) and settings["focus_scale_m"] == pytest.approx(0.3255, rel=4e-3)
     (row,) = [row for row in design.bom if row.id == "spacer-ring"]
     assert (row.count, row.unit_price) == (2, 30.0) and "0.25 mm" in row.model
     bare = evaluated(0.25, spacers="none").design

@@ -62,12 +62,12 @@ def plain_settings(model: DesignModel, settings: SettingRows, figures: Figures) 
 
 
 def on_scale_m(model: DesignModel, settings: SettingRows) -> float | None:
-    """What to set on the lens's own scale, in air; None at its far end, and where a model knows no port's image."""
+    """What to set on the lens's scale in air, as finely as one reads; None at its far end, and in physics `paper`."""
     if model.problem.paper:
         return None
     with np.errstate(divide="ignore"):
         distance = float(scale_distance_m(model.lenses, settings.dioptre_per_m, model.spacer_m)[0])
-    return distance if math.isfinite(distance) and settings.dioptre_per_m[0] > 0.0 else None
+    return float(f"{distance:.3g}") if math.isfinite(distance) and settings.dioptre_per_m[0] > 0.0 else None
 
 
 def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures: Figures) -> dict[str, Any]:

@@ -9,7 +9,7 @@ veil        light of the lamps that water scatters back (geometry, ray, mean)
 sunlight    daylight at depth, on the floor and along the path
 seafloor    what comes back
 port        window between water and air: rays, focus, losses
-lens        image irradiance, depth of field
+lens        image irradiance, depth of field; extension: how near it focuses, on a ring too
 defocus     blur of what is out of focus, behind flat ports and domes
 lateral     the spread of colours behind a flat port
 sharpness   MTF of all stages, information
