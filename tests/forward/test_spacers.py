@@ -70,7 +70,7 @@ def test_mounts_tell_what_may_stand_behind_a_lens():
 
 
 def test_a_system_takes_the_ring_that_its_focus_needs_and_tells_what_to_set():
-    # q = 0.25 m, seawater 1.341: s = 0.1864 m, x = 1e-4 / 0.1764 = 0.567 mm, of which 0.25 mm are the ring's and 0.317 mm
+    # q = 0.25 m, seawater 1.341: s = 0.1864 m, x = 1e-4 / 0.1764 = 0.567 mm, 0.25 mm of it the ring's, 0.317 mm
     # the lens's own: 0.010 + 1e-4 / 0.317e-3 = 0.3255 m on its scale
     result = evaluated(0.25)
     design = result.design
