@@ -13,9 +13,10 @@ from pathlib import Path
 import pytest
 
 import uwopt.catalog
+from uwopt.catalog.edition import AS_OF
 
 DATA_DIR = Path(uwopt.catalog.__file__).parent / "data"
-PART_FILES = ("cameras.csv", "lenses.csv", "lights.csv", "ports.csv")
+PART_FILES = ("cameras.csv", "lenses.csv", "lights.csv", "ports.csv", "housings.csv")
 ALL_FILES = sorted(path.name for path in DATA_DIR.glob("*.csv"))
 
 # Rows of the gathered tables; cameras: 103 products and the 7 sensor files of the paper's tool, then those of the
@@ -25,6 +26,7 @@ ROWS = {
     "lenses.csv": 242 + 8,
     "lights.csv": 43 + 3 + 27,  # options of a strobe; those of the second gathering
     "ports.csv": 38 + 69,
+    "housings.csv": 10 + 6,  # the 3 in and 5 in series of the third gathering
     "jerlov_iop.csv": 170,
     "pure_water.csv": 91,
     "photopic_v.csv": 471,
@@ -99,6 +101,12 @@ RANGES = {
     "thickness_mm": (1, 100),
     "clear_diameter_mm": (20, 500),
     "nominal_diameter_mm": (20, 600),
+    "inner_diameter_mm": (20, 500),
+    "inner_length_mm": (50, 1000),
+    "wall_mm": (2, 30),
+    "outer_diameter_mm": (40, 600),
+    "outer_length_mm": (100, 1200),
+    "penetrators": (1, 40),
     "price": (10, 40000),
     "price_low": (10, 40000),
     "price_high": (10, 40000),
@@ -109,7 +117,7 @@ UNIT_ENDINGS = (
 )  # fmt: skip
 PLAIN_NUMBERS = {
     "bit_depth", "qe", "f_number_min", "f_number_max", "rated_megapixel", "output_factor", "dim_step_count",
-    "cri", "refractive_index", "price", "price_low", "price_high",
+    "cri", "refractive_index", "price", "price_low", "price_high", "penetrators",
 }  # fmt: skip
 CHOICES = {
     "availability": {"current", "discontinued", "not_a_product", "unknown"},
@@ -132,7 +140,8 @@ CHOICES = {
         "part of a camera", "detector vessel", "one-off", "vehicle lamp", "video light", "photo strobe",
         "dive torch", "industrial camera", "board camera", "astronomy camera", "complete camera", "values of a tool",
     },
-    "material": {"acrylic", "polycarbonate", "glass", "sapphire", "fused silica", ""},
+    "material": {"acrylic", "polycarbonate", "glass", "sapphire", "fused silica", "aluminium", ""},
+    "shape": {"tube", "sphere"},
     "currency": {"USD", "EUR", "GBP", "CHF", "JPY", "AUD", ""},
     "price_status": {"quoted", "derived", "estimated", ""},
 }  # fmt: skip
@@ -233,6 +242,20 @@ def test_every_price_has_a_currency_and_a_status():
         if row["price_low"]:
             assert float(row["price_low"]) <= float(row["price"]) <= float(row["price_high"]), row["id"]
         assert re.fullmatch(r"(20\d\d(-\d\d){0,2})?", row["price_date"]), row["id"]
+
+
+def test_every_currency_has_a_rate_and_no_price_is_dated_after_the_catalogue():
+    rates = {row["currency"] for row in rows_of("exchange_rates.csv")} | {"USD"}
+    for _, row in part_rows():
+        assert not row["currency"] or row["currency"] in rates, row["id"]
+        assert row["price_date"] <= AS_OF, row["id"]
+
+
+def test_walls_are_half_of_what_the_diameters_of_a_tube_differ_by_or_less():
+    for row in rows_of("housings.csv"):
+        if row["wall_mm"] and row["outer_diameter_mm"]:
+            room = float(row["outer_diameter_mm"]) - float(row["inner_diameter_mm"])
+            assert 2.0 * float(row["wall_mm"]) <= room, row["id"]
 
 
 def test_a_quote_of_2024_or_later_means_that_the_part_is_sold():

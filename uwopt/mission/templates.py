@@ -129,7 +129,7 @@ catalog:
   # lights: ["*"]
   # housings: ["*"]
   # exclude: []
-  # files: [my_parts.csv]      # own parts, relative to this file
+  # files: [my_parts.csv]      # own parts, or a log of changes, relative to this file
   # prices: my_quotes.csv      # own quotes that override prices
   # owned: [{id: some_part_id, quantity: 1}]   # cost nothing
   # generic: fallback          # fallback | allow | never: parts that no shop sells as such
