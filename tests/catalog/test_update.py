@@ -115,7 +115,7 @@ def test_one_bad_row_keeps_all_others_out_and_the_log_as_it_was(tmp_path: Path) 
     log = kept(tmp_path, brought(tmp_path, NEW_LAMP))
     before = log.read_text()
     (tmp_path / "more.csv").write_text(f"id,price,currency,date,note\n{LAMP},210,EUR,2026,a\n{DOME},66,USD,,b\n")
-    done = CliRunner().invoke(app, ["catalog", "update", str(tmp_path / "more.csv"), "--to", str(log), "--date", DAY])
+    done = CliRunner().invoke(app, ["catalog", "update", str(tmp_path / "more.csv"), "--out", str(log), "--date", DAY])
     assert done.exit_code == 2
     assert log.read_text() == before
 
@@ -125,7 +125,7 @@ def test_a_dry_run_writes_nothing_and_a_folder_is_taken_whole(tmp_path: Path) ->
     folder.mkdir()
     (folder / "lights.csv").write_text(NEW_LAMP)
     (folder / "quotes.csv").write_text(f"id,price,currency,date,note\n{LAMP},210,EUR,2026-11-20,quote 77\n")
-    asked = ["catalog", "update", str(folder), "--to", str(log), "--date", DAY]
+    asked = ["catalog", "update", str(folder), "--out", str(log), "--date", DAY]
     dry = CliRunner().invoke(app, [*asked, "--dry-run"])
     assert dry.exit_code == 0
     assert "acme-lamp" in dry.output
@@ -135,6 +135,13 @@ def test_a_dry_run_writes_nothing_and_a_folder_is_taken_whole(tmp_path: Path) ->
     assert load_catalog([log]).part("acme-lamp").price.value == 900
     assert load_catalog([log]).part(LAMP).price.value == 210
     assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+
+
+def test_a_log_is_no_row_to_bring_and_its_own_folder_may_be_brought(tmp_path: Path) -> None:
+    log = kept(tmp_path, brought(tmp_path, NEW_LAMP))
+    assert planned([tmp_path], log, date=DAY).changes == ()
+    with pytest.raises(CatalogError, match="is a log of changes already"):
+        planned([log], tmp_path / "other.csv", date=DAY)
 
 
 def test_two_logs_are_read_one_after_the_other(tmp_path: Path) -> None:

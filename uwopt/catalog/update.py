@@ -53,7 +53,7 @@ def planned(sources: Sequence[Path], log: Path, *, date: str, source: str = "") 
     standing = built_in_cells() | replayed(before, log.name)
     changes: list[CellChange] = []
     seen: dict[str, str] = {}
-    for kind, row in _brought(sources, standing, faults):
+    for kind, row in _brought([path for path in _files(sources, faults) if path != log], standing, faults):
         key = plain_name(row.cells.get("id", ""))
         if key in seen:
             faults.append(f"{row.where()}: id stands already in {seen[key]}; ids are unique.")
@@ -85,9 +85,9 @@ def known_changes(log: Path) -> tuple[list[CellChange], list[str]]:
 def _brought(
     sources: Iterable[Path], standing: dict[str, tuple[Kind, Row]], faults: list[str]
 ) -> list[tuple[Kind, Row]]:
-    """Rows of all files, of folders too, each with its kind."""
+    """Rows of all files, each with its kind."""
     rows = []
-    for path in _files(sources, faults):
+    for path in sources:
         try:
             text = read_text(path)
         except CatalogError as fault:
@@ -95,6 +95,9 @@ def _brought(
             continue
         table = parse_table(text, path.name) if path.suffix.casefold() == ".csv" else yaml_table(text, path.name)
         faults += table.faults
+        if is_change_table(table):
+            faults.append(f"{path}: is a log of changes already; name it beside others in catalog.files.")
+            continue
         prices = is_price_table(table)
         for row in (_as_part(row) for row in table.rows) if prices else table.rows:
             part_id = row.cells.get("id", "")

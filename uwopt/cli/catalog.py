@@ -154,7 +154,7 @@ def update_command(
         typer.Argument(metavar="SOURCE", help="Files or folders of parts or prices (CSV, YAML): what is new."),
     ],
     log: Annotated[
-        str, typer.Option("--to", metavar="FILE", help="The log of changes to add to; made where there is none.")
+        str, typer.Option("--out", metavar="FILE", help="The log of changes to add to; made where there is none.")
     ] = "catalogue-changes.csv",
     source: Annotated[str, typer.Option(help="Where rows are from that do not say it (source_url).")] = "",
     date: Annotated[str, typer.Option(help="Day of the change, YYYY-MM-DD; today unless given.")] = "",
@@ -172,12 +172,12 @@ def update_command(
     from uwopt.catalog.update import planned
     from uwopt.report.text.console import print_blocks, print_json
     from uwopt.report.text.parts import change_blocks
-    from uwopt.report.write import check_folder, write_files
+    from uwopt.report.write import check_file, made_folder, write_files
 
     target = Path(log)
     plan = planned([Path(name) for name in sources], target, date=date or calendar.today().isoformat(), source=source)
     if plan.changes and not dry_run:
-        write_files(check_folder(target.parent), {target.name: log_text(plan.log)})
+        write_files(made_folder(check_file(target).parent), {target.name: log_text(plan.log)})
     if as_json:
         print_json(plan.changes)
     elif plan.changes:
