@@ -290,7 +290,7 @@ def as_used(case: Case) -> tuple[Callable[[Array, Array], Array], int]:
     curves = {name: Curve(*curve) for name, (_, curve) in zip(names, channels, strict=True)}
     contraction = Contraction(scene, [LightOptics((disc_beam(0.7),), named, own)], [curves])
     contraction = contraction.reaching(1.3 * case.lamp_m, 1.3 * case.camera_m)
-    table, response = contraction.table(0, 0), contraction.response(0, 0)
+    table, response = contraction.table(0, 0, nearest_m=float(scene.range_m[0])), contraction.response(0, 0)
     return (
         lambda lamp_m, camera_m: response * np.exp(log_mean_transmission(table, lamp_m, camera_m)),
         len(scene.wavelength_nm),

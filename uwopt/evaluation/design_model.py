@@ -171,7 +171,9 @@ class DesignModel:
         x_m, y_m, _ = floor_point(along, across, shape=self.shapes[index], range_m=range_m)
         lit = np.zeros(x_m.shape, bool)
         for n in range(len(lamps.share)):
-            light, _, _ = lamp_light(x_m, y_m, lamps=lamps, index=n, beam=beam, range_m=range_m)
+            light, _, _ = lamp_light(
+                x_m, y_m, lamps=lamps, index=n, beam=beam, range_m=range_m, slope=scene.slope
+            )
             lit |= light > 0.0
         return float(1.0 - lit.mean())
 
@@ -390,7 +392,7 @@ class DesignModel:
             ),
         )
         worst = int(reached.argmin())
-        value, where = np.array([reached[worst]]), np.array([scene.range_m[worst]])
+        value, where = np.array([reached[worst]]), np.array([scene.altitude_m[worst]])
         return [MarginRows("min_uniformity", value, np.array([wanted]), ">=", "", where)]
 
     def lamp_margins(self, index: int) -> list[MarginRows]:
@@ -399,7 +401,7 @@ class DesignModel:
         margins = []
         if views_refused(problem, index):
             clear, front = np.array([self.lamp_clearance_m(index)]), np.array([least_clearance_m(problem)])
-            where = np.array([float(problem.scenes[index].range_m[0])])
+            where = np.array([float(problem.scenes[index].altitude_m[0])])
             margins.append(MarginRows("lamp_clear_m", clear, front, ">=", "m", where))
         if bodies_refused(problem):
             size_m = problem.mission.vehicle.lamp_size_m or 0.0

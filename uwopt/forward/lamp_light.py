@@ -295,7 +295,7 @@ class LampField:
     def at_worst_pixels(self, view: Views, *, veils: bool) -> tuple[Array, Array | None]:
         """Signal and veil at every pixel of a grid that some setting could make the worst."""
         along, across = pixel_grid(
-            view.tan_along, view.tan_across, half=along_symmetric(self.lamps),
+            view.tan_along, view.tan_across, half=along_symmetric(self.lamps, self.shape),
             n_points=self.problem.pixels_a_side(self.scene_index),
         )  # fmt: skip
         signal, veil_there = self.at_pixels(view, along, across, veils=veils)

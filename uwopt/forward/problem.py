@@ -296,14 +296,23 @@ class Problem:
     ) -> Any:  # fmt: skip
         """Water's loss table of one scene, light spectrum and efficiency curve."""
         return self.contractions[scene_index].table(
-            spectrum, efficiency, channel, lowest_m=self.lowest_m(scene_index), forward=forward
-        )
+            spectrum, efficiency, channel, lowest_m=self.lowest_m(scene_index),
+            nearest_m=self.nearest_m(scene_index, 0), forward=forward,
+        )  # fmt: skip
 
     def lowest_m(self, scene_index: int) -> float:
         """Least height of any lamp above the floor, from which tables of water's loss reach up."""
-        near = float(self.scenes[scene_index].range_m[0])
-        lowest = min([near] + [near - m.z_m for mount in self.mounts for m in mount.explicit])
-        return max(lowest, 1e-4)
+        scene = self.scenes[scene_index]
+        near, cos, sin = float(scene.altitude_m[0]), np.cos(scene.pitch_rad), np.sin(scene.pitch_rad)
+        heights = [near - cos * m.z_m + sin * m.x_m for mount in self.mounts for m in mount.explicit]
+        return max(float(min([near, *heights])), 1e-4)
+
+    def nearest_m(self, scene_index: int, altitude: int) -> float:
+        """No ray of a camera is shorter at this altitude, behind whichever of the ports."""
+        scene = self.scenes[scene_index]
+        if not scene.pitch_rad:
+            return float(scene.range_m[altitude])
+        return scene.nearest_m(altitude, float((self.ports.outer_radius_m * self.ports.is_dome).max(initial=0.0)))
 
     def pixels_a_side(self, scene_index: int) -> int:
         """Points a side of the grid on which one scene's worst pixel is looked for; finer ones hold the coarser."""

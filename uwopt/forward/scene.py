@@ -63,7 +63,7 @@ class SceneOptics:
 
     view: SceneView
     paper: bool
-    range_m: Array  # altitudes over which requirements hold, rising
+    range_m: Array  # along the optical axis to the target, at the altitudes over which requirements hold, rising
     nominal: int  # index of the altitude itself
     wavelength_nm: Array
     photopic: Array
@@ -78,6 +78,7 @@ class SceneOptics:
     scattering: tuple[Scattering, ...] = ()  # none in physics `paper`, or where the water's b is unknown
     diffuse_attenuation_per_m: Array | None = None  # K_d, of daylight
     fineness: fine.Fineness = fine.DEFAULT  # of all integrals in this scene
+    pitch_rad: float = 0.0  # of the optical axis from the normal of the target's plane
     # Weights and loss tables by light spectrum and efficiency curve, shared by all problems in this scene.
     cache: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
@@ -85,6 +86,24 @@ class SceneOptics:
     def name(self) -> str:
         """Name of the scene."""
         return self.view.scene.name
+
+    @property
+    def slope(self) -> float:
+        """How fast the target's plane recedes along the axis, over the distance forward of it."""
+        return float(np.tan(self.pitch_rad))
+
+    @property
+    def altitude_m(self) -> Array:
+        """Heights of the port over the target's plane at these ranges."""
+        return np.asarray(self.range_m * np.cos(self.pitch_rad))
+
+    def nearest_m(self, altitude: int, radius_m: float = 0.0) -> float:
+        """No ray in water from a port to the target is shorter, `radius_m` that of the largest dome.
+
+        A dome's centre lies a radius behind its vertex, whose height is the altitude.
+        """
+        away = float(np.cos(self.pitch_rad))
+        return max(float(self.range_m[altitude]) * away - radius_m * (1.0 - away), 1e-4)
 
     def max_gain(self, of_camera: Array) -> Array:
         """Highest gain, a ratio: the camera's, or what the mission allows."""
@@ -192,7 +211,8 @@ def scene_optics(
     tolerance = view.vehicle.altitude_tolerance_m
     count = 1 if tolerance == 0 else (PAPER_ALTITUDES if paper else FULL_ALTITUDES)
     altitude = view.vehicle.altitude_m
-    ranges = np.linspace(altitude - tolerance, altitude + tolerance, count)
+    pitch_rad = float(np.deg2rad(view.vehicle.pitch_deg))
+    ranges = np.linspace(altitude - tolerance, altitude + tolerance, count) / np.cos(pitch_rad)
     if not np.all(ranges > 0):
         raise RangeError(f"scene {view.scene.name!r}: altitude minus tolerance is not above 0 m")
     return SceneOptics(
@@ -213,13 +233,14 @@ def scene_optics(
         scattering=scattering,
         diffuse_attenuation_per_m=daylight_attenuation(profile, grid, c),
         fineness=fineness,
+        pitch_rad=pitch_rad,
     )
 
 
 def seen_anew(known: SceneOptics, view: SceneView) -> SceneOptics | None:
     """The same scene asked for other things, its tables shared; None where water, floor or heights differ."""
     old, new = known.view, view
-    heights = ("altitude_m", "altitude_tolerance_m")
+    heights = ("altitude_m", "altitude_tolerance_m", "pitch_deg")
     same = old.scene == new.scene and all(
         getattr(old.vehicle, key) == getattr(new.vehicle, key) for key in heights
     )

@@ -23,6 +23,11 @@ def check_physical(mission: Mission) -> None:
     faults = [*objective_faults(mission)]
     for view in mission.views:
         faults += light_faults(view)
+        if mission.physics == "paper" and view.vehicle.pitch_deg:
+            faults.append(
+                f"vehicle.pitch_deg = {view.vehicle.pitch_deg:g}: physics paper looks square at its floor; set it to "
+                "0, or use physics: auto"
+            )
         if mission.physics != "paper":
             faults += [*lamp_front_faults(view), *sun_faults(view), *scattering_faults(view)]
         faults += clarity_faults(view, paper=mission.physics == "paper")
@@ -52,10 +57,11 @@ def objective_faults(mission: Mission) -> Iterator[str]:
 def light_faults(view: SceneView) -> Iterator[str]:
     """Lamps on or beyond what is looked at."""
     lowest = view.vehicle.altitude_m - view.vehicle.altitude_tolerance_m
+    pitch_rad = math.radians(view.vehicle.pitch_deg)
     thing, way = TARGET_WORDS[view.scene.target]
     far = "below the port at the lowest" if thing == "floor" else "before the port at the nearest"
     for n, mount in enumerate(view.vehicle.light_mounts or ()):
-        if mount.z_m >= lowest:
+        if mount.z_m * math.cos(pitch_rad) - mount.x_m * math.sin(pitch_rad) >= lowest:
             yield (
                 f"vehicle.light_mounts[{n}].z_m = {mount.z_m:g} m puts the lamp on or "
                 f"{'below' if thing == 'floor' else 'behind'} the {thing}, which is {lowest:g} m {far}; lower z_m or "

@@ -277,7 +277,7 @@ def sharp_rows(
         rms_k_along=rms_k[0],
         rms_k_across=rms_k[1],
         spread_index=np.asarray(index),
-        pixel_area_m2=view.footprint_along_m[:, 1] * view.footprint_across_m[:, 1] / pixels,
+        pixel_area_m2=view.area_m2[:, 1] / pixels,
         gsd_m=view.gsd_m,
         spreads=spreads,
         fineness=scene.fineness.sharpness,

@@ -130,15 +130,15 @@ class Contraction:
         least = float(optical.min())
         return float((weight * np.exp(-(optical - least))).sum() / max(weight.sum(), TINY) * np.exp(-least))
 
-    def most_contrast(self, spectrum: int, efficiency: int, altitude: int) -> float:
-        """Upper bound of the image-forming share at one altitude: the forward veil on the shortest rays.
+    def most_contrast(self, spectrum: int, efficiency: int, altitude: int, nearest_m: float) -> float:
+        """Upper bound of the image-forming share at one altitude: the forward veil on the shortest rays, `nearest_m`.
 
         The veil grows with both paths but for the spectrum's shift along them, so several are tried.
         """
         scene = self.scene
-        key = ("most contrast", *self.key(spectrum, efficiency, None), altitude, self.reach_m)
+        key = ("most contrast", *self.key(spectrum, efficiency, None), altitude, self.reach_m, nearest_m)
         if key not in scene.cache:
-            scene.cache[key] = self._most_contrast(spectrum, efficiency, float(scene.range_m[altitude]))
+            scene.cache[key] = self._most_contrast(spectrum, efficiency, nearest_m)
         return float(scene.cache[key])
 
     def _most_contrast(self, spectrum: int, efficiency: int, near: float) -> float:
@@ -172,18 +172,17 @@ class Contraction:
         return self._reach_m
 
     def table(
-        self, spectrum: int, efficiency: int, channel: str | None = None, *, lowest_m: float = 0.0,
+        self, spectrum: int, efficiency: int, channel: str | None = None, *, nearest_m: float, lowest_m: float = 0.0,
         forward: bool = False,
     ) -> PathTable:  # fmt: skip
-        """Loss over lamp leg and camera leg, as a table over both lengths.
+        """Loss over lamp leg and camera leg, as a table over both lengths; the least are `lowest_m` and `nearest_m`.
 
         `forward`: of the forward veil, exp(-K r) - exp(-c r) on the camera leg: what reaches the camera, but
         forms no image.
         """
         scene = self.scene
-        near = float(scene.range_m[0])
-        lowest = min(lowest_m, near) * 0.999
-        key = ("table", *self.key(spectrum, efficiency, channel), self.reach_m, lowest, forward)
+        lowest = min(lowest_m, nearest_m) * 0.999
+        key = ("table", *self.key(spectrum, efficiency, channel), self.reach_m, lowest, nearest_m, forward)
         if key not in scene.cache:
             scene.cache[key] = build_path_table(
                 self.weight(spectrum, efficiency, channel),
@@ -192,7 +191,7 @@ class Contraction:
                 c_camera_per_m=scene.attenuation_per_m,
                 k_camera_per_m=scene.lamp_attenuation_per_m if forward else None,
                 lamp_range_m=(lowest, self.reach_m[0]),
-                camera_range_m=(near * 0.999, self.reach_m[1]),
+                camera_range_m=(nearest_m * 0.999, self.reach_m[1]),
                 **self.table_settings(),
             )
         table: PathTable = scene.cache[key]

@@ -24,7 +24,7 @@ from uwopt.forward.views import Views
 from uwopt.model import port, seafloor, sunlight
 from uwopt.model.fineness import scaled
 from uwopt.model.image_mean import along_symmetric, frame_places, gauss, pixel_grid
-from uwopt.model.imaging import field_loss, floor_point, radiance_weight
+from uwopt.model.imaging import FARTHEST, field_loss, floor_point, radiance_weight, ray_spread
 from uwopt.model.spectrum import resample
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[Any]
 RADIAL_DEGREE = 20  # of the polynomials over the distance from the centre: 1e-8 of what they replace
+OBLIQUE_DEGREE = 40  # of those over the angle from the floor's normal, which may near the horizon
 IMAGE_ORDER = 12  # Gauss-Legendre nodes over half an image's side
 DIMMEST_LOG = -700.0
 
@@ -53,10 +54,11 @@ class SunField:
         """Daylight of these imagers; with `pixels` also at every point that lamps are seen at."""
         nodes, weights = gauss(scaled(IMAGE_ORDER, self.fineness))
         half, share = 0.5 * (nodes + 1.0), weights
-        along = view.tan_along[:, None, None] * half[:, None]
+        ahead, of_ahead = gauss(scaled(2 * IMAGE_ORDER, self.fineness)) if self.shape.slope else (half, share)
+        along = view.tan_along[:, None, None] * ahead[:, None]
         across = view.tan_across[:, None, None] * half
         parts = [
-            (part.reshape(len(part), -1, 3) * np.outer(share, share).ravel()[:, None]).sum(axis=1)
+            (part.reshape(len(part), -1, 3) * np.outer(of_ahead, share).ravel()[:, None]).sum(axis=1)
             for part in self.at_points(view, *np.broadcast_arrays(along, across))
         ]
         signal, forward, path = np.moveaxis(np.stack(parts, axis=1), -1, 0)
@@ -72,26 +74,56 @@ class SunField:
 
     def at_points(self, view: Views, along: Array, across: Array) -> list[Array]:
         """Floor, forward veil and path (last axis) at field points (n, ...), one array an altitude [e/s]."""
-        radius = np.hypot(along, across)
-        widest = float(radius.max(initial=1e-6)) * (1 + 1e-9)
         loss = field_loss(along, across, shape=self.shape)
         scale = (loss.T * view.collecting_m2).T
+        logs_at = self.oblique_logs if self.shape.slope else self.radial_logs
         out = []
         for range_m in self.scene.range_m:
-            logs = chebyshev.chebval(2.0 * radius / widest - 1.0, self.radial(float(range_m), widest))
+            logs = logs_at(along, across, float(range_m))
             floor, every, path = np.exp(np.maximum(logs, DIMMEST_LOG))
             forward = np.maximum(every - floor, 0.0)
             out.append(np.stack([floor, forward, path], axis=-1) * scale[..., None])
         return out
 
-    def radial(self, range_m: float, widest: float) -> Array:
-        """Polynomials in the distance from the centre: logarithms of floor, floor with veil, and path [e/s/m^2]."""
-        scene, degree = self.scene, scaled(RADIAL_DEGREE, self.fineness)
-        knots = chebyshev.chebpts1(degree + 1)
+    def radial_logs(self, along: Array, across: Array, range_m: float) -> Array:
+        """Logarithms of floor, floor with veil, and path [e/s/m^2] by the distance from the image's centre."""
+        radius = np.hypot(along, across)
+        widest = float(radius.max(initial=1e-6)) * (1 + 1e-9)
+        knots = chebyshev.chebpts1(scaled(RADIAL_DEGREE, self.fineness) + 1)
         tangent = 0.5 * (knots + 1.0) * widest
         _, _, path_m = floor_point(tangent, np.zeros_like(tangent), shape=self.shape, range_m=range_m)
         in_water = tangent if self.shape.is_dome else port.water_tangent(tangent, n=self.shape.n_water)
         cos_field = 1.0 / np.sqrt(1.0 + np.square(in_water))
+        return np.asarray(chebyshev.chebval(2.0 * radius / widest - 1.0, self.fitted(knots, path_m, cos_field)))
+
+    def oblique_logs(self, along: Array, across: Array, range_m: float) -> Array:
+        """The same of an oblique view, by the ray's angle from the floor's normal.
+
+        path = H / cos(angle), less R behind a dome. H is one height there; behind a flat port, whose rays start off
+        the axis, it varies by the window's thickness and gap: linear between its ends.
+        """
+        shape = self.shape
+        square = np.square(along) + np.square(across)
+        _, per_m = ray_spread(square, shape)
+        descent = np.maximum(1.0 - shape.slope * along * per_m, 1.0 / FARTHEST)
+        secant = np.sqrt(1.0 + square * np.square(per_m)) * np.hypot(1.0, shape.slope) / descent
+        behind_m = shape.outer_radius_m if shape.is_dome else 0.0
+        height_m = (floor_point(along, across, shape=shape, range_m=range_m)[2] + behind_m) / secant
+        low, high = float(secant.min(initial=1e6)), float(secant.max(initial=1.0)) * (1 + 1e-9)
+        knots = chebyshev.chebpts1(scaled(OBLIQUE_DEGREE, self.fineness) + 1)
+        at_knots = low + 0.5 * (knots + 1.0) * (high - low)
+        place = 2.0 * (secant - low) / max(high - low, 1e-12) - 1.0
+        ends_m = float(height_m.min(initial=np.inf)), float(height_m.max(initial=0.0))
+        first, last = (
+            chebyshev.chebval(place, self.fitted(knots, end_m * at_knots - behind_m, 1.0 / at_knots))
+            for end_m in ends_m
+        )
+        share = (height_m - ends_m[0]) / max(ends_m[1] - ends_m[0], 1e-12)
+        return np.asarray(first + share * (last - first))
+
+    def fitted(self, knots: Array, path_m: Array, cos_field: Array) -> Array:
+        """Polynomials through rays at Chebyshev knots: logarithms of floor, floor with veil, and path [e/s/m^2]."""
+        scene, degree = self.scene, len(knots) - 1
         floor = self.electrons(seafloor.lambertian_radiance(self.at_floor(), reflectance=scene.reflectance))
         image = log_sum(floor, scene.attenuation_per_m * path_m[:, None])
         every = log_sum(floor, scene.lamp_attenuation_per_m * path_m[:, None])
@@ -187,7 +219,7 @@ def sun_light(
     if not problem.scenes[scene_index].sunlit or not problem.effects.sunlight:
         return None
 
-    half = pixels == "darkest" and mount is not None and along_symmetric(mount.lamps(count))
+    lamps = None if mount is None or pixels != "darkest" else mount.lamps(count)
     efficiency = problem.cameras.qe_index[camera]
     columns: dict[str, Any] = {}
     for window in np.unique(port_index):
@@ -198,6 +230,7 @@ def sun_light(
             field = SunField(
                 problem, scene_index, port_index=int(window), efficiency=int(curve), channel=channel
             )
+            half = lamps is not None and along_symmetric(lamps, field.shape)
             light = field.light(view.take(mine), pixels=pixels, half_grid=half)
             if channel is None and problem.scenes[scene_index].channels:
                 light = with_colours(light, problem, scene_index, view.take(mine), int(window), int(curve))

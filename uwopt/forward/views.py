@@ -15,13 +15,15 @@ from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import Cameras, Lenses, Ports
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.model import defocus, operation, port
-from uwopt.model.imaging import PortShape
+from uwopt.model.footprint import floor_steps
+from uwopt.model.imaging import FARTHEST, PortShape, floor_point, ray_spread
 
 Array = NDArray[Any]
 
 PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
 CORNERS_REACH = 1.5  # of tables, in distances of the image's corner from the axis: with a margin
 CORNER_FIELD = 0.8  # of the half diagonal: where a corner's sharpness counts; 9 to 14 % of the image lie beyond
+PLACES_ALONG = 17  # of an image behind a flat port, where pixels on a tilted plane are compared
 RMS_FIELD = 1.0 / np.sqrt(3.0)  # of the corner's tangent: the 2-point Gauss rule's node along and across
 
 
@@ -32,16 +34,19 @@ class Views(Columns):
     tan_along: Array  # tangent in air of the half angle of view along the motion
     tan_across: Array
     footprint_along_m: Array  # (n, 3) full width at the middle of the image's edges
-    footprint_across_m: Array
+    footprint_across_m: Array  # at the near edge, where the target's plane is tilted
+    area_m2: Array  # (n, 3) of the footprint
     gsd_m: Array  # (n, 3) largest pixel
     pixel_along_m: Array  # (n, 3) smallest pixel along the motion
     pixel_across_m: Array
+    far_m: Array  # (n,) how far from the axis the image reaches at the highest altitude; tilted: from the port
+    farthest: Array  # (n,) the far edge's middle over the axis, as distances along it; inf at the horizon
     coc_m: Array  # circle of confusion
     focal_length_m: Array  # effective
     collecting_m2: Array  # p^2 * T_lens * T_port * QE scale
     axis_image: Array  # (n, 2, 3) where the floor's image lies on the axis; see `image_places`
-    corner_image: Array  # the same where a corner's sharpness counts
-    rms_image: Array  # the same at the field point that stands for the image's mean
+    corner_image: Array  # the same where a corner's sharpness counts; (n, 4, 3), near and far, of a tilted plane
+    rms_image: Array  # the same at the field points that stand for the image's mean
 
 
 def port_shape(ports: Ports, index: int, scene: SceneOptics) -> PortShape:
@@ -53,13 +58,13 @@ def port_shape(ports: Ports, index: int, scene: SceneOptics) -> PortShape:
         float(ports.refractive_index[index]),
         float(ports.gap_m[index]),
         scene.n_water,
+        slope=scene.slope,
     )
 
 
 def table_reach_m(view: Views) -> float:
     """How far from the axis tables of water's loss must reach: past the widest image."""
-    corner_m = 0.5 * np.hypot(view.footprint_along_m[:, 2], view.footprint_across_m[:, 2])
-    return CORNERS_REACH * float(corner_m.max(initial=0.0))
+    return CORNERS_REACH * float(view.far_m.max(initial=0.0))
 
 
 def views(
@@ -71,27 +76,95 @@ def views(
     half_x = cameras.resolution_x_px * pitch / (2.0 * effective)
     half_y = cameras.resolution_y_px * pitch / (2.0 * effective)
     along, across = (half_y, half_x) if landscape else (half_x, half_y)
-    ranges = altitudes_m(scene)
     diagonal = np.hypot(cameras.resolution_x_px, cameras.resolution_y_px) * pitch
     wanted_px = scene.view.requirements.circle_of_confusion_px
     coc = diagonal * PAPER_COC_PER_DIAGONAL if wanted_px is None else wanted_px * pitch
     transmission = lenses.transmission * (1.0 if scene.paper else port_transmission(shape))
-    pixel_along, pixel_across = smallest_pixels_m(scene, shape, along, across, pitch, effective, ranges)
     return Views(
         tan_along=along,
         tan_across=across,
-        footprint_along_m=2.0 * edge_m(scene, shape, along, ranges),
-        footprint_across_m=2.0 * edge_m(scene, shape, across, ranges),
-        gsd_m=largest_pixel_m(scene, shape, pitch, effective, ranges),
-        pixel_along_m=pixel_along,
-        pixel_across_m=pixel_across,
+        **footprints(scene, shape, along, across, pitch, effective),
         coc_m=coc,
         focal_length_m=effective,
         collecting_m2=np.square(pitch) * transmission * cameras.qe_scale,
         axis_image=image_places(scene, shape, None, len(along)),
-        corner_image=image_places(scene, shape, np.hypot(along, across) * CORNER_FIELD),
-        rms_image=image_places(scene, shape, np.hypot(along, across) * RMS_FIELD),
+        corner_image=tilted_places(scene, shape, along, across, CORNER_FIELD),
+        rms_image=tilted_places(scene, shape, along, across, float(RMS_FIELD)),
     )
+
+
+def footprints(
+    scene: SceneOptics, shape: PortShape, along: Array, across: Array, pitch: Array, focal: Array
+) -> dict[str, Array]:
+    """The columns of `Views` that say what the images cover of the target's plane."""
+    ranges = altitudes_m(scene)
+    if scene.slope:
+        return oblique_footprints(shape, along, across, pitch / focal, ranges)
+    wide_along, wide_across = (2.0 * edge_m(scene, shape, side, ranges) for side in (along, across))
+    pixel_along, pixel_across = smallest_pixels_m(scene, shape, along, across, pitch, focal, ranges)
+    return dict(
+        footprint_along_m=wide_along, footprint_across_m=wide_across, area_m2=wide_along * wide_across,
+        gsd_m=largest_pixel_m(scene, shape, pitch, focal, ranges), pixel_along_m=pixel_along,
+        pixel_across_m=pixel_across, far_m=0.5 * np.hypot(wide_along[:, 2], wide_across[:, 2]),
+        farthest=np.ones(len(along)),
+    )  # fmt: skip
+
+
+def oblique_footprints(
+    shape: PortShape, along: Array, across: Array, pixel: Array, ranges: Array
+) -> dict[str, Array]:
+    """The same of a tilted plane: a trapezoid, near edge below.
+
+    Its depth is that of the middle column, its width that of the near edge: so wide a strip all images of a line
+    cover, each with the whole depth. The largest pixel is looked for over the image, as is what the motion moves most.
+    pixel : (n,) its tangent; ranges : (3,) along the axis
+    """
+    near, far = -along[:, None], along[:, None]
+    side, middle = across[:, None], np.zeros((len(along), 1))
+
+    def point(u: Array, v: Array) -> tuple[Array, Array, Array]:
+        x_m, y_m, _ = floor_point(u, v, shape=shape, range_m=ranges)
+        return x_m, y_m, ranges + shape.slope * x_m
+
+    deep = np.hypot(1.0, shape.slope) * (point(far, middle)[0] - point(near, middle)[0])
+    wide = 2.0 * point(near, side)[1]
+    corner = point(far, side)
+    u, v = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, PLACES_ALONG), np.linspace(0.0, 1.0, 3)))
+    if shape.is_dome:  # pixels grow towards the far corner, throughout
+        u, v = np.array([-1.0, 1.0]), np.ones(2)
+    steps = floor_steps(
+        (along[:, None] * u)[:, None], (across[:, None] * v)[:, None], shape=shape, range_m=ranges[:, None]
+    )
+    moved = [least.min(axis=2) * pixel[:, None] for least in steps.least_moved_m]
+    with np.errstate(divide="ignore"):
+        descent = 1.0 - shape.slope * along * ray_spread(np.square(along), shape)[1]
+        farthest = np.where(descent > 0.0, 1.0 / np.maximum(descent, 0.0), np.inf)
+    return dict(
+        footprint_along_m=deep, footprint_across_m=wide, area_m2=deep * (0.5 * wide + corner[1]),
+        gsd_m=steps.longest_m.max(axis=2) * pixel[:, None], pixel_along_m=moved[0], pixel_across_m=moved[1],
+        far_m=np.sqrt(sum(np.square(part[:, 2]) for part in corner)), farthest=farthest,
+    )  # fmt: skip
+
+
+def tilted_places(scene: SceneOptics, shape: PortShape, tan_along: Array, tan_across: Array, share: float) -> Array:
+    """`image_places` at a share of the corner's field; of a tilted plane near and far, after each other, (n, 4, 3).
+
+        a ray that meets the plane at z = (d + s A u) / (1 - s u W) has p1 / (z + p2) = p1' / (d + p2'),
+        p1' = p1 (1 - s u W),   p2' = s A u + p2 (1 - s u W)
+    """
+    tan_air = np.hypot(tan_along, tan_across) * share
+    places = image_places(scene, shape, tan_air)
+    if not scene.slope:
+        return places
+    start_m, per_m = ray_spread(np.square(tan_air), shape)
+    both = []
+    for u in (-share * tan_along, share * tan_along):
+        descent = np.maximum(1.0 - shape.slope * u * per_m, 1.0 / FARTHEST)[:, None]
+        own = np.array(places)
+        own[..., 1] *= descent
+        own[..., 2] = (shape.slope * start_m * u)[:, None] + own[..., 2] * descent
+        both.append(own)
+    return np.concatenate(both, axis=1)
 
 
 def image_places(
@@ -139,8 +212,13 @@ def field_dioptres_per_m(places: Array, range_m: Array | float) -> Array:
 
 
 def altitudes_m(scene: SceneOptics) -> Array:
-    """Near, nominal and far altitude."""
+    """Near, nominal and far altitude, as ranges along the optical axis."""
     return np.array([scene.range_m[0], scene.range_m[scene.nominal], scene.range_m[-1]])
+
+
+def heights_m(scene: SceneOptics) -> Array:
+    """The same as heights over the target's plane."""
+    return scene.altitude_m[[0, scene.nominal, -1]]
 
 
 def port_transmission(shape: PortShape) -> float:

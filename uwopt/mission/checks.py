@@ -234,6 +234,9 @@ def _target_faults(vehicle: Values, wanted: Values, target: str) -> Iterator[tup
     """In mid-water there is no ground that images could cover."""
     if target != "mid_water":
         return
+    if vehicle.get("pitch_deg"):
+        text = f"= {vehicle['pitch_deg']:g} is of a floor or wall, and target: mid_water has none; leave it out"
+        yield "vehicle", "pitch_deg", text
     for key in ("overlap", "min_area_m2_h"):
         if wanted.get(key) is not None:
             text = "is asked of ground that is passed over, and target: mid_water has none; leave it out"

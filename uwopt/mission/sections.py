@@ -68,6 +68,11 @@ class Vehicle(Section):
         description="half-width of the altitudes over which every requirement holds, in metres; also as "
         "distance_tolerance_m",
     )
+    pitch_deg: Annotated[float, Field(ge=0, le=80), NUMBER] = Field(
+        default=0.0,
+        description="angle by which the camera looks ahead of the normal of the floor or wall in degrees, 0 for square "
+        "on it; the lamps turn with it",
+    )
     speed_m_s: Annotated[float, Field(ge=0, le=50), NUMBER] = Field(
         description="speed over the floor in metres per second, 0 when it hovers"
     )

@@ -47,6 +47,7 @@ vehicle:
   altitude_m: 2.0              # from the port to the floor; or distance_m, of a wall or a target
   altitude_tolerance_m: 0.25   # every requirement holds over altitude +/- tolerance
   speed_m_s: 0.5               # 0 when it hovers; then give requirements.frame_interval_s
+  # pitch_deg: 0               # how far the camera looks ahead of straight down, and the lamps with it
   # pitch_rate_deg_s: 0
   # roll_rate_deg_s: 0
   orientation: any             # landscape | portrait | any: image height | width along the motion

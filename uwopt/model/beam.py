@@ -264,14 +264,17 @@ def lamp_rays(
     aim_x: Any,
     aim_y: Any,
     aim_z: Any,
+    slope: float = 0.0,
 ) -> Any:
-    """The rays from a lamp to points of a level floor.
+    """The rays from a lamp to points of a floor, level or z = d + slope x.
+
+        cos(incidence) = (h - slope (x - x_lamp)) / (r sqrt(1 + slope^2)), not below 0
 
     Parameters
     ----------
     floor_x_m, floor_y_m : (...,) [m], points of the floor, vehicle frame (x forward, y starboard, z down)
     lamp_x_m, lamp_y_m : broadcasting [m]
-    lamp_height_m : broadcasting [m], z of the floor minus z of the lamp, above 0
+    lamp_height_m : broadcasting [m], h, z of the floor there minus z of the lamp, above 0 over a level floor
     aim_x, aim_y, aim_z : broadcasting [1], unit vector of the beam's axis
 
     Returns
@@ -283,6 +286,8 @@ def lamp_rays(
     y = floor_y_m - lamp_y_m
     range_m = np.sqrt(x * x + y * y + lamp_height_m * lamp_height_m)
     cos_incidence = lamp_height_m / range_m
+    if slope:
+        cos_incidence = np.maximum(cos_incidence - slope * x / range_m, 0.0) / np.hypot(1.0, slope)
     cos_beam_angle = (x * aim_x + y * aim_y + lamp_height_m * aim_z) / range_m
     return range_m, cos_beam_angle, cos_incidence
 

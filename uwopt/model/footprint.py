@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from uwopt.model.image_mean import (
     spot_box,
 )
 from uwopt.model.imaging import (
+    FARTHEST,
     LEAST_STARTS,
     LEAST_ZOOMS,
     Lamps,
@@ -32,6 +33,8 @@ from uwopt.model.imaging import (
     flat_slope_m,
     floor_point,
     lamp_light,
+    levelled,
+    ray_spread,
 )
 
 Array = NDArray[Any]
@@ -44,7 +47,7 @@ UNIFORMITY_MARGIN = 1.001  # of a bound: one table of water's loss serves many f
 
 def floor_illuminance_per_lm(
     x_m: Array, y_m: Array, *, lamps: Lamps, beam: beams.Beam, range_m: float, weight: Array, attenuation_per_m: Array,
-    edge_share: bool = False, n_ranges: int = LAMP_RANGES, leg: LegLoss | None = None,
+    slope: float = 0.0, edge_share: bool = False, n_ranges: int = LAMP_RANGES, leg: LegLoss | None = None,
 ) -> Array:  # fmt: skip
     """Illuminance on the floor per lumen of all lamps [1/m^2], water's loss on the lamp leg included.
 
@@ -52,7 +55,7 @@ def floor_illuminance_per_lm(
 
     Parameters
     ----------
-    x_m, y_m : (...,) floor points
+    x_m, y_m : (...,) floor points off the optical axis; range_m, slope : of the floor z = range_m + slope x
     weight : (n,) V(lambda) times the lamp's spectrum and the steps; attenuation_per_m : (n,) K(lambda)
     edge_share : points are cells of a regular grid, and a sharp beam counts by the share it covers
     n_ranges : of `lamp_leg_loss`
@@ -67,7 +70,7 @@ def floor_illuminance_per_lm(
     shape = beams.without_edge(beam) if edge_share else beam
     for index, share in enumerate(lamps.share):
         vacuum, range_lamp, cos_beam = lamp_light(
-            x_m, y_m, lamps=lamps, index=index, beam=shape, range_m=range_m
+            x_m, y_m, lamps=lamps, index=index, beam=shape, range_m=range_m, slope=slope
         )
         if edge_share:
             vacuum = vacuum * covered_share(cos_beam, np.cos(beams.edge_half_angle_rad(beam)))
@@ -124,16 +127,19 @@ def lamp_leg_loss(
 
 
 def leg_loss_over(
-    x_m: Array, y_m: Array, *, lamps: Lamps, range_m: float, weight: Array, attenuation_per_m: Array, n_ranges: int
+    x_m: Array, y_m: Array, *, lamps: Lamps, range_m: float, weight: Array, attenuation_per_m: Array, n_ranges: int,
+    slope: float = 0.0,
 ) -> LegLoss:  # fmt: skip
     """The loss between any of the lamps and any place among floor points that reach to the footprint's edge [m].
 
     No place is nearer than a lamp's height, and none farther than one of the edge: distance is convex.
     """
-    heights_m = [range_m - z for z in lamps.z_m]
+    over, port_m = levelled(lamps, slope, range_m)
+    heights_m = [port_m - z for z in over.z_m]
+    along_m = x_m * np.hypot(1.0, slope)
     far_m = [
-        float(np.sqrt(np.square(x_m - x) + np.square(y_m - y) + height**2).max())
-        for x, y, height in zip(lamps.x_m, lamps.y_m, heights_m, strict=True)
+        float(np.sqrt(np.square(along_m - x) + np.square(y_m - y) + height**2).max())
+        for x, y, height in zip(over.x_m, over.y_m, heights_m, strict=True)
     ]
     return LegLoss.between(min(heights_m), max(far_m), weight / weight.sum(), attenuation_per_m, n_ranges)
 
@@ -147,7 +153,9 @@ def footprint_illuminance_per_lm(
     The footprint is traced through the port: behind a flat one its corners are drawn in. The mean is
     over floor area, each field point weighted with |d(x, y) / d(u, v)| = (r/t) dr/dt of the radial map.
     """
-    water: dict[str, Any] = dict(weight=weight, attenuation_per_m=attenuation_per_m, range_m=range_m)
+    water: dict[str, Any] = dict(
+        weight=weight, attenuation_per_m=attenuation_per_m, range_m=range_m, slope=shape.slope
+    )
     cells_a_side = scaled(FOOTPRINT_CELLS, fineness.places)
     needed = cells_needed if beams.has_sharp_edge(beam) else orders_needed
     images = np.array([tan_along]), np.array([tan_across])
@@ -194,11 +202,15 @@ def most_uniformity(
     most = np.ones(len(tan_along))
     if beams.has_sharp_edge(beam):
         return most
-    water: dict[str, Any] = dict(weight=weight, attenuation_per_m=attenuation_per_m, range_m=range_m)
-    corners = floor_point(tan_along, tan_across, shape=shape, range_m=range_m)
-    mirrored = [np.concatenate([end, -end, end, -end]) for end in corners[:1]]
-    mirrored += [np.concatenate([end, -end, -end, end]) for end in corners[1:2]]
-    leg = leg_loss_over(*mirrored, lamps=lamps, n_ranges=scaled(LAMP_RANGES, fineness.spectrum), **water)
+    water: dict[str, Any] = dict(
+        weight=weight, attenuation_per_m=attenuation_per_m, range_m=range_m, slope=shape.slope
+    )
+    corners = [
+        np.concatenate([sign * side for sign in signs])
+        for side, signs in ((tan_along, (1, -1, 1, -1)), (tan_across, (1, -1, -1, 1)))
+    ]
+    edges = floor_point(*corners, shape=shape, range_m=range_m)[:2]
+    leg = leg_loss_over(*edges, lamps=lamps, n_ranges=scaled(LAMP_RANGES, fineness.spectrum), **water)
     orders = orders_needed(tan_along, tan_across, shape, range_m, lamps, beam, fineness.image)
     side = np.linspace(-1.0, 1.0, FEW_PLACES if scaled(FOOTPRINT_CELLS, fineness.places) % (FEW_PLACES - 1) == 0 else 2)
 
@@ -266,8 +278,76 @@ def least_of(function: Callable[[Array, Array], Array], u: Array, v: Array, cell
     return float(values.min())
 
 
+class FloorSteps(NamedTuple):
+    """How far a floor point moves for a step of its field tangents [m]: along the floor and across, by u and by v."""
+
+    along_u: Array
+    along_v: Array
+    across_u: Array
+    across_v: Array
+
+    @property
+    def area_m2(self) -> Array:
+        """Floor area per area of field tangents."""
+        return np.asarray(np.abs(self.along_u * self.across_v - self.along_v * self.across_u))
+
+    @property
+    def longest_m(self) -> Array:
+        """The longer side of what a square of tangents covers, over the square's."""
+        return np.maximum(np.hypot(self.along_u, self.across_u), np.hypot(self.along_v, self.across_v))
+
+    @property
+    def least_moved_m(self) -> tuple[Array, Array]:
+        """Way along and across the floor that moves the image by one tangent, in whatever direction it then goes."""
+        along, across = np.hypot(self.across_v, self.across_u), np.hypot(self.along_v, self.along_u)
+        return self.area_m2 / along, self.area_m2 / across
+
+
+def floor_steps(tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: Any) -> FloorSteps:
+    """Derivatives of the floor point of a ray by its field tangents u, v, on a plane of any slope s.
+
+        (x, y) = (u, v) F,   F = (A + d W) / (1 - s u W),   along the floor X = x sqrt(1 + s^2)
+
+    Parameters
+    ----------
+    tan_along, tan_across : (...,) u, v [1]; range_m : d, along the axis [m]; they broadcast
+
+    Returns
+    -------
+    FloorSteps (...,) [m]; dA/dq and dW/dq of `imaging.ray_spread` follow from -(n^2 - 1) / 2 times their cubes
+
+    Notes
+    -----
+    Valid where the ray meets the plane, s u W < 1; beyond `imaging.FARTHEST` the descent is held.
+
+    References
+    ----------
+    Plane geometry and Snell's law; physics page, sections 4 and 7.
+    """
+    u, v, s = np.asarray(tan_along, float), np.asarray(tan_across, float), shape.slope
+    square = u * u + v * v
+    start_m, per_m = ray_spread(square, shape)
+    start_q = per_q = 0.0 * square
+    if not shape.is_dome:
+        glass = 1.0 / np.sqrt(shape.n_glass**2 + (shape.n_glass**2 - 1.0) * square)
+        start_q = -0.5 * shape.thickness_m * (shape.n_glass**2 - 1.0) * glass**3
+        per_q = -0.5 * (shape.n_water**2 - 1.0) * per_m**3
+    reach_m, reach_q = start_m + range_m * per_m, start_q + range_m * per_q
+    descent = np.maximum(1.0 - s * u * per_m, 1.0 / FARTHEST)
+    descent_u, descent_v = -s * (per_m + 2.0 * u * u * per_q), -2.0 * s * u * v * per_q
+    scale = reach_m / descent
+    scale_u = (2.0 * u * reach_q - scale * descent_u) / descent
+    scale_v = (2.0 * v * reach_q - scale * descent_v) / descent
+    secant = np.hypot(1.0, s)
+    return FloorSteps(
+        secant * (scale + u * scale_u), secant * u * scale_v, v * scale_u, scale + v * scale_v
+    )
+
+
 def floor_area_ratio(tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float) -> Array:
-    """Floor area per area of field tangents, |d(x, y) / d(u, v)| [m^2]; constant behind a dome."""
+    """Floor area per area of field tangents, |d(x, y) / d(u, v)| [m^2]; constant behind a dome over a square plane."""
+    if shape.slope:
+        return floor_steps(tan_along, tan_across, shape=shape, range_m=range_m).area_m2
     if shape.is_dome:
         return np.full(np.broadcast(tan_along, tan_across).shape, (range_m + shape.outer_radius_m) ** 2)
     radius = np.hypot(tan_along, tan_across)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.model import beam as beams
-from uwopt.model.imaging import Lamps, PortShape, flat_slope_m, local_gain
+from uwopt.model.imaging import Lamps, PortShape, flat_slope_m, levelled, local_gain
 from uwopt.model.path_table import PathTable
 
 Array = NDArray[Any]
@@ -44,7 +44,7 @@ def field_mean(
     Notes
     -----
     Images are symmetric about the axis, so lamps that mirror each other give the same mean.
-    When no lamp stands or leans along the motion, half of the image stands for the whole.
+    When no lamp stands or leans along the motion over a plane square to the axis, half of the image stands for all.
     """
     needed = cells_needed if beams.has_sharp_edge(beam) else orders_needed
     orders = (
@@ -126,31 +126,40 @@ def spot_box(
     On the floor the edge of a beam is an ellipse: half axes a = h (tan(t + b) - tan(t - b)) / 2 along the tilt t
     and a sqrt(1 - sin^2(t) / cos^2(b)) across it. Empty (to = from) where the spot lies outside.
     """
-    edge, aim = beams.edge_half_angle_rad(beam), lamps.aim[0]
+    over, port_m = levelled(lamps, shape.slope, range_m)
+    edge, aim = beams.edge_half_angle_rad(beam), over.aim[0]
     tilt = float(np.arctan2(np.hypot(aim[0], aim[1]), aim[2]))
     box = np.repeat([[-1.0], [1.0], [-1.0], [1.0]], len(tan_along), axis=1)
     if tilt + edge >= WIDEST_SPOT_RAD:
         return box
-    height_m = range_m - lamps.z_m[0]
+    height_m = port_m - over.z_m[0]
     far_m, near_m = height_m * np.tan(tilt + edge), height_m * np.tan(tilt - edge)
     long_m, centre_m = 0.5 * (far_m - near_m), 0.5 * (far_m + near_m)
     short_m = long_m * np.sqrt(max(1.0 - (np.sin(tilt) / np.cos(edge)) ** 2, 0.0))
     across_tilt = max(float(np.hypot(aim[0], aim[1])), 1e-300)
     lean = (aim[0] / across_tilt, aim[1] / across_tilt) if tilt > 0.0 else (1.0, 0.0)
-    if shape.is_dome:
-        scales_m = [np.full(len(tan_along), range_m + shape.outer_radius_m)]
-    else:
-        corner = np.hypot(tan_along, tan_across)
-        scales_m = [flat_slope_m(t, shape=shape, range_m=range_m) for t in (0.0 * corner, corner)]
-    for axis, (foot_m, half) in enumerate(((lamps.x_m[0], tan_along), (lamps.y_m[0], tan_across))):
-        reach_m = np.hypot(long_m * lean[axis], short_m * lean[1 - axis])
-        middle_m = foot_m + centre_m * lean[axis]
-        first, last = (
-            [end_m / (s * half) for s in scales_m] for end_m in (middle_m - reach_m, middle_m + reach_m)
-        )
-        box[2 * axis] = np.clip(np.min(first, axis=0), -1.0, 1.0)
-        box[2 * axis + 1] = np.clip(np.max(last, axis=0), -1.0, 1.0)
+    reach_m = [float(np.hypot(long_m * lean[axis], short_m * lean[1 - axis])) for axis in (0, 1)]
+    middle_m = [foot_m + centre_m * lean[axis] for axis, foot_m in enumerate((over.x_m[0], over.y_m[0]))]
+    ends_m = [(middle - reach, middle + reach) for middle, reach in zip(middle_m, reach_m, strict=True)]
+    corner, sin, cos = np.hypot(tan_along, tan_across), shape.slope / np.hypot(1.0, shape.slope), 1.0
+    if shape.slope:
+        cos = 1.0 / np.hypot(1.0, shape.slope)
+    scales_m = [spot_scales_m(corner, shape, range_m + sin * along_m) for along_m in ends_m[0]]
+    first, last = (
+        [cos * end / (s * tan_along) for s in scales] for end, scales in zip(ends_m[0], scales_m, strict=True)
+    )
+    box[0], box[1] = np.clip(np.min(first, axis=0), -1.0, 1.0), np.clip(np.max(last, axis=0), -1.0, 1.0)
+    left, right = ([end / (s * tan_across) for s in (*scales_m[0], *scales_m[1])] for end in ends_m[1])
+    box[2], box[3] = np.clip(np.min(left, axis=0), -1.0, 1.0), np.clip(np.max(right, axis=0), -1.0, 1.0)
     return box
+
+
+def spot_scales_m(corner: Array, shape: PortShape, range_m: float) -> list[Array]:
+    """Least and most distance from the axis over the tangent in air, of image points so far along the axis [m]."""
+    if shape.is_dome:
+        return [np.full(len(corner), max(range_m + shape.outer_radius_m, 1e-9))]
+    ahead_m = max(range_m, 1e-9)  # a spot may begin behind the port, where no ray goes
+    return [flat_slope_m(t, shape=shape, range_m=ahead_m) for t in (0.0 * corner, corner)]
 
 
 def edge_mean(
@@ -162,7 +171,7 @@ def edge_mean(
         box = spot_box(
             tan_along, tan_across, shape=shape, lamps=lamp, range_m=common["range_m"], beam=common["beam"]
         )
-        along_cells = 2 if along_symmetric(lamp) else 1  # half of the image stands for the whole
+        along_cells = 2 if along_symmetric(lamp, shape) else 1  # half of the image stands for the whole
         if along_cells == 2:
             box[0] = 0.0
         area = along_cells * 0.25 * np.maximum(box[1] - box[0], 0.0) * np.maximum(box[3] - box[2], 0.0)
@@ -210,7 +219,7 @@ def mean_of_order(
     if beams.has_sharp_edge(beam):
         return edge_mean(n, tan_along, tan_across, **common)
     along_rule = gauss(n)
-    if along_symmetric(lamps):
+    if along_symmetric(lamps, shape):
         nodes, weights = gauss(max(4, n // 2))
         along_rule = (0.5 * (nodes + 1.0), weights)
     return rule_mean(tan_along, tan_across, along_rule, gauss(n), **common)
@@ -277,9 +286,10 @@ def needed_by_most(values: Array, may_miss: int) -> Array:
     return -reached_by_most(-values, may_miss)
 
 
-def along_symmetric(lamps: Lamps) -> bool:
-    """Whether no lamp stands or leans along the motion, so that half of an image stands for the whole."""
-    return all(x == 0.0 for x in lamps.x_m) and all(aim[0] == 0.0 for aim in lamps.aim)
+def along_symmetric(lamps: Lamps, shape: PortShape) -> bool:
+    """Whether nothing stands or leans along the motion, so that half of an image stands for the whole."""
+    upright = all(x == 0.0 for x in lamps.x_m) and all(aim[0] == 0.0 for aim in lamps.aim)
+    return upright and shape.slope == 0.0
 
 
 @cache

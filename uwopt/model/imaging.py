@@ -24,10 +24,11 @@ from uwopt.model.spectrum import trapezoid_weights_nm
 Array = NDArray[Any]
 
 LEAST_STARTS, LEAST_ZOOMS = 12, 7  # of the search for the darkest place
+FARTHEST = 5.0  # times as far along the axis as the middle of a frame: beyond it a tilted plane runs to the horizon
 
 
 class PortShape(NamedTuple):
-    """One port and the water in front of it, as scalars in SI."""
+    """One port, the water in front of it and how the target's plane lies there, as scalars in SI."""
 
     is_dome: bool
     outer_radius_m: float
@@ -36,13 +37,14 @@ class PortShape(NamedTuple):
     gap_m: float
     n_water: float
     window_angle: bool = False  # count that a flat window passes less off its axis
+    slope: float = 0.0  # of the plane z = d + slope x that is looked at, tan of the pitch; 0: square to the axis
 
 
 @dataclass(frozen=True)
 class Lamps:
-    """Where lamps stand and aim in the vehicle frame, and the share of the total light each gives.
+    """Where lamps stand and aim in the frame that they share with the camera, and the share of the light of each.
 
-    Arrays of equal length; aims are unit vectors, z down; shares add up to 1.
+    Arrays of equal length; aims are unit vectors, z along the optical axis; shares add up to 1.
     """
 
     x_m: tuple[float, ...]
@@ -128,18 +130,19 @@ def radiance_weight(
 
 
 def floor_point(
-    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float
+    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: Any
 ) -> tuple[Array, Array, Array]:
     """Where the ray of a field point meets the floor, and its path in water.
 
     Field points are tangents of the angle in air along and across the motion; the floor is flat,
-    `range_m` below the port. Dome: x = (d + R) tan; flat: exact Snell ray (section 4).
+    `range_m` before the port along the axis. Dome: x = (d + R) tan; flat: exact Snell ray (section 4).
 
     Returns
     -------
-    x_m (forward), y_m (starboard), path_m from the port's face to the floor
+    x_m (forward), y_m (starboard) off the axis, path_m from the port's face to the floor; z = range_m + slope x
     """
     square = np.square(tan_along) + np.square(tan_across)
+    range_m = axial_range_m(tan_along, tan_across, shape=shape, range_m=range_m)
     if shape.is_dome:
         reach_m = range_m + shape.outer_radius_m
         return (
@@ -151,6 +154,65 @@ def floor_point(
     slope = flat_slope_m(radius, shape=shape, range_m=range_m)
     water_tangent = port.water_tangent(radius, n=shape.n_water)
     return slope * tan_along, slope * tan_across, range_m * np.sqrt(1.0 + np.square(water_tangent))
+
+
+def axial_range_m(tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: Any) -> Any:
+    """How far along the axis rays meet the target's plane [m]: the same for all where it is square to the axis.
+
+        z = (d + s A u) / (1 - s u W),   rays at (x, y) = (u, v) (A + z W) before the port, plane z = d + s x
+
+    Parameters
+    ----------
+    tan_along, tan_across : (...,) tangents in air u, v
+    range_m : d, of the plane along the axis [m], broadcasting
+
+    Notes
+    -----
+    Rays that would meet it beyond `FARTHEST` times d, or never, end there: such views are refused.
+
+    References
+    ----------
+    Plane geometry; A and W of `ray_spread`. Physics page, sections 4 and 7.
+    """
+    if shape.slope == 0.0:
+        return range_m
+    start_m, per_m = ray_spread(np.square(tan_along) + np.square(tan_across), shape)
+    descent = np.maximum(1.0 - shape.slope * tan_along * per_m, 1.0 / FARTHEST)
+    return (range_m + shape.slope * start_m * tan_along) / descent
+
+
+def ray_spread(square: Array, shape: PortShape) -> tuple[Any, Any]:
+    """Distance of rays from the axis over their tangent in air: A at the port's face [m], W more for each metre.
+
+        dome: A = R, W = 1;   flat: A = e + t_g / sqrt(n_g^2 + (n_g^2 - 1) q),   W = 1 / sqrt(n_w^2 + (n_w^2 - 1) q)
+
+    square : (...,) q, the tangent in air squared. Snell's law; physics page, section 4.
+    """
+    if shape.is_dome:
+        return shape.outer_radius_m, 1.0
+    glass, water = (1.0 / np.sqrt(n**2 + (n**2 - 1.0) * square) for n in (shape.n_glass, shape.n_water))
+    return shape.gap_m + shape.thickness_m * glass, water
+
+
+def levelled(lamps: Lamps, slope: float, range_m: float) -> tuple[Lamps, float]:
+    """Lamps as they stand over the target's plane, and the port's height above it [m].
+
+    x runs along the plane from where the optical axis meets it, z from the port towards it.
+    """
+    if slope == 0.0:
+        return lamps, range_m
+    cos, sin = 1.0 / np.hypot(1.0, slope), slope / np.hypot(1.0, slope)
+
+    def turned(x: float, z: float) -> tuple[float, float]:
+        return float(cos * x + sin * z), float(cos * z - sin * x)
+
+    places = [turned(x, z) for x, z in zip(lamps.x_m, lamps.z_m, strict=True)]
+    aims = [(turned(x, z), y) for x, y, z in lamps.aim]
+    over = Lamps(
+        x_m=tuple(x - float(sin) * range_m for x, _ in places), y_m=lamps.y_m, z_m=tuple(z for _, z in places),
+        aim=tuple((x, y, z) for (x, z), y in aims), share=lamps.share,
+    )  # fmt: skip
+    return over, float(cos) * range_m
 
 
 def flat_slope_m(tan_air: Array, *, shape: PortShape, range_m: float | Array) -> Array:
@@ -168,18 +230,22 @@ def flat_slope_m(tan_air: Array, *, shape: PortShape, range_m: float | Array) ->
 
 
 def lamp_light(
-    x_m: Array, y_m: Array, *, lamps: Lamps, index: int, beam: beams.Beam, range_m: float
+    x_m: Array, y_m: Array, *, lamps: Lamps, index: int, beam: beams.Beam, range_m: float, slope: float = 0.0
 ) -> tuple[Array, Array, Array]:
-    """Illuminance per lumen [1/m^2] that one lamp would give in vacuum, range and cos of beam angle."""
+    """Illuminance per lumen [1/m^2] that one lamp would give in vacuum, range and cos of beam angle.
+
+    On the plane z = range_m + slope x.
+    """
     range_lamp, cos_beam, cos_incidence = beams.lamp_rays(
         x_m,
         y_m,
         lamp_x_m=lamps.x_m[index],
         lamp_y_m=lamps.y_m[index],
-        lamp_height_m=range_m - lamps.z_m[index],
+        lamp_height_m=range_m - lamps.z_m[index] + slope * x_m if slope else range_m - lamps.z_m[index],
         aim_x=lamps.aim[index][0],
         aim_y=lamps.aim[index][1],
         aim_z=lamps.aim[index][2],
+        slope=slope,
     )
     intensity = beams.intensity_per_sr(cos_beam, beam)
     return intensity * cos_incidence / np.square(range_lamp), range_lamp, cos_beam
@@ -196,15 +262,16 @@ def local_gain(
     """
     x_m, y_m, path_m = floor_point(tan_along, tan_across, shape=shape, range_m=range_m)
     total = np.zeros(np.broadcast(x_m, y_m).shape)
+    plane: dict[str, Any] = dict(range_m=range_m, slope=shape.slope)
     for index, share in enumerate(lamps.share):
         if edge_share:
             open_beam = beams.without_edge(beam)
             vacuum, range_lamp, cos_beam = lamp_light(
-                x_m, y_m, lamps=lamps, index=index, beam=open_beam, range_m=range_m
+                x_m, y_m, lamps=lamps, index=index, beam=open_beam, **plane
             )
             vacuum = vacuum * covered_share(cos_beam, np.cos(beams.edge_half_angle_rad(beam)))
         else:
-            vacuum, range_lamp, _ = lamp_light(x_m, y_m, lamps=lamps, index=index, beam=beam, range_m=range_m)
+            vacuum, range_lamp, _ = lamp_light(x_m, y_m, lamps=lamps, index=index, beam=beam, **plane)
         total += share * vacuum * np.exp(log_mean_transmission(table, range_lamp, path_m))
     return np.asarray(total * field_loss(tan_along, tan_across, shape=shape))
 

@@ -18,15 +18,17 @@ from uwopt.forward.motion import least_overlap
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lenses
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.spacers import ring_range_m
-from uwopt.forward.views import altitudes_m
+from uwopt.forward.views import heights_m
 from uwopt.mission.duration import Duration
 from uwopt.mission.sections import Limits
+from uwopt.model.imaging import FARTHEST
 from uwopt.tolerances import BINDING_REL, SATISFIED_REL
 from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
 Sense = Literal["<=", ">=", "="]
 TINY = 1e-12
+NO_END = 1e3  # times as far as a frame's middle: a far edge at the horizon, or above it
 OVERLAP_ROUNDING = 1e-12
 FOCUS_TOLERANCE_REL = 0.01  # no closer does a person set one focus by distances in two waters
 
@@ -92,7 +94,7 @@ def scene_margins(
     if needs.mean_level is not None:
         yield MarginRows(
             "mean_level", figures.mean_level[:, scene.nominal], at_all(figures, needs.mean_level), "=", "",
-            np.full(len(figures.light_x), scene.range_m[scene.nominal]), level_tolerance_rel,
+            np.full(len(figures.light_x), scene.altitude_m[scene.nominal]), level_tolerance_rel,
         )  # fmt: skip
     yield MarginRows("saturation_fraction", figures.saturation_fraction, at_all(figures, 1.0), "<=", "")
     if needs.lens_stop_down:
@@ -131,7 +133,7 @@ def motion_margins(
     scene: SceneOptics, rows: DesignRows, settings: SettingRows, figures: Figures
 ) -> Iterator[MarginRows]:
     """Blur, skew, overlap and frame rate."""
-    needs, three = scene.view.requirements, altitudes_m(scene)
+    needs, three = scene.view.requirements, heights_m(scene)
     if needs.max_blur_px is not None:
         value, where = worst(figures.blur_px, three, highest=True)
         kept = scene.view.kept("max_blur_px")
@@ -178,8 +180,11 @@ def common_margins(lenses: Lenses, settings: SettingRows, first: SettingRows) ->
 
 
 def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Iterator[MarginRows]:
-    """Ground sample, swath and signal to noise."""
-    needs, three = scene.view.requirements, altitudes_m(scene)
+    """Ground sample, swath and signal to noise; of an oblique view, that the plane ends within it."""
+    needs, three = scene.view.requirements, heights_m(scene)
+    if scene.slope:
+        seen = np.minimum(rows.view.farthest, NO_END)
+        yield MarginRows("horizon", seen, at_all(figures, FARTHEST), "<=", "")
     if needs.max_gsd_mm is not None:
         value, where = worst(rows.view.gsd_m * 1e3, three, highest=True)
         yield MarginRows("max_gsd_mm", value, at_all(figures, needs.max_gsd_mm), "<=", "mm", where)
@@ -191,19 +196,19 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         at_pixels = scene.at_worst and figures.snr_pixels is not None
         snr = figures.snr_pixels if at_pixels else figures.snr
         assert snr is not None
-        value, where = worst(snr, scene.range_m, highest=False)
+        value, where = worst(snr, scene.altitude_m, highest=False)
         limit_db = float(ratio_to_db(needs.min_snr))
         value_db = np.asarray(ratio_to_db(np.maximum(value, 1e-300)))
         kept = scene.view.kept("min_snr_db")
         yield MarginRows("min_snr_db", value_db, at_all(figures, limit_db), ">=", "dB", where, reserve=kept)
     if needs.min_snr_red_db is not None:
         red = np.zeros_like(figures.snr) if figures.snr_red is None else figures.snr_red
-        value, where = worst(red, scene.range_m, highest=False)
+        value, where = worst(red, scene.altitude_m, highest=False)
         red_db = np.asarray(ratio_to_db(np.maximum(value, 1e-300)))
         kept, least = scene.view.kept("min_snr_red_db"), at_all(figures, needs.min_snr_red_db)
         yield MarginRows("min_snr_red_db", red_db, least, ">=", "dB", where, reserve=kept)
     if needs.max_white_balance is not None and figures.white_balance is not None:
-        value, where = worst(figures.white_balance, scene.range_m, highest=True)
+        value, where = worst(figures.white_balance, scene.altitude_m, highest=True)
         yield MarginRows("max_white_balance", value, at_all(figures, needs.max_white_balance), "<=", "", where)
     if figures.mtf_half_nyquist is not None and needs.min_mtf_half_nyquist is not None:
         value, where = worst(figures.mtf_half_nyquist, three, highest=False)
@@ -213,7 +218,7 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         value, where = worst(figures.smallest_bars_m * 1e3, three, highest=True)
         yield MarginRows("resolve_mm", value, at_all(figures, needs.resolve_mm), "<=", "mm", where)
     if needs.min_contrast is not None:
-        value, where = worst(figures.contrast, scene.range_m, highest=False)
+        value, where = worst(figures.contrast, scene.altitude_m, highest=False)
         yield MarginRows("min_contrast", value, at_all(figures, needs.min_contrast), ">=", "", where)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from uwopt.model import beam as beams
 from uwopt.model import port
-from uwopt.model.imaging import Lamps, PortShape
+from uwopt.model.imaging import Lamps, PortShape, axial_range_m
 from uwopt.model.path_table import PathTable
 
 Array = NDArray[Any]
@@ -63,6 +63,7 @@ def camera_rays(tan_along: Array, tan_across: Array, *, shape: PortShape, range_
     """
     along, across = np.broadcast_arrays(np.asarray(tan_along, float), np.asarray(tan_across, float))
     square = along * along + across * across
+    range_m = axial_range_m(along, across, shape=shape, range_m=range_m)
     if shape.is_dome:
         length = np.sqrt(1.0 + square)
         u_x, u_y, u_z = along / length, across / length, 1.0 / length

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from uwopt.model import beam as beams
 from uwopt.model import port
 from uwopt.model.fineness import scaled
-from uwopt.model.image_mean import gauss
+from uwopt.model.image_mean import along_symmetric, gauss
 from uwopt.model.imaging import Lamps, PortShape
 from uwopt.model.veil.geometry import Scatterer, _lamp_view, camera_rays
 from uwopt.model.veil.ray import (
@@ -191,7 +191,8 @@ def _log_means(orders: tuple[int, ...], along: Array, across: Array, boxes: Arra
             for lamp, box in zip(_each_lamp(lamps), boxes, strict=True)
         ]  # fmt: skip
         return np.asarray(np.logaddexp.reduce(by_lamp, axis=0))
-    return _log_means_of_nodes([_image_rule(n, lamps) for n in orders], along, across, **common)
+    rules = [_image_rule(n, lamps, common["shape"]) for n in orders]
+    return _log_means_of_nodes(rules, along, across, **common)
 
 
 def _log_means_of_nodes(
@@ -294,9 +295,9 @@ def _lit_rule(
     return u.reshape(flat), v.reshape(flat), weight.reshape(flat)
 
 
-def _image_rule(n: int, lamps: Lamps) -> tuple[Array, Array, Array]:
+def _image_rule(n: int, lamps: Lamps, shape: PortShape) -> tuple[Array, Array, Array]:
     """Gauss-Legendre over the image [-1, 1]^2, or over its half where nothing breaks the symmetry."""
-    no_x = all(x == 0.0 for x in lamps.x_m) and all(aim[0] == 0.0 for aim in lamps.aim)
+    no_x = along_symmetric(lamps, shape)
     no_y = all(y == 0.0 for y in lamps.y_m) and all(aim[1] == 0.0 for aim in lamps.aim)
     return _product_rule(n, no_x, no_y)
 

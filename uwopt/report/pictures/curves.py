@@ -177,7 +177,9 @@ def axis_gain_per_m2(scene: SceneOptics, beam: beams.Beam, lamps: Lamps, range_m
     total = np.zeros_like(scene.wavelength_nm)
     origin = np.zeros(1)
     for index, share in enumerate(lamps.share):
-        vacuum, lamp_m, _ = lamp_light(origin, origin, lamps=lamps, index=index, beam=beam, range_m=range_m)
+        vacuum, lamp_m, _ = lamp_light(
+            origin, origin, lamps=lamps, index=index, beam=beam, range_m=range_m, slope=scene.slope
+        )
         total += share * float(vacuum[0]) * np.exp(-scene.lamp_attenuation_per_m * float(lamp_m[0]))
     return total
 

@@ -356,7 +356,10 @@ class Bounds:
         at = self.problem.scenes[scene_index].nominal if altitude is None else altitude
         curves, back = np.unique(self.problem.cameras.qe_index[self.imagers.camera[rows]], return_inverse=True)
         spectra = {int(contraction.spectrum_of[lighting.optics]) for lighting in lightings}
-        most = [max((contraction.most_contrast(s, int(c), at) for s in spectra), default=1.0) for c in curves]
+        nearest_m = self.problem.nearest_m(scene_index, at)
+        most = [
+            max((contraction.most_contrast(s, int(c), at, nearest_m) for s in spectra), default=1.0) for c in curves
+        ]
         return np.array(most)[back.reshape(-1)]
 
     def _light_needed(
@@ -505,7 +508,7 @@ class Bounds:
         rated = self.problem.lenses.rated_pitch_m[self.imagers.lens[rows]] / cameras.pixel_pitch_m
         rated = rated * field_blur(float(RMS_FIELD) / CORNER_FIELD)
         view = self.imagers.scenes[scene_index].view
-        area = view.footprint_along_m[rows, 1] * view.footprint_across_m[rows, 1]
+        area = view.area_m2[rows, 1]
         return bit_per_px_bound(snr_db, rated) * (cameras.resolution_x_px * cameras.resolution_y_px) / area
 
     def _longest_time_s(self, focused: Any, rows: Array) -> Array:

@@ -27,6 +27,7 @@ from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
 from uwopt.forward.problem import Problem
 from uwopt.forward.spacers import needed_spacer_m
 from uwopt.forward.views import Views, focus_map, views
+from uwopt.model.imaging import FARTHEST
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
@@ -34,7 +35,7 @@ SAMPLES = 24  # discarded imagers remembered per rule, port and orientation, for
 PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule
 
 IMAGER_RULES = (
-    "mount", "image_circle", "lens_rating", "view", "focus", "max_gsd_mm", "min_swath_m", "frame_rate",
+    "mount", "image_circle", "lens_rating", "view", "horizon", "focus", "max_gsd_mm", "min_swath_m", "frame_rate",
     "data_rate_mb_s", "storage_gb", "lens_stop_down", "min_dof_m", "max_blur_px", "housing", "size_mm",
     "mass_water_kg", "cost", "mass_kg", "power_w", "energy_wh", "better_housing",
 )  # fmt: skip
@@ -281,6 +282,7 @@ def shared_rules(
     limits, count = problem.mission.limits, problem.mission.vehicle.camera_count
     every = list(zip(problem.scenes, seen, focused, strict=True))
     yield "view", all_of(view_clears(problem, port, view) for view in seen)
+    yield "horizon", all_of(view.farthest <= FARTHEST * ROUND for view in seen)
     yield (
         "focus",
         all_of(np.isfinite(extra.spacer_m) for extra in focused),

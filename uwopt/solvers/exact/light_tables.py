@@ -9,8 +9,9 @@ rectangle, so a table of rectangles, rounded up, bounds every image.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -25,9 +26,10 @@ from uwopt.forward.scene import Pixels
 from uwopt.forward.spectra import sees_colours
 from uwopt.forward.views import table_reach_m
 from uwopt.model import beam as beams
-from uwopt.model.imaging import Lamps, flat_slope_m
+from uwopt.model.imaging import Lamps, flat_slope_m, levelled
 from uwopt.model.port import flat_floor_derivative
 from uwopt.solvers.exact.imagers import Imagers
+from uwopt.solvers.exact.oblique import Reach, crowding, deepest_m, path_and_field, reach_of
 
 Array = NDArray[Any]
 EDGES = 129  # rectangle edges a side in the bound's table
@@ -128,10 +130,11 @@ class FieldTables:
         key = (scene_index, lighting.optics, lighting.mount_index, altitude, efficiency, channel)
         if key not in self._losses:
             scene, contraction = self.problem.scenes[scene_index], self.problem.contractions[scene_index]
-            range_m = float(scene.range_m[altitude])
-            height = min(range_m - z for z in lighting.mount.lamps(2).z_m)
+            lamps, port_m = levelled(lighting.mount.lamps(2), scene.slope, float(scene.range_m[altitude]))
+            height = min(port_m - z for z in lamps.z_m)
             spectrum = int(contraction.spectrum_of[lighting.optics])
-            self._losses[key] = contraction.mean_loss(spectrum, efficiency, channel, lamp_m=height, camera_m=range_m)
+            nearest_m = self.problem.nearest_m(scene_index, altitude)
+            self._losses[key] = contraction.mean_loss(spectrum, efficiency, channel, lamp_m=height, camera_m=nearest_m)
         return self._losses[key]
 
     def _light_table(self, scene_index: int, lighting: Lighting, altitude: int) -> FloorLightBound:
@@ -219,12 +222,17 @@ def alike(problem: Problem, imagers: Imagers) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class FloorLightBound:
-    """Upper bound of the light per lumen that falls on rectangles about the axis, by half widths."""
+    """Upper bound of the light per lumen that falls on rectangles about the axis, by half widths.
+
+    On a tilted plane light counts by how densely images sample it there, and the part behind the axis has a table
+    of its own.
+    """
 
     along_m: Array
     across_m: Array
     light: Array  # (n_along, n_across), grows with both
     peak_per_m2: float
+    behind: FloorLightBound | None = None
 
     @staticmethod
     def build(
@@ -234,6 +242,8 @@ class FloorLightBound:
         scene = problem.scenes[scene_index]
         beam, range_m = problem.beam(scene_index, lighting.optics), float(scene.range_m[altitude])
         lamps = one_side(lighting.mount.lamps(2))
+        if scene.slope:
+            return FloorLightBound.oblique(problem, scene_index, lighting, altitude, widest)
         peak = beams.peak_intensity_per_sr(beam) / min(range_m - z for z in lamps.z_m) ** 2
         along = edges_to(float(widest.half_along_m.max(initial=1e-6)))
         across = edges_to(float(widest.half_across_m.max(initial=1e-6)))
@@ -249,16 +259,53 @@ class FloorLightBound:
         total[1:, 1:] = cells.cumsum(axis=0).cumsum(axis=1)
         return FloorLightBound(along, across, np.minimum(total, 1.0), peak)  # no more than all the light
 
+    @staticmethod
+    def oblique(
+        problem: Problem, scene_index: int, lighting: Lighting, altitude: int, widest: Rectangles
+    ) -> FloorLightBound:
+        """The same on a tilted plane, over which the lamps stand as `levelled` has them, ahead and behind apart."""
+        scene = problem.scenes[scene_index]
+        beam, range_m = problem.beam(scene_index, lighting.optics), float(scene.range_m[altitude])
+        lamps, port_m = levelled(one_side(lighting.mount.lamps(2)), scene.slope, range_m)
+        least_k, least_c = (
+            float(least.min()) for least in (scene.lamp_attenuation_per_m, scene.attenuation_per_m)
+        )
+        plane: dict[str, Any] = dict(slope=scene.slope, range_m=range_m, deepest_m=widest.deepest_m)
+        halves = []
+        for sign, far_m, wide_m in (
+            (1, widest.half_along_m, widest.half_across_m), (-1, widest.behind_m, widest.across_behind_m),
+        ):  # fmt: skip
+            along = edges_to(float(far_m.max(initial=1e-6)))
+            across = edges_to(float(wide_m.max(initial=1e-6)))
+            cells = most_in_cells(beam, lamps, along, across, port_m, least_k, ways=(sign,))
+            ends = sorted([sign * along[:-1, None], sign * along[1:, None]], key=lambda edge: float(edge[0, 0]))
+            path_m, field2 = path_and_field((ends[0], ends[1]), across[None, :-1], **plane)
+            cells *= np.exp(-least_c * np.maximum(path_m - problem.nearest_m(scene_index, altitude), 0.0))
+            cells *= crowding(ends[0], **plane) / np.square(1.0 + field2)
+            cells *= np.diff(along)[:, None] * np.diff(across)[None, :]
+            total = np.zeros((len(along), len(across)))
+            total[1:, 1:] = cells.cumsum(axis=0).cumsum(axis=1)
+            most = crowding(np.minimum(sign * along, 0.0), **plane)[:, None]  # were all of the light there
+            peak = beams.peak_intensity_per_sr(beam) / min(port_m - z for z in lamps.z_m) ** 2
+            halves.append(FloorLightBound(along, across, np.minimum(total, most), peak))
+        return replace(halves[0], behind=halves[1])
+
     def most_light(self, rectangle: Rectangles) -> Array:
         """Upper bound for each rectangle: the next larger one of the table, or the peak over its area."""
         i, j = rectangle.cell(self.along_m, self.across_m)
-        return np.asarray(np.minimum(self.light[i, j], 4.0 * self.peak_per_m2 * rectangle.area_m2))
+        light = self.light[i, j]
+        if self.behind is not None:
+            light = light + self.behind.light[rectangle.cell_behind(self.behind.along_m, self.behind.across_m)]
+        return np.asarray(np.minimum(light, 4.0 * self.peak_per_m2 * rectangle.area_m2))
 
 
 def most_in_cells(
-    beam: beams.Beam, lamps: Lamps, along: Array, across: Array, range_m: float, least_k_per_m: float
-) -> Array:
+    beam: beams.Beam, lamps: Lamps, along: Array, across: Array, range_m: float, least_k_per_m: float,
+    *, ways: tuple[int, ...] = (1, -1),
+) -> Array:  # fmt: skip
     """Upper bound of the light per lumen and area in each cell and its three mirror images, added up.
+
+    `ways` along the motion: of both, or of the cells ahead (1) or behind (-1) with those across from them alone.
 
     Seen from a lamp at height h, a cell of half diagonal q lies within the angle q / h of its middle, and
     no nearer than its middle less q. Intensity is taken from the beam's falling envelope.
@@ -268,7 +315,7 @@ def most_in_cells(
     y = 0.5 * (across[1:] + across[:-1])[None, :]
     reach = 0.5 * np.hypot(np.diff(along)[:, None], np.diff(across)[None, :])
     cells = np.zeros((len(along) - 1, len(across) - 1))
-    for sign_x, sign_y in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+    for sign_x, sign_y in product(ways, (1, -1)):
         for index, share in enumerate(lamps.share):
             height = range_m - lamps.z_m[index]
             cos_middle = cos_beam_of(sign_x * x, sign_y * y, lamps, index, height)
@@ -305,6 +352,8 @@ class Rectangles:
     crowding: Array
     deepest_m: float  # how far behind the port's face rays may start; sets the mildest cos^4
     path_share: float  # the least share of the extra path that any ray really has
+    behind_m: Array = field(default_factory=lambda: np.empty(0))  # on a tilted plane; the others are of the part ahead
+    across_behind_m: Array = field(default_factory=lambda: np.empty(0))
     _cells: dict[tuple[float, float], tuple[Array, Array]] = field(default_factory=dict)
 
     @property
@@ -321,11 +370,39 @@ class Rectangles:
             self._cells[key] = (i, j)
         return self._cells[key]
 
+    def cell_behind(self, along_m: Array, across_m: Array) -> tuple[Array, Array]:
+        """The same of the part behind the axis."""
+        i = np.minimum(np.searchsorted(along_m, self.behind_m), len(along_m) - 1)
+        return i, np.minimum(np.searchsorted(across_m, self.across_behind_m), len(across_m) - 1)
+
+    @staticmethod
+    def tilted(reach: Reach, deepest_m: float) -> Rectangles:
+        """Of images on a tilted plane; the area is that over which samples lie as densely as at the axis."""
+        one = np.ones(len(reach.ahead_m))
+        return Rectangles(
+            reach.ahead_m, reach.across_ahead_m, 0.25 / reach.samples_per_m2, one, deepest_m, 1.0,
+            reach.behind_m, reach.across_behind_m,
+        )  # fmt: skip
+
+    @staticmethod
+    def oblique(problem: Problem, imagers: Imagers, scene_index: int, range_m: float, rows: Array) -> Rectangles:
+        """Those of imagers on a tilted plane, port by port."""
+        view, ports = imagers.scenes[scene_index].view, problem.like_port[imagers.port[rows]]
+        columns = np.ones((len(Reach._fields), len(rows)))
+        for port in np.unique(ports):
+            mine = np.nonzero(ports == port)[0]
+            shape = problem.shape(int(port), scene_index)
+            along, across = view.tan_along[rows[mine]], view.tan_across[rows[mine]]
+            columns[:, mine] = reach_of(along, across, least=shape, most=shape, range_m=range_m)
+        return Rectangles.tilted(Reach(*columns), deepest_m(problem, scene_index))
+
     @staticmethod
     def of(problem: Problem, imagers: Imagers, scene_index: int, altitude: int, rows: Array) -> Rectangles:
         """Rectangles of these imagers at one altitude."""
         scene, view = problem.scenes[scene_index], imagers.scenes[scene_index].view
         near, far, range_m = (float(scene.range_m[i]) for i in (0, -1, altitude))
+        if scene.slope:
+            return Rectangles.oblique(problem, imagers, scene_index, range_m, rows)
         weight = 0.0 if far == near else (range_m - near) / (far - near)
         along, across = (
             0.5 * ((1 - weight) * width[rows, 0] + weight * width[rows, 2])

@@ -356,7 +356,7 @@ class Level:
         low = np.stack([2.0 * at_nominal.along_low_m] * 2, axis=1)  # bounds look at the nominal altitude, 1
         across_low = np.stack([2.0 * at_nominal.across_low_m] * 2, axis=1)
         view = empty_views(
-            len(rows), footprint_along_m=low, footprint_across_m=across_low,
+            len(rows), footprint_along_m=low, footprint_across_m=across_low, area_m2=low * across_low,
             gsd_m=self.pixel_per_range(rows) * self.path_m(scene, rows, nominal_m, high=False),
             collecting_m2=np.square(pitch) * lenses.transmission[rows.lens] * passed * cameras.qe_scale[rows.camera],
         )  # fmt: skip

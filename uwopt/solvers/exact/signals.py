@@ -82,7 +82,7 @@ class SignalTables(FieldTables):
         radius, thickness, index, gap = (cast(float, number) for number in numbers)
         return PortShape(
             is_dome, radius, thickness, index, gap, self.problem.scenes[scene_index].n_water,
-            self.problem.effects.window_angle,
+            self.problem.effects.window_angle, self.problem.scenes[scene_index].slope,
         )  # fmt: skip
 
     def _rule_mean(
@@ -94,19 +94,21 @@ class SignalTables(FieldTables):
         spectrum = int(problem.contractions[scene_index].spectrum_of[lighting.optics])
         across_nodes, across_weights = gauss(order)
         along_nodes, along_weights = across_nodes, across_weights
-        if along_symmetric(lamps):
+        shape = self._shape(scene_index, rows, is_dome, (None, None))
+        if along_symmetric(lamps, shape):
             along_nodes, along_weights = gauss(max(4, order // 2))
             along_nodes = 0.5 * (along_nodes + 1.0)
         along, across = np.broadcast_arrays(
             view.tan_along[rows, None, None] * along_nodes[:, None],
             view.tan_across[rows, None, None] * across_nodes,
         )
-        shape = self._shape(scene_index, rows, is_dome, (None, None))
         x_m, y_m, path_m = floor_point(along, across, shape=shape, range_m=range_m)
         curve = problem.cameras.qe_index[self.imagers.camera[rows]]
         total = np.zeros(x_m.shape)
         for index, share in enumerate(lamps.share):
-            vacuum, lamp_m, _ = lamp_light(x_m, y_m, lamps=lamps, index=index, beam=beam, range_m=range_m)
+            vacuum, lamp_m, _ = lamp_light(
+                x_m, y_m, lamps=lamps, index=index, beam=beam, range_m=range_m, slope=shape.slope
+            )
             for q in np.unique(curve):
                 mine = curve == q
                 table = problem.table(scene_index, spectrum, int(q))
