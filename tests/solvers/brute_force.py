@@ -22,6 +22,7 @@ from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.focus import place_focus
 from uwopt.forward.problem import Problem
+from uwopt.forward.views import table_reach_m
 from uwopt.objectives.objective import Objective, Terms
 
 Array = NDArray[Any]
@@ -93,10 +94,7 @@ class Bench:
                 for h in buildable(problem)
             }:
                 for view in DesignModel(problem, hw).views:
-                    widest = max(
-                        widest,
-                        0.75 * float(np.hypot(view.footprint_along_m[0, 2], view.footprint_across_m[0, 2])),
-                    )
+                    widest = max(widest, table_reach_m(view))
             shared = problem.reaching([widest] * len(problem.scenes))
             problem.reaching = lambda widest_m: shared  # type: ignore[method-assign]
             self._tables_ready = True

@@ -25,6 +25,7 @@ READINGS = 8  # names the generator of what is read of the water, which must not
 COLOURS = 9  # the same of what is asked of colours
 HOUSINGS = 10  # the same of housings and the sizes of bodies
 RINGS = 11  # the same of rings behind lenses
+PITCHES = 12  # the same of the angles by which cameras look ahead
 #: Of the first hundred random cases some that are enumerated quickly and, together, meet every kind of part, wish and
 #: rule, most of them with designs that are feasible; a test lists the kinds.
 CHOSEN = (
@@ -63,13 +64,13 @@ class Case:
 @cache
 def case(
     seed: int, *, over_frame: bool = False, coloured: bool = False, in_mid_water: bool = False, housed: bool = False,
-    spaced: bool = False,
+    spaced: bool = False, oblique: bool = False,
 ) -> Case:  # fmt: skip
     """A random case whose limits are, in a part of the cases, just what one of its designs needs.
 
     `over_frame` asks its SNR, eased, of 95 % of the image, wherever it was asked; `coloured` asks something of colours;
     `in_mid_water` puts dark targets into open water; `housed` builds each port into three housings; `spaced` lets
-    lenses that focus on nothing near stand on rings.
+    lenses that focus on nothing near stand on rings; `oblique` looks ahead.
     """
     rng = np.random.default_rng(seed)
     parts, plain = small.parts(rng, 3 if THOROUGH else 2), small.with_in_hand(small.mission(rng), seed)
@@ -81,6 +82,8 @@ def case(
         parts, plain = small.with_colours(own, parts), small.asking_of_colours(own, plain)
     if in_mid_water:
         plain = small.in_mid_water(plain)
+    if oblique:
+        plain = small.obliquely(np.random.default_rng([seed, PITCHES]), plain)
     if housed:
         parts = small.housed(np.random.default_rng([seed, HOUSINGS]), parts)
     if spaced:

@@ -358,6 +358,13 @@ def in_mid_water(plain: dict[str, Any]) -> dict[str, Any]:
     return {**plain, "scenes": scenes, "requirements": {"frame_interval_s": 0.5, **wanted}}
 
 
+def obliquely(rng: Rng, plain: dict[str, Any]) -> dict[str, Any]:
+    """The same mission with a camera that looks ahead, in some scenes by another angle; physics `paper` cannot."""
+    vehicle = {**plain["vehicle"], "pitch_deg": between(rng, 10, 50)}
+    scenes = [{**given, "pitch_deg": between(rng, 5, 40)} if chance(rng, 0.3) else given for given in plain["scenes"]]
+    return {**plain, "physics": "full", "vehicle": vehicle, "scenes": scenes}
+
+
 def loaded(plain: dict[str, Any], limits: dict[str, float] | None = None, **wanted: float) -> Mission:
     """The mission with more limits and requirements on top."""
     return load_mission(

@@ -11,6 +11,7 @@ from thorough import drawn
 
 from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline
+from uwopt.forward.problem import Problem
 from uwopt.solvers.exact import bounds, large, outline
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
@@ -33,7 +34,11 @@ def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("seed", drawn(CHOSEN[::2], tuple(range(100))))
 def test_outlines_bound_their_imagers(seed: int) -> None:
     """No imager behind a port of a group is cheaper, nearer, slower or wider than the group's outline says."""
-    problem = case(seed).problem()
+    outlines_hold(case(seed).problem())
+
+
+def outlines_hold(problem: Problem) -> None:
+    """Every number of the outlines of a problem is on the safe side of its imagers'."""
     imagers = enumerate_imagers(problem)
     if len(imagers) == 0:
         pytest.skip("no imager")

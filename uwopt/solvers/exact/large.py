@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.views import CORNERS_REACH
+from uwopt.model.imaging import FARTHEST
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.bounds import NODE_RULES, Bounds
 from uwopt.solvers.exact.imagers import (
@@ -28,6 +29,7 @@ from uwopt.solvers.exact.imagers import (
     limit,
 )
 from uwopt.solvers.exact.light_tables import FieldTables, Rectangles
+from uwopt.solvers.exact.oblique import Reach, deepest_m
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables, port_tree
 from uwopt.solvers.exact.ranking import Found, Ranking
 from uwopt.solvers.exact.screen import pair_rules
@@ -102,33 +104,61 @@ class LargeSearch:
         """Tables that reach as far as any image; the lights' tables serve all that is bounded."""
         search, problem = self.search, self.problem
         none = joined(problem, [], {}, self.samples)
-        farthest = [self._widest_m(i, len(scene.range_m) - 1) for i, scene in enumerate(problem.scenes)]
         self.like = FieldTables(
-            problem, none, widest_m=[CORNERS_REACH * float(np.hypot(*m)) for m in farthest]
+            problem, none, widest_m=[CORNERS_REACH * self._farthest_m(i) for i in range(len(problem.scenes))]
         )
         for index, scene in enumerate(problem.scenes):
             for altitude in {scene.nominal, len(scene.range_m) - 1}:
-                along_m, across_m = (np.array([edge]) for edge in self._widest_m(index, altitude))
-                deepest_m, share = Rectangles.paths(problem, index, float(scene.range_m[altitude]))
-                self.like.set_widest(
-                    index,
-                    altitude,
-                    Rectangles(along_m, across_m, along_m * across_m, along_m, deepest_m, share),
-                )
+                self.like.set_widest(index, altitude, self._widest(index, altitude))
         self.bounds = Bounds(search.objective, none, self.like, lights=search.only.get("light"), coupled=True)
         search.ranking = Ranking(problem, none, top=search.top, ceiling=search.ceiling)
         self._hand_over(none)
 
+    def _farthest_m(self, scene_index: int) -> float:
+        """No such image reaches farther from the axis; of a tilted plane from the port."""
+        scene = self.problem.scenes[scene_index]
+        altitude = len(scene.range_m) - 1
+        if not scene.slope:
+            return float(np.hypot(*self._widest_m(scene_index, altitude)))
+        reach = self._reach(scene_index, altitude)
+        return float(np.hypot(float(scene.range_m[-1]) + reach.ahead_m, reach.across_ahead_m)[0])
+
+    def _widest(self, scene_index: int, altitude: int) -> Rectangles:
+        """The rectangle that holds all such images at one altitude."""
+        problem, scene = self.problem, self.problem.scenes[scene_index]
+        if scene.slope:
+            return Rectangles.tilted(self._reach(scene_index, altitude), deepest_m(problem, scene_index))
+        along_m, across_m = (np.array([edge]) for edge in self._widest_m(scene_index, altitude))
+        behind_m, share = Rectangles.paths(problem, scene_index, float(scene.range_m[altitude]))
+        return Rectangles(along_m, across_m, along_m * across_m, along_m, behind_m, share)
+
+    def _small_enough(self, scene_index: int, group: int, *, landscape: bool) -> OutlineRows:
+        """Pairs behind one group of the first level whose pixels may be small enough, and whose view may end."""
+        level, scene = self.levels[0], self.problem.scenes[scene_index]
+        limit_mm = limit(scene.view.requirements.max_gsd_mm)
+        rows = self._rows(np.arange(len(self.pairs.camera)), group, landscape=landscape)
+        gsd_mm = level.pixel_per_range(rows) * level.pixel_path_m(scene, rows, float(scene.range_m[-1])) * 1e3
+        ends = level.descents(scene, rows)[1] * FARTHEST * COARSE_ROUND >= 1.0
+        return rows.take(np.nonzero((gsd_mm <= limit_mm * COARSE_ROUND) & ends)[0])
+
+    def _reach(self, scene_index: int, altitude: int) -> Reach:
+        """The most of `Level.reach` over all such pairs, as columns of length one."""
+        level, scene = self.levels[0], self.problem.scenes[scene_index]
+        most = np.full((len(Reach._fields), 1), 1e-6)
+        for group in range(len(level.groups.start)):
+            for landscape in self.orientations:
+                rows = self._small_enough(scene_index, group, landscape=landscape)
+                found = np.array(level.reach(scene, rows, float(scene.range_m[altitude])))
+                most = np.maximum(most, found.max(axis=1, initial=0.0)[:, None])
+        return Reach(*most)
+
     def _widest_m(self, scene_index: int, altitude: int) -> tuple[float, float]:
         """No image of a pair whose pixels are small enough reaches farther from the axis, either way."""
         level, scene = self.levels[0], self.problem.scenes[scene_index]
-        range_m, far_m = float(scene.range_m[altitude]), float(scene.range_m[-1])
-        limit_mm = limit(scene.view.requirements.max_gsd_mm)
+        range_m = float(scene.range_m[altitude])
         widest = 1e-6
         for group in range(len(level.groups.start)):
-            rows = self._rows(np.arange(len(self.pairs.camera)), group, landscape=True)
-            gsd_mm = level.pixel_per_range(rows) * level.path_m(scene, rows, far_m, high=False) * 1e3
-            rows = rows.take(np.nonzero(gsd_mm <= limit_mm * COARSE_ROUND)[0])
+            rows = self._small_enough(scene_index, group, landscape=True)
             if len(rows):
                 tangent = np.max([t.max() for t in level.tangents(rows)])
                 _, edge = level.edges_m(scene, rows.take(np.array([0])), np.array([tangent]), range_m)
@@ -222,8 +252,11 @@ class LargeSearch:
         gsd_mm = np.full(len(pairs.camera), np.inf)
         for group in range(len(level.groups.start)):
             rows = self._rows(np.arange(len(pairs.camera)), group, landscape=True)
+            turned = self._rows(np.arange(len(pairs.camera)), group, landscape=False)
             worst = np.max([
-                level.path_m(scene, rows, float(scene.range_m[scene.nominal]), high=False) for scene in problem.scenes
+                np.minimum(*(
+                    level.pixel_path_m(scene, one, float(scene.range_m[scene.nominal])) for one in (rows, turned)
+                )) for scene in problem.scenes
             ], axis=0)  # fmt: skip
             gsd_mm = np.minimum(gsd_mm, level.pixel_per_range(rows) * worst * 1e3)
         cost = cameras.price[pairs.camera] + lenses.price[pairs.lens] + ports.price.min()

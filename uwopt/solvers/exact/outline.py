@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +27,10 @@ from uwopt.forward.spacers import needed_spacer_m
 from uwopt.forward.views import Views, focus_map, port_transmission
 from uwopt.model import lens, operation, port
 from uwopt.model.enclosure import tube_needed_m
+from uwopt.model.imaging import FARTHEST, PortShape
 from uwopt.solvers.exact.imagers import Imagers, SceneImagers, limit, stops_down
 from uwopt.solvers.exact.light_tables import FieldTables, Rectangles
+from uwopt.solvers.exact.oblique import Reach, deepest_m, reach_of
 from uwopt.tolerances import COARSE_ROUND
 
 Array = NDArray[Any]
@@ -262,9 +264,56 @@ class Level:
         return ends[0], ends[1]
 
     def extent(self, scene: SceneOptics, rows: OutlineRows, range_m: float) -> Extent:
-        """Half widths of the images at one range."""
+        """Half widths of the images at one range; on a tilted plane half their depth, and half their near edge."""
         along, across = self.tangents(rows)
+        if scene.slope:
+            corner = np.hypot(along, across)
+            near = 1.0 + scene.slope * along * self.per_metre(scene, rows, corner)
+            deep = [half * self.deepening(scene, rows) for half in self.edges_m(scene, rows, along, range_m)]
+            wide = [ray * across / (corner * near) for ray in self.edges_m(scene, rows, corner, range_m)]
+            return Extent(*deep, *wide)
         return Extent(*self.edges_m(scene, rows, along, range_m), *self.edges_m(scene, rows, across, range_m))
+
+    def per_metre(self, scene: SceneOptics, rows: OutlineRows, tangent: Array) -> Array:
+        """Tangents in water of rays at these tangents in air, over the latter: 1 behind a dome."""
+        bent = port.water_tangent(tangent, n=scene.n_water) / tangent
+        return np.where(self.groups.is_dome[rows.group], 1.0, bent)
+
+    def descents(self, scene: SceneOptics, rows: OutlineRows) -> tuple[Array, Array]:
+        """How much faster rays come to a tilted plane than to a square one, in the middle of the near and far edge."""
+        along, _ = self.tangents(rows)
+        slope = scene.slope * along * self.per_metre(scene, rows, along)
+        return 1.0 + slope, 1.0 - slope
+
+    def deepening(self, scene: SceneOptics, rows: OutlineRows) -> Array:
+        """Depth of an image on a tilted plane over that on a square one."""
+        near, far = self.descents(scene, rows)
+        return 0.5 * np.hypot(1.0, scene.slope) * (1.0 / near + 1.0 / np.maximum(far, 1.0 / FARTHEST))
+
+    def pixel_path_m(self, scene: SceneOptics, rows: OutlineRows, range_m: float) -> Array:
+        """The least that the largest pixel can be, over its tangent: in the middle, or far on a tilted plane.
+
+        At the far edge it is sqrt(1 + s^2) (A' + d W' + s u (W' A - W A')) / D^2, at least without what the port adds.
+        """
+        middle = self.path_m(scene, rows, range_m, high=False)
+        if not scene.slope:
+            return middle
+        along, _ = self.tangents(rows)
+        far = np.maximum(self.descents(scene, rows)[1], 1.0 / FARTHEST)
+        in_water = range_m * scene.n_water**2 * self.per_metre(scene, rows, along) ** 3
+        edge = np.where(self.groups.is_dome[rows.group], middle, in_water) / np.square(far)
+        return np.asarray(np.hypot(1.0, scene.slope) * np.maximum(middle, edge))
+
+    def oblique_pixels_m(self, scene: SceneOptics, rows: OutlineRows, range_m: float) -> tuple[Array, Array]:
+        """What `smallest_pixels_m` is of a tilted plane: no more than in the middle of its near edge."""
+        scale, dome = self.pixel_per_range(rows), self.groups.is_dome[rows.group]
+        along, _ = self.tangents(rows)
+        near, per_m = self.descents(scene, rows)[0], self.per_metre(scene, rows, along)
+        whole = self.path_m(scene, rows, range_m, high=True)
+        port_m = (self.groups.gap_high_m + self.groups.glass_high_m / self.groups.index_low)[rows.group]
+        flat = port_m / near + range_m * scene.n_water**2 * per_m**3 / np.square(near)
+        deep = np.hypot(1.0, scene.slope) * np.where(dome, whole / np.square(near), flat)
+        return scale * deep, scale * np.where(dome, whole, port_m + range_m * per_m) / near
 
     def blur_time_s(self, scene: SceneOptics, rows: OutlineRows) -> Array:
         """The most time that the blur leaves, at the nearest altitude: no less than at the worst one."""
@@ -287,6 +336,8 @@ class Level:
 
         Behind a flat port the glass's term, t (n^2 + k v^2) / (n^2 + k rho^2)^(3/2), is at most t / n.
         """
+        if scene.slope:
+            return self.oblique_pixels_m(scene, rows, range_m)
         scale, whole = self.pixel_per_range(rows), self.path_m(scene, rows, range_m, high=True)
         if scene.paper:
             return scale * whole, scale * whole
@@ -316,6 +367,26 @@ class Level:
         )
         flat = extent.along_high_m * extent.across_high_m / (along * across * (distance / corner) * steep)
         return np.where(g.is_dome[at], 1.0, flat)
+
+    def reach(self, scene: SceneOptics, rows: OutlineRows, range_m: float) -> Reach:
+        """How far images may reach on a tilted plane behind any port of the group, and how densely sample it."""
+        g, (along, across) = self.groups, self.tangents(rows)
+        columns = np.ones((len(Reach._fields), len(rows)))
+        for is_dome in (True, False):
+            mine = np.nonzero(g.is_dome[rows.group] == is_dome)[0]
+            at = rows.group[mine]
+            least, most = (
+                PortShape(
+                    is_dome, *cast(tuple[float, float, float, float], tuple(column[at] for column in ends)),
+                    scene.n_water, slope=scene.slope,
+                )
+                for ends in (
+                    (g.radius_low_m, g.glass_low_m, g.index_high, g.gap_low_m),
+                    (g.radius_high_m, g.glass_high_m, g.index_low, g.gap_high_m),
+                )
+            )  # fmt: skip
+            columns[:, mine] = reach_of(along[mine], across[mine], least=least, most=most, range_m=range_m)
+        return Reach(*columns)
 
     # ------------------------------------------------------------ rules and columns
 
@@ -357,7 +428,7 @@ class Level:
         across_low = np.stack([2.0 * at_nominal.across_low_m] * 2, axis=1)
         view = empty_views(
             len(rows), footprint_along_m=low, footprint_across_m=across_low, area_m2=low * across_low,
-            gsd_m=self.pixel_per_range(rows) * self.path_m(scene, rows, nominal_m, high=False),
+            gsd_m=self.pixel_per_range(rows) * self.pixel_path_m(scene, rows, nominal_m),
             collecting_m2=np.square(pitch) * lenses.transmission[rows.lens] * passed * cameras.qe_scale[rows.camera],
         )  # fmt: skip
         n_depth = self.lens_focus.cover_m[index][rows.lens, rows.group] / self.coc_m(scene, rows)
@@ -386,8 +457,8 @@ class Level:
         """Each imagers' rule with the rows that some port of the group may pass, in the imagers' order."""
         problem, limits = self.problem, self.problem.mission.limits
         cameras, count = problem.cameras, problem.mission.vehicle.camera_count
-        passes: dict[str, Array] = {"focus": self.lens_focus.focuses[rows.lens, rows.group]}
         every = np.ones(len(rows), bool)
+        passes: dict[str, Array] = {"horizon": every.copy(), "focus": self.lens_focus.focuses[rows.lens, rows.group]}
         for name in ("max_gsd_mm", "min_swath_m", "frame_rate", "data_rate_mb_s", "storage_gb"):
             passes[name] = every.copy()
         duration, rates = problem.duration, []
@@ -395,7 +466,8 @@ class Level:
         passes["min_dof_m"] = every.copy()
         for scene, seen in zip(problem.scenes, imagers.scenes, strict=True):
             needs, focused = scene.view.requirements, seen.focused
-            far = self.path_m(scene, rows, float(scene.range_m[-1]), high=False)
+            passes["horizon"] &= self.descents(scene, rows)[1] * FARTHEST * COARSE_ROUND >= 1.0
+            far = self.pixel_path_m(scene, rows, float(scene.range_m[-1]))
             gsd_mm = self.pixel_per_range(rows) * far * 1e3
             passes["max_gsd_mm"] &= gsd_mm <= limit(needs.max_gsd_mm) * COARSE_ROUND
             if needs.min_swath_m is not None:
@@ -441,8 +513,10 @@ class OutlineTables(FieldTables):
         """The largest rectangle for the light, the smallest for the area it is spread over."""
         scene, some = self.problem.scenes[scene_index], self.outline.take(rows)
         range_m = float(scene.range_m[altitude])
+        if scene.slope:
+            return Rectangles.tilted(self.level.reach(scene, some, range_m), deepest_m(self.problem, scene_index))
         extent = self.level.extent(scene, some, range_m)
         crowding = self.level.crowding(scene, some, extent, range_m)
-        deepest_m, share = Rectangles.paths(self.problem, scene_index, range_m)
+        behind_m, share = Rectangles.paths(self.problem, scene_index, range_m)
         area = extent.along_low_m * extent.across_low_m
-        return Rectangles(extent.along_high_m, extent.across_high_m, area, crowding, deepest_m, share)
+        return Rectangles(extent.along_high_m, extent.across_high_m, area, crowding, behind_m, share)
