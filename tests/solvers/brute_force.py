@@ -308,7 +308,7 @@ def best_of(bench: Bench, hardware: Hardware, objective: Objective) -> Best:
 def misses_limits(model: DesignModel) -> bool:
     """Whether something that no setting changes is missed: coverage, money, mass, data."""
     names = (
-        "max_gsd_mm", "min_swath_m", "cost", "mass_kg", "data_rate_mb_s", "frame_rate", "min_uniformity",
+        "horizon", "max_gsd_mm", "min_swath_m", "cost", "mass_kg", "data_rate_mb_s", "frame_rate", "min_uniformity",
         "min_contrast", "storage_gb", "max_white_balance", "size_mm", "mass_water_kg",
     )  # fmt: skip
     for index in range(len(model.problem.scenes)):

@@ -30,6 +30,8 @@ from uwopt.forward.views import CORNER_FIELD, field_dioptres_per_m
 from uwopt.model import lateral, sensor, sharpness
 from uwopt.model import lens as lens_model
 from uwopt.model.defocus import defocus_px, dome_decentring
+from uwopt.model.footprint import floor_steps
+from uwopt.model.imaging import floor_point
 from uwopt.model.port import dome_virtual_image_distance_m
 from uwopt.model.sharpness import Sharpness
 from uwopt.results.design import Note, SceneResult
@@ -92,6 +94,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "blur_px": float(figures.blur_px[0, 1]),
         "skew_px": float(figures.skew_px[0, 1]),
         "swath_m": across,
+        **oblique_figures(model, index),
         "line_spacing_m": across * (1.0 - needs.sidelap),
         "area_m2_h": across * (1.0 - needs.sidelap) * speed * S_PER_H,
         "overlap": float(figures.overlap[0, 1]),
@@ -172,6 +175,26 @@ def with_flags(figures: dict[str, Any]) -> dict[str, Any]:
         if wild and value == math.inf:
             out[f"{split_unit(key)[0]}_is_infinite"] = True
     return out
+
+
+def oblique_figures(model: DesignModel, index: int) -> dict[str, float]:
+    """Way of the light, pixel and width at the near edge, the middle and the far edge of an oblique view, mid-column.
+
+    The swath of the mission is that of the near edge, its pixel the largest of the frame.
+    """
+    scene, view, shape = model.problem.scenes[index], model.views[index], model.shapes[index]
+    if not scene.slope:
+        return {}
+    at: dict[str, Any] = dict(shape=shape, range_m=float(scene.range_m[scene.nominal]))
+    along, across = (float(side[0]) for side in (view.tan_along, view.tan_across))
+    found = {}
+    for end, u in (("near", -along), ("centre", 0.0), ("far", along)):
+        ray, side = np.array(u), np.array(across)
+        pixel = float(model.cameras.pixel_pitch_m[0] / view.focal_length_m[0])
+        found[f"range_{end}_m"] = float(floor_point(ray, np.array(0.0), **at)[2])
+        found[f"gsd_{end}_mm"] = float(floor_steps(ray, np.array(0.0), **at).longest_m) * pixel * 1e3
+        found[f"swath_{end}_m"] = 2.0 * float(floor_point(ray, side, **at)[1])
+    return found
 
 
 def _at_nominal(scene: Any) -> Any:

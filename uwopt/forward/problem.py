@@ -308,11 +308,23 @@ class Problem:
         return max(float(min([near, *heights])), 1e-4)
 
     def nearest_m(self, scene_index: int, altitude: int) -> float:
-        """No ray of a camera is shorter at this altitude, behind whichever of the ports."""
-        scene = self.scenes[scene_index]
+        """No ray in water is shorter at this altitude, behind whichever of the ports.
+
+        A tilted dome's centre lies a radius behind its vertex, whose height is the altitude; a tilted window's near
+        side is lower than its middle.
+        """
+        scene, ports = self.scenes[scene_index], self.ports
         if not scene.pitch_rad:
             return float(scene.range_m[altitude])
-        return scene.nearest_m(altitude, float((self.ports.outer_radius_m * self.ports.is_dome).max(initial=0.0)))
+        lower = (ports.gap_m + ports.thickness_m) * self.widest_tangent * np.sin(scene.pitch_rad)
+        lower = np.where(ports.is_dome, ports.outer_radius_m * (1.0 - np.cos(scene.pitch_rad)), lower)
+        return max(float(scene.altitude_m[altitude]) - float(lower.max(initial=0.0)), 1e-4)
+
+    @cached_property
+    def widest_tangent(self) -> float:
+        """No camera and lens see farther from the axis than at this tangent in air."""
+        half_m = 0.5 * np.hypot(self.cameras.resolution_x_px, self.cameras.resolution_y_px) * self.cameras.pixel_pitch_m
+        return float(half_m.max(initial=0.0)) / float(self.lenses.focal_length_m.min(initial=np.inf))
 
     def pixels_a_side(self, scene_index: int) -> int:
         """Points a side of the grid on which one scene's worst pixel is looked for; finer ones hold the coarser."""

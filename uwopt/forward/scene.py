@@ -97,14 +97,6 @@ class SceneOptics:
         """Heights of the port over the target's plane at these ranges."""
         return np.asarray(self.range_m * np.cos(self.pitch_rad))
 
-    def nearest_m(self, altitude: int, radius_m: float = 0.0) -> float:
-        """No ray in water from a port to the target is shorter, `radius_m` that of the largest dome.
-
-        A dome's centre lies a radius behind its vertex, whose height is the altitude.
-        """
-        away = float(np.cos(self.pitch_rad))
-        return max(float(self.range_m[altitude]) * away - radius_m * (1.0 - away), 1e-4)
-
     def max_gain(self, of_camera: Array) -> Array:
         """Highest gain, a ratio: the camera's, or what the mission allows."""
         allowed_db = self.view.requirements.max_gain_db

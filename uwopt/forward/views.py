@@ -83,7 +83,7 @@ def views(
     return Views(
         tan_along=along,
         tan_across=across,
-        **footprints(scene, shape, along, across, pitch, effective),
+        **footprints(scene, shape, along, across, pitch, effective, altitudes_m(scene)),
         coc_m=coc,
         focal_length_m=effective,
         collecting_m2=np.square(pitch) * transmission * cameras.qe_scale,
@@ -94,10 +94,10 @@ def views(
 
 
 def footprints(
-    scene: SceneOptics, shape: PortShape, along: Array, across: Array, pitch: Array, focal: Array
+    scene: SceneOptics, shape: PortShape, along: Array, across: Array, pitch: Array, focal: Array, ranges: Array
 ) -> dict[str, Array]:
-    """The columns of `Views` that say what the images cover of the target's plane."""
-    ranges = altitudes_m(scene)
+    """The columns of `Views` that say what the images cover of the target's plane, at ranges of which the last counts
+    as the farthest."""
     if scene.slope:
         return oblique_footprints(shape, along, across, pitch / focal, ranges)
     wide_along, wide_across = (2.0 * edge_m(scene, shape, side, ranges) for side in (along, across))
@@ -105,7 +105,7 @@ def footprints(
     return dict(
         footprint_along_m=wide_along, footprint_across_m=wide_across, area_m2=wide_along * wide_across,
         gsd_m=largest_pixel_m(scene, shape, pitch, focal, ranges), pixel_along_m=pixel_along,
-        pixel_across_m=pixel_across, far_m=0.5 * np.hypot(wide_along[:, 2], wide_across[:, 2]),
+        pixel_across_m=pixel_across, far_m=0.5 * np.hypot(wide_along[:, -1], wide_across[:, -1]),
         farthest=np.ones(len(along)),
     )  # fmt: skip
 
@@ -117,7 +117,7 @@ def oblique_footprints(
 
     Its depth is that of the middle column, its width that of the near edge: so wide a strip all images of a line
     cover, each with the whole depth. The largest pixel is looked for over the image, as is what the motion moves most.
-    pixel : (n,) its tangent; ranges : (3,) along the axis
+    pixel : (n,) its tangent; ranges : (k,) along the axis
     """
     near, far = -along[:, None], along[:, None]
     side, middle = across[:, None], np.zeros((len(along), 1))
@@ -142,7 +142,7 @@ def oblique_footprints(
     return dict(
         footprint_along_m=deep, footprint_across_m=wide, area_m2=deep * (0.5 * wide + corner[1]),
         gsd_m=steps.longest_m.max(axis=2) * pixel[:, None], pixel_along_m=moved[0], pixel_across_m=moved[1],
-        far_m=np.sqrt(sum(np.square(part[:, 2]) for part in corner)), farthest=farthest,
+        far_m=np.sqrt(sum(np.square(part[:, -1]) for part in corner)), farthest=farthest,
     )  # fmt: skip
 
 

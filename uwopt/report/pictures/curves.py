@@ -19,7 +19,7 @@ from uwopt.forward.lamps import on_axis_gain, relative_spectrum
 from uwopt.forward.motion import motion_across, motion_along, required_rate_hz
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.spectra import efficiency_curve
-from uwopt.forward.views import edge_m, port_transmission, smallest_pixels_m
+from uwopt.forward.views import footprints, port_transmission
 from uwopt.model import beam as beams
 from uwopt.model import lens, light, operation, seafloor, sensor
 from uwopt.model.imaging import Lamps, lamp_light
@@ -116,6 +116,7 @@ class RigMeasures:
     advance_m: float | None  # from one image to the next; None when the rig stands still
     overlap: float | None
     camera_count: int
+    is_level: bool = True  # the camera looks square at its target
 
 
 # ---------------------------------------------------------------- spectrum
@@ -239,17 +240,16 @@ def operation_curves(design: Replay, scene_index: int = 0) -> Operation:
     )
     needs, vehicle = scene.view.requirements, scene.view.vehicle
     altitude, tolerance = float(scene.range_m[scene.nominal]), vehicle.altitude_tolerance_m
-    spread = tolerance if tolerance > 0 else 0.25 * altitude
+    spread = tolerance / np.cos(scene.pitch_rad) if tolerance > 0 else 0.25 * altitude
     altitudes = np.array([0.5 * altitude, altitude - spread, altitude, altitude + spread, 2.0 * altitude])
     altitudes = np.unique(altitudes[altitudes > 0])
     speeds = np.linspace(0.0, 2.0 * (vehicle.speed_m_s or 0.5), N_SPEEDS)
-    along = 2.0 * edge_m(scene, shape, view.tan_along, altitudes)[0]
-    pixel_along, pixel_across = (
-        side[0]
-        for side in smallest_pixels_m(
-            scene, shape, view.tan_along, view.tan_across, model.cameras.pixel_pitch_m, view.focal_length_m, altitudes
-        )
-    )  # fmt: skip
+    seen = footprints(
+        scene, shape, view.tan_along, view.tan_across, model.cameras.pixel_pitch_m, view.focal_length_m, altitudes
+    )
+    along, pixel_along, pixel_across = (
+        seen[name][0] for name in ("footprint_along_m", "pixel_along_m", "pixel_across_m")
+    )
     lever = altitudes + shape.outer_radius_m * (not scene.paper)
     blur_px = PLAIN_BLUR_PX if needs.max_blur_px is None else needs.max_blur_px
     motion: dict[str, Any] = motion_along(scene, lever[:, None])
@@ -263,11 +263,11 @@ def operation_curves(design: Replay, scene_index: int = 0) -> Operation:
     here = required_rate_hz(needs, vehicle.speed_m_s, view.footprint_along_m[:, 1:2])
     return Operation(
         speed_m_s=speeds,
-        altitude_m=altitudes,
+        altitude_m=altitudes * np.cos(scene.pitch_rad),
         frame_rate_hz=np.stack([required_rate_hz(needs, float(v), along) for v in speeds], axis=1),
         exposure_s=np.asarray(exposure),
         mission_speed_m_s=vehicle.speed_m_s,
-        mission_altitude_m=altitude,
+        mission_altitude_m=float(scene.altitude_m[scene.nominal]),
         mission_rate_hz=float(here[0, 0]),
         set_rate_hz=float(settings.rate_hz[0]),
         set_light_time_s=float(model.figures(scene_index, settings).light_time_s[0]),
@@ -315,6 +315,7 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
         advance_m=vehicle.speed_m_s / rate if moves else None,
         overlap=float(model.figures(scene_index, settings).overlap[0, 1]) if moves else None,
         camera_count=vehicle.camera_count,
+        is_level=not scene.pitch_rad,
     )
 
 

@@ -222,7 +222,12 @@ def map_pictures(image: ImageMap | None, floor: FloorMap | None) -> list[Picture
 
 
 def drawings(rig: RigMeasures, *, on_axis: bool) -> list[Picture]:
-    """The rig from behind and from above; `on_axis`: the model takes all lamps for standing at the camera."""
+    """The rig from behind and from above; `on_axis`: the model takes all lamps for standing at the camera.
+
+    None of an oblique view, which they would show as if it were square.
+    """
+    if not rig.is_level:
+        return []
     sides = f"{2 * rig.half_along_m:.3g} m along and {2 * rig.half_across_m:.3g} m across the track"
     places = len({(lamp.x_m, lamp.y_m, lamp.z_m) for lamp in rig.lamps})
     lamps = "lamps at one place" if places == 1 else f"lamps at {places} places"

@@ -58,7 +58,7 @@ class ImageMap:
 class FloorMap:
     """Illuminance of the floor while the lamps shine, over the footprint and somewhat beyond.
 
-    x across the track to starboard, y forward; (n_y, n_x).
+    x across the track to starboard, y forward from where the camera's axis meets it; (n_y, n_x).
     """
 
     across_m: Array
@@ -167,23 +167,27 @@ def floor_map(
     lumens *= float(model.lights.output_factor[0])
     tan_along, tan_across = float(view.tan_along[0]), float(view.tan_across[0])
 
-    def lux(x_m: Array, y_m: Array) -> Array:
+    secant = float(np.hypot(1.0, shape.slope))  # along the floor, of a tilted one too
+
+    def lux(along_m: Array, y_m: Array) -> Array:
         return lumens * floor_illuminance_per_lm(
-            x_m, y_m, lamps=hw.mount.lamps(hw.count), beam=item.beams[scene_index], range_m=range_m,
+            along_m / secant, y_m, slope=shape.slope, range_m=range_m, lamps=hw.mount.lamps(hw.count),
+            beam=item.beams[scene_index],
             weight=luminous_weight(scene, item),
             attenuation_per_m=scene.lamp_attenuation_per_m,
         )  # fmt: skip
 
     def traced(along: Array, across: Array) -> tuple[Array, Array]:
         x_m, y_m, _ = floor_point(along, across, shape=shape, range_m=range_m)
-        return np.asarray(x_m), np.asarray(y_m)
+        return np.asarray(x_m * secant), np.asarray(y_m)
 
     way = np.linspace(-1.0, 1.0, EDGE_POINTS)
     one = np.ones(EDGE_POINTS)
     ring_along = tan_along * np.concatenate([way, one, -way, -one])
     ring_across = tan_across * np.concatenate([-one, way, one, -way])
     edge_along, edge_across = traced(ring_along, ring_across)
-    along_m = np.linspace(-1.0, 1.0, rows) * BEYOND * float(edge_along.max())
+    near_m, far_m = float(edge_along.min()), float(edge_along.max())
+    along_m = 0.5 * (near_m + far_m) + np.linspace(-1.0, 1.0, rows) * BEYOND * 0.5 * (far_m - near_m)
     across_m = np.linspace(-1.0, 1.0, columns) * BEYOND * float(edge_across.max())
     around = lux(*np.meshgrid(along_m, across_m, indexing="ij"))
     cell_along, cell_across = np.meshgrid(

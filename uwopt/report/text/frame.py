@@ -30,7 +30,8 @@ def facts_of(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
     if figures.get("mtf_half_nyquist") is None:  # physics `paper` knows no field
         return []
     even, soft = figures.get("uniformity"), figures.get("defocus_corner_px")
-    facts = [("signal to noise", ", ".join(f"{name} {snr_text(figures.get(key))}" for name, key in OF_SNR))]
+    facts = oblique_facts(figures)
+    facts.append(("signal to noise", ", ".join(f"{name} {snr_text(figures.get(key))}" for name, key in OF_SNR)))
     if even is not None:
         spot = ": a spot, the rest is dark" if even < SPOT_BELOW else ""
         facts.append(("evenness of the light", f"the darkest floor has {words.share(even)} of the mean{spot}"))
@@ -38,6 +39,20 @@ def facts_of(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
         blurred = ": soft corners" if soft > SOFT_ABOVE_PX else ""
         facts.append(("blur of the corners", f"{words.quantity(soft, 'px')}{blurred}"))
     return facts
+
+
+def oblique_facts(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """How far an oblique view goes, how large its pixels are and how wide it is; nothing of a view square on."""
+    if figures.get("range_far_m") is None:
+        return []
+    rows = (("away", "range", "m"), ("a pixel", "gsd", "mm"), ("wide", "swath", "m"))
+    return [
+        (
+            f"{place} of the view",
+            ", ".join(f"{words.quantity(figures[f'{key}_{end}_{unit}'], unit)} {what}" for what, key, unit in rows),
+        )
+        for place, end in (("near edge", "near"), ("middle", "centre"), ("far edge", "far"))
+    ]
 
 
 def snr_text(value: float | None) -> str:

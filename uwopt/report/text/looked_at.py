@@ -14,6 +14,15 @@ SPOKEN = re.compile(r"\b(?:sea ?floor|floor|altitude)(s?)\b( {2,})?", re.IGNOREC
 
 def wording(mission: Mapping[str, Any]) -> Callable[[str], str]:
     """What turns a text about floors into one about the mission's targets; of floors, and of several kinds, itself."""
+    said = of_target(mission)
+    vehicle = mission.get("vehicle")
+    if not (isinstance(vehicle, Mapping) and vehicle.get("pitch_deg")):
+        return said
+    return lambda text: said(text.replace("aimed straight down", "aimed where the camera looks"))
+
+
+def of_target(mission: Mapping[str, Any]) -> Callable[[str], str]:
+    """The same by what is looked at, however the camera is turned."""
     scenes = [scene for scene in mission.get("scenes") or () if isinstance(scene, Mapping)]
     targets = {str(scene.get("target") or "floor") for scene in scenes}
     target = targets.pop() if len(targets) == 1 else "floor"

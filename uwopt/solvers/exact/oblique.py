@@ -71,11 +71,9 @@ def crowding(along_m: Array, slope: float, range_m: float, deepest_m: float) -> 
 
 def deepest_m(problem: Problem, scene_index: int) -> float:
     """The most that A / W is: how far behind the port rays seem to meet the axis."""
-    ports, cameras = problem.ports, problem.cameras
-    half_m = 0.5 * np.hypot(cameras.resolution_x_px, cameras.resolution_y_px) * cameras.pixel_pitch_m
-    widest = float(half_m.max(initial=0.0)) / float(problem.lenses.focal_length_m.min(initial=np.inf))
-    n_water = problem.scenes[scene_index].n_water
-    flat_m = (ports.gap_m + ports.thickness_m) * np.sqrt(n_water**2 + (n_water**2 - 1.0) * widest**2)
+    ports, n_water = problem.ports, problem.scenes[scene_index].n_water
+    bent = np.sqrt(n_water**2 + (n_water**2 - 1.0) * problem.widest_tangent**2)
+    flat_m = (ports.gap_m + ports.thickness_m) * bent
     return float(np.where(ports.is_dome, ports.outer_radius_m, flat_m).max(initial=0.0))
 
 
