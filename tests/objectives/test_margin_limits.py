@@ -10,7 +10,7 @@ import ast
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from math import hypot, log2, log10, pi, sqrt
+from math import atan, degrees, hypot, log2, log10, pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -298,6 +298,9 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
         **FULL, "vehicle.lamp_size_m": 0.2 * (1.0 + over), "vehicle.light_baseline_m": 0.1}),
     ("lamp_beside_port_m", lambda over: {
         **FULL, "vehicle.lamp_size_m": 0.2 * (1.0 + over), "vehicle.light_baseline_m": 0.1}),
+    ("horizon", lambda over: {
+        **FULL, "port.geometry": "dome", "port.outer_radius_mm": 50.0, "port.gap_mm": None,
+        "vehicle.pitch_deg": degrees(atan((1.0 - 0.2 / (1.0 + over)) / 0.25))}),  # the far edge at a tangent of 0.25
     ("port_clears_view_mm", high("port.clear_diameter_mm", 2.0 * CORNER_MM, **FULL)),
 ]  # fmt: skip
 NAMES = [name for name, _ in CASES]

@@ -119,15 +119,15 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the balance of the nearest altitude counts",
         file="uwopt/objectives/requirements.py",
-        old="value, where = worst(figures.white_balance, scene.range_m, highest=True)",
-        new="value, where = worst(figures.white_balance, scene.range_m, highest=False)",
+        old="value, where = worst(figures.white_balance, scene.altitude_m, highest=True)",
+        new="value, where = worst(figures.white_balance, scene.altitude_m, highest=False)",
         test=f"{COLOUR}::test_the_worst_altitude_counts_for_colours",
     ),
     Defect(
         name="red of the brightest altitude counts",
         file="uwopt/objectives/requirements.py",
-        old="value, where = worst(red, scene.range_m, highest=False)",
-        new="value, where = worst(red, scene.range_m, highest=True)",
+        old="value, where = worst(red, scene.altitude_m, highest=False)",
+        new="value, where = worst(red, scene.altitude_m, highest=True)",
         test=f"{COLOUR}::test_the_worst_altitude_counts_for_colours",
     ),
     Defect(

@@ -309,15 +309,15 @@ DEFECTS = (
     Defect(
         name="the best altitude counts: min_contrast",
         file="uwopt/objectives/requirements.py",
-        old="figures.contrast, scene.range_m, highest=False",
-        new="figures.contrast, scene.range_m, highest=True",
+        old="figures.contrast, scene.altitude_m, highest=False",
+        new="figures.contrast, scene.altitude_m, highest=True",
         test=f"{WORST}[min_contrast]",
     ),
     Defect(
         name="the best altitude counts: min_snr_db",
         file="uwopt/objectives/requirements.py",
-        old="worst(snr, scene.range_m, highest=False",
-        new="worst(snr, scene.range_m, highest=True",
+        old="worst(snr, scene.altitude_m, highest=False",
+        new="worst(snr, scene.altitude_m, highest=True",
         test=f"{WORST}[min_snr_db]",
     ),
     Defect(

@@ -108,6 +108,8 @@ def imager_limits() -> dict[str, Limit]:
         "image_circle": Limit("lens", "image_circle_mm", 10.0 / 1.02, least=True),
         "lens_rating": Limit("lens", "rated_pixel_pitch_um", 4.0 * 1.02, least=False, more=RATED),
         "view": Limit("port", "clear_diameter_mm", 2 * TILT * 50.0, least=True, more={"flat": True}),
+        # seen at tangents of 0.375 along the motion, the far edge lies at 1 / (1 - 0.375 tan pitch) of the axis
+        "horizon": Limit("vehicle", "pitch_deg", float(np.rad2deg(np.arctan(0.8 / 0.375))), least=False),
         "focus": Limit("lens", "min_object_distance_m", virtual_image_m(n_water), least=False),
         "max_gsd_mm": Limit("wanted", "max_gsd_mm", 0.5e-3 * DISTANCE_M * 1e3, least=True),
         "min_swath_m": Limit("wanted", "min_swath_m", DISTANCE_M, least=False),

@@ -29,7 +29,7 @@ from uwopt.solvers.exact.imagers import (
     limit,
 )
 from uwopt.solvers.exact.light_tables import FieldTables, Rectangles
-from uwopt.solvers.exact.oblique import Reach, deepest_m
+from uwopt.solvers.exact.oblique import PlaneReach, deepest_m
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables, port_tree
 from uwopt.solvers.exact.ranking import Found, Ranking
 from uwopt.solvers.exact.screen import pair_rules
@@ -141,16 +141,16 @@ class LargeSearch:
         ends = level.descents(scene, rows)[1] * FARTHEST * COARSE_ROUND >= 1.0
         return rows.take(np.nonzero((gsd_mm <= limit_mm * COARSE_ROUND) & ends)[0])
 
-    def _reach(self, scene_index: int, altitude: int) -> Reach:
+    def _reach(self, scene_index: int, altitude: int) -> PlaneReach:
         """The most of `Level.reach` over all such pairs, as columns of length one."""
         level, scene = self.levels[0], self.problem.scenes[scene_index]
-        most = np.full((len(Reach._fields), 1), 1e-6)
+        most = np.full((len(PlaneReach._fields), 1), 1e-6)
         for group in range(len(level.groups.start)):
             for landscape in self.orientations:
                 rows = self._small_enough(scene_index, group, landscape=landscape)
                 found = np.array(level.reach(scene, rows, float(scene.range_m[altitude])))
                 most = np.maximum(most, found.max(axis=1, initial=0.0)[:, None])
-        return Reach(*most)
+        return PlaneReach(*most)
 
     def _widest_m(self, scene_index: int, altitude: int) -> tuple[float, float]:
         """No image of a pair whose pixels are small enough reaches farther from the axis, either way."""

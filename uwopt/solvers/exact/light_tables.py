@@ -29,7 +29,7 @@ from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, flat_slope_m, levelled
 from uwopt.model.port import flat_floor_derivative
 from uwopt.solvers.exact.imagers import Imagers
-from uwopt.solvers.exact.oblique import Reach, crowding, deepest_m, path_and_field, reach_of
+from uwopt.solvers.exact.oblique import PlaneReach, crowding, deepest_m, path_and_field, reach_of
 
 Array = NDArray[Any]
 EDGES = 129  # rectangle edges a side in the bound's table
@@ -376,7 +376,7 @@ class Rectangles:
         return i, np.minimum(np.searchsorted(across_m, self.across_behind_m), len(across_m) - 1)
 
     @staticmethod
-    def tilted(reach: Reach, deepest_m: float) -> Rectangles:
+    def tilted(reach: PlaneReach, deepest_m: float) -> Rectangles:
         """Of images on a tilted plane; the area is that over which samples lie as densely as at the axis."""
         one = np.ones(len(reach.ahead_m))
         return Rectangles(
@@ -388,13 +388,13 @@ class Rectangles:
     def oblique(problem: Problem, imagers: Imagers, scene_index: int, range_m: float, rows: Array) -> Rectangles:
         """Those of imagers on a tilted plane, port by port."""
         view, ports = imagers.scenes[scene_index].view, problem.like_port[imagers.port[rows]]
-        columns = np.ones((len(Reach._fields), len(rows)))
+        columns = np.ones((len(PlaneReach._fields), len(rows)))
         for port in np.unique(ports):
             mine = np.nonzero(ports == port)[0]
             shape = problem.shape(int(port), scene_index)
             along, across = view.tan_along[rows[mine]], view.tan_across[rows[mine]]
             columns[:, mine] = reach_of(along, across, least=shape, most=shape, range_m=range_m)
-        return Rectangles.tilted(Reach(*columns), deepest_m(problem, scene_index))
+        return Rectangles.tilted(PlaneReach(*columns), deepest_m(problem, scene_index))
 
     @staticmethod
     def of(problem: Problem, imagers: Imagers, scene_index: int, altitude: int, rows: Array) -> Rectangles:

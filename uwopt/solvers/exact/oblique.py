@@ -24,7 +24,7 @@ Array = NDArray[Any]
 BESIDE_PORT = 1e-6  # places at the port's own distance, which images behind other ports alone may reach
 
 
-class Reach(NamedTuple):
+class PlaneReach(NamedTuple):
     """How far images reach on the plane from where the axis meets it [m], no less; and their densest samples there."""
 
     ahead_m: Array
@@ -34,7 +34,7 @@ class Reach(NamedTuple):
     samples_per_m2: Array  # at x = 0; elsewhere times `crowding`
 
 
-def reach_of(tan_along: Array, tan_across: Array, *, least: PortShape, most: PortShape, range_m: float) -> Reach:
+def reach_of(tan_along: Array, tan_across: Array, *, least: PortShape, most: PortShape, range_m: float) -> PlaneReach:
     """Upper bounds for images behind ports that start rays no nearer to the axis than `least`, no farther than `most`.
 
     tan_along, tan_across : (n,) tangents of the half angles; numbers of the shapes : scalars or (n,)
@@ -55,7 +55,7 @@ def reach_of(tan_along: Array, tan_across: Array, *, least: PortShape, most: Por
         at_axis_m, per_axis = ray_spread(np.zeros_like(u), most)
         twist_m = slope * u * at_axis_m * per_axis
     spread_m2 = (start_c + range_m * per_c) * np.maximum(steep_m - twist_m, 1e-12)
-    return Reach(
+    return PlaneReach(
         ahead_m=secant * u * (start_u + range_m * per_u) / descent, across_ahead_m=wide_m / descent,
         behind_m=secant * u * (start_u + range_m * per_u) / (1.0 + slope * u * per_c), across_behind_m=wide_m,
         samples_per_m2=1.0 / (4.0 * u * v * secant * spread_m2),

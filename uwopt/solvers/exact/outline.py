@@ -30,7 +30,7 @@ from uwopt.model.enclosure import tube_needed_m
 from uwopt.model.imaging import FARTHEST, PortShape
 from uwopt.solvers.exact.imagers import Imagers, SceneImagers, limit, stops_down
 from uwopt.solvers.exact.light_tables import FieldTables, Rectangles
-from uwopt.solvers.exact.oblique import Reach, deepest_m, reach_of
+from uwopt.solvers.exact.oblique import PlaneReach, deepest_m, reach_of
 from uwopt.tolerances import COARSE_ROUND
 
 Array = NDArray[Any]
@@ -368,10 +368,10 @@ class Level:
         flat = extent.along_high_m * extent.across_high_m / (along * across * (distance / corner) * steep)
         return np.where(g.is_dome[at], 1.0, flat)
 
-    def reach(self, scene: SceneOptics, rows: OutlineRows, range_m: float) -> Reach:
+    def reach(self, scene: SceneOptics, rows: OutlineRows, range_m: float) -> PlaneReach:
         """How far images may reach on a tilted plane behind any port of the group, and how densely sample it."""
         g, (along, across) = self.groups, self.tangents(rows)
-        columns = np.ones((len(Reach._fields), len(rows)))
+        columns = np.ones((len(PlaneReach._fields), len(rows)))
         for is_dome in (True, False):
             mine = np.nonzero(g.is_dome[rows.group] == is_dome)[0]
             at = rows.group[mine]
@@ -386,7 +386,7 @@ class Level:
                 )
             )  # fmt: skip
             columns[:, mine] = reach_of(along[mine], across[mine], least=least, most=most, range_m=range_m)
-        return Reach(*columns)
+        return PlaneReach(*columns)
 
     # ------------------------------------------------------------ rules and columns
 
