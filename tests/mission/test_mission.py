@@ -89,7 +89,7 @@ def test_defaults_are_those_of_the_format():
     assert (wanted["dof_at"], wanted["snr_at"], wanted["highlight_ratio"]) == ("axis", "mean", 1.5)
     assert (wanted["circle_of_confusion_px"], wanted["shutter"], wanted["colour"]) == (2, "any", "any")
     limits = full["limits"]
-    assert (limits["currency"], limits["cost_basis"], limits["max_exposure_ms"]) == ("USD", "central", 1000)
+    assert (limits["currency"], limits["cost_basis"], limits["max_exposure_ms"]) == ("USD", "high", 1000)
     assert full["catalog"]["generic"] == "fallback"
     assert mission.required_depth_m == 30
 

@@ -629,4 +629,25 @@ DEFECTS = (
         test="tests/evaluation/test_design_model.py"
         "::test_focus_lies_between_centre_and_corner_where_both_must_be_sharp[corner]",
     ),
+    Defect(
+        name="nobody asks whether central prices would fit",
+        file="uwopt/solvers/explain/infeasible.py",
+        old='if name == "cost" and self.mission.limits.cost_basis == "high":',
+        new="if False:",
+        test="tests/solvers/test_least_change.py::test_a_limit_of_cost_that_only_high_prices_break_is_told[3000.0-True]",
+    ),
+    Defect(
+        name="a limit of cost holds the middle unless asked",
+        file="uwopt/mission/sections.py",
+        old='        default="high",\n        description="end of estimated prices',
+        new='        default="central",\n        description="end of estimated prices',
+        test="tests/mission/test_mission.py::test_defaults_are_those_of_the_format",
+    ),
+    Defect(
+        name="the high end of the cheapest is the least of the high ends",
+        file="uwopt/solvers/explain/infeasible.py",
+        old="if (best is None or one.at_central_prices) and not",
+        new="if best is None and not",
+        test="tests/solvers/test_least_change.py::test_the_least_limit_of_cost_is_proven_for_high_prices",
+    ),
 )

@@ -207,3 +207,19 @@ def test_subject_that_decides_the_exposure_is_told(
     mission = {"name": "x", "limits": {"currency": "USD"}, "scenes": [{"name": "reef", "subject_speed_m_s": speed}]}
     text = text_of(make_result(mission=mission, recommendation=best))
     assert ("What moves there by itself at 0.500 m/s decides the exposure." in text) == told
+
+
+def test_a_limit_that_only_high_prices_break_is_told_as_such(make_result: Make) -> None:
+    nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None, "status": "infeasible"}
+    for fits in (True, False):
+        cost = {"name": "cost", "limit": 500.0, "needed": 620.0, "miss_rel": 0.24, "fits_at_central_prices": fits}
+        why = {"requirements": [], "relaxations": [cost], "nearest_miss": None}
+        assert ("At the central price it would fit" in text_of(make_result(infeasible=why, **nothing))) == fits
+
+
+def test_what_was_not_tried_is_not_told_to_be_in_vain(make_result: Make) -> None:
+    nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None, "status": "infeasible"}
+    why = {"requirements": [], "relaxations": [], "nearest_miss": None}
+    cut = [Note("time", "", "not worked out in 10 s: whether it could be met without cost")]
+    assert "at least two have to give" in text_of(make_result(infeasible=why, warnings=[], **nothing))
+    assert "at least two have to give" not in text_of(make_result(infeasible=why, warnings=cut, **nothing))

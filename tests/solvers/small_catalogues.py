@@ -280,8 +280,7 @@ def mission(rng: Rng) -> dict[str, Any]:
         if chance(rng, 0.5):
             other["min_snr_db"] = float(rng.uniform(10, 35))
         plain["scenes"].append(other)
-    if chance(rng, 0.2):
-        plain["limits"]["cost_basis"] = "high"
+    plain["limits"]["cost_basis"] = "high" if chance(rng, 0.2) else "central"
     if chance(rng, 0.3):
         plain["limits"]["max_exposure_ms"] = between(rng, 0.2, 50)
     if chance(rng, 0.15):

@@ -20,8 +20,9 @@ POWER = Objective.of("power")
 FILES = {
     "cameras": "id,colour,resolution_x_px,resolution_y_px,pixel_pitch_um,shutter,mounts,max_frame_rate_hz,bit_depth,"
     "read_noise_e,saturation_e,dark_current_e_s,max_gain_db,black_level_dn,min_exposure_us,max_exposure_us,"
-    "exposure_offset_us,prnu_frac,qe,qe_nm,power_w,mass_g,price,currency\n"
-    "zz-cam,mono,1936,1216,5.86,global,C,40,12,7,30000,0,36,0,10,1000000,0,0,0.7,530,3,100,500,USD\n",
+    "exposure_offset_us,prnu_frac,qe,qe_nm,power_w,mass_g,price,currency,price_low,price_high,price_status\n"
+    "zz-cam,mono,1936,1216,5.86,global,C,40,12,7,30000,0,36,0,10,1000000,0,0,0.7,530,3,100,500,USD,,,\n"
+    "zz-other,mono,1936,1216,5.86,global,C,40,12,7,30000,0,36,0,10,1000000,0,0,0.7,530,2,100,450,USD,400,2000,estimated\n",
     "lenses": "id,focal_length_mm,f_number_min,f_number_max,aperture_control,image_circle_mm,mounts,"
     "transmission_frac,min_object_distance_m,mass_g,price,currency\n"
     "zz-lens,12,1.4,16,manual,16,C,0.9,0.1,100,300,USD\n"
@@ -169,3 +170,31 @@ def test_a_refusal_is_weakened_as_its_key_would_be(parts, catalog):
 )  # fmt: skip
 def test_limit_to_type_is_rounded_away_from_what_was_asked(value, asked, rounded):
     assert rounded_away(value, asked) == rounded
+
+
+@pytest.mark.parametrize(
+    ("limit", "fits_at_central"),
+    # parts 1700 USD, all quoted; two connections 2 x 90 (to 270), control 150 (450), spares 100 (250), test 200 (400):
+    # 2330 USD at central prices, 3340 at high ones
+    [(3000.0, True), (2400.0, True), (2300.0, False)],
+)
+def test_a_limit_of_cost_that_only_high_prices_break_is_told(parts, catalog, limit, fits_at_central):
+    base = mission(parts)
+    wanted = base.with_changes(limits={"cost": limit}, catalog=base.to_dict()["catalog"] | {"rest": "estimate"})
+    found = seek(wanted, catalog, POWER, generic="never", top=1)
+    proof = certificate(found.selection, found.problem, found.outcome, POWER)
+    (cost,) = (r for r in Explanation(wanted, catalog, POWER, "never").told(proof).relaxations if r.name == "cost")
+    assert cost.fits_at_central_prices == fits_at_central
+    assert cost.needed == pytest.approx(3340.0)
+    assert fits(wanted.with_changes(limits={"cost": limit, "cost_basis": "central"}), catalog) == fits_at_central
+
+
+def test_the_least_limit_of_cost_is_proven_for_high_prices(parts, catalog):
+    # the other camera draws 1 W less and costs 50 USD less at central prices, but up to 2000 USD: 4840 USD in all
+    base = mission(parts)
+    choice = base.to_dict()["catalog"] | {"rest": "estimate", "cameras": ["zz-cam", "zz-other"]}
+    wanted = base.with_changes(limits={"cost": 3000.0}, catalog=choice)
+    found = seek(wanted, catalog, POWER, generic="never", top=1)
+    proof = certificate(found.selection, found.problem, found.outcome, POWER)
+    why = Explanation(wanted, catalog, POWER, "never").told(proof)
+    assert {r.name: r.needed for r in why.relaxations}["cost"] == pytest.approx(3340.0, rel=0.01)  # steps of 3 digits

@@ -307,8 +307,9 @@ class Limits(Section):
         description="exchange rates by currency, USD per unit, that override the shipped ones",
     )
     cost_basis: Annotated[Literal["central", "high"], CHOICE] = Field(
-        default="central",
-        description="end of an estimated price that the cost limit applies to: central or high",
+        default="high",
+        description="end of estimated prices that must be within the cost limit: high, or central; the objective cost "
+        "is at central prices either way",
     )
     power_w: Positive | None = Field(default=None, description="highest mean electrical power in watts")
     peak_power_w: Positive | None = Field(

@@ -107,10 +107,10 @@ requirements:
 
 # What the system may cost, draw and weigh. A limit that is left out limits nothing.
 limits:
-  cost: 8000
+  cost: 20000
   currency: USD
   # rates: {EUR: 1.15}         # your exchange rates, USD per unit
-  # cost_basis: central        # central | high: the end of an estimated price that must fit
+  # cost_basis: high           # high | central: the end of estimated prices that must fit
   power_w: 150
   # peak_power_w: 500
   # energy_wh: 400             # over vehicle.duration_h

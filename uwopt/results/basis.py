@@ -124,6 +124,9 @@ class Relaxed(Record):
     limit: Number | None = Field(description="what is asked")
     needed: Number | None = Field(description="what could be had; null: it would have to be left out")
     miss_rel: Number = Field(description="how far apart the two are; large where that is not known")
+    fits_at_central_prices: Flag = Field(
+        default=False, description="a limit of cost that a system keeps unless its prices turn out high"
+    )
 
 
 @dataclass(frozen=True, config=RECORD)

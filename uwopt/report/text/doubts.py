@@ -15,6 +15,10 @@ from uwopt.units import format_within, split_unit
 MOST_ASSUMPTIONS = 12
 LONGEST_REASON = 80
 NO_QUOTE_MATTERS = "no single number, known better, would change the answer"
+AT_CENTRAL_PRICES = (
+    "At the central price it would fit: the limit of cost is broken only where estimated prices turn out high "
+    "(limits.cost_basis: high, the default). Ask for quotes, or hold their middle against it (cost_basis: central)."
+)
 HELPFUL = "Each of these changes alone would let a system through:"
 
 
@@ -64,10 +68,9 @@ def infeasible_block(result: Result | FrontResult) -> Block:
     helpful = relaxations_of(result)
     lines: list[Line] = []
     if helpful:
-        lines.append(sentence(HELPFUL))
-        lines.append(relaxation_table(result, helpful))
+        lines += helpful_lines(result, helpful)
     elif not stopped and isinstance(result, Result):  # of fronts, the verdict has said it
-        lines.append(sentence("No single requirement stands in the way; at least two have to give."))
+        lines.append(sentence(f"{no_change_helps(result)}."))
     table = columns(("combinations", "right"), ("excluded because", "left"))
     bounded = False
     for item in result.infeasible.requirements if result.infeasible is not None else []:
@@ -81,6 +84,22 @@ def infeasible_block(result: Result | FrontResult) -> Block:
     if bounded:
         lines.append(sentence("* proven by a bound, before the settings were looked at", "dim"))
     return block("What stood in the way so far" if stopped else "Why nothing fits", lines)
+
+
+def helpful_lines(result: Result | FrontResult, helpful: list[Relaxed]) -> list[Line]:
+    """The changes that would help, and a limit of cost that only high prices break."""
+    lines: list[Line] = [sentence(HELPFUL), relaxation_table(result, helpful)]
+    if any(item.fits_at_central_prices for item in helpful):
+        lines.append(sentence(AT_CENTRAL_PRICES))
+    return lines
+
+
+def no_change_helps(result: Result | FrontResult) -> str:
+    """What is known where no single change is known to help."""
+    cut = any(note.code == "time" and "could be met without" in note.message for note in result.warnings)
+    if cut:
+        return "No single requirement that alone stands in the way was found in the time there was"
+    return "No single requirement stands in the way; at least two have to give"
 
 
 def miss_sentence(result: Result | FrontResult) -> Text | None:

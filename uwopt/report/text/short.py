@@ -10,7 +10,13 @@ from collections.abc import Iterator, Sequence
 
 from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import words
-from uwopt.report.text.doubts import HELPFUL, miss_sentence, quoted_number, relaxation_table, relaxations_of
+from uwopt.report.text.doubts import (
+    helpful_lines,
+    miss_sentence,
+    no_change_helps,
+    quoted_number,
+    relaxations_of,
+)
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import goal_text
 from uwopt.report.text.layout import Block, Joined, Line, Text, block, columns, fact_lines, sentence
@@ -310,11 +316,11 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
     helpful = relaxations_of(result)
     lines: list[Line] = []
     if helpful:
-        lines = [sentence(HELPFUL), relaxation_table(result, helpful)]
+        lines = helpful_lines(result, helpful)
     elif result.status == "stopped":
         lines = [sentence("Give it more time, or a mission with fewer parts to choose from.")]
     elif result.infeasible:
-        lines = [sentence("No single requirement stands in the way; at least two have to give.")]
+        lines = [sentence(f"{no_change_helps(result)}.")]
     if result.status == "infeasible" and result.mission.get("practice") == "recommended":
         lines.append(sentence(ASKED_BY_PRACTICE))
     if lines:

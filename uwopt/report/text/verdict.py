@@ -12,6 +12,7 @@ from uwopt.report.text.doubts import (
     NO_QUOTE_MATTERS,
     bad_ends_text,
     miss_text,
+    no_change_helps,
     quote_text,
     relaxation_texts,
     relaxations_of,
@@ -108,7 +109,7 @@ def nothing(result: Result | FrontResult) -> tuple[str, str]:
         return first, f"{HELPFUL} {listed}"
     if result.status == "stopped":
         return first, "Give it more time, or a mission with fewer combinations, to know more"
-    return first, "No single requirement stands in the way; at least two have to give"
+    return first, no_change_helps(result)
 
 
 # ---------------------------------------------------------------- fronts

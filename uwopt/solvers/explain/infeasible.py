@@ -67,6 +67,7 @@ class Relaxation:
     needed: float | None
     miss_rel: float
     design: Design
+    fits_at_central_prices: bool = False
 
 
 @dataclass(frozen=True)
@@ -78,10 +79,12 @@ class Without:
     mission: Mission
     goal: Objective
     found: Sought
+    at_central_prices: bool = False  # the limit of cost is kept, but for estimated prices at their high ends
 
 
 BOUNDED = ("light", "bound", "power_w", "energy_wh", "cost", "mass_kg")
 TURN = 0.25  # of the time left: what one requirement may take of it
+LONG_TURN = 0.5  # the same of the question whether all would fit at central prices
 
 
 @dataclass
@@ -109,14 +112,14 @@ class Explanation:
             for item in certificate.discarded
             if item.count
         ]
-        helpful = [Relaxed(r.name, r.limit, r.needed, r.miss_rel) for r in relaxations]
+        helpful = [Relaxed(r.name, r.limit, r.needed, r.miss_rel, r.fits_at_central_prices) for r in relaxations]
         return WhyNothing(requirements, helpful, relaxations[0].design if relaxations else None)
 
     def relaxations(self) -> list[Relaxation]:
         """The requirements whose loss makes the mission feasible, with the least change of each."""
         helpful: list[Without] = []
         try:
-            for number, name in enumerate(RELAXABLE):
+            for number, name in enumerate(sorted(RELAXABLE, key=lambda name: name != "cost")):  # money first
                 self._say(0.5 * number / len(RELAXABLE), f"why nothing fits: without {name}")
                 self._drop(name, helpful)
         except KeyboardInterrupt:
@@ -152,6 +155,12 @@ class Explanation:
             self.deadline.left_out.append(f"whether the mission could be met without {name}")
             return
         goal = Objective.of(best or "power")
+        if name == "cost" and self.mission.limits.cost_basis == "high":
+            central = with_central_prices(self.mission)
+            found = self._seek(central, Objective.of("power"), self.deadline.at_most(LONG_TURN * self.deadline.left_s))
+            if found.outcome.best:
+                helpful.append(Without(name, limit, central, Objective.of("power"), found, at_central_prices=True))
+                return
         found = self._seek(relaxed, goal, self._turn(), 0.0 if by_depth else None)
         if found.outcome.best:
             helpful.append(Without(name, limit, relaxed, goal, found))
@@ -174,14 +183,14 @@ class Explanation:
         if needed is not None:
             kept = self.mission.depth_factor
             needed = needed / kept if by_depth else asked_when_held(self.mission.reserve, key, needed)
-        if best is None and not by_depth and needed is not None and not self.interrupted:
+        if (best is None or one.at_central_prices) and not by_depth and needed is not None and not self.interrupted:
             try:
                 change = self._least_change(one, needed, turn)
                 needed, design = change.limit, judged_by(self.mission, change.found, self.objective)
             except KeyboardInterrupt:
                 self.interrupted = True
             self.deadline.left_out.extend(turn.left_out)
-        return Relaxation(one.name, one.limit, needed, miss(one.limit, needed), design)
+        return Relaxation(one.name, one.limit, needed, miss(one.limit, needed), design, one.at_central_prices)
 
     def _least_change(self, one: Without, needed: float, turn: Deadline) -> Change:
         """The limit nearest to what is asked with which something fits."""
@@ -259,6 +268,11 @@ def without(mission: Mission, section: str, key: str) -> Mission | None:
     if key == "overlap" and mission.requirements.frame_interval_s is None and mission.vehicle.speed_m_s == 0:
         return None
     return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
+
+
+def with_central_prices(mission: Mission) -> Mission:
+    """The mission whose limit of cost holds estimated prices at their middle."""
+    return mission.with_changes(limits=mission.to_dict()["limits"] | {"cost_basis": "central"})
 
 
 def words_of(key: str) -> list[str]:
