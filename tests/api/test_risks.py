@@ -11,7 +11,7 @@ import pytest
 from uwopt.api.evaluating import evaluate
 from uwopt.api.risks import risks_of
 from uwopt.results.basis import Assumption, Risk
-from uwopt.results.design import Design, Margin, Note, SceneResult
+from uwopt.results.design import BillRow, Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
@@ -248,3 +248,14 @@ def test_most_serious_stands_first(calm: Result) -> None:
 def test_results_carry_their_risks(base: Result) -> None:
     assert base.risks == risks_of(base) != []
     assert Result.from_dict(base.to_dict()).risks == base.risks
+
+
+def test_parts_that_may_be_sold_no_longer_are_told(calm: Result) -> None:
+    row = BillRow(
+        kind="lens", id="q-lens", manufacturer="Q", model="L", count=1, owned=0, unit_price=1.0, unit_price_low=1.0,
+        unit_price_high=1.0, currency="USD", price_status="list", price_date="", generic=False, source="",
+        price_basis="", availability="unknown",
+    )  # fmt: skip
+    solved = replace(calm, command="solve", recommendation=replace(calm.design, bom=[row]), design=None)
+    assert only(solved).because == "no source says so of q-lens"
+    assert risks_of(replace(solved, recommendation=replace(calm.design, bom=[replace(row, owned=1)]))) == []

@@ -7,7 +7,9 @@ from typing import Any
 import pytest
 
 from uwopt.catalog.choose import Choice, select
+from uwopt.catalog.interfaces import does_reach, reaches_m
 from uwopt.catalog.load import load_catalog
+from uwopt.catalog.tables import built_in_rows
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import selected
 from uwopt.mission.keys import INTERFACES
@@ -58,3 +60,50 @@ def test_interfaces_are_taken_in_any_spelling_once(given):
 def test_another_interface_is_told_with_those_there_are():
     with pytest.raises(MissionError, match=r"interfaces.*FireWire.*USB3"):
         mission(["FireWire"])
+
+
+@pytest.mark.parametrize(
+    ("interface", "longest_m"),  # of passive cables, by the makers and magazines that interfaces.csv names
+    [("CSI-2", 0.3), ("USB3", 5.0), ("Camera Link", 4.0), ("CoaXPress", 40.0), ("GigE", 100.0), ("10GigE", 100.0)],
+)
+def test_a_cable_carries_images_as_far_as_its_interface_reaches(interface, longest_m):
+    assert does_reach(interface, longest_m) and not does_reach(interface, 1.01 * longest_m)
+
+
+def test_an_unknown_interface_reaches_only_a_computer_beside_it():
+    assert does_reach("", None) and does_reach("coax", None)
+    assert not does_reach("", 0.1) and not does_reach("coax", 0.1)
+
+
+def test_every_reach_has_its_source_and_every_interface_its_row():
+    rows = list(built_in_rows("interfaces.csv"))
+    assert all(row["source_url"].startswith("https://") and row["source_date"] for row in rows if row["reach_m"])
+    assert set(INTERFACES) <= {row["interface"] for row in rows}
+    assert "coax" not in reaches_m()
+
+
+def test_without_a_computer_beside_them_cameras_must_reach_over_the_cable(tmp_path):
+    (tmp_path / "cameras.csv").write_text(CAMERAS, encoding="utf-8")
+    known = load_catalog([tmp_path / "cameras.csv"])
+
+    def own(host: str) -> list[str]:
+        plain = mission(None).to_dict()
+        changed = {"vehicle": plain["vehicle"] | {"cable_m": 20.0}, "catalog": plain["catalog"] | {"host": host}}
+        made = selected(load_mission({**plain, **changed}), known, generic="never")
+        return [camera.id for camera in made.cameras if camera.id.startswith("my-")]
+
+    assert own("none") == ["my-network"]
+    assert own("estimate") == ["my-usb", "my-network", "my-board", "my-riddle"]
+
+
+def test_parts_of_which_nobody_says_that_they_are_sold_can_be_left_out():
+    known = load_catalog()
+    told = {e.part_id: e for e in select(known, Choice(availability="known")).excluded}
+    unsure = [camera.id for camera in known.cameras if camera.availability == "unknown"]
+    assert unsure and all(told[name].rule == "availability" for name in unsure)
+    assert not any(told[name].reason.startswith("nobody says") for name in told if name not in {
+        part.id for kind in ("camera", "lens", "port", "light", "housing") for part in known.parts(kind)
+        if part.availability == "unknown" and not part.generic
+    })  # fmt: skip
+    named = select(known, Choice(cameras=[unsure[0]], availability="known"))
+    assert "availability" not in {e.rule for e in named.excluded if e.part_id == unsure[0]}

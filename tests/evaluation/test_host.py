@@ -65,3 +65,22 @@ def test_what_a_camera_says_of_its_computer_counts_instead() -> None:
 
 def test_an_interface_that_no_class_knows_takes_the_class_of_any() -> None:
     assert design(interface="coax").totals.power_w == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(
+    ("interface", "cable_m", "computers", "cost", "power_w"),
+    [  # two cameras of 800 EUR and 4 W; computers: GigE 160 EUR, 5 W; USB3 250 USD = 200 EUR, 6 W
+        ("GigE", 20.0, 1, 1760.0, 13.0),
+        ("USB3", 20.0, 2, 2000.0, 20.0),  # 5 m of cable at most: each has its own
+        ("USB3", 5.0, 1, 1800.0, 14.0),
+        ("USB3", None, 1, 1800.0, 14.0),
+        ("GigE", 120.0, 2, 1920.0, 18.0),
+    ],
+)
+def test_where_the_cable_does_not_reach_each_camera_has_its_computer(interface, cable_m, computers, cost, power_w):
+    found = design(count=2, interface=interface, vehicle={"cable_m": cable_m})
+    (row,) = (row for row in found.bom if row.id == "host-computer")
+    assert row.count == computers
+    assert (f"{interface} reaches" in row.note) == (computers == 2)
+    assert (found.totals.cost.value, found.totals.power_w) == pytest.approx((cost, power_w))
+    assert found.scenes[0].figures["cost"] == pytest.approx(cost)  # of the columns that the search reads

@@ -8,7 +8,8 @@ import pytest
 from priced_system import PRICED
 
 import uwopt
-from uwopt.catalog.rest import rest_items
+from uwopt.catalog.rest import RestNeeds, rest_items
+from uwopt.errors import MissionError
 from uwopt.mission.mission import load_mission
 
 # To 1000 m, in USD: a connection 300 (120 to 750), lamp control 150 (50 to 450), spares 100 (40 to 250), test 600
@@ -16,14 +17,18 @@ from uwopt.mission.mission import load_mission
 # At 1.25 USD a euro: 1400 EUR (600 to 3320).
 
 
-def design(rest: str = "estimate", *, cameras: int = 1, lamps: int = 2, basis: str = "central") -> Any:
+def design(
+    rest: str = "estimate", *, cameras: int = 1, lamps: int = 2, basis: str = "central",
+    vehicle: dict[str, Any] | None = None, limits: dict[str, Any] | None = None,
+) -> Any:  # fmt: skip
     """What `evaluate` says of the system."""
     mission = {
         "practice": "bare", "name": "with the rest", "physics": "paper",
         "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
-        "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0, "light_count": [1, 2], "camera_count": cameras},
+        "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0, "light_count": [1, 2], "camera_count": cameras,
+                    **(vehicle or {})},
         "requirements": {"frame_interval_s": 100.0, "circle_of_confusion_px": 2.0},
-        "limits": {"currency": "EUR", "rates": {"EUR": 1.25}, "cost": 2300.0, "cost_basis": basis},
+        "limits": {"currency": "EUR", "rates": {"EUR": 1.25}, "cost": 2300.0, "cost_basis": basis, **(limits or {})},
         "catalog": {"rest": rest},
     }  # fmt: skip
     found = uwopt.evaluate(mission, {**PRICED, "camera_count": cameras, "light_count": lamps}).design
@@ -51,10 +56,10 @@ def test_the_rest_counts_in_cost_and_bill() -> None:
 
 
 def test_two_cameras_share_what_is_bought_once() -> None:
-    # 2 x 800 + (2 + 1) x 240 + 680 EUR
+    # 2 x 800 + (2 + 1) x 240 + 680 EUR, and 120 USD for what fires both together
     found = design(cameras=2, lamps=1)
-    assert found.totals.cost.value == pytest.approx(3000.0)  # of the bill
-    assert found.scenes[0].figures["cost"] == pytest.approx(3000.0)  # of the columns that the search reads
+    assert found.totals.cost.value == pytest.approx(3096.0)  # of the bill
+    assert found.scenes[0].figures["cost"] == pytest.approx(3096.0)  # of the columns that the search reads
 
 
 @pytest.mark.parametrize(("basis", "left"), [("central", 100.0), ("high", -1820.0)])
@@ -62,15 +67,61 @@ def test_a_cost_limit_holds_for_the_rest_at_the_end_that_it_asks_for(basis: str,
     assert cost_margin(design(basis=basis)) == pytest.approx(left)
 
 
+def test_the_data_cable_is_paid_by_its_length() -> None:
+    # above 150 m 13 USD a metre (6 to 30): 20 m are 260 USD or 208 EUR (96 to 480)
+    (row,) = (row for row in design(vehicle={"cable_m": 20.0}).bom if row.id == "rest-data-cable")
+    assert (row.unit_price, row.unit_price_low, row.unit_price_high) == pytest.approx((208.0, 96.0, 480.0))
+    assert row.model == "data cable of a camera, 20 m"
+    assert design(vehicle={"cable_m": 20.0}).totals.cost.value == pytest.approx(2200.0 + 208.0)
+
+
+def test_modems_stand_where_no_network_cable_reaches() -> None:
+    def modems(cable_m: float) -> list[str]:
+        return [item.id for item in rest_items(RestNeeds(10.0, cable_m=cable_m)) if item.id == "rest-link"]
+
+    assert modems(100.0) == []
+    assert modems(101.0) == ["rest-link"]
+
+
+def test_a_battery_of_the_system_costs_weighs_and_limits() -> None:
+    # above 150 m 4.9 USD a watt-hour: 500 Wh are 2450 USD or 1960 EUR; 14 g each: 7 kg
+    own = {"duration_h": 10.0, "battery_wh": 500.0}
+    carried, brought = (design(vehicle={**own, "supply": supply}) for supply in ("vehicle", "battery"))
+    assert brought.totals.cost.value - carried.totals.cost.value == pytest.approx(1960.0)
+    assert brought.totals.mass_kg - carried.totals.mass_kg == pytest.approx(7.0)
+    limits = {m.requirement: m.limit for m in brought.scenes[0].margins}
+    assert limits["energy_wh"] == pytest.approx(500.0)
+    assert "energy_wh" not in {m.requirement for m in carried.scenes[0].margins}
+
+
+@pytest.mark.parametrize(("limit_wh", "held_wh"), [(300.0, 300.0), (900.0, 500.0)])
+def test_of_battery_and_limit_the_smaller_holds(limit_wh: float, held_wh: float) -> None:
+    own = {"duration_h": 10.0, "battery_wh": 500.0, "supply": "battery"}
+    found = design(vehicle=own, limits={"energy_wh": limit_wh})
+    assert next(m.limit for m in found.scenes[0].margins if m.requirement == "energy_wh") == pytest.approx(held_wh)
+
+
+def test_a_battery_of_the_system_must_say_what_it_holds() -> None:
+    with pytest.raises(MissionError, match="supply = battery needs the energy that it holds"):
+        design(vehicle={"supply": "battery"})
+
+
+def test_disks_beyond_those_of_the_computer_are_bought() -> None:
+    # 450 GB: 200 more than the computer has, at 0.15 USD
+    items = {item.id: item for item in rest_items(RestNeeds(10.0, storage_gb=450.0))}
+    assert items["rest-storage"].price.value == pytest.approx(30.0)
+    assert "rest-storage" not in {item.id for item in rest_items(RestNeeds(10.0, storage_gb=250.0))}
+
+
 def test_without_lamps_nothing_is_wired_to_them() -> None:
-    assert [item.id for item in rest_items(10.0, lit=False)] == [
+    assert [item.id for item in rest_items(RestNeeds(10.0, lit=False))] == [
         "rest-camera-connection", "rest-spares", "rest-pressure-test"
     ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("depth_m", "test_usd"), [(150, 200), (151, 600), (1000, 600), (1001, 1600)])
 def test_the_pressure_test_is_that_of_the_depth(depth_m: float, test_usd: float) -> None:
-    assert rest_items(depth_m, lit=True)[-1].price.value == test_usd
+    assert rest_items(RestNeeds(depth_m))[-1].price.value == test_usd
 
 
 def recommended(**catalog: Any) -> Any:

@@ -126,8 +126,8 @@ DEFECTS = (
     Defect(
         name="each camera has a computer of its own",
         file="uwopt/forward/problem.py",
-        old="host_share=1.0 / mission.vehicle.camera_count if",
-        new="host_share=1.0 if",
+        old="return 1.0 if self.beside_camera(camera) else 1.0 / self.mission.vehicle.camera_count",
+        new="return 1.0",
         test=f"{HOST}test_two_cameras_share_one_computer",
     ),
     Defect(

@@ -92,8 +92,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="owned pieces are paid in the table of parts",
         file="uwopt/report/write.py",
-        old="return None if row.unit_price is None else row.to_buy * row.unit_price",
-        new="return None if row.unit_price is None else row.count * row.unit_price",
+        old="return None if unit_price is None else row.to_buy * unit_price",
+        new="return None if unit_price is None else row.count * unit_price",
         test="tests/report/test_write.py::test_pieces_that_are_owned_are_not_paid",
     ),
     Defect(

@@ -472,3 +472,15 @@ def test_both_themes_name_the_same_colours_and_the_page_uses_no_other(make_resul
 def test_page_is_the_same_each_time(make_result: Make, make_front: Make) -> None:
     for result in (make_result(), make_front()):
         assert report_html(result) == report_html(replace(result))
+
+
+def test_the_bill_of_a_page_tells_purpose_note_and_dates(make_result: Make) -> None:
+    result = make_result()
+    result.best.bom[0] = replace(
+        result.best.bom[0], note="Rated for two weeks.", purpose="subsea camera", availability="unknown",
+        checked="2026-10-05",
+    )  # fmt: skip
+    bill = Tree(report_html(result)).text().partition("Bill of materials")[2]
+    for said in ("subsea camera", "Rated for two weeks.; whether it is still sold is not known", "quoted, 2026-08-14",
+                 "read 2026-10-05"):  # fmt: skip
+        assert said in bill

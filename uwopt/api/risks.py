@@ -273,6 +273,14 @@ def to_be_made(result: Result, design: Design) -> Weighed:
         yield 65.0, Risk("parts that no shop sells under a name", because, share)
 
 
+def maybe_withdrawn(result: Result, design: Design) -> Weighed:
+    """Parts of which nobody says whether they are still sold."""
+    unsure = [row for row in design.bom if row.availability == "unknown" and row.to_buy]
+    if unsure and result.command == "solve":
+        because = f"no source says so of {listed([row.id for row in unsure])}"
+        yield 18.0, Risk("parts that may be sold no longer", because, counted(len(unsure), "part"))
+
+
 def better_elsewhere(result: Result, design: Design) -> Weighed:
     """What may be the better system after all."""
     doubt = result.robustness or {}
@@ -303,7 +311,8 @@ def noted(result: Result, design: Design) -> Weighed:
 
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
     missed, at_bad_ends, nothing_in_hand, shallow, in_other_water, lamps_off, uneven, seen_in_the_image,
-    smeared_subjects, weak_colours, wide_open, high_gain, held_back, price, to_be_made, better_elsewhere, noted,
+    smeared_subjects, weak_colours, wide_open, high_gain, held_back, price, to_be_made, maybe_withdrawn,
+    better_elsewhere, noted,
 )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, TypeVar
 
 from uwopt.catalog.catalogue import Catalog, Exclusion, near_names, plain_name, unknown_part
+from uwopt.catalog.interfaces import does_reach
 from uwopt.catalog.records import KINDS, Camera, Housing, Kind, Lens, Light, Part, Port, Quantity, exact
 from uwopt.errors import CatalogError
 
@@ -60,6 +61,7 @@ class Choice:
     accept_unrated: Sequence[str] = ()
     port_mounts: Sequence[str] = ()
     interfaces: Sequence[str] = ()
+    availability: Literal["any", "known"] = "any"
 
 
 @dataclass(frozen=True)
@@ -109,6 +111,7 @@ def select(
     lamp_supply: str = "any",
     duration_h: float | None = None,
     camera_count: int = 1,
+    cable_m: float | None = None,
 ) -> Selection:
     """Apply a mission's choice to a catalogue.
 
@@ -122,7 +125,7 @@ def select(
     indices: dict[Kind, tuple[int, ...]] = {}
     owned_keys = frozenset(plain_name(name) for name in owned)
     standing = _by_part(catalog.exclusions)
-    filters = _Filters(wish, owned_keys, required_depth_m, colour, shutter, lamp_supply, duration_h, standing)
+    filters = _Filters(wish, owned_keys, required_depth_m, colour, shutter, lamp_supply, duration_h, cable_m, standing)
     for kind in KINDS:
         kept = []
         for index, part in enumerate(catalog.parts(kind)):
@@ -170,6 +173,7 @@ class _Filters:
     shutter: str
     lamp_supply: str
     duration_h: float | None
+    cable_m: float | None  # that the interface of a camera must reach
     standing: Mapping[str, Sequence[Exclusion]]  # by part id, in rule order
 
     def first_verdict(self, kind: Kind, part: Part) -> tuple[str, str] | None:
@@ -177,6 +181,8 @@ class _Filters:
         patterns = getattr(self.wish, PATTERN_KEYS[kind])
         named = any(plain_name(pattern) == plain_name(part.id) for pattern in patterns)
         wanted = named or plain_name(part.id) in self.owned_keys
+        if self.wish.availability == "known" and part.availability == "unknown" and not (wanted or part.generic):
+            return "availability", "nobody says whether it is still sold"
         for exclusion in self.standing.get(part.id, ()):
             if exclusion.rule in ("availability", "purpose") and wanted:
                 continue
@@ -219,6 +225,9 @@ class _Filters:
         if self.wish.interfaces and part.interface not in self.wish.interfaces:
             wanted = " or ".join(self.wish.interfaces)
             return "interface", f"interface {part.interface or 'unknown'}, {wanted} is wanted"
+        if not does_reach(part.interface, self.cable_m):
+            name = part.interface or "unknown"
+            return "interface", f"interface {name} does not reach over {self.cable_m:g} m of cable"
         return None
 
     def _wrong_supply(self, part: Part, wanted: bool) -> tuple[str, str] | None:

@@ -1,7 +1,8 @@
 """The rest of a system: what every order needs beside camera, lens, port, lamps, housing and computer.
 
-All of it is estimated by class, in USD: connectors and cables by depth for each camera and lamp, and once for the
-system the electronics that trigger and dim its lamps, spares and the pressure test. No battery: the vehicle's feeds it.
+All of it is estimated by class, in USD: connectors and cables by depth for each camera and lamp, the data cable by its
+length, and once for the system the electronics that trigger its lamps and cameras, battery and disks where the mission
+says that they are its own, spares and the pressure test.
 """
 
 from __future__ import annotations
@@ -10,37 +11,69 @@ from dataclasses import dataclass
 from typing import Literal
 
 from uwopt.catalog.estimates import required_class
+from uwopt.catalog.interfaces import LINK, does_reach
 from uwopt.catalog.parts.quantity import Quantity
 
 Per = Literal["system", "camera", "lamp"]
 DEPTH_CLASSES = ((150.0, "to-150m"), (1000.0, "to-1000m"))
 DEEPEST = "to-6000m"
+DISK_GB = 250.0  # that the price of a computer holds
 
 
 @dataclass(frozen=True, slots=True)
 class RestItem:
-    """One line of the rest: how often it is bought, and the price of one in USD."""
+    """One line of the rest: how often it is bought, the price of one in USD, and its mass."""
 
     id: str
     name: str
     per: Per
     price: Quantity
+    mass_g: Quantity | None = None
 
 
-def rest_items(depth_m: float, *, lit: bool) -> tuple[RestItem, ...]:
-    """What a system for a depth needs beside its parts; without lamps nothing triggers them."""
-    depth = next((name for limit_m, name in DEPTH_CLASSES if depth_m <= limit_m), DEEPEST)
+@dataclass(frozen=True, slots=True)
+class RestNeeds:
+    """What of a mission decides about the rest; None: not asked for."""
 
-    def item(name: str, words: str, per: Per, of: str) -> RestItem:
-        return RestItem(f"rest-{name}", words, per, required_class("rest-price", of).quantity())
+    depth_m: float
+    lit: bool = True
+    camera_count: int = 1
+    cable_m: float | None = None
+    battery_wh: float | None = None  # of a battery that the system brings along
+    storage_gb: float | None = None
 
-    lamp_items = (
-        item("lamp-connection", "connectors and cable of a lamp", "lamp", f"connection-{depth}"),
-        item("lamp-control", "electronics that trigger and dim the lamps", "system", "lamp-control"),
-    )
+
+def rest_items(needs: RestNeeds) -> tuple[RestItem, ...]:
+    """What a system needs beside its parts; without lamps nothing triggers them."""
+    depth = next((name for limit_m, name in DEPTH_CLASSES if needs.depth_m <= limit_m), DEEPEST)
+
+    def item(name: str, words: str, per: Per, of: str, number: float = 1.0) -> RestItem:
+        return RestItem(f"rest-{name}", words, per, required_class("rest-price", of).quantity(number))
+
+    made = [item("camera-connection", "connectors and cable of a camera", "camera", f"connection-{depth}")]
+    if (cable_m := needs.cable_m) is not None:
+        name = f"data cable of a camera, {cable_m:g} m"
+        made.append(item("data-cable", name, "camera", f"cable-m-{depth}", cable_m))
+        if not does_reach(LINK, cable_m):
+            made.append(item("link", f"modems for {cable_m:g} m of cable", "camera", "link"))
+    if needs.lit:
+        made += [
+            item("lamp-connection", "connectors and cable of a lamp", "lamp", f"connection-{depth}"),
+            item("lamp-control", "electronics that trigger and dim the lamps", "system", "lamp-control"),
+        ]
+    if needs.camera_count > 1:
+        name = "electronics that fire the cameras together"
+        made.append(item("synchronisation", name, "system", "synchronisation"))
+    if (energy_wh := needs.battery_wh) is not None:
+        name = f"battery in its housing, {energy_wh:g} Wh"
+        price = required_class("rest-price", f"battery-wh-{depth}").quantity(energy_wh)
+        mass_g = required_class("rest-mass", "battery-wh").quantity(energy_wh)
+        made.append(RestItem("rest-battery", name, "system", price, mass_g))
+    if (beyond_gb := (needs.storage_gb or 0.0) - DISK_GB) > 0.0:
+        name = f"disks for {beyond_gb:g} GB beyond the {DISK_GB:g} GB of the computer"
+        made.append(item("storage", name, "system", "storage-gb", beyond_gb))
     return (
-        item("camera-connection", "connectors and cable of a camera", "camera", f"connection-{depth}"),
-        *(lamp_items if lit else ()),
+        *made,
         item("spares", "spare O-rings, connectors and fuses", "system", "spares"),
         item("pressure-test", "pressure test of the assembly", "system", f"pressure-test-{depth}"),
     )

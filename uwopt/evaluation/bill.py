@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from uwopt.catalog.interfaces import reaches_m
 from uwopt.catalog.mounts import counterpart, is_free
-from uwopt.catalog.records import Part, Port, Quantity
+from uwopt.catalog.records import Camera, Part, Port, Quantity
 from uwopt.catalog.rest import RestItem
 from uwopt.catalog.spacers import rings_in_words, spacer_price
 from uwopt.forward.designs import Hardware
@@ -83,14 +84,15 @@ def bill_of_materials(problem: Problem, hw: Hardware, spacer_m: float = 0.0) -> 
                 kind=kind, id=part.id, manufacturer=part.manufacturer, model=part.model, count=count, owned=owned,
                 unit_price=value, unit_price_low=low, unit_price_high=high, currency=currency,
                 price_status=price_status(part), price_date=part.price_date, generic=part.generic,
-                source=part.source_url, price_basis=price.source, note=remark(part),
+                source=part.source_url, price_basis=price.source, note=remark(part), purpose=purpose_of(kind, part),
+                availability="" if part.generic or part.inline else part.availability, checked=part.checked,
             )
         )  # fmt: skip
     extras = problem.mission.catalog.extras
     if spacer_m > 0.0:
         rows.append(spacer_row(problem, hw, spacer_m))
     if problem.counts_host:
-        rows.append(host_row(problem, parts_host(problem, hw)))
+        rows.append(host_row(problem, problem.parts.cameras[hw.camera]))
     lamps = sum(count - owned for kind, _, count, owned in bought(problem, hw) if kind == "light")
     numbers = {"system": 1, "camera": problem.mission.vehicle.camera_count, "lamp": lamps}
     rows += [rest_row(problem, item, numbers[item.per]) for item in problem.rest if numbers[item.per]]
@@ -98,7 +100,7 @@ def bill_of_materials(problem: Problem, hw: Hardware, spacer_m: float = 0.0) -> 
         BillRow(
             kind="extra", id=extra.name, manufacturer="", model=extra.name, count=1, owned=0,
             unit_price=extra.cost, unit_price_low=extra.cost, unit_price_high=extra.cost, currency=currency,
-            price_status="own", price_date="", generic=False, source="mission", price_basis="",
+            price_status="own", price_date="", generic=False, source="mission", price_basis="", purpose="extra",
         )
         for extra in extras
     ]  # fmt: skip
@@ -115,16 +117,26 @@ def remark(part: Part) -> str:
     return "; ".join(word for word in words if word)
 
 
-def parts_host(problem: Problem, hw: Hardware) -> Quantity:
-    """Price in USD of the computer that takes the images."""
-    return problem.parts.cameras[hw.camera].host_price or Quantity(0.0, 0.0, 0.0, "user")
+#: What a part does in the system, where the catalogue does not say what it was made for.
+PURPOSES = {"port": "camera port", "housing": "housing of a camera", "light": "lamp"}
 
 
-def host_row(problem: Problem, price: Quantity) -> BillRow:
-    """The computer that takes the images, one for all cameras."""
-    rate = problem.money(1.0, "USD")
+def purpose_of(kind: str, part: Part) -> str:
+    """What a part was made for."""
+    return getattr(part, "purpose", "") or PURPOSES.get(kind, kind)
+
+
+def host_row(problem: Problem, camera: Camera) -> BillRow:
+    """The computer that takes the images: one for all cameras, or one beside each where its cable does not reach."""
+    rate, price = problem.money(1.0, "USD"), camera.host_price or Quantity(0.0, 0.0, 0.0, "user")
+    cable_m, reach_m = problem.mission.vehicle.cable_m, reaches_m().get(camera.interface)
+    beside = problem.beside_camera(camera)
+    reach = f"{camera.interface} reaches {reach_m:g} m" if reach_m else "how far its interface reaches is not known"
+    why = f"{reach}, {cable_m:g} m are asked for; that it fits into the housing is not checked" if beside else ""
     return BillRow(
-        kind="extra", id="host-computer", manufacturer="", model="computer that takes the images", count=1, owned=0,
+        kind="extra", id="host-computer", manufacturer="",
+        model=f"computer {'beside each camera' if beside else 'that takes the images'}",
+        count=problem.mission.vehicle.camera_count if beside else 1, owned=0, note=why, purpose="computer",
         unit_price=rate * price.value, unit_price_low=rate * price.low, unit_price_high=rate * price.high,
         currency=problem.mission.limits.currency,
         price_status="own" if price.status == "user" else price.status,
@@ -148,7 +160,7 @@ def rest_row(problem: Problem, item: RestItem, count: int) -> BillRow:
         kind="extra", id=item.id, manufacturer="", model=item.name, count=count, owned=0,
         unit_price=rate * price.value, unit_price_low=rate * price.low, unit_price_high=rate * price.high,
         currency=problem.mission.limits.currency, price_status=price.status, price_date="", generic=False,
-        source="class estimate", price_basis=price.source,
+        source="class estimate", price_basis=price.source, purpose="rest of the system",
     )  # fmt: skip
 
 

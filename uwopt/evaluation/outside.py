@@ -15,6 +15,7 @@ import numpy as np
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Choice, select
 from uwopt.evaluation.design_model import DesignModel, design_model
+from uwopt.forward.assembly import bare_cable_m
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.lamps import mission_mounts
@@ -75,7 +76,7 @@ def other_parts(mission: Mission, catalog: Catalog, system: System) -> Iterator[
     vehicle = mission.vehicle
     selection = select(
         catalog, choice, required_depth_m=mission.required_depth_m, lamp_supply=vehicle.lamp_supply,
-        duration_h=vehicle.duration_h,
+        duration_h=vehicle.duration_h, cable_m=bare_cable_m(mission),
     )  # fmt: skip
     left_out = {(e.kind, e.part_id): e for e in selection.excluded if e.rule not in TOLD_OTHERWISE}
     for kind in system.kinds:

@@ -66,12 +66,18 @@ def selected(
         lamp_supply=mission.vehicle.lamp_supply,
         duration_h=mission.vehicle.duration_h,
         camera_count=mission.vehicle.camera_count,
+        cable_m=bare_cable_m(mission),
         **select_problem_mission(mission),
     )
     idle = [text for text in made.warnings if names_nothing(mission, catalog, text)]
     if idle:
         raise MissionError([f"{mission.source_name}: {text}" for text in idle])
     return made
+
+
+def bare_cable_m(mission: Mission) -> float | None:
+    """How far cameras must reach by themselves: over the cable, where no computer beside them may help."""
+    return mission.vehicle.cable_m if mission.catalog.host == "none" else None
 
 
 def light_patterns(mission: Mission) -> Sequence[str]:

@@ -211,16 +211,14 @@ def _prices(parts: Sequence[Part], money: Money, end: End) -> Array:
 
 
 def with_host(
-    known: dict[str, Array], parts: Sequence[Camera], money: Money, end: End, high_basis: bool, share: float
+    known: dict[str, Array], parts: Sequence[Camera], money: Money, end: End, high_basis: bool, share: Array
 ) -> dict[str, Array]:
-    """Prices of cameras with a share of that of their computer, which is stated in USD."""
+    """Prices of cameras with the share (n,) of a computer's that each pays, which is stated in USD."""
 
     def host(at: End) -> Array:
         favoured = FAVOURED["host_price"]
         return np.array([money(number(p.host_price, 0.0, at, favoured), "USD") for p in parts], float)
 
-    if share == 0.0:
-        return known
     limit = host(end if not high_basis else "bad")
     return {
         "price": known["price"] + share * host(end),
@@ -236,7 +234,7 @@ def camera_rows(
     paper: bool = False,
     high_basis: bool = False,
     longest_exposure_s: float = 0.0,
-    host_share: float = 0.0,
+    host_share: Array | float = 0.0,
 ) -> tuple[Cameras, list[dict[str, Curve]]]:
     """Cameras as columns, and the distinct efficiency curves they point to.
 
@@ -262,7 +260,7 @@ def camera_rows(
     rolling = np.array([part.shutter == "rolling" for part in parts], bool)
     rows = Cameras(
         **of_table(Cameras, known)
-        | with_host(prices(parts, money, end, high_basis), parts, money, end, high_basis, host_share)
+        | with_host(prices(parts, money, end, high_basis), parts, money, end, high_basis, np.asarray(host_share))
         | {
             "power_w": known["power_w"] + host_share * known["host_power_w"],
             "gain_dn_per_e": _gain(parts, bits, known),

@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog import money
+from uwopt.catalog.interfaces import does_reach
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Lens, Light, Port
-from uwopt.catalog.rest import Per, RestItem, rest_items
+from uwopt.catalog.rest import Per, RestItem, RestNeeds, rest_items
 from uwopt.catalog.spacers import spacer_price
 from uwopt.forward import switching
 from uwopt.forward.enclosures import camera_with_size, lens_with_size
@@ -134,7 +135,7 @@ class Problem:
         self.cameras, self.efficiencies = camera_rows(
             parts.cameras, money=self.money, end=end, paper=paper, high_basis=high,
             longest_exposure_s=mission.limits.max_exposure_ms * 1e-3,
-            host_share=1.0 / mission.vehicle.camera_count if self.counts_host else 0.0,
+            host_share=np.array([self.host_share(part) for part in parts.cameras]),
         )  # fmt: skip
         self.lenses: Lenses = lens_rows(parts.lenses, money=self.money, end=end, high_basis=high)
         self.ports: Ports = port_rows(
@@ -190,7 +191,13 @@ class Problem:
         """Connectors, cables, electronics, spares and test, where the mission wants them counted."""
         if self.mission.catalog.rest == "none":
             return ()
-        return rest_items(self.mission.required_depth_m, lit=self.mission.vehicle.light_count[1] > 0)
+        vehicle = self.mission.vehicle
+        return rest_items(
+            RestNeeds(
+                self.mission.required_depth_m, vehicle.light_count[1] > 0, vehicle.camera_count, vehicle.cable_m,
+                vehicle.battery_wh if vehicle.supply == "battery" else None, self.mission.limits.storage_gb,
+            )
+        )  # fmt: skip
 
     def rest_price(self, per: Per, end: End) -> float:
         """What the rest costs once for a system, or for each camera or lamp, in the mission's currency."""
@@ -207,6 +214,8 @@ class Problem:
             lamp = burns * self.rest_price("lamp", end)
             self.cameras = replace(self.cameras, **{name: getattr(self.cameras, name) + camera})
             self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})
+        mass_g = sum(number(i.mass_g, 0.0, self.end, FAVOURED["mass_g"]) for i in self.rest if i.mass_g)
+        self.cameras = replace(self.cameras, mass_kg=self.cameras.mass_kg + 1e-3 * share * mass_g)
 
     @cached_property
     def spacer_prices(self) -> tuple[float, float]:
@@ -238,6 +247,16 @@ class Problem:
     def counts_host(self) -> bool:
         """Whether the computer that takes the images counts, in power and cost."""
         return self.mission.catalog.host == "estimate"
+
+    def beside_camera(self, camera: Camera) -> bool:
+        """Whether each camera of this kind has a computer of its own, for its cable does not reach the common one."""
+        return not does_reach(camera.interface, self.mission.vehicle.cable_m)
+
+    def host_share(self, camera: Camera) -> float:
+        """How much of a computer each camera of this kind pays and feeds."""
+        if not self.counts_host:
+            return 0.0
+        return 1.0 if self.beside_camera(camera) else 1.0 / self.mission.vehicle.camera_count
 
     @cached_property
     def duration(self) -> Duration:

@@ -24,6 +24,8 @@ HARDWARE_KEYS = (
     "lamp_supply",
     "camera_count",
     "orientation",
+    "supply",
+    "cable_m",
 )
 
 WHOLE_MISSION_KEYS = ("duration_h", "battery_wh")
@@ -208,6 +210,7 @@ def cross_faults(parts: Values) -> list[Fault]:
     faults += _name_faults(scenes)
     faults += _share_faults(scenes)
     faults += _duration_faults(parts["vehicle"], parts["limits"])
+    faults += _battery_faults(parts["vehicle"])
     faults += _housing_faults(parts["limits"], parts.get("catalog") or {})
     faults += _currency_faults(parts["limits"])
     return list(dict.fromkeys(faults))
@@ -359,6 +362,11 @@ def _duration_faults(vehicle: Values, limits: Values) -> Iterator[Fault]:
         if limits.get(key) is not None and vehicle.get("duration_h") is None:
             text = "is counted over the mission's time; add vehicle.duration_h, the hours that it takes"
             yield ("limits", key), text
+
+
+def _battery_faults(vehicle: Values) -> Iterator[Fault]:
+    if vehicle.get("supply") == "battery" and vehicle.get("battery_wh") is None:
+        yield ("vehicle", "supply"), "= battery needs the energy that it holds; add vehicle.battery_wh"
 
 
 def _housing_faults(limits: Values, catalog: Values) -> Iterator[Fault]:

@@ -32,6 +32,8 @@ class Duration:
         """As the mission says."""
         vehicle, limits = mission.vehicle, mission.limits
         energy, storage = (math.inf if x is None else x for x in (limits.energy_wh, limits.storage_gb))
+        if vehicle.supply == "battery" and vehicle.duration_h and vehicle.battery_wh:
+            energy = min(energy, vehicle.battery_wh)  # what the system brings along is all there is
         return Duration(mission.time_shares, vehicle.duration_h, vehicle.battery_wh, energy, storage)
 
     def mean(self, by_scene: Sequence[Any]) -> Any:

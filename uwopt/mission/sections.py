@@ -116,6 +116,17 @@ class Vehicle(Section):
     battery_wh: Positive | None = Field(
         default=None, description="energy of the battery in watt-hours, for the figure endurance"
     )
+    supply: Annotated[Literal["vehicle", "battery"], CHOICE] = Field(
+        default="vehicle",
+        description="what feeds cameras and lamps: vehicle (it is there), or battery (one of battery_wh, part of the "
+        "system, counted in cost and mass (catalog.rest: estimate) and to last duration_h where that is given)",
+    )
+    cable_m: Positive | None = Field(
+        default=None,
+        description="length of the data cable from each camera to the common computer in metres; a camera whose "
+        "interface does not reach so far has a computer of its own beside it (catalog.host: estimate), or is left out "
+        "(none); without it the computer stands beside the cameras",
+    )
     lamp_supply: Annotated[Literal["any", "external", "battery"], CHOICE] = Field(
         default="any",
         description="lamps that may be used: external (fed by the vehicle, recommended), battery (with their own, as "
@@ -405,6 +416,10 @@ class CatalogChoice(Section):
         description="interfaces that the host has, such as [USB3, GigE]; cameras of another, or of an unknown one, "
         "are left out; none allows all",
     )
+    availability: Annotated[Literal["any", "known"], CHOICE] = Field(
+        default="any",
+        description="parts of which nobody says whether they are still sold: any lets them in, known leaves them out",
+    )
     host: Annotated[Literal["none", "estimate"], CHOICE] = Field(
         default="none",
         description="the computer that takes the images: none leaves it out, estimate (recommended, unless it is among "
@@ -413,7 +428,8 @@ class CatalogChoice(Section):
     rest: Annotated[Literal["none", "estimate"], CHOICE] = Field(
         default="none",
         description="the rest that every system needs: none leaves it out, estimate (recommended, unless there are "
-        "extras) counts connectors and cables by depth, trigger electronics, spares and a pressure test in the cost",
+        "extras) counts connectors and cables by depth, trigger electronics, a battery of its own, spares and a "
+        "pressure test in the cost",
     )
     housing: Annotated[Literal["none", "required"], CHOICE] = Field(
         default="none",

@@ -60,6 +60,8 @@ vehicle:
   # lamp_size_m: 0.1           # a lamp's body: none may stand in another or in the port
   # duration_h: 8              # how long it takes: energy and storage are counted over it
   # battery_wh: 500            # for the figure endurance
+  # supply: vehicle            # battery: one of battery_wh is part of the system, in cost, mass and what it may use up
+  # cable_m: 20                # from each camera to the common computer; USB3 reaches 5 m, network 100 m
   # lamp_supply: external      # by good practice: fed by the vehicle; battery: divers' torches; any
   # lamps_between_images: on   # on | off: recommended off below an image in some seconds
   # camera_between_images: on  # on | off: recommended off below an image a minute
@@ -139,8 +141,9 @@ catalog:
   # port_mounts: [nauticam-n120]  # mounts of photo housings that you have an adapter for
   # lens_rating: warn          # warn | limit: lenses rated for larger pixels than the camera's
   # interfaces: [USB3, GigE]   # those that the host has; left out: all
+  # availability: any          # known: without parts of which nobody says whether they are still sold
   # host: estimate             # by good practice: the computer that takes the images, by the camera's interface; none
-  # rest: estimate             # by good practice: connectors, cables, trigger electronics, spares, pressure test; none
+  # rest: estimate             # by good practice: connectors, cables, triggers, battery, spares, pressure test; none
   # spacers: allow             # by good practice: rings behind lenses that must focus nearer than they can; none
   # housing: required          # by good practice: one that takes port, camera and lens is chosen and counted; none
   # extras: [{name: cables, cost: 900, mass_kg: 2.5, power_w: 0}]

@@ -26,8 +26,8 @@ FRONT_FILE, FRONT_TABLE = "front.json", "front.csv"
 FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r", "\n")
 BOM_COLUMNS = (
     "kind", "id", "manufacturer", "model", "count", "owned", "unit_price", "unit_price_low", "unit_price_high",
-    "to_pay", "currency", "price_status", "price_date", "generic", "source", "price_basis",
-    "note",
+    "to_pay", "to_pay_low", "to_pay_high", "currency", "price_status", "price_date", "generic", "source", "price_basis",
+    "note", "purpose", "availability", "checked",
 )  # fmt: skip
 
 
@@ -196,7 +196,9 @@ def bom_csv(rows: Sequence[BillRow]) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(BOM_COLUMNS)
     for row in rows:
-        values = {"to_pay": to_pay(row), **asdict(row)}
+        low, high = row.unit_price_low, row.unit_price_high
+        due = {"to_pay": to_pay(row, row.unit_price), "to_pay_low": to_pay(row, low), "to_pay_high": to_pay(row, high)}
+        values = {**due, **asdict(row)}
         writer.writerow([defused(values[column]) for column in BOM_COLUMNS])
     return text.getvalue()
 
@@ -212,11 +214,11 @@ def front_csv(front: FrontResult) -> str:
     return text.getvalue()
 
 
-def to_pay(row: BillRow) -> float | None:
+def to_pay(row: BillRow, unit_price: float | None) -> float | None:
     """Price of the pieces of one row that are not owned yet; None when the price is unknown."""
     if not row.to_buy:
         return 0.0
-    return None if row.unit_price is None else row.to_buy * row.unit_price
+    return None if unit_price is None else row.to_buy * unit_price
 
 
 def defused(value: Any) -> Any:

@@ -138,6 +138,9 @@ class BillRow(Record):
     source: str = Field(description="where the part is described")
     price_basis: str = Field(description="where the price is from")
     note: str = Field(default="", description="what the catalogue remarks of the part, such as limits of its use")
+    purpose: str = Field(default="", description="what it was made for")
+    availability: str = Field(default="", description="current | unknown | ...; empty where it is no product")
+    checked: str = Field(default="", description="YYYY-MM-DD on which the row was held against its source")
 
     @property
     def to_buy(self) -> int:

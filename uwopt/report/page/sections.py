@@ -57,6 +57,9 @@ class BomRow:
     mark: str  # good | warn | bad: how well the price is known
     basis: str
     sources: list[tuple[str, str]]  # what is shown, and the page it leads to, "" where it is none
+    purpose: str  # what it was made for
+    note: str  # limits of its use, and whether it is still sold
+    checked: str  # when it was held against the source
 
 
 @dataclass(frozen=True)
@@ -254,8 +257,13 @@ def bom_row(row: BillRow) -> BomRow:
     sources = [(link_text(link) if (link := web_link(text)) else text, link) for text in texts]
     return BomRow(
         line.number, line.kind, name, "" if line.id == name else line.id, line.each, line.due, line.known, mark,
-        words.one_line(row.price_basis, 300), sources,
+        words.one_line(row.price_basis, 300), sources, words.one_line(row.purpose, 60),
+        words.one_line("; ".join(text for text in (row.note, STILL_SOLD.get(row.availability, "")) if text), 600),
+        words.one_line(row.checked, 10),
     )  # fmt: skip
+
+
+STILL_SOLD = {"unknown": "whether it is still sold is not known", "discontinued": "no longer sold"}
 
 
 def link_text(link: str) -> str:

@@ -305,6 +305,8 @@ def bom_block(design: Design) -> Block:
         )
     noted = [row for row in design.bom if row.note]
     notes = [sentence(f"{words.one_line(row.id, 60)}: {words.one_line(row.note, 600)}") for row in noted]
+    if unsure := [words.one_line(row.id, 60) for row in design.bom if row.availability == "unknown"]:
+        notes.append(sentence(f"Ask whether it is still sold, nobody says so: {', '.join(unsure)}."))
     legend = [sentence(ESTIMATED_LEGEND, "dim")] if any(row.estimated for row in design.bom) else []
     return block("Bill of materials", [table, *legend, *notes])
 

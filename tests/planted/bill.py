@@ -1,0 +1,102 @@
+"""Planted defects of the bill: cables, computers beside cameras, batteries, disks, what is still sold."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+REST, HOST = "tests/evaluation/test_rest.py", "tests/evaluation/test_host.py"
+INTERFACES = "tests/catalog/test_interfaces.py"
+
+DEFECTS = (
+    Defect(
+        name="a cable of unknown reach reaches",
+        file="uwopt/catalog/interfaces.py",
+        old="reaches_m().get(interface, 0.0)",
+        new='reaches_m().get(interface, float("inf"))',
+        test=f"{INTERFACES}::test_an_unknown_interface_reaches_only_a_computer_beside_it",
+    ),
+    Defect(
+        name="one computer takes the images of cameras that do not reach it",
+        file="uwopt/forward/problem.py",
+        old="return 1.0 if self.beside_camera(camera) else 1.0 / self",
+        new="return 1.0 / self",
+        test=f"{HOST}::test_where_the_cable_does_not_reach_each_camera_has_its_computer[USB3-20.0-2-2000.0-20.0]",
+    ),
+    Defect(
+        name="the bill has one computer for cameras that do not reach it",
+        file="uwopt/evaluation/bill.py",
+        old="count=problem.mission.vehicle.camera_count if beside else 1",
+        new="count=1",
+        test=f"{HOST}::test_where_the_cable_does_not_reach_each_camera_has_its_computer[USB3-20.0-2-2000.0-20.0]",
+    ),
+    Defect(
+        name="cameras that reach nobody are searched",
+        file="uwopt/forward/assembly.py",
+        old='return mission.vehicle.cable_m if mission.catalog.host == "none" else None',
+        new="return None",
+        test=f"{INTERFACES}::test_without_a_computer_beside_them_cameras_must_reach_over_the_cable",
+    ),
+    Defect(
+        name="a metre of cable costs as much as all of it",
+        file="uwopt/catalog/rest.py",
+        old='f"cable-m-{depth}", cable_m))',
+        new='f"cable-m-{depth}"))',
+        test=f"{REST}::test_the_data_cable_is_paid_by_its_length",
+    ),
+    Defect(
+        name="network cable has no end",
+        file="uwopt/catalog/rest.py",
+        old="if not does_reach(LINK, cable_m):",
+        new="if False:",
+        test=f"{REST}::test_modems_stand_where_no_network_cable_reaches",
+    ),
+    Defect(
+        name="the battery that is bought weighs nothing",
+        file="uwopt/forward/problem.py",
+        old="mass_kg=self.cameras.mass_kg + 1e-3 * share * mass_g)",
+        new="mass_kg=self.cameras.mass_kg)",
+        test=f"{REST}::test_a_battery_of_the_system_costs_weighs_and_limits",
+    ),
+    Defect(
+        name="a battery is bought for who has one",
+        file="uwopt/forward/problem.py",
+        old='vehicle.battery_wh if vehicle.supply == "battery" else None',
+        new="vehicle.battery_wh",
+        test=f"{REST}::test_a_battery_of_the_system_costs_weighs_and_limits",
+    ),
+    Defect(
+        name="a battery gives more than it holds",
+        file="uwopt/mission/duration.py",
+        old="energy = min(energy, vehicle.battery_wh)",
+        new="energy = max(energy, vehicle.battery_wh)",
+        test=f"{REST}::test_of_battery_and_limit_the_smaller_holds[900.0-500.0]",
+    ),
+    Defect(
+        name="the computer's disk is bought again",
+        file="uwopt/catalog/rest.py",
+        old="(needs.storage_gb or 0.0) - DISK_GB",
+        new="(needs.storage_gb or 0.0)",
+        test=f"{REST}::test_disks_beyond_those_of_the_computer_are_bought",
+    ),
+    Defect(
+        name="what may be sold no longer stays in",
+        file="uwopt/catalog/choose.py",
+        old='if self.wish.availability == "known" and part',
+        new='if self.wish.availability == "never" and part',
+        test=f"{INTERFACES}::test_parts_of_which_nobody_says_that_they_are_sold_can_be_left_out",
+    ),
+    Defect(
+        name="the page keeps notes of parts to itself",
+        file="uwopt/report/page/sections.py",
+        old="for text in (row.note, STILL_SOLD",
+        new="for text in ("", STILL_SOLD",
+        test="tests/report/test_page.py::test_the_bill_of_a_page_tells_purpose_note_and_dates",
+    ),
+    Defect(
+        name="nobody asks whether a part is still sold",
+        file="uwopt/api/risks.py",
+        old='row.availability == "unknown" and row.to_buy',
+        new="False",
+        test="tests/api/test_risks.py::test_parts_that_may_be_sold_no_longer_are_told",
+    ),
+)
