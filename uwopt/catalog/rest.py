@@ -67,7 +67,7 @@ def rest_items(needs: RestNeeds) -> tuple[RestItem, ...]:
     if (energy_wh := needs.battery_wh) is not None:
         name = f"battery in its housing, {energy_wh:g} Wh"
         price = required_class("rest-price", f"battery-wh-{depth}").quantity(energy_wh)
-        mass_g = required_class("rest-mass", "battery-wh").quantity(energy_wh)
+        mass_g = required_class("rest-mass-g", "battery-wh").quantity(energy_wh)
         made.append(RestItem("rest-battery", name, "system", price, mass_g))
     if (beyond_gb := (needs.storage_gb or 0.0) - DISK_GB) > 0.0:
         name = f"disks for {beyond_gb:g} GB beyond the {DISK_GB:g} GB of the computer"
