@@ -23,7 +23,7 @@ ALL_FILES = sorted(path.name for path in DATA_DIR.glob("*.csv"))
 # second gathering (40 cameras, 8 lenses, 70 ports of which one, Nauticam's item 18811, was there already).
 ROWS = {
     "cameras.csv": 103 + 7 + 40,
-    "lenses.csv": 242 + 8,
+    "lenses.csv": 242 + 8 + 1,
     "lights.csv": 43 + 3 + 27,  # options of a strobe; those of the second gathering
     "ports.csv": 38 + 69,
     "housings.csv": 10 + 6,  # the 3 in and 5 in series of the third gathering

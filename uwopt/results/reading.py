@@ -62,7 +62,9 @@ def read_json(path: str | Path) -> dict[str, Any]:
     try:
         data = json.loads(text, parse_constant=no_constant)
     except json.JSONDecodeError as fault:
-        cut = fault.pos >= len(text.rstrip()) or fault.msg.startswith("Unterminated string")
+        rest = text[fault.pos :].strip()
+        half_a_word = any(word.startswith(rest) for word in ("true", "false", "null", "-"))
+        cut = half_a_word or fault.msg.startswith("Unterminated string")
         what = "ends too early, it was cut off" if cut else f"is not JSON ({fault.msg})"
         raise ResultError(f"{path}: line {fault.lineno}: {what}; {AGAIN}.") from None
     except (ValueError, RecursionError) as fault:
