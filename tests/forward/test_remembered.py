@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,7 +12,9 @@ from random_cases import case
 
 from uwopt.forward.floor_light import most_uniformities, uniformity
 from uwopt.forward.lamp_light import decisive_pixels, image_light
-from uwopt.forward.remembered import once_an_image
+from uwopt.forward.remembered import RememberedSunField, once_an_image
+from uwopt.forward.sun_light import SunField
+from uwopt.model.sensor import light_for_snr
 
 SEEDS = (1, 4, 7)
 
@@ -82,6 +85,28 @@ def test_some_pixels_bound_the_one_that_decides(pixels: Any) -> None:
     assert any(tight)  # the outermost places are the darkest as a rule
 
 
+@pytest.mark.parametrize("pixels", ["frame", "darkest"])
+def test_some_pixels_with_their_veils_ask_for_no_more_light_than_all(pixels: Any) -> None:
+    def asked(light: Any) -> float:
+        each = light_for_snr(
+            12.0, signal_per_light_e=light.worst_e[0, -1], read_noise_e=4.0,
+            total_per_light_e=light.worst_e[0, -1] + light.worst_veil_e[0, -1], prnu_frac=0.01,
+        )  # fmt: skip
+        return float(np.sort(each)[::-1][light.may_miss])
+
+    tight = []
+    for search in searches():
+        search.problem = search.tables.problem
+        for lighting in search.tables.lightings[:3]:
+            row = np.array([0])
+            few = search.tables.exact(0, lighting, row, count=2, pixels=pixels, means=False, veils="likely")
+            every = plain_light(search, 0, lighting, 2, pixels)
+            if every.worst_veil_e is not None:
+                assert asked(few) <= asked(every) * (1 + 1e-9)
+                tight.append(asked(few) >= asked(every) * (1 - 1e-6))
+    assert any(tight)
+
+
 def test_few_places_bound_the_uniformity() -> None:
     close = []
     for search in searches():
@@ -113,3 +138,25 @@ def test_pixels_that_never_decide_are_left_out() -> None:
             assert few[:, :, may_miss] == pytest.approx(every[:, :, may_miss], rel=1e-12)
     same = np.ones((1, 1, 5))
     assert decisive_pixels(same, same, 2)[0].shape[2] == 4  # three of five that are alike, and the easiest
+
+
+@pytest.mark.parametrize("pixels", [None, "frame", "darkest"])
+def test_remembered_sun_is_the_sun(pixels: Any) -> None:
+    made = case(1)
+    scenes = [one | {"sun_lux": 3e4, "depth_m": 5.0} for one in made.mission.to_dict()["scenes"]]
+    search = replace(made, mission=made.mission.with_changes(scenes=scenes, physics="full")).searcher()
+    imagers = search.prepare()
+    port, efficiency = int(imagers.port[0]), int(search.problem.cameras.qe_index[imagers.camera[0]])
+    alike = np.flatnonzero(imagers.port == port)
+    widest = int(np.argmax(imagers.scenes[0].view.tan_along[alike]))
+    for rows in (alike[:1], alike[widest : widest + 1], alike):  # the second and some of the last are known
+        view = imagers.scenes[0].view.take(rows)
+        known, plain = (
+            field(search.problem, 0, port_index=port, efficiency=efficiency).light(view, pixels=pixels)
+            for field in (RememberedSunField, SunField)
+        )
+        for name in ("signal_e_s", "forward_e_s", "path_e_s", "worst_e_s", "worst_veil_e_s"):
+            if getattr(plain, name) is None:
+                assert getattr(known, name) is None and pixels is None
+                continue
+            assert getattr(known, name) == pytest.approx(getattr(plain, name), rel=1e-6)

@@ -602,6 +602,20 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/cli/test_app.py::test_page_begins_before_the_doubts_and_is_the_same_page",
     ),
     Defect(
+        name="daylight is remembered as that of another sensor's size",
+        file="uwopt/forward/remembered.py",
+        old="rows = rows * view.collecting_m2[:, None, None]",
+        new="rows = rows * view.collecting_m2[:1, None, None]",
+        test="tests/forward/test_remembered.py::test_remembered_sun_is_the_sun[None]",
+    ),
+    Defect(
+        name="pixels that may miss an SNR bound the light with their veils",
+        file="uwopt/forward/lamp_light.py",
+        old='worst_veil_e=np.broadcast_to(veil_there, shape), may_miss=FRAME_MAY_MISS if pixels == "frame" else 0,',
+        new="worst_veil_e=np.broadcast_to(veil_there, shape), may_miss=0,",
+        test="tests/forward/test_remembered.py::test_some_pixels_with_their_veils_ask_for_no_more_light_than_all[frame]",
+    ),
+    Defect(
         name="pixels that are alike leave each other out",
         file="uwopt/forward/lamp_light.py",
         old="(worse & (~worse.T | earlier)).sum(axis=1) <= may_miss",

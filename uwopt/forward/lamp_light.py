@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from uwopt.forward.problem import Problem
 
 Array = NDArray[Any]
-Veils = Literal["none", "forward", "coarse", "all"]  # what is worked out, each with those before it
+Veils = Literal["none", "forward", "coarse", "likely", "all"]  # what is worked out, each with those before it
 
 COARSE_ORDER = 4  # nodes a side of the image in bounds of backscatter
 SMOOTH_MARGIN = 1.5  # times and over a coarse integral: bounds; errors of wide lobes stay below 5 %
@@ -136,6 +136,8 @@ class LampField:
         """
         if not means:
             assert pixels is not None
+            if veils == "likely":
+                return self.at_likely_veiled(view, pixels)
             return self.at_asked_pixels(view, pixels, veils=veils != "none")
         columns = view.collecting_m2[:, None]
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
@@ -280,6 +282,25 @@ class LampField:
         may_miss = FRAME_MAY_MISS if pixels == "frame" else 0
         return np.asarray(view.collecting_m2 * response * reached_by_most(gain, may_miss) * ROUND)
 
+    def at_likely_veiled(self, view: Views, pixels: Pixels) -> ImageLight:
+        """Signal and veil at some of those pixels at the farthest altitude, which stands for all: for bounds.
+
+        What all but k of many pixels ask for is no less than what all but k of some do, nor at any altitude less than
+        at one of them.
+        """
+        signal, veil_there = self.likely_veiled(view, pixels)
+        shape = (len(signal), len(self.scene.range_m), signal.shape[2])
+        return ImageLight(
+            np.broadcast_to(signal.min(axis=2), shape[:2]), worst_e=np.broadcast_to(signal, shape),
+            worst_veil_e=np.broadcast_to(veil_there, shape), may_miss=FRAME_MAY_MISS if pixels == "frame" else 0,
+        )  # fmt: skip
+
+    def likely_veiled(self, view: Views, pixels: Pixels) -> tuple[Array, Array]:
+        """Signal and veil there, (n, 1, n_pixels), of the pixels that may decide."""
+        signal, over = self.at_pixels(view, *likely_places(view, pixels), veils=True, ranges_m=self.scene.range_m[-1:])
+        veil_there = np.zeros_like(signal) if over is None else over
+        return decisive_pixels(signal, veil_there, FRAME_MAY_MISS if pixels == "frame" else 0)
+
     def likely_gain(self, view: Views, pixels: Pixels, lamps: Lamps) -> Array:
         """`local_gain` of some lamps there, (n, n_pixels) [1/m^2]."""
         places = likely_places(view, pixels)
@@ -305,14 +326,17 @@ class LampField:
         return signal[:, :, keep], None if veil_there is None else veil_there[:, :, keep]
 
     def at_pixels(
-        self, view: Views, along: Array, across: Array, *, veils: bool
+        self, view: Views, along: Array, across: Array, *, veils: bool, ranges_m: Array | None = None
     ) -> tuple[Array, Array | None]:
-        """Signal and veil at field points (n, n_pixels) of these imagers, (n, n_altitudes, n_pixels)."""
+        """Signal and veil at field points (n, n_pixels) of these imagers, (n, n_altitudes, n_pixels).
+
+        ranges_m : the altitudes that count; all unless given
+        """
         collecting = view.collecting_m2[:, None]
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
         signals, veil_sum = [], []
         scatters = veils and self.scene.scatters
-        for range_m in self.scene.range_m:
+        for range_m in self.scene.range_m if ranges_m is None else ranges_m:
             common = dict(lamps=self.lamps, **self.common(float(range_m)))
             signal = response * local_gain(along, across, table=self.loss_table(), **common)
             over = np.zeros_like(signal)

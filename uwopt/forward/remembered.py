@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import array_in_places
-from uwopt.forward.lamp_light import LampField
+from uwopt.forward.lamp_light import LampField, SunLight
 from uwopt.forward.scene import Pixels
+from uwopt.forward.sun_light import SunField
 from uwopt.forward.views import Views
 from uwopt.model.imaging import Lamps
 
@@ -72,6 +73,17 @@ class RememberedField(LampField):
         make = super().likely_gain
         return self.once(("likely", lamps, pixels), view, lambda new: make(new, pixels, lamps))
 
+    def likely_veiled(self, view: Views, pixels: Pixels) -> tuple[Array, Array]:
+        """As `LampField`."""
+        make = super().likely_veiled
+
+        def per_area(new: Views) -> Array:
+            return np.stack(make(new, pixels), axis=2) / new.collecting_m2[:, None, None, None]
+
+        both = self.once(("likely veiled", self.lamps, pixels), view, per_area)
+        both = both * view.collecting_m2[:, None, None, None]
+        return both[:, :, 0], both[:, :, 1]
+
     def asked_pixels(self, view: Views, pixels: Pixels, *, veils: bool) -> tuple[Array, Array | None]:
         """As `LampField`; of the darkest pixels those are kept that others are asked for too, so none is remembered."""
         make = super().asked_pixels
@@ -85,3 +97,28 @@ class RememberedField(LampField):
 
         both = self.once(("pixels", self.lamps, veils), view, per_area) * view.collecting_m2[:, None, None, None]
         return both[:, :, 0], both[:, :, 1] if self.veiled(veils) else None
+
+
+class RememberedSunField(SunField):
+    """Daylight seen by imagers, each image of which is worked out once; see `SunField`."""
+
+    def light(self, view: Views, *, pixels: Pixels | None = None, half_grid: bool = False) -> SunLight:
+        """As `SunField`."""
+        make = super().light
+        curves = tuple(sorted(self.curves.items()))
+        points = self.problem.pixels_a_side(self.scene_index)
+        key = ("sun", self.shape, curves, self.channel, pixels, half_grid, points, self.fineness)
+
+        def per_area(new: Views) -> Array:
+            light = make(new, pixels=pixels, half_grid=half_grid)
+            means = np.stack([light.signal_e_s, light.forward_e_s, light.path_e_s], axis=2)
+            there = [c for c in (light.worst_e_s, light.worst_veil_e_s) if c is not None]
+            return np.concatenate([means, *there], axis=2) / new.collecting_m2[:, None, None]
+
+        rows = once_an_image(self.scene.cache.setdefault(key, {}), view, per_area)
+        rows = rows * view.collecting_m2[:, None, None]
+        signal, forward, path = np.moveaxis(rows[:, :, :3], 2, 0)
+        if pixels is None:
+            return SunLight(signal, forward, path)
+        worst, veil = np.split(rows[:, :, 3:], 2, axis=2)
+        return SunLight(signal, forward, path, worst, veil)

@@ -46,9 +46,8 @@ class SunField:
         self.scene = problem.scenes[scene_index]
         self.fineness = self.scene.fineness.sun
         self.shape = problem.shape(port_index, scene_index)
-        self.efficiency = efficiency_curve(
-            problem.efficiencies[efficiency], self.scene.wavelength_nm, channel=channel
-        )
+        self.curves, self.channel = problem.efficiencies[efficiency], channel
+        self.efficiency = efficiency_curve(self.curves, self.scene.wavelength_nm, channel=channel)
 
     def light(self, view: Views, *, pixels: Pixels | None = None, half_grid: bool = False) -> SunLight:
         """Daylight of these imagers; with `pixels` also at every point that lamps are seen at."""
@@ -194,14 +193,15 @@ def log_sum(weight: Array, optical: Array) -> Array:
 
 
 def with_colours(
-    light: SunLight, problem: Problem, scene_index: int, view: Views, port_index: int, efficiency: int
-) -> SunLight:
+    light: SunLight, problem: Problem, scene_index: int, view: Views, port_index: int, efficiency: int,
+    field_type: type[SunField] = SunField,
+) -> SunLight:  # fmt: skip
     """Daylight with that of the channels that something is asked of; none of a mono sensor."""
     names, none = problem.scenes[scene_index].channels, np.zeros_like(light.signal_e_s)
     if not sees_colours(problem.efficiencies[efficiency]):
         return replace(light, colour_e_s=np.repeat(none[:, :, None], len(names), axis=2), red_veil_e_s=none)
     seen = [
-        SunField(problem, scene_index, port_index=port_index, efficiency=efficiency, channel=name).light(view)
+        field_type(problem, scene_index, port_index=port_index, efficiency=efficiency, channel=name).light(view)
         for name in names
     ]
     colour = np.stack([one.signal_e_s for one in seen], axis=2)
@@ -210,11 +210,11 @@ def with_colours(
 
 def sun_light(
     problem: Problem, scene_index: int, view: Views, camera: Array, *, port_index: Array, mount: Mount | None = None,
-    count: int = 2, channel: str | None = None, pixels: Pixels | None = None,
+    count: int = 2, channel: str | None = None, pixels: Pixels | None = None, field_type: type[SunField] = SunField,
 ) -> SunLight | None:  # fmt: skip
     """Electrons per second of open shutter from the sun; None without sun.
 
-    With `pixels` also where the lamps at `mount` are seen.
+    With `pixels` also where the lamps at `mount` are seen. `field_type` may remember what it has worked out.
     """
     if not problem.scenes[scene_index].sunlit or not problem.effects.sunlight:
         return None
@@ -222,18 +222,21 @@ def sun_light(
     lamps = None if mount is None or pixels != "darkest" else mount.lamps(count)
     efficiency = problem.cameras.qe_index[camera]
     columns: dict[str, Any] = {}
-    for window in np.unique(port_index):
+    windows = problem.like_port[port_index]
+    for window in np.unique(windows):
         for curve in np.unique(efficiency):
-            mine = np.nonzero((port_index == window) & (efficiency == curve))[0]
+            mine = np.nonzero((windows == window) & (efficiency == curve))[0]
             if len(mine) == 0:
                 continue
-            field = SunField(
+            field = field_type(
                 problem, scene_index, port_index=int(window), efficiency=int(curve), channel=channel
             )
             half = lamps is not None and along_symmetric(lamps, field.shape)
             light = field.light(view.take(mine), pixels=pixels, half_grid=half)
             if channel is None and problem.scenes[scene_index].channels:
-                light = with_colours(light, problem, scene_index, view.take(mine), int(window), int(curve))
+                light = with_colours(
+                    light, problem, scene_index, view.take(mine), int(window), int(curve), field_type
+                )
             for name in light.__dataclass_fields__:
                 part = getattr(light, name)
                 if part is None:

@@ -22,6 +22,7 @@ from uwopt.forward.floor_light import even_enough
 from uwopt.forward.lamp_light import LIKELY_PLACES, ImageLight, SunLight, Veils
 from uwopt.forward.lamp_views import keeps_clear, lamps_refused
 from uwopt.forward.problem import Problem
+from uwopt.forward.remembered import RememberedSunField
 from uwopt.forward.scene import Pixels
 from uwopt.forward.setting_rows import SceneRows, of_darkest_pixels, setting_rows
 from uwopt.forward.sharpness import SharpRows, sharpness_of
@@ -396,13 +397,12 @@ class Search:
             pairs = pairs.take(np.nonzero(self._keeps_rules(pairs, lighting))[0])
             if len(pairs.node) == 0:
                 return
-        found = 0
-        # each costs more than the one before
-        stages: tuple[Veils, ...] = ("none", "forward", "coarse") if veiled else ("none",)
+        found, bound = 0, np.full(len(pairs.node), -np.inf)
+        stages = self._stages()
         for stage in stages:
-            if stage != "none":
+            if stage in ("forward", "coarse"):
                 lights = self._with_veils(pairs.imager, lights, lighting, stage)
-            bound = self._bound(pairs, lights, lighting)
+            bound = np.maximum(bound, self._bound(pairs, lights, lighting, stage, closed_alone=stage != stages[-1]))
             found = found or int(np.isfinite(bound).sum())
             kept = np.nonzero(np.isfinite(bound) & (bound <= self.ranking.threshold()))[0]
             if len(kept) == 0:
@@ -415,9 +415,20 @@ class Search:
         self.account.evaluated -= found - solved
         self.account.discarded["bound"] += found - solved
 
-    def _bound(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> Array:
+    def _stages(self) -> tuple[Veils, ...]:
+        """What designs are bounded by, in turn; each costs more than the one before."""
+        if not self.problem.effects.veils:
+            return ("none",)
+        scenes = enumerate(self.problem.scenes)
+        veiled = any(s.pixels is not None and s.scatters and not self.bounds.is_sunlit(i) for i, s in scenes)
+        return ("none", "forward", "coarse", "likely") if veiled else ("none", "forward", "coarse")
+
+    def _bound(
+        self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting, stage: Veils, *, closed_alone: bool
+    ) -> Array:
         """Lower bounds on the objective from the light known so far; inf: infeasible with any veil."""
-        return self.solve(pairs, [light.take(pairs.node) for light in lights], lighting, optimistic=True)[0]
+        seen = [light.take(pairs.node) for light in lights]
+        return self.solve(pairs, seen, lighting, optimistic=True, stage=stage, closed_alone=closed_alone)[0]
 
     def _with_veils(
         self, imager: Array, lights: list[ImageLight], lighting: Lighting, veils: Veils
@@ -461,15 +472,17 @@ class Search:
         self.ranking.add(pairs.imager[pairs.node], pairs.light, pairs.count, lighting, *solved)
 
     def solve(
-        self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting, *, optimistic: bool = False
-    ) -> tuple[Array, Terms, list[Chosen], list[Array]]:
+        self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting, *, optimistic: bool = False,
+        stage: Veils = "none", closed_alone: bool = False,
+    ) -> tuple[Array, Terms, list[Chosen], list[Array]]:  # fmt: skip
         """Objective (inf where infeasible), its terms, settings and exposures of these designs.
 
-        `optimistic`: lower bounds for any veil that the lights may have. Raises OutOfTimeError past the deadline.
+        `optimistic`: lower bounds for any veil that the lights may have, at this stage; `closed_alone` as in
+        `best_settings`. Raises OutOfTimeError past the deadline.
         """
         self.deadline.check()
         imager, cost, mass = pairs.imager[pairs.node], pairs.cost, pairs.mass_kg
-        rows = self.rows(imager, lights, pairs.light, pairs.count, lighting, optimistic=optimistic)
+        rows = self.rows(imager, lights, pairs.light, pairs.count, lighting, optimistic=optimistic, stage=stage)
         motorised = self.motorised[imager]
         camera_power = self.imagers.camera_power_w[imager]
         fixed = Terms(camera_power, cost, mass, np.zeros(len(imager)), self.imagers.gsd_mm[imager])
@@ -478,7 +491,7 @@ class Search:
             rows, motorised, self.objective, camera_power, self.problem.scene_power_limit_w,
             gap_rel=ROUGH_GAP if optimistic else GAP, constant=self.objective.constant(fixed),
             cutoff=self.ranking.threshold(), hardware=hardware, top=None if optimistic else self.top,
-            mean_limit=MeanLimit.of(self.problem),
+            mean_limit=MeanLimit.of(self.problem), closed_alone=closed_alone,
         )  # fmt: skip
         chosen = best.chosen
         power = camera_power + np.max([c.light_power_w for c in chosen], axis=0)
@@ -501,16 +514,19 @@ class Search:
 
     def rows(
         self, imager: Array, lights: list[ImageLight], light: Array, count: Array, lighting: Lighting, *,
-        optimistic: bool = False,
+        optimistic: bool = False, stage: Veils = "none",
     ) -> list[SceneRows]:  # fmt: skip
         """The settings' view of these designs, by scene."""
         result = []
         for index, seen in enumerate(lights):
             pixels = self.problem.scenes[index].pixels
             if pixels is not None:
-                few = optimistic and not self.bounds.is_sunlit(index)
-                with_pixels = self._with_likely_pixel if few else self._with_pixels
-                seen = with_pixels(index, imager, count, lighting, seen, veils="none" if optimistic else "all")
+                veils: Veils = "none" if optimistic else "all"
+                with_pixels = self._with_pixels
+                if optimistic and not self.bounds.is_sunlit(index):
+                    veils = stage
+                    with_pixels = self._with_pixels if stage == "likely" else self._with_likely_pixel
+                seen = with_pixels(index, imager, count, lighting, seen, veils=veils)
             rows = setting_rows(
                 self.problem, index, camera=self.imagers.camera[imager], light=light, count=count,
                 focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
@@ -555,6 +571,7 @@ class Search:
                 mount=lighting.mount,
                 count=int(number),
                 pixels=pixels,
+                field_type=RememberedSunField,
             )
             if sun is None:
                 return None

@@ -58,9 +58,12 @@ def best_settings(
     rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
     power_limit_w: float | Array, *,
     gap_rel: float = GAP, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
-    top: int | None = None, mean_limit: MeanLimit | None = None,
+    top: int | None = None, mean_limit: MeanLimit | None = None, closed_alone: bool = False,
 ) -> Best:  # fmt: skip
-    """Settings that are best for an objective; the keywords as in `cells.best_by_cells`, for where it is used."""
+    """Settings that are best for an objective; the keywords as in `cells.best_by_cells`, for where it is used.
+
+    `closed_alone`: for a bound, no cells where the closed form is one.
+    """
     if not needs_cells(rows, objective):
         return best_in_the_dark(
             rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
@@ -78,7 +81,7 @@ def best_settings(
         ))  # fmt: skip
     return best_where_sharp(
         rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-        cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit,
+        cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, closed_alone=closed_alone,
     )  # fmt: skip
 
 
@@ -93,7 +96,8 @@ def _of_cells(found: CellResult) -> Best:
 def best_where_sharp(
     rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
     power_limit_w: float | Array, *,
-    constant: Array | float, cutoff: float | Array, mean_limit: MeanLimit | None, **more: Any,
+    constant: Array | float, cutoff: float | Array, mean_limit: MeanLimit | None, closed_alone: bool = False,
+    **more: Any,
 ) -> Best:  # fmt: skip
     """Best settings whose image is sharp enough as well.
 
@@ -106,6 +110,8 @@ def best_where_sharp(
         lower = np.where(easy.feasible, value_of(easy, objective, constant), np.inf)
     sharp = np.logical_and.reduce([is_sharp(r, c) for r, c in zip(rows, easy.chosen, strict=True)])
     feasible = easy.feasible & sharp
+    if closed_alone:
+        return replace(easy, feasible=feasible, lower_bound=lower)
     open_ = np.isfinite(lower) & ~feasible & (lower <= cutoff)
     return searched_where(
         open_, replace(easy, feasible=feasible, lower_bound=lower), rows, motorised, objective, camera_power_w,
