@@ -25,15 +25,19 @@ from uwopt.catalog.stale import age_months  # noqa: E402
 
 PAGE = ROOT / "docs" / "coverage.md"
 DEPTHS_M = (0, 100, 300, 1000, 3000, 6000)
-SOLD = Choice(generic="never")
-PLURALS = {"camera": "cameras", "lens": "lenses", "port": "ports", "light": "lights", "housing": "housings"}
+SOLD = Choice(generic="never", complete="also")
+PLURALS = {
+    "camera": "cameras", "lens": "lenses", "port": "ports", "light": "lights", "housing": "housings",
+    "complete": "complete cameras",
+}  # fmt: skip
 READ_AT = ("a maker's, shop's or reviewer's page", "a repository that is named", "a file whose repository is not known")
 HEAD = f"""\
 # What the catalogue covers, how old it is and how sure
 
 Edition {EDITION}, as of {AS_OF}; `python docs/make_coverage.py --write` counts this page from the catalogue, and a test
 holds it to that. [catalogue.md](catalogue.md) tells what the words mean. Parts *searched* are those that a mission
-without any wish of its own may use: sold, made for this purpose, with the facts that the model cannot do without.
+without any wish of its own may use (complete cameras: one that asks for them): sold, made for this purpose, with the
+facts that the model cannot do without.
 """
 
 
@@ -104,6 +108,7 @@ def depths(found: Selection) -> Iterator[Sequence[object]]:
         ("lamps fed by the vehicle", "light", lambda part: getattr(part, "supply", "") == "external"),
         ("lamps with their own battery", "light", lambda part: getattr(part, "supply", "") == "battery"),
         ("housings", "housing", lambda part: True),
+        ("complete cameras", "complete", lambda part: True),
     )
     for name, kind, counts in kinds:
         parts = [part for part in searched(found, kind) if counts(part)]

@@ -221,6 +221,7 @@ WITHOUT_UNIT: dict[str, str] = {
     "Certificate.gap_abs": "in the unit of the objective",
     "Focus.n_depth": "an f-number",
     "SceneView.time_share": "a share",
+    "Complete.run_time_min": "as of lights",
     "Light.run_time_min": "minutes: the unit is its last word, which elsewhere means the least",
 }
 #: module.function(argument): why it has no unit.

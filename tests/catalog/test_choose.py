@@ -64,7 +64,9 @@ def test_pattern_looks_at_id_and_manufacturer(pattern, hit):
 
 def test_without_wishes_everything_sound_is_searched_and_generic_parts_wait():
     selection = select(CATALOG)
-    assert selection.indices == {"camera": (0, 1, 2), "lens": (0,), "port": (0, 1), "light": (0,), "housing": ()}
+    assert selection.indices == {
+        "camera": (0, 1, 2), "lens": (0,), "port": (0, 1), "light": (0,), "housing": (), "complete": (),
+    }  # fmt: skip
     assert rules_of(selection) == {
         "seed-imx250m": "availability",
         "kowa-no-mount": "vital facts",

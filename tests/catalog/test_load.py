@@ -26,6 +26,7 @@ NEEDED = {
     "port": "thickness_mm mass_g price",
     "light": "output_factor beam_angle_deg mass_g price",
     "housing": "inner_diameter_mm inner_length_mm outer_diameter_mm outer_length_mm depth_rating_m mass_g price",
+    "complete": "depth_rating_m outer_diameter_mm outer_length_mm displaced_g mass_g price",
 }
 
 

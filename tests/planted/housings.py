@@ -90,8 +90,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="housings bear any depth",
         file="uwopt/catalog/choose.py",
-        old="isinstance(part, Port | Light | Housing)",
-        new="isinstance(part, Port | Light)",
+        old="isinstance(part, Port | Light | Housing | Complete)",
+        new="isinstance(part, Port | Light | Complete)",
         test=BUILT + "test_housing_that_is_too_shallow_is_left_out",
     ),
     Defect(

@@ -53,6 +53,10 @@ def buildable(problem: Problem) -> Iterator[Hardware]:
         itertools.product(*sizes), problem.mission.vehicle.orientations, problem.mounts, range(low, high + 1)
     ):
         camera, lens = parts.cameras[c], parts.lenses[le]
+        if camera.complete != lens.complete or lens.complete != parts.ports[p].complete:
+            continue
+        if not camera.fires_lamps and parts.lights[li].kind in ("pulsed_led", "flash"):
+            continue
         diagonal = sensor_diagonal_mm(camera.resolution_x_px, camera.resolution_y_px, camera.pixel_pitch_um)
         if mount_compatible([camera.mounts], [lens.mounts])[0, 0] and image_circle_ok(
             diagonal, lens.image_circle_mm
@@ -62,7 +66,7 @@ def buildable(problem: Problem) -> Iterator[Hardware]:
 
 def goes_inside(camera: Any, lens: Any, port: Any, ring_mm: float = 0.0) -> bool:
     """Whether camera with lens and a ring between them goes into the port's housing, 2 mm from any wall."""
-    if port.housing is None:
+    if port.housing is None or port.complete:
         return True
     body = math.hypot(camera.body_width_mm.value, camera.body_height_mm.value)
     glass, pupil = lens.diameter_mm.value, lens.pupil_mm.value
@@ -309,7 +313,7 @@ def misses_limits(model: DesignModel) -> bool:
     """Whether something that no setting changes is missed: coverage, money, mass, data."""
     names = (
         "horizon", "max_gsd_mm", "min_swath_m", "cost", "mass_kg", "data_rate_mb_s", "frame_rate", "min_uniformity",
-        "min_contrast", "storage_gb", "max_white_balance", "size_mm", "mass_water_kg",
+        "min_contrast", "storage_gb", "card_gb", "max_white_balance", "size_mm", "mass_water_kg",
     )  # fmt: skip
     for index in range(len(model.problem.scenes)):
         unit = model.settings(index, SceneSettings(gain=1.0))

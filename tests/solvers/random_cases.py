@@ -23,6 +23,7 @@ from uwopt.solvers.exact.search import Search
 TOP = 4
 READINGS = 8  # names the generator of what is read of the water, which must not change the cases' other draws
 COLOURS = 9  # the same of what is asked of colours
+COMPLETES = 11  # the same of complete cameras
 HOUSINGS = 10  # the same of housings and the sizes of bodies
 RINGS = 11  # the same of rings behind lenses
 PITCHES = 12  # the same of the angles by which cameras look ahead
@@ -64,13 +65,14 @@ class Case:
 @cache
 def case(
     seed: int, *, over_frame: bool = False, coloured: bool = False, in_mid_water: bool = False, housed: bool = False,
-    spaced: bool = False, oblique: bool = False,
+    spaced: bool = False, oblique: bool = False, whole: bool = False,
 ) -> Case:  # fmt: skip
     """A random case whose limits are, in a part of the cases, just what one of its designs needs.
 
     `over_frame` asks its SNR, eased, of 95 % of the image, wherever it was asked; `coloured` asks something of colours;
     `in_mid_water` puts dark targets into open water; `housed` builds each port into three housings; `spaced` lets
-    lenses that focus on nothing near stand on rings; `oblique` looks ahead.
+    lenses that focus on nothing near stand on rings; `oblique` looks ahead;
+    `whole` adds complete cameras.
     """
     rng = np.random.default_rng(seed)
     parts, plain = small.parts(rng, 3 if THOROUGH else 2), small.with_in_hand(small.mission(rng), seed)
@@ -88,6 +90,8 @@ def case(
         parts = small.housed(np.random.default_rng([seed, HOUSINGS]), parts)
     if spaced:
         parts, plain = small.spaced(np.random.default_rng([seed, RINGS]), parts), small.with_rings(plain)
+    if whole:
+        parts = small.with_completes(np.random.default_rng([seed, COMPLETES]), parts)
     objective = Objective.of(plain["objective"])
     free = Case(parts, small.loaded(plain), objective)
     limits, wanted = limits_that_bind(rng, free)

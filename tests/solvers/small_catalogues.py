@@ -212,6 +212,23 @@ def with_rings(plain: dict[str, Any]) -> dict[str, Any]:
     return {**plain, "catalog": {**plain.get("catalog", {}), "spacers": "allow"}}
 
 
+def with_completes(rng: Rng, parts: Parts, count: int = 2) -> Parts:
+    """The same catalogue with complete cameras, in three pieces each, of which some fire no lamp."""
+    for number in range(count):
+        name = f"whole-{number}"
+        body, glass, window = camera(rng, f"{name} camera"), lens(rng, f"{name} lens"), port(rng, f"{name} port")
+        body = replace(
+            body, mounts=("complete",), complete=name, price=None, mass_g=None, fires_lamps=chance(rng, 0.5),
+            storage_gb=pick(rng, [None, between(rng, 1, 300)]),
+            min_interval_s=pick(rng, [None, exact(between(rng, 0.1, 3))]),
+        )  # fmt: skip
+        glass = replace(glass, mounts=("complete",), complete=name, price=None, mass_g=None, image_circle_mm=20.0)
+        hull = Housing(f"{name} housing", outer_diameter_mm=exact(120.0), outer_length_mm=exact(200.0))
+        window = replace(window, complete=name, housing=hull)
+        parts = Parts((*parts.cameras, body), (*parts.lenses, glass), (*parts.ports, window), parts.lights)
+    return parts
+
+
 def scene(rng: Rng, number: int) -> dict[str, Any]:
     """Water and floor of one scene."""
     return {

@@ -323,7 +323,7 @@ def doubted(
 def proven_line(winner: Design, goal: Objective, currency: str) -> str:
     """The recommendation in a line, for who waits for its doubts."""
     value = format_quantity(winner.objective_value, goal.unit(currency), 4)
-    return f"proven best: {' + '.join(winner.hardware.ids)}, {goal.name} {value}"
+    return f"proven best: {' + '.join(part.id for part in winner.hardware.named.values())}, {goal.name} {value}"
 
 
 def doubts(sought: Sought, goal: Objective, winner: Design, deadline: Deadline) -> dict[str, Any] | None:

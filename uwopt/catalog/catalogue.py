@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from uwopt.catalog.records import KINDS, Camera, Housing, Kind, Lens, Light, Part, Port
+from uwopt.catalog.records import KINDS, Camera, Complete, Housing, Kind, Lens, Light, Part, Port
 from uwopt.errors import CatalogError
 
 
@@ -32,6 +32,7 @@ class Catalog:
     exclusions: tuple[Exclusion, ...] = ()
     files: tuple[str, ...] = field(default=())  # users' files that took part
     housings: tuple[Housing, ...] = ()
+    completes: tuple[Complete, ...] = ()
 
     def parts(self, kind: Kind) -> tuple[Part, ...]:
         """All parts of one kind, in the order in which indices count."""
@@ -41,6 +42,7 @@ class Catalog:
             "port": self.ports,
             "light": self.lights,
             "housing": self.housings,
+            "complete": self.completes,
         }
         return by_kind[kind]
 
@@ -65,7 +67,13 @@ class Catalog:
 
     @cached_property
     def _by_key(self) -> dict[str, tuple[Kind, Part]]:
-        return {plain_name(part.id): (kind, part) for kind in KINDS for part in self.parts(kind)}
+        pieces: tuple[Kind, ...] = ("camera", "lens", "port")
+        of_completes = {
+            plain_name(part.id): (kind, part)
+            for complete in self.completes
+            for kind, part in zip(pieces, complete.pieces, strict=True)
+        }
+        return of_completes | {plain_name(part.id): (kind, part) for kind in KINDS for part in self.parts(kind)}
 
 
 def plain_name(name: str) -> str:

@@ -13,10 +13,23 @@ from typing import Any, Literal, TypeVar
 
 from uwopt.catalog.catalogue import Catalog, Exclusion, near_names, plain_name, unknown_part
 from uwopt.catalog.interfaces import does_reach
-from uwopt.catalog.records import KINDS, Camera, Housing, Kind, Lens, Light, Part, Port, Quantity, exact
+from uwopt.catalog.records import (
+    KINDS,
+    Camera,
+    Complete,
+    Housing,
+    Kind,
+    Lens,
+    Light,
+    Part,
+    Port,
+    Quantity,
+    exact,
+)
 from uwopt.errors import CatalogError
 
 RULES = (
+    "form",
     "availability",
     "purpose",
     "vital facts",
@@ -36,6 +49,7 @@ RULES = (
 
 PATTERN_KEYS: dict[Kind, str] = {
     "camera": "cameras", "lens": "lenses", "port": "ports", "light": "lights", "housing": "housings",
+    "complete": "complete_cameras",
 }  # fmt: skip
 SOURCED = ("published", "measured", "derived", "quoted", "user")
 GLOB_SIGNS = "*?["
@@ -62,6 +76,8 @@ class Choice:
     port_mounts: Sequence[str] = ()
     interfaces: Sequence[str] = ()
     availability: Literal["any", "known"] = "any"
+    complete: Literal["none", "also", "only"] = "none"
+    complete_cameras: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -100,6 +116,11 @@ class Selection:
         """The housings to search; owned ones cost nothing."""
         return tuple(self.catalog.housings[i] for i in self.indices["housing"])
 
+    @property
+    def completes(self) -> tuple[Complete, ...]:
+        """The complete cameras to search; owned ones cost nothing."""
+        return tuple(self.catalog.completes[i] for i in self.indices["complete"])
+
 
 def select(
     catalog: Catalog,
@@ -115,8 +136,8 @@ def select(
 ) -> Selection:
     """Apply a mission's choice to a catalogue.
 
-    An owned camera, lens, port or housing costs nothing if there are `camera_count` of it; owned lights keep their
-    price in the record, because only the first `owned[id]` of them are free (`money.cost_of`).
+    An owned camera, lens, port, housing or complete camera costs nothing if there are `camera_count` of it; owned
+    lights keep their price in the record, because only the first `owned[id]` of them are free (`money.cost_of`).
     """
     wish = _as_choice(choice)
     owned = _owned_quantities(wish.owned)
@@ -178,6 +199,10 @@ class _Filters:
 
     def first_verdict(self, kind: Kind, part: Part) -> tuple[str, str] | None:
         """Rule and reason of the first rule that discards a part; None when it may be searched."""
+        if self.wish.complete == "none" and kind == "complete":
+            return "form", "complete cameras are not asked for"
+        if self.wish.complete == "only" and kind in ("camera", "lens", "port", "housing"):
+            return "form", "only complete cameras are searched"
         patterns = getattr(self.wish, PATTERN_KEYS[kind])
         named = any(plain_name(pattern) == plain_name(part.id) for pattern in patterns)
         wanted = named or plain_name(part.id) in self.owned_keys
@@ -210,18 +235,24 @@ class _Filters:
         return next((("port mount", reason) for reason in reasons), None)
 
     def _unverified(self, part: Part) -> tuple[str, str] | None:
+        own = [part.own_camera, part.own_lens, part.own_port] if isinstance(part, Complete) else []
         for field_name in self.wish.verified:
-            if hasattr(part, field_name) and not is_sourced(part, field_name):
+            holder = next((one for one in (part, *own) if hasattr(one, field_name)), None)
+            if holder is not None and not is_sourced(holder, field_name):
                 return "verified", f"{field_name} has no source"
         return None
 
     def _wrong_sensor(self, part: Part) -> tuple[str, str] | None:
+        on_its_own = isinstance(part, Complete) and part.storage_gb is not None
+        part = part.own_camera if isinstance(part, Complete) else part
         if not isinstance(part, Camera):
             return None
         if self.colour not in ("any", part.colour):
             return "colour", f"{part.colour} sensor, {self.colour} is wanted"
         if self.shutter not in ("any", part.shutter):
             return "shutter", f"{part.shutter} shutter, {self.shutter} is wanted"
+        if on_its_own:
+            return None  # no computer takes its images
         if self.wish.interfaces and part.interface not in self.wish.interfaces:
             wanted = " or ".join(self.wish.interfaces)
             return "interface", f"interface {part.interface or 'unknown'}, {wanted} is wanted"
@@ -232,19 +263,27 @@ class _Filters:
 
     def _wrong_supply(self, part: Part, wanted: bool) -> tuple[str, str] | None:
         """What feeds and fires a lamp; one that is named by its id, or owned, may have either supply."""
+        if isinstance(part, Complete):
+            return self._runs_out(part, "")
         if not isinstance(part, Light):
             return None
         if self.lamp_supply not in ("any", part.supply) and not wanted:
             return "lamp supply", f"{SUPPLIES[part.supply]}, {self.lamp_supply} is wanted"
-        needed_min = None if self.duration_h is None else 60.0 * self.duration_h
-        if needed_min is not None and part.run_time_min is not None and part.run_time_min < needed_min:
-            return "run time", f"its battery lasts {part.run_time_min:g} min at full, {needed_min:g} min are needed"
+        if runs_out := self._runs_out(part, " at full"):
+            return runs_out
         if part.kind != "continuous" and part.trigger == "none":
             return "trigger", "nothing fires it with the camera"
         return None
 
+    def _runs_out(self, part: Light | Complete, how: str) -> tuple[str, str] | None:
+        """Whether a battery of its own lasts as long as the mission."""
+        needed_min = None if self.duration_h is None else 60.0 * self.duration_h
+        if needed_min is None or part.run_time_min is None or part.run_time_min >= needed_min:
+            return None
+        return "run time", f"its battery lasts {part.run_time_min:g} min{how}, {needed_min:g} min are needed"
+
     def _too_shallow(self, part: Part) -> tuple[str, str] | None:
-        if self.required_depth_m is None or not isinstance(part, Port | Light | Housing):
+        if self.required_depth_m is None or not isinstance(part, Port | Light | Housing | Complete):
             return None
         if part.depth_rating_m is None:
             accepted = {plain_name(name) for name in self.wish.accept_unrated}
@@ -313,7 +352,7 @@ def _counts(kind: Kind, excluded: Iterable[Exclusion]) -> dict[str, int]:
 
 
 def _with_owned_prices(catalog: Catalog, owned: Mapping[str, int], camera_count: int) -> Catalog:
-    """Cameras, lenses, ports and housings at what is left to pay for each of `camera_count` of them."""
+    """Cameras, lenses, ports, housings, complete cameras at what is left to pay for each of `camera_count` of them."""
     counts = {catalog.part(name).id: quantity for name, quantity in owned.items()}
 
     def paid(part: PartT) -> PartT:
@@ -335,6 +374,7 @@ def _with_owned_prices(catalog: Catalog, owned: Mapping[str, int], camera_count:
         lenses=tuple(paid(part) for part in catalog.lenses),
         ports=tuple(paid(part) for part in catalog.ports),
         housings=tuple(paid(part) for part in catalog.housings),
+        completes=tuple(paid(part) for part in catalog.completes),
     )
 
 

@@ -10,8 +10,8 @@ import re
 from dataclasses import dataclass
 
 from uwopt.catalog.parts.cell import ANY, LARGEST, SMALLEST, Field, Form, Range, fields_of
-from uwopt.catalog.parts.kinds import PARTS
-from uwopt.catalog.parts.part import OPENING, Kind, Part
+from uwopt.catalog.parts.kinds import PARTS, stated_fields
+from uwopt.catalog.parts.part import OPENING, Kind, Part, PartKind
 from uwopt.documents.faults import without_comma
 
 Cell = float | str | bool | tuple[str, ...] | None
@@ -48,9 +48,9 @@ def column_of(field: Field) -> Column:
     return Column(field.name, field.form, cell.within, whole, field.choices, cell.doc, cell.span)
 
 
-def _columns_of(record: type[Part]) -> dict[str, Column]:
+def _columns_of(kind: PartKind) -> dict[str, Column]:
     """Identity first, then what is the kind's own, then price, mass and sources."""
-    told = [field for field in fields_of(record) if field.cell.in_files]
+    told = [field for field in stated_fields(kind) if field.cell.in_files]
     shared = {field.name for field in fields_of(Part)}
 
     def group(field: Field) -> int:
@@ -59,17 +59,20 @@ def _columns_of(record: type[Part]) -> dict[str, Column]:
     return {field.name: column_of(field) for field in sorted(told, key=group)}
 
 
-COLUMNS: dict[Kind, dict[str, Column]] = {kind: _columns_of(part.record) for kind, part in PARTS.items()}
+COLUMNS: dict[Kind, dict[str, Column]] = {kind: _columns_of(part) for kind, part in PARTS.items()}
 
 #: Without these a row says nothing about a part.
 REQUIRED: dict[Kind, tuple[str, ...]] = {
-    kind: tuple(field.name for field in fields_of(part.record) if field.cell.needed)
+    kind: tuple(field.name for field in stated_fields(part) if field.cell.needed)
     for kind, part in PARTS.items()
 }
 
-#: Columns whose mere presence tells the kind of part.
+#: Columns whose mere presence tells the kind of part; a kind made of pieces, which has theirs too, stands first.
 TELLTALE: dict[str, Kind] = {
-    field.name: kind for kind, part in PARTS.items() for field in fields_of(part.record) if field.cell.tells
+    field.name: kind
+    for kind, part in sorted(PARTS.items(), key=lambda item: not item[1].pieces)
+    for field in fields_of(part.record)
+    if field.cell.tells
 }
 
 _FLAGS = {"yes": True, "true": True, "1": True, "no": False, "false": False, "0": False}

@@ -97,6 +97,7 @@ def explain_pair(
 ) -> list[Finding]:
     """Every misfit of these parts, faults first; empty when they fit as far as is known."""
     findings = [
+        *_tie_findings(camera, lens, port),
         *_mount_findings(camera, lens),
         *_image_circle_findings(camera, lens),
         *_sharpness_findings(camera, lens),
@@ -105,6 +106,16 @@ def explain_pair(
         *(f for part in (port, light) if part is not None for f in _depth_findings(part, required_depth_m)),
     ]
     return sorted(findings, key=lambda finding: finding.severity)
+
+
+def _tie_findings(camera: Camera, lens: Lens, port: Port | None) -> list[Finding]:
+    """Pieces of a complete camera go with each other alone."""
+    pieces = [camera, lens, *([] if port is None else [port])]
+    if len({part.complete for part in pieces}) == 1:
+        return []
+    torn = next(part for part in pieces if part.complete)
+    text = f"{torn.id} is a piece of the complete camera {torn.complete}, and goes with no other part"
+    return [Finding("complete", text)]
 
 
 def _mount_findings(camera: Camera, lens: Lens) -> list[Finding]:

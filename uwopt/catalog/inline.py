@@ -37,10 +37,13 @@ def inline_keys(kind: Kind) -> dict[str, tuple[Field, Inline]]:
     return {f.name: (f, f.inline) for f in fields_of(PARTS[kind].record) if f.inline is not None}
 
 
+#: Kinds of which a system file may write a part of its own.
+INLINE_KINDS: tuple[Kind, ...] = tuple(kind for kind, part in PARTS.items() if part.inline_doc)
+
 #: Other names that an inline record may use, by kind.
 SYNONYMS: dict[str, dict[str, str]] = {
     kind: {other: name for name, (_, inline) in inline_keys(kind).items() for other in inline.names}
-    for kind in PARTS
+    for kind in INLINE_KINDS
 }
 
 
@@ -133,7 +136,7 @@ if TYPE_CHECKING:  # a type checker takes no class that is made as the program r
     InlineLight = InlinePart
     InlineHousing = InlinePart
 else:
-    InlineCamera, InlineLens, InlinePort, InlineLight, InlineHousing = map(_model, PARTS)
+    InlineCamera, InlineLens, InlinePort, InlineLight, InlineHousing = map(_model, INLINE_KINDS)
 
 INLINE_MODELS: dict[str, type[InlinePart]] = {
     "camera": InlineCamera,

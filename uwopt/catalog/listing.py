@@ -9,7 +9,7 @@ from uwopt.catalog.catalogue import Catalog, Exclusion
 from uwopt.catalog.choose import matches
 from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.kinds import PARTS
-from uwopt.catalog.records import KINDS, Curve, Kind, Part, Quantity
+from uwopt.catalog.records import KINDS, Complete, Curve, Kind, Part, Quantity
 from uwopt.units import format_within
 
 
@@ -61,12 +61,17 @@ def list_parts(
 def show_part(catalog: Catalog, part_id: str) -> tuple[list[FieldLine], tuple[Exclusion, ...]]:
     """Every known field of a part with its status and source, and why it cannot be searched, if so."""
     part = catalog.part(part_id)
-    lines = [
-        line
-        for field in kept_fields(type(part))
-        if field.cell.shown and (line := _field_line(part, field)) is not None
-    ]
-    return lines, catalog.exclusions_of(part.id)
+    lines: dict[str, FieldLine] = {}
+    for one in (part, *pieces_of(part)):
+        for field in kept_fields(type(one)):
+            if field.cell.shown and field.name not in lines and (line := _field_line(one, field)) is not None:
+                lines[field.name] = line
+    return list(lines.values()), catalog.exclusions_of(part.id)
+
+
+def pieces_of(part: Part) -> tuple[Part, ...]:
+    """Camera, lens and port of a complete camera, for what they alone state; nothing of any other part."""
+    return (part.own_camera, part.own_lens, part.own_port) if isinstance(part, Complete) else ()
 
 
 def _part_line(part: Part, kind: Kind, reasons: tuple[str, ...]) -> PartLine:
@@ -92,7 +97,12 @@ def summary(part: Part, kind: Kind) -> str:
 
 def estimated_fields(part: Part) -> list[str]:
     """Fields that no source states for this part: class estimates stand there."""
-    return [field.name for field in kept_fields(type(part)) if _status(part, field) == "estimated"]
+    return list(dict.fromkeys(
+        field.name
+        for one in (part, *pieces_of(part))
+        for field in kept_fields(type(one))
+        if _status(one, field) == "estimated" and (one is part or not hasattr(part, field.name))
+    ))  # fmt: skip
 
 
 def _field_line(part: Part, field: Field) -> FieldLine | None:

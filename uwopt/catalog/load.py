@@ -13,7 +13,7 @@ from uwopt.catalog.changes import CellChange, checked_rows, read_changes, replay
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.readers.readers import READERS
 from uwopt.catalog.readers.reading import Built, Origin
-from uwopt.catalog.records import KINDS, Camera, Housing, Kind, Lens, Light, Part, Port, Quantity
+from uwopt.catalog.records import KINDS, Camera, Complete, Housing, Kind, Lens, Light, Part, Port, Quantity
 from uwopt.catalog.tables import DATA_DIR, read_table
 from uwopt.catalog.userparts import PartRow, PriceQuote, read_parts, read_prices, typed_rows
 from uwopt.errors import CatalogError
@@ -102,6 +102,7 @@ def assembled(built: Iterable[tuple[Kind, Built]]) -> Catalog:
         lights=tuple(part for part in parts["light"] if isinstance(part, Light)),
         exclusions=tuple(exclusions),
         housings=tuple(part for part in parts["housing"] if isinstance(part, Housing)),
+        completes=tuple(part for part in parts["complete"] if isinstance(part, Complete)),
     )
 
 
@@ -120,6 +121,7 @@ def with_changes(catalog: Catalog, log: Sequence[CellChange], path: Path) -> Cat
         ports=_in_place(catalog.ports, changed.ports),
         lights=_in_place(catalog.lights, changed.lights),
         housings=_in_place(catalog.housings, changed.housings),
+        completes=_in_place(catalog.completes, changed.completes),
         exclusions=kept + changed.exclusions,
     )
 
@@ -147,6 +149,7 @@ def with_prices(catalog: Catalog, quotes: Sequence[PriceQuote]) -> Catalog:
         ports=tuple(_priced(part, by_key) for part in catalog.ports),
         lights=tuple(_priced(part, by_key) for part in catalog.lights),
         housings=tuple(_priced(part, by_key) for part in catalog.housings),
+        completes=tuple(_priced(part, by_key) for part in catalog.completes),
     )
 
 
@@ -187,6 +190,7 @@ def _with_user_parts(catalog: Catalog, rows: Iterable[PartRow], files: tuple[str
         catalog.exclusions + own.exclusions,
         files,
         catalog.housings + own.housings,
+        catalog.completes + own.completes,
     )
 
 

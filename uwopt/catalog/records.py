@@ -1,4 +1,4 @@
-"""The parts that can be bought, as typed records: camera, lens, port, light, housing.
+"""The parts that can be bought, as typed records: camera, lens, port, light, housing, complete camera.
 
 Files use the field's units (mm, um, us, deg, g); the unit is in the name. A number that may be a
 class estimate is a `Quantity`: central, low and high value, how it is known, and from where.
@@ -6,6 +6,7 @@ class estimate is a `Quantity`: central, low and high value, how it is known, an
 """
 
 from uwopt.catalog.parts.camera import Camera
+from uwopt.catalog.parts.complete import Complete
 from uwopt.catalog.parts.housing import Housing
 from uwopt.catalog.parts.lens import Lens
 from uwopt.catalog.parts.light import Light
@@ -17,6 +18,7 @@ __all__ = [
     "KINDS",
     "Availability",
     "Camera",
+    "Complete",
     "Curve",
     "Housing",
     "Kind",

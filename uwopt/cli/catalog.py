@@ -26,6 +26,7 @@ class KindName(StrEnum):
     port = "port"
     light = "light"
     housing = "housing"
+    complete = "complete"
 
 
 FilesOption = Annotated[
@@ -190,7 +191,6 @@ def recommended_in(files: list[str]) -> dict[str, int]:
     """How often each part is recommended in results and fronts, by id."""
     from collections import Counter
 
-    from uwopt.catalog.records import KINDS
     from uwopt.results.front import FrontResult
     from uwopt.results.reading import read_result
 
@@ -201,7 +201,7 @@ def recommended_in(files: list[str]) -> dict[str, int]:
             designs = [point.design for point in result.points]
         else:
             designs = [result.recommendation] if result.recommendation else []
-        found.update(getattr(design.hardware, kind).id for design in designs for kind in KINDS)
+        found.update(part.id for design in designs for part in design.hardware.named.values())
     return dict(found)
 
 
@@ -209,7 +209,7 @@ def recommended_in(files: list[str]) -> dict[str, int]:
 @command
 def template_command(
     kind: Annotated[
-        str, typer.Argument(metavar="KIND", help="camera, lens, port, light, housing, prices, or a spectrum.")
+        str, typer.Argument(metavar="KIND", help="camera, lens, port, light, housing, complete, prices, or a spectrum.")
     ],
 ) -> None:
     """Print a file to start from: comments on every column, the header, an example row."""

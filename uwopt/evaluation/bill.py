@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from uwopt.catalog.interfaces import reaches_m
 from uwopt.catalog.mounts import counterpart, is_free
@@ -19,7 +20,9 @@ PLAIN_PURPOSES = ("camera port", "vehicle lamp", "industrial camera")  # made fo
 def used_hardware(problem: Problem, hw: Hardware, spacer_m: float) -> UsedHardware:
     """The hardware by ids, and where its lights stand."""
     parts = problem.parts
-    housing = parts.ports[hw.port].housing
+    port = parts.ports[hw.port]
+    asked = problem.mission.catalog.housing != "none"
+    housing = port.housing if asked or not port.complete else None  # as of the other designs beside it
     return UsedHardware(
         camera=used_part(parts.cameras[hw.camera]),
         lens=used_part(parts.lenses[hw.lens]),
@@ -31,7 +34,13 @@ def used_hardware(problem: Problem, hw: Hardware, spacer_m: float) -> UsedHardwa
         light_mounts=[] if problem.unlit(hw.light) else lamp_places(hw),
         housing=None if housing is None else used_part(housing),
         spacer_mm=spacer_m * 1e3,
+        complete=used_part(whole(port)) if port.complete else None,
     )
+
+
+def whole(port: Port) -> Port:
+    """The complete camera that a port is a piece of, by what is bought: its price, mass and source are the port's."""
+    return replace(port, id=port.complete)
 
 
 def used_part(part: Part) -> UsedPart:
@@ -53,12 +62,15 @@ def bought(problem: Problem, hw: Hardware) -> list[tuple[str, Part, int, int]]:
     light, port = parts.lights[hw.light], parts.ports[hw.port]
     owned = min(hw.count, problem.owned_lights.get(light.id, 0))
     lamps: list[tuple[str, Part, int, int]] = [("light", light, hw.count, owned)]
+    burning = [] if problem.unlit(hw.light) else lamps
+    if port.complete:
+        return [("complete", whole(port), n, 0), *burning]
     return [
         ("camera", parts.cameras[hw.camera], n, 0),
         ("lens", parts.lenses[hw.lens], n, 0),
         ("port", port, n, 0),
         *([] if port.housing is None else [("housing", port.housing, n, 0)]),
-        *([] if problem.unlit(hw.light) else lamps),
+        *burning,
     ]
 
 
@@ -91,10 +103,12 @@ def bill_of_materials(problem: Problem, hw: Hardware, spacer_m: float = 0.0) -> 
     extras = problem.mission.catalog.extras
     if spacer_m > 0.0:
         rows.append(spacer_row(problem, hw, spacer_m))
-    if problem.counts_host:
-        rows.append(host_row(problem, problem.parts.cameras[hw.camera]))
+    camera = problem.parts.cameras[hw.camera]
+    if problem.counts_host and camera.takes_a_host:
+        rows.append(host_row(problem, camera))
     lamps = sum(count - owned for kind, _, count, owned in bought(problem, hw) if kind == "light")
-    numbers = {"system": 1, "camera": problem.mission.vehicle.camera_count, "lamp": lamps}
+    cables = problem.mission.vehicle.camera_count if camera.tethered else 0
+    numbers = {"system": 1, "camera": cables, "lamp": lamps}
     rows += [rest_row(problem, item, numbers[item.per]) for item in problem.rest if numbers[item.per]]
     return rows + [
         BillRow(
@@ -111,7 +125,7 @@ def remark(part: Part) -> str:
     purpose = getattr(part, "purpose", "")
     made_for = "" if purpose in ("", *PLAIN_PURPOSES) else f"made as {'an' if purpose[0] in 'ai' else 'a'} {purpose}"
     words = [made_for, part.note]
-    if isinstance(part, Port):
+    if isinstance(part, Port) and not part.complete:
         needs = "" if is_free(part.mount) else f"needs {counterpart(part.mount)}; the adapter is not in the bill"
         words = [made_for, needs, part.note]
     return "; ".join(word for word in words if word)

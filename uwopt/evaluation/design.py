@@ -103,7 +103,7 @@ def housing_notes(model: DesignModel) -> list[Note]:
     """What is to be measured before the housing is bought: sizes that are estimates, and may not fit."""
     problem, hardware = model.problem, model.hardware
     port = problem.ports.take(np.array([hardware.port]))
-    if not port.housed[0]:
+    if not port.roomy[0]:
         return []
     camera, lens = problem.parts.cameras[hardware.camera], problem.parts.lenses[hardware.lens]
     tight = tight_at_worst(camera, lens, model.spacer_m, port)

@@ -45,7 +45,13 @@ from uwopt.model.image_mean import cells
 from uwopt.model.imaging import floor_point, lamp_light
 from uwopt.model.lens import airy_diameter_m
 from uwopt.model.port import lens_dioptre_per_m
-from uwopt.objectives.requirements import MarginRows, duration_margins, scene_margins, system_margins
+from uwopt.objectives.requirements import (
+    MarginRows,
+    duration_margins,
+    scene_margins,
+    system_margins,
+    trigger_margins,
+)
 
 Array = NDArray[Any]
 
@@ -321,6 +327,7 @@ class DesignModel:
             *self.housing_margins(),
             *self.evenness_margins(index),
             *self.lamp_margins(index),
+            *(() if self.unlit else trigger_margins(self.cameras, self.lights)),
             *system_margins(
                 limits, cost_limit_value=terms["cost_limit_value"], power_w=terms["power_w"],
                 peak_power_w=figures.light_peak_power_w + terms["camera_peak_power_w"], mass_kg=terms["mass_kg"],
@@ -345,6 +352,7 @@ class DesignModel:
                 duration,
                 mean_power_w=duration.mean([self.totals(f)["power_w"] for f in by_scene]),
                 mean_data_rate_mb_s=duration.mean([self.data_rate_mb_s(f) for f in by_scene]),
+                cards_gb=float(self.problem.mission.vehicle.camera_count * self.cameras.storage_gb[0]),
             )
         )
 
@@ -423,7 +431,8 @@ class DesignModel:
         if not port.housed[0]:
             return []
         limits = self.problem.mission.limits
-        rooms = room_needed_m(bodies_of(self.cameras, self.lenses, self.spacer_m), port)
+        bodies = bodies_of(self.cameras, self.lenses, self.spacer_m)
+        rooms = room_needed_m(bodies, port) if port.roomy[0] else {}
         margins = []
         for name, unit in (("housing_diameter_mm", "mm"), ("housing_length_mm", "mm"), ("dome_radius_mm", "mm")):
             if name in rooms:
@@ -448,6 +457,7 @@ class DesignModel:
         port = self.problem.parts.ports[self.hardware.port]
         light = self.problem.parts.lights[self.hardware.light]
         wet: list[Port | Housing | Light] = [port, *([port.housing] if port.housing else [])]
+        wet = [replace(port, id=port.complete)] if port.complete else wet
         wet += [] if self.unlit else [light]
         return {
             part.id: part.depth_rating_m

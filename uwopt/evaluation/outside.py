@@ -87,6 +87,11 @@ def other_parts(mission: Mission, catalog: Catalog, system: System) -> Iterator[
         found = left_out.get((kind, part.id))  # type: ignore[arg-type]
         if found is not None:
             yield Departure("parts", kind, f"{part.id}: solve leaves this {kind} out ({found.reason})")
+    if system.complete is not None:
+        whole = catalog.part(system.complete, "complete")
+        found = left_out.get(("complete", whole.id))
+        if found is not None:
+            yield Departure("parts", "complete", f"{whole.id}: solve leaves this complete camera out ({found.reason})")
 
 
 def other_numbers(mission: Mission, system: System) -> Iterator[Departure]:

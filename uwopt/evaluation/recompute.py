@@ -126,7 +126,7 @@ def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardwar
     places = [place_of(part_id, row) for part_id, row in zip(wanted.values(), rows, strict=True)]
     if None in places:
         camera, lens, port, light = (catalog.part(chosen.parts[kind].id, kind) for kind in KINDS)
-        if chosen.housing is not None:
+        if chosen.housing is not None and chosen.complete is None:
             port = replace(port, housing=catalog.part(chosen.housing.id, "housing"))  # type: ignore[call-arg]
         parts = Parts((camera,), (lens,), (port,), (light,))  # type: ignore[arg-type]
         paper = mission.physics == "paper"
@@ -153,6 +153,8 @@ def place_of(part_id: str, parts: Sequence[Part]) -> int | None:
 def enclosure_id(design: Design) -> str:
     """The id of a design's port with that of its housing."""
     port, housing = design.hardware.port, design.hardware.housing
+    if design.hardware.complete is not None:
+        return port.id
     return Port(port.id, housing=None if housing is None else Housing(housing.id)).enclosure_id
 
 

@@ -101,6 +101,11 @@ def names_nothing(mission: Mission, catalog: Catalog, warning: str) -> bool:
 def build_problem(mission: Mission, selection: Selection, **changes: Any) -> Problem:
     """Tables over the selected parts."""
     parts = Parts(selection.cameras, selection.lenses, ports_of(mission, selection), selection.lights)
+    for complete in selection.completes:
+        camera, lens, port = complete.pieces
+        parts = replace(
+            parts, cameras=(*parts.cameras, camera), lenses=(*parts.lenses, lens), ports=(*parts.ports, port)
+        )
     return Problem(
         mission, parts, paper=mission.physics == "paper", owned_lights=owned_ids(selection), **changes
     )
@@ -149,6 +154,8 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
         except CatalogError as error:
             raise CatalogError([f"{system.source_name}: {kind}: {text}" for text in error.faults]) from None
 
+    if system.complete is not None:
+        selection.catalog.part(system.complete, "complete")
     port = part("port")
     if system.housing is not None:
         port = replace(port, housing=part("housing"))
@@ -197,6 +204,7 @@ def refuse_unknown(system: System, problem: Problem) -> None:
     """Raise where a part of the catalogue lacks a number that nothing can stand in for."""
     vital = {
         "camera": ("pixel pitch", problem.cameras.pixel_pitch_m[0]),
+        "lens": ("focal length", problem.lenses.focal_length_m[0]),
         "port": ("radius", problem.ports.outer_radius_m[0] if problem.ports.is_dome[0] else 1.0),
         "light": ("light output", problem.lights.full_light[0]),
     }

@@ -50,7 +50,7 @@ def takes(housing: Housing, port: Port) -> bool:
 
 def camera_with_size(camera: Camera) -> Camera:
     """A camera with the size of its body, that of its interface's class where it does not say."""
-    if camera.inline:
+    if camera.inline or camera.complete:
         return camera
 
     def of_class(name: str) -> Quantity:
@@ -63,7 +63,7 @@ def camera_with_size(camera: Camera) -> Camera:
 
 def lens_with_size(lens: Lens) -> Lens:
     """A lens with length, width and the place of its entrance pupil, those of its class where it does not say."""
-    if lens.inline and lens.length_mm is None:
+    if lens.complete or (lens.inline and lens.length_mm is None):
         return lens
     length = lens.length_mm or _of_class("lens-length-mm", lens).quantity()
     share = required_class("lens-pupil-over-length", "body-any")
@@ -118,7 +118,7 @@ def tight_at_worst(camera: Camera, lens: Lens, spacer_m: float, port: Ports) -> 
 def fits_inside(cameras: Cameras, lenses: Lenses, spacers_m: Array | float, ports: Ports) -> Mask:
     """Whether each pair of camera and lens fits into each enclosure, (n_pairs, n_ports); all into bare ports."""
     bodies, fits = bodies_of(cameras, lenses, spacers_m), np.ones((len(cameras.price), len(ports.price)), bool)
-    for p in np.flatnonzero(ports.housed):
+    for p in np.flatnonzero(ports.roomy):
         for needed, room in room_needed_m(bodies, ports.take(np.array([p]))).values():
             fits[:, p] &= needed <= room * ROUND
     return fits

@@ -71,6 +71,8 @@ class Cameras(Columns):
     body_height_m: Array
     body_length_m: Array
     plug_m: Array
+    storage_gb: Array  # of its own card; inf where a computer takes the images
+    fires_lamps: Array  # with the image
 
 
 @dataclass(frozen=True)
@@ -121,6 +123,7 @@ class Ports(Columns):
     limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
     housed: Array  # whether it is built into a housing
+    roomy: Array  # a housing that camera and lens must fit into; that of a complete camera has them inside
     is_sphere: Array  # the housing
     room_diameter_m: Array  # inside the housing; inf where there is none
     room_length_m: Array
@@ -257,6 +260,8 @@ def camera_rows(
     pixels = known["resolution_x_px"] * known["resolution_y_px"]
     frame_mb = pixels * known["bit_depth"] / 8.0 / 1e6
     rate = np.minimum(known["max_frame_rate_hz"], known["bandwidth_mb_s"] / frame_mb)
+    with np.errstate(divide="ignore"):
+        timer_hz = 1.0 / known["min_interval_s"]  # of a timer of its own; inf where there is none
     rolling = np.array([part.shutter == "rolling" for part in parts], bool)
     rows = Cameras(
         **of_table(Cameras, known)
@@ -266,11 +271,12 @@ def camera_rows(
             "gain_dn_per_e": _gain(parts, bits, known),
             "bits": bits,
             "max_gain": db_to_ratio(known["max_gain_db"]),
-            "max_rate_hz": rate,
+            "max_rate_hz": np.minimum(rate, timer_hz),
             "on_s": known["wake_up_s"] + np.minimum(known["max_exposure_s"], longest_exposure_s) + 1.0 / rate,
             "readout_s": np.where(rolling & np.isfinite(rate), 1.0 / np.maximum(rate, 1e-9), 0.0),
             "frame_mb": frame_mb,
             "qe_index": np.array(qe_index, int),
+            "fires_lamps": np.array([part.fires_lamps for part in parts], bool),
         }
     )
     return rows, curves
@@ -375,12 +381,13 @@ def housing_columns(
         **prices(hulls, money, end, high_basis),
         "mass_kg": known["mass_kg"],
         "housed": housed,
+        "roomy": housed & np.array([not part.complete for part in parts], bool),
         "is_sphere": sphere,
         "room_diameter_m": inner,
         "room_length_m": np.where(sphere, inner, known["inner_length_m"]),
         "outer_diameter_m": np.maximum(diameter, 2.0 * stands_out),
         "outer_length_m": length + stands_out,
-        "displaced_kg": SEAWATER_KG_M3 * volume,
+        "displaced_kg": np.where(known["displaced_kg"] > 0.0, known["displaced_kg"], SEAWATER_KG_M3 * volume),
     }
 
 

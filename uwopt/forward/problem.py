@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from uwopt.catalog import money
 from uwopt.catalog.interfaces import does_reach
 from uwopt.catalog.parts.light import NO_LAMP
-from uwopt.catalog.records import Camera, Lens, Light, Port
+from uwopt.catalog.records import Camera, Lens, Light, Part, Port
 from uwopt.catalog.rest import Per, RestItem, RestNeeds, rest_items
 from uwopt.catalog.spacers import spacer_price
 from uwopt.forward import switching
@@ -80,7 +80,7 @@ def estimated(mission: Mission, parts: Parts) -> Parts:
         parts = replace(parts, cameras=tuple(switching.camera_with_host(p) for p in parts.cameras))
     spaced = lens_with_spacers if mission.catalog.spacers == "allow" else without_spacers
     parts = replace(parts, lenses=tuple(spaced(p) for p in parts.lenses))
-    if mission.catalog.housing == "required" or any(port.housing is not None for port in parts.ports):
+    if mission.catalog.housing == "required" or any(port.housing and not port.complete for port in parts.ports):
         parts = replace(
             parts,
             cameras=tuple(camera_with_size(p) for p in parts.cameras),
@@ -210,7 +210,8 @@ class Problem:
         share = 1.0 / self.mission.vehicle.camera_count
         burns = np.array([part.id != NO_LAMP.id for part in self.parts.lights], float)
         for name, end in ends.items():
-            camera = self.rest_price("camera", end) + share * self.rest_price("system", end)
+            tethered = np.array([part.tethered for part in self.parts.cameras], float)
+            camera = tethered * self.rest_price("camera", end) + share * self.rest_price("system", end)
             lamp = burns * self.rest_price("lamp", end)
             self.cameras = replace(self.cameras, **{name: getattr(self.cameras, name) + camera})
             self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})
@@ -234,6 +235,15 @@ class Problem:
             key = (part.id, *(float(column[index]) for column in columns)) if part.housing else index
             groups.setdefault(key, []).append(index)
         return [np.array(group, int) for group in groups.values()]
+
+    @cached_property
+    def ties(self) -> tuple[Array, Array, Array]:
+        """For each camera, lens and port which complete camera it is a piece of; 0 of none: equals go together."""
+        kinds: tuple[Sequence[Part], ...] = (self.parts.cameras, self.parts.lenses, self.parts.ports)
+        names = sorted({part.complete for parts in kinds for part in parts} - {""})
+        number = {name: index for index, name in enumerate(["", *names])}
+        camera, lens, port = (np.array([number[part.complete] for part in parts], int) for parts in kinds)
+        return camera, lens, port
 
     @cached_property
     def like_port(self) -> Array:

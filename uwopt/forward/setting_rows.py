@@ -310,6 +310,7 @@ def setting_rows(
         max_level = np.minimum(1.0, peak_for_lights / peak_at_full)
     max_level = np.where(np.isnan(max_level), 1.0, max_level)
     allowed = (focused.rate_hz <= lamp.max_rate_hz * (1 + 1e-12)) | (lamp.kind == CONTINUOUS)
+    allowed &= cam.fires_lamps | (lamp.kind == CONTINUOUS)
     if needs.max_skew_px is not None:
         allowed &= (focused.skew_px <= needs.max_skew_px) | (lamp.kind != CONTINUOUS)
     vehicle = scene.view.vehicle

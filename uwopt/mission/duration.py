@@ -50,7 +50,11 @@ class Duration:
     @property
     def mean_data_limit_mb_s(self) -> float:
         """Highest mean data rate of the whole mission, all cameras together."""
-        return self.storage_gb * MB_PER_GB / (self.duration_h * S_PER_H) if self.duration_h else math.inf
+        return float(self.mean_rate_into(self.storage_gb))
+
+    def mean_rate_into(self, room_gb: Any) -> Any:
+        """Highest mean data rate [10^6 byte/s] that so much room holds; inf without a duration."""
+        return room_gb * MB_PER_GB / (self.duration_h * S_PER_H) if self.duration_h else math.inf
 
     @property
     def scene_power_limit_w(self) -> float:

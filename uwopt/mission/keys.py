@@ -203,3 +203,8 @@ def number_or_recommended(recommended: float) -> BeforeValidator:
 def to_on_off(value: Any) -> Any:
     """On or off, which YAML also reads as true and false."""
     return ("on" if value else "off") if isinstance(value, bool) else value
+
+
+def to_complete(value: Any) -> Any:
+    """Whether complete cameras are searched; true is beside the others, false not at all."""
+    return ("also" if value else "none") if isinstance(value, bool) else value

@@ -382,6 +382,9 @@ class CatalogChoice(Section):
     ports: Texts = Field(default=(), description="patterns of ports that may be used; none allows all")
     lights: Texts = Field(default=(), description="patterns of lights that may be used; none allows all")
     housings: Texts = Field(default=(), description="patterns of housings that may be used; none allows all")
+    complete_cameras: Texts = Field(
+        default=(), description="patterns of complete cameras that may be used; none allows all"
+    )
     exclude: Texts = Field(default=(), description="patterns of parts that must not be used")
     files: Texts = Field(
         default=(),
@@ -440,6 +443,11 @@ class CatalogChoice(Section):
         default="none",
         description="spacer rings between lens and camera, on which it focuses nearer: none leaves them out, allow "
         "(recommended) takes the shortest that the focus needs, and counts its price",
+    )
+    complete: Annotated[Literal["none", "also", "only"], BeforeValidator(words.to_complete), CHOICE] = Field(
+        default="none",
+        description="complete cameras, which are bought with lens and port in one housing: none leaves them out, also "
+        "(or true) searches them beside the assembled ones, only searches nothing else",
     )
     extras: tuple[Extra, ...] = Field(
         default=(), description="list of items added to every system: {name, cost, mass_kg, power_w}"

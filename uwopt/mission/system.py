@@ -45,6 +45,7 @@ from uwopt.mission.mission import Mission, resolve_path
 from uwopt.mission.sections import MAX_LIGHTS, LightMount
 
 PART_KINDS = ("camera", "lens", "port", "light", "housing")  # the last may be left out
+PIECES = ("camera", "lens", "port", "housing")  # what a complete camera stands for
 LEVEL_KEYS = ("flux_lm", "dim_frac", "flash_energy_j")
 
 BY_ID, INLINE, NOTHING = "<id>", "<inline>", "<nothing>"  # steps of pydantic's paths that no file holds
@@ -136,6 +137,10 @@ class System(Section):
         default=None,
         description="length of the spacer rings between lens and camera in millimetres; unless given the least that "
         "the focus needs where the mission allows rings, else none",
+    )
+    complete: Text | None = Field(
+        default=None,
+        description="id of a complete camera of the catalogue, instead of camera, lens, port and housing",
     )
     camera_count: Count = Field(default=1, description="number of cameras, each with lens and port")
     light_count: Annotated[int, Field(ge=0, le=MAX_LIGHTS), WHOLE] = Field(
@@ -266,6 +271,9 @@ def _in_one_form(data: Mapping[str, Any]) -> dict[str, Any]:
     plain = {
         key: value for key, value in data.items() if value is not None or key not in ("settings", "scenes")
     }
+    whole = plain.get("complete")
+    if isinstance(whole, str) and whole.strip():  # stands for its pieces, which the catalogue has by these ids
+        plain = {**{kind: f"{whole.strip()} {kind}" for kind in ("camera", "lens", "port")}, **plain}
     mounts = plain.get("light_mounts")
     if plain.get("light_count") is None and isinstance(mounts, (list, tuple)) and mounts:
         plain["light_count"] = min(len(mounts), MAX_LIGHTS)
@@ -288,6 +296,10 @@ def _cross_faults(parts: Mapping[str, Any]) -> list[Fault]:
     faults += _level_faults(("settings",), parts.get("settings") or {})
     for name, own in (parts.get("scenes") or {}).items():
         faults += _level_faults(("scenes", name), own)
+    if parts.get("complete") is not None:
+        for kind in PIECES:
+            if parts.get(kind) not in (None, f"{parts['complete']} {kind}"):
+                faults.append(((kind,), "and complete are both given; keep one of them"))
     mounts, count = parts.get("light_mounts"), parts.get("light_count")
     if mounts is not None and count is not None and len(mounts) != count:
         text = f"= {count} but light_mounts has {len(mounts)} place(s); give one for each light"
@@ -310,6 +322,8 @@ def _valid_parts(raw: Mapping[str, Any]) -> dict[str, Any]:
     parts: dict[str, Any] = {}
     for kind, model in INLINE_MODELS.items():
         parts[kind] = _complete_inline(model, raw.get(kind))
+    if isinstance(raw.get("complete"), str):
+        parts |= {kind: raw[kind] for kind in PIECES if isinstance(raw.get(kind), str)} | {"complete": raw["complete"]}
     parts["settings"] = valid_values(Settings, raw.get("settings"))
     scenes = raw.get("scenes")
     if isinstance(scenes, Mapping):

@@ -131,6 +131,8 @@ catalog:
   # ports: [blue_robotics]
   # lights: ["*"]
   # housings: ["*"]
+  # complete: also             # also | only | none: cameras bought with lens and port in one housing
+  # complete_cameras: ["*"]
   # exclude: []
   # files: [my_parts.csv]      # own parts, or a log of changes, relative to this file
   # prices: my_quotes.csv      # own quotes that override prices

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.figures import DesignRows, Figures, SettingRows
 from uwopt.forward.motion import least_overlap
-from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lenses
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Cameras, Lenses, Lights
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.spacers import ring_range_m
 from uwopt.forward.views import heights_m
@@ -313,10 +313,17 @@ def system_margins(
             yield MarginRows(f"depth_rating_m ({part})", known * every, deep, ">=", "m", reserve=depth_reserve_m)
 
 
+def trigger_margins(cameras: Cameras, lights: Lights) -> Iterator[MarginRows]:
+    """Whether cameras fire their lamps, where some lamp pulses or flashes with a camera that may not."""
+    fired = cameras.fires_lamps | (lights.kind == CONTINUOUS)
+    if not fired.all():
+        yield MarginRows("lamp_trigger", np.where(fired, 1.0, 0.0), np.ones(len(fired)), ">=", "")
+
+
 def duration_margins(
-    duration: Duration, *, mean_power_w: Array, mean_data_rate_mb_s: Array
+    duration: Duration, *, mean_power_w: Array, mean_data_rate_mb_s: Array, cards_gb: float = np.inf
 ) -> Iterator[MarginRows]:
-    """What the whole mission may use up, from means over its scenes: energy and storage."""
+    """What the whole mission may use up, from means over its scenes: energy, storage, and the cameras' own cards."""
     every = np.ones(len(mean_power_w))
     if np.isfinite(duration.energy_wh):
         energy_wh = duration.energy_of(mean_power_w)
@@ -324,3 +331,5 @@ def duration_margins(
     if np.isfinite(duration.storage_gb):
         storage_gb = duration.storage_of(mean_data_rate_mb_s)
         yield MarginRows("storage_gb", storage_gb, duration.storage_gb * every, "<=", "GB")
+    if np.isfinite(cards_gb) and duration.duration_h is not None:
+        yield MarginRows("card_gb", duration.storage_of(mean_data_rate_mb_s), cards_gb * every, "<=", "GB")

@@ -47,7 +47,7 @@ def objective_text(result: Result) -> str:
 def parts_text(design: Design) -> str:
     """Ids of the parts, with the number of lights."""
     hardware = design.hardware
-    *ids, light = hardware.ids
+    *ids, light = (part.id for part in hardware.named.values())
     return " + ".join([*ids, f"{hardware.light_count} × {light}"])
 
 

@@ -64,12 +64,20 @@ class UsedHardware(Record):
         default=None, description="that each port is built into; null where none is asked for"
     )
     spacer_mm: Number = Field(default=0.0, description="length of the rings between lens and camera")
+    complete: UsedPart | None = Field(
+        default=None, description="the complete camera that camera, lens and port are pieces of; null where none is"
+    )
 
     @property
     def parts(self) -> dict[str, UsedPart]:
         """The parts by kind: four, and the housing where there is one."""
         housing = {} if self.housing is None else {"housing": self.housing}
         return {"camera": self.camera, "lens": self.lens, "port": self.port, **housing, "light": self.light}
+
+    @property
+    def named(self) -> dict[str, UsedPart]:
+        """The same as they are bought: a complete camera in the place of its pieces."""
+        return self.parts if self.complete is None else {"complete": self.complete, "light": self.light}
 
     @property
     def ids(self) -> list[str]:
@@ -122,7 +130,7 @@ class Totals(Record):
 class BillRow(Record):
     """One row of the bill of materials."""
 
-    kind: str = Field(description="camera | lens | port | light | housing | extra")
+    kind: str = Field(description="camera | lens | port | light | housing | complete | extra")
     id: str = Field(description="of the part")
     manufacturer: str = Field(description="empty where there is none")
     model: str = Field(description="maker's name of the part")

@@ -186,6 +186,10 @@ class Camera(Part):
     host_price: Annotated[
         Known, Cell("price of the computer that takes the images in USD", FROM_ZERO, favours="low")
     ] = None
+    storage_gb: Annotated[float | None, Cell(in_files=False, unknown=math.inf)] = None  # of its own card
+    min_interval_s: Annotated[Known, Cell(in_files=False, favours="low")] = None  # of its own timer
+    fires_lamps: Annotated[bool, UNSEEN] = True  # with the image; a complete camera may not
+    tethered: Annotated[bool, UNSEEN] = True  # needs a cable; a complete camera with battery and card does not
     perf_quality: ClassVar[Annotated[Literal["A", "B", "C", "D"], Cell("grade of the sensor's figures")]]
     snr_max_db: ClassVar[
         Annotated[float, Cell("best ratio of signal to noise, as EMVA 1288 measures it", POSITIVE)]
@@ -195,6 +199,11 @@ class Camera(Part):
     qe_curves: Annotated[dict[str, Curve], MADE] = field(default_factory=dict)
     qe_curve_id: Annotated[str, MADE] = ""
     qe_scale: Annotated[Known, Cell(in_files=False, favours="high", unknown=1.0)] = None
+
+    @property
+    def takes_a_host(self) -> bool:
+        """Whether a computer takes its images; none does where it keeps them on a card of its own."""
+        return self.storage_gb is None
 
 
 def _summary(camera: Camera) -> tuple[str, ...]:

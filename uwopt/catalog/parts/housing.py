@@ -48,6 +48,7 @@ class Housing(Part):
     ] = None
     depth_rating_m: Annotated[float | None, Cell("depth rating in metres", POSITIVE)] = None
     penetrators: Annotated[int | None, Cell("holes for cables in its end cap", Range(0.0, 1e3))] = None
+    displaced_g: Annotated[Known, Cell(in_files=False)] = None  # of water, where the mass in water is stated
     ports: Annotated[
         tuple[str, ...],
         Cell("patterns of the ports that fit; any: an end cap is made for each that is no wider"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from uwopt.catalog.parts import camera, housing, lens, light, port
+from uwopt.catalog.parts import camera, complete, housing, lens, light, port
 from uwopt.catalog.parts.cell import Field, fields_of
 from uwopt.catalog.parts.part import Kind, PartKind
 
@@ -12,7 +12,18 @@ PARTS: dict[Kind, PartKind] = {
     "port": port.KIND,
     "light": light.KIND,
     "housing": housing.KIND,
+    "complete": complete.KIND,
 }
+
+
+def stated_fields(kind: PartKind) -> tuple[Field, ...]:
+    """The fields that a row of a kind states: its own, then those of the pieces that it is made of."""
+    own = fields_of(kind.record)
+    taken = {field.name: field for field in own}
+    for record, left_out in kind.pieces.items():
+        taken |= {f.name: f for f in fields_of(record) if f.name not in taken and f.name not in left_out}
+    return tuple(taken.values())
+
 
 ALL_FIELDS: tuple[Field, ...] = tuple(field for kind in PARTS.values() for field in fields_of(kind.record))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass as plain_dataclass
+from dataclasses import field
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic.dataclasses import dataclass
@@ -11,8 +12,8 @@ from pydantic.dataclasses import dataclass
 from uwopt.catalog.parts.cell import FROM_ZERO, UNSEEN, Cell, Inline
 from uwopt.catalog.parts.quantity import Known, Quantity
 
-Kind = Literal["camera", "lens", "port", "light", "housing"]
-KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light", "housing")
+Kind = Literal["camera", "lens", "port", "light", "housing", "complete"]
+KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light", "housing", "complete")
 Availability = Literal["current", "discontinued", "not_a_product", "unknown"]
 PriceStatus = Literal["quoted", "derived", "estimated"]
 
@@ -34,6 +35,7 @@ class Part:
     availability: Annotated[Availability, Cell(inline="never")] = "unknown"
     generic: Annotated[bool, UNSEEN] = False  # "to be made": no product, a class of parts
     inline: Annotated[bool, UNSEEN] = False  # from a system file: gaps are not checked
+    complete: Annotated[str, UNSEEN] = ""  # the complete camera that it is a piece of; no other part goes with it
     price: Annotated[Known, Cell("price of one piece", FROM_ZERO, favours="low", at_most="price_high")] = None
     price_low: ClassVar[Annotated[float, Cell("", FROM_ZERO, at_most="price")]]
     price_high: ClassVar[Annotated[float, Cell("", FROM_ZERO)]]
@@ -68,7 +70,8 @@ class PartKind:
     files: Mapping[str, Literal["published", "generic"]]  # built-in tables, and whether they hold products
     example: Mapping[str, str]
     summary: Callable[[Any], tuple[str, ...]]  # words of which the empty ones are left out
-    inline_doc: str  # what an inline record of it is
+    inline_doc: str  # what an inline record of it is; empty where there is none
+    pieces: Mapping[type[Part], frozenset[str]] = field(default_factory=dict)  # whose columns rows have, but for some
 
 
 def shown(before: str, quantity: Quantity | None, after: str) -> str:

@@ -98,7 +98,7 @@ class Port(Part):
     @property
     def enclosure_id(self) -> str:
         """The id of the port with that of its housing: a port in another housing is another choice."""
-        return self.id if self.housing is None else f"{self.id} in {self.housing.id}"
+        return self.id if self.housing is None or self.complete else f"{self.id} in {self.housing.id}"
 
     @property
     def width_mm(self) -> float | None:

@@ -1,6 +1,6 @@
 """The readers of all kinds of parts."""
 
-from uwopt.catalog.readers import read_camera, read_housing, read_lens, read_light, read_port
+from uwopt.catalog.readers import read_camera, read_complete, read_housing, read_lens, read_light, read_port
 from uwopt.catalog.readers.reading import Reader
 
 READERS: dict[str, Reader] = {
@@ -9,4 +9,5 @@ READERS: dict[str, Reader] = {
     "port": read_port.READER,
     "light": read_light.READER,
     "housing": read_housing.READER,
+    "complete": read_complete.READER,
 }

@@ -272,7 +272,7 @@ def rival_text(rival: Any) -> str:
         return words.one_line(rival)
     hardware = rival.get("hardware", rival)
     parts = [hardware[kind] for kind in ("camera", "lens", "port", "light") if hardware.get(kind)]
-    named = [words.one_line(part) for part in parts]
+    named = [words.one_line(part) for part in words.as_bought(parts)]
     count = hardware.get("light_count")
     return " + ".join(named) + (f", {words.counted(count, 'light')}" if count else "")
 
@@ -283,7 +283,7 @@ def quote_text(item: Any, result: Result) -> str:
         return words.one_line(item)
     rival = str(item.get("then_better") or "")
     own = result.best.hardware.ids if result.best is not None else []
-    different = [name for name in rival.split(" + ") if name not in own]
+    different = words.as_bought([name for name in rival.split(" + ") if name not in own])
     other = f"; then better with {' + '.join(different) or 'another number of lights'}" if rival else ""
     return words.one_line(quoted_number(item) + other)
 

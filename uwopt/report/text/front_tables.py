@@ -85,7 +85,7 @@ def value_texts(front: FrontResult, point: FrontPoint) -> list[str]:
 def parts_text(point: FrontPoint) -> str:
     """Hardware by ids."""
     hardware = point.design.hardware
-    *ids, light = (words.part_id(part) for part in hardware.parts.values())
+    *ids, light = (words.part_id(part) for part in hardware.named.values())
     return " + ".join(ids) + f" + {hardware.light_count} x {light}"
 
 

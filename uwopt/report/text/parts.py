@@ -15,7 +15,10 @@ from uwopt.report.text import words
 from uwopt.report.text.layout import Block, Line, Text, block, columns, sentence
 from uwopt.units import format_number
 
-PLURALS = {"camera": "Cameras", "lens": "Lenses", "port": "Ports", "light": "Lights", "housing": "Housings"}
+PLURALS = {
+    "camera": "Cameras", "lens": "Lenses", "port": "Ports", "light": "Lights", "housing": "Housings",
+    "complete": "Complete cameras",
+}  # fmt: skip
 LONG_FIELDS = {"source_url": "Where no other source is named", "correction": "Corrected", "note": "Note"}
 LEGEND = "~ estimated from parts of its class"
 

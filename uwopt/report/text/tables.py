@@ -103,7 +103,7 @@ def hardware_block(design: Design, title: str, note: Text | None = None) -> Bloc
     """Which parts, how many, and how they stand."""
     hardware = design.hardware
     table = columns(("part", "left"), ("", "right"), ("name", "left"), ("id", "left"), header=False)
-    for kind, part in hardware.parts.items():
+    for kind, part in hardware.named.items():
         count = hardware.light_count if kind == "light" else hardware.camera_count
         table.add_row(Text(kind), Text(f"{count} x"), Text(words.part_name(part)), Text(words.part_id(part)))
     height = {"landscape": "height", "portrait": "width"}.get(hardware.orientation, "height")

@@ -42,7 +42,9 @@ def system_text(design: Design) -> str:
     """`1 × camera with 1 × lens behind 1 × port, and 2 × light`."""
     hardware = design.hardware
     many, lights = hardware.camera_count, hardware.light_count
-    names = {kind: words.part_name(part) for kind, part in hardware.parts.items()}
+    names = {kind: words.part_name(part) for kind, part in hardware.named.items()}
+    if "complete" in names:
+        return f"{many} × {names['complete']}, complete with lens and port, and {lights} × {names['light']}"
     return (
         f"{many} × {names['camera']} with {many} × {names['lens']} behind {many} × {names['port']}"
         + (f" in {many} × {names['housing']}" if "housing" in names else "")

@@ -100,6 +100,8 @@ REQUIREMENTS: Mapping[str, str] = {
     "data_rate_mb_s": "data rate",
     "energy_wh": "energy of the whole mission",
     "storage_gb": "storage of the whole mission",
+    "card_gb": "storage that the cameras have themselves",
+    "lamp_trigger": "signal that fires the lamps",
     "depth_rating_m": "depth rating",
 }
 
@@ -115,10 +117,12 @@ RULES: Mapping[str, str] = {
     "shutter": "shutter of the other type",
     "interface": "camera's interface is not one that the host has, or unknown",
     "lamp supply": "lamp has its own battery, or its supply is unknown",
-    "run time": "lamp's battery does not last",
+    "run time": "its own battery does not last",
     "trigger": "nothing fires the lamp with the camera",
     "depth rating": "depth rating too shallow or unknown",
     "generic": "parts to be made, real ones are left",
+    "complete": "piece of a complete camera, with other parts",
+    "form": "complete cameras or assembled ones, of which the others are asked for",
     "mount": "lens mount does not fit the camera",
     "image_circle": "image circle smaller than the sensor",
     "lens_rating": "lens not sharp enough for the sensor's pixels",
@@ -130,6 +134,7 @@ RULES: Mapping[str, str] = {
     "frame_rate": "camera too slow",
     "data_rate_mb_s": "data rate too high",
     "storage_gb": "more images than the storage holds",
+    "card_gb": "more images than the camera's own card holds",
     "lens_stop_down": "lens cannot be closed as far as asked",
     "min_dof_m": "depth of field too short at every f-number",
     "max_blur_px": "blurred at the shortest exposure",
@@ -147,6 +152,8 @@ RULES: Mapping[str, str] = {
     "bound": "proven not better than the systems shown",
     "not_reached": "not reached in the time allowed",
 }
+
+PIECES = ("camera", "lens", "port")  # of a complete camera: the ends of their ids
 
 PARTS_OF_THE_SEARCH = ("search_imagers", "search_bounds", "search_evaluation")
 
@@ -350,9 +357,8 @@ def part_id(part: UsedPart) -> str:
 def differing_parts(design: Design, best: Design) -> str:
     """What a design has that the best one has not: `lens kowa-lm6hc, 3 lights`."""
     mine, other = design.hardware, best.hardware
-    words = [
-        f"{kind} {part_id(part)}" for kind, part in mine.parts.items() if part.id != other.parts[kind].id
-    ]
+    theirs = {part.id for part in other.named.values()}
+    words = [f"{kind} {part_id(part)}" for kind, part in mine.named.items() if part.id not in theirs]
     if mine.light_count != other.light_count:
         words.append(counted(mine.light_count, "light"))
     if mine.orientation != other.orientation:
@@ -518,3 +524,13 @@ def run_time_sentence(timing_s: Mapping[str, float]) -> str:
         f"{one_line(name.replace('_', ' '))} {quantity(value, 's', 2)}" for name, value in steps.items()
     )
     return quantity(total, "s", 3) + (f" ({listed})" if listed and len(steps) > 1 else "")
+
+
+def as_bought(ids: Sequence[str]) -> list[str]:
+    """Ids of parts with those of a complete camera's pieces as one: `x camera, x lens, x port` is `x`."""
+    wholes = {name.removesuffix(" port") for name in ids if name.endswith(" port")}
+    told: list[str] = []
+    for name in ids:
+        stem = next((whole for whole in wholes for piece in PIECES if name == f"{whole} {piece}"), name)
+        told += [] if stem in told else [stem]
+    return told

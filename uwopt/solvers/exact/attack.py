@@ -70,7 +70,7 @@ def fits(problem: Problem, hardware: Hardware) -> bool:
         parts.lights[hardware.light], required_depth_m=problem.mission.required_depth_m,
     )  # fmt: skip
     return not any(
-        (f.severity == "fault" or f.rule == strict) and f.rule in ("mount", "image circle", "lens rating")
+        (f.severity == "fault" or f.rule == strict) and f.rule in ("complete", "mount", "image circle", "lens rating")
         for f in faults
     )
 

@@ -46,31 +46,38 @@ def accounted(
     selection: Selection, problem: Problem, evaluated: int, by_rule: Mapping[str, int]
 ) -> dict[str, Any]:
     """Where every combination of the catalogue went: loaded, selected, evaluated, discarded by rule."""
-    catalog = selection.catalog
-    kinds = KINDS if problem.mission.catalog.housing == "none" else (*KINDS, "housing")
-    sizes: dict[str, int] = {kind: len(catalog.parts(kind)) for kind in kinds}  # type: ignore[arg-type]
-    chosen: dict[str, int] = {kind: len(selection.indices[kind]) for kind in kinds}  # type: ignore[index]
+    catalog, asked = selection.catalog, problem.mission.catalog
+    kinds = [*KINDS, *(kind for kind in ("housing", "complete") if getattr(asked, kind) != "none")]
+    left: dict[str, int] = {kind: len(catalog.parts(kind)) for kind in kinds}  # type: ignore[arg-type]
     factor = per_light(problem)
+    loaded = combinations(left)
     discarded: list[dict[str, Any]] = []
-    left = dict(sizes)
     for kind in kinds:
-        others = math.prod(left[k] for k in kinds if k != kind)
         for rule, count in selection.counts[kind].items():  # type: ignore[index]
-            discarded.append({"rule": f"{kind}: {rule}", "count": count * others * factor})
-        left[kind] = chosen[kind]
+            before = combinations(left)
+            left[kind] -= count
+            discarded.append({"rule": f"{kind}: {rule}", "count": (before - combinations(left)) * factor})
     if "housing" in kinds:
-        apart = chosen["port"] * chosen["housing"] - len(problem.parts.ports)  # no port of that kind goes on it
-        others = math.prod(chosen[k] for k in ("camera", "lens", "light"))
+        enclosures = sum(not port.complete for port in problem.parts.ports)
+        apart = left["port"] * left["housing"] - enclosures  # no port of that kind goes on it
+        others = combinations(left | {"port": apart, "housing": 1}) - combinations(left | {"port": 0})
         if apart:
-            discarded.append({"rule": "housing: port", "count": apart * others * factor})
+            discarded.append({"rule": "housing: port", "count": others * factor})
     order = [*RULES, *(rule for rule in by_rule if rule not in RULES)]
     discarded += [{"rule": rule, "count": by_rule[rule]} for rule in order if by_rule.get(rule)]
     return {
-        "loaded": factor * math.prod(sizes.values()),
-        "selected": factor * math.prod(chosen.values()),
+        "loaded": factor * loaded,
+        "selected": factor * combinations(left),
         "evaluated": evaluated,
         "discarded": discarded,
     }
+
+
+def combinations(sizes: Mapping[str, int]) -> int:
+    """Combinations of so many parts of each kind; a complete camera brings a camera, a lens and a port."""
+    whole = sizes.get("complete", 0)
+    enclosures = sizes["port"] * sizes.get("housing", 1)
+    return (sizes["camera"] + whole) * (sizes["lens"] + whole) * (enclosures + whole) * sizes["light"]
 
 
 def scope(problem: Problem) -> str:
@@ -78,11 +85,13 @@ def scope(problem: Problem) -> str:
     parts = problem.parts
     generic = sum(p.generic for p in all_parts(parts))
     low, high = problem.count_range
-    ports = {port.id for port in parts.ports}
-    housings = {port.housing.id for port in parts.ports if port.housing is not None}
+    whole = {port.complete for port in parts.ports if port.complete}
+    ports = {port.id for port in parts.ports if not port.complete}
+    housings = {port.housing.id for port in parts.ports if port.housing is not None and not port.complete}
     return (
-        f"{len(parts.cameras)} cameras, {len(parts.lenses)} lenses, {len(ports)} ports, "
+        f"{len(parts.cameras) - len(whole)} cameras, {len(parts.lenses) - len(whole)} lenses, {len(ports)} ports, "
         + (f"{len(housings)} housings, " if housings else "")
+        + (f"{len(whole)} complete cameras, " if whole else "")
         + f"{len(parts.lights)} lights"
         + (f" ({generic} of these parts generic)" if generic else " (real parts only)")
         + f", {low} to {high} lights, {len(problem.mounts)} mount(s), "
@@ -100,5 +109,7 @@ def scope(problem: Problem) -> str:
 def all_parts(parts: Any) -> list[Part]:
     """All parts of a problem in one list."""
     ports = {port.id: port for port in parts.ports}
-    housings = {port.housing.id: port.housing for port in parts.ports if port.housing is not None}
+    housings = {
+        port.housing.id: port.housing for port in parts.ports if port.housing is not None and not port.complete
+    }
     return [*parts.cameras, *parts.lenses, *ports.values(), *housings.values(), *parts.lights]

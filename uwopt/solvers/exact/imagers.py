@@ -35,8 +35,9 @@ SAMPLES = 24  # discarded imagers remembered per rule, port and orientation, for
 PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule
 
 IMAGER_RULES = (
-    "mount", "image_circle", "lens_rating", "view", "horizon", "focus", "max_gsd_mm", "min_swath_m", "frame_rate",
-    "data_rate_mb_s", "storage_gb", "lens_stop_down", "min_dof_m", "max_blur_px", "housing", "size_mm",
+    "complete", "mount", "image_circle", "lens_rating", "view", "horizon", "focus", "max_gsd_mm", "min_swath_m",
+    "frame_rate", "data_rate_mb_s", "storage_gb", "card_gb", "lens_stop_down", "min_dof_m", "max_blur_px", "housing",
+    "size_mm",
     "mass_water_kg", "cost", "mass_kg", "power_w", "energy_wh", "better_housing",
 )  # fmt: skip
 
@@ -124,7 +125,9 @@ def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> FittingP
         return FittingPairs(np.empty(0, int), np.empty(0, int), discarded)
     fits = mount_compatible([c.mounts for c in parts.cameras], [part.mounts for part in parts.lenses])
     fits = fits.reshape(n_camera, n_lens)
-    asked = [("mount", fits), ("image_circle", circles_ok(problem))]
+    of_camera, of_lens, _ = problem.ties
+    tied = of_camera[:, None] == of_lens[None, :]
+    asked = [("complete", tied), ("mount", fits), ("image_circle", circles_ok(problem))]
     if problem.mission.catalog.lens_rating == "limit":
         asked.append(("lens_rating", ratings_ok(problem)))
     if cameras is not None:
@@ -185,9 +188,10 @@ def imagers_behind(
 
     ports : indices of ports that share their optics: what is seen through one is seen through all
     """
+    port = int(ports[0])
+    camera, lens = only_tied(problem, camera, lens, ports, landscape, discarded, samples)
     if len(camera) == 0:
         return
-    port = int(ports[0])
     cameras, lenses = problem.cameras.take(camera), problem.lenses.take(lens)
     seen = []
     for index, scene in enumerate(problem.scenes):
@@ -256,6 +260,21 @@ def imagers_behind(
         yield PortBlock(camera[keep], lens[keep], ports[of], landscape, scenes)
 
 
+def only_tied(
+    problem: Problem, camera: Array, lens: Array, ports: Array, landscape: bool, discarded: dict[str, int],
+    samples: dict[str, list[tuple[int, int, int, bool]]],
+) -> tuple[Array, Array]:  # fmt: skip
+    """The pairs that go behind these ports: of a complete camera its own, of all others none of those."""
+    of_camera, _, of_port = problem.ties
+    apart = np.flatnonzero(of_camera[camera] != of_port[ports[0]])
+    if len(apart) == 0:
+        return camera, lens
+    discarded["complete"] += len(apart) * len(ports)
+    some = apart[:: max(1, len(apart) // SAMPLES)]
+    samples.setdefault("complete", []).extend((int(camera[i]), int(lens[i]), int(ports[0]), landscape) for i in some)
+    return np.delete(camera, apart), np.delete(lens, apart)
+
+
 def beaten_housings(problem: Problem, ports: Array, alive: Array) -> Array:
     """Imagers that do as well in another housing, which costs and weighs no more; (n, n_ports).
 
@@ -309,6 +328,8 @@ def shared_rules(
     )
     rates = [extra.rate_hz * cameras.frame_mb * count for extra in focused]
     yield "storage_gb", problem.duration.mean(rates) <= problem.duration.mean_data_limit_mb_s * ROUND
+    each = [extra.rate_hz * cameras.frame_mb for extra in focused]
+    yield "card_gb", problem.duration.mean(each) <= problem.duration.mean_rate_into(cameras.storage_gb) * ROUND
     yield "lens_stop_down", stops_down(problem, lenses)
     yield "min_dof_m", common_f_number(lenses, focused)
     yield (

@@ -45,6 +45,8 @@ class PortGroups:
     start: Array
     stop: Array
     is_dome: Array
+    tie_low: Array  # of the complete cameras that its ports belong to; 0 of none
+    tie_high: Array
     radius_low_m: Array
     radius_high_m: Array
     gap_low_m: Array
@@ -83,8 +85,9 @@ class PortGroups:
             passed.append(np.array([known[int(p)] for p in problem.like_port]))
         radius = ports.outer_radius_m * (0.0 if problem.paper else 1.0)
         return PortGroups(
-            order, start, stop, ports.is_dome[order[start]], low(radius), high(radius), low(ports.gap_m),
-            high(ports.gap_m), low(ports.thickness_m), high(ports.thickness_m), low(ports.refractive_index),
+            order, start, stop, ports.is_dome[order[start]], low(problem.ties[2]), high(problem.ties[2]), low(radius),
+            high(radius), low(ports.gap_m), high(ports.gap_m), low(ports.thickness_m), high(ports.thickness_m),
+            low(ports.refractive_index),
             high(ports.refractive_index), np.array([high(column) for column in passed]), high(ports.room_diameter_m),
             high(ports.room_length_m), low(ports.price),
             low(ports.limit_price), low(ports.mass_kg),
@@ -101,12 +104,11 @@ def port_tree(problem: Problem) -> list[PortGroups]:
     depth = np.where(
         ports.is_dome, ports.outer_radius_m, ports.gap_m + ports.thickness_m / ports.refractive_index
     )
-    rank = np.lexsort((depth[first], ports.is_dome[first]))
+    kind = 2 * (problem.ties[2] > 0) + ports.is_dome  # ports of complete cameras stand apart from the others
+    rank = np.lexsort((depth[first], kind[first]))
     order = np.concatenate([alike[group] for group in rank])
     begin = np.cumsum([0, *(len(alike[group]) for group in rank)])  # of each optics, in ports
-    domes = ports.is_dome[first][rank]
-    ends = [0, int(np.argmax(domes)) if domes.any() else len(rank), len(rank)]
-    starts = [a for a, b in pairwise(ends) if b > a]
+    starts = [0, *(np.flatnonzero(np.diff(kind[first][rank])) + 1).tolist()]
     levels = [PortGroups.of(problem, order, begin[starts])]
     while len(starts) < len(rank):
         starts = sorted({
@@ -457,9 +459,13 @@ class Level:
         """Each imagers' rule with the rows that some port of the group may pass, in the imagers' order."""
         problem, limits = self.problem, self.problem.mission.limits
         cameras, count = problem.cameras, problem.mission.vehicle.camera_count
+        tie, at = problem.ties[0][rows.camera], rows.group
         every = np.ones(len(rows), bool)
-        passes: dict[str, Array] = {"horizon": every.copy(), "focus": self.lens_focus.focuses[rows.lens, rows.group]}
-        for name in ("max_gsd_mm", "min_swath_m", "frame_rate", "data_rate_mb_s", "storage_gb"):
+        passes: dict[str, Array] = {
+            "complete": (self.groups.tie_low[at] <= tie) & (tie <= self.groups.tie_high[at]), "horizon": every.copy(),
+            "focus": self.lens_focus.focuses[rows.lens, rows.group],
+        }  # fmt: skip
+        for name in ("max_gsd_mm", "min_swath_m", "frame_rate", "data_rate_mb_s", "storage_gb", "card_gb"):
             passes[name] = every.copy()
         duration, rates = problem.duration, []
         passes["lens_stop_down"] = stops_down(problem, problem.lenses)[rows.lens]
@@ -480,6 +486,9 @@ class Level:
             passes["min_dof_m"] &= np.isfinite(focused.n_low) & (
                 focused.n_low <= focused.n_high * COARSE_ROUND
             )
+        passes["card_gb"] = duration.mean(rates) <= COARSE_ROUND * count * duration.mean_rate_into(
+            cameras.storage_gb[rows.camera]
+        )
         passes["storage_gb"] = duration.mean(rates) <= duration.mean_data_limit_mb_s * COARSE_ROUND
         passes["max_blur_px"] = cameras.min_exposure_s[rows.camera] <= limits.max_exposure_ms * 1e-3
         passes["housing"] = self.may_fit(rows)

@@ -35,7 +35,8 @@ def parts_of(problem: Problem, found: Found) -> list[tuple[str, Part]]:
 
 def pieces_of(problem: Problem, found: Found) -> list[tuple[str, Part]]:
     """All pieces of a design by kind: its parts, and the housing that its port is built into."""
-    housing = problem.parts.ports[found.port].housing
+    before = problem.parts.ports[found.port]
+    housing = None if before.complete else before.housing
     camera, lens, port, light = parts_of(problem, found)
     return [camera, lens, port, *([] if housing is None else [("housing", housing)]), light]
 

@@ -20,7 +20,13 @@ from uwopt.forward.views import focus_map
 from uwopt.model.port import FocusMap
 from uwopt.objectives.objective import MAXIMISED, Terms
 from uwopt.objectives.own import OwnObjective
-from uwopt.objectives.requirements import MarginRows, duration_margins, scene_margins, system_margins
+from uwopt.objectives.requirements import (
+    MarginRows,
+    duration_margins,
+    scene_margins,
+    system_margins,
+    trigger_margins,
+)
 from uwopt.quantities import TERMS
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
@@ -208,6 +214,7 @@ class Evaluator:
         camera_peak = problem.camera_power_w(rows.cameras)
         return [
             *scene_margins(problem.scenes[s], rows, settings, figures, limits),
+            *trigger_margins(rows.cameras, rows.lights),
             *system_margins(
                 limits, cost_limit_value=nothing, power_w=self._power_w(figures),
                 peak_power_w=camera_peak + figures.light_peak_power_w, mass_kg=nothing,
