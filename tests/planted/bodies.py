@@ -26,7 +26,7 @@ DEFECTS = (
         file=PLACES,
         old="return np.asarray(beside & apart)",
         new="return np.asarray(beside & (apart | True))",
-        test=f"{TESTS}::test_at_one_baseline_two_lamps_have_room",
+        test=f"{TESTS}::test_more_than_two_lamps_with_bodies_stand_in_rows",
     ),
     Defect(
         name="a body may reach into the view",
@@ -41,6 +41,27 @@ DEFECTS = (
         old="beside = port_radius_m(problem, np.array([hw.port])) + 0.5 * size_m",
         new="beside = port_radius_m(problem, np.array([hw.port]))",
         test=f"{TESTS}::test_margins_tell_how_much_room_is_left",
+    ),
+    Defect(
+        name="lamps of a side begin their row at the port's middle",
+        file="uwopt/forward/lamps.py",
+        old="x_m = (n // 2 - 0.5 * (of_side - 1)) * spacing_m",
+        new="x_m = (n // 2) * spacing_m",
+        test=f"{TESTS}::test_lamps_of_a_side_stand_in_a_row_about_the_middle_of_the_port",
+    ),
+    Defect(
+        name="another number of lamps stands in a row's places",
+        file=PLACES,
+        old="if mount.explicit and len(mount.explicit) != count:",
+        new="if False:",
+        test=f"{TESTS}::test_more_than_two_lamps_with_bodies_stand_in_rows",
+    ),
+    Defect(
+        name="physics paper puts lamps in rows",
+        file="uwopt/forward/lamps.py",
+        old='or mission.physics == "paper":',
+        new="or False:",
+        test=f"{TESTS}::test_a_system_of_four_lamps_has_them_in_rows",
     ),
     Defect(
         name="mounts in one another are not named",

@@ -57,6 +57,8 @@ def buildable(problem: Problem) -> Iterator[Hardware]:
             continue
         if not camera.fires_lamps and parts.lights[li].kind in ("pulsed_led", "flash"):
             continue
+        if mount.explicit and len(mount.explicit) != count:  # places of another number of lamps
+            continue
         diagonal = sensor_diagonal_mm(camera.resolution_x_px, camera.resolution_y_px, camera.pixel_pitch_um)
         if mount_compatible([camera.mounts], [lens.mounts])[0, 0] and image_circle_ok(
             diagonal, lens.image_circle_mm

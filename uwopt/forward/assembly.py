@@ -17,7 +17,7 @@ from uwopt.errors import CatalogError, MissionError
 from uwopt.forward.designs import Hardware
 from uwopt.forward.enclosures import enclosed
 from uwopt.forward.focus import default_dioptres_per_m
-from uwopt.forward.lamps import Mount
+from uwopt.forward.lamps import Mount, mount_at
 from uwopt.forward.problem import Parts, Problem
 from uwopt.forward.spacers import ring_behind_m
 from uwopt.forward.views import focus_map, views
@@ -172,7 +172,9 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
         )
         tilt = system.light_tilt_deg if system.light_tilt_deg is not None else vehicle.light_tilt_grid_deg[0]
         explicit = tuple(vehicle.light_mounts or ()) if system.light_baseline_m is None else ()
-        mount = Mount(explicit=explicit) if len(explicit) == system.light_count else Mount(baseline, tilt)
+        mount = Mount(explicit=explicit) if len(explicit) == system.light_count else mount_at(
+            mission, baseline, tilt, count
+        )
     problem = Problem(
         mission, parts, paper=mission.physics == "paper", owned_lights=owned_ids(selection),
         counts=(count, count), mounts=[mount],

@@ -85,6 +85,8 @@ def bodies_fit(problem: Problem, *, port: Array, mount: Mount, count: int) -> Ar
     size_m = problem.mission.vehicle.lamp_size_m
     if size_m is None or problem.paper:
         return np.ones(len(port), bool)
+    if mount.explicit and len(mount.explicit) != count:  # the places of another number of lamps
+        return np.zeros(len(port), bool)
     apart = lamps_apart_m(mount, count) >= size_m * (1 - 1e-9)
     beside = from_port_axis_m(mount, count) >= (port_radius_m(problem, port) + 0.5 * size_m) * (1 - 1e-9)
     return np.asarray(beside & apart)

@@ -18,6 +18,7 @@ from uwopt.forward.part_columns import (
 )
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
+from uwopt.mission.sections import LightMount
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps
 from uwopt.model.spectrum import resample_power, trapezoid_weights_nm
@@ -25,6 +26,7 @@ from uwopt.model.spectrum import resample_power, trapezoid_weights_nm
 Array = NDArray[Any]
 
 LAMP_FRONT_M = 0.02  # radius of a lamp's front, unless known: nearer than that its light is not a point's
+MOST_SIDE_BY_SIDE = 2  # lamps with bodies that have room at one baseline, one to either side
 WIDEST_DISC_RAD = float(np.deg2rad(85.0))
 
 
@@ -172,7 +174,34 @@ def mission_mounts(mission: Mission) -> list[Mount]:
     vehicle = mission.vehicle
     if vehicle.light_mounts:
         return [Mount(explicit=tuple(vehicle.light_mounts[: vehicle.light_counts[-1]]))]
-    return [Mount(b, t) for b in vehicle.light_baseline_grid_m for t in vehicle.light_tilt_grid_deg]
+    grid = [(b, t) for b in vehicle.light_baseline_grid_m for t in vehicle.light_tilt_grid_deg]
+    rows = [
+        mount_at(mission, baseline_m, tilt_deg, count)
+        for count in range(max(MOST_SIDE_BY_SIDE + 1, vehicle.light_count[0]), vehicle.light_count[1] + 1)
+        for baseline_m, tilt_deg in grid
+    ]
+    return [Mount(b, t) for b, t in grid] + [mount for mount in rows if mount.explicit]
+
+
+def mount_at(mission: Mission, baseline_m: float, tilt_deg: float, count: int) -> Mount:
+    """Where so many lamps stand at a baseline: lamps with bodies in a row on each side, others in two points."""
+    size_m = mission.vehicle.lamp_size_m
+    if size_m is None or count <= MOST_SIDE_BY_SIDE or mission.physics == "paper":
+        return Mount(baseline_m, tilt_deg)
+    return Mount(explicit=tuple(in_rows(count, baseline_m=baseline_m, tilt_deg=tilt_deg, spacing_m=size_m)))
+
+
+def in_rows(count: int, *, baseline_m: float, tilt_deg: float, spacing_m: float) -> list[LightMount]:
+    """n lamps alternately to either side, those of a side beside one another along the motion about the port's middle.
+
+        x_i = (i - (k - 1) / 2) spacing  of the k lamps of a side
+    """
+    places = []
+    for n in range(count):
+        of_side = (count + 1) // 2 if n % 2 == 0 else count // 2
+        x_m = (n // 2 - 0.5 * (of_side - 1)) * spacing_m
+        places.append(LightMount(x_m=x_m, y_m=baseline_m * (-1.0) ** n, tilt_y_deg=tilt_deg))
+    return places
 
 
 def distinct_optics(

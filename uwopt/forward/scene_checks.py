@@ -86,11 +86,6 @@ def lamp_front_faults(view: SceneView) -> Iterator[str]:
                     f"vehicle.light_mounts[{n}] is {apart_m:g} m from light_mounts[{other}], less than lamp_size_m = "
                     f"{vehicle.lamp_size_m:g} m: one lamp would stand in the other; move them apart"
                 )
-    if vehicle.lamp_size_m is not None and vehicle.light_mounts is None and vehicle.light_count[0] > 2:
-        yield (
-            f"vehicle.light_count begins at {vehicle.light_count[0]}, and at one baseline no more than two lamps of "
-            "lamp_size_m have room; write light_mounts, or begin at 2"
-        )
     least = vehicle.light_baseline_range_m[0]
     if vehicle.light_mounts is None and least < LAMP_FRONT_M:
         yield (

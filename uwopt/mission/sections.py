@@ -105,8 +105,8 @@ class Vehicle(Section):
     lamp_size_m: Annotated[float, Field(gt=0, le=2), NUMBER] | None = Field(
         default=None,
         description="diameter of a lamp's body in metres, recommended 0.1: with it lamps may not stand in one another, "
-        "in the port's body or, where refuse holds lamp, with their bodies in the view; of more than two lamps "
-        "light_mounts says where they stand",
+        "in the port's body or, where refuse holds lamp, with their bodies in the view; more than two lamps stand in a "
+        "row on each side, along the motion",
     )
 
     duration_h: Positive | None = Field(
