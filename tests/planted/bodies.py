@@ -50,11 +50,18 @@ DEFECTS = (
         test=f"{TESTS}::test_lamps_of_a_side_stand_in_a_row_about_the_middle_of_the_port",
     ),
     Defect(
+        name="lamps anywhere are told as rows",
+        file="uwopt/report/text/words.py",
+        old="if len(steps) == 1 and centred and 0.0 not in steps else None",
+        new="if steps else None",
+        test="tests/report/test_words.py::test_lamps_in_rows_are_told_by_their_sides_and_steps",
+    ),
+    Defect(
         name="another number of lamps stands in a row's places",
         file=PLACES,
         old="if mount.explicit and len(mount.explicit) != count:",
         new="if False:",
-        test=f"{TESTS}::test_more_than_two_lamps_with_bodies_stand_in_rows",
+        test=f"{TESTS}::test_a_row_is_for_its_own_number_of_lamps",
     ),
     Defect(
         name="physics paper puts lamps in rows",

@@ -109,3 +109,12 @@ def test_plain_signs_replace_what_ascii_lacks() -> None:
 def test_run_time_lists_steps_but_not_their_parts() -> None:
     text = words.run_time_sentence({"search": 0.3, "search_bounds": 0.1, "evaluation": 0.1, "total": 0.4})
     assert text == "0.400 s (search 0.30 s, evaluation 0.10 s)"
+
+
+def test_lamps_in_rows_are_told_by_their_sides_and_steps() -> None:
+    places = [(-0.1, 0.5), (-0.05, -0.5), (0.0, 0.5), (0.05, -0.5), (0.1, 0.5)]
+    rows = [words.LampPlace(x, y, 0.0, 0.0, 10.0) for x, y in places]
+    told = "3 at +0.5 m, 2 at -0.5 m across track, each side in a row, 0.1 m apart along track, tilted 10 deg outward"
+    assert words.mounts_text(rows) == told
+    moved = [*rows[:-1], words.LampPlace(0.2, 0.5, 0.0, 0.0, 10.0)]
+    assert words.mounts_text(moved).startswith("at x -0.1 m, y 0.5 m")

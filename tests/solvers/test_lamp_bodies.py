@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import brute_force as brute
+import numpy as np
 import pytest
 from agreement import agree
 from one_of_each import one
@@ -13,7 +14,7 @@ from random_cases import ranked
 from uwopt.errors import MissionError
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.assembly import system_problem
-from uwopt.forward.lamp_views import lamps_apart_m
+from uwopt.forward.lamp_views import bodies_fit, lamps_apart_m
 from uwopt.forward.lamps import in_rows
 from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.mission import load_mission
@@ -50,6 +51,15 @@ def test_more_than_two_lamps_with_bodies_stand_in_rows(count: int, size_m: float
     for best in found:
         rows = size_m is not None and best.count > 2
         assert len(best.lighting.mount.explicit) == (best.count if rows else 0)
+
+
+def test_a_row_is_for_its_own_number_of_lamps() -> None:
+    vehicle = {"light_baseline_m": 0.5, "light_count": [2, 3], "lamp_size_m": SIZE_M}
+    problem = one(vehicle=vehicle).problem()
+    beside, row = problem.mounts
+    for mount, own in ((beside, 2), (row, 3)):
+        fits = {count for count in (2, 3) if bodies_fit(problem, port=np.array([0]), mount=mount, count=count).all()}
+        assert fits == {own}
 
 
 def test_a_system_of_four_lamps_has_them_in_rows() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import unicodedata
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 from uwopt.results.design import BillRow, Cost, Design, LampPlace, Margin, Totals, UsedPart
 from uwopt.results.front import FrontObjective, FrontPoint
@@ -372,8 +373,9 @@ def mounts_text(mounts: Sequence[LampPlace]) -> str:
     """Where the lights stand and how far they lean, and which way."""
     if not mounts:
         return ""
+    step_m = row_step_m(mounts)
     fore = any(m.x_m or m.z_m or m.tilt_x_deg for m in mounts)
-    if fore:
+    if fore and step_m is None:
         return "at " + "; ".join(
             f"x {m.x_m:g} m, y {m.y_m:g} m, z {m.z_m:g} m, tilt {m.tilt_x_deg:g}/{m.tilt_y_deg:g} deg"
             for m in mounts
@@ -382,9 +384,22 @@ def mounts_text(mounts: Sequence[LampPlace]) -> str:
     uneven = len(set(number.values())) > 1
     places = ", ".join(f"{n} at {place}" if uneven else place for place, n in number.items())
     tilt = mounts[0].tilt_y_deg
-    return f"{'' if uneven else 'at '}{places} across track" + (
+    if step_m is not None:
+        places = ", ".join(f"{n} at {place}" for place, n in number.items())
+    row = "" if step_m is None else f", each side in a row, {step_m:g} m apart along track"
+    return f"{'' if uneven or row else 'at '}{places} across track{row}" + (
         f", tilted {abs(tilt):g} deg {'outward' if tilt > 0 else 'inward'}" if tilt else ", aimed straight down"
     )
+
+
+def row_step_m(mounts: Sequence[LampPlace]) -> float | None:
+    """How far lamps stand apart that are in a row on each side, alike but for their place in it; None of others."""
+    if any(m.z_m or m.tilt_x_deg or m.tilt_y_deg != mounts[0].tilt_y_deg for m in mounts):
+        return None
+    rows = [sorted(m.x_m for m in mounts if m.y_m == y) for y in {m.y_m for m in mounts}]
+    steps = {round(b - a, 6) for row in rows for a, b in pairwise(row)}
+    centred = all(abs(row[0] + row[-1]) < 1e-6 for row in rows)
+    return steps.pop() if len(steps) == 1 and centred and 0.0 not in steps else None
 
 
 def counted(number: int, noun: str) -> str:
