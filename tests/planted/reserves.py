@@ -151,4 +151,11 @@ DEFECTS: tuple[Defect, ...] = (
         new="working)",
         test="tests/solvers/test_reserves.py::test_the_airy_disc_ends_the_f_numbers",
     ),
+    Defect(
+        name="a reserve is no room for lamps that lean",
+        file="uwopt/solvers/explain/lamp_places.py",
+        old="if not holds_as_asked(m)]",
+        new="if not bool(m.satisfied[0])]",
+        test="tests/solvers/test_robustness.py::test_lamps_may_lean_until_the_reserve_is_used_up",
+    ),
 )

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
+import yaml
 from one_of_each import one, with_parts
 
 from uwopt.catalog.parts.housing import Housing
 from uwopt.catalog.parts.quantity import Quantity, exact
 from uwopt.deadline import NEVER
+from uwopt.forward.assembly import load_catalog
+from uwopt.mission.mission import load_mission
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.explain.lamp_places import missed_when_leaning
 from uwopt.solvers.explain.robustness import (
     among,
     assumptions,
@@ -23,8 +29,9 @@ from uwopt.solvers.explain.robustness import (
     parts_of,
     robustness,
 )
-from uwopt.solvers.recommend import Sought
+from uwopt.solvers.recommend import Sought, evaluated, seek
 
+ROOT = Path(__file__).parents[2]
 FAST = {"max_blur_px": 1.0, "min_snr_db": 26.0}
 
 
@@ -186,3 +193,25 @@ def test_a_rival_dome_may_have_any_radius_of_its_range() -> None:
     mixed = mixed_problem(search.problem, bad)
     radii = [port.outer_radius_mm.value for port in mixed.parts.ports if port.outer_radius_mm]
     assert sorted(radii) == [60.0, 80.0, 80.0, 100.0]
+
+
+def test_lamps_may_lean_until_the_reserve_is_used_up() -> None:
+    # Held is the same SNR: 26 dB with 4 dB of reserve, or 30 dB with none. Least power is at what is held, so that
+    # any lean misses it; 4 dB are 1.6 times the light or more, and few degrees of wide lamps lose no such share.
+    plain = yaml.safe_load((ROOT / "problems" / "reef-mosaic.yaml").read_text(encoding="utf-8"))
+    plain["catalog"] = {
+        "cameras": ["avt-alvium-1800-c-234m"], "lenses": ["thorlabs-mvl16m1"],
+        "ports": ["blue-robotics-4-in-dome-aluminium-ring-2026"],
+        "lights": ["arctic-rays-dragonfish-mini-strobe-65deg"],
+    }  # fmt: skip
+    goal = Objective.of("power")
+    missed = {}
+    for reserve_db in (0.0, 4.0):
+        requirements = plain["requirements"] | {"min_snr_db": 30.0 - reserve_db}
+        mission = load_mission(plain | {"requirements": requirements, "reserve": {"snr_db": reserve_db}})
+        sought = seek(mission, load_catalog(mission), goal, generic="never", top=1)
+        found = sought.outcome.best[0]
+        design = evaluated(sought.problem, found, goal)
+        missed[reserve_db] = [missed_when_leaning(sought.problem, found, design, by) for by in (-4.0, 4.0)]
+    assert any("min_snr_db" in names for names in missed[0.0])
+    assert not any("min_snr_db" in names for names in missed[4.0])

@@ -56,11 +56,11 @@ def lost_when_leaning(
     for index, wanted in enumerate(given):
         settings = model.settings(index, wanted)
         margins = model.margins(index, settings, model.figures(index, settings))
-        lost += [m.requirement for m in margins if m.requirement not in OF_GAIN and not _holds_as_asked(m)]
+        lost += [m.requirement for m in margins if m.requirement not in OF_GAIN and not holds_as_asked(m)]
     return list(dict.fromkeys(lost))
 
 
-def _holds_as_asked(margin: MarginRows) -> bool:
+def holds_as_asked(margin: MarginRows) -> bool:
     """Whether what is asked for holds when the reserve on top may be used up."""
     kept = margin.reserve if margin.sense == "<=" else -margin.reserve
     return bool(replace(margin, limit=np.asarray(margin.limit + kept)).satisfied[0])

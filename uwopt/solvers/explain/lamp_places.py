@@ -15,7 +15,7 @@ import numpy as np
 
 from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design_model import DesignModel
-from uwopt.evaluation.leaning import leaning, settings_of
+from uwopt.evaluation.leaning import holds_as_asked, leaning, settings_of
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
@@ -82,7 +82,7 @@ def reach(holds: Callable[[float], bool], sign: float) -> float:
 
 
 def missed_when_leaning(problem: Problem, found: Found, design: Design, by_deg: float) -> list[str]:
-    """Requirements that break when the lamps lean and the settings stay as they are to be set."""
+    """Requirements as asked for, their reserve used up, that break when the lamps lean and the settings stay as set."""
     small = problem_of(problem, found, mount=leaning(found.lighting.mount, by_deg))
     hardware = replace(hardware_of(found), camera=0, lens=0, port=0, light=0, mount=small.mounts[0])
     model = DesignModel(small, hardware)
@@ -93,7 +93,7 @@ def missed_when_leaning(problem: Problem, found: Found, design: Design, by_deg: 
         margins = model.margins(
             index, settings, model.figures(index, settings), level_tolerance_rel=LEVEL_TOLERANCE_REL
         )
-        missed += [m.requirement for m in margins if not bool(m.satisfied[0])]
+        missed += [m.requirement for m in margins if not holds_as_asked(m)]
     return missed
 
 
