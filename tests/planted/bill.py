@@ -99,4 +99,25 @@ DEFECTS = (
         new="False",
         test="tests/api/test_risks.py::test_parts_that_may_be_sold_no_longer_are_told",
     ),
+    Defect(
+        name="a runner-up that is never as good is equal",
+        file="uwopt/solvers/explain/equals.py",
+        old="and best <= winner.minimised)",
+        new="or best <= winner.minimised)",
+        test="tests/solvers/test_equals.py::test_a_choice_is_a_toss_where_each_may_be_the_other[winner2-rival2-False]",
+    ),
+    Defect(
+        name="ranges are those of all parts' good ends",
+        file="uwopt/solvers/explain/equals.py",
+        old='other, differing, "bad", objective',
+        new='other, differing, "good", objective',
+        test="tests/solvers/test_equals.py::test_the_ends_are_those_of_the_parts_that_differ",
+    ),
+    Defect(
+        name="the first runner-up stands for all that are equal",
+        file="uwopt/report/text/words.py",
+        old="[result.runners_up[place] for place in places if",
+        new="[result.runners_up[0] for place in places if",
+        test="tests/report/test_short.py::test_what_the_estimates_cannot_tell_apart_is_called_equal",
+    ),
 )

@@ -223,3 +223,10 @@ def test_what_was_not_tried_is_not_told_to_be_in_vain(make_result: Make) -> None
     cut = [Note("time", "", "not worked out in 10 s: whether it could be met without cost")]
     assert "at least two have to give" in text_of(make_result(infeasible=why, warnings=[], **nothing))
     assert "at least two have to give" not in text_of(make_result(infeasible=why, warnings=cut, **nothing))
+
+
+def test_what_the_estimates_cannot_tell_apart_is_called_equal(make_result: Make, make_design: Make) -> None:
+    others = [make_design(41.0, lens="q-lens"), make_design(42.0, lens="r-lens")]
+    text = text_of(make_result(runners_up=others, robustness={"equal": [{"runner_up": 1}]}))
+    said = "Equal within the estimates: this system, and the same with lens r-lens. Choose by quote and delivery."
+    assert said in text and "q-lens" not in text

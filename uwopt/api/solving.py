@@ -328,6 +328,7 @@ def proven_line(winner: Design, goal: Objective, currency: str) -> str:
 
 def doubts(sought: Sought, goal: Objective, winner: Design, deadline: Deadline) -> dict[str, Any] | None:
     """What the estimates, the choice of water table and the lamps' places could change."""
+    from uwopt.solvers.explain.equals import equals
     from uwopt.solvers.explain.lamp_places import polished_mount, tilt_tolerance
     from uwopt.solvers.explain.robustness import robustness
     from uwopt.solvers.explain.waters import in_other_waters
@@ -338,6 +339,7 @@ def doubts(sought: Sought, goal: Objective, winner: Design, deadline: Deadline) 
     within, none = deadline.within, list[dict[str, Any]]()
     return {
         **found,
+        "equal": within("which systems are equal within the estimates", lambda: equals(sought, goal, deadline), none),
         "waters": within("other waters", lambda: in_other_waters(sought, goal, deadline), none),
         "tilt": within("how far lamps may lean", lambda: tilt_tolerance(sought, winner, goal, deadline), None),
         "outside_certificate": within(

@@ -150,6 +150,7 @@ def robustness_block(result: Result) -> Block:
         facts.append(("", "the search for a rival was cut short, for each takes long here: a better one may be left; "
                           "where settings have no closed form single quotes were not tried"))  # fmt: skip
     facts.append(("rival", rival_text(doubt.get("rival"))))
+    facts.append(("a toss", words.equal_sentence(result, most=9)))
     facts.append(("at the bad ends", bad_ends_text(doubt)))
     facts += [("other water", water_text(other, result)) for other in doubt.get("waters") or []]
     advice = dict.fromkeys(water.advice for water in result.physics.waters)

@@ -251,6 +251,8 @@ def risk_text(risk: Risk) -> str:
 def questions(result: Result, design: Design) -> Iterator[str]:
     """What is worth knowing before the order, in the order in which it can change the answer."""
     doubt = result.robustness or {}
+    if equal := words.equal_sentence(result):
+        yield equal
     if decisive := [quoted_number(item) for item in doubt.get("quotes_that_matter") or []][:MOST_QUESTIONS]:
         yield f"Ask for what decides between this and another system: {words.listed(decisive)}."
     waters = doubt.get("waters") or []

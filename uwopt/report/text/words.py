@@ -369,6 +369,17 @@ def differing_parts(design: Design, best: Design) -> str:
     return ", ".join(words) or "the same hardware, other settings"
 
 
+def equal_sentence(result: Result, most: int = 2) -> str:
+    """Which systems the estimates cannot tell from the recommendation, `most` of them; empty where there is none."""
+    places = [item.get("runner_up") for item in (result.robustness or {}).get("equal") or []]
+    others = [result.runners_up[place] for place in places if isinstance(place, int) and place < len(result.runners_up)]
+    if result.best is None or not others:
+        return ""
+    instead = "; ".join(differing_parts(design, result.best) for design in others[:most])
+    more = f"; {len(others) - most} more" if len(others) > most else ""
+    return f"Equal within the estimates: this system, and the same with {instead}{more}. Choose by quote and delivery"
+
+
 def mounts_text(mounts: Sequence[LampPlace]) -> str:
     """Where the lights stand and how far they lean, and which way."""
     if not mounts:

@@ -1,0 +1,49 @@
+"""Systems that estimates cannot tell apart, from cameras that differ by their price alone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from one_of_each import one, with_parts
+
+from uwopt.catalog.parts.quantity import Quantity
+from uwopt.solvers.explain.equals import equals
+from uwopt.solvers.recommend import Sought
+
+Ends = tuple[float, float, float]
+FAST = {"max_blur_px": 1.0, "min_snr_db": 26.0}
+
+
+def price(ends: Ends) -> dict[str, Any]:
+    """A price from its low end to its high one, estimated where they differ."""
+    low, value, high = ends
+    return {"price": Quantity(value, low, high, "estimated" if high > low else "published")}
+
+
+def told(winner: Ends, rival: Ends, objective: str = "cost") -> list[dict[str, Any]]:
+    """What is said of two cameras of these prices."""
+    case_ = with_parts(one(objective, wanted=FAST, camera=price(winner)), cameras=[price(rival)])
+    search, outcome = case_.solve(top=2)
+    assert len(outcome.best) == 2
+    return equals(Sought(None, search.problem, search, outcome), case_.objective)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("winner", "rival", "toss"),
+    [
+        ((900.0, 1000.0, 1500.0), (950.0, 1100.0, 1200.0), True),  # either may be the cheaper one
+        ((900.0, 1000.0, 1050.0), (950.0, 1100.0, 1200.0), False),  # 1000 is never 1100
+        ((900.0, 1000.0, 1500.0), (1050.0, 1100.0, 1200.0), False),  # 1100 is never 1000
+        ((1000.0, 1000.0, 1000.0), (1000.0, 1000.0, 1000.0), True),  # both are quoted at the same price
+        ((1000.0, 1000.0, 1000.0), (1001.0, 1001.0, 1001.0), False),
+    ],
+)
+def test_a_choice_is_a_toss_where_each_may_be_the_other(winner: Ends, rival: Ends, toss: bool) -> None:
+    assert [item["runner_up"] for item in told(winner, rival)] == ([0] if toss else [])
+
+
+def test_the_ends_are_those_of_the_parts_that_differ() -> None:
+    (item,) = told((900.0, 1000.0, 1500.0), (950.0, 1100.0, 1200.0))
+    assert item["value"] - item["best"] == pytest.approx(150.0)
+    assert item["recommendation_at_worst"] - item["value"] == pytest.approx(400.0)

@@ -1,0 +1,59 @@
+"""Systems that estimates cannot tell apart from the recommendation: which of them is better is a toss.
+
+A runner-up is one of them where each lies within the other's range: the runner-up is no worse than the recommendation
+may turn out by what is estimated of the parts that differ, and may itself turn out no worse than the recommendation.
+What both are made of moves both alike, and stays as it is.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.problem import Problem
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.explain.one_hardware import best_of, parts_of, problem_of
+from uwopt.solvers.explain.robustness import at_end, housing_at_end, own_id
+from uwopt.solvers.recommend import Sought
+from uwopt.solvers.settings.best import scenes_need_cells
+from uwopt.tolerances import TIE
+
+LONGEST_S = 1.5  # for all of them: what is not reached by then is left out
+
+
+def equals(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
+    """Runners-up that cannot be told from the first, by their place in the result, with their ranges."""
+    winner, *others = sought.outcome.best
+    problem, patience = sought.problem, deadline.at_most(LONGEST_S)
+    slow = scenes_need_cells(problem.scenes, objective)
+    found = []
+    for place, other in enumerate(others):
+        differing = [kind for kind, part in parts_of(problem, other)
+                     if own_id(part) != own_id(dict(parts_of(problem, winner))[kind])]  # fmt: skip
+        if not differing or patience.passed():
+            continue
+        tied = other.minimised - winner.minimised <= TIE * abs(winner.minimised)
+        if not tied and slow:
+            continue
+        worst = winner.minimised if slow else with_ends(problem, winner, other, differing, "bad", objective, patience)
+        best = other.minimised if slow else with_ends(problem, other, winner, differing, "good", objective, patience)
+        if tied or (other.minimised <= worst and best <= winner.minimised):
+            ends = {"value": other.minimised, "best": best, "recommendation_at_worst": worst}
+            told = {name: objective.reported(end) if math.isfinite(end) else None for name, end in ends.items()}
+            found.append({"runner_up": place, **told})
+    return found
+
+
+def with_ends(
+    problem: Problem, own: Found, other: Found, differing: list[str], end: str, objective: Objective, deadline: Deadline
+) -> float:  # fmt: skip
+    """Best objective of a design whose parts of these kinds are at one end of their estimates; inf: infeasible."""
+    parts, against = dict(parts_of(problem, own)), dict(parts_of(problem, other))
+    lists: dict[str, list[Any]] = {kind: [part] for kind, part in parts.items()}
+    for kind in differing:
+        part: Any = parts[kind]
+        alike = kind == "port" and part.id == against[kind].id  # another housing alone
+        lists[kind] = [housing_at_end(part, end) if alike else at_end(part, end)]
+    return best_of(problem_of(problem, own, lists=lists), objective, deadline)
