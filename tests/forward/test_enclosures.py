@@ -151,3 +151,22 @@ def test_limits_of_a_housing_need_one():
         load_mission(asked)
     assert len(told.value.faults) == 2
     assert "limits.size_mm is of the housing; add catalog.housing: required" in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "flange_usd"),
+    [
+        ({}, None),  # a dome of 100 mm on a tube of 110 mm
+        ({"outer_radius_mm": 60.0, "clear_diameter_mm": 90.0}, 400.0 * (120 / 200) ** 2),  # to 300 m
+        ({"outer_radius_mm": 60.0, "id": "acme-dome"}, None),  # named: it has its own
+    ],
+)
+def test_a_dome_that_is_wider_than_its_tube_stands_on_a_flange_that_is_paid_for(changes: Any, flange_usd: float | None):
+    tube = replace(TUBE, ports=("any", "acme*"))
+    bare = model(replace(PORT, **changes))
+    built = model(replace(PORT, **changes, housing=tube))
+    extra = float(built.problem.ports.price[0] - bare.problem.ports.price[0]) - 700.0
+    rows = [row for row in bill_of_materials(built.problem, built.hardware) if row.id == "adapter-flange"]
+    assert extra == pytest.approx(flange_usd or 0.0)
+    paid = [] if flange_usd is None else [(2, pytest.approx(flange_usd))]
+    assert [(row.count, row.unit_price) for row in rows] == paid

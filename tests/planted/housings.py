@@ -81,6 +81,20 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_housings.py::test_search_among_housings_equals_enumeration[as if large-33]",
     ),
     Defect(
+        name="a wide dome needs no flange",
+        file="uwopt/forward/adapters.py",
+        old="wide_mm > housing.outer_diameter_mm.value",
+        new="wide_mm > 9.0 * housing.outer_diameter_mm.value",
+        test=BUILT + "test_a_dome_that_is_wider_than_its_tube_stands_on_a_flange_that_is_paid_for",
+    ),
+    Defect(
+        name="a flange is listed but not paid for",
+        file="uwopt/forward/part_columns.py",
+        old="hull_prices[name] = hull_prices[name] + np.array(",
+        new="hull_prices[name] = hull_prices[name] + 0.0 * np.array(",
+        test=BUILT + "test_a_dome_that_is_wider_than_its_tube_stands_on_a_flange_that_is_paid_for",
+    ),
+    Defect(
         name="a port goes on ends that are narrower than itself",
         file="uwopt/forward/enclosures.py",
         old="return port.width_mm is None or port.width_mm <= widest.value",

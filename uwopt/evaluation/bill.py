@@ -10,6 +10,7 @@ from uwopt.catalog.mounts import counterpart, is_free
 from uwopt.catalog.records import Camera, Part, Port, Quantity
 from uwopt.catalog.rest import RestItem
 from uwopt.catalog.spacers import rings_in_words, spacer_price
+from uwopt.forward.adapters import adapter_price, flange_mm
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.results.design import BillRow, Cost, LampPlace, UsedHardware, UsedPart
@@ -101,6 +102,8 @@ def bill_of_materials(problem: Problem, hw: Hardware, spacer_m: float = 0.0) -> 
             )
         )  # fmt: skip
     extras = problem.mission.catalog.extras
+    if (flange := adapter_price(problem.parts.ports[hw.port])) is not None:
+        rows.append(flange_row(problem, hw, flange))
     if spacer_m > 0.0:
         rows.append(spacer_row(problem, hw, spacer_m))
     camera = problem.parts.cameras[hw.camera]
@@ -164,6 +167,13 @@ def spacer_row(problem: Problem, hw: Hardware, spacer_m: float) -> BillRow:
     mounts = problem.parts.lenses[hw.lens].mounts
     name = f"spacer ring {rings_in_words(mounts, spacer_m * 1e3)} between lens and camera"
     item = RestItem("spacer-ring", name, "camera", spacer_price())
+    return rest_row(problem, item, problem.mission.vehicle.camera_count)
+
+
+def flange_row(problem: Problem, hw: Hardware, price: Quantity) -> BillRow:
+    """The adapter between each port and its housing."""
+    name = f"adapter flange of {flange_mm(problem.parts.ports[hw.port]):.0f} mm between port and housing"
+    item = RestItem("adapter-flange", name, "camera", price)
     return rest_row(problem, item, problem.mission.vehicle.camera_count)
 
 

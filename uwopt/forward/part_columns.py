@@ -20,6 +20,7 @@ from uwopt.catalog.compatibility import rated_pitch_um
 from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
 from uwopt.catalog.records import Camera, Curve, Housing, Lens, Light, Part, Port, Quantity
+from uwopt.forward.adapters import adapter_price
 from uwopt.forward.columns import Columns
 from uwopt.model.aberration import aberration_at_f1
 from uwopt.model.f_stops import f_number_closed
@@ -377,8 +378,14 @@ def housing_columns(
     length = np.where(sphere, diameter, outer("outer_length_m", "inner_length_m"))
     volume = np.where(sphere, np.pi / 6.0 * diameter**3, np.pi / 4.0 * diameter**2 * length)
     volume += 2.0 / 3.0 * np.pi * stands_out**3  # of a dome in front
+    hull_prices = prices(hulls, money, end, high_basis)
+    flanges = [adapter_price(part) for part in parts]
+    for name, at in (("price", end), ("limit_price", "bad" if high_basis else end)):
+        hull_prices[name] = hull_prices[name] + np.array(
+            [money(number(price, 0.0, at, FAVOURED["price"]), "USD") for price in flanges], float
+        )
     return {
-        **prices(hulls, money, end, high_basis),
+        **hull_prices,
         "mass_kg": known["mass_kg"],
         "housed": housed,
         "roomy": housed & np.array([not part.complete for part in parts], bool),

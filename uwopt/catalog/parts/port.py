@@ -107,6 +107,13 @@ class Port(Part):
             return self.clear_diameter_mm.value
         return 2.0 * self.outer_radius_mm.value if self.geometry == "dome" and self.outer_radius_mm else None
 
+    @property
+    def outer_width_mm(self) -> float | None:
+        """How wide it is itself: a dome over its glass, a window as the opening that it closes."""
+        if self.geometry == "dome" and self.outer_radius_mm is not None:
+            return max(2.0 * self.outer_radius_mm.value, self.width_mm or 0.0)
+        return self.width_mm
+
 
 def _summary(port: Port) -> tuple[str, ...]:
     size = shown("radius ", port.outer_radius_mm, " mm")

@@ -1,0 +1,35 @@
+"""Adapter flanges: what stands between a port and a housing that is narrower than it."""
+
+from __future__ import annotations
+
+from uwopt.catalog.choose import matches
+from uwopt.catalog.estimates import required_class
+from uwopt.catalog.parts.housing import ANY_PORT
+from uwopt.catalog.records import Port, Quantity
+from uwopt.catalog.rest import DEEPEST, DEPTH_CLASSES
+
+PRICED_AT_MM = 200.0  # diameter that the class estimates are for; the plate's area counts
+
+
+def flange_mm(port: Port) -> float:
+    """Outer diameter of the adapter that a port needs on its housing; 0 where none stands between.
+
+    An end cap is made for any port that is no wider than the tube, and a port that a housing names has its own.
+    """
+    housing = port.housing
+    if housing is None or housing.outer_diameter_mm is None or housing.shape == "sphere":
+        return 0.0
+    if any(matches(pattern, port) for pattern in housing.ports if pattern != ANY_PORT):
+        return 0.0
+    wide_mm = port.outer_width_mm
+    return wide_mm if wide_mm is not None and wide_mm > housing.outer_diameter_mm.value else 0.0
+
+
+def adapter_price(port: Port) -> Quantity | None:
+    """Price in USD of the adapter between a port and its housing, by depth and area; None where none is needed."""
+    wide_mm = flange_mm(port)
+    if wide_mm == 0.0 or port.housing is None:
+        return None
+    rating_m = port.housing.depth_rating_m
+    depth = next((name for limit_m, name in DEPTH_CLASSES if rating_m is not None and rating_m <= limit_m), DEEPEST)
+    return required_class("housing-price", f"adapter-{depth}").quantity((wide_mm / PRICED_AT_MM) ** 2)
