@@ -186,7 +186,7 @@ def test_each_estimate_that_enters_a_figure_favours_the_right_end():
         "min_object_distance_m", "recycle_s", "min_pulse_us", "f_number_min", "thickness_mm", "flash_duration_us",
         "beam_angle_deg", "warm_up_s", "wake_up_s", "standby_w", "host_power_w",
         "host_price", "aberration_pitch_um", "body_width_mm", "body_height_mm", "body_length_mm", "plug_mm",
-        "length_mm", "diameter_mm", "min_interval_s",
+        "length_mm", "diameter_mm", "min_interval_s", "flash_duration_at_frac",
     }  # fmt: skip
     more = {
         "saturation_e", "qe_scale", "max_frame_rate_hz", "bandwidth_mb_s", "max_gain_db", "max_exposure_us",

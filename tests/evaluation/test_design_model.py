@@ -189,12 +189,14 @@ def test_dark_current_counts_over_the_exposure() -> None:
 
 
 def test_flash_that_outlasts_the_exposure_is_cut() -> None:
-    # 3 ms of even light, of which 1 ms is collected, against all of it
+    # 3 ms of even light, of which 1 ms is collected, against all of it; and of light that fades to a tenth in 3 ms
     cut = {**SET["settings"], "exposure_ms": 1.0}
     whole = {**SET["settings"], "exposure_ms": 3.0}
-    assert electrons(light=FLASH, settings=cut) == pytest.approx(
-        electrons(light=FLASH, settings=whole) / 3.0, rel=1e-9
-    )
+    for at_frac, share in ((1.0, 1.0 / 3.0), (0.1, (1.0 - 0.1 ** (1.0 / 3.0)) / 0.9)):
+        flash = {**FLASH, "flash_duration_at_frac": at_frac}
+        assert electrons(light=flash, settings=cut) == pytest.approx(
+            electrons(light=flash, settings=whole) * share, rel=1e-9
+        )
 
 
 # ---------------------------------------------------------------- several scenes

@@ -780,18 +780,23 @@ def test_a_pulse_shorter_than_the_exposure_counts_alone() -> None:
 
 
 @pytest.mark.parametrize(
-    ("duration_us", "exposure_ms", "lumen_seconds"),
-    [(500.0, 1.0, 700.0), (2000.0, 1.0, 350.0), (500.0, 0.25, 350.0)],
-)
-def test_a_flash_gives_its_lumen_seconds_or_the_share_that_the_shutter_passes(
-    duration_us: float, exposure_ms: float, lumen_seconds: float
+    ("duration_us", "at_frac", "exposure_ms", "lumen_seconds"),
+    [
+        (500.0, 1.0, 1.0, 700.0), (2000.0, 1.0, 1.0, 350.0), (500.0, 1.0, 0.25, 350.0),
+        # t0.5 = 2 ms: 1 - 0.5^0.5 of the light in 1 ms, of the 99 % that count; t0.1 = 0.5 ms: over after 1 ms
+        (2000.0, 0.5, 1.0, 700.0 * (1.0 - 0.5**0.5) / 0.99), (500.0, 0.1, 1.0, 700.0),
+        (2000.0, None, 0.6, 700.0 * (1.0 - 0.07**0.3) / 0.99),  # not told: that of its class
+    ],
+)  # fmt: skip
+def test_a_flash_gives_its_lumen_seconds_or_what_comes_while_the_shutter_is_open(
+    duration_us: float, at_frac: float | None, exposure_ms: float, lumen_seconds: float
 ) -> None:
     # 20 J at 35 lm s/J = 700 lm s; the base case collects 4000 lm for 1 ms, 4 lm s
     system = Case().system()
     system["light"] = {
         "kind": "flash", "flash_energy_j": 20, "flash_efficacy_lm_s_per_j": 35, "flash_duration_us": duration_us,
         "spectrum": "generic-led", "beam": "cosine-power", "beam_half_angle_deg": 40,
-    }  # fmt: skip
+    } | ({} if at_frac is None else {"flash_duration_at_frac": at_frac})  # fmt: skip
     system["settings"] = {"f_number": 4.0, "exposure_ms": exposure_ms, "gain": 1.0}
     design = uwopt.evaluate(Case().mission(), system).design
     assert design is not None

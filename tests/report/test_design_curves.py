@@ -42,10 +42,11 @@ def test_flux_of_the_lamps_adds_up_to_their_lumens(case):
     design, _ = case
     way, scene = spectrum_way(design), design.model.problem.scenes[0]
     lights, settings = design.model.lights, design.settings[0]
-    # what is on for a time gives lumens; a flash its lumen seconds over its duration
+    # what is on for a time gives lumens; a flash that fades with tau its lumen seconds over tau (1 - exp(-T / tau))
     flux = lights.full_light[0] * settings.level[0] * lights.output_factor[0] * design.model.hardware.count
     if lights.flash_duration_s[0] > 0 and lights.kind[0] == 2:
-        flux /= lights.flash_duration_s[0]
+        tau, whole = lights.flash_decay_s[0], lights.flash_duration_s[0]
+        flux /= whole if np.isinf(tau) else tau * (1.0 - np.exp(-whole / tau))
     lumens = 683.002 * np.trapezoid(way.flux_w_nm * scene.photopic, way.wavelength_nm)
     assert lumens == pytest.approx(flux, rel=1e-12)
 

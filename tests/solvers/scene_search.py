@@ -44,11 +44,8 @@ class SceneSearch:
             self.factor = 1.0 / (1.0 - float(self.rows.view.focal_length_m[0]) * dioptre_per_m)
         count = model.hardware.count
         flash = self.kind == FLASH
-        self.lumen = (
-            float(self.light.full_light[0])
-            * count
-            / (float(self.light.flash_duration_s[0]) if flash else 1.0)
-        )
+        whole_s = float(self.light.flash_duration_s[0])
+        self.lumen = float(self.light.full_light[0]) * count / (self.given_s(whole_s) if flash else 1.0)
         self.full_w = (
             float(self.light.pulse_energy_j[0] * self.rate if flash else self.light.full_power_w[0]) * count
         )
@@ -108,8 +105,34 @@ class SceneSearch:
             )
         flash = float(light.flash_duration_s[0])
         if readout > 0:
-            return flash, flash if flash <= min(most - readout, blur) else 0.0
-        return min(least + offset, flash), min(most + offset, flash, blur)
+            fits = flash <= most - readout and self.smear_s(flash) <= blur
+            return self.given_s(flash), self.given_s(flash) if fits else 0.0
+        longest, short = min(most + offset, flash), 0.0
+        if self.smear_s(longest) > blur:
+            for _ in range(60):
+                middle = 0.5 * (short + longest)
+                short, longest = (middle, longest) if self.smear_s(middle) <= blur else (short, middle)
+        return self.given_s(min(least + offset, flash)), self.given_s(longest)
+
+    # A flash that fades: light is counted as time at its peak brightness, s = tau (1 - exp(-t / tau)).
+
+    def given_s(self, open_s: Any) -> Any:
+        """Time at the flash's peak that gives as much light as the first `open_s` of it."""
+        tau = float(self.light.flash_decay_s[0])
+        return open_s if np.isinf(tau) else tau * (1.0 - np.exp(-open_s / tau))
+
+    def opened_s(self, given_s: Array) -> Array:
+        """The reverse."""
+        tau = float(self.light.flash_decay_s[0])
+        return given_s if np.isinf(tau) else -tau * np.log(1.0 - given_s / tau)
+
+    def smear_s(self, open_s: float) -> float:
+        """Steady light of the same variance: 12 tau^2 (1 - x^2 e^-x / (1 - e^-x)^2) with x = t / tau, as its square."""
+        tau = float(self.light.flash_decay_s[0])
+        if np.isinf(tau) or open_s == 0.0:
+            return open_s
+        x = open_s / tau
+        return float(tau * np.sqrt(12.0 * (1.0 - x**2 * np.exp(-x) / (1.0 - np.exp(-x)) ** 2)))
 
     def _levels(self) -> tuple[Array, bool]:
         """Levels that the lamp has within peak power (their ends if it dims freely), and whether it does.
@@ -188,11 +211,13 @@ class SceneSearch:
     def exposure_s(self, time_s: Array) -> Array:
         """Exposure to set for a time that collects light."""
         cam, flash = self.cam, float(self.light.flash_duration_s[0])
-        around = np.maximum(cam.min_exposure_s[0], time_s + cam.readout_s[0])
         if self.kind == PULSED:
-            return around
-        cut = time_s - cam.exposure_offset_s[0]
-        return np.where(time_s >= flash * (1 - 1e-9), around, cut) if self.kind == FLASH else cut
+            return np.maximum(cam.min_exposure_s[0], time_s + cam.readout_s[0])
+        if self.kind == CONTINUOUS:
+            return time_s - cam.exposure_offset_s[0]
+        around = max(float(cam.min_exposure_s[0]), flash + float(cam.readout_s[0]))
+        whole = time_s >= self.given_s(flash) * (1 - 1e-9)
+        return np.where(whole, around, self.opened_s(np.where(whole, 0.0, time_s)) - cam.exposure_offset_s[0])
 
     def image(self, light_x: Array, time_s: Array) -> tuple[Array, Array, Array]:
         """SNR at the nominal altitude, and whether the image is too dark or too bright, gain at its best."""

@@ -131,6 +131,9 @@ def beam(rng: Rng) -> dict[str, Any]:
     )
 
 
+FADED_TO = (0.07, 0.5, 1.0)  # what a flash has left of its brightness when its duration is over
+
+
 def light(rng: Rng, name: str, optics: dict[str, Any]) -> Light:
     """A lamp that burns, an LED that pulses or a flash; dimmed freely, from a least level, by steps or not at all."""
     kind = pick(rng, ["continuous", "continuous", "pulsed_led", "flash"])
@@ -140,10 +143,11 @@ def light(rng: Rng, name: str, optics: dict[str, Any]) -> Light:
         **pick(rng, [{}, {"dim_min_frac": 0.1}, {"dim_levels": (1.0,)}, {"dim_levels": (0.1, 0.25, 0.5, 1.0)}]),
     )  # fmt: skip
     if kind == "flash":
+        energy_j, duration_us = between(rng, 0.5, 100), between(rng, 100, 3000)
         return Light(
-            flash_energy_j=exact(between(rng, 0.5, 100)), flash_efficacy_lm_s_per_j=exact(35.0),
-            flash_duration_us=exact(between(rng, 100, 3000)), recycle_s=exact(between(rng, 0.05, 3)),
-            charging_efficiency_frac=exact(0.7), **common,
+            flash_energy_j=exact(energy_j), flash_efficacy_lm_s_per_j=exact(35.0),
+            flash_duration_us=exact(duration_us), recycle_s=exact(between(rng, 0.05, 3)),
+            charging_efficiency_frac=exact(0.7), flash_duration_at_frac=exact(FADED_TO[int(duration_us) % 3]), **common,
         )  # fmt: skip
     flux = between(rng, 2e3, 6e4)
     common |= dict(flux_lm=exact(flux), power_w=exact(flux / between(rng, 60, 150)))

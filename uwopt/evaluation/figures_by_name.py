@@ -240,8 +240,7 @@ def sharpness_figures(
     dioptre = float(settings.dioptre_per_m[0])
     rows = model.sharp_rows(index, dioptre)
     f_number, working = settings.f_number, figures.working_f_number
-    sunlit = model.rows[index].sun is not None
-    blur_s = open_s(model.rows[index], settings) if sunlit else figures.light_time_s
+    blur_s = figures.smear_s
 
     def seen(field: Field) -> Sharpness:
         (group, table), *_ = rows.groups(field)

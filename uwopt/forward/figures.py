@@ -61,8 +61,8 @@ class DesignRows:
     spacer_m: Array | float = 0.0  # of rings behind the lenses
 
 
-def light_time_s(rows: DesignRows, settings: SettingRows) -> Array:
-    """Time that collects the lamps' light: exposure + t_0, or the pulse if it is shorter."""
+def lit_s(rows: DesignRows, settings: SettingRows) -> Array:
+    """How long the lamps' light is collected: exposure + t_0, or the pulse if it is shorter."""
     window = settings.exposure_s + rows.cameras.exposure_offset_s
     flash = np.minimum(rows.lights.flash_duration_s, settings.pulse_s)
     pulse = np.where(rows.lights.kind == FLASH, flash, settings.pulse_s)
@@ -70,9 +70,8 @@ def light_time_s(rows: DesignRows, settings: SettingRows) -> Array:
 
 
 def full_light_lm(lights: Lights, count: Array) -> Array:
-    """Light of all lamps at full level; a flash gives its lumen seconds evenly over its duration."""
-    one = np.where(lights.kind == FLASH, lights.full_light / lights.flash_duration_s, lights.full_light)
-    return np.asarray(one * count)
+    """Light of all lamps at full level; of a flash that at its peak."""
+    return np.asarray(lights.brightest_lm * count)
 
 
 @dataclass(frozen=True)
@@ -81,7 +80,9 @@ class Figures:
 
     working_f_number: Array
     light_x: Array
-    light_time_s: Array
+    light_time_s: Array  # how long light is collected
+    peak_time_s: Array  # at full brightness that gives as much; of a flash that fades less
+    smear_s: Array  # steady light that smears as much as the lamps do, or the sun over the open shutter
     electrons_signal: Array  # (n, n_altitudes), image-forming, of lamps and sun
     electrons_forward: Array | None  # veils, (n, n_altitudes); None: left out
     electrons_backscatter: Array | None
@@ -133,8 +134,9 @@ def figures_of(
         )
         factor = np.where(imaged, extended, np.inf)
     working = settings.f_number * factor
-    collected_s = light_time_s(rows, settings)
-    light_x = full_light_lm(rows.lights, rows.count) * settings.level * collected_s / np.square(working)
+    collected_s = lit_s(rows, settings)
+    at_peak_s = rows.lights.flash.light_s(collected_s)  # gives as much light
+    light_x = full_light_lm(rows.lights, rows.count) * settings.level * at_peak_s / np.square(working)
     gain = cam.gain_dn_per_e * settings.gain
     dark = cam.dark_current_e_s * settings.exposure_s
     open_y = open_s(rows, settings) / np.square(working)
@@ -159,7 +161,7 @@ def figures_of(
     near, far = depth_of_field_m(scene, rows, settings)
     power, peak = power_w(scene, rows, settings, collected_s)
     snr = np.asarray(sensor.snr(seen.signal_e, veil_e=veil, **noise))
-    blur_s = collected_s if rows.sun is None else open_s(rows, settings)
+    blur_s = rows.lights.flash.blur_s(at_peak_s) if rows.sun is None else open_s(rows, settings)
     apertures = dict(f_number=settings.f_number, working_f_number=working, blur_s=blur_s)
     needs = scene.view.requirements
     needs_mtf = rows.sharp is not None and needs.min_mtf_half_nyquist is not None
@@ -169,6 +171,8 @@ def figures_of(
         working_f_number=working,
         light_x=light_x,
         light_time_s=collected_s,
+        peak_time_s=at_peak_s,
+        smear_s=blur_s,
         electrons_signal=seen.signal_e,
         electrons_forward=seen.forward_e,
         electrons_backscatter=seen.backscatter_e,

@@ -22,6 +22,8 @@ from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
 from uwopt.catalog.records import Camera, Curve, Housing, Lens, Light, Part, Port, Quantity
 from uwopt.forward.adapters import adapter_price
 from uwopt.forward.columns import Columns
+from uwopt.forward.flash_times import FlashTimes
+from uwopt.model import flash as flash_model
 from uwopt.model.aberration import aberration_at_f1
 from uwopt.model.f_stops import f_number_closed
 from uwopt.model.hull import SEAWATER_KG_M3
@@ -150,7 +152,8 @@ class Lights(Columns):
     max_pulse_s: Array
     max_duty: Array
     max_rate_hz: Array  # inf when no limit; of a flash 1 / recycle time
-    flash_duration_s: Array
+    flash_duration_s: Array  # until it is over; unknown of other lamps: inf
+    flash_decay_s: Array  # in which it fades to 1/e; inf: it does not, or is no flash
     switchable: Array  # may be off between images
     warm_up_s: Array
     standby_w: Array
@@ -158,6 +161,16 @@ class Lights(Columns):
     price: Array
     limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
+
+    @property
+    def flash(self) -> FlashTimes:
+        """How the flashes among them fade."""
+        return FlashTimes(self.flash_decay_s, self.flash_duration_s)
+
+    @property
+    def brightest_lm(self) -> Array:
+        """Light of one lamp at full level; of a flash at its peak."""
+        return np.where(self.kind == FLASH, self.full_light / self.flash.full_s, self.full_light)
 
 
 def number(
@@ -410,13 +423,15 @@ def light_rows(
     parts: Sequence[Light], *, money: Money, optics_index: Sequence[int], end: End = "central", paper: bool = False,
     high_basis: bool = False,
 ) -> Lights:  # fmt: skip
-    """Lights as columns; physics `paper` does not derate lumens."""
+    """Lights as columns; physics `paper` does not derate lumens, and its flashes do not fade."""
     known = columns_of(Light, parts, end)
     kind = np.array([KIND_CODES[part.kind] for part in parts], int)
     flash = kind == FLASH
     stored, rate = known["flash_energy_j"], known["max_rate_hz"]
     with np.errstate(divide="ignore"):
         rate = np.where(flash, np.minimum(rate, 1.0 / known["recycle_s"]), rate)
+    fading = flash & (not paper)
+    faded_to = np.where(fading, known["flash_duration_at_frac"], 1.0)
     flash_lm_s = flash_light_lm_s(stored, efficacy_lm_s_per_j=known["flash_efficacy_lm_s_per_j"])
     return Lights(
         **of_table(Lights, known)
@@ -427,6 +442,8 @@ def light_rows(
             "output_factor": np.ones(len(parts)) if paper else _output(parts, known),
             "full_power_w": np.where(flash, 0.0, known["power_w"]),
             "pulse_energy_j": np.where(flash, stored / known["charging_efficiency_frac"], 0.0),
+            "flash_duration_s": flash_model.whole_s(known["flash_duration_s"], at_frac=faded_to),
+            "flash_decay_s": flash_model.decay_s(known["flash_duration_s"], at_frac=faded_to),
             "stored_energy_j": np.where(flash, stored, 0.0),
             "levels": _levels(parts),
             "min_level": known["dim_min_frac"],

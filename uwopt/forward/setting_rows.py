@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward import switching
 from uwopt.forward.columns import Columns
+from uwopt.forward.flash_times import WHOLE_FLASH, FlashTimes
 from uwopt.forward.focus import Focused
 from uwopt.forward.lamp_light import ImageLight, SunLight
 from uwopt.forward.part_columns import (
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from uwopt.forward.sharpness import SharpRows
 
 Array = NDArray[Any]
-WHOLE_FLASH = 1.0 - 1e-9  # of its duration: the shutter stays open for all of it
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,8 @@ class SceneRows(Columns):
     pixels that the SNR is asked of, (n, n_altitudes, n_pixels), or None when it is asked of the mean; `may_miss`
     of them may fall short.
     `sun_*`: electrons per second of open shutter at N_w = 1, None without sun.
-    Times are those that collect light: exposure plus offset, or the pulse.
+    Times are those that collect light: exposure plus offset, or the pulse; of a flash that fades the time at its peak
+    brightness that gives as much (`flash`).
     """
 
     signal_e: Array
@@ -59,7 +60,7 @@ class SceneRows(Columns):
     min_exposure_s: Array
     exposure_offset_s: Array
     readout_s: Array
-    flash_duration_s: Array
+    flash_duration_s: Array  # until it is over
     time_min_s: Array
     time_max_s: Array
     rate_hz: Array
@@ -100,6 +101,7 @@ class SceneRows(Columns):
     lead_s: Array | None = None  # that lamps burn beside the time that collects light; inf or None: all the time
     idle_w: Array | None = None  # drawn whatever the light: lamps that are off, cameras beside their least scene
     background_e: Array | None = None  # (n, 1), of open water behind the targets; there is no sun with it
+    flash_decay_s: Array | None = None  # in which a flash fades to 1/e, inf or None: it does not
     spare_dark_s: Array | None = (
         None  # of bounds: further exposure whose dark current may fill the wanted level
     )
@@ -197,6 +199,20 @@ class SceneRows(Columns):
         """What is drawn whatever the light."""
         return 0.0 if self.idle_w is None else self.idle_w
 
+    @property
+    def flash(self) -> FlashTimes:
+        """How the flashes among the lights fade."""
+        decay_s = np.full(len(self.kind), np.inf) if self.flash_decay_s is None else self.flash_decay_s
+        return FlashTimes(decay_s, self.flash_duration_s)
+
+    def is_whole_flash(self, time_s: Array) -> Array:
+        """Whether a flash gives all its light in these times."""
+        return np.asarray((self.kind == FLASH) & (time_s >= self.flash.full_s * WHOLE_FLASH))
+
+    def blur_s(self, time_s: Array) -> Array:
+        """Steady light that blurs as much as the lamps by the time that so much is collected."""
+        return self.flash.blur_s(time_s)
+
     def open_s(self, exposure_s: Array) -> Array:
         """Time that collects sunlight in an exposure."""
         return np.asarray(exposure_s + self.exposure_offset_s)
@@ -206,10 +222,10 @@ class SceneRows(Columns):
 
         Lamps that burn: time - t_0. A pulse needs all rows open while it lasts; a flash may be cut short.
         """
-        around_pulse = np.maximum(self.min_exposure_s, time_s + self.readout_s)
-        whole = (self.kind != CONTINUOUS) & (time_s >= self.flash_duration_s * WHOLE_FLASH)
-        cut = time_s - self.exposure_offset_s
-        return np.where((self.kind == PULSED) | whole, around_pulse, cut)
+        lit_s = self.flash.open_s(time_s)
+        around_pulse = np.maximum(self.min_exposure_s, lit_s + self.readout_s)
+        cut = lit_s - self.exposure_offset_s
+        return np.where((self.kind == PULSED) | self.is_whole_flash(time_s), around_pulse, cut)
 
 
 PIXEL_COLUMNS = ("worst_e", "worst_veil_e", "worst_sun_signal_e_s", "worst_sun_veil_e_s")
@@ -236,12 +252,13 @@ BALANCE_ROUND = 1.0 + 1e-9
 
 
 def light_times_s(
-    camera: Cameras, light: Lights, focused: Focused, exposure_limit_s: float
+    camera: Cameras, light: Lights, focused: Focused, exposure_limit_s: float, *, sunlit: bool = False
 ) -> tuple[Array, Array, Array]:
     """Shortest and longest light-collecting time, and the longest exposure that dark current sees.
 
     Continuous: exposure + t_0. Pulsed LED: the pulse, all rows open. Flash: its whole duration, or less
-    when a global shutter cuts it (exposure + t_0).
+    when a global shutter cuts it (exposure + t_0), as times at its peak brightness. Where the sun shines, what moves
+    is smeared for as long as the shutter is open, else by the lamps alone.
     """
     with np.errstate(divide="ignore"):
         exposure = np.minimum(np.minimum(camera.max_exposure_s, exposure_limit_s), 1.0 / focused.rate_hz)
@@ -249,21 +266,24 @@ def light_times_s(
     offset = camera.exposure_offset_s
     shortest = np.maximum(camera.min_exposure_s + offset, SHORTEST_TIME_S)
     longest = np.minimum(exposure + offset, focused.blur_time_s)
+    fading, full = light.flash, light.flash.full_s
+    within_blur = fading.light_s(focused.blur_time_s) if sunlit else fading.within_blur_s(focused.blur_time_s)
     open_time = exposure - camera.readout_s
     pulse_max = np.minimum(
         np.minimum(light.max_pulse_s, duty_time), np.minimum(open_time, focused.blur_time_s)
     )
     pulse_min = np.maximum(light.min_pulse_s, SHORTEST_TIME_S)
     cuts = camera.readout_s == 0.0
-    flash_min = np.where(cuts, np.minimum(shortest, light.flash_duration_s), light.flash_duration_s)
-    whole = np.where(open_time >= light.flash_duration_s, light.flash_duration_s, -1.0)
-    flash_max = np.where(cuts, np.minimum(longest, light.flash_duration_s), np.where(
-        whole <= focused.blur_time_s, whole, -1.0))  # fmt: skip
+    flash_min = np.where(cuts, fading.light_s(np.minimum(shortest, light.flash_duration_s)), full)
+    cut_max = np.minimum(fading.light_s(np.minimum(exposure + offset, light.flash_duration_s)), within_blur)
+    whole = np.where(open_time >= light.flash_duration_s, full, -1.0)
+    flash_max = np.where(cuts, cut_max, np.where(whole <= within_blur, whole, -1.0))
     pulsed, flash = light.kind == PULSED, light.kind == FLASH
     time_min = np.where(pulsed, pulse_min, np.where(flash, flash_min, shortest))
     time_max = np.where(pulsed, pulse_max, np.where(flash, flash_max, longest))
     time_max = np.where(camera.min_exposure_s > exposure * (1 + 1e-12), -1.0, time_max)
-    dark_time = np.where(pulsed | flash, time_max + camera.readout_s, time_max - offset)
+    lit = fading.open_s(np.maximum(time_max, 0.0))
+    dark_time = np.where(pulsed | flash, lit + camera.readout_s, lit - offset)
     return time_min, time_max, np.maximum(dark_time, 0.0)
 
 
@@ -293,8 +313,10 @@ def setting_rows(
     needs, limits = scene.view.requirements, problem.mission.limits
     cam, lamp = problem.cameras.take(camera), problem.lights.take(light)
     flash = lamp.kind == FLASH
-    time_min, time_max, dark_time = light_times_s(cam, lamp, focused, limits.max_exposure_ms * 1e-3)
-    light_lm = np.where(flash, lamp.full_light / lamp.flash_duration_s, lamp.full_light) * count
+    time_min, time_max, dark_time = light_times_s(
+        cam, lamp, focused, limits.max_exposure_ms * 1e-3, sunlit=sun is not None
+    )
+    light_lm = lamp.brightest_lm * count
     full_power = lamp.full_power_w * count
     pulse_energy = lamp.pulse_energy_j * count
     sunlit_cap = None
@@ -357,6 +379,7 @@ def setting_rows(
         exposure_offset_s=cam.exposure_offset_s,
         readout_s=cam.readout_s,
         flash_duration_s=lamp.flash_duration_s,
+        flash_decay_s=lamp.flash_decay_s if lamp.flash.fade else None,
         time_min_s=time_min,
         time_max_s=np.where(allowed, time_max, -1.0),
         rate_hz=focused.rate_hz,

@@ -210,6 +210,17 @@ class Light(Part):
         Known,
         Cell("duration of a flash in microseconds", POSITIVE, span=TIME_US, favours="low", unknown=math.inf),
     ] = None
+    flash_duration_at_frac: Annotated[
+        Known,
+        Cell(
+            "share 0..1 of its peak to which the flash has faded then: 0.5 for t0.5, 0.1 for t0.1; 1: steady light",
+            POSITIVE_SHARE,
+            span=SHARE_SPAN,
+            favours="low",
+            unknown=1.0,
+            inline=Inline(unless="that of its class unless given"),
+        ),
+    ] = None
     recycle_s: Annotated[
         Known, Cell("time between full flashes in seconds", POSITIVE, favours="low", inline=OR_ZERO)
     ] = None

@@ -235,6 +235,8 @@ def from_inline(values: Mapping[str, Any], base_dir: Path | None) -> Light:
     """The record of an inline light; a half-angle in water becomes the full angle there."""
     made = inline_fields(Light, "light", values)
     kind: LightKind = made.setdefault("kind", "continuous" if made["flash_energy_j"] is None else "flash")
+    if kind == "flash" and made["flash_duration_at_frac"] is None:
+        made["flash_duration_at_frac"] = required_class("light-flash-duration-at-frac", "flash").quantity()
     half_deg = values["beam_half_angle_deg"]
     if half_deg is not None:
         made |= {"beam_angle_deg": user_number(2.0 * half_deg), "beam_medium": "water"}

@@ -149,13 +149,13 @@ def spectrum_way(design: Replay, scene_index: int = 0) -> SpectrumWay:
         at_port / np.square(scene.radiance_index), transmission=passes,
         working_f_number=float(figures.working_f_number[0]),
     )  # fmt: skip
-    seconds = float(figures.light_time_s[0])
+    seconds, at_peak_s = float(figures.light_time_s[0]), float(figures.peak_time_s[0])
     area_m2 = float(view.collecting_m2[0]) / passes  # p^2 times the efficiency's scale
 
     def electrons(channel: str | None) -> Array:
         curve = efficiency_curve(problem.efficiencies[int(model.cameras.qe_index[0])], grid, channel=channel)
         rate = sensor.electron_rate_per_m2_s_nm(at_sensor, wavelength_nm=grid, quantum_efficiency=curve)
-        return np.asarray(rate * area_m2 * seconds)
+        return np.asarray(rate * area_m2 * at_peak_s)
 
     return SpectrumWay(
         wavelength_nm=grid,

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.evaluation.recompute import Replay
-from uwopt.forward.figures import open_s
 from uwopt.forward.sharpness import sharp_rows
 from uwopt.model import sensor, sharpness
 from uwopt.model.sharpness import Sharpness
@@ -242,11 +241,9 @@ def sharpness_at(design: Replay, scene_index: int, place: Place) -> Sharpness:
         dioptre_per_m=settings.dioptre_per_m, lateral_colour=not scene.paper, image_curvature=not scene.paper,
     )  # fmt: skip
     figures = model.figures(scene_index, settings)
-    smeared = model.rows[scene_index].sun is not None
-    blur_s = open_s(model.rows[scene_index], settings) if smeared else figures.light_time_s
     (group, table), *_ = rows.groups("place")
     return rows.at(
-        group, table, f_number=settings.f_number, working_f_number=figures.working_f_number, blur_s=blur_s,
+        group, table, f_number=settings.f_number, working_f_number=figures.working_f_number, blur_s=figures.smear_s,
         field="place",
     )  # fmt: skip
 

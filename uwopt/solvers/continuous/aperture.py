@@ -72,7 +72,7 @@ class ApertureProgram:
                 field_blur=sharp.lens_blur("rms"),
             ),
         )  # fmt: skip
-        blur = float(sharp.blur_px_per_s[0, 1] * self.chosen.time_s[0])
+        blur = float(sharp.blur_px_per_s[0, 1] * rows.blur_s(self.chosen.time_s)[0])
         (_, spread), *_ = sharp.groups("rms")
         nodes = Nodes.of(ORDERS if spread is None else ORDERS_IN_COLOUR, both_signs=spread is not None)
         fixed = sinc_mtf(nodes.along) * sinc_mtf(nodes.across) * sinc_mtf(nodes.along, width_px=blur)

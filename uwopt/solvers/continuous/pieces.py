@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.errors import SolverError
+from uwopt.forward.flash_times import WHOLE_FLASH
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
-from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
-from uwopt.model import light, sensor
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.model import flash, light, sensor
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.tolerances import SLACK
 from uwopt.units import ratio_to_db
@@ -28,7 +29,7 @@ Symbolic = Any  # float, complex array, or CasADi scalar
 DIMMEST = 1e-9  # a lamp that dims to nothing has no logarithm there
 COPIED = (
     "read_noise_e", "gain_dn_per_e", "full_scale_dn", "black_level_dn", "max_gain", "well_e", "prnu_frac",
-    "dark_current_e_s", "min_exposure_s", "exposure_offset_s", "readout_s", "flash_duration_s", "time_min_s",
+    "dark_current_e_s", "min_exposure_s", "exposure_offset_s", "readout_s", "time_min_s",
     "time_max_s", "rate_hz", "light_lm", "full_power_w", "pulse_energy_j", "working_factor", "n_low",
     "n_high",
 )  # fmt: skip
@@ -64,6 +65,8 @@ class SmoothScene:
     min_exposure_s: float
     exposure_offset_s: float
     readout_s: float
+    flash_full_s: float  # time at peak brightness that gives all its light
+    flash_decay_s: float  # inf: it does not fade
     flash_duration_s: float
     time_min_s: float
     time_max_s: float
@@ -99,6 +102,9 @@ class SmoothScene:
             signal_e=signal,
             total_e=tuple(float(v) for v in rows.bright_e[0]),
             wanted=(*wanted_pixels(rows), *wanted_of_red(rows)),
+            flash_full_s=one(rows.flash.full_s),
+            flash_decay_s=one(rows.flash.decay_s),
+            flash_duration_s=one(rows.flash_duration_s),
             nominal=rows.nominal,
             kind=int(rows.kind[0]),
             dims_freely=free,
@@ -119,10 +125,10 @@ class SmoothScene:
 
     def exposure_s(self, time_s: float) -> float:
         """Exposure that collects light for a time, as `SceneRows.exposure_s` has it."""
-        whole = self.kind == FLASH and time_s >= self.flash_duration_s * WHOLE_FLASH
+        whole = self.kind == FLASH and time_s >= self.flash_full_s * WHOLE_FLASH
         if self.kind == PULSED or whole:
-            return max(self.min_exposure_s, time_s + self.readout_s)
-        return time_s - self.exposure_offset_s
+            return max(self.min_exposure_s, (self.flash_duration_s if whole else time_s) + self.readout_s)
+        return float(flash.open_time_s(time_s, decay_s=self.flash_decay_s)) - self.exposure_offset_s
 
     def dark_e(self, at: SmoothSettings) -> Symbolic:
         """Dark electrons of a pixel."""
@@ -228,11 +234,14 @@ class Piece:
     time_high_s: float
     fills_frame: bool  # the pulse lasts at least as long as the frame: its length draws no more power
     exposure_follows: bool  # the exposure grows with the time; else it is the shortest there is
-    exposure_shift_s: float  # exposure minus time, or the exposure
+    exposure_shift_s: float  # exposure minus open time, or the exposure
+    flash_decay_s: float  # of a flash that is cut short; inf: the open time is the time that collects light
 
     def exposure_s(self, time_s: Symbolic) -> Symbolic:
         """Exposure that collects light for a time, without the scene's kinks."""
-        return (time_s if self.exposure_follows else 0.0) + self.exposure_shift_s
+        if not self.exposure_follows:
+            return self.exposure_shift_s
+        return flash.open_time_s(time_s, decay_s=self.flash_decay_s) + self.exposure_shift_s
 
     def light_power_w(self, scene: SmoothScene, at: SmoothSettings) -> Symbolic:
         """The scene's light power without the kink of a pulsed LED.
@@ -282,7 +291,7 @@ def bends_s(scene: SmoothScene) -> list[float]:
     if scene.dark_current_e_s > 0.0 and scene.kind != CONTINUOUS:
         bends.append(scene.min_exposure_s - scene.readout_s)
         if scene.kind == FLASH:
-            bends.append(scene.flash_duration_s * WHOLE_FLASH)
+            bends.append(scene.flash_full_s * WHOLE_FLASH)
     return bends
 
 
@@ -290,13 +299,17 @@ def smooth_piece(scene: SmoothScene, level: tuple[float, float], times_s: tuple[
     """The piece between two bends; which side it lies on is seen at its middle."""
     middle = 0.5 * (times_s[0] + times_s[1])
     exposure = scene.exposure_s(middle)
-    follows = not (scene.kind != CONTINUOUS and exposure == scene.min_exposure_s)
+    whole = scene.kind == FLASH and middle >= scene.flash_full_s * WHOLE_FLASH
+    follows = not whole and not (scene.kind != CONTINUOUS and exposure == scene.min_exposure_s)
+    decay_s = scene.flash_decay_s if scene.kind == FLASH else np.inf
+    open_s = float(flash.open_time_s(middle, decay_s=decay_s)) if follows else 0.0
     return Piece(
         *level,
         *times_s,
         fills_frame=middle * scene.rate_hz >= 1.0,
         exposure_follows=follows,
-        exposure_shift_s=exposure - middle if follows else exposure,
+        exposure_shift_s=exposure - open_s,
+        flash_decay_s=decay_s,
     )
 
 

@@ -6,7 +6,7 @@ the lights that are able enough, and no quantisation: each term at its least, so
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward import switching
+from uwopt.forward.flash_times import FlashTimes
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.views import CORNER_FIELD, RMS_FIELD
@@ -391,7 +392,7 @@ class Bounds:
         lamp = self.problem.lights.take(self.light_tables[k].light[own])
         with np.errstate(divide="ignore", invalid="ignore"):
             if kind == FLASH:
-                share = np.minimum(1.0, need.longest_s / lamp.flash_duration_s.min())
+                share = np.max([one.most_share(need.longest_s) for one in quickest(lamp.flash)], axis=0)
                 light_time = np.where(light_time > 0, light_time / share, light_time)
                 return light_time, np.where(need.longest_s > 0, light_time, np.inf)
             if kind == PULSED:
@@ -540,6 +541,14 @@ class Bounds:
                 prnu_frac=cameras.prnu_frac,
             )  # fmt: skip
         return np.asarray(ratio_to_db(np.fmax(snr, 1e-300)))  # a mean level below black has no number
+
+
+def quickest(flashes: FlashTimes) -> Iterator[FlashTimes]:
+    """Of flashes that fade, and of those that do not, the one that gives the greatest share of its light first."""
+    fades = np.isfinite(flashes.decay_s)
+    for mine in (fades, ~fades):
+        if mine.any():
+            yield flashes.take(np.argmin(np.where(mine, flashes.whole_s, np.inf), keepdims=True))
 
 
 def least_mean_frac(scene: SceneOptics) -> float:

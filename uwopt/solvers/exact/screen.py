@@ -41,7 +41,7 @@ def pair_rules(
         rate, longest = need.rate_hz[:, None], need.longest_s[:, None]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             pulse = np.minimum(longest, np.minimum(lamp.max_pulse_s, lamp.max_duty / rate))
-            share = np.minimum(1.0, longest / lamp.flash_duration_s)  # of a flash that the shutter lets in
+            share = share_let_in(flash, lamp, longest)  # of a flash that the shutter lets in
             time = np.where(pulsed, pulse, np.where(flash, share, longest))
             wanted = np.where(light_time[:, None] > 0, light_time[:, None] / time, 0.0)
             given = np.where(pulsed, wanted, table.effective * level_set(wanted / table.effective, lamp))
@@ -76,6 +76,14 @@ def pair_rules(
         rule = np.where((rule < 0) & ~passes, np.int8(NODE_RULES.index(name)), rule)
     least = np.where(rule < 0, value, np.inf).min(axis=1, initial=np.inf)
     return rule, np.maximum(least, np.where(node.rule < 0, node.value, np.inf))
+
+
+def share_let_in(flash: Array, lamp: Lights, longest_s: Array) -> Array:
+    """The most of each flash that comes in the longest time (n, 1) of its shutter or blur, (n, m); 1 of other lamps."""
+    share = np.ones(np.broadcast_shapes(longest_s.shape, flash.shape))
+    if flash.any():
+        share[:, flash] = lamp.flash.take(flash).most_share(longest_s)
+    return share
 
 
 def level_set(wanted: Array, lamp: Lights) -> Array:

@@ -346,7 +346,7 @@ class Trade:
                 assert some.sharp is not None
                 bits.append(some.sharp.information_bit_per_m2(
                     db_to_ratio(snr_db[reached]), f_number=last[reached],
-                    working_f_number=first[reached] * some.working_factor, blur_s=some.time_min_s,
+                    working_f_number=first[reached] * some.working_factor, blur_s=some.blur_s(some.time_min_s),
                 ))  # fmt: skip
             out[reached] = np.min(bits, axis=0)
         return out
@@ -401,7 +401,7 @@ def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) ->
     values = []
     for r, c in zip(rows, chosen, strict=True):
         some = closed_form.with_exposure(r, c).take(index)
-        f_number, blur = c.f_number[index], c.time_s[index]
+        f_number, blur = c.f_number[index], some.blur_s(c.time_s[index])
         working = f_number * some.working_factor
         if some.sunlit and c.exposure_s is not None:  # the sun shines as long as the shutter is open
             from uwopt.solvers.settings.cell_bounds import figures_at  # brings scipy.special

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.part_columns import FLASH, PULSED
-from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
+from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.closed_form import Chosen, Sun
 from uwopt.tolerances import SLACK
@@ -254,7 +254,9 @@ class SceneRange:
     def _times(self, f_number: Array, square: Array) -> tuple[Array, Array, Array]:
         """Shortest and longest light-collecting time at these f-numbers, and what is missing."""
         rows = self.rows
-        longest = np.minimum(rows.time_max_s, self._sharp_s(f_number))
+        sharp_s = self._sharp_s(f_number)
+        within = rows.flash.light_s(sharp_s) if rows.sunlit else rows.flash.within_blur_s(sharp_s)
+        longest = np.minimum(rows.time_max_s, within)
         shortest = rows.time_min_s
         with np.errstate(divide="ignore", invalid="ignore"):
             affordable = self.power_share / (self.u_low * rows.rate_hz)
@@ -282,8 +284,7 @@ class SceneRange:
         needed = rows.exposure_s(time_s)
         if not rows.sunlit or rows.open_max_s is None:
             return needed + rows.exposure_offset_s, np.maximum(needed, 0.0)
-        whole = (rows.kind == FLASH) & (time_s >= rows.flash_duration_s * WHOLE_FLASH)
-        freely = (rows.kind == PULSED) | whole
+        freely = (rows.kind == PULSED) | rows.is_whole_flash(time_s)
         least = needed + rows.exposure_offset_s
         most = np.maximum(np.minimum(rows.open_max_s, self._sharp_s(f_number)), least)
         open_s = np.where(freely, between(least, most, self.shares.shutter_frac), least)
@@ -295,7 +296,9 @@ class SceneRange:
         if not rows.asks_sharpness or rows.sharp is None:
             return np.full(len(f_number), np.inf)
         working = np.where(np.isfinite(f_number), f_number, 1.0)
-        low, high = np.zeros(len(f_number)), np.where(rows.time_max_s > 0, rows.time_max_s, 1.0)
+        longest = np.maximum(rows.time_max_s, 0.0)
+        longest = rows.flash.open_s(longest) if rows.sunlit else rows.blur_s(longest)
+        low, high = np.zeros(len(f_number)), np.where(longest > 0, longest, 1.0)
         for step in range(SHARP_STEPS):
             tried = high if step == 0 else 0.5 * (low + high)
             sharp = rows.sharp_enough(f_number=working, blur_s=tried, slack=0.0)

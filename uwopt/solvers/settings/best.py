@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 Array = NDArray[Any]
 DARK_ROUNDS = 25
 GAP = 1e-4  # relative, where cells are searched
+#: What settings are asked for: motorised, objective, the camera's power, the limit of power, that of mean power.
+Given = tuple[Array, Objective, Array, "float | Array", MeanLimit | None]
 NO_RELATIVE_GAP = 0.1  # of an objective near 0, which has none
 FAINTEST = 1e-6  # of the highest SNR: where a weighing starts when nothing asks for light
 
@@ -190,7 +192,7 @@ def is_sharp(rows: SceneRows, chosen: closed_form.Chosen) -> Array:
         return np.ones(len(chosen.f_number), bool)
     known = np.isfinite(chosen.f_number) & np.isfinite(chosen.time_s)
     f_number, time = np.where(known, chosen.f_number, 1.0), np.where(known, chosen.time_s, 0.0)
-    return np.asarray(known & rows.sharp_enough(f_number=f_number, blur_s=time))
+    return np.asarray(known & rows.sharp_enough(f_number=f_number, blur_s=rows.blur_s(time)))
 
 
 def best_closed(
@@ -233,14 +235,24 @@ def best_closed(
     best = closed_at(rows, found)
     best = replace(best, feasible=best.feasible & settled)
     if not objective.weight("snr_db") and not any(r.switched for r in rows):
-        best = with_joint_optimum(best, rows, motorised, ever)
+        bent = np.logical_or.reduce([dark.outruns_light(r) for r in rows])
+        sure = dark.surely_least(rows, best.chosen, motorised) if bent.any() else ~bent
+        best = with_joint_optimum(best, rows, motorised, ever, which=~bent)
         if mean_limit is not None:
             best = replace(best, feasible=best.feasible & mean_limit.met_by(best.chosen, camera_power_w))
-        return best
-    free = [dark.relaxed(r) for r in start]
+        if not bent.any():
+            return best
+        value = np.where(best.feasible, value_of(best, objective, constant), np.inf)
+        known = np.where(bent & ~(best.feasible & sure), bound_in_the_dark(start, given, constant), value)
+        return replace(best, lower_bound=known)
+    return replace(best, lower_bound=bound_in_the_dark(start, given, constant))
+
+
+def bound_in_the_dark(rows: list[SceneRows], given: Given, constant: Array | float) -> Array:
+    """What no settings can beat, with dark electrons where they help and none where they harm; inf: there are none."""
+    free = [dark.relaxed(r) for r in rows]
     bound = closed_at(free, settings_at_dark(free, *given))
-    lower = np.where(bound.feasible, value_of(bound, objective, constant), np.inf)
-    return replace(best, lower_bound=lower)
+    return np.where(bound.feasible, value_of(bound, given[1], constant), np.inf)
 
 
 def closed_at(rows: list[SceneRows], found: tuple[list[closed_form.Chosen], Array, Array]) -> Best:
@@ -250,10 +262,10 @@ def closed_at(rows: list[SceneRows], found: tuple[list[closed_form.Chosen], Arra
     return Best(chosen, feasible, snr_db, contrast, np.zeros(len(feasible)))
 
 
-def with_joint_optimum(best: Best, rows: list[SceneRows], motorised: Array, ever: Array) -> Best:
+def with_joint_optimum(best: Best, rows: list[SceneRows], motorised: Array, ever: Array, *, which: Array) -> Best:
     """Least power, settled with its dark electrons where a fixed point need not be the optimum.
 
-    rows : with the dark electrons of the settings; ever : whether some round had settings
+    rows : with the dark electrons of the settings; ever : whether some round had settings; which : others stay
     """
     sure = dark.surely_least(rows, best.chosen, motorised)
     lost = ~best.feasible & (ever | (rows[0].mean_level is not None))
@@ -261,7 +273,7 @@ def with_joint_optimum(best: Best, rows: list[SceneRows], motorised: Array, ever
         index = np.nonzero(lost)[0]
         free = [dark.relaxed(r.take(index)) for r in rows]
         lost[index] = closed_form.least_power(free, motorised[index])[1]
-    open_ = np.nonzero(np.where(best.feasible, ~sure, lost))[0]
+    open_ = np.nonzero(np.where(best.feasible, ~sure, lost) & which)[0]
     if len(open_) == 0:
         return best
     some = [r.take(open_) for r in rows]

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
+from uwopt.forward.flash_times import WHOLE_FLASH
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
-from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
+from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import Bars, SharpRows
 from uwopt.model import sensor
 from uwopt.model.image_mean import reached_by_most
@@ -108,6 +109,7 @@ class SceneCells:
         self.sharp = rows.sharp
         self.rows = replace(rows, sharp=None)
         self.sunlit = rows.sunlit
+        self.flash, self.flash_full_s = rows.flash, rows.flash.full_s
         with np.errstate(divide="ignore", invalid="ignore"):
             drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
             share = (light_limit_w - rows.idle) / drawn
@@ -127,21 +129,38 @@ class SceneCells:
 
     # ------------------------------------------------------------ time and shutter
 
+    def opened_s(self, d: Array, time_s: Array) -> Array:
+        """Open shutter that collects light for a time, of what is not free to be open longer."""
+        return self.flash.take(d).open_s(time_s) if self.flash.fade else time_s
+
+    def blurred_s(self, d: Array, time_s: Array) -> Array:
+        """Steady light that blurs as much."""
+        return self.flash.take(d).blur_s(time_s) if self.flash.fade else time_s
+
+    def within_s(self, d: Array, smear_s: Array) -> Array:
+        """Longest time that smears no more than this, under the sun while the shutter is open; -1 stays."""
+        if not self.flash.fade:
+            return smear_s
+        flash, some_s = self.flash.take(d), np.maximum(smear_s, 0.0)
+        within = flash.light_s(some_s) if self.sunlit else flash.within_blur_s(some_s)
+        return np.where(smear_s < 0.0, smear_s, within)
+
     def open_range_s(self, d: Array, t_lo: Array, t_hi: Array) -> tuple[Array, Array]:
         """Open shutter that goes with light-collecting times: shortest and longest."""
         rows = self.rows
         offset = rows.exposure_offset_s[d]
         freely = self.freely_open(d, t_lo)
-        around = np.maximum(rows.min_exposure_s[d], t_lo + rows.readout_s[d]) + offset
-        most = np.maximum(rows.min_exposure_s[d], t_hi + rows.readout_s[d]) + offset
+        lo_s, hi_s = self.opened_s(d, t_lo), self.opened_s(d, t_hi)
+        around = np.maximum(rows.min_exposure_s[d], lo_s + rows.readout_s[d]) + offset
+        most = np.maximum(rows.min_exposure_s[d], hi_s + rows.readout_s[d]) + offset
         if rows.open_max_s is not None:
             most = rows.open_max_s[d]
-        return np.where(freely, around, t_lo), np.where(freely, most, t_hi)
+        return np.where(freely, around, lo_s), np.where(freely, most, hi_s)
 
     def freely_open(self, d: Array, time_s: Array) -> Array:
         """Whether the shutter may be open longer than the light that is collected."""
         rows = self.rows
-        whole = (rows.kind[d] == FLASH) & (time_s >= rows.flash_duration_s[d] * WHOLE_FLASH)
+        whole = (rows.kind[d] == FLASH) & (time_s >= self.flash_full_s[d] * WHOLE_FLASH)
         return (rows.kind[d] == PULSED) | whole
 
     def exposure_s(self, d: Array, time_s: Array, open_s: Array) -> Array:
@@ -149,8 +168,9 @@ class SceneCells:
         rows = self.rows
         if self.sunlit:
             return np.asarray(np.maximum(open_s - rows.exposure_offset_s[d], 0.0))
-        around = np.maximum(rows.min_exposure_s[d], time_s + rows.readout_s[d])
-        cut = time_s - rows.exposure_offset_s[d]
+        lit_s = self.opened_s(d, time_s)
+        around = np.maximum(rows.min_exposure_s[d], lit_s + rows.readout_s[d])
+        cut = lit_s - rows.exposure_offset_s[d]
         return np.maximum(np.where(self.freely_open(d, time_s), around, cut), 0.0)
 
     # ------------------------------------------------------------ MTF
@@ -216,12 +236,12 @@ class SceneCells:
             least, _ = self.open_range_s(d, t_lo, t_hi)
             open_lo, open_hi = np.maximum(open_lo, least), np.minimum(open_hi, sharp)
             around = open_hi - self.rows.exposure_offset_s[d] - self.rows.readout_s[d]
-            t_hi = np.minimum(t_hi, np.where(free, around, open_hi))
-            open_lo = np.where(free, open_lo, np.maximum(open_lo, t_lo))
-            t_lo = np.where(free, t_lo, np.maximum(t_lo, open_lo))
-            open_hi = np.where(free, open_hi, np.minimum(open_hi, t_hi))
+            t_hi = np.minimum(t_hi, self.within_s(d, np.where(free, around, open_hi)))
+            open_lo = np.where(free, open_lo, np.maximum(open_lo, self.opened_s(d, t_lo)))
+            t_lo = np.where(free, t_lo, np.maximum(t_lo, self.within_s(d, open_lo)))
+            open_hi = np.where(free, open_hi, np.minimum(open_hi, self.opened_s(d, t_hi)))
         else:
-            t_hi = np.minimum(t_hi, sharp)
+            t_hi = np.minimum(t_hi, self.within_s(d, sharp))
         near = 1 + 1e-11
         alive = (t_lo <= t_hi * near) & (open_lo <= open_hi * near)
         t_hi, open_hi = np.maximum(t_hi, t_lo), np.maximum(open_hi, open_lo)
@@ -380,7 +400,7 @@ class SceneCells:
             rows.kind == FLASH, rows.pulse_energy_j * level * rows.rate_hz, rows.full_power_w * level
         )
         snr, contrast, holds = figures_at(dark_rows, light_x, gain, sun)
-        blur_s = open_s if self.sunlit else time_s
+        blur_s = open_s if self.sunlit else self.blurred_s(d, time_s)
         full_w = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
         drawn_most = (
             np.where(full_w > 0, self.share[d], 0.0) * full_w

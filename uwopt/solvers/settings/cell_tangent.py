@@ -31,7 +31,7 @@ TANGENTS = 2
 
 def surrogate_bit_per_px(scene: SceneCells, d: Array, box: Box, reach: Reach) -> Array:
     """A stand-in for information: no bound, but it moves like one."""
-    blur_s = box.open_lo if scene.sunlit else box.t_lo
+    blur_s = box.open_lo if scene.sunlit else scene.blurred_s(d, box.t_lo)
     return typical_bit_per_px(scene, d, reach.snr, box.n_lo, box.n_hi, blur_s)
 
 
@@ -110,11 +110,19 @@ def _information(
     shift_t: Array,
     wanted: Array | None = None,
 ) -> Array:
-    """Bit per px at vertices."""
+    """Bit per px at vertices.
+
+    The blur of a flash that fades is a curve of its light, ln b convex in ln t: ln MTF, which falls with ln b and is
+    concave in it, is concave in ln t too, with the slope of both.
+    """
     least, most = (box.open_lo, box.open_hi) if scene.sunlit else (box.t_lo, box.t_hi)
+    middle = np.sqrt(least * most)
+    if not scene.sunlit and scene.flash.fade:
+        shift_t = shift_t * scene.flash.take(d).blur_elasticity(middle)[:, None]
+        least, middle = scene.blurred_s(d, least), scene.blurred_s(d, middle)
     return information.bound(
         d, log_snr, shift_n, shift_t, f_number=(box.n_lo, np.sqrt(box.n_lo * box.n_hi), box.n_hi),
-        factor=scene.rows.working_factor[d], blur_s=(least, np.sqrt(least * most)),
+        factor=scene.rows.working_factor[d], blur_s=(least, middle),
         wanted=wanted,
     )  # fmt: skip
 

@@ -159,7 +159,10 @@ class CellSearch:
         self.information: list[Information] = []
         if self.weight["information"]:
             assert all(r.sharp is not None for r in rows)
-            self.information = [Information(r.sharp, r.time_max_s) for r in rows if r.sharp is not None]
+            self.information = [
+                Information(r.sharp, r.time_max_s if r.sunlit else r.blur_s(np.maximum(r.time_max_s, 0.0)))
+                for r in rows if r.sharp is not None
+            ]  # fmt: skip
         self._dimensions(own_f_number)
         self.best = np.full(self.n, np.inf)
         self.scale = np.zeros(self.n)  # what the gap is relative to
@@ -241,7 +244,7 @@ class CellSearch:
             first.hi[:, dim], second.lo[:, dim] = at[inside], at[inside]
             pool = Pool.joined([pool.take(~inside), first, second])
         if self.sunlit[s]:
-            at = np.log(rows.flash_duration_s)[pool.design]
+            at = np.log(rows.flash.full_s)[pool.design]
             flash = (
                 (rows.kind == FLASH)[pool.design]
                 & (pool.hi[:, dim] >= at - 1e-9)
@@ -261,7 +264,8 @@ class CellSearch:
         open_lo, open_hi = (t_lo, t_hi) if o < 0 else (np.exp(pool.lo[:, o]), np.exp(pool.hi[:, o]))
         if o >= 0:
             burning = ~scene.freely_open(d, t_lo)
-            open_lo, open_hi = np.where(burning, t_lo, open_lo), np.where(burning, t_hi, open_hi)
+            cut_lo, cut_hi = scene.opened_s(d, t_lo), scene.opened_s(d, t_hi)
+            open_lo, open_hi = np.where(burning, cut_lo, open_lo), np.where(burning, cut_hi, open_hi)
         u_lo, u_hi = scene.u_min[d], scene.u_max[d]
         if u >= 0:
             dimmest = pool.lo[:, u] <= np.log(DIMMEST * u_hi) + 1e-9
@@ -369,15 +373,16 @@ class CellSearch:
         time = box.t_lo * (box.t_hi / box.t_lo) ** place
         sharp = scene.sharp_time_s(d, f_number, f_number, safe=True)
         open_s = time
+        lit = scene.within_s(d, sharp)
         if not self.sunlit[s]:
-            time = np.where(sharp >= box.t_lo, np.minimum(time, sharp), time)
+            time = np.where(lit >= box.t_lo, np.minimum(time, lit), time)
         else:
             free = scene.freely_open(d, time)
-            time = np.where(~free & (sharp >= box.t_lo), np.minimum(time, sharp), time)
+            time = np.where(~free & (lit >= box.t_lo), np.minimum(time, lit), time)
             least, most = scene.open_range_s(d, time, box.t_hi)
             wanted = box.open_lo * (box.open_hi / box.open_lo) ** np.where(share > 0.0, place, 1.0 - place)
             wanted = np.minimum(np.minimum(np.maximum(wanted, least), sharp), most)
-            open_s = np.where(free, np.maximum(wanted, least), time)
+            open_s = np.where(free, np.maximum(wanted, least), scene.opened_s(d, time))
         return scene.points(d, f_number, time, open_s, box.u_lo, box.u_hi, share)
 
     def _keep(self, design: Array, points: list[Points]) -> None:
@@ -607,7 +612,9 @@ class CellSearch:
             assert rows.sharp is not None
             kept = {name: column[index] for name, column in self.kept[s].items()}
             blur = (
-                kept["time_s"] if not self.sunlit[s] else kept["exposure_s"] + rows.exposure_offset_s[index]
+                self.scenes[s].blurred_s(index, kept["time_s"])
+                if not self.sunlit[s]
+                else kept["exposure_s"] + rows.exposure_offset_s[index]
             )
             snr = self._snr_kept(s, index)
             out.append(rows.sharp.take(index).information_bit_per_m2(

@@ -14,6 +14,8 @@ SNR. Of the sides of the window (`settings.Window`) the other lows and highs fal
   that is too bright at some time is at longer ones.
 
 Each end is then found by halving. A flash that may be cut or whole jumps in its exposure: two ranges of times.
+Where a flash fades none of this holds, for its exposure grows faster than its light (`outruns_light`): such designs
+are answered with a bound, as those of which a SNR is wanted.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import FLASH, PULSED
-from uwopt.forward.setting_rows import WHOLE_FLASH, SceneRows
+from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.closed_form import Chosen, Window
 from uwopt.tolerances import SLACK
@@ -52,6 +54,12 @@ def relaxed(rows: SceneRows) -> SceneRows:
     shortest = np.maximum(rows.exposure_s(rows.time_min_s), 0.0)
     longest = np.maximum(rows.exposure_s(np.maximum(rows.time_max_s, rows.time_min_s)), shortest)
     return replace(rows, dark_time_s=shortest, spare_dark_s=longest - shortest)
+
+
+def outruns_light(rows: SceneRows) -> Array:
+    """Whether dark electrons may grow faster than light: of flashes that fade and may be cut short, (n,)."""
+    fades = np.isfinite(rows.flash.decay_s) & (rows.kind == FLASH)
+    return np.asarray(fades & ~rows.is_whole_flash(rows.time_min_s) & (rows.dark_current_e_s > 0.0))
 
 
 # ---------------------------------------------------------------- where the closed form is enough
@@ -80,12 +88,16 @@ def _dimmest(rows: SceneRows, one: Chosen) -> Array:
 
 def _longest(rows: SceneRows, one: Chosen) -> Array:
     """Whether lights that burn, and flashes with one kind of shutter, are too dim one level lower at any time."""
-    jumps = (rows.kind == FLASH) & (rows.time_min_s < rows.flash_duration_s * WHOLE_FLASH)
-    jumps &= rows.time_max_s >= rows.flash_duration_s * WHOLE_FLASH
+    jumps = (rows.kind == FLASH) & ~rows.is_whole_flash(rows.time_min_s) & rows.is_whole_flash(rows.time_max_s)
     lower = np.where(rows.levels < one.level[:, None] * (1 - SLACK), rows.levels, -np.inf).max(axis=1)
     low = closed_form.window_sides(at_time(rows, rows.time_max_s)).low
-    reach = rows.light_lm * lower * rows.time_max_s / np.square(one.f_number * rows.working_factor)
+    x_per_level = rows.light_lm * rows.time_max_s / np.square(one.f_number * rows.working_factor)
     full_time = one.time_s >= rows.time_max_s * (1 - SLACK)
+    outruns = outruns_light(rows)
+    if outruns.any():  # least light at any time, whatever its dark electrons
+        low = np.where(outruns, closed_form.window_sides(relaxed(rows)).low, low)
+        full_time = np.where(outruns, one.level * x_per_level <= low * (1 + SLACK), full_time)
+    reach = lower * x_per_level
     return np.asarray(~jumps & np.where(rows.dims_freely, full_time, reach < low * (1 - SLACK)))
 
 
@@ -233,9 +245,8 @@ Condition = Callable[[Branch, Array], Array]
 def branches(rows: SceneRows, snr_floor: Array | float) -> Branch:
     """All levels and times of a scene's designs, at which the window is not empty."""
     n = len(rows.time_min_s)
-    whole = rows.flash_duration_s * WHOLE_FLASH
-    jumps = (rows.kind == FLASH) & (rows.time_min_s < whole) & (rows.time_max_s >= whole)
-    spans = [(rows.time_min_s, np.where(jumps, rows.flash_duration_s * CUT, rows.time_max_s))]
+    jumps = (rows.kind == FLASH) & ~rows.is_whole_flash(rows.time_min_s) & rows.is_whole_flash(rows.time_max_s)
+    spans = [(rows.time_min_s, np.where(jumps, rows.flash.full_s * CUT, rows.time_max_s))]
     if jumps.any():
         spans.append((np.where(jumps, rows.time_max_s, np.inf), np.where(jumps, rows.time_max_s, -1.0)))
     steps = np.where(rows.levels <= rows.max_level[:, None] * (1 + SLACK), rows.levels, np.nan)
