@@ -421,8 +421,8 @@ DEFECTS = (
     Defect(
         name="light over N, not N_w",
         file="uwopt/forward/figures.py",
-        old="settings.level * collected_s / np.square(working)",
-        new="settings.level * collected_s / np.square(settings.f_number)",
+        old="settings.level * at_peak_s / np.square(working)",
+        new="settings.level * at_peak_s / np.square(settings.f_number)",
         test="tests/evaluation/test_design_model.py::test_lens_focused_near_is_darker_by_the_square_of_its_extension",
     ),
     Defect(
@@ -547,8 +547,8 @@ DEFECTS = (
     Defect(
         name="the sun blurs over the pulse only",
         file="uwopt/forward/figures.py",
-        old="blur_s = collected_s if rows.sun is None else open_s(rows, settings)",
-        new="blur_s = collected_s",
+        old="blur_s = rows.lights.flash.blur_s(at_peak_s) if rows.sun is None else open_s(rows, settings)",
+        new="blur_s = rows.lights.flash.blur_s(at_peak_s)",
         test="tests/evaluation/test_design_model.py::test_sun_blurs_over_the_whole_shutter_and_a_pulse_over_itself",
     ),
     Defect(

@@ -35,6 +35,11 @@ def scene(**changed: Any) -> SceneRows:
     )
 
 
+#: A flash that fades to 1/e in 1 ms, cut short anywhere: at its peak for 20 us up to all of it, 99 % of 1 ms.
+FADING: dict[str, Any] = dict(
+    kind=FLASH, light_lm=3.5e6, pulse_energy_j=120.0, full_power_w=0.0, flash_decay_s=1e-3,
+    flash_duration_s=1e-3 * np.log(100.0), time_min_s=2e-5, time_max_s=0.99e-3, min_exposure_s=2e-5,
+)  # fmt: skip
 STEPS: dict[str, Any] = dict(dims_freely=False, levels=[0.25, 0.5, 1.0])
 FLASHES: dict[str, Any] = dict(
     kind=FLASH,

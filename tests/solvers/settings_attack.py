@@ -105,7 +105,7 @@ def figures(
         y = (open_s / n_w**2)[:, None]
         signal, veil = signal + r.sun_signal_e_s * y, veil + r.sun_veil_e_s * y
     else:
-        exposure = tau + r.readout_s if kind == PULSED else tau - r.exposure_offset_s
+        exposure = tau + r.readout_s if kind == PULSED else opened_s(r, tau) - r.exposure_offset_s
         exposure = np.maximum(exposure, r.min_exposure_s)
     dark = (r.dark_current_e_s * exposure)[:, None]
     every = signal + veil + dark
@@ -132,7 +132,7 @@ def figures(
     if r.min_contrast:
         ok &= (contrast >= r.min_contrast * (1 - 1e-8)).all(axis=1)
     ok &= colours_hold(r, x, k, dark, open_s / n_w**2)
-    blur = tau if r.sun_signal_e_s is None else open_s
+    blur = smear_s(r, tau) if r.sun_signal_e_s is None else open_s
     assert r.sharp is not None
     if r.min_mtf:
         mtf = r.sharp.mtf_half_nyquist(f_number=n, working_f_number=n_w, blur_s=blur)
@@ -151,6 +151,20 @@ def figures(
         power=u * drawn[kind], snr_db=20 * np.log10(np.maximum(snr[:, r.nominal], 1e-300)),
         contrast=contrast[:, r.nominal], information=bits, ok=ok,
     )  # fmt: skip
+
+
+def opened_s(r: SceneRows, tau: Array) -> Array:
+    """Open shutter for light that takes a time; of a flash that fades, tau is the time at its peak."""
+    return tau if r.flash_decay_s is None else -r.flash_decay_s * np.log(1.0 - tau / r.flash_decay_s)
+
+
+def smear_s(r: SceneRows, tau: Array) -> Array:
+    """Steady light of the same variance, from 12 (1 - x^2 e^-x / (1 - e^-x)^2) decays squared."""
+    if r.flash_decay_s is None:
+        return tau
+    x = opened_s(r, tau) / r.flash_decay_s
+    exact = r.flash_decay_s * np.sqrt(12.0 * np.maximum(1.0 - x**2 * np.exp(-x) / np.expm1(-x) ** 2, 0.0))
+    return np.where(x < 1e-3, x * r.flash_decay_s, exact)
 
 
 def snr_asked(r: SceneRows, of_mean: Array, x: Array, k: Array, dark: Array, y: Array) -> Array:
@@ -202,6 +216,8 @@ def sample(
         steps = rows.levels[0]
         u = steps[np.argmin(np.abs(np.log(steps) - np.log(u)[:, None]), axis=1)]
     open_s = tau.copy()
+    if rows.sunlit and kind == FLASH:
+        open_s = opened_s(rows, tau)
     if rows.sunlit and kind == PULSED:
         least = np.maximum(rows.min_exposure_s[0], tau + rows.readout_s[0]) + t0
         most = least if rows.open_max_s is None else np.maximum(rows.open_max_s[0], least)

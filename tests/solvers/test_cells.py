@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hand_made_rows import FLASHES, STEPS
+from hand_made_rows import FADING, FLASHES, STEPS
 from numpy.typing import NDArray
-from settings_attack import COLOURED, attacked, figures, lit, sharp, weighed
+from settings_attack import COLOURED, attacked, figures, lit, opened_s, sharp, weighed
 from thorough import drawn
 
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
@@ -184,6 +184,19 @@ def test_best_image_where_light_is_dear() -> None:
 def test_flash_and_lamp_with_steps() -> None:
     for rows in (lit(**FLASHES), lit(**STEPS)):
         check(rows, "information", 3)
+
+
+@pytest.mark.parametrize(("wanted", "more"), [
+    ("power", dict(min_mtf=0.45)),
+    ("snr_db", dict(min_mtf=0.45, light_lm=2e4)),
+    ("information", dict(dims_freely=False, levels=[0.1])),
+    ("snr_db", dict(sun=(3e5, 1e5), veil=10.0, open_max_s=5e-3)),
+])  # fmt: skip
+def test_a_flash_that_fades_is_cut_where_its_light_pays(wanted: str, more: dict[str, Any]) -> None:
+    rows = lit(sharp(blur=1500.0), **{**FADING, "light_lm": 2e5, **more})
+    found = check(rows, wanted, 7, gap=1e-2 if rows.sunlit else 2e-4)
+    needed_s = opened_s(rows, np.minimum(found.chosen[0].time_s, 0.98999e-3))
+    assert found.chosen[0].exposure_s[0] >= needed_s[0] * (1 - 1e-9)
 
 
 def test_contrast_under_sun_wants_the_lamps_at_full_level() -> None:

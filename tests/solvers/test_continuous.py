@@ -15,7 +15,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from hand_made_rows import FLASHES, STEPS, scene
+from hand_made_rows import FADING, FLASHES, STEPS, scene
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from thorough import drawn
@@ -104,6 +104,16 @@ def test_least_power_agrees_with_the_closed_form(name: str, method: str) -> None
     found = solved(TABLE[name], method=method)
     assert found.status == "optimal", found
     assert found.objective_value == pytest.approx(closed_form(TABLE[name], POWER), rel=AGREE)
+
+
+@pytest.mark.parametrize("method", ["casadi", "slsqp"])
+def test_a_flash_that_fades_agrees_with_the_search(method: str) -> None:
+    """Its level is least where dark electrons begin to outrun its light."""
+    rows = [scene(**{**FADING, "light_lm": 1e5, "dark_current_e_s": 1e5, "min_level": 0.05, "min_snr": 20.0})]
+    found = solved(rows, method=method)
+    assert found.status == "optimal", found
+    assert found.time_s[0] < 0.98e-3  # of 0.99 ms: it is cut
+    assert found.objective_value == pytest.approx(closed_form(rows, POWER), rel=AGREE)
 
 
 # With steps the highest SNR has its own test below.

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hand_made_rows import STEPS, scene
+from hand_made_rows import FADING, STEPS, scene
 from settings_attack import attacked, figures, lit
 
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
@@ -121,6 +121,20 @@ def test_no_settings_have_a_higher_snr_than_the_bound_and_the_gap_is_small(seed)
     assert attack >= best.lower_bound[0] - 1e-7
     if best.feasible[0]:
         assert best.lower_bound[0] == pytest.approx(-best.snr_db[0], rel=1.1e-4)
+
+
+@pytest.mark.parametrize("objective", [POWER, SNR])
+@pytest.mark.parametrize("dark_current_e_s", [1e4, 1e6])
+def test_a_flash_that_fades_is_cut_where_dark_electrons_outrun_its_light(objective, dark_current_e_s):
+    rows = lit(**{**FADING, "light_lm": 1e5, "dark_current_e_s": dark_current_e_s, "min_level": 0.05, "min_snr": 20.0})
+    best, attack = best_of([rows], objective), attacked(rows, objective, np.random.default_rng(3))
+    assert best.feasible[0] and best.lower_bound is not None
+    one = best.chosen[0]
+    seen = figures(rows, one.f_number, one.time_s, one.time_s, one.level, info=False)
+    assert seen["ok"].all()
+    value = float(seen["power"][0]) if objective is POWER else -float(seen["snr_db"][0])
+    assert attack >= best.lower_bound[0] - 1e-7 * abs(value)
+    assert value == pytest.approx(best.lower_bound[0], rel=1.1e-4)
 
 
 def test_bounds_for_any_veil_are_no_higher_than_the_power_with_the_least_veil():
