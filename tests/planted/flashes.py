@@ -5,7 +5,10 @@ from planted.defect import Defect
 FLASH = "uwopt/model/flash.py"
 TIMES = "uwopt/forward/flash_times.py"
 OF_CELLS = "tests/solvers/test_cells.py::test_a_flash_that_fades_is_cut_where_its_light_pays"
-CUT = "tests/evaluation/test_full_physics.py::test_a_flash_gives_its_lumen_seconds_or_what_comes_while_the_shutter_is_open"
+CUT = (
+    "tests/evaluation/test_full_physics.py::"
+    "test_a_flash_gives_its_lumen_seconds_or_what_comes_while_the_shutter_is_open"
+)
 
 DEFECTS = (
     Defect(

@@ -379,7 +379,7 @@ def setting_rows(
         exposure_offset_s=cam.exposure_offset_s,
         readout_s=cam.readout_s,
         flash_duration_s=lamp.flash_duration_s,
-        flash_decay_s=lamp.flash_decay_s if lamp.flash.fade else None,
+        flash_decay_s=lamp.flash_decay_s,
         time_min_s=time_min,
         time_max_s=np.where(allowed, time_max, -1.0),
         rate_hz=focused.rate_hz,
