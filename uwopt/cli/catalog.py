@@ -173,12 +173,12 @@ def update_command(
     from uwopt.catalog.update import planned
     from uwopt.report.text.console import print_blocks, print_json
     from uwopt.report.text.parts import change_blocks
-    from uwopt.report.write import check_file, made_folder, write_files
+    from uwopt.report.write import write_text
 
     target = Path(log)
     plan = planned([Path(name) for name in sources], target, date=date or calendar.today().isoformat(), source=source)
     if plan.changes and not dry_run:
-        write_files(made_folder(check_file(target).parent), {target.name: log_text(plan.log)})
+        write_text(log_text(plan.log), target)
     if as_json:
         print_json(plan.changes)
     elif plan.changes:

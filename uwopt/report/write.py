@@ -55,8 +55,13 @@ def write_front(front: FrontResult, folder: str | Path) -> list[Path]:
 
 def write_page(result: Result | FrontResult, file: str | Path) -> Path:
     """Write the report of a result to a file; one that stands there is replaced."""
+    return write_text(page_text(result), file)
+
+
+def write_text(text: str, file: str | Path) -> Path:
+    """Write a text to a file, whole or not at all; one that stands there is replaced."""
     target = check_file(file)
-    return write_files(made_folder(target.parent), {target.name: page_text(result)})[0]
+    return write_files(made_folder(target.parent), {target.name: text})[0]
 
 
 def page_text(result: Result | FrontResult) -> str:
