@@ -4,7 +4,7 @@
 
 Every mission in problems/ is solved as it stands and with `practice: recommended`, and its order is counted. `--tree`
 counts another checkout of this repository instead; its facts, kept in docs/parts_before.json, are the column "before".
-Takes about ten minutes.
+Takes about five minutes.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ ports were built into housings and parts knew what they are for (commit {before}
 `python docs/make_parts.py --write` makes this page; `docs/parts_before.json` holds what was counted before.
 
 A part "to be made" is a class of parts that no shop sells under a name. A price is quoted where a source states it for
-this very part. As published a mission asks for nothing beside what it says, so that no housing is in its order.
+this very part. "Stopped" is a mission without an answer in the time that each was given, {before_s:g} s before and
+{after_s:g} s after; the machine was shared, so that runs of other lengths answer others. As published a mission asks for nothing beside what it says, so that no housing is in its order.
 """
 
 
@@ -85,7 +86,7 @@ def facts(tree: Path, seconds: float, jobs: int) -> dict[str, Any]:
     by_practice: dict[str, dict[str, Any]] = {practice: {} for practice in PRACTICES}
     for (file, practice), order in zip(asked, orders, strict=True):
         by_practice[practice][file.stem] = order
-    return {"commit": head.stdout.strip(), "parts": kind_counts(), "orders": by_practice}
+    return {"commit": head.stdout.strip(), "seconds": seconds, "parts": kind_counts(), "orders": by_practice}
 
 
 def part_table(before: dict[str, Any], after: dict[str, Any]) -> Iterator[str]:
@@ -146,7 +147,9 @@ SUMMARY = {
 
 def page(before: dict[str, Any], after: dict[str, Any]) -> str:
     """The whole page."""
-    head = HEAD.format(before=before["commit"], after=after["commit"])
+    head = HEAD.format(
+        before=before["commit"], after=after["commit"], before_s=before["seconds"], after_s=after["seconds"]
+    )
     return "\n".join([head, *part_table(before, after), *order_tables(before, after), ""])
 
 
