@@ -15,8 +15,8 @@ DEFECTS = (
     Defect(
         name="lights need no depth rating",
         file="uwopt/catalog/choose.py",
-        old="not isinstance(part, Port | Light | Housing)",
-        new="not isinstance(part, Port | Housing)",
+        old="not isinstance(part, Port | Light | Housing | Complete)",
+        new="not isinstance(part, Port | Housing | Complete)",
         test="tests/catalog/test_choose.py::test_part_serves_down_to_its_rating_and_no_deeper",
     ),
     Defect(

@@ -83,8 +83,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="combinations of parts that are out count twice",
         file="uwopt/solvers/exact/certificate.py",
-        old="left[kind] = chosen[kind]",
-        new="left[kind] = left[kind]",
+        old="left[kind] -= count",
+        new="left[kind] -= 0 * count",
         test=f"{CERTIFICATE}test_every_combination_is_counted_once_by_hand",
     ),
     Defect(

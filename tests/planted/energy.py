@@ -133,8 +133,8 @@ DEFECTS = (
     Defect(
         name="the computer stands in no bill",
         file="uwopt/evaluation/bill.py",
-        old="    if problem.counts_host:\n",
-        new="    if not problem.counts_host:\n",
+        old="    if problem.counts_host and camera.takes_a_host:\n",
+        new="    if not problem.counts_host and camera.takes_a_host:\n",
         test=f"{HOST}test_the_computer_of_an_interface_counts_in_power_and_cost",
     ),
     Defect(

@@ -82,8 +82,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a lamp is billed where none is used",
         file="uwopt/evaluation/bill.py",
-        old="*([] if problem.unlit(hw.light) else lamps),",
-        new="*lamps,",
+        old="burning = [] if problem.unlit(hw.light) else lamps",
+        new="burning = lamps",
         test="tests/api/test_without_lamps.py::test_nothing_is_bought_set_or_judged_of_a_lamp",
     ),
 )
