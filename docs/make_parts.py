@@ -31,8 +31,8 @@ ports were built into housings and parts knew what they are for (commit {before}
 
 A part "to be made" is a class of parts that no shop sells under a name. A price is quoted where a source states it for
 this very part. "Stopped" is a mission without an answer in the time that each was given, {before_s:g} s before and
-{after_s:g} s after, on a shared machine. As published a mission asks for nothing beside what it says, so that no housing
-is in its order.
+{after_s:g} s after, on a shared machine. As published a mission asks for nothing beside what it says, so that no
+housing is in its order.
 """
 
 

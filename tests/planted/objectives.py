@@ -385,9 +385,9 @@ DEFECTS = (
     ),
     Defect(
         name="focus lies at the nearest altitude unless set",
-        file="uwopt/evaluation/design_model.py",
-        old="lens_dioptre_per_m(scene.range_m[scene.nominal], focus_map=self.maps[index])",
-        new="lens_dioptre_per_m(scene.range_m[0], focus_map=self.maps[index])",
+        file="uwopt/forward/focus.py",
+        old="at_nominal = port.lens_dioptre_per_m(scenes[0].range_m[scenes[0].nominal], focus_map=maps[0])",
+        new="at_nominal = port.lens_dioptre_per_m(scenes[0].range_m[0], focus_map=maps[0])",
         test="tests/evaluation/test_design_model.py::test_focus_lies_at_the_nominal_altitude_unless_set",
     ),
     Defect(
@@ -456,8 +456,8 @@ DEFECTS = (
     Defect(
         name="a budget takes the central price for the high one",
         file="uwopt/forward/part_columns.py",
-        old='"bad" if high_basis else end',
-        new="end",
+        old='return "bad" if high_basis else end',
+        new="return end",
         test="tests/forward/test_hardware.py::test_budget_counts_the_high_end_of_a_price_where_that_is_its_basis",
     ),
     Defect(

@@ -125,7 +125,7 @@ DEFECTS = (
     Defect(
         name="a cost limit takes the rest at its middle",
         file="uwopt/forward/problem.py",
-        old='"limit_price": "bad" if high_basis else self.end}',
+        old='"limit_price": limit_end(self.end, high_basis)}',
         new='"limit_price": self.end}',
         test=f"{REST}test_a_cost_limit_holds_for_the_rest_at_the_end_that_it_asks_for",
     ),
@@ -146,8 +146,8 @@ DEFECTS = (
     Defect(
         name="cables among the extras count twice",
         file="uwopt/mission/practice.py",
-        old='filled["catalog"] = own',
-        new='filled["catalog"] = own | {"rest": "estimate"}',
+        old='["host", "rest", *(',
+        new='["host", *(',
         test=f"{REST}test_good_practice_counts_the_rest_unless_extras_hold_it",
     ),
 )

@@ -219,8 +219,13 @@ def prices(parts: Sequence[Part], money: Money, end: End, high_basis: bool) -> d
     """Prices in the mission's currency; an inline part without a price costs nothing."""
     return {
         "price": _prices(parts, money, end),
-        "limit_price": _prices(parts, money, "bad" if high_basis else end),
+        "limit_price": _prices(parts, money, limit_end(end, high_basis)),
     }
+
+
+def limit_end(end: End, high_basis: bool) -> End:
+    """The end of an estimated price that counts against a budget."""
+    return "bad" if high_basis else end
 
 
 def _prices(parts: Sequence[Part], money: Money, end: End) -> Array:
@@ -236,10 +241,9 @@ def with_host(
         favoured = FAVOURED["host_price"]
         return np.array([money(number(p.host_price, 0.0, at, favoured), "USD") for p in parts], float)
 
-    limit = host(end if not high_basis else "bad")
     return {
         "price": known["price"] + share * host(end),
-        "limit_price": known["limit_price"] + share * limit,
+        "limit_price": known["limit_price"] + share * host(limit_end(end, high_basis)),
     }
 
 
@@ -393,7 +397,7 @@ def housing_columns(
     volume += 2.0 / 3.0 * np.pi * stands_out**3  # of a dome in front
     hull_prices = prices(hulls, money, end, high_basis)
     flanges = [adapter_price(part) for part in parts]
-    for name, at in (("price", end), ("limit_price", "bad" if high_basis else end)):
+    for name, at in (("price", end), ("limit_price", limit_end(end, high_basis))):
         hull_prices[name] = hull_prices[name] + np.array(
             [money(number(price, 0.0, at, FAVOURED["price"]), "USD") for price in flanges], float
         )

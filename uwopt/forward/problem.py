@@ -40,6 +40,7 @@ from uwopt.forward.part_columns import (
     camera_rows,
     lens_rows,
     light_rows,
+    limit_end,
     number,
     port_rows,
 )
@@ -206,7 +207,7 @@ class Problem:
 
     def _add_rest(self, high_basis: bool) -> None:
         """Each camera costs its own rest and its share of the system's; each lamp that is bought its own."""
-        ends: dict[str, End] = {"price": self.end, "limit_price": "bad" if high_basis else self.end}
+        ends: dict[str, End] = {"price": self.end, "limit_price": limit_end(self.end, high_basis)}
         share = 1.0 / self.mission.vehicle.camera_count
         burns = np.array([part.id != NO_LAMP.id for part in self.parts.lights], float)
         for name, end in ends.items():
@@ -222,8 +223,8 @@ class Problem:
     def spacer_prices(self) -> tuple[float, float]:
         """Price of the rings behind one lens, and what of it counts against a budget."""
         price, favoured = spacer_price(), FAVOURED["price"]
-        limit_end: End = "bad" if self.mission.limits.cost_basis == "high" else self.end
-        value, limit = (self.money(number(price, 0.0, end, favoured), "USD") for end in (self.end, limit_end))
+        ends = self.end, limit_end(self.end, self.mission.limits.cost_basis == "high")
+        value, limit = (self.money(number(price, 0.0, end, favoured), "USD") for end in ends)
         return value, limit
 
     @cached_property
