@@ -6,6 +6,7 @@ from planted.defect import Defect
 
 SEARCHED = "tests/solvers/test_completes.py::"
 READ = "tests/catalog/test_completes.py::"
+RULES = "tests/solvers/test_rules.py::"
 TOLD = "tests/evaluation/test_completes.py::"
 SAME = SEARCHED + "test_search_among_complete_cameras_equals_enumeration"
 
@@ -58,6 +59,34 @@ DEFECTS: tuple[Defect, ...] = (
         old="<= problem.duration.mean_rate_into(cameras.storage_gb) * ROUND",
         new="<= np.inf * cameras.price",
         test=SEARCHED + "test_images_of_the_whole_mission_fit_on_the_card",
+    ),
+    Defect(
+        name="a card that just holds all images is too small",
+        file="uwopt/solvers/exact/imagers.py",
+        old="problem.duration.mean_rate_into(cameras.storage_gb) * ROUND",
+        new="problem.duration.mean_rate_into(cameras.storage_gb) * 0.9999",
+        test=RULES + "test_a_rule_keeps_what_is_a_millionth_inside[card_gb]",
+    ),
+    Defect(
+        name="outlines let cards be a hundredth too small",
+        file="uwopt/solvers/exact/outline.py",
+        old='passes["card_gb"] = duration.mean(rates) <= COARSE_ROUND * count',
+        new='passes["card_gb"] = duration.mean(rates) <= 1.01 * count',
+        test=RULES + "test_an_outline_discards_what_is_outside[card_gb]",
+    ),
+    Defect(
+        name="outlines put a complete camera behind any port",
+        file="uwopt/solvers/exact/outline.py",
+        old="(self.groups.tie_low[at] <= tie) & (tie <= self.groups.tie_high[at])",
+        new="every.copy()",
+        test=RULES + "test_an_outline_discards_what_is_outside[complete]",
+    ),
+    Defect(
+        name="a complete camera goes with another's pieces",
+        file="uwopt/solvers/exact/imagers.py",
+        old="tied = of_camera[:, None] == of_lens[None, :]",
+        new="tied = (of_camera[:, None] > 0) == (of_lens[None, :] > 0)",
+        test=RULES + "test_a_piece_of_a_complete_camera_goes_with_its_own_alone[True-lens]",
     ),
     Defect(
         name="a card is eight times its size",

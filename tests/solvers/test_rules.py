@@ -127,25 +127,31 @@ def imager_limits() -> dict[str, Limit]:
         "mass_kg": Limit("limits", "mass_kg", 0.8, least=True),
         "power_w": Limit("limits", "power_w", 3.0, least=True),
         "storage_gb": Limit("limits", "storage_gb", 4.5 * RATE_HZ * 2 * 3.6, least=True, more=TWO_HOURS),  # MB/s
+        "card_gb": Limit("camera", "storage_gb", 4.5 * RATE_HZ * 2 * 3.6, least=True, more=TWO_HOURS),
         "energy_wh": Limit("limits", "energy_wh", 3.0 * 2, least=True, more=TWO_HOURS),
     }  # fmt: skip
 
 
-MOUNTS = {True: one(), False: one(lens={"mounts": ("S",)})}
+PIECE = {"complete": "whole"}  # of that complete camera
+#: Rules without a number: parts that go together, and parts that do not. Ports are asked last, of outlines too.
+TOGETHER = {
+    "mount": {True: one(), False: one(lens={"mounts": ("S",)})},
+    "complete": {True: one(camera=PIECE, lens=PIECE, port=PIECE), False: one(camera=PIECE, lens=PIECE)},
+}
 NAMES = tuple(rule for rule in ALONE if rule != "mount")
 
 
 def sides(rule: str, *, fits: bool) -> Case:
     """The design on one side of a rule's limit."""
-    return MOUNTS[fits] if rule == "mount" else imager_limits()[rule].case(fits=fits)
+    return TOGETHER[rule][fits] if rule in TOGETHER else imager_limits()[rule].case(fits=fits)
 
 
 # ---------------------------------------------------------------- imagers
 
 
 def test_every_rule_of_imagers_has_a_case() -> None:
-    """A new rule needs a limit above."""
-    assert set(IMAGER_RULES) == {"mount", OF_SEVERAL, *imager_limits()}
+    """A new rule needs a limit above, or parts that do not go together."""
+    assert set(IMAGER_RULES) == {*TOGETHER, OF_SEVERAL, *imager_limits()}
 
 
 @pytest.mark.parametrize("rule", ALONE)
@@ -170,6 +176,17 @@ def test_what_a_rule_of_imagers_discards_has_no_feasible_settings(rule: str) -> 
     bench = brute.Bench(case_.problem())
     for hardware in brute.buildable(bench.problem):
         assert not np.isfinite(brute.best_of(bench, hardware, case_.objective).value)
+
+
+@pytest.mark.parametrize("piece", ["camera", "lens", "port"])
+@pytest.mark.parametrize("whole", [False, True])
+def test_a_piece_of_a_complete_camera_goes_with_its_own_alone(piece: str, whole: bool) -> None:
+    """Neither among common parts, nor a common part, or another camera's, in its place."""
+    others = {kind: PIECE for kind in ("camera", "lens", "port") if whole and kind != piece}
+    for of in ("", "other") if whole else ("whole",):
+        imagers = enumerate_imagers(one(**others, **{piece: {"complete": of}}).problem())
+        assert len(imagers) == 0
+        assert {name: count for name, count in imagers.discarded.items() if count} == {"complete": 1}
 
 
 def test_discarded_imagers_are_counted_with_all_their_lamps_and_numbers() -> None:
