@@ -111,6 +111,12 @@ def test_an_end_of_the_depth_of_field_says_what_uses_it_up(
     assert risk.figure == figure and off in risk.because
 
 
+def test_what_rounding_leaves_is_told_as_nothing(calm: Result) -> None:
+    hair = replace(margin("dof_near_m", 0.65 + 2e-16, 0.65, "<=", "m"), satisfied=True)
+    risk = only(with_margin(calm, hair))
+    assert risk.figure == "sharp from 0.650 m, the nearest floor at 0.650 m: 0 m in hand"
+
+
 def test_missed_requirement_has_value_and_limit(calm: Result) -> None:
     risk = only(with_margin(calm, margin("max_blur_px", 2.0, 1.0, "<=", "px")))
     assert (risk.what, risk.figure) == ("motion blur is not as asked for", "2.00 px against 1.00 px")

@@ -228,7 +228,7 @@ def test_what_nothing_meets_is_infeasible_with_reasons():
 def test_requirements_that_leave_one_point_are_told():
     best = uwopt.solve(MISSION, objective="cost", top=1).recommendation
     assert best is not None
-    limits = {"cost": best.totals["cost"]["value"] * (1 + 1e-9)}
+    limits = {"cost": best.totals["cost"]["value"] * (1 + 1e-9), "cost_basis": "central"}
     only = {kind: [best.hardware[kind]["id"]] for kind in ("camera", "lens", "port", "light")}
     plain = mission(limits=limits, catalog={f"{k}es" if k == "lens" else f"{k}s": v for k, v in only.items()})
     result = uwopt.pareto(plain, objectives=["cost", "gsd_mm"], solver="exact")

@@ -13,6 +13,7 @@ from uwopt.mission.reserves import RECOMMENDED_RESERVE, REFUSED
 from uwopt.results.basis import Risk
 from uwopt.results.design import Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
+from uwopt.tolerances import SATISFIED_REL
 from uwopt.units import (
     db_to_ratio,
     format_money,
@@ -352,7 +353,9 @@ def tight_figure(margin: Margin) -> str:
     """What is tightest, with value and limit; an end of the depth of field as what is still sharp there."""
     if stem_of(margin.requirement) not in OFF_FOCUS:
         return f"{asked_name(margin)} {against_limit(margin)}"
-    (value, limit), left = ends_of(margin), format_quantity(margin.margin, margin.unit)
+    assert margin.margin is not None and margin.limit is not None
+    rounding = abs(margin.margin) <= SATISFIED_REL * abs(margin.limit)
+    (value, limit), left = ends_of(margin), format_quantity(0.0 if rounding else margin.margin, margin.unit)
     side, wanted = ("from", "nearest") if margin.sense == "<=" else ("to", "farthest")
     return f"sharp {side} {value}, the {wanted} floor at {limit}: {left} in hand"
 

@@ -44,7 +44,7 @@ VEHICLE: dict[str, Any] = {
 MISSIONS: dict[str, dict[str, Any]] = {
     "loose": {"objective": "power", "limits": {}},
     "cost-bound": {"objective": "power", "limits": {"cost": 8500.0}},
-    "power-bound": {"objective": "cost", "limits": {"power_w": 4.0}},
+    "power-bound": {"objective": "cost", "limits": {"power_w": 4.5}},
     "infeasible": {"objective": "power", "limits": {"cost": 4100.0, "power_w": 2.5}},
 }
 
