@@ -358,6 +358,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_short.py::test_settings_are_those_to_set_without_the_exact_ones",
     ),
     Defect(
+        name="how long a flash lasts stands among the settings",
+        file="uwopt/report/text/tables.py",
+        old="""        present.discard("pulse_ms")""",
+        new="""        present.discard("flash_energy_j")""",
+        test="tests/report/test_tables.py::test_how_long_a_flash_lasts_is_nothing_to_set",
+    ),
+    Defect(
         name="the proof stands open on the page",
         file="uwopt/report/assets/page.html",
         old='{% set unfolded = " open" if front else "" %}',

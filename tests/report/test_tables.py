@@ -6,13 +6,14 @@ import io
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from uwopt.report.page.page import report_html
 from uwopt.report.text.console import print_blocks
-from uwopt.report.text.tables import result_blocks
+from uwopt.report.text.tables import result_blocks, shown_settings
 from uwopt.results.result import Result
 
 Make = Callable[..., Any]
@@ -52,6 +53,13 @@ def test_settings_to_set_are_shown_with_all_their_digits(make_result: Make) -> N
     )  # to set, and exact; the latter short enough for microseconds
     assert "gain 6.1 dB" in text
     assert "light level 62 % 61.7 %" in text
+
+
+@pytest.mark.parametrize(("own", "told"), [({}, True), ({"flash_energy_j": 6.25}, False)])
+def test_how_long_a_flash_lasts_is_nothing_to_set(make_result: Make, own: dict[str, float], told: bool) -> None:
+    there = make_result().best.scenes[0]
+    pulsed = replace(there, settings=there.settings | {"pulse_ms": 3.46} | own)
+    assert ("pulse_ms" in shown_settings([pulsed])) is told
 
 
 def test_margins_show_value_limit_margin_and_what_is_at_its_limit(make_result: Make) -> None:

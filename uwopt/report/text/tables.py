@@ -136,10 +136,12 @@ def settings_table(scenes: Sequence[SceneResult], *, exact: bool = True) -> Grid
 
 
 def shown_settings(scenes: Sequence[SceneResult]) -> list[str]:
-    """Names of the settings that any scene has, in the order of setting them."""
+    """Names of the settings that any scene has, in the order of setting them; how long a flash lasts is none."""
     present = {
         name for s in scenes for name, value in s.settings.items() if value is not None and name != "gain"
     }
+    if "flash_energy_j" in present:
+        present.discard("pulse_ms")
     return [name for name in words.SETTINGS if name in present]
 
 
