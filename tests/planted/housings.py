@@ -78,7 +78,7 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/solvers/exact/large.py",
         old="int(level.groups.size[rows.group[rest]].sum()) * sizes",
         new="len(rest) * sizes",
-        test="tests/solvers/test_housings.py::test_search_among_housings_equals_enumeration[as if large-33]",
+        test="tests/solvers/test_housings.py::test_ports_that_are_left_when_a_search_ends_are_counted_one_by_one",
     ),
     Defect(
         name="a wide dome needs no flange",

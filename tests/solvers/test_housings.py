@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from agreement import agree
+import random_cases
+from agreement import agree, combinations
 from random_cases import RICH, Case, case, enumerated, ranked
 from thorough import drawn
 
@@ -46,6 +47,15 @@ def test_search_among_housings_equals_enumeration(seed: int) -> None:
     """Best designs, feasibility and account, with three housings to each port."""
     housed, found = case(seed, housed=True), enumerated(seed, housed=True)
     agree(housed, housed.solve()[1], worth_having(housed, found))
+
+
+@pytest.mark.usefixtures("batches")
+def test_ports_that_are_left_when_a_search_ends_are_counted_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three parts of each kind: whole groups of ports wait behind a row when nothing can be better any more."""
+    monkeypatch.setattr(random_cases, "THOROUGH", True)
+    more = case.__wrapped__(17, housed=True)
+    account = more.solve()[1].account
+    assert account.adds_up() and account.total == combinations(more.problem())
 
 
 def test_rules_of_housings_discard_something_in_these_cases() -> None:
