@@ -139,8 +139,8 @@ DEFECTS = (
     Defect(
         name="deep systems are tested as shallow ones",
         file="uwopt/catalog/rest.py",
-        old='if needs.depth_m <= limit_m), DEEPEST)',
-        new='if depth_m <= 7.0 * limit_m), DEEPEST)',
+        old="depth_m is not None and depth_m <= limit_m), DEEPEST)",
+        new="depth_m is not None and depth_m <= 7.0 * limit_m), DEEPEST)",
         test=f"{REST}test_the_pressure_test_is_that_of_the_depth",
     ),
     Defect(

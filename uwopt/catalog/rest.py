@@ -43,9 +43,14 @@ class RestNeeds:
     storage_gb: float | None = None
 
 
+def depth_class(depth_m: float | None) -> str:
+    """The class of estimates for a depth; the deepest where it is not known."""
+    return next((name for limit_m, name in DEPTH_CLASSES if depth_m is not None and depth_m <= limit_m), DEEPEST)
+
+
 def rest_items(needs: RestNeeds) -> tuple[RestItem, ...]:
     """What a system needs beside its parts; without lamps nothing triggers them."""
-    depth = next((name for limit_m, name in DEPTH_CLASSES if needs.depth_m <= limit_m), DEEPEST)
+    depth = depth_class(needs.depth_m)
 
     def item(name: str, words: str, per: Per, of: str, number: float = 1.0) -> RestItem:
         return RestItem(f"rest-{name}", words, per, required_class("rest-price", of).quantity(number))

@@ -6,7 +6,7 @@ from uwopt.catalog.choose import matches
 from uwopt.catalog.estimates import required_class
 from uwopt.catalog.parts.housing import ANY_PORT
 from uwopt.catalog.records import Port, Quantity
-from uwopt.catalog.rest import DEEPEST, DEPTH_CLASSES
+from uwopt.catalog.rest import depth_class
 
 PRICED_AT_MM = 200.0  # diameter that the class estimates are for; the plate's area counts
 
@@ -30,6 +30,5 @@ def adapter_price(port: Port) -> Quantity | None:
     wide_mm = flange_mm(port)
     if wide_mm == 0.0 or port.housing is None:
         return None
-    rating_m = port.housing.depth_rating_m
-    depth = next((name for limit_m, name in DEPTH_CLASSES if rating_m is not None and rating_m <= limit_m), DEEPEST)
+    depth = depth_class(port.housing.depth_rating_m)
     return required_class("housing-price", f"adapter-{depth}").quantity((wide_mm / PRICED_AT_MM) ** 2)
