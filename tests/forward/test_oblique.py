@@ -47,13 +47,16 @@ SYSTEM: dict[str, Any] = {
 }  # fmt: skip
 
 
-def seen(vehicle: dict[str, Any] | None = None, scene: dict[str, Any] | None = None, **asked: Any) -> SceneResult:
+def seen(
+    vehicle: dict[str, Any] | None = None, scene: dict[str, Any] | None = None, system: dict[str, Any] | None = None,
+    **asked: Any,
+) -> SceneResult:  # fmt: skip
     """The scene as the system takes it."""
     made = {
         **MISSION, "vehicle": {**MISSION["vehicle"], **(vehicle or {})}, "scene": {**MISSION["scene"], **(scene or {})},
         "requirements": {**MISSION["requirements"], **asked},
     }  # fmt: skip
-    design = evaluate(made, SYSTEM).design
+    design = evaluate(made, system or SYSTEM).design
     assert design is not None
     return design.scenes[0]
 
@@ -111,6 +114,17 @@ def test_the_near_corner_blurs_most() -> None:
             for u in np.linspace(-ALONG, ALONG, 9) for v in np.linspace(-ACROSS, ACROSS, 9)
         ]  # fmt: skip
         assert value == pytest.approx(max(moved), rel=1e-3)  # of a step as long as the blur
+
+
+@pytest.mark.parametrize("pitch_deg", [0.0, 40.0, 60.0])
+def test_a_camera_that_nods_blurs_by_its_own_turn_whatever_the_pitch(pitch_deg: float) -> None:
+    """A turn by w moves the image's middle by w over a pixel's angle; through a long lens hardly more elsewhere."""
+    long = {**SYSTEM, "lens": {**SYSTEM["lens"], "focal_length_mm": 160}}
+    nodding, still = (
+        seen({"pitch_deg": pitch_deg, "pitch_rate_deg_s": rate}, system=long).figures["blur_px"] for rate in (3.0, 0.0)
+    )
+    turned_px = math.radians(3.0) * 5e-3 / (PIXEL / 20)
+    assert turned_px <= (nodding - still) * (1 + 1e-9) <= 1.1 * turned_px
 
 
 def test_what_is_near_and_what_is_far_in_the_frame_must_both_be_sharp() -> None:

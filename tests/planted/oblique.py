@@ -83,6 +83,13 @@ DEFECTS = (
         ),
     ),
     Defect(
+        name="an oblique camera that nods sweeps the plane as one that looks square at it",
+        file="uwopt/forward/motion.py",
+        old="lever_m=lever_m * secant,",
+        new="lever_m=lever_m,",
+        test=f"{SEEN}::test_a_camera_that_nods_blurs_by_its_own_turn_whatever_the_pitch",
+    ),
+    Defect(
         name="corners of an oblique frame are focused as those of a square one",
         file=VIEWS,
         old="        own[..., 1] *= descent\n",

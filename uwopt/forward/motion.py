@@ -58,11 +58,14 @@ def subject_m_s(scene: SceneOptics) -> float:
 
 
 def motion_along(scene: SceneOptics, lever_m: Array) -> dict[str, Any]:
-    """What moves a subject through the image along the motion: the vehicle's speed, its own against it, and pitch."""
-    vehicle = scene.view.vehicle
+    """What moves a subject through the image along the motion: the vehicle's speed, its own against it, and pitch.
+
+    Along a tilted plane a turning axis sweeps 1 / cos(pitch) as far as across its own direction.
+    """
+    vehicle, secant = scene.view.vehicle, np.hypot(1.0, scene.slope)
     return dict(
         speed_m_s=vehicle.speed_m_s + subject_m_s(scene),
-        rotation_rate_rad_s=np.deg2rad(vehicle.pitch_rate_deg_s), lever_m=lever_m,
+        rotation_rate_rad_s=np.deg2rad(vehicle.pitch_rate_deg_s), lever_m=lever_m * secant,
     )  # fmt: skip
 
 
