@@ -12,8 +12,8 @@ DEFECTS = (
     Defect(
         name="rays start on the axis of a tilted port",
         file=IMAGING,
-        old="return (range_m + shape.slope * start_m * tan_along) / descent",
-        new="return range_m / descent",
+        old="return (range_m + shape.slope * start_m * tan_along) / descent(",
+        new="return range_m / descent(",
         test=f"{MODEL}::test_rays_meet_the_level_floor_where_snell_and_a_turned_camera_send_them",
     ),
     Defect(
@@ -92,7 +92,7 @@ DEFECTS = (
     Defect(
         name="corners of an oblique frame are focused as those of a square one",
         file=VIEWS,
-        old="        own[..., 1] *= descent\n",
+        old="        own[..., 1] *= fall\n",
         new="",
         test=f"{SEEN}::test_what_is_near_and_what_is_far_in_the_frame_must_both_be_sharp",
     ),

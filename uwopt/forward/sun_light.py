@@ -24,7 +24,7 @@ from uwopt.forward.views import Views
 from uwopt.model import port, seafloor, sunlight
 from uwopt.model.fineness import scaled
 from uwopt.model.image_mean import along_symmetric, frame_places, gauss, pixel_grid
-from uwopt.model.imaging import FARTHEST, field_loss, floor_point, radiance_weight, ray_spread
+from uwopt.model.imaging import descent, field_loss, floor_point, radiance_weight, ray_spread
 from uwopt.model.spectrum import resample
 
 if TYPE_CHECKING:
@@ -104,8 +104,8 @@ class SunField:
         shape = self.shape
         square = np.square(along) + np.square(across)
         _, per_m = ray_spread(square, shape)
-        descent = np.maximum(1.0 - shape.slope * along * per_m, 1.0 / FARTHEST)
-        secant = np.sqrt(1.0 + square * np.square(per_m)) * np.hypot(1.0, shape.slope) / descent
+        secant = np.sqrt(1.0 + square * np.square(per_m)) * np.hypot(1.0, shape.slope)
+        secant = secant / descent(along, per_m, shape.slope)
         behind_m = shape.outer_radius_m if shape.is_dome else 0.0
         height_m = (floor_point(along, across, shape=shape, range_m=range_m)[2] + behind_m) / secant
         low, high = float(secant.min(initial=1e6)), float(secant.max(initial=1.0)) * (1 + 1e-9)

@@ -16,7 +16,7 @@ from uwopt.forward.part_columns import Cameras, Lenses, Ports
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.model import defocus, operation, port
 from uwopt.model.footprint import floor_steps
-from uwopt.model.imaging import FARTHEST, PortShape, floor_point, ray_spread
+from uwopt.model.imaging import PortShape, descent, floor_point, ray_spread
 
 Array = NDArray[Any]
 
@@ -137,8 +137,8 @@ def oblique_footprints(
     )
     moved = [least.min(axis=2) * pixel[:, None] for least in steps.least_moved_m]
     with np.errstate(divide="ignore"):
-        descent = 1.0 - shape.slope * along * ray_spread(np.square(along), shape)[1]
-        farthest = np.where(descent > 0.0, 1.0 / np.maximum(descent, 0.0), np.inf)
+        fall = 1.0 - shape.slope * along * ray_spread(np.square(along), shape)[1]
+        farthest = np.where(fall > 0.0, 1.0 / np.maximum(fall, 0.0), np.inf)
     return dict(
         footprint_along_m=deep, footprint_across_m=wide, area_m2=deep * (0.5 * wide + corner[1]),
         gsd_m=steps.longest_m.max(axis=2) * pixel[:, None], pixel_along_m=moved[0], pixel_across_m=moved[1],
@@ -159,10 +159,10 @@ def tilted_places(scene: SceneOptics, shape: PortShape, tan_along: Array, tan_ac
     start_m, per_m = ray_spread(np.square(tan_air), shape)
     both = []
     for u in (-share * tan_along, share * tan_along):
-        descent = np.maximum(1.0 - shape.slope * u * per_m, 1.0 / FARTHEST)[:, None]
+        fall = descent(u, per_m, shape.slope)[:, None]
         own = np.array(places)
-        own[..., 1] *= descent
-        own[..., 2] = (shape.slope * start_m * u)[:, None] + own[..., 2] * descent
+        own[..., 1] *= fall
+        own[..., 2] = (shape.slope * start_m * u)[:, None] + own[..., 2] * fall
         both.append(own)
     return np.concatenate(both, axis=1)
 

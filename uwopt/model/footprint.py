@@ -24,12 +24,12 @@ from uwopt.model.image_mean import (
     spot_box,
 )
 from uwopt.model.imaging import (
-    FARTHEST,
     LEAST_STARTS,
     LEAST_ZOOMS,
     Lamps,
     PortShape,
     covered_share,
+    descent,
     flat_slope_m,
     floor_point,
     lamp_light,
@@ -333,11 +333,11 @@ def floor_steps(tan_along: Array, tan_across: Array, *, shape: PortShape, range_
         start_q = -0.5 * shape.thickness_m * (shape.n_glass**2 - 1.0) * glass**3
         per_q = -0.5 * (shape.n_water**2 - 1.0) * per_m**3
     reach_m, reach_q = start_m + range_m * per_m, start_q + range_m * per_q
-    descent = np.maximum(1.0 - s * u * per_m, 1.0 / FARTHEST)
-    descent_u, descent_v = -s * (per_m + 2.0 * u * u * per_q), -2.0 * s * u * v * per_q
-    scale = reach_m / descent
-    scale_u = (2.0 * u * reach_q - scale * descent_u) / descent
-    scale_v = (2.0 * v * reach_q - scale * descent_v) / descent
+    fall = descent(u, per_m, s)
+    fall_u, fall_v = -s * (per_m + 2.0 * u * u * per_q), -2.0 * s * u * v * per_q
+    scale = reach_m / fall
+    scale_u = (2.0 * u * reach_q - scale * fall_u) / fall
+    scale_v = (2.0 * v * reach_q - scale * fall_v) / fall
     secant = np.hypot(1.0, s)
     return FloorSteps(
         secant * (scale + u * scale_u), secant * u * scale_v, v * scale_u, scale + v * scale_v

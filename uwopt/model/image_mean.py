@@ -141,9 +141,8 @@ def spot_box(
     reach_m = [float(np.hypot(long_m * lean[axis], short_m * lean[1 - axis])) for axis in (0, 1)]
     middle_m = [foot_m + centre_m * lean[axis] for axis, foot_m in enumerate((over.x_m[0], over.y_m[0]))]
     ends_m = [(middle - reach, middle + reach) for middle, reach in zip(middle_m, reach_m, strict=True)]
-    corner, sin, cos = np.hypot(tan_along, tan_across), shape.slope / np.hypot(1.0, shape.slope), 1.0
-    if shape.slope:
-        cos = 1.0 / np.hypot(1.0, shape.slope)
+    corner, secant = np.hypot(tan_along, tan_across), np.hypot(1.0, shape.slope)
+    sin, cos = shape.slope / secant, 1.0 / secant
     scales_m = [spot_scales_m(corner, shape, range_m + sin * along_m) for along_m in ends_m[0]]
     first, last = (
         [cos * end / (s * tan_along) for s in scales] for end, scales in zip(ends_m[0], scales_m, strict=True)

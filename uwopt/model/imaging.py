@@ -177,8 +177,15 @@ def axial_range_m(tan_along: Array, tan_across: Array, *, shape: PortShape, rang
     if shape.slope == 0.0:
         return range_m
     start_m, per_m = ray_spread(np.square(tan_along) + np.square(tan_across), shape)
-    descent = np.maximum(1.0 - shape.slope * tan_along * per_m, 1.0 / FARTHEST)
-    return (range_m + shape.slope * start_m * tan_along) / descent
+    return (range_m + shape.slope * start_m * tan_along) / descent(tan_along, per_m, shape.slope)
+
+
+def descent(tan_along: Array, per_m: Any, slope: float) -> Any:
+    """How much nearer a ray comes to the target's plane for each metre along the axis, 1 - s u W: 1 where it is square.
+
+    per_m : W of `ray_spread`. No less than 1 / `FARTHEST`, where a ray hardly descends or never does.
+    """
+    return np.maximum(1.0 - slope * tan_along * per_m, 1.0 / FARTHEST)
 
 
 def ray_spread(square: Array, shape: PortShape) -> tuple[Any, Any]:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.problem import Problem
-from uwopt.model.imaging import FARTHEST, PortShape, ray_spread
+from uwopt.model.imaging import PortShape, descent, ray_spread
 
 Array = NDArray[Any]
 BESIDE_PORT = 1e-6  # places at the port's own distance, which images behind other ports alone may reach
@@ -44,7 +44,7 @@ def reach_of(tan_along: Array, tan_across: Array, *, least: PortShape, most: Por
     (start_u, per_u), (start_v, per_v) = (ray_spread(np.square(t), most) for t in (u, v))
     corner = np.square(u) + np.square(v)
     start_c, per_c = ray_spread(corner, least)
-    descent = np.maximum(1.0 - slope * u * per_u, 1.0 / FARTHEST)
+    fall = descent(u, per_u, slope)
     wide_m = v * (start_v + range_m * per_v)
     if most.is_dome:
         steep_m, twist_m = start_c + range_m, 0.0
@@ -56,7 +56,7 @@ def reach_of(tan_along: Array, tan_across: Array, *, least: PortShape, most: Por
         twist_m = slope * u * at_axis_m * per_axis
     spread_m2 = (start_c + range_m * per_c) * np.maximum(steep_m - twist_m, 1e-12)
     return PlaneReach(
-        ahead_m=secant * u * (start_u + range_m * per_u) / descent, across_ahead_m=wide_m / descent,
+        ahead_m=secant * u * (start_u + range_m * per_u) / fall, across_ahead_m=wide_m / fall,
         behind_m=secant * u * (start_u + range_m * per_u) / (1.0 + slope * u * per_c), across_behind_m=wide_m,
         samples_per_m2=1.0 / (4.0 * u * v * secant * spread_m2),
     )  # fmt: skip
