@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from dome_system import BEHIND_DOME
 
 from uwopt.api.evaluating import evaluate
 from uwopt.results.design import SceneResult
@@ -17,14 +18,8 @@ MISSION: dict[str, Any] = {
     "requirements": {"frame_interval_s": 1.0, "max_blur_px": 1.0},
 }
 SYSTEM: dict[str, Any] = {
-    "camera": {
-        "resolution_x_px": 1000, "resolution_y_px": 800, "pixel_pitch_um": 5.0, "saturation_e": 10_000,
-        "read_noise_e": 3.0, "quantum_efficiency": 0.5, "shutter": "rolling", "max_frame_rate_hz": 50.0,
-    },
-    "lens": {"focal_length_mm": 8, "f_number_min": 1.4, "f_number_max": 16},
-    "port": {"geometry": "dome", "outer_radius_mm": 50, "thickness_mm": 5},
+    **BEHIND_DOME, "camera": {**BEHIND_DOME["camera"], "shutter": "rolling"}, "light_count": 1,
     "light": {"luminous_flux_lm": 10_000, "power_w": 100, "beam": "disc", "beam_half_angle_deg": 45},
-    "light_count": 1, "orientation": "landscape", "settings": {"exposure_ms": 5.0, "f_number": 4.0},
 }  # fmt: skip
 
 

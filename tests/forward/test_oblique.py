@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from dome_system import BEHIND_DOME
 
 from uwopt.api.evaluating import evaluate
 from uwopt.errors import MissionError
@@ -35,16 +36,7 @@ MISSION: dict[str, Any] = {
     },
     "requirements": {"overlap": 0.5, "max_blur_px": 1.0, "max_gsd_mm": 10.0},
 }  # fmt: skip
-SYSTEM: dict[str, Any] = {
-    "camera": {
-        "resolution_x_px": 1000, "resolution_y_px": 800, "pixel_pitch_um": 5.0, "saturation_e": 10_000,
-        "read_noise_e": 3.0, "quantum_efficiency": 0.5, "shutter": "global", "max_frame_rate_hz": 50.0,
-    },
-    "lens": {"focal_length_mm": 8, "f_number_min": 1.4, "f_number_max": 16},
-    "port": {"geometry": "dome", "outer_radius_mm": 50, "thickness_mm": 5},
-    "light": {"luminous_flux_lm": 10_000, "power_w": 100, "beam": "cosine-power", "beam_angle_deg": 90},
-    "light_count": 2, "orientation": "landscape", "settings": {"exposure_ms": 5.0, "f_number": 4.0},
-}  # fmt: skip
+SYSTEM: dict[str, Any] = {**BEHIND_DOME, "light_count": 2}
 
 
 def seen(
