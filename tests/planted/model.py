@@ -248,7 +248,7 @@ DEFECTS = (
     Defect(
         name="rays not bent at a flat port",
         file="uwopt/model/port.py",
-        old="return tan_air / np.sqrt(n2 + (n2 - 1.0) * tan_air**2)",
+        old="return tan_air / bend(tan_air**2, n=n)",
         new="return tan_air / n",
         test="tests/model/test_port.py::test_flat_floor_distance_is_that_of_a_traced_ray",
     ),

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from uwopt.model.lens import blur_disc_m
-from uwopt.model.port import FocusMap, field_dioptre_per_m, flat_floor_derivative, lens_dioptre_per_m
+from uwopt.model.port import FocusMap, bend, field_dioptre_per_m, flat_floor_derivative, lens_dioptre_per_m
 
 Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
 
@@ -65,8 +65,8 @@ def flat_field_dioptres_per_m(
         range_m=range_m,
     )
     tan2 = tan_air**2
-    glass_m = thickness_m / np.sqrt(n_glass**2 + (n_glass**2 - 1.0) * tan2)
-    water_m = range_m / np.sqrt(n_water**2 + (n_water**2 - 1.0) * tan2)
+    glass_m = thickness_m / bend(tan2, n=n_glass)
+    water_m = range_m / bend(tan2, n=n_water)
     return 1.0 / tangential_m, 1.0 / (gap_m + glass_m + water_m)
 
 

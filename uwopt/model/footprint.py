@@ -329,7 +329,7 @@ def floor_steps(tan_along: Array, tan_across: Array, *, shape: PortShape, range_
     start_m, per_m = ray_spread(square, shape)
     start_q = per_q = 0.0 * square
     if not shape.is_dome:
-        glass = 1.0 / np.sqrt(shape.n_glass**2 + (shape.n_glass**2 - 1.0) * square)
+        glass = 1.0 / port.bend(square, n=shape.n_glass)
         start_q = -0.5 * shape.thickness_m * (shape.n_glass**2 - 1.0) * glass**3
         per_q = -0.5 * (shape.n_water**2 - 1.0) * per_m**3
     reach_m, reach_q = start_m + range_m * per_m, start_q + range_m * per_q

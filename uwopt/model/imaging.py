@@ -197,7 +197,7 @@ def ray_spread(square: Array, shape: PortShape) -> tuple[Any, Any]:
     """
     if shape.is_dome:
         return shape.outer_radius_m, 1.0
-    glass, water = (1.0 / np.sqrt(n**2 + (n**2 - 1.0) * square) for n in (shape.n_glass, shape.n_water))
+    glass, water = (1.0 / port.bend(square, n=n) for n in (shape.n_glass, shape.n_water))
     return shape.gap_m + shape.thickness_m * glass, water
 
 

@@ -159,8 +159,13 @@ def water_tangent(tan_air: Numeric, *, n: Numeric) -> Numeric:
     Snell's law without arctan; n is the index of the medium relative to air (water or glass), whatever
     parallel plates lie between. Arguments broadcast. Physics page, section 4.
     """
+    return tan_air / bend(tan_air**2, n=n)
+
+
+def bend(tan2_air: Numeric, *, n: Numeric) -> Numeric:
+    """Tangent of a ray in air over that behind a plane face, sqrt(n^2 + (n^2 - 1) tan^2 a), by tan^2 a        [sym]."""
     n2 = n**2
-    return tan_air / np.sqrt(n2 + (n2 - 1.0) * tan_air**2)
+    return np.sqrt(n2 + (n2 - 1.0) * tan2_air)
 
 
 def flat_floor_distance_m(

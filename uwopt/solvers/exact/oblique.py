@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.problem import Problem
+from uwopt.model import port
 from uwopt.model.imaging import PortShape, descent, ray_spread
 
 Array = NDArray[Any]
@@ -49,7 +50,7 @@ def reach_of(tan_along: Array, tan_across: Array, *, least: PortShape, most: Por
     if most.is_dome:
         steep_m, twist_m = start_c + range_m, 0.0
     else:
-        glass = 1.0 / np.sqrt(least.n_glass**2 + (least.n_glass**2 - 1.0) * corner)
+        glass = 1.0 / port.bend(corner, n=least.n_glass)
         steep_m = least.gap_m + least.thickness_m * least.n_glass**2 * glass**3
         steep_m = steep_m + range_m * least.n_water**2 * per_c**3
         at_axis_m, per_axis = ray_spread(np.zeros_like(u), most)
@@ -72,7 +73,7 @@ def crowding(along_m: Array, slope: float, range_m: float, deepest_m: float) -> 
 def deepest_m(problem: Problem, scene_index: int) -> float:
     """The most that A / W is: how far behind the port rays seem to meet the axis."""
     ports, n_water = problem.ports, problem.scenes[scene_index].n_water
-    bent = np.sqrt(n_water**2 + (n_water**2 - 1.0) * problem.widest_tangent**2)
+    bent = port.bend(problem.widest_tangent**2, n=n_water)
     flat_m = (ports.gap_m + ports.thickness_m) * bent
     return float(np.where(ports.is_dome, ports.outer_radius_m, flat_m).max(initial=0.0))
 
