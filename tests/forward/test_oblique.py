@@ -98,6 +98,15 @@ def test_the_largest_pixel_lies_in_the_far_corner() -> None:
     assert margin(found, "max_gsd_mm").at_altitude_m == pytest.approx(HEIGHT_M + 0.2)  # told as a height
 
 
+@pytest.mark.parametrize(("end", "u"), [("near", -ALONG), ("centre", 0.0), ("far", ALONG)])
+def test_pixel_and_way_of_each_end_are_those_of_its_ray(end: str, u: float) -> None:
+    figures, half = as_asked().figures, 1e-6
+    along = np.hypot(*(on_floor(u + half, 0.0) - on_floor(u - half, 0.0)))
+    assert figures[f"gsd_{end}_mm"] == pytest.approx(along / (2 * half) * PIXEL * 1e3, rel=1e-6)  # across it is less
+    high = HEIGHT_M + RADIUS_M * math.cos(PITCH)
+    assert figures[f"range_{end}_m"] == pytest.approx(math.hypot(high, on_floor(u, 0.0)[0]) - RADIUS_M, rel=1e-12)
+
+
 def test_the_near_corner_blurs_most() -> None:
     found, way = as_asked(), np.array([0.1 * 5e-3, 0.0])
     for height_m, value in ((HEIGHT_M, found.figures["blur_px"]), (HEIGHT_M - 0.2, margin(found, "max_blur_px").value)):

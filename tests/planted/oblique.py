@@ -66,6 +66,13 @@ DEFECTS = (
         test=f"{SEEN}::test_footprint_is_the_trapezoid_of_height_and_angles",
     ),
     Defect(
+        name="near and far end of an oblique view are told for each other",
+        file="uwopt/evaluation/figures_by_name.py",
+        old='(("near", -along), ("centre", 0.0), ("far", along))',
+        new='(("near", along), ("centre", 0.0), ("far", -along))',
+        test=f"{SEEN}::test_pixel_and_way_of_each_end_are_those_of_its_ray",
+    ),
+    Defect(
         name="pixels are compared in the near corner alone",
         file=VIEWS,
         old="u, v = np.array([-1.0, 1.0]), np.ones(2)",
