@@ -36,7 +36,7 @@ TUBE = Housing(
 )  # fmt: skip
 
 
-def model(port: Port) -> DesignModel:
+def model(port: Port, mission: dict[str, Any] = MISSION) -> DesignModel:
     """One design behind a port."""
     camera = Camera(
         "camera", resolution_x_px=2000, resolution_y_px=1000, pixel_pitch_um=5.0, mounts=("C",), inline=True,
@@ -45,7 +45,7 @@ def model(port: Port) -> DesignModel:
     )  # fmt: skip
     lens = Lens("lens", focal_length_mm=10.0, price=exact(300.0), mass_g=exact(80.0), inline=True)
     lamp = Light("lamp", flux_lm=exact(1e4), power_w=exact(100.0), beam_angle_deg=exact(80.0), depth_rating_m=500.0)
-    problem = Problem(load_mission(MISSION), Parts((camera,), (lens,), (port,), (lamp,)), paper=True)
+    problem = Problem(load_mission(mission), Parts((camera,), (lens,), (port,), (lamp,)), paper=True)
     return DesignModel(problem, Hardware(0, 0, 0, True, 0, 1, problem.mounts[0]))
 
 
@@ -91,6 +91,14 @@ def test_mass_in_water_and_size_of_a_tube_with_a_dome():
     assert built.mass_in_water_kg()[0] == pytest.approx(2 * (2.98 - 1025 * (0.00285100 + 0.00026180)), rel=1e-4)
     ports = built.problem.ports
     assert (ports.outer_length_m[0], ports.outer_diameter_m[0]) == pytest.approx((0.350, 0.110))
+
+
+def test_a_battery_in_its_own_housing_is_no_mass_in_water_of_the_cameras():
+    vehicle = {**MISSION["vehicle"], "duration_h": 10.0, "battery_wh": 2000.0, "supply": "battery"}
+    asked = {**MISSION, "vehicle": vehicle, "catalog": {"housing": "required", "rest": "estimate"}}
+    built = model(replace(PORT, housing=TUBE), asked)
+    assert any(item.id == "rest-battery" for item in built.problem.rest)
+    assert built.mass_in_water_kg()[0] == pytest.approx(2 * (2.98 - 1025 * (0.00285100 + 0.00026180)), rel=1e-4)
 
 
 def test_needless_is_what_another_housing_that_fits_does_for_no_more():

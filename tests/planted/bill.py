@@ -53,9 +53,17 @@ DEFECTS = (
     Defect(
         name="the battery that is bought weighs nothing",
         file="uwopt/forward/problem.py",
-        old="mass_kg=self.cameras.mass_kg + 1e-3 * share * mass_g)",
-        new="mass_kg=self.cameras.mass_kg)",
+        old="for item in items)) + 1e-3 * rest_g,",
+        new="for item in items)),",
         test=f"{REST}::test_a_battery_of_the_system_costs_weighs_and_limits",
+    ),
+    Defect(
+        name="a battery hangs in the cameras' housings",
+        file="uwopt/forward/problem.py",
+        old="            self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})",
+        new="            self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})\n"
+        "        self.cameras = replace(self.cameras, mass_kg=self.cameras.mass_kg + self.extras[1])",
+        test="tests/forward/test_enclosures.py::test_a_battery_in_its_own_housing_is_no_mass_in_water_of_the_cameras",
     ),
     Defect(
         name="a battery is bought for who has one",

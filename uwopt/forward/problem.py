@@ -179,11 +179,15 @@ class Problem:
 
     @cached_property
     def extras(self) -> tuple[float, float, float]:
-        """Cost, mass [kg] and power [W] of what every system carries beside the parts."""
+        """Cost, mass [kg] and power [W] of what every system carries beside the parts; of the rest its mass alone.
+
+        The rest's cost counts with cameras and lamps, its mass here: a battery has a housing of its own.
+        """
         items = self.mission.catalog.extras
+        rest_g = sum(number(i.mass_g, 0.0, self.end, FAVOURED["mass_g"]) for i in self.rest if i.mass_g)
         return (
             float(sum(item.cost or 0.0 for item in items)),
-            float(sum(item.mass_kg or 0.0 for item in items)),
+            float(sum(item.mass_kg or 0.0 for item in items)) + 1e-3 * rest_g,
             float(sum(item.power_w or 0.0 for item in items)),
         )
 
@@ -216,8 +220,6 @@ class Problem:
             lamp = burns * self.rest_price("lamp", end)
             self.cameras = replace(self.cameras, **{name: getattr(self.cameras, name) + camera})
             self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})
-        mass_g = sum(number(i.mass_g, 0.0, self.end, FAVOURED["mass_g"]) for i in self.rest if i.mass_g)
-        self.cameras = replace(self.cameras, mass_kg=self.cameras.mass_kg + 1e-3 * share * mass_g)
 
     @cached_property
     def spacer_prices(self) -> tuple[float, float]:
