@@ -41,6 +41,11 @@ def kept(folder: Path, plan: Update) -> Path:
     return path
 
 
+def load_cells(log: Path) -> dict[str, str]:
+    """The new cells of a log, read as a file."""
+    return {row.cells["cell"]: row.cells["new"] for row in parse_table(log.read_text(), log.name).rows}
+
+
 def refusal(folder: Path, text: str, **options: str) -> str:
     """Why a file is refused."""
     with pytest.raises(CatalogError) as caught:
@@ -88,6 +93,26 @@ def test_a_new_part_is_added_and_later_changed_and_cleared(tmp_path: Path) -> No
     assert {r["id"] for r in rows} == {"acme-lamp"}  # the catalogue's spelling
 
 
+def test_a_cleared_price_takes_its_ends_its_date_and_its_status_along(tmp_path: Path) -> None:
+    log = kept(tmp_path, brought(tmp_path, f"id,kind,price,source_url\n{LAMP},continuous,-,letter\n"))
+    lamp = load_catalog([log]).part(LAMP)
+    assert (lamp.price.status, lamp.price_date) == ("estimated", "")
+    cells = load_cells(log)
+    assert (cells["price"], cells["price_date"], cells["price_status"]) == ("", "", "")
+
+
+def test_a_note_of_several_lines_is_one_line_of_the_log(tmp_path: Path) -> None:
+    note = f"- part: light\n  id: {LAMP}\n  source_url: letter\n  note: |\n    two lamps\n    # 7 and 8\n    -3 deg\n"
+    plan = brought(tmp_path, note, "lights.yaml")
+    assert load_cells(kept(tmp_path, plan))["note"] == "two lamps # 7 and 8 -3 deg"
+    assert brought(tmp_path, note, "lights.yaml").changes == ()
+
+
+def test_a_number_below_zero_is_no_formula(tmp_path: Path) -> None:
+    plan = brought(tmp_path, "id,part,mass_water_g,source_url\nricoh-wg60,complete,-40.5,letter\n", "c.csv")
+    assert (plan.changes[0].cell, plan.changes[0].new) == ("mass_water_g", "-40.5")
+
+
 def test_what_is_there_already_changes_nothing(tmp_path: Path) -> None:
     kept(tmp_path, brought(tmp_path, NEW_LAMP))
     assert brought(tmp_path, NEW_LAMP).changes == ()
@@ -106,6 +131,8 @@ def test_what_is_there_already_changes_nothing(tmp_path: Path) -> None:
         ("id,kind,flux_lm,source_url\ngeneric-lamp-flood-1500lm,continuous,9,a\n", "class of parts to be made"),
         ("id,kind,flux_lm,source_url\nacme,continuous,900,a\n", "purpose is empty"),
         ("id,price,currency,date,note\nacme,9,USD,2026,a\n", "'acme' is not in the catalogue"),
+        (f"id,kind,note,source_url\n{LAMP},continuous,=A1,a\n", "note = '=A1' begins like a formula"),
+        (f"id,kind,flux_lm,source_url\n{LAMP},continuous,900,@SUM(1)\n", "source = '@SUM(1)' begins like a formula"),
     ],
 )  # fmt: skip
 def test_a_row_that_cannot_stand_is_refused_with_its_reason(tmp_path: Path, text: str, word: str) -> None:

@@ -26,9 +26,30 @@ DEFECTS = (
     Defect(
         name="the ends of an old price stay with the new one",
         file=UPDATE,
-        old='{"price_low": "", "price_high": "", "price_status": "quoted"} | new',
-        new="{} | new",
+        old='("price_low", "price_high", "price_status", "price_date"), "")',
+        new='("price_status", "price_date"), "")',
         test=f"{TESTS}test_a_quote_changes_its_cells_and_the_log_says_from_what_to_what_and_by_whom",
+    ),
+    Defect(
+        name="a price that is cleared leaves its date",
+        file=UPDATE,
+        old='("price_low", "price_high", "price_status", "price_date"), "")',
+        new='("price_low", "price_high", "price_status"), "")',
+        test=f"{TESTS}test_a_cleared_price_takes_its_ends_its_date_and_its_status_along",
+    ),
+    Defect(
+        name="a formula of a spreadsheet stands in the log",
+        file=UPDATE,
+        old='    faults += _formula_faults(row, {"id": part_id, **told, "source": said_by})\n',
+        new="",
+        test=f"{TESTS}test_a_row_that_cannot_stand_is_refused_with_its_reason",
+    ),
+    Defect(
+        name="lines of a note that begin like a comment are lost from the log",
+        file=UPDATE,
+        old='BREAKS.sub(" ", text)',
+        new="text",
+        test=f"{TESTS}test_a_note_of_several_lines_is_one_line_of_the_log",
     ),
     Defect(
         name="a new source throws the old ones away",

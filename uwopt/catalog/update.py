@@ -23,11 +23,14 @@ from uwopt.catalog.parts.part import Kind
 from uwopt.catalog.readers.readers import READERS
 from uwopt.catalog.tables import Row, parse_table, read_text
 from uwopt.catalog.userparts import is_price_table, kind_of_table, yaml_table
+from uwopt.documents.files import FORMULA_SIGNS
 from uwopt.errors import CatalogError
 
 CLEARED = "-"  # in a row that is brought: the cell becomes empty; an empty one stays as it was
 DATE = re.compile(r"\d{4}(-\d{2}(-\d{2})?)?")
 SUFFIXES = (".csv", ".yaml", ".yml")
+NUMBER = re.compile(r"[-+]?[\d.]+(e[-+]?\d+)?", re.IGNORECASE)
+BREAKS = re.compile(r"\s*[\r\n]+\s*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,12 +140,14 @@ def _changes_of_row(
         return [], [f"{row.where()}: is a {known[0]} of the catalogue, not a {kind}."]
     old = known[1].cells if known else {}
     part_id = old.get("id") or row.cells["id"]
-    told = {name: text for name, text in row.cells.items() if text and name not in ("id", "part")}
+    told = {name: BREAKS.sub(" ", text) for name, text in row.cells.items() if text and name not in ("id", "part")}
     said_by = told.get("source_url") or source
     faults = [f"{row.where()}: {name!r} is no column of a {kind}." for name in told if name not in COLUMNS[kind]]
+    faults += _formula_faults(row, {"id": part_id, **told, "source": said_by})
     new = {name: "" if text == CLEARED else text for name, text in told.items()}
     if "price" in told and new["price"] != old.get("price", ""):
-        new = {"price_low": "", "price_high": "", "price_status": "quoted"} | new  # the old ends were the old price's
+        of_old = dict.fromkeys(("price_low", "price_high", "price_status", "price_date"), "")
+        new = of_old | ({"price_status": "quoted"} if new["price"] else {}) | new
         faults += _quote_faults(row, new)
     new = {name: text for name, text in new.items() if text != old.get(name, "")}
     if not said_by or said_by == CLEARED:
@@ -155,6 +160,16 @@ def _changes_of_row(
         for name, text in new.items()
         if text != old.get(name, "")
     ], []
+
+
+def _formula_faults(row: Row, cells: dict[str, str]) -> list[str]:
+    """What a spreadsheet that opens the log would take for a formula and work out."""
+    risky = [name for name, text in cells.items() if text.startswith(FORMULA_SIGNS) and text != CLEARED]
+    return [
+        f"{row.where()}: {name} = {cells[name]!r} begins like a formula of a spreadsheet; begin it with a letter."
+        for name in risky
+        if not NUMBER.fullmatch(cells[name])
+    ]
 
 
 def _quote_faults(row: Row, new: dict[str, str]) -> list[str]:

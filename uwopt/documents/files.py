@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 MOST_BYTES = 100_000_000  # of a table or a result; missions are held to less
+FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r", "\n")  # a spreadsheet takes a cell that begins so for a formula
 
 
 class UnfitFileError(Exception):

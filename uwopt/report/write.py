@@ -16,6 +16,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from uwopt.documents.files import FORMULA_SIGNS
 from uwopt.errors import OutputError
 from uwopt.results.design import BillRow
 from uwopt.results.front import FrontResult
@@ -23,7 +24,6 @@ from uwopt.results.result import Result
 
 RESULT_FILE, BOM_FILE, PAGE_FILE = "result.json", "bom.csv", "report.html"
 FRONT_FILE, FRONT_TABLE = "front.json", "front.csv"
-FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r", "\n")
 BOM_COLUMNS = (
     "kind", "id", "manufacturer", "model", "count", "owned", "unit_price", "unit_price_low", "unit_price_high",
     "to_pay", "to_pay_low", "to_pay_high", "currency", "price_status", "price_date", "generic", "source", "price_basis",
