@@ -113,6 +113,19 @@ def test_yaml_parts_of_several_kinds(tmp_path):
     assert catalog.part("y-dome").depth_rating_m is None
 
 
+@pytest.mark.parametrize(
+    "row",
+    [
+        "a,lens,8,,1|nan|2", "a,lens,8,,0.5|inf", "a,lens,8,,0|1", "a,lens,8,,1|200", "a,lens,8,,long",
+        "a,light,,1|nan|0.5,", "a,light,,0.5|0.25,", "a,light,,1|0,",
+    ],
+)  # fmt: skip
+def test_lists_of_numbers_hold_numbers_within_their_range(tmp_path, row):
+    header = "id,part,focal_length_mm,dim_levels,spacers_mm\n"
+    faults = " ".join(faults_of(written(tmp_path, "mine.csv", f"{header}{row}\n")))
+    assert ("spacers_mm" if "lens" in row else "dim_levels") + " = " in faults
+
+
 def test_yaml_faults_carry_their_line(tmp_path):
     path = written(
         tmp_path, "mine.yaml", "- part: lens\n  id: a\n  focal_length_mm: 12\n- part: lens\n  id: b\n"

@@ -6,6 +6,13 @@ from planted.defect import Defect
 
 DEFECTS = (
     Defect(
+        name="a list of numbers may hold what is none",
+        file="uwopt/catalog/userparts.py",
+        old="return sorted(numbers) if all(map(math.isfinite, numbers)) else []",
+        new="return sorted(numbers)",
+        test="tests/catalog/test_userparts.py::test_lists_of_numbers_hold_numbers_within_their_range",
+    ),
+    Defect(
         name="a part may go twice as deep as it is rated",
         file="uwopt/catalog/choose.py",
         old="if part.depth_rating_m < self.required_depth_m:",

@@ -6,6 +6,7 @@ The built-in files have the same columns, so a row is checked and built in one w
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -170,18 +171,13 @@ def _cross_faults(cells: dict[str, Cell]) -> list[str]:
         low, high = cells.get(smaller), cells.get(larger)
         if isinstance(low, float) and isinstance(high, float) and low > high:
             faults.append(f"{smaller} = {low:g} is above {larger} = {high:g}; swap or correct them")
-    levels = cells.get("dim_levels")
-    if isinstance(levels, str):
-        try:
-            parse_dim_levels(levels)
-        except CellError as fault:
-            faults.append(str(fault))
-    spacers = cells.get("spacers_mm")
-    if isinstance(spacers, str):
-        try:
-            parse_spacers(spacers)
-        except CellError as fault:
-            faults.append(str(fault))
+    for name, parse in (("dim_levels", parse_dim_levels), ("spacers_mm", parse_spacers)):
+        text = cells.get(name)
+        if isinstance(text, str):
+            try:
+                parse(text)
+            except CellError as fault:
+                faults.append(str(fault))
     return faults
 
 
@@ -189,10 +185,7 @@ def parse_spacers(text: str) -> tuple[float, ...]:
     """Lengths of spacer rings in millimetres, the shortest first; none for a lens that takes none."""
     if text == "none":
         return ()
-    try:
-        lengths = sorted({float(item) for item in text.split("|")})
-    except ValueError:
-        lengths = []
+    lengths = _listed_numbers(text)
     if not lengths or not 0.0 < lengths[0] <= lengths[-1] <= 100.0:
         raise CellError(f"spacers_mm = {text!r} must be lengths above 0 and at most 100, such as 0.5|1|5, or none")
     return tuple(lengths)
@@ -204,16 +197,22 @@ def parse_dim_levels(text: str) -> tuple[float, ...] | None:
         return None
     if text == "none":
         return (1.0,)
-    try:
-        levels = sorted({float(item) for item in text.split("|")}, reverse=True)
-    except ValueError:
-        levels = []
+    levels = _listed_numbers(text)[::-1]
     if not levels or levels[0] != 1.0 or levels[-1] <= 0.0:
         raise CellError(
             f"dim_levels = {text!r} must be shares of full with 1 among them, such as 1|0.5|0.25, "
             "or continuous, or none"
         )
     return tuple(levels)
+
+
+def _listed_numbers(text: str) -> list[float]:
+    """The different numbers of `1|0.5|0.25`, the least first; none at all where one of them is no number."""
+    try:
+        numbers = {float(item) for item in text.split("|")}
+    except ValueError:
+        return []
+    return sorted(numbers) if all(map(math.isfinite, numbers)) else []
 
 
 def _unknown_column(file: str, name: str, known: Iterable[str]) -> str:
