@@ -115,6 +115,13 @@ DEFECTS = (
         test="tests/solvers/test_equals.py::test_a_choice_is_a_toss_where_each_may_be_the_other[winner2-rival2-False]",
     ),
     Defect(
+        name="nobody tells that some runners-up were not compared",
+        file="uwopt/solvers/explain/equals.py",
+        old="        deadline.left_out.append(UNREACHED)\n",
+        new="        pass\n",
+        test="tests/solvers/test_equals.py::test_what_time_does_not_reach_is_told_and_what_it_reached_is_kept",
+    ),
+    Defect(
         name="ranges are those of all parts' good ends",
         file="uwopt/solvers/explain/equals.py",
         old='other, differing, "bad", objective',

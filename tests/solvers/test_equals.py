@@ -8,6 +8,8 @@ import pytest
 from one_of_each import one, with_parts
 
 from uwopt.catalog.parts.quantity import Quantity
+from uwopt.deadline import Deadline, OutOfTimeError
+from uwopt.solvers.explain import equals as module
 from uwopt.solvers.explain.equals import equals
 from uwopt.solvers.recommend import Sought
 
@@ -19,6 +21,15 @@ def price(ends: Ends) -> dict[str, Any]:
     """A price from its low end to its high one, estimated where they differ."""
     low, value, high = ends
     return {"price": Quantity(value, low, high, "estimated" if high > low else "published")}
+
+
+def of_three(*rivals: Ends) -> tuple[Any, Any]:
+    """A search among a camera of 900 to 1500 and these, and its objective."""
+    cameras = [price(rival) for rival in rivals]
+    case_ = with_parts(one("cost", wanted=FAST, camera=price((900.0, 1000.0, 1500.0))), cameras=cameras)
+    search, outcome = case_.solve(top=3)
+    assert len(outcome.best) == 3
+    return Sought(None, search.problem, search, outcome), case_.objective  # type: ignore[arg-type]
 
 
 def told(winner: Ends, rival: Ends, objective: str = "cost") -> list[dict[str, Any]]:
@@ -47,3 +58,20 @@ def test_the_ends_are_those_of_the_parts_that_differ() -> None:
     (item,) = told((900.0, 1000.0, 1500.0), (950.0, 1100.0, 1200.0))
     assert item["value"] - item["best"] == pytest.approx(150.0)
     assert item["recommendation_at_worst"] - item["value"] == pytest.approx(400.0)
+
+
+def test_what_time_does_not_reach_is_told_and_what_it_reached_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    sought, goal = of_three((950.0, 1100.0, 1200.0), (950.0, 1200.0, 1300.0))
+    assert [item["runner_up"] for item in equals(sought, goal)] == [0, 1]
+    whole, asked = module.with_ends, []
+
+    def two_of_four(*given: Any) -> float:
+        asked.append(given)
+        if len(asked) > 2:
+            raise OutOfTimeError
+        return whole(*given)
+
+    monkeypatch.setattr(module, "with_ends", two_of_four)
+    deadline = Deadline()
+    assert [item["runner_up"] for item in equals(sought, goal, deadline)] == [0]
+    assert deadline.left_out == [module.UNREACHED]

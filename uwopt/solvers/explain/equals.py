@@ -8,9 +8,10 @@ What both are made of moves both alike, and stays as it is.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.ranking import Found
@@ -20,20 +21,31 @@ from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import TIE
 
-LONGEST_S = 1.5  # for all of them: what is not reached by then is left out
+LONGEST_S = 1.5  # for all of them: those that are not reached by then are left out
+UNREACHED = "whether some of the runners-up are equal within the estimates"
 
 
 def equals(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
     """Runners-up that cannot be told from the first, by their place in the result, with their ranges."""
+    found: list[dict[str, Any]] = []
+    try:
+        for item in _equals(sought, objective, deadline.at_most(LONGEST_S)):
+            found.append(item)  # one by one: what is found stays
+    except OutOfTimeError:
+        deadline.left_out.append(UNREACHED)
+    return found
+
+
+def _equals(sought: Sought, objective: Objective, patience: Deadline) -> Iterator[dict[str, Any]]:
+    """Them one by one; raises OutOfTimeError."""
     winner, *others = sought.outcome.best
-    problem, patience = sought.problem, deadline.at_most(LONGEST_S)
+    problem, own = sought.problem, dict(parts_of(sought.problem, winner))
     slow = scenes_need_cells(problem.scenes, objective)
-    found = []
     for place, other in enumerate(others):
-        differing = [kind for kind, part in parts_of(problem, other)
-                     if own_id(part) != own_id(dict(parts_of(problem, winner))[kind])]  # fmt: skip
-        if not differing or patience.passed():
+        differing = [kind for kind, part in parts_of(problem, other) if own_id(part) != own_id(own[kind])]
+        if not differing:
             continue
+        patience.check()
         tied = other.minimised - winner.minimised <= TIE * abs(winner.minimised)
         if not tied and slow:
             continue
@@ -42,8 +54,7 @@ def equals(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> 
         if tied or (other.minimised <= worst and best <= winner.minimised):
             ends = {"value": other.minimised, "best": best, "recommendation_at_worst": worst}
             told = {name: objective.reported(end) if math.isfinite(end) else None for name, end in ends.items()}
-            found.append({"runner_up": place, **told})
-    return found
+            yield {"runner_up": place, **told}
 
 
 def with_ends(
