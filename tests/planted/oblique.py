@@ -153,6 +153,27 @@ DEFECTS = (
         test=f"{SEARCHED}::test_no_oblique_image_gets_more_light_than_its_bounds",
     ),
     Defect(
+        name="samples of an oblique image are thought to lie as far apart ahead as behind",
+        file=BOUNDS,
+        old="np.maximum(steep_m - twist_m, 1e-12)",
+        new="np.maximum(steep_m, 1e-12)",
+        test=f"{SEARCHED}::test_traced_rays_stay_within_what_is_said_of_oblique_images",
+    ),
+    Defect(
+        name="the part behind the axis of an oblique image ends where the flattest ray would",
+        file=BOUNDS,
+        old="/ (1.0 + slope * u * per_c)",
+        new="/ (1.0 + slope * u * per_u)",
+        test=f"{SEARCHED}::test_traced_rays_stay_within_what_is_said_of_oblique_images",
+    ),
+    Defect(
+        name="oblique rays are thought to be as long as from an axis without a port",
+        file=BOUNDS,
+        old="field2 = aside2 / np.square(high_m + deepest_m)",
+        new="field2 = aside2 / np.square(high_m)",
+        test=f"{SEARCHED}::test_traced_rays_stay_within_what_is_said_of_oblique_images",
+    ),
+    Defect(
         name="light behind the axis of an oblique image does not count",
         file="uwopt/solvers/exact/light_tables.py",
         old="if self.behind is not None:",

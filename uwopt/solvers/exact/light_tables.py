@@ -241,9 +241,9 @@ class FloorLightBound:
         """Sum cells outward from the axis, all four quadrants folded into one."""
         scene = problem.scenes[scene_index]
         beam, range_m = problem.beam(scene_index, lighting.optics), float(scene.range_m[altitude])
-        lamps = one_side(lighting.mount.lamps(2))
         if scene.slope:
             return FloorLightBound.oblique(problem, scene_index, lighting, altitude, widest)
+        lamps = one_side(lighting.mount.lamps(2))
         peak = beams.peak_intensity_per_sr(beam) / min(range_m - z for z in lamps.z_m) ** 2
         along = edges_to(float(widest.half_along_m.max(initial=1e-6)))
         across = edges_to(float(widest.half_across_m.max(initial=1e-6)))
@@ -254,10 +254,8 @@ class FloorLightBound:
         least_c = float(scene.attenuation_per_m.min())
         cells *= np.exp(-least_c * (np.sqrt(depth**2 + radius) - depth) * widest.path_share)
         cells /= np.square(1.0 + radius / depth**2)
-        cells *= np.diff(along)[:, None] * np.diff(across)[None, :]
-        total = np.zeros((len(along), len(across)))
-        total[1:, 1:] = cells.cumsum(axis=0).cumsum(axis=1)
-        return FloorLightBound(along, across, np.minimum(total, 1.0), peak)  # no more than all the light
+        light = np.minimum(summed(cells, along, across), 1.0)  # no more than all the light
+        return FloorLightBound(along, across, light, peak)
 
     @staticmethod
     def oblique(
@@ -267,6 +265,7 @@ class FloorLightBound:
         scene = problem.scenes[scene_index]
         beam, range_m = problem.beam(scene_index, lighting.optics), float(scene.range_m[altitude])
         lamps, port_m = levelled(one_side(lighting.mount.lamps(2)), scene.slope, range_m)
+        peak = beams.peak_intensity_per_sr(beam) / min(port_m - z for z in lamps.z_m) ** 2
         least_k, least_c = (
             float(least.min()) for least in (scene.lamp_attenuation_per_m, scene.attenuation_per_m)
         )
@@ -282,12 +281,9 @@ class FloorLightBound:
             path_m, field2 = path_and_field((ends[0], ends[1]), across[None, :-1], **plane)
             cells *= np.exp(-least_c * np.maximum(path_m - problem.nearest_m(scene_index, altitude), 0.0))
             cells *= crowding(ends[0], **plane) / np.square(1.0 + field2)
-            cells *= np.diff(along)[:, None] * np.diff(across)[None, :]
-            total = np.zeros((len(along), len(across)))
-            total[1:, 1:] = cells.cumsum(axis=0).cumsum(axis=1)
             most = crowding(np.minimum(sign * along, 0.0), **plane)[:, None]  # were all of the light there
-            peak = beams.peak_intensity_per_sr(beam) / min(port_m - z for z in lamps.z_m) ** 2
-            halves.append(FloorLightBound(along, across, np.minimum(total, most), peak))
+            light = np.minimum(summed(cells, along, across), most)
+            halves.append(FloorLightBound(along, across, light, peak))
         return replace(halves[0], behind=halves[1])
 
     def most_light(self, rectangle: Rectangles) -> Array:
@@ -297,6 +293,13 @@ class FloorLightBound:
         if self.behind is not None:
             light = light + self.behind.light[rectangle.cell_behind(self.behind.along_m, self.behind.across_m)]
         return np.asarray(np.minimum(light, 4.0 * self.peak_per_m2 * rectangle.area_m2))
+
+
+def summed(cells: Array, along: Array, across: Array) -> Array:
+    """Light on rectangles from the axis to these edges, by that per area in the cells between them."""
+    total = np.zeros((len(along), len(across)))
+    total[1:, 1:] = (cells * np.diff(along)[:, None] * np.diff(across)[None, :]).cumsum(axis=0).cumsum(axis=1)
+    return total
 
 
 def most_in_cells(

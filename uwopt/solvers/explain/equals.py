@@ -8,7 +8,6 @@ What both are made of moves both alike, and stays as it is.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
@@ -27,34 +26,34 @@ UNREACHED = "whether some of the runners-up are equal within the estimates"
 
 def equals(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
     """Runners-up that cannot be told from the first, by their place in the result, with their ranges."""
-    found: list[dict[str, Any]] = []
+    winner, *others = sought.outcome.best
+    patience, found = deadline.at_most(LONGEST_S), list[dict[str, Any]]()
     try:
-        for item in _equals(sought, objective, deadline.at_most(LONGEST_S)):
-            found.append(item)  # one by one: what is found stays
+        for place, other in enumerate(others):
+            ends = ends_if_equal(sought.problem, winner, other, objective, patience)
+            if ends is not None:
+                told = {name: objective.reported(end) if math.isfinite(end) else None for name, end in ends.items()}
+                found.append({"runner_up": place, **told})
     except OutOfTimeError:
         deadline.left_out.append(UNREACHED)
     return found
 
 
-def _equals(sought: Sought, objective: Objective, patience: Deadline) -> Iterator[dict[str, Any]]:
-    """Them one by one; raises OutOfTimeError."""
-    winner, *others = sought.outcome.best
-    problem, own = sought.problem, dict(parts_of(sought.problem, winner))
-    slow = scenes_need_cells(problem.scenes, objective)
-    for place, other in enumerate(others):
-        differing = [kind for kind, part in parts_of(problem, other) if own_id(part) != own_id(own[kind])]
-        if not differing:
-            continue
-        patience.check()
-        tied = other.minimised - winner.minimised <= TIE * abs(winner.minimised)
-        if not tied and slow:
-            continue
-        worst = winner.minimised if slow else with_ends(problem, winner, other, differing, "bad", objective, patience)
-        best = other.minimised if slow else with_ends(problem, other, winner, differing, "good", objective, patience)
-        if tied or (other.minimised <= worst and best <= winner.minimised):
-            ends = {"value": other.minimised, "best": best, "recommendation_at_worst": worst}
-            told = {name: objective.reported(end) if math.isfinite(end) else None for name, end in ends.items()}
-            yield {"runner_up": place, **told}
+def ends_if_equal(
+    problem: Problem, winner: Found, other: Found, objective: Objective, patience: Deadline
+) -> dict[str, float] | None:
+    """A runner-up's value and best end, and the worst of the first, where they cannot be told apart."""
+    own, slow = dict(parts_of(problem, winner)), scenes_need_cells(problem.scenes, objective)
+    differing = [kind for kind, part in parts_of(problem, other) if own_id(part) != own_id(own[kind])]
+    tied = other.minimised - winner.minimised <= TIE * abs(winner.minimised)
+    if not differing or (slow and not tied):
+        return None
+    patience.check()
+    worst = winner.minimised if slow else with_ends(problem, winner, other, differing, "bad", objective, patience)
+    best = other.minimised if slow else with_ends(problem, other, winner, differing, "good", objective, patience)
+    if tied or (other.minimised <= worst and best <= winner.minimised):
+        return {"value": other.minimised, "best": best, "recommendation_at_worst": worst}
+    return None
 
 
 def with_ends(
