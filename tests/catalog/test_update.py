@@ -127,6 +127,8 @@ def test_what_is_there_already_changes_nothing(tmp_path: Path) -> None:
         (f"id,kind,depth_rating_m,source_url\n{LAMP},continuous,deep,a\n", "depth_rating_m = 'deep'"),
         (f"id,kind,depth_rating_m,source_url\n{LAMP},continuous,9,a\n{LAMP},continuous,8,a\n", "stands already"),
         (f"id,kind,depht_m,source_url\n{LAMP},continuous,9,a\n", "'depht_m' is no column"),
+        (f"id,mass_kg,source_url\n{LAMP},9,a\n", "'mass_kg' is no column of a light; did you mean mass_g?"),
+        (f"id,mass_g,source_url\n{LAMP},=2*4,a\n", f"lights.csv row 2 ({LAMP}): mass_g = '=2*4' begins like a formula"),
         (f"id,kind,flux_lm,source_url\n{DOME},continuous,9,a\n", "is a port of the catalogue, not a light"),
         ("id,kind,flux_lm,source_url\ngeneric-lamp-flood-1500lm,continuous,9,a\n", "class of parts to be made"),
         ("id,kind,flux_lm,source_url\nacme,continuous,900,a\n", "purpose is empty"),

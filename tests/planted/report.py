@@ -386,6 +386,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_tables.py::test_a_margin_just_missed_is_told_apart_from_its_limit",
     ),
     Defect(
+        name="a key of the mission is told to be a refusal",
+        file="uwopt/report/text/doubts.py",
+        old="in REFUSED.items() if key not in given}",
+        new="in REFUSED.items()}",
+        test="tests/report/test_short.py::test_where_no_change_helps_the_rules_that_exclude_most_are_told",
+    ),
+    Defect(
         name="what is possible looks like what is asked",
         file="uwopt/report/text/doubts.py",
         old="asked, possible = words.quantities_apart(item.limit, item.needed, unit=unit, digits=4)",

@@ -10,6 +10,13 @@ CHANGES = "uwopt/catalog/changes.py"
 
 DEFECTS = (
     Defect(
+        name="a wrong cell is told by the log instead of the file that was brought",
+        file=UPDATE,
+        old="Row(brought[key].file, brought[key].line, row.cells)",
+        new="row",
+        test=f"{TESTS}test_a_row_that_cannot_stand_is_refused_with_its_reason",
+    ),
+    Defect(
         name="a row is changed without a source",
         file=UPDATE,
         old="if not said_by or said_by == CLEARED:",
@@ -61,7 +68,7 @@ DEFECTS = (
     Defect(
         name="an id may stand twice in what is brought",
         file=UPDATE,
-        old="            seen[key] = row.where()\n",
+        old="            seen[key] = row\n",
         new="",
         test=f"{TESTS}test_a_row_that_cannot_stand_is_refused_with_its_reason",
     ),

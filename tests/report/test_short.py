@@ -225,6 +225,17 @@ def test_what_was_not_tried_is_not_told_to_be_in_vain(make_result: Make) -> None
     assert "at least two have to give" not in text_of(make_result(infeasible=why, warnings=cut, **nothing))
 
 
+def test_where_no_change_helps_the_rules_that_exclude_most_are_told(make_result: Make) -> None:
+    counts = {"camera: purpose": 900, "mount": 5, "max_gsd_mm": 70, "min_swath_m": 80, "image_circle": 60}
+    rules = [{"name": name, "n_excluded": n, "n_is_bound": False} for name, n in counts.items()]
+    nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None, "status": "infeasible"}
+    why = {"requirements": rules, "relaxations": [], "nearest_miss": None}
+    for own, told in ((None, "(min_swath_m 1, by refuse: swath)"), (2.0, "(min_swath_m)")):
+        mission = {"name": "x", "requirements": {"min_swath_m": own, "max_gsd_mm": 1.0}}
+        text = " ".join(text_of(make_result(mission=mission, infeasible=why, **nothing)).split())
+        assert f"Most fall by: swath too narrow {told}; pixel on the floor too large (max_gsd_mm); image circle" in text
+
+
 def test_what_the_estimates_cannot_tell_apart_is_called_equal(make_result: Make, make_design: Make) -> None:
     others = [make_design(41.0, lens="q-lens"), make_design(42.0, lens="r-lens")]
     text = text_of(make_result(runners_up=others, robustness={"equal": [{"runner_up": 1}]}))

@@ -62,7 +62,7 @@ def read_text(path: Path) -> str:
     try:
         return content(path).decode("utf-8-sig")
     except FileNotFoundError:
-        raise CatalogError(f"{path}: no such file; paths are relative to the mission file.") from None
+        raise CatalogError(f"{path}: no such file; paths in a mission start from its folder.") from None
     except IsADirectoryError:
         raise CatalogError(f"{path}: is a folder; name a CSV or YAML file.") from None
     except UnicodeDecodeError as fault:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from uwopt.catalog.parts.part import Kind
 from uwopt.catalog.readers.readers import READERS
 from uwopt.catalog.tables import Row, parse_table, read_text
 from uwopt.catalog.userparts import is_price_table, kind_of_table, yaml_table
+from uwopt.documents.faults import nearest
 from uwopt.documents.files import FORMULA_SIGNS
 from uwopt.errors import CatalogError
 
@@ -55,21 +56,21 @@ def planned(sources: Sequence[Path], log: Path, *, date: str, source: str = "") 
         raise CatalogError(faults)
     standing = built_in_cells() | replayed(before, log.name)
     changes: list[CellChange] = []
-    seen: dict[str, str] = {}
+    seen: dict[str, Row] = {}
     for kind, row in _brought([path for path in _files(sources, faults) if path != log], standing, faults):
         key = plain_name(row.cells.get("id", ""))
         if key in seen:
-            faults.append(f"{row.where()}: id stands already in {seen[key]}; ids are unique.")
+            faults.append(f"{row.where()}: id stands already in {seen[key].where()}; ids are unique.")
         elif key in built_in_cells("generic"):
             faults.append(f"{row.where()}: is a class of parts to be made; give your part an id of its own.")
         elif not key:
             faults.append(f"{row.where()}: id is empty.")
         else:
-            seen[key] = row.where()
+            seen[key] = row
             found, wrong = _changes_of_row(kind, row, standing.get(key), date, source)
             changes += found
             faults += wrong
-    faults += _faults_after(before, changes, log)
+    faults += _faults_after(before, changes, log, seen)
     if faults:
         raise CatalogError(faults)
     return Update(tuple(before), tuple(changes))
@@ -142,7 +143,7 @@ def _changes_of_row(
     part_id = old.get("id") or row.cells["id"]
     told = {name: BREAKS.sub(" ", text) for name, text in row.cells.items() if text and name not in ("id", "part")}
     said_by = told.get("source_url") or source
-    faults = [f"{row.where()}: {name!r} is no column of a {kind}." for name in told if name not in COLUMNS[kind]]
+    faults = [f"{row.where()}: {_no_column(name, kind)}" for name in told if name not in COLUMNS[kind]]
     faults += _formula_faults(row, {"id": part_id, **told, "source": said_by})
     new = {name: "" if text == CLEARED else text for name, text in told.items()}
     if "price" in told and new["price"] != old.get("price", ""):
@@ -172,6 +173,13 @@ def _formula_faults(row: Row, cells: dict[str, str]) -> list[str]:
     ]
 
 
+def _no_column(name: str, kind: Kind) -> str:
+    """That a kind of part has no such column, and what may be meant."""
+    near = nearest(name, COLUMNS[kind], cutoff=0.5)
+    meant = f"did you mean {near}?" if near else f"`uwopt catalog template {kind}` prints the known ones."
+    return f"{name!r} is no column of a {kind}; {meant}"
+
+
 def _quote_faults(row: Row, new: dict[str, str]) -> list[str]:
     """A price counts with its currency, of which a rate is known, and its date."""
     if not new["price"]:
@@ -190,10 +198,16 @@ def _with_source(old: str, new: str) -> str:
     return old if new in old.split(" | ") else " | ".join(text for text in (old, new) if text)
 
 
-def _faults_after(before: Sequence[CellChange], changes: Sequence[CellChange], log: Path) -> list[str]:
-    """What is wrong with the parts as the changes would leave them."""
+def _faults_after(
+    before: Sequence[CellChange], changes: Sequence[CellChange], log: Path, brought: Mapping[str, Row]
+) -> list[str]:
+    """What is wrong with the parts as the changes would leave them, told by the rows that were brought."""
     touched = {plain_name(change.id) for change in changes}
-    rows = [item for key, item in replayed([*before, *changes], log.name).items() if key in touched]
+    rows = [
+        (kind, Row(brought[key].file, brought[key].line, row.cells))
+        for key, (kind, row) in replayed([*before, *changes], log.name).items()
+        if key in touched
+    ]
     typed, faults = checked_rows(rows, log.parent)
     if faults:
         return faults

@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from uwopt.mission.reserves import REFUSED
 from uwopt.report.text import words
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
-from uwopt.results.basis import Assumption, Relaxed
+from uwopt.results.basis import Assumption, Excluded, Relaxed
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Certificate, Result
 from uwopt.units import format_within, split_unit
 
 MOST_ASSUMPTIONS = 12
 LONGEST_REASON = 80
+MOST_RULES = 3  # told on the first page where no change alone helps
 NO_QUOTE_MATTERS = "no single number, known better, would change the answer"
 AT_CENTRAL_PRICES = (
     "At the central price it would fit: the limit of cost is broken only where estimated prices turn out high "
@@ -100,6 +102,25 @@ def no_change_helps(result: Result | FrontResult) -> str:
     if cut:
         return "No single requirement that alone stands in the way was found in the time there was"
     return "No single requirement stands in the way; at least two have to give"
+
+
+def excluding_most(result: Result) -> Text | None:
+    """The rules that exclude most of what the mission allows, and which of them good practice asks for."""
+    rules = [r for r in result.infeasible.requirements if ": " not in r.name] if result.infeasible is not None else []
+    most = sorted(rules, key=lambda rule: -rule.n_excluded)[:MOST_RULES]
+    if not most:
+        return None
+    asked = result.mission.get("requirements") or {}
+    given = {key for key, value in asked.items() if value is not None}
+    given |= {"min_swath_m"} if "min_area_m2_h" in given else set()  # an area asks for a swath
+    by_refusal = {key: (word, value) for word, (key, value) in REFUSED.items() if key not in given}
+
+    def told(rule: Excluded) -> str:
+        key = words.one_line(rule.name)
+        word, value = by_refusal.get(key, ("", 0.0))
+        return f"{words.rule_name(rule.name)} ({key}" + (f" {value:g}, by refuse: {word})" if word else ")")
+
+    return sentence(f"Most fall by: {'; '.join(map(told, most))}.")
 
 
 def miss_sentence(result: Result | FrontResult) -> Text | None:

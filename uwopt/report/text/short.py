@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import words
 from uwopt.report.text.doubts import (
+    excluding_most,
     helpful_lines,
     miss_sentence,
     no_change_helps,
@@ -322,7 +323,8 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
     elif result.status == "stopped":
         lines = [sentence("Give it more time, or a mission with fewer parts to choose from.")]
     elif result.infeasible:
-        lines = [sentence(f"{no_change_helps(result)}.")]
+        most = excluding_most(result)
+        lines = [sentence(f"{no_change_helps(result)}."), *([most] if most else [])]
     if result.status == "infeasible" and result.mission.get("practice") == "recommended":
         lines.append(sentence(ASKED_BY_PRACTICE))
     if lines:
