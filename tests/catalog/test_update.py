@@ -64,6 +64,14 @@ def test_a_quote_changes_its_cells_and_the_log_says_from_what_to_what_and_by_who
     assert set(cells) == {"price", "currency", "price_date", "price_status", "source_url", "checked"}
 
 
+def test_a_quote_takes_the_place_of_an_estimate_and_its_ends(tmp_path: Path) -> None:
+    cells_of_range = "id,kind,price,price_low,price_high,currency,price_date,source_url"
+    kept(tmp_path, brought(tmp_path, f"{cells_of_range}\n{LAMP},continuous,300,200,400,USD,2026,a\n"))
+    quote = f"id,price,currency,date,note\n{LAMP},210,EUR,2026-11-20,quote 77\n"
+    cells = {c.cell: (c.old, c.new) for c in brought(tmp_path, quote, "quotes.csv").changes}
+    assert (cells["price_low"], cells["price_high"]) == (("200", ""), ("400", ""))
+
+
 def test_the_log_is_a_file_of_parts_that_leaves_all_other_facts(tmp_path: Path) -> None:
     text = f"id,price,currency,date,note\n{LAMP},210,EUR,2026-11-20,quote 77\n"
     log = kept(tmp_path, brought(tmp_path, text, "q.csv"))
@@ -124,7 +132,7 @@ def test_what_is_there_already_changes_nothing(tmp_path: Path) -> None:
         (f"id,kind,price,currency,price_date\n{LAMP},continuous,210,EUR,2026-11\n", "by which source"),
         (f"id,kind,price,currency,price_date,source_url\n{LAMP},continuous,210,XYZ,2026-11,a\n", "currency 'XYZ'"),
         (f"id,kind,price,currency,source_url\n{LAMP},continuous,210,EUR,a\n", "price_date ''"),
-        (f"id,kind,depth_rating_m,source_url\n{LAMP},continuous,deep,a\n", "depth_rating_m = 'deep'"),
+        (f"id,kind,depth_rating_m,source_url\n{LAMP},continuous,deep,a\n", f"lights.csv row 2 ({LAMP}): depth_"),
         (f"id,kind,depth_rating_m,source_url\n{LAMP},continuous,9,a\n{LAMP},continuous,8,a\n", "stands already"),
         (f"id,kind,depht_m,source_url\n{LAMP},continuous,9,a\n", "'depht_m' is no column"),
         (f"id,mass_kg,source_url\n{LAMP},9,a\n", "'mass_kg' is no column of a light; did you mean mass_g?"),

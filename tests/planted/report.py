@@ -112,7 +112,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="formulas that begin with a minus pass",
-        file="uwopt/report/write.py",
+        file="uwopt/documents/files.py",
         old='("=", "+", "-", "@", "\\t", "\\r", "\\n")',
         new='("=", "+", "@", "\\t", "\\r", "\\n")',
         test="tests/report/test_write.py::test_text_that_begins_like_a_formula_gets_an_apostrophe",

@@ -35,7 +35,7 @@ DEFECTS = (
         file=UPDATE,
         old='("price_low", "price_high", "price_status", "price_date"), "")',
         new='("price_status", "price_date"), "")',
-        test=f"{TESTS}test_a_quote_changes_its_cells_and_the_log_says_from_what_to_what_and_by_whom",
+        test=f"{TESTS}test_a_quote_takes_the_place_of_an_estimate_and_its_ends",
     ),
     Defect(
         name="a price that is cleared leaves its date",
@@ -75,7 +75,7 @@ DEFECTS = (
     Defect(
         name="changed parts are not built before they are kept",
         file=UPDATE,
-        old="    faults += _faults_after(before, changes, log)\n",
+        old="    faults += _faults_after(before, changes, log, seen)\n",
         new="",
         test=f"{TESTS}test_a_row_that_cannot_stand_is_refused_with_its_reason",
     ),
