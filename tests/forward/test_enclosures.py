@@ -178,3 +178,16 @@ def test_a_dome_that_is_wider_than_its_tube_stands_on_a_flange_that_is_paid_for(
     assert extra == pytest.approx(flange_usd or 0.0)
     paid = [] if flange_usd is None else [(2, pytest.approx(flange_usd))]
     assert [(row.count, row.unit_price) for row in rows] == paid
+
+
+def test_a_flange_weighs_in_air_and_in_water() -> None:
+    # to 300 m 1730 g at 200 mm, of which it displaces 0.3: at 120 mm 622.8 g and 186.84 g
+    tube = replace(TUBE, ports=("any", "acme*"))
+    wide = replace(PORT, outer_radius_mm=60.0, clear_diameter_mm=90.0, housing=tube)
+    without, built = model(replace(wide, id="acme-dome")), model(wide)
+    totals = [one.totals(one.figures(0, one.settings(0, given()), information=False)) for one in (without, built)]
+    assert totals[1]["mass_kg"][0] - totals[0]["mass_kg"][0] == pytest.approx(2 * 0.6228)
+    in_water_kg = built.mass_in_water_kg()[0] - without.mass_in_water_kg()[0]
+    assert in_water_kg == pytest.approx(2 * (0.6228 - 0.18684))
+    rows = {row.id: row.unit_mass_kg for row in bill_of_materials(built.problem, built.hardware)}
+    assert rows["adapter-flange"] == pytest.approx(0.6228)

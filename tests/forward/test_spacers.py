@@ -82,6 +82,7 @@ def test_a_system_takes_the_ring_that_its_focus_needs_and_tells_what_to_set():
     bare = evaluated(0.25, spacers="none").design
     assert bare is not None and not bare.feasible
     assert design.totals.cost.value - bare.totals.cost.value == pytest.approx(60.0)
+    assert design.totals.mass_kg - bare.totals.mass_kg == pytest.approx(2 * 0.003)  # 0.5 to 17 g, middle 3 g
 
 
 @pytest.mark.parametrize(

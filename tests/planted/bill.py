@@ -5,6 +5,7 @@ from __future__ import annotations
 from planted.defect import Defect
 
 REST, HOST = "tests/evaluation/test_rest.py", "tests/evaluation/test_host.py"
+SUMS = "tests/evaluation/test_bill_sums.py::test_rows_of_a_bill_add_up_to_cost_mass_and_power"
 INTERFACES = "tests/catalog/test_interfaces.py"
 
 DEFECTS = (
@@ -56,6 +57,48 @@ DEFECTS = (
         old="for item in items)) + 1e-3 * rest_g,",
         new="for item in items)),",
         test=f"{REST}::test_a_battery_of_the_system_costs_weighs_and_limits",
+    ),
+    Defect(
+        name="a flange weighs nothing",
+        file="uwopt/forward/part_columns.py",
+        old='known["mass_kg"] + 1e-3 * flange_g',
+        new='known["mass_kg"] + 0.0 * flange_g',
+        test="tests/forward/test_enclosures.py::test_a_flange_weighs_in_air_and_in_water",
+    ),
+    Defect(
+        name="a flange displaces no water",
+        file="uwopt/forward/part_columns.py",
+        old="displaced_kg + 1e-3 * flange_displaced_g",
+        new="displaced_kg + 0.0 * flange_displaced_g",
+        test="tests/forward/test_enclosures.py::test_a_flange_weighs_in_air_and_in_water",
+    ),
+    Defect(
+        name="the row of a flange has no mass",
+        file="uwopt/evaluation/bill.py",
+        old="flange.price, flange.mass_g)",
+        new="flange.price)",
+        test=SUMS,
+    ),
+    Defect(
+        name="rings weigh nothing in the search",
+        file="uwopt/solvers/exact/imagers.py",
+        old='lenses.mass_kg + ring["mass_kg"]',
+        new="lenses.mass_kg",
+        test="tests/solvers/test_spacers.py::test_rings_make_designs_that_cost_and_weigh_more_than_their_parts[34]",
+    ),
+    Defect(
+        name="the computer's power stands in the row of the camera too",
+        file="uwopt/evaluation/design_model.py",
+        old="cameras_w = n * float(figures.camera_power_w[0]) - computer_w",
+        new="cameras_w = n * float(figures.camera_power_w[0])",
+        test=SUMS,
+    ),
+    Defect(
+        name="rows draw the power of the first scene",
+        file="uwopt/evaluation/design.py",
+        old="drawn[int(np.argmax(powers))]",
+        new="drawn[0]",
+        test=SUMS,
     ),
     Defect(
         name="a battery hangs in the cameras' housings",

@@ -442,8 +442,8 @@ DEFECTS = (
     Defect(
         name="the second camera is free",
         file="uwopt/evaluation/design_model.py",
-        old="return n * body + lamps_to_buy",
-        new="return body + lamps_to_buy",
+        old="return np.asarray(n * (pieces",
+        new="return np.asarray(1 * (pieces",
         test="tests/evaluation/test_design_model.py::test_totals_of_two_cameras_by_hand",
     ),
     Defect(

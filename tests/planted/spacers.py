@@ -42,9 +42,9 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="rings are for nothing in the search",
         file="uwopt/solvers/exact/imagers.py",
-        old="((spacers_m > 0.0) * price for price",
-        new="((spacers_m < 0.0) * price for price",
-        test=SEARCH + "test_rings_make_designs_that_cost_more_than_their_parts",
+        old="{name: (spacers_m > 0.0) * each",
+        new="{name: (spacers_m < 0.0) * each",
+        test=SEARCH + "test_rings_make_designs_that_cost_and_weigh_more_than_their_parts",
     ),
     Defect(
         name="the scale is set as if there were no ring",
@@ -72,7 +72,7 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/solvers/exact/outline.py",
         old="ok &= np.isfinite(needed_spacer_m(lenses, dioptre, slack=COARSE_ROUND))",
         new="ok &= needed_spacer_m(lenses, dioptre, slack=COARSE_ROUND) == 0.0",
-        test=SEARCH + "test_rings_make_designs_that_cost_more_than_their_parts",
+        test=SEARCH + "test_rings_make_designs_that_cost_and_weigh_more_than_their_parts",
     ),
     Defect(
         name="a ring takes no length in a housing",

@@ -77,6 +77,15 @@ def assert_proven(result: Result) -> None:
     assert 0 < proof.evaluated <= proof.selected <= proof.loaded
 
 
+def assert_bill_adds_up(design: Design) -> None:
+    """The rows of the bill sum to the cost, the mass and the power of the whole."""
+    totals, bill = design.totals, design.bom
+    figures = {name: max(scene.figures[name] for scene in design.scenes) for name in ("cost", "power_w")}
+    assert sum(row.to_buy * (row.unit_price or 0.0) for row in bill) == pytest.approx(figures["cost"])
+    assert sum(row.count * (row.unit_mass_kg or 0.0) for row in bill) == pytest.approx(totals.mass_kg)
+    assert sum(row.power_w or 0.0 for row in bill) == pytest.approx(figures["power_w"])
+
+
 def assert_no_runner_up_is_better(result: Result) -> None:
     """Runners-up are feasible, sorted, and not better; all objectives of these missions are minimised."""
     values = [design.objective_value for design in result.runners_up]
@@ -102,6 +111,7 @@ def test_mission_is_solved_and_its_claims_hold(
     assert best.feasible
     assert_proven(result)
     assert_no_runner_up_is_better(result)
+    assert_bill_adds_up(best)
     assert numbers_that_are_not_finite(result.to_dict()) == []
     assert result.audit is not None
     assert result.audit["tried"] == N_ATTACKED

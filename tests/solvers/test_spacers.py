@@ -21,7 +21,7 @@ def test_search_among_rings_equals_enumeration(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", CASES)
-def test_rings_make_designs_that_cost_more_than_their_parts(seed: int) -> None:
+def test_rings_make_designs_that_cost_and_weigh_more_than_their_parts(seed: int) -> None:
     """Else the comparison above would say nothing of them; and no group of ports refuses what stands on a ring."""
     problem = case(seed, spaced=True).problem()
     imagers = enumerate_imagers(problem)
@@ -31,6 +31,9 @@ def test_rings_make_designs_that_cost_more_than_their_parts(seed: int) -> None:
     parts = cameras.price[imagers.camera] + lenses.price[imagers.lens] + ports.price[imagers.port]
     each = (imagers.cost - problem.extras[0]) / problem.mission.vehicle.camera_count - parts
     assert each == pytest.approx(np.where(ringed, 30.0, 0.0))  # USD, the class estimate's middle
+    weighs = cameras.mass_kg[imagers.camera] + lenses.mass_kg[imagers.lens] + ports.mass_kg[imagers.port]
+    more_kg = (imagers.mass_kg - problem.extras[1]) / problem.mission.vehicle.camera_count - weighs
+    assert more_kg == pytest.approx(np.where(ringed, 0.003, 0.0))  # of the rings' class
     groups = port_tree(problem)[0]
     place = np.argsort(groups.order)[imagers.port]
     rows = OutlineRows(

@@ -49,3 +49,8 @@ def rings_in_words(mounts: Iterable[str], length_mm: float) -> str:
 def spacer_price() -> Quantity:
     """Price in USD of the rings behind one lens."""
     return required_class("spacer-price", "any").quantity()
+
+
+def spacer_mass_g() -> Quantity:
+    """Mass of the rings behind one lens."""
+    return required_class("spacer-mass-g", "any").quantity()

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from uwopt.catalog.interfaces import reaches_m
 from uwopt.catalog.mounts import counterpart, is_free
 from uwopt.catalog.records import Camera, Part, Port, Quantity
 from uwopt.catalog.rest import RestItem
-from uwopt.catalog.spacers import rings_in_words, spacer_price
-from uwopt.forward.adapters import adapter_price, flange_mm
+from uwopt.catalog.spacers import rings_in_words, spacer_mass_g, spacer_price
+from uwopt.forward.adapters import adapter_of
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.results.design import BillRow, Cost, LampPlace, UsedHardware, UsedPart
@@ -84,8 +84,11 @@ def price_status(part: Part) -> str:
     return {"published": "list", "user": "own", "quoted": "quoted"}.get(part.price.status, part.price.status)
 
 
-def bill_of_materials(problem: Problem, hw: Hardware, spacer_m: float = 0.0) -> list[BillRow]:
-    """What to order: part, number, price with its range and status, source."""
+def bill_of_materials(
+    problem: Problem, hw: Hardware, spacer_m: float = 0.0, drawn_w: Mapping[str, float] | None = None
+) -> list[BillRow]:
+    """What to order: part, number, price with its range and status, source; mass, and mean power by `drawn_w`."""
+    drawn = drawn_w or {}
     currency = problem.mission.limits.currency
     rows = []
     for kind, part, count, owned in bought(problem, hw):
@@ -99,27 +102,21 @@ def bill_of_materials(problem: Problem, hw: Hardware, spacer_m: float = 0.0) -> 
                 price_status=price_status(part), price_date=part.price_date, generic=part.generic,
                 source=part.source_url, price_basis=price.source, note=remark(part), purpose=purpose_of(kind, part),
                 availability="" if part.generic or part.inline else part.availability, checked=part.checked,
+                unit_mass_kg=None if part.mass_g is None else 1e-3 * part.mass_g.value, power_w=drawn.get(kind),
             )
         )  # fmt: skip
-    extras = problem.mission.catalog.extras
-    if (flange := adapter_price(problem.parts.ports[hw.port])) is not None:
-        rows.append(flange_row(problem, hw, flange))
-    if spacer_m > 0.0:
-        rows.append(spacer_row(problem, hw, spacer_m))
     camera = problem.parts.cameras[hw.camera]
     if problem.counts_host and camera.takes_a_host:
-        rows.append(host_row(problem, camera))
-    lamps = sum(count - owned for kind, _, count, owned in bought(problem, hw) if kind == "light")
-    cables = problem.mission.vehicle.camera_count if camera.tethered else 0
-    numbers = {"system": 1, "camera": cables, "lamp": lamps}
-    rows += [rest_row(problem, item, numbers[item.per]) for item in problem.rest if numbers[item.per]]
+        rows.append(replace(host_row(problem, camera), power_w=drawn.get("computer")))
+    rows += [rest_row(problem, item, count) for item, count in beside_parts(problem, hw, spacer_m)]
     return rows + [
         BillRow(
             kind="extra", id=extra.name, manufacturer="", model=extra.name, count=1, owned=0,
             unit_price=extra.cost, unit_price_low=extra.cost, unit_price_high=extra.cost, currency=currency,
             price_status="own", price_date="", generic=False, source="mission", price_basis="", purpose="extra",
+            unit_mass_kg=extra.mass_kg, power_w=extra.power_w,
         )
-        for extra in extras
+        for extra in problem.mission.catalog.extras
     ]  # fmt: skip
 
 
@@ -162,19 +159,21 @@ def host_row(problem: Problem, camera: Camera) -> BillRow:
     )  # fmt: skip
 
 
-def spacer_row(problem: Problem, hw: Hardware, spacer_m: float) -> BillRow:
-    """The rings between each camera and its lens."""
-    mounts = problem.parts.lenses[hw.lens].mounts
-    name = f"spacer ring {rings_in_words(mounts, spacer_m * 1e3)} between lens and camera"
-    item = RestItem("spacer-ring", name, "camera", spacer_price())
-    return rest_row(problem, item, problem.mission.vehicle.camera_count)
-
-
-def flange_row(problem: Problem, hw: Hardware, price: Quantity) -> BillRow:
-    """The adapter between each port and its housing."""
-    name = f"adapter flange of {flange_mm(problem.parts.ports[hw.port]):.0f} mm between port and housing"
-    item = RestItem("adapter-flange", name, "camera", price)
-    return rest_row(problem, item, problem.mission.vehicle.camera_count)
+def beside_parts(problem: Problem, hw: Hardware, spacer_m: float) -> list[tuple[RestItem, int]]:
+    """What is bought beside parts and computer, with how many: flanges, rings and the rest of the system."""
+    cameras = problem.mission.vehicle.camera_count
+    made = []
+    if (flange := adapter_of(problem.parts.ports[hw.port])) is not None:
+        name = f"adapter flange of {flange.wide_mm:.0f} mm between port and housing"
+        made.append((RestItem("adapter-flange", name, "camera", flange.price, flange.mass_g), cameras))
+    if spacer_m > 0.0:
+        rings = rings_in_words(problem.parts.lenses[hw.lens].mounts, spacer_m * 1e3)
+        name = f"spacer ring {rings} between lens and camera"
+        made.append((RestItem("spacer-ring", name, "camera", spacer_price(), spacer_mass_g()), cameras))
+    lamps = sum(count - owned for kind, _, count, owned in bought(problem, hw) if kind == "light")
+    cables = cameras if problem.parts.cameras[hw.camera].tethered else 0
+    numbers = {"system": 1, "camera": cables, "lamp": lamps}
+    return made + [(item, numbers[item.per]) for item in problem.rest if numbers[item.per]]
 
 
 def rest_row(problem: Problem, item: RestItem, count: int) -> BillRow:
@@ -185,6 +184,7 @@ def rest_row(problem: Problem, item: RestItem, count: int) -> BillRow:
         unit_price=rate * price.value, unit_price_low=rate * price.low, unit_price_high=rate * price.high,
         currency=problem.mission.limits.currency, price_status=price.status, price_date="", generic=False,
         source="class estimate", price_basis=price.source, purpose="rest of the system",
+        unit_mass_kg=None if item.mass_g is None else 1e-3 * item.mass_g.value,
     )  # fmt: skip
 
 

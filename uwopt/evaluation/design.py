@@ -42,7 +42,7 @@ def evaluate_design(
     """Everything a result says of one design with these settings."""
     model = design_model(problem, hardware)
     scenes, powers, snrs, peaks, light_powers = [], [], [], [], []
-    contrasts, information, by_scene = [], [], []
+    contrasts, information, by_scene, drawn = [], [], [], []
     first: SettingRows | None = None
     for index, wanted in enumerate(given):
         scene = problem.scenes[index]
@@ -58,6 +58,7 @@ def evaluate_design(
         terms = model.totals(figures)
         powers.append(float(terms["power_w"][0]))
         light_powers.append(float(figures.light_power_w[0]))
+        drawn.append(model.drawn_w(index, settings, figures))
         peaks.append(float(figures.light_peak_power_w[0]))
         snr = float(figures.snr[0, scene.nominal])
         snrs.append(float(ratio_to_db(max(snr, 0.0))))
@@ -79,7 +80,7 @@ def evaluate_design(
     one = Terms(*(np.array([v]) for v in worst))
     minimised = float(objective.cost_to_minimise(one)[0])
     feasible = all(m.satisfied for s in scenes for m in s.margins)
-    bill = bill_of_materials(problem, hardware, model.spacer_m)
+    bill = bill_of_materials(problem, hardware, model.spacer_m, drawn[int(np.argmax(powers))])
     return Design(
         hardware=used_hardware(problem, hardware, model.spacer_m),
         objective_value=objective.reported(minimised) if math.isfinite(minimised) else None,

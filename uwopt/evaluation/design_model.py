@@ -34,12 +34,13 @@ from uwopt.forward.lamp_views import (
     views_refused,
 )
 from uwopt.forward.motion import blur_time_s, required_rate_hz
-from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Lights
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Lights, number
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
 from uwopt.forward.sharpness import SharpRows, airy_wavelength_nm, sharpness_of
 from uwopt.forward.spacers import ring_behind_m
 from uwopt.forward.sun_light import sun_light
+from uwopt.forward.switching import camera_power_w
 from uwopt.forward.views import focus_map, table_reach_m, views
 from uwopt.model.image_mean import cells
 from uwopt.model.imaging import floor_point, lamp_light
@@ -450,7 +451,12 @@ class DesignModel:
         """Mass in water of all cameras in their housings, lamps not counted."""
         port = self.problem.ports.take(np.array([self.hardware.port]))
         count = self.problem.mission.vehicle.camera_count
-        return mass_in_water_kg(count, self.cameras, self.lenses, port)[:, 0]
+        return mass_in_water_kg(count, self.cameras, self.lenses, self.rings.get("mass_kg", 0.0), port)[:, 0]
+
+    @property
+    def rings(self) -> dict[str, float]:
+        """What the rings behind each lens cost and weigh; nothing where none stand there."""
+        return self.problem.spacers if self.spacer_m > 0.0 else {}
 
     def ratings_m(self) -> dict[str, float | None]:
         """Depth ratings of the parts that meet the water; inline parts are not checked for what they leave out."""
@@ -472,15 +478,15 @@ class DesignModel:
         extra_cost, extra_mass, _ = problem.extras
         port = problem.ports.take(np.array([hw.port]))
         lamps_to_buy = problem.lamps_to_buy(np.array([hw.light]), np.array([hw.count]))
-        rings = dict(zip(("price", "limit_price"), problem.spacer_prices, strict=True)) if self.spacer_m > 0.0 else {}
+
+        def cameras(name: str) -> Array:
+            pieces = getattr(self.cameras, name) + getattr(self.lenses, name) + getattr(port, name)
+            return np.asarray(n * (pieces + self.rings.get(name, 0.0)))
 
         def money(name: str) -> Array:
-            body = getattr(self.cameras, name) + getattr(self.lenses, name) + getattr(port, name) + rings.get(name, 0.0)
-            return n * body + lamps_to_buy * getattr(self.lights, name) + extra_cost
+            return cameras(name) + lamps_to_buy * getattr(self.lights, name) + extra_cost
 
-        mass = (
-            n * (self.cameras.mass_kg + self.lenses.mass_kg + port.mass_kg) + hw.count * self.lights.mass_kg
-        )
+        mass = cameras("mass_kg") + hw.count * self.lights.mass_kg
         camera_power = problem.carried_power_w(figures.camera_power_w)
         return {
             "cost": money("price"),
@@ -490,6 +496,17 @@ class DesignModel:
             "camera_peak_power_w": problem.camera_power_w(self.cameras),
             "power_w": camera_power + figures.light_power_w,
         }
+
+    def drawn_w(self, index: int, settings: SettingRows, figures: Figures) -> dict[str, float]:
+        """Mean power in one scene by what of the bill draws it; the extras apart, which say so themselves."""
+        problem = self.problem
+        n, camera = problem.mission.vehicle.camera_count, problem.parts.cameras[self.hardware.camera]
+        fed_w = np.array([problem.host_share(camera) * number(camera.host_power_w, 0.0)])
+        computer = replace(self.cameras, power_w=fed_w, standby_w=np.zeros(1))
+        computer_w = n * float(camera_power_w(problem.scenes[index].view.vehicle, computer, settings.rate_hz)[0])
+        cameras_w = n * float(figures.camera_power_w[0]) - computer_w
+        light_w = float(figures.light_power_w[0])
+        return {"camera": cameras_w, "complete": cameras_w, "computer": computer_w, "light": light_w}
 
 
 def design_model(problem: Problem, hardware: Hardware) -> DesignModel:

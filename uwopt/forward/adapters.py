@@ -2,13 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from uwopt.catalog.choose import matches
 from uwopt.catalog.estimates import required_class
 from uwopt.catalog.parts.housing import ANY_PORT
-from uwopt.catalog.records import Port, Quantity
+from uwopt.catalog.records import Port, Quantity, exact
 from uwopt.catalog.rest import depth_class
 
-PRICED_AT_MM = 200.0  # diameter that the class estimates are for; the plate's area counts
+ESTIMATED_AT_MM = 200.0  # diameter that the class estimates are for; the plate's area counts
+
+
+@dataclass(frozen=True)
+class Adapter:
+    """One flange between a port and its housing."""
+
+    wide_mm: float
+    price: Quantity  # in USD
+    mass_g: Quantity
+    displaced_g: Quantity  # of seawater
+
+
+NO_ADAPTER = Adapter(0.0, exact(0.0), exact(0.0), exact(0.0))
 
 
 def flange_mm(port: Port) -> float:
@@ -25,10 +40,14 @@ def flange_mm(port: Port) -> float:
     return wide_mm if wide_mm is not None and wide_mm > housing.outer_diameter_mm.value else 0.0
 
 
-def adapter_price(port: Port) -> Quantity | None:
-    """Price in USD of the adapter between a port and its housing, by depth and area; None where none is needed."""
+def adapter_of(port: Port) -> Adapter | None:
+    """The adapter between a port and its housing, by depth and area; None where none is needed."""
     wide_mm = flange_mm(port)
     if wide_mm == 0.0 or port.housing is None:
         return None
-    depth = depth_class(port.housing.depth_rating_m)
-    return required_class("housing-price", f"adapter-{depth}").quantity((wide_mm / PRICED_AT_MM) ** 2)
+    kind, area = f"adapter-{depth_class(port.housing.depth_rating_m)}", (wide_mm / ESTIMATED_AT_MM) ** 2
+    mass_g = required_class("housing-mass-g", kind).quantity(area)
+    return Adapter(
+        wide_mm, required_class("housing-price", kind).quantity(area), mass_g,
+        required_class("housing-displaced-over-mass", kind).quantity(mass_g.value),
+    )  # fmt: skip

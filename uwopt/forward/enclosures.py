@@ -129,9 +129,11 @@ def housing_size_mm(ports: Ports) -> Array:
     return np.asarray(np.maximum(ports.outer_length_m, ports.outer_diameter_m) * 1e3)
 
 
-def mass_in_water_kg(camera_count: int, cameras: Cameras, lenses: Lenses, ports: Ports) -> Array:
-    """Mass in water of all cameras in their housings, lamps not counted, (n, n_ports)."""
-    inside = (cameras.mass_kg + lenses.mass_kg)[:, None]
+def mass_in_water_kg(
+    camera_count: int, cameras: Cameras, lenses: Lenses, rings_kg: Array | float, ports: Ports
+) -> Array:
+    """Mass in water of all cameras in their housings, with rings behind lenses, lamps not counted, (n, n_ports)."""
+    inside = (cameras.mass_kg + lenses.mass_kg + rings_kg)[:, None]
     return np.asarray(camera_count * (inside + ports.mass_kg - ports.displaced_kg))
 
 

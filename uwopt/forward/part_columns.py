@@ -20,7 +20,7 @@ from uwopt.catalog.compatibility import rated_pitch_um
 from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
 from uwopt.catalog.records import Camera, Curve, Housing, Lens, Light, Part, Port, Quantity
-from uwopt.forward.adapters import adapter_price
+from uwopt.forward.adapters import NO_ADAPTER, adapter_of
 from uwopt.forward.columns import Columns
 from uwopt.forward.flash_times import FlashTimes
 from uwopt.model import flash as flash_model
@@ -396,14 +396,17 @@ def housing_columns(
     volume = np.where(sphere, np.pi / 6.0 * diameter**3, np.pi / 4.0 * diameter**2 * length)
     volume += 2.0 / 3.0 * np.pi * stands_out**3  # of a dome in front
     hull_prices = prices(hulls, money, end, high_basis)
-    flanges = [adapter_price(part) for part in parts]
+    flanges = [adapter_of(part) or NO_ADAPTER for part in parts]
     for name, at in (("price", end), ("limit_price", limit_end(end, high_basis))):
         hull_prices[name] = hull_prices[name] + np.array(
-            [money(number(price, 0.0, at, FAVOURED["price"]), "USD") for price in flanges], float
+            [money(number(one.price, 0.0, at, FAVOURED["price"]), "USD") for one in flanges], float
         )
+    flange_g = np.array([number(one.mass_g, 0.0, end, FAVOURED["mass_g"]) for one in flanges], float)
+    flange_displaced_g = np.array([one.displaced_g.value for one in flanges], float)
+    displaced_kg = np.where(known["displaced_kg"] > 0.0, known["displaced_kg"], SEAWATER_KG_M3 * volume)
     return {
         **hull_prices,
-        "mass_kg": known["mass_kg"],
+        "mass_kg": known["mass_kg"] + 1e-3 * flange_g,
         "housed": housed,
         "roomy": housed & np.array([not part.complete for part in parts], bool),
         "is_sphere": sphere,
@@ -411,7 +414,7 @@ def housing_columns(
         "room_length_m": np.where(sphere, inner, known["inner_length_m"]),
         "outer_diameter_m": np.maximum(diameter, 2.0 * stands_out),
         "outer_length_m": length + stands_out,
-        "displaced_kg": np.where(known["displaced_kg"] > 0.0, known["displaced_kg"], SEAWATER_KG_M3 * volume),
+        "displaced_kg": displaced_kg + 1e-3 * flange_displaced_g,
     }
 
 

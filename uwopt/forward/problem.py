@@ -21,7 +21,7 @@ from uwopt.catalog.interfaces import does_reach
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Lens, Light, Part, Port
 from uwopt.catalog.rest import Per, RestItem, RestNeeds, rest_items
-from uwopt.catalog.spacers import spacer_price
+from uwopt.catalog.spacers import spacer_mass_g, spacer_price
 from uwopt.forward import switching
 from uwopt.forward.enclosures import camera_with_size, lens_with_size
 from uwopt.forward.lamps import (
@@ -222,12 +222,13 @@ class Problem:
             self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})
 
     @cached_property
-    def spacer_prices(self) -> tuple[float, float]:
-        """Price of the rings behind one lens, and what of it counts against a budget."""
+    def spacers(self) -> dict[str, float]:
+        """What the rings behind one lens cost, what of it counts against a budget, and what they weigh."""
         price, favoured = spacer_price(), FAVOURED["price"]
         ends = self.end, limit_end(self.end, self.mission.limits.cost_basis == "high")
         value, limit = (self.money(number(price, 0.0, end, favoured), "USD") for end in ends)
-        return value, limit
+        mass_g = number(spacer_mass_g(), 0.0, self.end, FAVOURED["mass_g"])
+        return {"price": value, "limit_price": limit, "mass_kg": 1e-3 * mass_g}
 
     @cached_property
     def port_groups(self) -> list[Array]:

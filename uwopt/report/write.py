@@ -27,7 +27,7 @@ FRONT_FILE, FRONT_TABLE = "front.json", "front.csv"
 BOM_COLUMNS = (
     "kind", "id", "manufacturer", "model", "count", "owned", "unit_price", "unit_price_low", "unit_price_high",
     "to_pay", "to_pay_low", "to_pay_high", "currency", "price_status", "price_date", "generic", "source", "price_basis",
-    "note", "purpose", "availability", "checked",
+    "note", "purpose", "availability", "checked", "unit_mass_kg", "power_w",
 )  # fmt: skip
 
 

@@ -149,6 +149,10 @@ class BillRow(Record):
     purpose: str = Field(default="", description="what it was made for")
     availability: str = Field(default="", description="current | unknown | ...; empty where it is no product")
     checked: str = Field(default="", description="YYYY-MM-DD on which the row was held against its source")
+    unit_mass_kg: Number | None = Field(default=None, description="of one, in air; null where nobody knows it")
+    power_w: Number | None = Field(
+        default=None, description="that all of them draw on average, in the scene that takes most; null: none"
+    )
 
     @property
     def to_buy(self) -> int:

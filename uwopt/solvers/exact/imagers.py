@@ -354,7 +354,7 @@ def own_rules(
     yield "housing", fits_inside(cameras, lenses, spacers_m, housings)
     every_pair = np.ones((len(cameras.price), 1), bool)
     yield "size_mm", every_pair & (housing_size_mm(housings) <= limit(limits.size_mm) * ROUND)
-    in_water = mass_in_water_kg(count, cameras, lenses, housings)
+    in_water = mass_in_water_kg(count, cameras, lenses, (spacers_m > 0.0) * problem.spacers["mass_kg"], housings)
     most = limit(limits.mass_water_kg)
     yield "mass_water_kg", in_water <= most + (ROUND - 1.0) * abs(most) if np.isfinite(most) else every_pair
     each = [totals(problem, cameras, lenses, spacers_m, int(p)) for p in ports]
@@ -409,12 +409,12 @@ def totals(
     count = problem.mission.vehicle.camera_count
     extra_cost, extra_mass, _ = problem.extras
     ports = problem.ports
-    ring, limit_ring = ((spacers_m > 0.0) * price for price in problem.spacer_prices)
-    cost = count * (cameras.price + lenses.price + ring + ports.price[port]) + extra_cost
+    ring = {name: (spacers_m > 0.0) * each for name, each in problem.spacers.items()}
+    cost = count * (cameras.price + lenses.price + ring["price"] + ports.price[port]) + extra_cost
     limit_cost = (
-        count * (cameras.limit_price + lenses.limit_price + limit_ring + ports.limit_price[port]) + extra_cost
+        count * (cameras.limit_price + lenses.limit_price + ring["limit_price"] + ports.limit_price[port]) + extra_cost
     )
-    mass = count * (cameras.mass_kg + lenses.mass_kg + ports.mass_kg[port]) + extra_mass
+    mass = count * (cameras.mass_kg + lenses.mass_kg + ring["mass_kg"] + ports.mass_kg[port]) + extra_mass
     return cost, limit_cost, mass
 
 

@@ -19,6 +19,8 @@ from uwopt.catalog.curves.clarity import Clarity
 from uwopt.catalog.parts.kinds import EITHER
 from uwopt.catalog.records import Part, Port, Quantity, exact
 from uwopt.deadline import NEVER, Deadline
+from uwopt.evaluation.bill import beside_parts
+from uwopt.evaluation.design_model import design_model
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.problem import Parts, Problem
 from uwopt.objectives.objective import Objective
@@ -26,7 +28,7 @@ from uwopt.results.basis import Assumption
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.one_hardware import KINDS, best_of, best_of_each, parts_of, pieces_of, problem_of
-from uwopt.solvers.recommend import Sought
+from uwopt.solvers.recommend import Sought, hardware_of
 from uwopt.solvers.settings.best import scenes_need_cells
 
 DOUBTFUL = ("estimated", "generic", "derived")
@@ -66,13 +68,15 @@ def assumptions(problem: Problem, found: Found) -> list[Assumption]:
         for kind, part in pieces_of(problem, found)
         for name, value in doubtful(part)
     ]  # fmt: skip
-    items += [
-        Assumption(
-            f"{item.id}.price", item.id, item.price.value, item.price.low, item.price.high, "USD", item.price.status,
-            item.price.source,
-        )
-        for item in problem.rest
-    ]  # fmt: skip
+    hardware = hardware_of(found)
+    for item, _ in beside_parts(problem, hardware, design_model(problem, hardware).spacer_m):
+        items += [
+            Assumption(
+                f"{item.id}.{name}", item.id, known.value, known.low, known.high, unit, known.status, known.source
+            )
+            for name, known, unit in (("price", item.price, "USD"), ("mass_g", item.mass_g, "g"))
+            if known is not None
+        ]
     return items + model_assumptions(problem, found)
 
 
