@@ -13,8 +13,37 @@ BOUNDED = f"{BOXES}::test_no_point_is_better_than_the_bound_of_a_cell_that_holds
 MOTION = "tests/forward/test_motion.py"
 SHORT = "tests/report/test_short.py"
 RISKS = "tests/api/test_risks.py"
+UNITS = "tests/solvers/test_rules.py::test_a_unit_falls_when_its_light_is_outside"
 
 DEFECTS: tuple[Defect, ...] = (
+    Defect(
+        name="colours are bounded as if the longest paths were the shortest",
+        file="uwopt/solvers/exact/light_tables.py",
+        old="lamp_m=(lamp_m, reach[0]), camera_m=(camera_m, reach[1])",
+        new="lamp_m=(reach[0], reach[0]), camera_m=(reach[1], reach[1])",
+        test=f"{COLOUR}::test_no_image_is_better_balanced_than_its_bound",
+    ),
+    Defect(
+        name="a cell of paths has the ratio of its near corner",
+        file="uwopt/solvers/exact/balance.py",
+        old="far, near = strong[1:, 1:], weak[:-1, :-1]",
+        new="far, near = strong[:-1, :-1], weak[1:, 1:]",
+        test=f"{COLOUR}::test_a_ratio_of_channels_is_least_at_a_corner_of_its_cell",
+    ),
+    Defect(
+        name="colours are bounded where nothing asks for light",
+        file="uwopt/solvers/exact/bounds.py",
+        old="most = needs.max_white_balance if needs.min_snr else None",
+        new="most = needs.max_white_balance",
+        test=f"{COLOUR}::test_without_light_no_colour_is_too_strong",
+    ),
+    Defect(
+        name="colours that the water takes apart are left to the integrals",
+        file="uwopt/solvers/exact/bounds.py",
+        old="off = (bounds.rule < 0) & self._is_off_balance(k, rows)",
+        new="off = (bounds.rule < -1) & self._is_off_balance(k, rows)",
+        test=f"{UNITS}[max_white_balance-False]",
+    ),
     Defect(
         name="a subject swims with the vehicle",
         file="uwopt/forward/motion.py",

@@ -17,7 +17,9 @@ from uwopt.catalog.parts.quantity import Curve
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.effects import ImagerGroup, bounds_of
+from uwopt.model.sensor import white_balance
 from uwopt.objectives.requirements import MarginRows
+from uwopt.solvers.exact.balance import least_ratio
 from uwopt.solvers.recommend import colour_notes
 from uwopt.solvers.settings.cell_bounds import window_over
 from uwopt.solvers.settings.closed_form import light_for_snr
@@ -52,6 +54,40 @@ def test_no_image_has_more_red_than_its_bound(seed: int) -> None:
         assert (red <= bound * (1 + 1e-9)).all()
         nearness += [*(red[bound > 0] / bound[bound > 0])]
     assert max(nearness) > 0.4
+
+
+@pytest.mark.parametrize("seed", [9, 41, 44])
+def test_no_image_is_better_balanced_than_its_bound(seed: int) -> None:
+    """Bounds that know the water's paths alone, against integrals over every image."""
+    search = case(seed, coloured=True).searcher()
+    imagers = search.prepare()
+    rows, far = np.arange(len(imagers)), len(search.problem.scenes[0].range_m) - 1
+    nearness = []
+    for lighting in search.tables.lightings:
+        light = search.tables.exact(0, lighting, rows, veils="none")
+        assert light.colour_e is not None
+        curves = search.problem.cameras.qe_index[imagers.camera]
+        bound = np.array([search.tables.least_balance(0, lighting, int(curve)) for curve in curves])
+        balance = np.where(light.signal_e[:, far] > 0.0, white_balance(light.colour_e[:, far]), np.inf)
+        assert (bound <= balance).all()
+        nearness += [*(bound / balance)]
+    assert max(nearness) > 0.9
+
+
+def test_a_ratio_of_channels_is_least_at_a_corner_of_its_cell() -> None:
+    # exp(-r) over exp(-2 r) is exp(r): at least 1 from r = 0 on, and no more than exp(0.1) less in a cell of 0.1
+    path = np.linspace(0.0, 1.0, 11)[:, None]
+    strong, weak = np.exp(-path) * np.ones(11), np.exp(-2.0 * path) * np.ones(11)
+    assert math.exp(-0.1) - 1e-12 <= least_ratio(strong, weak) <= 1.0
+    assert least_ratio(strong, 0.0 * weak) == math.inf and least_ratio(0.0 * strong, 0.0 * weak) == 1.0
+
+
+def test_without_light_no_colour_is_too_strong() -> None:
+    # a lamp whose beam leaves the image dark, where nothing is asked of its light
+    made = coloured_case({"max_white_balance": 1.5, "min_snr_db": None, "mean_level": None})
+    search = made.searcher()
+    rows = np.arange(len(search.prepare()))
+    assert (search.bounds.of_nodes(0, rows).rule < 0).all()
 
 
 def test_no_designs_have_no_balance() -> None:
@@ -124,7 +160,8 @@ def test_a_mono_sensor_has_no_red_and_nothing_to_balance() -> None:
     ("asked", "curves", "found"),
     [
         ({"max_white_balance": 4.01}, FLAT, True), ({"max_white_balance": 3.99}, FLAT, False),
-        ({"max_white_balance": 1.0}, MONO, True), ({"refuse": ["white_balance"]}, FLAT, True),
+        ({"max_white_balance": 1.0}, MONO, True), ({"max_white_balance": 3.99, "min_snr_db": None}, FLAT, False),
+        ({"refuse": ["white_balance"]}, FLAT, True),
         ({"min_snr_red_db": -20.0}, FLAT, True), ({"min_snr_red_db": -20.0}, MONO, False),
     ],
 )  # fmt: skip

@@ -33,6 +33,7 @@ from uwopt.errors import MissionError
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.goal import goal_of
@@ -171,15 +172,18 @@ def solve(
 
 def searched(
     mission: Mission, catalog: Catalog, goal: Objective, top: int, deadline: Deadline,
-    progress: Progress | None, timing: dict[str, float], fineness: Fineness,
+    progress: Progress | None, timing: dict[str, float], fineness: Fineness, like: Problem | None = None,
 ) -> Searched:  # fmt: skip
-    """The search over parts that are sold, and with parts to be made where they could matter."""
+    """The search over parts that are sold, and with parts to be made where they could matter.
+
+    `like` is a problem in the same scenes whose light is known.
+    """
     policy = mission.catalog.generic
     first: Generic = "allow" if policy == "allow" else "never"
     with timed(timing, "search"):
         sought = seek(
             mission, catalog, goal, generic=first, top=top, deadline=deadline, progress=progress,
-            fineness=fineness,
+            fineness=fineness, like=like,
         )  # fmt: skip
     alternative: Sought | None = None
     if policy == "fallback" and sought.outcome.complete:
@@ -190,9 +194,9 @@ def searched(
         if not sought.outcome.best and alternative is not None and alternative.outcome.best:
             sought, alternative = alternative, None
     if not sought.outcome.best and sought.outcome.complete and mission.without_gain_cap is not mission:
-        return searched(
-            mission.without_gain_cap, catalog, goal, top, deadline, progress, timing, fineness
-        )  # light is out of reach
+        return searched(  # light is out of reach
+            mission.without_gain_cap, catalog, goal, top, deadline, progress, timing, fineness, sought.problem
+        )
     return sought, alternative
 
 

@@ -141,6 +141,7 @@ RULES: Mapping[str, str] = {
     "max_blur_px": "blurred at the shortest exposure",
     "min_snr": "too little light for the wanted signal",
     "light": "no light gives the wanted signal",
+    "max_white_balance": "colours too far apart",
     "cost": "too expensive",
     "mass_kg": "too heavy",
     "mass_water_kg": "too heavy in water",

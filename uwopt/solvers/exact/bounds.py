@@ -31,7 +31,7 @@ from uwopt.units import db_to_ratio, ratio_to_db
 Array = NDArray[Any]
 MOST_PLACES = 1024  # rows and columns of a table of lights
 LATTICE_MARGIN = 0.95  # of a share of the image that is counted at places: discs are met to 0.01 of the image
-NODE_RULES = ("light", "cost", "mass_kg", "power_w", "energy_wh", "bound")
+NODE_RULES = ("light", "cost", "mass_kg", "power_w", "energy_wh", "max_white_balance", "bound")
 
 
 @dataclass(frozen=True)
@@ -216,7 +216,21 @@ class Bounds:
         for kind in np.unique(table.kind):
             own = table.kind == kind
             bounds = bounds.better_of(self._kind_bounds(k, own, int(kind), rows, pixel_e or {}))
-        return bounds
+        off = (bounds.rule < 0) & self._is_off_balance(k, rows)
+        rule = np.where(off, NODE_RULES.index("max_white_balance"), bounds.rule)
+        return replace(bounds, rule=rule, value=np.where(off, np.inf, bounds.value))
+
+    def _is_off_balance(self, k: int, rows: Array) -> Array:
+        """Whether the water alone takes the colours of these imagers too far apart, in some scene; (n,)."""
+        curves, back = np.unique(self.problem.cameras.qe_index[self.imagers.camera[rows]], return_inverse=True)
+        off = np.zeros(len(curves), bool)
+        for index, scene in enumerate(self.problem.scenes):
+            needs = scene.view.requirements
+            most = needs.max_white_balance if needs.min_snr else None  # without any light no colour is stronger
+            if most is not None and not self.is_sunlit(index):
+                lighting = self.tables.lightings[k]
+                off |= np.array([self.tables.least_balance(index, lighting, int(q)) > most for q in curves])
+        return np.asarray(off[back.reshape(-1)])
 
     def of_pixels(self, k: int, rows: Array) -> NodeBounds:
         """Bounds of these imagers under one lighting by the pixel that decides whether the SNR holds, too.

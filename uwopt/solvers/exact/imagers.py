@@ -24,6 +24,7 @@ from uwopt.forward.columns import Columns
 from uwopt.forward.enclosures import beaten, fits_inside, housing_size_mm, mass_in_water_kg
 from uwopt.forward.focus import Focused, place_focus, working_factor
 from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
+from uwopt.forward.part_columns import Cameras, Lenses
 from uwopt.forward.problem import Problem
 from uwopt.forward.spacers import needed_spacer_m
 from uwopt.forward.views import Views, focus_map, views
@@ -192,34 +193,8 @@ def imagers_behind(
     camera, lens = only_tied(problem, camera, lens, ports, landscape, discarded, samples)
     if len(camera) == 0:
         return
-    cameras, lenses = problem.cameras.take(camera), problem.lenses.take(lens)
-    seen = []
-    for index, scene in enumerate(problem.scenes):
-        seen.append(views(scene, cameras, lenses, problem.shape(port, index), landscape=landscape))
-    maps = [focus_map(scene, problem.shape(port, i)) for i, scene in enumerate(problem.scenes)]
-    focus = place_focus(problem.scenes, maps, seen)
-    focused = []
-    for index, (scene, view) in enumerate(zip(problem.scenes, seen, strict=True)):
-        requirements, speed = scene.view.requirements, scene.view.vehicle.speed_m_s
-        dioptre = focus.dioptre_per_m[index]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            factor = working_factor(scene, view.focal_length_m, dioptre)
-        focused.append(
-            Focused(
-                dioptre_per_m=dioptre,
-                working_factor=factor,
-                n_low=np.maximum(lenses.f_number_from(requirements.lens_stop_down), focus.n_depth[index]),
-                n_high=lenses.f_number_max,
-                rate_hz=required_rate_hz(requirements, speed, view.footprint_along_m).max(axis=1),
-                blur_time_s=blur_time_s(scene, problem.shape(port, index), view),
-                spacer_m=needed_spacer_m(lenses, dioptre),
-                skew_px=shutter_skew_px(scene, problem.shape(port, index), view, cameras.readout_s),
-                beside_w=np.zeros(len(camera)),
-            )
-        )
-    powers = problem.camera_powers_w(cameras, [extra.rate_hz for extra in focused])
-    least = np.min(powers, axis=0)
-    focused = [replace(f, beside_w=power - least) for f, power in zip(focused, powers, strict=True)]
+    cameras, lenses, seen, focused = seen_behind(problem, camera, lens, port, landscape)
+
     def count(rule: str, lost: Array, of: Array) -> None:
         """Rows and places of ports that a rule discards."""
         discarded[rule] += len(lost)
@@ -258,6 +233,41 @@ def imagers_behind(
             SceneImagers(view.take(keep), extra.take(keep)) for view, extra in zip(seen, focused, strict=True)
         ]
         yield PortBlock(camera[keep], lens[keep], ports[of], landscape, scenes)
+
+
+def seen_behind(
+    problem: Problem, camera: Array, lens: Array, port: int, landscape: bool
+) -> tuple[Cameras, Lenses, list[Views], list[Focused]]:
+    """Columns of these pairs behind a port, and what they see of every scene, focused."""
+    cameras, lenses = problem.cameras.take(camera), problem.lenses.take(lens)
+    seen = []
+    for index, scene in enumerate(problem.scenes):
+        seen.append(views(scene, cameras, lenses, problem.shape(port, index), landscape=landscape))
+    maps = [focus_map(scene, problem.shape(port, i)) for i, scene in enumerate(problem.scenes)]
+    focus = place_focus(problem.scenes, maps, seen)
+    focused = []
+    for index, (scene, view) in enumerate(zip(problem.scenes, seen, strict=True)):
+        requirements, speed = scene.view.requirements, scene.view.vehicle.speed_m_s
+        dioptre = focus.dioptre_per_m[index]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factor = working_factor(scene, view.focal_length_m, dioptre)
+        focused.append(
+            Focused(
+                dioptre_per_m=dioptre,
+                working_factor=factor,
+                n_low=np.maximum(lenses.f_number_from(requirements.lens_stop_down), focus.n_depth[index]),
+                n_high=lenses.f_number_max,
+                rate_hz=required_rate_hz(requirements, speed, view.footprint_along_m).max(axis=1),
+                blur_time_s=blur_time_s(scene, problem.shape(port, index), view),
+                spacer_m=needed_spacer_m(lenses, dioptre),
+                skew_px=shutter_skew_px(scene, problem.shape(port, index), view, cameras.readout_s),
+                beside_w=np.zeros(len(camera)),
+            )
+        )
+    powers = problem.camera_powers_w(cameras, [extra.rate_hz for extra in focused])
+    least = np.min(powers, axis=0)
+    focused = [replace(f, beside_w=power - least) for f, power in zip(focused, powers, strict=True)]
+    return cameras, lenses, seen, focused
 
 
 def only_tied(

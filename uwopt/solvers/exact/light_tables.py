@@ -28,6 +28,7 @@ from uwopt.forward.views import table_reach_m
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, flat_slope_m, levelled
 from uwopt.model.port import flat_floor_derivative
+from uwopt.solvers.exact.balance import least_white_balance
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.oblique import PlaneReach, crowding, deepest_m, path_and_field, reach_of
 
@@ -129,13 +130,33 @@ class FieldTables:
         """Water's loss over the shortest possible paths."""
         key = (scene_index, lighting.optics, lighting.mount_index, altitude, efficiency, channel)
         if key not in self._losses:
-            scene, contraction = self.problem.scenes[scene_index], self.problem.contractions[scene_index]
-            lamps, port_m = levelled(lighting.mount.lamps(2), scene.slope, float(scene.range_m[altitude]))
-            height = min(port_m - z for z in lamps.z_m)
+            contraction = self.problem.contractions[scene_index]
             spectrum = int(contraction.spectrum_of[lighting.optics])
-            nearest_m = self.problem.nearest_m(scene_index, altitude)
-            self._losses[key] = contraction.mean_loss(spectrum, efficiency, channel, lamp_m=height, camera_m=nearest_m)
+            lamp_m, camera_m = self._shortest_m(scene_index, lighting, altitude)
+            self._losses[key] = contraction.mean_loss(spectrum, efficiency, channel, lamp_m=lamp_m, camera_m=camera_m)
         return self._losses[key]
+
+    def _shortest_m(self, scene_index: int, lighting: Lighting, altitude: int) -> tuple[float, float]:
+        """No path from a lamp, nor one to a camera, is shorter at one altitude."""
+        scene = self.problem.scenes[scene_index]
+        lamps, port_m = levelled(lighting.mount.lamps(2), scene.slope, float(scene.range_m[altitude]))
+        return min(port_m - z for z in lamps.z_m), self.problem.nearest_m(scene_index, altitude)
+
+    def least_balance(self, scene_index: int, lighting: Lighting, efficiency: int) -> float:
+        """Lower bound of the white balance of every image at the farthest altitude under one lighting alone."""
+        scene, contraction = self.problem.scenes[scene_index], self.problem.contractions[scene_index]
+        spectrum, far = int(contraction.spectrum_of[lighting.optics]), len(scene.range_m) - 1
+        lamp_m, camera_m = self._shortest_m(scene_index, lighting, far)
+        reach = contraction.reach_m
+        if self.problem.paper:  # knows the axis alone
+            lamp_m = camera_m = float(scene.range_m[far])
+            reach = (lamp_m, camera_m)
+        key = ("least balance", *contraction.key(spectrum, efficiency, None), lamp_m, camera_m, reach)
+        if key not in scene.cache:
+            scene.cache[key] = least_white_balance(
+                contraction, spectrum, efficiency, lamp_m=(lamp_m, reach[0]), camera_m=(camera_m, reach[1])
+            )
+        return float(scene.cache[key])
 
     def _light_table(self, scene_index: int, lighting: Lighting, altitude: int) -> FloorLightBound:
         """Upper bounds of the light on rectangles, built once for the widest image of all."""

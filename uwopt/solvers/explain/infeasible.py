@@ -82,7 +82,7 @@ class Without:
     at_central_prices: bool = False  # the limit of cost is kept, but for estimated prices at their high ends
 
 
-BOUNDED = ("light", "bound", "power_w", "energy_wh", "cost", "mass_kg")
+BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost", "mass_kg")
 TURN = 0.25  # of the time left: what one requirement may take of it
 LONG_TURN = 0.5  # the same of the question whether all would fit at central prices
 

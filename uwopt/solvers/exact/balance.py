@@ -1,0 +1,56 @@
+"""What water leaves of the balance of colours: a bound that needs no image, for lamps alone.
+
+A channel's mean over an image sums the same places with the same weights as any other channel's, so that the ratio
+of two means is nowhere below the least ratio over the paths that light can take.
+"""
+
+from __future__ import annotations
+
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.scene import COLOURS
+from uwopt.forward.spectra import Contraction, sees_colours
+
+Array = NDArray[Any]
+Box = tuple[float, float]
+CELLS = 64  # of paths on either leg, least where paths are short: there colours are apart least, as a rule
+SUMS_DIFFER = 0.998  # of a ratio: channels are tabulated apart, and cells of sharp beams extrapolated
+
+
+def least_white_balance(
+    contraction: Contraction, spectrum: int, efficiency: int, *, lamp_m: Box, camera_m: Box
+) -> float:
+    """Lower bound of the strongest over the weakest channel under one light, whatever the image.
+
+        max_c mu_c / min_c mu_c >= max over pairs (A, B) of min over paths of A(r_lamp, r_camera) / B(r_lamp, r_camera)
+
+    lamp_m, camera_m : shortest and longest path [m] on either leg; both channels fall along either, so that in a cell
+        of paths A / B is no less than A at its far corner over B at its near one. 1 of a mono sensor.
+    """
+    if not sees_colours(contraction.efficiencies[efficiency]):
+        return 1.0
+    scene = contraction.scene
+    lamp, camera = (
+        near + max(far - near, 0.0) * np.square(np.linspace(0.0, 1.0, CELLS + 1)) for near, far in (lamp_m, camera_m)
+    )
+    weights = {name: contraction.weight(spectrum, efficiency, name) for name in COLOURS}
+    lit = np.max(list(weights.values()), axis=0) > 0.0
+    if not lit.any():
+        return 1.0
+    lost_lamp, lost_camera = (
+        np.exp(-np.outer(path, loss[lit] - loss[lit].min()))  # what all lose alike changes no ratio
+        for path, loss in ((lamp, scene.lamp_attenuation_per_m), (camera, scene.attenuation_per_m))
+    )
+    seen = {name: (lost_lamp * weight[lit]) @ lost_camera.T for name, weight in weights.items()}
+    return max(1.0, SUMS_DIFFER * max(least_ratio(seen[a], seen[b]) for a, b in permutations(COLOURS, 2)))
+
+
+def least_ratio(strong: Array, weak: Array) -> float:
+    """Least of one channel over another in all cells between these paths; inf where only the other sees nothing."""
+    far, near = strong[1:, 1:], weak[:-1, :-1]
+    dark = np.where(far > 0.0, np.inf, 1.0)
+    return float(np.divide(far, near, out=dark, where=near > 0.0).min())
