@@ -27,6 +27,25 @@ settings.load_profile("uwopt")
 LONGEST = ("test_readme.py", "test_types.py")
 
 
+PLAIN = "--assert=plain"
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Workers take asserts as they are written: to rewrite those of the whole suite is half of what each collects."""
+    given = config.invocation_params
+    spread = getattr(config.option, "numprocesses", None)
+    if spread and not any(argument.startswith("--assert") for argument in given.args):
+        config.invocation_params = pytest.Config.InvocationParams(
+            args=(*given.args, PLAIN), plugins=given.plugins, dir=given.dir
+        )
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Say how to see the values of an assert that failed in a worker."""
+    if terminalreporter.stats.get("failed") and PLAIN in config.invocation_params.args:
+        terminalreporter.write_line("The values in an assert that failed: run its test alone, without -n.")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """What takes longest first: the README's tests share one fixture, and what stands first is stolen by nobody."""
     items.sort(key=lambda item: LONGEST.index(item.path.name) if item.path.name in LONGEST else len(LONGEST))

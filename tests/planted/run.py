@@ -71,7 +71,7 @@ def environment(copy: Path) -> dict[str, str]:
 
 def pytest_in(copy: Path, *arguments: str) -> tuple[int | None, str]:
     """Exit code (none when it took too long) and output of pytest in a copy."""
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--tb=line", *arguments]
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--assert=plain", "--tb=line", *arguments]
     try:
         done = subprocess.run(
             command, cwd=copy, env=environment(copy), capture_output=True, text=True, timeout=LONGEST_S

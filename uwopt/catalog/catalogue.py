@@ -62,8 +62,14 @@ class Catalog:
 
     def exclusions_of(self, part_id: str) -> tuple[Exclusion, ...]:
         """Why a part cannot be searched; empty when it can."""
-        key = plain_name(part_id)
-        return tuple(exclusion for exclusion in self.exclusions if plain_name(exclusion.part_id) == key)
+        return tuple(self._excluded.get(plain_name(part_id), ()))
+
+    @cached_property
+    def _excluded(self) -> dict[str, list[Exclusion]]:
+        by_key: dict[str, list[Exclusion]] = {}
+        for exclusion in self.exclusions:
+            by_key.setdefault(plain_name(exclusion.part_id), []).append(exclusion)
+        return by_key
 
     @cached_property
     def _by_key(self) -> dict[str, tuple[Kind, Part]]:
@@ -78,7 +84,7 @@ class Catalog:
 
 def plain_name(name: str) -> str:
     """A name as patterns see it: lower case, `-` and blanks as `_`."""
-    return "_".join(name.strip().casefold().replace("-", "_").replace(" ", "_").split("_"))
+    return name.strip().casefold().replace("-", "_").replace(" ", "_")
 
 
 def near_names(name: str, known: Iterable[str], count: int = 3) -> list[str]:

@@ -80,6 +80,7 @@ def required_class(prefix: str, *classes: str) -> ClassEstimate:
     return found
 
 
+@cache
 def slug(name: str) -> str:
     """A name as keys spell it: lower case, everything else than letters and digits a hyphen."""
     return re.sub(r"[^a-z0-9]+", "-", name.casefold()).strip("-")

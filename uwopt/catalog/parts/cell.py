@@ -11,7 +11,7 @@ import math
 import types
 from dataclasses import MISSING, dataclass
 from dataclasses import fields as dataclass_fields
-from functools import cache
+from functools import cache, cached_property
 from inspect import get_annotations
 from typing import Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -111,9 +111,9 @@ def _quantity(value: Any) -> Any:
     return exact(float(value)) if isinstance(value, (int, float)) else value
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Field:
-    """A declared field: its name, its type, its default and its cell."""
+    """A declared field: its name, its type, its default and its cell; what follows from its type is told once."""
 
     name: str
     type: Any
@@ -128,7 +128,7 @@ class Field:
             return self.cell.inline
         return Inline() if self.cell.inline != "never" and self.kept and self.cell.in_files else None
 
-    @property
+    @cached_property
     def bare_type(self) -> Any:
         """The type of what is stated: numbers for quantities, nothing optional."""
         inner = [item for item in get_args(self.type) if item is not type(None)]
@@ -136,7 +136,7 @@ class Field:
         bare = inner[0] if is_union else self.type
         return float if bare is Quantity else bare
 
-    @property
+    @cached_property
     def is_quantity(self) -> bool:
         """Whether the record keeps it with its doubt."""
         return Quantity in (self.type, *get_args(self.type))
@@ -164,7 +164,13 @@ def fields_of(record: type) -> tuple[Field, ...]:
 
 def kept_fields(record: type) -> tuple[Field, ...]:
     """The fields of a record, without what only files state."""
-    return tuple(field for field in fields_of(record) if field.kept)
+    known: Any = record
+    return _kept(known)
+
+
+@cache
+def _kept(record: type) -> tuple[Field, ...]:
+    return tuple(field for field in _declared(record) if field.kept)
 
 
 @cache

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -77,7 +78,7 @@ def row_fields(record: type[Part], row: PartRow, origin: Origin, classes: tuple[
 
 def _from_row(field: Field, row: PartRow, origin: Origin, classes: tuple[str, ...]) -> Any:
     if field.is_quantity:
-        return known_or(row, field.name, origin, first_class(f"{row.kind}-{slug(field.name)}", *classes))
+        return known(row, field.name, origin) or _estimated(f"{row.kind}-{slug(field.name)}", classes)
     value = row.cells.get(field.name)
     return int(value) if field.bare_type is int and isinstance(value, float) else value
 
@@ -102,9 +103,10 @@ def known(row: PartRow, name: str, origin: Origin) -> Quantity | None:
     return None if value is None else exact(value, origin, row.text("source_url"))
 
 
-def known_or(row: PartRow, name: str, origin: Origin, estimate: ClassEstimate | None) -> Quantity | None:
-    """The number that a row states, else the class estimate."""
-    return known(row, name, origin) or (None if estimate is None else estimate.quantity())
+@cache
+def _estimated(prefix: str, classes: tuple[str, ...]) -> Quantity | None:
+    estimate = first_class(prefix, *classes)
+    return None if estimate is None else estimate.quantity()
 
 
 def _with_ends(row: PartRow, name: str, low: str, high: str, status: Status) -> Quantity | None:
