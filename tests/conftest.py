@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import HealthCheck, settings
 from thorough import THOROUGH, drawn
 
 import uwopt
-from uwopt.evaluation.recompute import Replay, replay
+
+if TYPE_CHECKING:
+    from uwopt.evaluation.recompute import Replay
 
 # No test may hang on the clock or on luck: a loaded machine is no failure, and a red run can be had again.
 settings.register_profile(
@@ -71,6 +73,8 @@ def colour_system() -> dict[str, Any]:
 @pytest.fixture(scope="session")
 def replayed() -> Callable[[Any, Any], tuple[Replay, dict[str, Any]]]:
     """Evaluates a system in a mission: the design recomputed from the result, and its figures."""
+    # the whole model, for which the process that hands out tests has no use
+    from uwopt.evaluation.recompute import replay
 
     def of(mission: Any, system: Any) -> tuple[Replay, dict[str, Any]]:
         result = uwopt.evaluate(mission, system)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -37,11 +38,7 @@ def why_not() -> str:
     """Why no browser can be used; "" where one can."""
     if BROWSER is None:
         return "needs chromium (or google-chrome) on the path"
-    try:
-        import playwright.sync_api  # noqa: F401
-    except ImportError:
-        return "needs playwright"
-    return ""
+    return "" if find_spec("playwright") else "needs playwright"
 
 
 pytestmark = pytest.mark.skipif(bool(why_not()) and not REQUIRED, reason=why_not() or "a browser is there")
