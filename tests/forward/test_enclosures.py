@@ -35,6 +35,8 @@ TUBE = Housing(
     outer_length_mm=exact(300.0), price=exact(700.0), mass_g=exact(2500.0), depth_rating_m=300.0, ports=("dome",),
 )  # fmt: skip
 
+GUESS = exact(90.0, "estimated", "0.8 of its size")  # of a clear width: that of a hemisphere all the same
+
 
 def model(port: Port, mission: dict[str, Any] = MISSION) -> DesignModel:
     """One design behind a port."""
@@ -91,6 +93,15 @@ def test_mass_in_water_and_size_of_a_tube_with_a_dome():
     assert built.mass_in_water_kg()[0] == pytest.approx(2 * (2.98 - 1025 * (0.00285100 + 0.00026180)), rel=1e-4)
     ports = built.problem.ports
     assert (ports.outer_length_m[0], ports.outer_diameter_m[0]) == pytest.approx((0.350, 0.110))
+
+
+def test_a_spherical_cap_stands_out_less_than_a_hemisphere_and_displaces_less():
+    # 45 mm inside, open over 54 mm: the middle lies sqrt(45^2 - 27^2) = 36 mm behind the rim, the cap is 14 mm high
+    # and displaces pi 14^2 (3 50 - 14) / 3 = 27 914 mm3
+    built = model(replace(PORT, clear_diameter_mm=54.0, housing=TUBE))
+    assert built.mass_in_water_kg()[0] == pytest.approx(2 * (2.98 - 1025 * (0.00285100 + 0.0000279140)), abs=5e-5)
+    assert built.problem.ports.outer_length_m[0] == pytest.approx(0.314)
+    assert built.problem.ports.rim_gap_m[0] == pytest.approx(0.036)
 
 
 def test_a_battery_in_its_own_housing_is_no_mass_in_water_of_the_cameras():
@@ -165,7 +176,8 @@ def test_limits_of_a_housing_need_one():
     ("changes", "flange_usd"),
     [
         ({}, None),  # a dome of 100 mm on a tube of 110 mm
-        ({"outer_radius_mm": 60.0, "clear_diameter_mm": 90.0}, 400.0 * (120 / 200) ** 2),  # to 300 m
+        ({"outer_radius_mm": 60.0, "clear_diameter_mm": GUESS}, 400.0 * (120 / 200) ** 2),  # to 300 m
+        ({"outer_radius_mm": 60.0, "clear_diameter_mm": 90.0}, None),  # a cap: 2 sqrt(60^2 - 55^2 + 45^2) = 102 mm wide
         ({"outer_radius_mm": 60.0, "id": "acme-dome"}, None),  # named: it has its own
     ],
 )
@@ -183,7 +195,7 @@ def test_a_dome_that_is_wider_than_its_tube_stands_on_a_flange_that_is_paid_for(
 def test_a_flange_weighs_in_air_and_in_water() -> None:
     # to 300 m 1730 g at 200 mm, of which it displaces 0.3: at 120 mm 622.8 g and 186.84 g
     tube = replace(TUBE, ports=("any", "acme*"))
-    wide = replace(PORT, outer_radius_mm=60.0, clear_diameter_mm=90.0, housing=tube)
+    wide = replace(PORT, outer_radius_mm=60.0, clear_diameter_mm=GUESS, housing=tube)
     without, built = model(replace(wide, id="acme-dome")), model(wide)
     totals = [one.totals(one.figures(0, one.settings(0, given()), information=False)) for one in (without, built)]
     assert totals[1]["mass_kg"][0] - totals[0]["mass_kg"][0] == pytest.approx(2 * 0.6228)

@@ -42,6 +42,19 @@ def test_lens_front_stands_in_the_dome():
     assert dome_needed_m(bodies(lens_diameter_m=0.0, pupil_m=0.0))[0] == 0.0
 
 
+def test_behind_a_spherical_cap_the_pupil_stands_deeper_in_the_tube():
+    # a sphere of 50 mm inside, open over 80 mm: its middle lies sqrt(50^2 - 40^2) = 30 mm behind the rim
+    assert tube_needed_m(bodies(), is_dome=True, gap_m=0.030)[1][0] == pytest.approx(0.142)
+
+
+def test_a_lens_free_in_a_cap_passes_its_opening():
+    # 50 mm inside, open over 96 mm, 14 mm from middle to rim: what is free of the glass 20 mm ahead, 43.6 mm from the
+    # axis, is 4.4 mm from the rim
+    widest = 2.0 * (math.sqrt(48.0**2 - 20.0**2))
+    assert dome_needed_m(bodies(lens_diameter_m=1e-3 * widest))[0] == pytest.approx(0.050)
+    assert widest / 2 + 2.0 < 48.0
+
+
 def test_sphere_holds_the_rear_corner():
     # 110 mm behind the centre, 25 mm from the axis
     assert sphere_needed_m(bodies())[0] == pytest.approx(2 * (math.hypot(110, 25) + 2) * 1e-3)

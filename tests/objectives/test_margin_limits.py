@@ -10,7 +10,7 @@ import ast
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from math import atan, degrees, hypot, log2, log10, pi, sqrt
+from math import atan, degrees, hypot, log2, log10, pi, sin, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -244,6 +244,9 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("dome_radius_mm", lambda over: {
         **BODIES, "housing": ROOM, "port.geometry": "dome", "port.gap_mm": None,
         "port.outer_radius_mm": 10.0 + (hypot(20.0, 15.0) + 2.0) / (1.0 + over)}),
+    ("port_clears_view_mm", lambda over: {  # of a cap of 60 mm inside, half of whose opening the corner sees
+        **FULL, "port.geometry": "dome", "port.gap_mm": None, "port.outer_radius_mm": 70.0,
+        "port.thickness_mm": 10.0, "port.clear_diameter_mm": 120.0 * sin(atan(hypot(5.0, 2.5) / 10.0 / (1.0 + over)))}),
     ("size_mm", lambda over: {
         **BODIES, "housing": ROOM, "catalog.housing": "required", "limits.size_mm": 200.0 / (1.0 + over)}),
     ("mass_water_kg", lambda over: {

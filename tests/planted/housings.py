@@ -88,6 +88,37 @@ DEFECTS: tuple[Defect, ...] = (
         test=BUILT + "test_a_dome_that_is_wider_than_its_tube_stands_on_a_flange_that_is_paid_for",
     ),
     Defect(
+        name="the rim of a spherical cap cuts no view",
+        file="uwopt/catalog/parts/port.py",
+        old="return math.sqrt(max(inner_mm**2 - (0.5 * opening.value) ** 2, 0.0))",
+        new="return 0.0",
+        test=(
+            BUILT + "test_a_spherical_cap_stands_out_less_than_a_hemisphere_and_displaces_less",
+            "tests/solvers/test_rules.py::test_the_rim_of_a_spherical_cap_must_be_clear_of_the_corner",
+        ),
+    ),
+    Defect(
+        name="the search sees past the rim of a spherical cap",
+        file="uwopt/solvers/exact/imagers.py",
+        old="clears = corner * ports.rim_gap_m[port] <= ports.clear_radius_m[port]",
+        new="clears = corner * ports.gap_m[port] <= ports.clear_radius_m[port]",
+        test="tests/solvers/test_rules.py::test_the_rim_of_a_spherical_cap_must_be_clear_of_the_corner",
+    ),
+    Defect(
+        name="an opening that is guessed cuts the view",
+        file="uwopt/catalog/parts/port.py",
+        old="opening is None or opening.status in GUESSED:",
+        new="opening is None:",
+        test=BUILT + "test_a_dome_that_is_wider_than_its_tube_stands_on_a_flange_that_is_paid_for",
+    ),
+    Defect(
+        name="behind a cap the pupil stands in the tube's mouth",
+        file="uwopt/model/enclosure.py",
+        old="np.where(is_dome, gap_m, np.maximum",
+        new="np.where(is_dome, 0.0, np.maximum",
+        test="tests/model/test_enclosure.py::test_behind_a_spherical_cap_the_pupil_stands_deeper_in_the_tube",
+    ),
+    Defect(
         name="a flange is listed but not paid for",
         file="uwopt/forward/part_columns.py",
         old="hull_prices[name] = hull_prices[name] + np.array(",

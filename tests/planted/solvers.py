@@ -253,8 +253,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a corner may be cut off by a fifth of the port",
         file="uwopt/solvers/exact/imagers.py",
-        old="corner * ports.gap_m[port] <= ports",
-        new="0.8 * corner * ports.gap_m[port] <= ports",
+        old="corner * ports.rim_gap_m[port] <= ports",
+        new="0.8 * corner * ports.rim_gap_m[port] <= ports",
         test=f"{RULES}test_a_rule_discards_what_is_a_millionth_outside[view]",
     ),
     Defect(

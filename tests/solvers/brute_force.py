@@ -66,6 +66,14 @@ def buildable(problem: Problem) -> Iterator[Hardware]:
             yield Hardware(c, le, p, name == "landscape", li, count, mount)
 
 
+def cap_mm(port: Any) -> float:
+    """How deep the middle of a dome lies behind its rim, where its opening is stated and no hemisphere's."""
+    if port.geometry != "dome" or port.complete or not port.clear_diameter_mm:
+        return 0.0
+    inner, half = port.outer_radius_mm.value - port.thickness_mm.value, port.clear_diameter_mm.value / 2
+    return math.sqrt(inner**2 - half**2) if inner > half else 0.0
+
+
 def goes_inside(camera: Any, lens: Any, port: Any, ring_mm: float = 0.0) -> bool:
     """Whether camera with lens and a ring between them goes into the port's housing, 2 mm from any wall."""
     if port.housing is None or port.complete:
@@ -79,7 +87,8 @@ def goes_inside(camera: Any, lens: Any, port: Any, ring_mm: float = 0.0) -> bool
     dome = port.geometry == "dome"
     if dome and math.hypot(pupil, glass / 2) + 2 > port.outer_radius_mm.value - port.thickness_mm.value:
         return False
-    long = behind + 2 + (0 if dome else max(pupil, port.gap_mm))
+    inset = cap_mm(port)
+    long = behind + 2 + (inset if dome else max(pupil, port.gap_mm))
     return bool(max(body, glass) + 4 <= port.housing.inner_diameter_mm and long <= port.housing.inner_length_mm)
 
 
@@ -161,12 +170,10 @@ def passes_without_light(model: DesignModel) -> bool:
         if ring is None or not goes_inside(parts.cameras[hw.camera], parts.lenses[hw.lens], parts.ports[hw.port], ring):
             return False
         corner = float(np.hypot(view.tan_along[0], view.tan_across[0]))
-        flat = not problem.ports.is_dome[hw.port]
-        if (
-            not problem.paper
-            and flat
-            and corner * problem.ports.gap_m[hw.port] > problem.ports.clear_radius_m[hw.port]
-        ):
+        port = parts.ports[hw.port]
+        before_mm = cap_mm(port) if problem.ports.is_dome[hw.port] else port.gap_mm
+        rim_mm = port.clear_diameter_mm.value / 2 if port.clear_diameter_mm else math.inf
+        if not problem.paper and corner * before_mm > rim_mm:
             return False
     return True
 

@@ -185,7 +185,7 @@ def planted(
     }  # fmt: skip
     parts = Parts(
         (replace(small.camera(rng, "cam"), **body),), (replace(small.lens(rng, "lens"), **glass),),
-        (replace(small.port(rng, "port"), geometry="dome", outer_radius_mm=80.0),), lights,
+        (replace(small.port(rng, "port"), geometry="dome", outer_radius_mm=80.0, clear_diameter_mm=None),), lights,
     )  # fmt: skip
     return Case(parts, small.loaded(plain), Objective.of(objective))
 

@@ -172,7 +172,8 @@ def parts(rng: Rng, most: int = 3) -> Parts:
 
 
 def housed(rng: Rng, parts: Parts) -> Parts:
-    """The same catalogue with bodies of a size, each port in three housings, of which some fit few or cost no less."""
+    """The same catalogue with bodies of a size, some domes cut down to caps, each port in three housings,
+    of which some fit few or cost no less."""
 
     def mm(low: float, high: float) -> Quantity:
         return exact(between(rng, low, high))
@@ -194,6 +195,12 @@ def housed(rng: Rng, parts: Parts) -> Parts:
                 inner_diameter_mm=3.0 * inner if number == 2 else inner,
             )  # fmt: skip
             ports.append(replace(port, housing=housing))
+    openings = {
+        port.id: exact(between(rng, 0.9, 1.0) * 2.0 * (port.outer_radius_mm.value - port.thickness_mm.value))
+        for port in parts.ports[1::2]
+        if port.geometry == "dome"
+    }  # of spherical caps
+    ports = [replace(port, clear_diameter_mm=openings[port.id]) if port.id in openings else port for port in ports]
     return replace(parts, cameras=cameras, lenses=lenses, ports=tuple(ports))
 
 

@@ -170,6 +170,14 @@ def test_a_rule_keeps_what_is_a_millionth_inside(rule: str) -> None:
     assert len(imagers) == 1 and not any(imagers.discarded.values())
 
 
+@pytest.mark.parametrize("fits", [False, True])
+def test_the_rim_of_a_spherical_cap_must_be_clear_of_the_corner(fits: bool) -> None:
+    """70 mm inside, seen from its middle at a tangent of 0.625: the rim is as far aside as 70 mm sin(atan(0.625))."""
+    width_mm = 140.0 * np.sin(np.arctan(TILT)) * (1.0 + (NEAR if fits else -NEAR))
+    found = enumerate_imagers(one(port={"clear_diameter_mm": exact(width_mm)}).problem())
+    assert (len(found), found.discarded["view"]) == ((1, 0) if fits else (0, 1))
+
+
 @pytest.mark.parametrize("rule", [rule for rule in ALONE if rule != "lens_rating"])
 def test_what_a_rule_of_imagers_discards_has_no_feasible_settings(rule: str) -> None:
     """Enumeration finds none; that a lens is softer than its sensor is a wish that it does not know."""

@@ -374,12 +374,16 @@ class DesignModel:
         return [MarginRows("max_airy_px", disc_px, np.full(len(disc_px), wanted), "<=", "px")]
 
     def port_margins(self, index: int) -> list[MarginRows]:
-        """Whether the corner ray of the view passes the port's clear aperture, where that is known."""
+        """Whether the corner ray of the view passes the port's clear aperture, where that is known.
+
+        A hemisphere's rim cuts no view; that of a spherical cap may.
+        """
         port = self.problem.ports.take(np.array([self.hardware.port]))
-        if self.problem.paper or port.is_dome[0] or not np.isfinite(port.clear_radius_m[0]):
+        open_wide = port.is_dome[0] and port.rim_gap_m[0] == 0.0
+        if self.problem.paper or open_wide or not np.isfinite(port.clear_radius_m[0]):
             return []
         view = self.views[index]
-        corner_mm = np.hypot(view.tan_along, view.tan_across) * port.gap_m * 1e3
+        corner_mm = np.hypot(view.tan_along, view.tan_across) * port.rim_gap_m * 1e3
         return [MarginRows("port_clears_view_mm", corner_mm, port.clear_radius_m * 1e3, "<=", "mm")]
 
     def evenness_margins(self, index: int) -> list[MarginRows]:

@@ -93,7 +93,7 @@ def room_needed_m(bodies: Bodies, port: Ports) -> dict[str, tuple[Array, Array]]
     inner = port.room_diameter_m
     if port.is_sphere[0]:
         return {"housing_diameter_mm": (sphere_needed_m(bodies), inner)}
-    width, length = tube_needed_m(bodies, is_dome=port.is_dome, gap_m=port.gap_m)
+    width, length = tube_needed_m(bodies, is_dome=port.is_dome, gap_m=port.rim_gap_m)
     needed = {"housing_diameter_mm": (width, inner), "housing_length_mm": (length, port.room_length_m)}
     if port.is_dome[0]:
         needed["dome_radius_mm"] = (dome_needed_m(bodies), port.outer_radius_m - port.thickness_m)

@@ -74,10 +74,11 @@ def from_port_axis_m(mount: Mount, count: int) -> float:
 
 
 def port_radius_m(problem: Problem, port: Array) -> Array:
-    """Radius of the ports' bodies at least: a dome's, or a window's free aperture, 0 where that is unknown."""
+    """Radius of the ports' bodies at least: of a dome's rim, or a window's free aperture, 0 where that is unknown."""
     ports = problem.ports
     window = np.where(np.isfinite(ports.clear_radius_m), ports.clear_radius_m, 0.0)
-    return np.asarray(np.where(ports.is_dome, ports.outer_radius_m, window)[port])
+    rim = np.sqrt(ports.outer_radius_m**2 - np.where(ports.is_dome, ports.rim_gap_m, 0.0) ** 2)
+    return np.asarray(np.where(ports.is_dome, rim, window)[port])
 
 
 def bodies_fit(problem: Problem, *, port: Array, mount: Mount, count: int) -> Array:

@@ -122,6 +122,7 @@ class Ports(Columns):
     refractive_index: Array
     gap_m: Array
     clear_radius_m: Array  # inf when unknown
+    rim_gap_m: Array  # from the lens's entrance pupil to the edge that may cut its view, along the axis
     price: Array
     limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
@@ -371,8 +372,14 @@ def port_rows(
             "outer_radius_m": np.array([radius_of(part) for part in parts], float),
             "refractive_index": np.array([index_of(part) for part in parts], float),
             "clear_radius_m": known["clear_diameter_m"] / 2.0,
+            "rim_gap_m": np.where([part.geometry == "dome" for part in parts], _inset_m(parts), known["gap_m"]),
         }
     )
+
+
+def _inset_m(parts: Sequence[Port]) -> Array:
+    """How far the middles of domes lie behind their rims; 0 of hemispheres and of windows."""
+    return np.array([part.rim_inset_mm for part in parts], float) * 1e-3
 
 
 def housing_columns(
@@ -384,7 +391,9 @@ def housing_columns(
     known = columns_of(Housing, hulls, end)
     sphere = np.array([hull.shape == "sphere" for hull in hulls], bool)
     port_mm = [number(part.outer_radius_mm, 0.0) if part.geometry == "dome" else 0.0 for part in parts]
-    stands_out = np.where(sphere | ~housed, 0.0, np.array(port_mm, float) * 1e-3)
+    radius_m = np.where(sphere | ~housed, 0.0, np.array(port_mm, float) * 1e-3)
+    inset_m = np.minimum(_inset_m(parts), radius_m)
+    stands_out = radius_m - inset_m
     inner = known["inner_diameter_m"]
 
     def outer(outside: str, inside: str) -> Array:
@@ -394,7 +403,7 @@ def housing_columns(
     diameter = outer("outer_diameter_m", "inner_diameter_m")
     length = np.where(sphere, diameter, outer("outer_length_m", "inner_length_m"))
     volume = np.where(sphere, np.pi / 6.0 * diameter**3, np.pi / 4.0 * diameter**2 * length)
-    volume += 2.0 / 3.0 * np.pi * stands_out**3  # of a dome in front
+    volume += np.pi / 3.0 * stands_out**2 * (2.0 * radius_m + inset_m)  # of a dome in front
     hull_prices = prices(hulls, money, end, high_basis)
     flanges = [adapter_of(part) or NO_ADAPTER for part in parts]
     for name, at in (("price", end), ("limit_price", limit_end(end, high_basis))):
@@ -412,7 +421,7 @@ def housing_columns(
         "is_sphere": sphere,
         "room_diameter_m": inner,
         "room_length_m": np.where(sphere, inner, known["inner_length_m"]),
-        "outer_diameter_m": np.maximum(diameter, 2.0 * stands_out),
+        "outer_diameter_m": np.maximum(diameter, 2.0 * np.sqrt(radius_m**2 - inset_m**2)),
         "outer_length_m": length + stands_out,
         "displaced_kg": displaced_kg + 1e-3 * flange_displaced_g,
     }

@@ -39,12 +39,12 @@ def tube_needed_m(bodies: Bodies, *, is_dome: Any, gap_m: Any) -> tuple[Array, A
     """Inner diameter and length that a tube needs.
 
         D = max(sqrt(w^2 + h^2), D_lens) + 2 c
-        L = L_lens - p + l + plug  + p' + c,     p' = 0 behind a dome, max(p, gap) behind a flat port
+        L = L_lens - p + l + plug  + p' + c,     p' = gap behind a dome, max(p, gap) behind a flat port
 
     Parameters
     ----------
     bodies : (n,) [m]
-    is_dome, gap_m : of the port; the gap is from its inner face to the entrance pupil [m]
+    is_dome, gap_m : of the port; the gap is from its inner face, or a dome's rim, to the entrance pupil [m]
 
     Returns
     -------
@@ -52,15 +52,16 @@ def tube_needed_m(bodies: Bodies, *, is_dome: Any, gap_m: Any) -> tuple[Array, A
 
     Notes
     -----
-    Valid for: camera and tube on one axis; a dome that is a hemisphere with its rim at the tube's mouth, so that the
-    pupil, at the dome's centre, stands in the mouth. Behind a flat port the lens's front is not beyond the glass.
+    Valid for: camera and tube on one axis; a dome with its rim at the tube's mouth, so that the pupil, at the centre of
+    its sphere, stands in the mouth behind a hemisphere, and deeper behind a spherical cap. Behind a flat port the
+    lens's front is not beyond the glass.
 
     References
     ----------
     Geometry.
     """
     width = np.maximum(bodies.diagonal_m, bodies.lens_diameter_m) + 2.0 * CLEARANCE_M
-    before = np.where(is_dome, 0.0, np.maximum(bodies.pupil_m, gap_m))
+    before = np.where(is_dome, gap_m, np.maximum(bodies.pupil_m, gap_m))
     return np.asarray(width), np.asarray(bodies.behind_pupil_m + before + CLEARANCE_M)
 
 
@@ -75,7 +76,13 @@ def dome_needed_m(bodies: Bodies) -> Array:
 
     Returns
     -------
-    (n,) [m]. Valid for: lenses no wider behind than in front; 0 where the lens's size is not known.
+    (n,) [m]; 0 where the lens's size is not known.
+
+    Notes
+    -----
+    Valid for: lenses no wider behind than in front. What stands free in a sphere of radius R beyond the rim of a
+    spherical cap, h > 0 from its centre, passes the rim: p > h gives D_lens / 2 < sqrt((R - c)^2 - h^2) < a - c, a the
+    opening's half.
 
     References
     ----------

@@ -24,6 +24,7 @@ Purpose = Literal[
     "one-off",
 ]
 
+GUESSED = ("estimated", "generic")  # statuses of what no source states of this very part
 REFRACTIVE_INDEX = Quantity(1.5, 1.46, 1.52, "estimated", "default of an inline port")
 THICKNESS_MM = Quantity(10.0, 5.0, 15.0, "estimated", "default of an inline port")
 
@@ -111,8 +112,21 @@ class Port(Part):
     def outer_width_mm(self) -> float | None:
         """How wide it is itself: a dome over its glass, a window as the opening that it closes."""
         if self.geometry == "dome" and self.outer_radius_mm is not None:
-            return max(2.0 * self.outer_radius_mm.value, self.width_mm or 0.0)
+            over_rim_mm = 2.0 * math.sqrt(self.outer_radius_mm.value**2 - self.rim_inset_mm**2)
+            return max(over_rim_mm, self.width_mm or 0.0)
         return self.width_mm
+
+    @property
+    def rim_inset_mm(self) -> float:
+        """How far the centre of a dome's sphere lies behind its rim: 0 of a hemisphere.
+
+        A dome is a spherical cap where its opening is a fact, and narrower than its sphere inside.
+        """
+        opening, radius = self.clear_diameter_mm, self.outer_radius_mm
+        if self.geometry != "dome" or self.complete or radius is None or opening is None or opening.status in GUESSED:
+            return 0.0
+        inner_mm = radius.value - (0.0 if self.thickness_mm is None else self.thickness_mm.value)
+        return math.sqrt(max(inner_mm**2 - (0.5 * opening.value) ** 2, 0.0))
 
 
 def _summary(port: Port) -> tuple[str, ...]:

@@ -390,14 +390,13 @@ def all_of(masks: Iterator[Array]) -> Array:
 
 
 def view_clears(problem: Problem, port: int, view: Views) -> Array:
-    """Whether the corner ray passes the port: its clear aperture where gap and diameter are known."""
+    """Whether the corner ray passes the port: its clear aperture, and the rim of a spherical cap, where known."""
     if problem.paper:
         return np.ones(len(view.tan_along), bool)
     corner = np.hypot(view.tan_along, view.tan_across)
     ports = problem.ports
-    if ports.is_dome[port]:
-        return np.asarray(np.isfinite(corner))
-    return np.asarray(corner * ports.gap_m[port] <= ports.clear_radius_m[port])
+    clears = corner * ports.rim_gap_m[port] <= ports.clear_radius_m[port]
+    return np.asarray(clears & np.isfinite(corner)) if ports.is_dome[port] else np.asarray(clears)
 
 
 def stops_down(problem: Problem, lenses: Any) -> Array:
