@@ -112,7 +112,8 @@ def one_of_each(**changes: Any) -> Parts:
         small.lens(rng, "lens"), mounts=("C",), image_circle_mm=20.0, focal_length_mm=8.0, f_number_min=exact(0.95),
         f_number_max=exact(64.0), min_object_distance_m=None, aperture_control="manual",
     )  # fmt: skip
-    port = replace(small.port(rng, "port"), geometry="dome", outer_radius_mm=80.0, clear_diameter_mm=None, thickness_mm=exact(10.0))
+    dome = {"geometry": "dome", "outer_radius_mm": 80.0, "clear_diameter_mm": None, "thickness_mm": exact(10.0)}
+    port = replace(small.port(rng, "port"), **dome)
     light = Light(
         id="light", price=exact(500.0), mass_g=exact(500.0), depth_rating_m=6000.0, beam_medium="water",
         beam_angle_deg=exact(80.0), flux_lm=exact(1e4), power_w=exact(100.0),

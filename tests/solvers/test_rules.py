@@ -92,7 +92,7 @@ HOUSED = {
     "lens": {"length_mm": 50.0, "diameter_mm": 30.0, "pupil_mm": 20.0},
     "port": {"housing": Housing(
         "tube", inner_diameter_mm=100.0, inner_length_mm=112.0, outer_diameter_mm=exact(110.0),
-        outer_length_mm=exact(200.0), mass_g=exact(2500.0),
+        outer_length_mm=exact(200.0), mass_g=exact(2500.0), ports=("dome",),
     )},
     "catalog": {"housing": "required"},
 }  # fmt: skip
