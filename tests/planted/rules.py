@@ -61,8 +61,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="scenes that ask for no depth of field need not be sharp",
         file="uwopt/solvers/exact/imagers.py",
-        old="np.maximum(lenses.f_number_from(requirements.lens_stop_down), focus.n_depth[index])",
-        new="lenses.f_number_from(requirements.lens_stop_down)",
+        old="np.maximum(closed, n_depth)",
+        new="closed",
         test=f"{FOCUS}::test_scenes_at_two_altitudes_are_both_sharp_with_the_f_number_of_the_thin_lens",
     ),
     Defect(

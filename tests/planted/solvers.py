@@ -260,8 +260,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a lens that focuses just near enough is discarded",
         file="uwopt/forward/spacers.py",
-        old="(distance * slack >= near)",
-        new="(distance * 0.999 >= near)",
+        old="(at * slack >= near[lens])",
+        new="(at * 0.999 >= near[lens])",
         test=f"{RULES}test_a_rule_keeps_what_is_a_millionth_inside[focus]",
     ),
     Defect(
@@ -281,8 +281,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a depth that the lens nearly reaches passes",
         file="uwopt/solvers/exact/imagers.py",
-        old="(low <= lenses.f_number_max * ROUND)",
-        new="(low <= lenses.f_number_max * 1.01)",
+        old="(low <= focused[0].n_high * ROUND)",
+        new="(low <= focused[0].n_high * 1.01)",
         test=f"{RULES}test_a_rule_discards_what_is_a_millionth_outside[min_dof_m]",
     ),
     Defect(

@@ -28,15 +28,15 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a ring keeps infinity",
         file="uwopt/forward/spacers.py",
-        old=" & (distance <= far * slack)",
+        old=" & (at <= far[lens] * slack)",
         new="",
         test=LEAST + "[0.16-nan]",
     ),
     Defect(
         name="the longest ring that reaches is taken",
         file="uwopt/forward/spacers.py",
-        old="np.isnan(needed) & reached",
-        new="reached",
+        old="left = left[~reached]",
+        new="left = left[:]",
         test=LEAST + "[0.26-0.0]",
     ),
     Defect(

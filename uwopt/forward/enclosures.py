@@ -90,14 +90,25 @@ def bodies_of(cameras: Cameras, lenses: Lenses, spacers_m: Array | float) -> Bod
 
 def room_needed_m(bodies: Bodies, port: Ports) -> dict[str, tuple[Array, Array]]:
     """What camera and lens need in one enclosure and what it has, (n_pairs,) each, by the name of the requirement."""
-    inner = port.room_diameter_m
+    room = room_m(port)
+    return {name: (needed, room[name]) for name, needed in needed_m(bodies, port).items()}
+
+
+def needed_m(bodies: Bodies, port: Ports) -> dict[str, Array]:
+    """What camera and lens need behind a port in one housing, (n_pairs,), by the name of the requirement."""
     if port.is_sphere[0]:
-        return {"housing_diameter_mm": (sphere_needed_m(bodies), inner)}
+        return {"housing_diameter_mm": sphere_needed_m(bodies)}
     width, length = tube_needed_m(bodies, is_dome=port.is_dome, gap_m=port.rim_gap_m)
-    needed = {"housing_diameter_mm": (width, inner), "housing_length_mm": (length, port.room_length_m)}
-    if port.is_dome[0]:
-        needed["dome_radius_mm"] = (dome_needed_m(bodies), port.outer_radius_m - port.thickness_m)
-    return needed
+    needed = {"housing_diameter_mm": width, "housing_length_mm": length}
+    return needed | ({"dome_radius_mm": dome_needed_m(bodies)} if port.is_dome[0] else {})
+
+
+def room_m(ports: Ports) -> dict[str, Array]:
+    """What housings with their ports have of it, (n_ports,)."""
+    return {
+        "housing_diameter_mm": ports.room_diameter_m, "housing_length_mm": ports.room_length_m,
+        "dome_radius_mm": ports.outer_radius_m - ports.thickness_m,
+    }  # fmt: skip
 
 
 def tight_at_worst(camera: Camera, lens: Lens, spacer_m: float, port: Ports) -> dict[str, tuple[float, float]]:
@@ -118,9 +129,13 @@ def tight_at_worst(camera: Camera, lens: Lens, spacer_m: float, port: Ports) -> 
 def fits_inside(cameras: Cameras, lenses: Lenses, spacers_m: Array | float, ports: Ports) -> Mask:
     """Whether each pair of camera and lens fits into each enclosure, (n_pairs, n_ports); all into bare ports."""
     bodies, fits = bodies_of(cameras, lenses, spacers_m), np.ones((len(cameras.price), len(ports.price)), bool)
-    for p in np.flatnonzero(ports.roomy):
-        for needed, room in room_needed_m(bodies, ports.take(np.array([p]))).values():
-            fits[:, p] &= needed <= room * ROUND
+    kinds: dict[tuple[float, ...], list[int]] = {}  # what is needed differs by shape and port, not by housing
+    for p in np.flatnonzero(ports.roomy).tolist():
+        kinds.setdefault((ports.is_sphere[p], ports.is_dome[p], ports.rim_gap_m[p]), []).append(p)
+    for alike in kinds.values():
+        room = room_m(ports.take(np.array(alike)))
+        for name, needed in needed_m(bodies, ports.take(np.array(alike[:1]))).items():
+            fits[:, alike] &= needed[:, None] <= room[name] * ROUND
     return fits
 
 

@@ -28,21 +28,28 @@ class Focus:
 def place_focus(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap], seen: Sequence[Views]) -> Focus:
     """Put the focus where what must be sharp needs the smallest f-number.
 
-    One focus serves all scenes, because behind a sealed port it cannot be touched. Where no depth of field is
-    asked for, the nominal altitude must be sharp: an image is wanted, and of one that must be sharp in its corners
-    too neither they nor the centre are in focus. Physics `paper` focuses at the altitude of its one scene.
+    One focus serves all scenes, because behind a sealed port it cannot be touched.
+    """
+    dioptre = common_dioptre(scenes, maps, seen)
+    n_depth = [
+        depth_f_number(scene, at, view, dioptre) for scene, at, view in zip(scenes, maps, seen, strict=True)
+    ]
+    return Focus([dioptre] * len(scenes), n_depth)
+
+
+def common_dioptre(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap], seen: Sequence[Views]) -> Array:
+    """The focus that serves all scenes, (n,) [1/m] at the lens.
+
+    Where no depth of field is asked for, the nominal altitude must be sharp: an image is wanted, and of one that
+    must be sharp in its corners too neither they nor the centre are in focus. Physics `paper` focuses at the
+    altitude of its one scene.
     """
     count = len(seen[0].tan_along)
     at_nominal = scenes[0].view.requirements.min_dof_m is None and not held_at_corner(scenes[0])
     if len(scenes) == 1 and (scenes[0].paper or at_nominal):
         at_altitude = port.lens_dioptre_per_m(scenes[0].range_m[scenes[0].nominal], focus_map=maps[0])
-        dioptre = np.full(count, float(at_altitude))
-    else:
-        dioptre = middle_focus(sharp_intervals(scenes, maps, seen), [view.coc_m for view in seen])
-    n_depth = [
-        depth_f_number(scene, at, view, dioptre) for scene, at, view in zip(scenes, maps, seen, strict=True)
-    ]
-    return Focus([dioptre] * len(scenes), n_depth)
+        return np.full(count, float(at_altitude))
+    return middle_focus(sharp_intervals(scenes, maps, seen), [view.coc_m for view in seen])
 
 
 def default_dioptres_per_m(

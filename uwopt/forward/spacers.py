@@ -55,16 +55,23 @@ def ring_range_m(lenses: Lenses, spacer_m: Array | float) -> tuple[Array, Array]
     )  # fmt: skip
 
 
-def needed_spacer_m(lenses: Lenses, dioptre_per_m: Array, *, slack: float = ROUND) -> Array:
-    """The least ring on which each lens focuses at a dioptre, (n,) [m]: 0 without one, nan where none does."""
+def needed_spacer_m(
+    lenses: Lenses, dioptre_per_m: Array, *, slack: float = ROUND, rows: Array | None = None
+) -> Array:
+    """The least ring on which each lens focuses at a dioptre, (n,) [m]: 0 without one, nan where none does.
+
+    rows : which of the lenses each dioptre is of, (n,); without them one dioptre a lens, or one for all
+    """
     with np.errstate(divide="ignore"):
         distance = 1.0 / np.asarray(dioptre_per_m, float)
-    beyond_focal = distance > lenses.focal_length_m
-    needed = np.full(np.broadcast_shapes(distance.shape, lenses.focal_length_m.shape), np.nan)
+    distance, of = np.broadcast_arrays(distance, np.arange(len(lenses.focal_length_m)) if rows is None else rows)
+    needed = np.full(distance.shape, np.nan)
+    left = np.flatnonzero(distance > lenses.focal_length_m[of])  # those without a ring yet
     for length in [np.zeros(len(lenses.focal_length_m)), *lenses.spacers_m.T]:
-        near, far = ring_range_m(lenses, length)
-        reached = beyond_focal & (distance * slack >= near) & (distance <= far * slack)
-        needed = np.where(np.isnan(needed) & reached, length, needed)
+        (near, far), lens, at = ring_range_m(lenses, length), of[left], distance[left]
+        reached = (at * slack >= near[lens]) & (at <= far[lens] * slack)
+        needed[left[reached]] = length[lens[reached]]
+        left = left[~reached]
     return needed
 
 

@@ -22,9 +22,8 @@ from uwopt.catalog.compatibility import (
 )
 from uwopt.forward.columns import Columns
 from uwopt.forward.enclosures import beaten, fits_inside, housing_size_mm, mass_in_water_kg
-from uwopt.forward.focus import Focused, place_focus, working_factor
+from uwopt.forward.focus import Focused, common_dioptre, depth_f_number, working_factor
 from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
-from uwopt.forward.part_columns import Cameras, Lenses
 from uwopt.forward.problem import Problem
 from uwopt.forward.spacers import needed_spacer_m
 from uwopt.forward.views import Views, focus_map, views
@@ -187,42 +186,37 @@ def imagers_behind(
 ) -> Iterator[PortBlock]:  # fmt: skip
     """The imagers that pass every rule, and the count of those each rule discards.
 
+    What is dear to work out is worked out for the pairs that are left by then.
+
     ports : indices of ports that share their optics: what is seen through one is seen through all
     """
     port = int(ports[0])
     camera, lens = only_tied(problem, camera, lens, ports, landscape, discarded, samples)
     if len(camera) == 0:
         return
-    cameras, lenses, seen, focused = seen_behind(problem, camera, lens, port, landscape)
-
-    def count(rule: str, lost: Array, of: Array) -> None:
-        """Rows and places of ports that a rule discards."""
-        discarded[rule] += len(lost)
-        some = slice(None, None, max(1, len(lost) // SAMPLES))
-        samples.setdefault(rule, []).extend(
-            (int(camera[i]), int(lens[i]), int(ports[p]), landscape)
-            for i, p in zip(lost[some], of[some], strict=True)
-        )
-
-    passed = np.ones(len(camera), bool)
-    every = np.arange(len(ports))
-    for rule, passes in shared_rules(problem, cameras, lenses, port, seen, focused):
-        lost = np.flatnonzero(passed & ~passes)
-        count(rule, np.repeat(lost, len(ports)), np.tile(every, len(lost)))
-        passed &= passes
-    left = np.flatnonzero(passed)
+    tally = Tally(landscape, discarded, samples)
+    seen, dioptre, spacers_m = seen_behind(problem, camera, lens, port, landscape)
+    left = tally.passing(view_rules(problem, port, seen, spacers_m), camera, lens, ports)
+    if len(left) == 0:
+        return
+    if len(left) < len(camera):
+        camera, lens, dioptre, spacers_m = camera[left], lens[left], dioptre[left], spacers_m[left]
+        seen = [view.take(left) for view in seen]
+    focused = focused_behind(problem, camera, lens, port, seen, dioptre, spacers_m)
+    left = tally.passing(focus_rules(problem, camera, lens, focused), camera, lens, ports)
     if len(left) == 0:
         return
     alive = np.ones((len(left), len(ports)), bool)
 
     def drop(rule: str, passes: Array) -> None:
-        lost, of = np.nonzero(alive & ~(passes if passes.ndim == 2 else passes[:, None]))
-        count(rule, left[lost], of)
-        alive[lost, of] = False
+        lost = np.flatnonzero(alive & ~(passes if passes.ndim == 2 else passes[:, None]))
+        pair, of = np.divmod(lost[some_of(len(lost))], len(ports))
+        tally.count(rule, len(lost), camera[left[pair]], lens[left[pair]], ports[of])
+        alive.ravel()[lost] = False
 
     rates = [extra.rate_hz[left] for extra in focused]
-    spacers_m = focused[0].spacer_m[left]
-    for rule, passes in own_rules(problem, cameras.take(left), lenses.take(left), spacers_m, ports, rates):
+    own = problem.cameras.take(camera[left]), problem.lenses.take(lens[left])
+    for rule, passes in own_rules(problem, *own, spacers_m[left], ports, rates):
         drop(rule, passes)
     if len(ports) > 1:
         drop("better_housing", ~beaten_housings(problem, ports, alive))
@@ -237,37 +231,79 @@ def imagers_behind(
 
 def seen_behind(
     problem: Problem, camera: Array, lens: Array, port: int, landscape: bool
-) -> tuple[Cameras, Lenses, list[Views], list[Focused]]:
-    """Columns of these pairs behind a port, and what they see of every scene, focused."""
+) -> tuple[list[Views], Array, Array]:
+    """What these pairs see of every scene behind a port, their common focus [1/m] and the rings that it needs [m]."""
     cameras, lenses = problem.cameras.take(camera), problem.lenses.take(lens)
-    seen = []
-    for index, scene in enumerate(problem.scenes):
-        seen.append(views(scene, cameras, lenses, problem.shape(port, index), landscape=landscape))
-    maps = [focus_map(scene, problem.shape(port, i)) for i, scene in enumerate(problem.scenes)]
-    focus = place_focus(problem.scenes, maps, seen)
-    focused = []
+    shapes = [problem.shape(port, index) for index in range(len(problem.scenes))]
+    seen = [
+        views(scene, cameras, lenses, shape, landscape=landscape)
+        for scene, shape in zip(problem.scenes, shapes, strict=True)
+    ]
+    maps = [focus_map(scene, shape) for scene, shape in zip(problem.scenes, shapes, strict=True)]
+    dioptre = common_dioptre(problem.scenes, maps, seen)
+    return seen, dioptre, needed_spacer_m(problem.lenses, dioptre, rows=lens)
+
+
+def focused_behind(
+    problem: Problem, camera: Array, lens: Array, port: int, seen: list[Views], dioptre_per_m: Array, spacers_m: Array
+) -> list[Focused]:  # fmt: skip
+    """What focus and motion ask of these pairs in every scene."""
+    cameras, focused = problem.cameras.take(camera), []
     for index, (scene, view) in enumerate(zip(problem.scenes, seen, strict=True)):
-        requirements, speed = scene.view.requirements, scene.view.vehicle.speed_m_s
-        dioptre = focus.dioptre_per_m[index]
+        requirements, shape = scene.view.requirements, problem.shape(port, index)
         with np.errstate(divide="ignore", invalid="ignore"):
-            factor = working_factor(scene, view.focal_length_m, dioptre)
+            factor = working_factor(scene, view.focal_length_m, dioptre_per_m)
+        closed = problem.lenses.f_number_from(requirements.lens_stop_down)[lens]
+        n_depth = depth_f_number(scene, focus_map(scene, shape), view, dioptre_per_m)
+        rate = required_rate_hz(requirements, scene.view.vehicle.speed_m_s, view.footprint_along_m)
         focused.append(
             Focused(
-                dioptre_per_m=dioptre,
+                dioptre_per_m=dioptre_per_m,
                 working_factor=factor,
-                n_low=np.maximum(lenses.f_number_from(requirements.lens_stop_down), focus.n_depth[index]),
-                n_high=lenses.f_number_max,
-                rate_hz=required_rate_hz(requirements, speed, view.footprint_along_m).max(axis=1),
-                blur_time_s=blur_time_s(scene, problem.shape(port, index), view),
-                spacer_m=needed_spacer_m(lenses, dioptre),
-                skew_px=shutter_skew_px(scene, problem.shape(port, index), view, cameras.readout_s),
+                n_low=np.maximum(closed, n_depth),
+                n_high=problem.lenses.f_number_max[lens],
+                rate_hz=rate.max(axis=1),
+                blur_time_s=blur_time_s(scene, shape, view),
+                spacer_m=spacers_m,
+                skew_px=shutter_skew_px(scene, shape, view, cameras.readout_s),
                 beside_w=np.zeros(len(camera)),
             )
         )
     powers = problem.camera_powers_w(cameras, [extra.rate_hz for extra in focused])
     least = np.min(powers, axis=0)
-    focused = [replace(f, beside_w=power - least) for f, power in zip(focused, powers, strict=True)]
-    return cameras, lenses, seen, focused
+    return [replace(f, beside_w=power - least) for f, power in zip(focused, powers, strict=True)]
+
+
+@dataclass(frozen=True)
+class Tally:
+    """What the rules discard of one orientation, counted, with samples."""
+
+    landscape: bool
+    discarded: dict[str, int]
+    samples: dict[str, list[tuple[int, int, int, bool]]]
+
+    def passing(
+        self, rules: Iterator[tuple[str, Array]], camera: Array, lens: Array, ports: Array
+    ) -> Array:
+        """The places of pairs that pass rules that all ports share; the others counted under the first they miss."""
+        passed, n_port = np.ones(len(camera), bool), len(ports)
+        for rule, passes in rules:
+            lost = np.flatnonzero(passed & ~passes)
+            pair, of = np.divmod(some_of(len(lost) * n_port), n_port)
+            self.count(rule, len(lost) * n_port, camera[lost[pair]], lens[lost[pair]], ports[of])
+            passed &= passes
+        return np.flatnonzero(passed)
+
+    def count(self, rule: str, number: int, camera: Array, lens: Array, port: Array) -> None:
+        """So many imagers that a rule discards, and which some of them are."""
+        self.discarded[rule] += number
+        places = zip(camera.tolist(), lens.tolist(), port.tolist(), strict=True)
+        self.samples.setdefault(rule, []).extend((*place, self.landscape) for place in places)
+
+
+def some_of(count: int) -> Array:
+    """Places among so many, evenly spread, to be remembered."""
+    return np.arange(0, count, max(1, count // SAMPLES))
 
 
 def only_tied(
@@ -299,37 +335,34 @@ def beaten_housings(problem: Problem, ports: Array, alive: Array) -> Array:
     return beaten(alive, worth, ["" if one is None else one.id for one in housings])
 
 
-def shared_rules(
-    problem: Problem,
-    cameras: Any,
-    lenses: Any,
-    port: int,
-    seen: list[Views],
-    focused: list[Focused],
+def view_rules(
+    problem: Problem, port: int, seen: list[Views], spacers_m: Array
 ) -> Iterator[tuple[str, Array]]:
-    """Each rule that ports of the same optics share, in turn, with the imagers that pass it, (n,)."""
-    limits, count = problem.mission.limits, problem.mission.vehicle.camera_count
-    every = list(zip(problem.scenes, seen, focused, strict=True))
+    """The rules that a view and its focus are enough for, in turn, with the imagers that pass them, (n,)."""
+    every = list(zip(problem.scenes, seen, strict=True))
     yield "view", all_of(view_clears(problem, port, view) for view in seen)
     yield "horizon", all_of(view.farthest <= FARTHEST * ROUND for view in seen)
-    yield (
-        "focus",
-        all_of(np.isfinite(extra.spacer_m) for extra in focused),
-    )
+    yield "focus", np.isfinite(spacers_m)
     yield (
         "max_gsd_mm",
         all_of(
-            view.gsd_m.max(axis=1) * 1e3 <= limit(scene.view.requirements.max_gsd_mm) * ROUND
-            for scene, view, _ in every
+            view.gsd_m.max(axis=1) * 1e3 <= limit(scene.view.requirements.max_gsd_mm) * ROUND for scene, view in every
         ),
     )
     yield (
         "min_swath_m",
         all_of(
             view.footprint_across_m.min(axis=1) * ROUND >= (scene.view.requirements.min_swath_m or 0.0)
-            for scene, view, _ in every
+            for scene, view in every
         ),
     )
+
+
+def focus_rules(
+    problem: Problem, camera: Array, lens: Array, focused: list[Focused]
+) -> Iterator[tuple[str, Array]]:
+    """Each further rule that ports of the same optics share, in turn, with the imagers that pass it, (n,)."""
+    cameras, limits, count = problem.cameras.take(camera), problem.mission.limits, problem.mission.vehicle.camera_count
     yield "frame_rate", all_of(extra.rate_hz <= cameras.max_rate_hz * ROUND for extra in focused)
     rate_limit = limit(limits.data_rate_mb_s)
     yield (
@@ -340,8 +373,8 @@ def shared_rules(
     yield "storage_gb", problem.duration.mean(rates) <= problem.duration.mean_data_limit_mb_s * ROUND
     each = [extra.rate_hz * cameras.frame_mb for extra in focused]
     yield "card_gb", problem.duration.mean(each) <= problem.duration.mean_rate_into(cameras.storage_gb) * ROUND
-    yield "lens_stop_down", stops_down(problem, lenses)
-    yield "min_dof_m", common_f_number(lenses, focused)
+    yield "lens_stop_down", stops_down(problem, problem.lenses)[lens]
+    yield "min_dof_m", common_f_number(focused)
     yield (
         "max_blur_px",
         all_of(
@@ -364,14 +397,19 @@ def own_rules(
     yield "housing", fits_inside(cameras, lenses, spacers_m, housings)
     every_pair = np.ones((len(cameras.price), 1), bool)
     yield "size_mm", every_pair & (housing_size_mm(housings) <= limit(limits.size_mm) * ROUND)
-    in_water = mass_in_water_kg(count, cameras, lenses, (spacers_m > 0.0) * problem.spacers["mass_kg"], housings)
-    most = limit(limits.mass_water_kg)
-    yield "mass_water_kg", in_water <= most + (ROUND - 1.0) * abs(most) if np.isfinite(most) else every_pair
-    each = [totals(problem, cameras, lenses, spacers_m, int(p)) for p in ports]
+    most = limits.mass_water_kg
+    if most is None:
+        yield "mass_water_kg", every_pair
+    else:
+        rings_kg = (spacers_m > 0.0) * problem.spacers["mass_kg"]
+        in_water = mass_in_water_kg(count, cameras, lenses, rings_kg, housings)
+        yield "mass_water_kg", in_water <= most + (ROUND - 1.0) * abs(most)
+    asked = ports if limits.cost is not None or limits.mass_kg is not None else ports[:1]  # one stands for all
+    each = [totals(problem, cameras, lenses, spacers_m, int(p)) for p in asked]
     cost, mass = (np.stack([one[k] for one in each], axis=1) for k in (1, 2))
-    powers = problem.camera_powers_w(cameras, rates)
     yield "cost", cost <= limit(limits.cost) * ROUND
     yield "mass_kg", mass <= limit(limits.mass_kg) * ROUND
+    powers = problem.camera_powers_w(cameras, rates)
     yield "power_w", np.max(powers, axis=0) <= limit(limits.power_w) * ROUND
     yield "energy_wh", problem.duration.mean(powers) <= problem.duration.mean_power_limit_w * ROUND
 
@@ -405,10 +443,10 @@ def stops_down(problem: Problem, lenses: Any) -> Array:
     return np.asarray(lenses.f_number_from(most) <= lenses.f_number_max * ROUND)
 
 
-def common_f_number(lenses: Any, focused: list[Focused]) -> Array:
+def common_f_number(focused: list[Focused]) -> Array:
     """Whether an f-number of the lens keeps sharp what must be, the same in all scenes unless motorised."""
     low = np.max([extra.n_low for extra in focused], axis=0)
-    return np.asarray(np.isfinite(low) & (low <= lenses.f_number_max * ROUND))
+    return np.asarray(np.isfinite(low) & (low <= focused[0].n_high * ROUND))
 
 
 def totals(
