@@ -404,7 +404,7 @@ def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) ->
         f_number, blur = c.f_number[index], some.blur_s(c.time_s[index])
         working = f_number * some.working_factor
         if some.sunlit and c.exposure_s is not None:  # the sun shines as long as the shutter is open
-            from uwopt.solvers.settings.cell_bounds import figures_at  # brings scipy.special
+            from uwopt.solvers.settings.cell_bounds import figures_at
 
             some = replace(some, dark_time_s=c.exposure_s[index])
             blur = some.open_s(c.exposure_s[index])

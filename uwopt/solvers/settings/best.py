@@ -74,7 +74,7 @@ def best_settings(
     weighs = bool(objective.weight("snr_db") and objective.weight("power"))
     if objective.weight("information") or any(r.sunlit or (weighs and r.switched) for r in rows):
         from uwopt.solvers.settings.cells import (
-            best_by_cells,  # brings scipy.special, which no closed form needs
+            best_by_cells,  # no closed form needs it
         )
 
         return _of_cells(best_by_cells(
