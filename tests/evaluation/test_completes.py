@@ -59,6 +59,15 @@ def test_system_names_it_and_is_evaluated_as_solve_found_it(solved: Any) -> None
         assert made.best.scenes[0].figures[name] == pytest.approx(best.scenes[0].figures[name], rel=1e-6)
 
 
+def test_what_runs_on_its_own_battery_draws_nothing_from_the_vehicle() -> None:
+    # the lamp's 15 W at its full level are all that is drawn; the battery's class lasts 120 min
+    made = evaluate(mission(catalog={"complete": "only", "host": "estimate"}), SYSTEM)
+    totals = made.best.totals
+    assert totals.power_w == totals.light_power_w > 0.0
+    assert totals.run_time_h == pytest.approx(2.0)
+    assert {row.kind: row.power_w for row in made.best.bom} == {"complete": 0.0, "light": totals.power_w}
+
+
 def test_rest_and_computer_are_not_bought_for_what_runs_on_its_own() -> None:
     asked = {"complete": "only", "host": "estimate", "rest": "estimate", "housing": "required"}
     made = evaluate(mission(catalog=asked), SYSTEM)

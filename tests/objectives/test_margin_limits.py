@@ -318,7 +318,7 @@ EACH = pytest.mark.parametrize(("name", "beyond"), CASES, ids=IDS)
 #: Held against each other in tests/api/test_one_set_of_rules.py.
 OF_SEVERAL_SCENES = {"common_f_number", "common_focus_m"}
 #: Of what no inline camera states; in tests/solvers/test_completes.py.
-OF_COMPLETE_CAMERAS = {"card_gb", "lamp_trigger"}
+OF_COMPLETE_CAMERAS = {"card_gb", "run_time_h", "lamp_trigger"}
 
 
 def margin_of(name: str, changes: Changes) -> MarginRows:

@@ -12,6 +12,20 @@ SAME = SEARCHED + "test_search_among_complete_cameras_equals_enumeration"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a camera on its own battery drains the vehicle's",
+        file="uwopt/catalog/parts/complete.py",
+        old="camera = replace(camera, power_w=none, standby_w=none)",
+        new="camera = replace(camera, standby_w=none)",
+        test=TOLD + "test_what_runs_on_its_own_battery_draws_nothing_from_the_vehicle",
+    ),
+    Defect(
+        name="a camera's own battery lasts for ever",
+        file="uwopt/objectives/requirements.py",
+        old="run_time_h * every, duration.duration_h * every",
+        new="1e9 * run_time_h * every, duration.duration_h * every",
+        test=SEARCHED + "test_design_says_what_its_card_and_its_trigger_miss",
+    ),
+    Defect(
         name="any lens goes on a complete camera, any other on its lens",
         file="uwopt/solvers/exact/imagers.py",
         old="tied = of_camera[:, None] == of_lens[None, :]",

@@ -91,6 +91,8 @@ def test_images_of_the_whole_mission_fit_on_the_card() -> None:
     [
         ({"storage_gb": 54.2}, BURNING, "card_gb", 54.1458, 54.2),
         ({"storage_gb": 54.1}, BURNING, "card_gb", 54.1458, 54.1),
+        ({"run_time_h": 2.1}, BURNING, "run_time_h", 2.1, 2.0),
+        ({"run_time_h": 1.9}, BURNING, "run_time_h", 1.9, 2.0),
         ({"fires_lamps": False}, FLASHING, "lamp_trigger", 0.0, 1.0),
     ],
 )

@@ -92,6 +92,7 @@ def evaluate_design(
             light_peak_power_w=max(peaks),
             mass_kg=mass,
             **housed_totals(model),
+            run_time_h=model.run_time_h,
             **used_up(model, by_scene),
         ),
         scenes=scenes,

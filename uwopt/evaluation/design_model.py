@@ -354,8 +354,14 @@ class DesignModel:
                 mean_power_w=duration.mean([self.totals(f)["power_w"] for f in by_scene]),
                 mean_data_rate_mb_s=duration.mean([self.data_rate_mb_s(f) for f in by_scene]),
                 cards_gb=float(self.problem.mission.vehicle.camera_count * self.cameras.storage_gb[0]),
+                run_time_h=math.inf if self.run_time_h is None else self.run_time_h,
             )
         )
+
+    @property
+    def run_time_h(self) -> float | None:
+        """Hours that the cameras' own batteries last; None where the vehicle feeds them, or nobody says."""
+        return self.problem.parts.cameras[self.hardware.camera].run_time_h
 
     def data_rate_mb_s(self, figures: Figures) -> Array:
         """Data rate of all cameras in one scene."""

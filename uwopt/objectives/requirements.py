@@ -321,9 +321,13 @@ def trigger_margins(cameras: Cameras, lights: Lights) -> Iterator[MarginRows]:
 
 
 def duration_margins(
-    duration: Duration, *, mean_power_w: Array, mean_data_rate_mb_s: Array, cards_gb: float = np.inf
-) -> Iterator[MarginRows]:
-    """What the whole mission may use up, from means over its scenes: energy, storage, and the cameras' own cards."""
+    duration: Duration, *, mean_power_w: Array, mean_data_rate_mb_s: Array, cards_gb: float = np.inf,
+    run_time_h: float = np.inf,
+) -> Iterator[MarginRows]:  # fmt: skip
+    """What the whole mission may use up, from means over its scenes: energy, storage, and the cameras' own cards.
+
+    run_time_h : that the cameras' own batteries last
+    """
     every = np.ones(len(mean_power_w))
     if np.isfinite(duration.energy_wh):
         energy_wh = duration.energy_of(mean_power_w)
@@ -333,3 +337,5 @@ def duration_margins(
         yield MarginRows("storage_gb", storage_gb, duration.storage_gb * every, "<=", "GB")
     if np.isfinite(cards_gb) and duration.duration_h is not None:
         yield MarginRows("card_gb", duration.storage_of(mean_data_rate_mb_s), cards_gb * every, "<=", "GB")
+    if np.isfinite(run_time_h) and duration.duration_h is not None:
+        yield MarginRows("run_time_h", run_time_h * every, duration.duration_h * every, ">=", "h")

@@ -124,6 +124,9 @@ class Totals(Record):
     endurance_h: Number | None = Field(
         default=None, description="that the vehicle's battery lasts; null without one"
     )
+    run_time_h: Number | None = Field(
+        default=None, description="that the cameras' own batteries last; null where the vehicle feeds them"
+    )
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -187,6 +187,7 @@ class Camera(Part):
         Known, Cell("price of the computer that takes the images in USD", FROM_ZERO, favours="low")
     ] = None
     storage_gb: Annotated[float | None, Cell(in_files=False, unknown=math.inf)] = None  # of its own card
+    run_time_h: Annotated[float | None, Cell(in_files=False, unknown=math.inf)] = None  # of its own battery
     min_interval_s: Annotated[Known, Cell(in_files=False, favours="low")] = None  # of its own timer
     fires_lamps: Annotated[bool, UNSEEN] = True  # with the image; a complete camera may not
     tethered: Annotated[bool, UNSEEN] = True  # needs a cable; a complete camera with battery and card does not

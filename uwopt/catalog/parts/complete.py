@@ -17,7 +17,7 @@ from uwopt.catalog.parts.housing import SIZE_MM, Housing
 from uwopt.catalog.parts.lens import Lens
 from uwopt.catalog.parts.part import Part, PartKind, shown_depth
 from uwopt.catalog.parts.port import Port
-from uwopt.catalog.parts.quantity import Known
+from uwopt.catalog.parts.quantity import Known, exact
 
 Family = Literal["subsea camera", "action camera", "compact", "mirrorless"]
 P = TypeVar("P", bound=Part)
@@ -77,7 +77,10 @@ class Complete(Part):
 
     @property
     def pieces(self) -> tuple[Camera, Lens, Port]:
-        """Camera, lens and port, tied to each other; price and mass of the whole are the port's."""
+        """Camera, lens and port, tied to each other; price and mass of the whole are the port's.
+
+        What a battery of its own feeds draws nothing from the vehicle.
+        """
         hull = Housing(
             f"{self.id} housing", outer_diameter_mm=self.outer_diameter_mm, outer_length_mm=self.outer_length_mm,
             depth_rating_m=self.depth_rating_m, displaced_g=self.displaced_g,
@@ -86,13 +89,18 @@ class Complete(Part):
         camera = replace(
             self._named(self.own_camera, "camera"), mounts=(MOUNT,), price=None, mass_g=None,
             storage_gb=self.storage_gb, min_interval_s=self.min_interval_s, fires_lamps=self.lamp_trigger == "yes",
-            tethered=not alone,
+            tethered=not alone, run_time_h=None if self.run_time_min is None else self.run_time_min / 60.0,
         )  # fmt: skip
+        if self.supply == "battery":
+            none = exact(0.0, "derived", "fed by its own battery")
+            camera = replace(camera, power_w=none, standby_w=none)
         lens = replace(self._named(self.own_lens, "lens"), mounts=(MOUNT,), price=None, mass_g=None, spacers_mm=())
+        lamps_lm = self.own_light_lm
+        dark = f"its own lamps of {lamps_lm:g} lm stay off: no beam is known of them" if lamps_lm else ""
         port = replace(
             self._named(self.own_port, "port"), housing=hull, depth_rating_m=self.depth_rating_m, price=self.price,
             currency=self.currency, price_date=self.price_date, mass_g=self.mass_g, generic=self.generic,
-            source_url=self.source_url, availability=self.availability, note=self.note,
+            source_url=self.source_url, availability=self.availability, note="; ".join(filter(None, (dark, self.note))),
         )  # fmt: skip
         return camera, lens, port
 

@@ -157,7 +157,7 @@ def cards(design: Design) -> list[Card]:
         shown.append(Card("Mass", words.quantity(totals.mass_kg, "kg")))
     for name, value, unit in (
         ("Energy", totals.energy_wh, "Wh"), ("Storage", totals.storage_gb, "GB"),
-        ("Battery lasts", totals.endurance_h, "h"),
+        ("Battery lasts", totals.endurance_h, "h"), ("Cameras' own batteries last", totals.run_time_h, "h"),
     ):  # fmt: skip
         if value is not None:
             shown.append(

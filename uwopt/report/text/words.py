@@ -102,6 +102,7 @@ REQUIREMENTS: Mapping[str, str] = {
     "energy_wh": "energy of the whole mission",
     "storage_gb": "storage of the whole mission",
     "card_gb": "storage that the cameras have themselves",
+    "run_time_h": "time that the cameras' own batteries last",
     "lamp_trigger": "signal that fires the lamps",
     "depth_rating_m": "depth rating",
 }
@@ -487,7 +488,7 @@ def used_up_clause(totals: Totals) -> str:
     """`, energy 412 Wh, storage 86 GB, battery lasts 9.7 h` of what the mission lets know; else nothing."""
     said = (
         ("energy", totals.energy_wh, "Wh"), ("storage", totals.storage_gb, "GB"),
-        ("battery lasts", totals.endurance_h, "h"),
+        ("battery lasts", totals.endurance_h, "h"), ("the cameras' own batteries last", totals.run_time_h, "h"),
     )  # fmt: skip
     return "".join(f", {name} {quantity(value, unit)}" for name, value, unit in said if value is not None)
 
