@@ -4,17 +4,28 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 from priced_system import PRICED
 
 import uwopt
 from uwopt.catalog.rest import RestNeeds, rest_items
 from uwopt.errors import MissionError
+from uwopt.forward.assembly import system_problem
 from uwopt.mission.mission import load_mission
+from uwopt.mission.system import load_system
+from uwopt.solvers.exact.imagers import totals
 
 # To 1000 m, in USD: a connection 300 (120 to 750), lamp control 150 (50 to 450), spares 100 (40 to 250), test 600
 # (300 to 1200). One camera and two lamps: 3 x 300 + 850 = 1750 (3 x 120 + 390 = 750, 3 x 750 + 1900 = 4150).
 # At 1.25 USD a euro: 1400 EUR (600 to 3320).
+
+LONG: dict[str, Any] = {
+    "practice": "bare", "physics": "paper", "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
+    "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0, "duration_h": 15_000.0, "orientation": "landscape"},
+    "requirements": {"frame_interval_s": 100.0, "circle_of_confusion_px": 2.0}, "limits": {"cost_basis": "high"},
+    "catalog": {"rest": "estimate"},
+}  # fmt: skip
 
 
 def design(
@@ -94,6 +105,18 @@ def test_a_battery_of_the_system_costs_weighs_and_limits() -> None:
     assert "energy_wh" not in {m.requirement for m in carried.scenes[0].margins}
 
 
+def test_the_search_counts_the_disks_that_the_bill_has() -> None:
+    # 1370 GB as above, at 0.15 USD; against a budget at 0.4 USD
+    problem = system_problem(load_mission(LONG), load_system(PRICED))[0]
+    disks_gb = problem.disks_gb(problem.cameras, [np.array([0.01])])
+    with_disks, without = (
+        totals(problem, problem.cameras, problem.lenses, np.zeros(1), 0, gigabytes) for gigabytes in (disks_gb, 0.0)
+    )
+    assert [float((a - b)[0]) for a, b in zip(with_disks, without, strict=True)] == pytest.approx(
+        [1370 * 0.15, 1370 * 0.4, 0.0]
+    )
+
+
 @pytest.mark.parametrize(("limit_wh", "held_wh"), [(300.0, 300.0), (900.0, 500.0)])
 def test_of_battery_and_limit_the_smaller_holds(limit_wh: float, held_wh: float) -> None:
     own = {"duration_h": 10.0, "battery_wh": 500.0, "supply": "battery"}
@@ -107,10 +130,16 @@ def test_a_battery_of_the_system_must_say_what_it_holds() -> None:
 
 
 def test_disks_beyond_those_of_the_computer_are_bought() -> None:
-    # 450 GB: 200 more than the computer has, at 0.15 USD
-    items = {item.id: item for item in rest_items(RestNeeds(10.0, storage_gb=450.0))}
-    assert items["rest-storage"].price.value == pytest.approx(30.0)
-    assert "rest-storage" not in {item.id for item in rest_items(RestNeeds(10.0, storage_gb=250.0))}
+    # 2000 x 1000 px of 12 bit every 100 s for 15 000 h: 1.62 TB, 1370 GB more than the computer has, at 0.15 USD or
+    # 0.12 EUR; what the mission would allow does not matter
+    found, bare = (design(rest, vehicle={"duration_h": 15_000.0}, limits={"storage_gb": 2000.0, "cost": 4000.0})
+                   for rest in ("estimate", "none"))  # fmt: skip
+    rows = {row.id: row for row in found.bom}
+    assert rows["rest-storage"].unit_price == pytest.approx(1370 * 0.12)
+    assert rows["rest-storage"].model == "disks for 1 370 GB beyond the 250 GB of the computer"
+    assert found.scenes[0].figures["cost"] - bare.scenes[0].figures["cost"] == pytest.approx(1400.0 + 1370 * 0.12)
+    brief = design(vehicle={"duration_h": 2000.0}, limits={"storage_gb": 2000.0})
+    assert "rest-storage" not in {row.id for row in brief.bom}  # 216 GB
 
 
 def test_without_lamps_nothing_is_wired_to_them() -> None:

@@ -59,6 +59,13 @@ DEFECTS = (
         test=f"{REST}::test_a_battery_of_the_system_costs_weighs_and_limits",
     ),
     Defect(
+        name="disks are for nothing in the search",
+        file="uwopt/solvers/exact/imagers.py",
+        old='cost = cost + disks_gb * problem.disk_prices["price"]',
+        new="cost = cost + 0.0",
+        test=f"{REST}::test_the_search_counts_the_disks_that_the_bill_has",
+    ),
+    Defect(
         name="a flange weighs nothing",
         file="uwopt/forward/part_columns.py",
         old='known["mass_kg"] + 1e-3 * flange_g',
@@ -124,9 +131,9 @@ DEFECTS = (
     ),
     Defect(
         name="the computer's disk is bought again",
-        file="uwopt/catalog/rest.py",
-        old="(needs.storage_gb or 0.0) - DISK_GB",
-        new="(needs.storage_gb or 0.0)",
+        file="uwopt/forward/problem.py",
+        old="np.maximum(filled - DISK_GB, 0.0)",
+        new="filled",
         test=f"{REST}::test_disks_beyond_those_of_the_computer_are_bought",
     ),
     Defect(

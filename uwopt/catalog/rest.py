@@ -1,8 +1,8 @@
 """The rest of a system: what every order needs beside camera, lens, port, lamps, housing and computer.
 
 All of it is estimated by class, in USD: connectors and cables by depth for each camera and lamp, the data cable by its
-length, and once for the system the electronics that trigger its lamps and cameras, battery and disks where the mission
-says that they are its own, spares and the pressure test.
+length, and once for the system the electronics that trigger its lamps and cameras, a battery where the mission says
+that it is its own, disks for what the design's images fill, spares and the pressure test.
 """
 
 from __future__ import annotations
@@ -10,9 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from uwopt.catalog.estimates import required_class
+from uwopt.catalog.estimates import ClassEstimate, required_class
 from uwopt.catalog.interfaces import LINK, does_reach
 from uwopt.catalog.parts.quantity import Quantity
+from uwopt.units import format_number
 
 Per = Literal["system", "camera", "lamp"]
 DEPTH_CLASSES = ((150.0, "to-150m"), (1000.0, "to-1000m"))
@@ -40,12 +41,22 @@ class RestNeeds:
     camera_count: int = 1
     cable_m: float | None = None
     battery_wh: float | None = None  # of a battery that the system brings along
-    storage_gb: float | None = None
 
 
 def depth_class(depth_m: float | None) -> str:
     """The class of estimates for a depth; the deepest where it is not known."""
     return next((name for limit_m, name in DEPTH_CLASSES if depth_m is not None and depth_m <= limit_m), DEEPEST)
+
+
+def disk_item(beyond_gb: float) -> RestItem:
+    """Disks for what a design's images fill beyond the disk of the computer."""
+    name = f"disks for {format_number(beyond_gb)} GB beyond the {DISK_GB:g} GB of the computer"
+    return RestItem("rest-storage", name, "system", disk_price_per_gb().quantity(beyond_gb))
+
+
+def disk_price_per_gb() -> ClassEstimate:
+    """Price in USD of one gigabyte of disk."""
+    return required_class("rest-price", "storage-gb")
 
 
 def rest_items(needs: RestNeeds) -> tuple[RestItem, ...]:
@@ -74,9 +85,6 @@ def rest_items(needs: RestNeeds) -> tuple[RestItem, ...]:
         price = required_class("rest-price", f"battery-wh-{depth}").quantity(energy_wh)
         mass_g = required_class("rest-mass-g", "battery-wh").quantity(energy_wh)
         made.append(RestItem("rest-battery", name, "system", price, mass_g))
-    if (beyond_gb := (needs.storage_gb or 0.0) - DISK_GB) > 0.0:
-        name = f"disks for {beyond_gb:g} GB beyond the {DISK_GB:g} GB of the computer"
-        made.append(item("storage", name, "system", "storage-gb", beyond_gb))
     return (
         *made,
         item("spares", "spare O-rings, connectors and fuses", "system", "spares"),

@@ -8,7 +8,7 @@ from dataclasses import replace
 from uwopt.catalog.interfaces import reaches_m
 from uwopt.catalog.mounts import counterpart, is_free
 from uwopt.catalog.records import Camera, Part, Port, Quantity
-from uwopt.catalog.rest import RestItem
+from uwopt.catalog.rest import RestItem, disk_item
 from uwopt.catalog.spacers import rings_in_words, spacer_mass_g, spacer_price
 from uwopt.forward.adapters import adapter_of
 from uwopt.forward.designs import Hardware
@@ -85,8 +85,9 @@ def price_status(part: Part) -> str:
 
 
 def bill_of_materials(
-    problem: Problem, hw: Hardware, spacer_m: float = 0.0, drawn_w: Mapping[str, float] | None = None
-) -> list[BillRow]:
+    problem: Problem, hw: Hardware, spacer_m: float = 0.0, drawn_w: Mapping[str, float] | None = None,
+    disks_gb: float = 0.0,
+) -> list[BillRow]:  # fmt: skip
     """What to order: part, number, price with its range and status, source; mass, and mean power by `drawn_w`."""
     drawn = drawn_w or {}
     currency = problem.mission.limits.currency
@@ -108,7 +109,7 @@ def bill_of_materials(
     camera = problem.parts.cameras[hw.camera]
     if problem.counts_host and camera.takes_a_host:
         rows.append(replace(host_row(problem, camera), power_w=drawn.get("computer")))
-    rows += [rest_row(problem, item, count) for item, count in beside_parts(problem, hw, spacer_m)]
+    rows += [rest_row(problem, item, count) for item, count in beside_parts(problem, hw, spacer_m, disks_gb)]
     return rows + [
         BillRow(
             kind="extra", id=extra.name, manufacturer="", model=extra.name, count=1, owned=0,
@@ -159,8 +160,8 @@ def host_row(problem: Problem, camera: Camera) -> BillRow:
     )  # fmt: skip
 
 
-def beside_parts(problem: Problem, hw: Hardware, spacer_m: float) -> list[tuple[RestItem, int]]:
-    """What is bought beside parts and computer, with how many: flanges, rings and the rest of the system."""
+def beside_parts(problem: Problem, hw: Hardware, spacer_m: float, disks_gb: float) -> list[tuple[RestItem, int]]:
+    """What is bought beside parts and computer, with how many: flanges, rings, disks and the rest of the system."""
     cameras = problem.mission.vehicle.camera_count
     made = []
     if (flange := adapter_of(problem.parts.ports[hw.port])) is not None:
@@ -173,6 +174,8 @@ def beside_parts(problem: Problem, hw: Hardware, spacer_m: float) -> list[tuple[
     lamps = sum(count - owned for kind, _, count, owned in bought(problem, hw) if kind == "light")
     cables = cameras if problem.parts.cameras[hw.camera].tethered else 0
     numbers = {"system": 1, "camera": cables, "lamp": lamps}
+    if disks_gb > 0.0:
+        made.append((disk_item(disks_gb), 1))
     return made + [(item, numbers[item.per]) for item in problem.rest if numbers[item.per]]
 
 

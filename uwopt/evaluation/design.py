@@ -80,7 +80,7 @@ def evaluate_design(
     one = Terms(*(np.array([v]) for v in worst))
     minimised = float(objective.cost_to_minimise(one)[0])
     feasible = all(m.satisfied for s in scenes for m in s.margins)
-    bill = bill_of_materials(problem, hardware, model.spacer_m, drawn[int(np.argmax(powers))])
+    bill = bill_of_materials(problem, hardware, model.spacer_m, drawn[int(np.argmax(powers))], model.disks_gb)
     return Design(
         hardware=used_hardware(problem, hardware, model.spacer_m),
         objective_value=objective.reported(minimised) if math.isfinite(minimised) else None,

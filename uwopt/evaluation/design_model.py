@@ -464,6 +464,15 @@ class DesignModel:
         return mass_in_water_kg(count, self.cameras, self.lenses, self.rings.get("mass_kg", 0.0), port)[:, 0]
 
     @property
+    def disks_gb(self) -> float:
+        """Room for images that is bought beyond the computer's disk, at the least rate that the mission asks for."""
+        gigabytes: float = self._once("disks", lambda: float(self.problem.disks_gb(self.cameras, [
+            required_rate_hz(scene.view.requirements, scene.view.vehicle.speed_m_s, view.footprint_along_m).max(axis=1)
+            for scene, view in zip(self.problem.scenes, self.views, strict=True)
+        ])[0]))  # fmt: skip
+        return gigabytes
+
+    @property
     def rings(self) -> dict[str, float]:
         """What the rings behind each lens cost and weigh; nothing where none stand there."""
         return self.problem.spacers if self.spacer_m > 0.0 else {}
@@ -494,7 +503,8 @@ class DesignModel:
             return np.asarray(n * (pieces + self.rings.get(name, 0.0)))
 
         def money(name: str) -> Array:
-            return cameras(name) + lamps_to_buy * getattr(self.lights, name) + extra_cost
+            disks = self.disks_gb * problem.disk_prices[name]
+            return cameras(name) + lamps_to_buy * getattr(self.lights, name) + extra_cost + disks
 
         mass = cameras("mass_kg") + hw.count * self.lights.mass_kg
         camera_power = problem.carried_power_w(figures.camera_power_w)

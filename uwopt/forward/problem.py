@@ -20,7 +20,7 @@ from uwopt.catalog import money
 from uwopt.catalog.interfaces import does_reach
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Lens, Light, Part, Port
-from uwopt.catalog.rest import Per, RestItem, RestNeeds, rest_items
+from uwopt.catalog.rest import DISK_GB, Per, RestItem, RestNeeds, disk_price_per_gb, rest_items
 from uwopt.catalog.spacers import spacer_mass_g, spacer_price
 from uwopt.forward import switching
 from uwopt.forward.enclosures import camera_with_size, lens_with_size
@@ -200,7 +200,7 @@ class Problem:
         return rest_items(
             RestNeeds(
                 self.mission.required_depth_m, vehicle.light_count[1] > 0, vehicle.camera_count, vehicle.cable_m,
-                vehicle.battery_wh if vehicle.supply == "battery" else None, self.mission.limits.storage_gb,
+                vehicle.battery_wh if vehicle.supply == "battery" else None,
             )
         )  # fmt: skip
 
@@ -220,6 +220,24 @@ class Problem:
             lamp = burns * self.rest_price("lamp", end)
             self.cameras = replace(self.cameras, **{name: getattr(self.cameras, name) + camera})
             self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})
+
+    def disks_gb(self, cameras: Cameras, rates_hz: Sequence[Array]) -> Array:
+        """Room for images that is bought for a system, (n,) [GB]: what they fill beyond the disk of its computer.
+
+        rates_hz : of the images, by scene; a camera that keeps them on a card of its own buys none
+        """
+        count, duration = self.mission.vehicle.camera_count, self.duration
+        filled = duration.storage_of(duration.mean([count * cameras.frame_mb * rate for rate in rates_hz]))
+        if filled is None or self.mission.catalog.rest == "none":
+            return np.zeros(len(cameras.price))
+        return np.where(np.isfinite(cameras.storage_gb), 0.0, np.maximum(filled - DISK_GB, 0.0))
+
+    @cached_property
+    def disk_prices(self) -> dict[str, float]:
+        """What a gigabyte of disk costs, and what of it counts against a budget."""
+        per_gb, favoured = disk_price_per_gb().quantity(), FAVOURED["price"]
+        ends = {"price": self.end, "limit_price": limit_end(self.end, self.mission.limits.cost_basis == "high")}
+        return {name: self.money(number(per_gb, 0.0, end, favoured), "USD") for name, end in ends.items()}
 
     @cached_property
     def spacers(self) -> dict[str, float]:

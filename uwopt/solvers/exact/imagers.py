@@ -405,7 +405,8 @@ def own_rules(
         in_water = mass_in_water_kg(count, cameras, lenses, rings_kg, housings)
         yield "mass_water_kg", in_water <= most + (ROUND - 1.0) * abs(most)
     asked = ports if limits.cost is not None or limits.mass_kg is not None else ports[:1]  # one stands for all
-    each = [totals(problem, cameras, lenses, spacers_m, int(p)) for p in asked]
+    disks_gb = problem.disks_gb(cameras, rates)
+    each = [totals(problem, cameras, lenses, spacers_m, int(p), disks_gb) for p in asked]
     cost, mass = (np.stack([one[k] for one in each], axis=1) for k in (1, 2))
     yield "cost", cost <= limit(limits.cost) * ROUND
     yield "mass_kg", mass <= limit(limits.mass_kg) * ROUND
@@ -450,7 +451,7 @@ def common_f_number(focused: list[Focused]) -> Array:
 
 
 def totals(
-    problem: Problem, cameras: Any, lenses: Any, spacers_m: Array, port: int | Array
+    problem: Problem, cameras: Any, lenses: Any, spacers_m: Array, port: int | Array, disks_gb: Array
 ) -> tuple[Array, Array, Array]:
     """Cost, cost that counts against the budget, and mass of everything but the lights."""
     count = problem.mission.vehicle.camera_count
@@ -458,9 +459,10 @@ def totals(
     ports = problem.ports
     ring = {name: (spacers_m > 0.0) * each for name, each in problem.spacers.items()}
     cost = count * (cameras.price + lenses.price + ring["price"] + ports.price[port]) + extra_cost
+    cost = cost + disks_gb * problem.disk_prices["price"]
     limit_cost = (
         count * (cameras.limit_price + lenses.limit_price + ring["limit_price"] + ports.limit_price[port]) + extra_cost
-    )
+    ) + disks_gb * problem.disk_prices["limit_price"]
     mass = count * (cameras.mass_kg + lenses.mass_kg + ring["mass_kg"] + ports.mass_kg[port]) + extra_mass
     return cost, limit_cost, mass
 
@@ -487,8 +489,9 @@ def joined(
         if own:
             scenes.append(SceneImagers.joined(own))
     spacers_m = scenes[0].focused.spacer_m if scenes else np.empty(0)
-    cost, limit_cost, mass = totals(problem, cameras, problem.lenses.take(lens), spacers_m, port)
     rates = [s.focused.rate_hz for s in scenes] if scenes else None
+    disks_gb = np.zeros(len(camera)) if rates is None else problem.disks_gb(cameras, rates)
+    cost, limit_cost, mass = totals(problem, cameras, problem.lenses.take(lens), spacers_m, port, disks_gb)
     power = problem.least_camera_power_w(cameras, rates)
     gsd = np.max([s.view.gsd_m[:, 1] for s in scenes], axis=0) * 1e3 if scenes else np.empty(0)
     return Imagers(

@@ -69,7 +69,8 @@ def assumptions(problem: Problem, found: Found) -> list[Assumption]:
         for name, value in doubtful(part)
     ]  # fmt: skip
     hardware = hardware_of(found)
-    for item, _ in beside_parts(problem, hardware, design_model(problem, hardware).spacer_m):
+    model = design_model(problem, hardware)
+    for item, _ in beside_parts(problem, hardware, model.spacer_m, model.disks_gb):
         items += [
             Assumption(
                 f"{item.id}.{name}", item.id, known.value, known.low, known.high, unit, known.status, known.source
