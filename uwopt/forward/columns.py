@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Self
@@ -21,11 +22,16 @@ class Columns:
 
     def take(self, index: Array | slice) -> Self:
         """The same columns at these rows."""
-        return self.with_arrays(lambda column: column[index])
+        return self.with_arrays(gathering(index))
 
     def with_arrays(self, change: Callable[[Array], Array]) -> Self:
         """The record with every array changed by a function."""
-        return replace(self, **{f.name: changed(getattr(self, f.name), change) for f in fields(self)})
+        made = object.__new__(type(self))  # a record checks nothing when it is made: its fields are put in place
+        values = made.__dict__
+        for name in self.__dataclass_fields__:
+            value = getattr(self, name)
+            values[name] = change(value) if type(value) is np.ndarray else changed(value, change)
+        return made
 
     def scaled(self, factor: Array) -> Self:
         """Every row times its own factor."""
@@ -58,6 +64,40 @@ class Columns:
         for f in fields(cls):
             columns[f.name] = placed([(rows, getattr(part, f.name)) for rows, part in parts], count)
         return cls(**columns)
+
+
+class PartColumns(Columns):
+    """Columns of a catalogue's parts, of which each use reads a few: what is taken is gathered when it is read.
+
+    Holds the list it was taken from. No column has a default, which would stand in its place.
+    """
+
+    def __init_subclass__(cls) -> None:
+        if preset := [name for name in inspect.get_annotations(cls) if name in cls.__dict__]:
+            raise TypeError(f"{cls.__name__}: a column of parts takes no default: {', '.join(preset)}")
+
+    def take(self, index: Array | slice) -> Self:
+        """As `Columns`."""
+        made = object.__new__(type(self))
+        made.__dict__["_taken"] = (self, gathering(index))
+        return made
+
+    def __getattr__(self, name: str) -> Any:
+        """A column that nobody has read yet."""
+        taken = self.__dict__.get("_taken")
+        if taken is None or name.startswith("_"):
+            raise AttributeError(f"{type(self).__name__} has no {name}")
+        value = self.__dict__[name] = changed(getattr(taken[0], name), taken[1])
+        return value
+
+
+def gathering(index: Array | slice) -> Callable[[Array], Array]:
+    """The function that picks rows of a column; of a mask, those that it holds."""
+    if not isinstance(index, np.ndarray):
+        return lambda column: column[index]
+    rows = np.flatnonzero(index) if index.dtype == bool else np.array(index)  # a copy: columns may be read later
+    # `take` is the quicker one, but copies a whole column that does not lie in one piece
+    return lambda column: column.take(rows, axis=0) if column.flags.c_contiguous else column[rows]
 
 
 def changed(value: Any, change: Callable[[Array], Array]) -> Any:

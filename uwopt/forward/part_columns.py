@@ -21,7 +21,7 @@ from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
 from uwopt.catalog.records import Camera, Curve, Housing, Lens, Light, Part, Port, Quantity
 from uwopt.forward.adapters import NO_ADAPTER, adapter_of
-from uwopt.forward.columns import Columns
+from uwopt.forward.columns import Columns, PartColumns
 from uwopt.forward.flash_times import FlashTimes
 from uwopt.model import flash as flash_model
 from uwopt.model.aberration import aberration_at_f1
@@ -42,7 +42,7 @@ SI_UNITS = {"um": "m", "mm": "m", "us": "s", "g": "kg"}
 
 
 @dataclass(frozen=True)
-class Cameras(Columns):
+class Cameras(PartColumns):
     """Camera columns; `qe_index` points into the list of distinct efficiency curves."""
 
     resolution_x_px: Array
@@ -79,7 +79,7 @@ class Cameras(Columns):
 
 
 @dataclass(frozen=True)
-class Lenses(Columns):
+class Lenses(PartColumns):
     """Lens columns."""
 
     focal_length_m: Array
@@ -113,7 +113,7 @@ class Lenses(Columns):
 
 
 @dataclass(frozen=True)
-class Ports(Columns):
+class Ports(PartColumns):
     """Port columns; `outer_radius_m` is 0 for a flat port. Cost and mass are those of the enclosure."""
 
     is_dome: Array
@@ -137,7 +137,7 @@ class Ports(Columns):
 
 
 @dataclass(frozen=True)
-class Lights(Columns):
+class Lights(PartColumns):
     """Light columns, one lamp each. Light of a flash is in lm s, of the others in lm."""
 
     kind: Array

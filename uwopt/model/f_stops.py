@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 # As lenses are engraved, a third of a stop apart from 1.0 on.
 THIRD_STOPS = (
@@ -13,6 +14,7 @@ THIRDS = 3  # marks a stop
 SAME_REL = 1e-6  # as a mark and its number in a table agree
 
 
+@lru_cache(maxsize=1024)
 def f_number_closed(f_number_min: float, stops: float) -> float:
     """The smallest f-number that counts as closed by so many stops from the widest opening.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -128,28 +128,89 @@ def log_mean_transmission(table: PathTable, lamp_range_m: ArrayLike, camera_rang
     Ranges broadcast to (...) [m]; returns (batch..., ...), batch the leading dimensions of the weight.
     Ranges outside the table's raise RangeError.
     """
-    lamp, camera = np.broadcast_arrays(
-        np.asarray(lamp_range_m, dtype=float), np.asarray(camera_range_m, dtype=float)
-    )
+    lamp, camera = _same_shape(lamp_range_m, camera_range_m)
     _require_inside(lamp, table.lamp_range_m, "lamp")
     _require_inside(camera, table.camera_range_m, "camera")
-    batch = table.weight_integral.shape
-    n_lamp, n_camera = table.coefficients.shape[-2:]
-    by_camera = np.swapaxes(table.coefficients, -1, -2).reshape(-1, n_lamp)  # (batch * n_camera, n_lamp)
-    slopes = table.lamp_slope_per_m.reshape(-1, 1), table.camera_slope_per_m.reshape(-1, 1)
+    return _look_up((table,), lamp, camera)[0]
+
+
+def log_transmissions_anywhere(
+    tables: tuple[PathTable, ...], lamp_range_m: ArrayLike, camera_range_m: ArrayLike
+) -> list[Any]:
+    """`log_mean_transmission` of several tables, for any ranges (...) [m].
+
+    Beyond the table's ranges: ln T = ln T(nearest range inside) - slope * excess, with the attenuation at
+    the table's far corner. Good to some per cent of the excess; meant for what is too dark to matter.
+    """
+    return _look_up(tables, *_same_shape(lamp_range_m, camera_range_m))
+
+
+def _same_shape(one: ArrayLike, other: ArrayLike) -> list[FloatArray]:
+    both = [np.asarray(one, dtype=float), np.asarray(other, dtype=float)]
+    return both if both[0].shape == both[1].shape else list(np.broadcast_arrays(*both))
+
+
+class _Stack(NamedTuple):
+    """Polynomials of tables that map their ranges alike, row under row: look-ups share all but the coefficients."""
+
+    rows: FloatArray  # (n_camera * n_weights, n_lamp + 2): coefficients of x^i y^j; last those of the ranges themselves
+    n_camera: int
+    boxes: Boxes
+    warps: tuple[float, float]
+    of_table: tuple[tuple[int, slice], ...]  # which tables, and which of the weights are theirs
+
+
+@functools.lru_cache(maxsize=256)
+def _stacks(tables: tuple[PathTable, ...]) -> tuple[_Stack, ...]:
+    """Tables put together where they map their ranges alike, shorter polynomials filled up with zeros."""
+    groups: dict[Any, list[int]] = {}
+    for index, table in enumerate(tables):
+        maps = ((table.lamp_range_m, table.camera_range_m), (table.lamp_warp, table.camera_warp))
+        groups.setdefault(maps, []).append(index)
+    stacks = []
+    for (boxes, warps), members in groups.items():
+        n_lamp, n_camera = (1 + max(tables[m].order[axis] for m in members) for axis in (0, 1))
+        ends = np.cumsum([0, *(tables[m].weight_integral.size for m in members)]).tolist()
+        rows = np.zeros((n_camera, ends[-1], n_lamp + 2))
+        of_table = []
+        for member, first, last in zip(members, ends[:-1], ends[1:], strict=True):
+            table, own = tables[member], slice(first, last)
+            count = table.coefficients.shape[-2:]
+            rows[: count[1], own, : count[0]] = np.moveaxis(table.coefficients.reshape(-1, *count), 2, 0)
+            rows[0, own, -2] = -table.lamp_slope_per_m.reshape(-1)
+            rows[0, own, -1] = -table.camera_slope_per_m.reshape(-1)
+            of_table.append((member, own))
+        stacks.append(_Stack(rows.reshape(-1, n_lamp + 2), n_camera, boxes, warps, tuple(of_table)))
+    return tuple(stacks)
+
+
+def _look_up(tables: tuple[PathTable, ...], lamp: FloatArray, camera: FloatArray) -> list[Any]:
+    """ln of the mean transmission of each table, the polynomials held at the ends of their ranges."""
+    found: list[Any] = [None] * len(tables)
     flat_lamp, flat_camera = lamp.reshape(-1), camera.reshape(-1)
-    result = np.empty((slopes[0].size, flat_lamp.size))
-    for start in range(0, flat_lamp.size, BLOCK):
-        r_lamp, r_camera = flat_lamp[start : start + BLOCK], flat_camera[start : start + BLOCK]
-        x = _to_unit(r_lamp, table.lamp_range_m, table.lamp_warp)
-        y = _to_unit(r_camera, table.camera_range_m, table.camera_warp)
-        rows = (by_camera @ _powers(x, n_lamp)).reshape(-1, n_camera, x.size)
-        value = rows[:, -1]
-        for j in range(n_camera - 2, -1, -1):
+    for stack in _stacks(tables):
+        result = np.empty((len(stack.rows) // stack.n_camera, flat_lamp.size))
+        for start in range(0, flat_lamp.size, BLOCK):
+            rows = slice(start, start + BLOCK)
+            result[:, rows] = _polynomials(stack, flat_lamp[rows], flat_camera[rows])
+        for index, own in stack.of_table:
+            found[index] = result[own].reshape((*tables[index].weight_integral.shape, *lamp.shape))[()]
+    return found
+
+
+def _polynomials(stack: _Stack, lamp: FloatArray, camera: FloatArray) -> FloatArray:
+    """ln of the mean transmissions at some points (n_weights, n): powers of x at once, Horner's rule in y."""
+    powers = np.empty((stack.rows.shape[1], lamp.size))
+    powers[-2], powers[-1] = lamp, camera
+    _fill_powers(_to_unit(lamp, stack.boxes[0], stack.warps[0]), powers[:-2])
+    terms = (stack.rows @ powers).reshape(stack.n_camera, -1, lamp.size)
+    value = terms[-1]
+    if stack.n_camera > 1:
+        y = _to_unit(camera, stack.boxes[1], stack.warps[1])
+        for lower in terms[-2::-1]:
             value *= y
-            value += rows[:, j]
-        result[:, start : start + BLOCK] = value - slopes[0] * r_lamp - slopes[1] * r_camera
-    return result.reshape((*batch, *lamp.shape))[()]
+            value += lower
+    return np.asarray(value)
 
 
 class _Integrand:
@@ -301,19 +362,35 @@ def _to_powers(order: int) -> FloatArray:
 
 def _powers(x: FloatArray, n: int) -> FloatArray:
     rows = np.empty((n, x.size))
-    rows[0] = 1.0
-    for i in range(1, n):
-        np.multiply(rows[i - 1], x, out=rows[i])
+    _fill_powers(x, rows)
     return rows
 
 
+def _fill_powers(x: FloatArray, rows: FloatArray) -> None:
+    """x^i in row i."""
+    rows[0] = 1.0
+    if len(rows) > 1:
+        rows[1] = x
+    for i in range(2, len(rows)):
+        np.multiply(rows[i - 1], x, out=rows[i])
+
+
 def _to_unit(range_m: FloatArray, box: Box, warp: float) -> FloatArray:
-    """Range to -1..1 by x = (s + warp)/(1 + warp s), s linear in range: short ranges are spread out."""
+    """Range, held within its box, to -1..1 by x = (s + warp)/(1 + warp s), s linear in range: short ranges spread out.
+
+    x = 1/warp - (1/warp - warp)/(1 + warp s)
+    """
     lo, hi = box
     if hi == lo:
         return np.zeros_like(range_m)
-    s = (2 * range_m - (hi + lo)) / (hi - lo)
-    return np.asarray((s + warp) / (1 + warp * s)) if warp else s
+    x = np.maximum(range_m, lo)
+    np.minimum(x, hi, out=x)
+    x *= 2.0 * (warp or 1.0) / (hi - lo)
+    x += (1.0 if warp else 0.0) - (warp or 1.0) * (hi + lo) / (hi - lo)
+    if warp:
+        np.divide(1.0 / warp - warp, x, out=x)
+        np.subtract(1.0 / warp, x, out=x)
+    return x
 
 
 def _from_unit(x: FloatArray, box: Box, warp: float) -> FloatArray:

@@ -31,7 +31,7 @@ from uwopt.model import beam as beams
 from uwopt.model.fineness import scaled
 from uwopt.model.image_mean import gauss
 from uwopt.model.imaging import Lamps, PortShape, field_loss
-from uwopt.model.path_table import PathTable, log_mean_transmission
+from uwopt.model.path_table import log_transmissions_anywhere
 from uwopt.model.veil.geometry import Scatterer, _lamp_view, _View, camera_rays
 
 Array = NDArray[Any]
@@ -216,26 +216,9 @@ def _log_losses(cosh: Array, sinh: Array, view: _View, scatterers: tuple[Scatter
     """ln(W_j T_j) of each component at the nodes."""
     lamp_range_m = view.distance_m[..., None] * cosh
     path_m = np.maximum(view.closest_m[..., None] + view.distance_m[..., None] * sinh, 0.0)
-    return [
-        np.log(s.table.weight_integral) + log_transmission_anywhere(s.table, lamp_range_m, path_m)
-        for s in scatterers
-    ]
-
-
-def log_transmission_anywhere(table: PathTable, lamp_range_m: Array, camera_range_m: Array) -> Array:
-    """`log_mean_transmission` [ln], for any ranges (...,) [m].
-
-    Beyond the table's ranges: ln T = ln T(nearest range inside) - slope * excess, with the attenuation at
-    the table's far corner. Good to some per cent of the excess; meant for what is too dark to matter.
-    """
-    lamp = np.clip(lamp_range_m, *table.lamp_range_m)
-    camera = np.clip(camera_range_m, *table.camera_range_m)
-    inside = log_mean_transmission(table, lamp, camera)
-    return np.asarray(
-        inside
-        - table.lamp_slope_per_m * (lamp_range_m - lamp)
-        - table.camera_slope_per_m * (camera_range_m - camera)
-    )
+    tables = tuple(s.table for s in scatterers)
+    losses = log_transmissions_anywhere(tables, lamp_range_m, path_m)
+    return [np.log(table.weight_integral) + loss for table, loss in zip(tables, losses, strict=True)]
 
 
 def _is_uneven(view: _View, beam: beams.Beam, scatterers: tuple[Scatterer, ...]) -> bool:
@@ -249,7 +232,8 @@ def _is_uneven(view: _View, beam: beams.Beam, scatterers: tuple[Scatterer, ...])
         np.array([farthest_m, float(np.min(view.distance_m, initial=farthest_m))]),
         np.array([longest_m, 0.0]),
     )
-    return any(np.ptp(log_transmission_anywhere(s.table, *ends)) > EVEN_LOG for s in scatterers)
+    losses = log_transmissions_anywhere(tuple(s.table for s in scatterers), *ends)
+    return any(np.ptp(loss) > EVEN_LOG for loss in losses)
 
 
 def _bright_part(view: _View, beam: beams.Beam, scatterers: tuple[Scatterer, ...]) -> tuple[Array, Array]:
