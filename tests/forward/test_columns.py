@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from uwopt.forward.columns import Columns
+from uwopt.forward.columns import Columns, PartColumns
 
 
 @dataclass(frozen=True)
@@ -22,6 +22,12 @@ class Record(Columns):
     absent: np.ndarray | None
     scenes: list[Inner]
     shared: float = 2.0
+
+
+@dataclass(frozen=True)
+class Parts(PartColumns):
+    mass: np.ndarray
+    levels: np.ndarray  # (n, n_levels)
 
 
 def record(n: int, first: int, depth: int = 3) -> Record:
@@ -73,3 +79,18 @@ def test_put_replaces_rows_of_a_copy():
 def test_every_row_is_scaled_by_its_own_factor(row):
     scaled = record(3, 1).scaled(np.array([2.0, 3.0, 5.0]))
     assert scaled.inner.pixel[row, 0, 0] == 100.0 * (row + 1) * [2.0, 3.0, 5.0][row]
+
+
+def test_columns_of_parts_are_those_of_the_rows_that_were_taken():
+    parts, rows = Parts(np.array([3.0, 5.0, 7.0]), np.array([[1.0], [2.0], [4.0]])), np.array([2, 0])
+    taken = parts.take(rows)
+    rows[:] = 1  # nobody has read a column yet
+    assert taken.mass.tolist() == [7.0, 3.0]
+    assert taken.take(np.array([False, True])).levels.tolist() == [[1.0]]
+
+
+def test_a_column_of_parts_takes_no_default():
+    with pytest.raises(TypeError, match="takes no default: mass"):
+
+        class WithDefault(PartColumns):
+            mass: np.ndarray | None = None

@@ -154,6 +154,24 @@ def test_grey_water_gives_beers_law() -> None:
     assert path_table.log_mean_transmission(table, 3.0, 2.0) == pytest.approx(-1.6, rel=1e-13)  # rounding
 
 
+def test_tables_looked_up_together_are_each_the_sum_of_two_colours() -> None:
+    # (w_1 exp(-K_1 r - c_1 d) + w_2 exp(-K_2 r - c_2 d)) / (w_1 + w_2), within what a table may be off
+    box, weights = (0.1, 6.0), ((1.0, 1.0), (1.0, 9.0))
+    losses = (np.array([0.05, 3.0]), np.array([0.2, 0.5]))
+    tables = tuple(
+        path_table.build_path_table(
+            weight, wavelength_nm=None, k_lamp_per_m=k, c_camera_per_m=2.0 * k, lamp_range_m=box, camera_range_m=box
+        )
+        for weight, k in zip(weights, losses, strict=True)
+    )
+    assert tables[0].lamp_warp != tables[1].lamp_warp  # each maps its ranges in its own way
+    lamp_m, camera_m = np.random.default_rng(1).uniform(*box, (2, 50))
+    found = path_table.log_mean_transmissions(tables, lamp_m, camera_m)
+    for ours, weight, k in zip(found, weights, losses, strict=True):
+        mean = np.exp(-np.multiply.outer(lamp_m + 2.0 * camera_m, k)) @ np.array(weight) / sum(weight)
+        assert np.exp(ours) == pytest.approx(mean, rel=5e-6)
+
+
 def test_table_holds_where_hardly_a_photon_is_left() -> None:
     kw, box = optics("9C"), (600.0, 601.0)  # exponents that no product of factors can hold
     table = path_table.build_path_table(LED_WEIGHT, **kw, lamp_range_m=box, camera_range_m=box)

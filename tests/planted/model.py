@@ -8,6 +8,20 @@ FULL = "tests/evaluation/test_full_physics.py::"
 
 DEFECTS = (
     Defect(
+        name="a part's column is read at rows that have changed since",
+        file="uwopt/forward/columns.py",
+        old="else np.array(index)",
+        new="else index",
+        test="tests/forward/test_columns.py::test_columns_of_parts_are_those_of_the_rows_that_were_taken",
+    ),
+    Defect(
+        name="images and ranges of a mean mixed up",
+        file="uwopt/model/image_mean.py",
+        old="range_m=np.tile(ranges_m, shape[0])",
+        new="range_m=np.repeat(ranges_m, shape[0])",
+        test="tests/model/test_image_mean.py::test_small_images_under_a_lamp_fall_with_the_square_of_the_distance",
+    ),
+    Defect(
         name="PRNU is not squared",
         file="uwopt/model/sensor.py",
         old="(prnu_frac * all_light_e) ** 2",
@@ -106,10 +120,17 @@ DEFECTS = (
         test="tests/model/test_water.py::test_table_holds_where_hardly_a_photon_is_left",
     ),
     Defect(
+        name="tables that map their ranges differently looked up as one",
+        file="uwopt/model/path_table.py",
+        old="maps = ((table.lamp_range_m, table.camera_range_m), (table.lamp_warp, table.camera_warp))",
+        new="maps = ((table.lamp_range_m, table.camera_range_m), (0.4, 0.4))",
+        test="tests/model/test_water.py::test_tables_looked_up_together_are_each_the_sum_of_two_colours",
+    ),
+    Defect(
         name="slopes of the loss table swapped",
         file="uwopt/model/path_table.py",
-        old="value - slopes[0] * r_lamp - slopes[1] * r_camera",
-        new="value - slopes[1] * r_lamp - slopes[0] * r_camera",
+        old="powers[-2], powers[-1] = lamp, camera",
+        new="powers[-2], powers[-1] = camera, lamp",
         test="tests/model/test_water.py::test_grey_water_gives_beers_law",
     ),
     Defect(
@@ -331,9 +352,9 @@ DEFECTS = (
     ),
     Defect(
         name="veil's camera leg one length too short",
-        file="uwopt/model/veil/ray.py",
-        old="- table.camera_slope_per_m * (camera_range_m - camera)",
-        new="+ table.camera_slope_per_m * (camera_range_m - camera)",
+        file="uwopt/model/path_table.py",
+        old="powers[-2], powers[-1] = lamp, camera",
+        new="powers[-2], powers[-1] = lamp, np.minimum(camera, stack.boxes[1][1])",
         test="tests/model/test_veil.py::test_a_deep_thick_sea_keeps_its_logarithm",
     ),
     Defect(

@@ -29,12 +29,12 @@ from uwopt.model.image_mean import (
     FRAME_MAY_MISS,
     along_symmetric,
     each_lamp,
-    field_mean,
+    field_means,
     frame_places,
     pixel_grid,
     reached_by_most,
 )
-from uwopt.model.imaging import Lamps, local_gain
+from uwopt.model.imaging import Lamps, local_gain, local_gains
 from uwopt.model.veil.mean import mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain
 from uwopt.tolerances import ROUND
@@ -175,16 +175,9 @@ class LampField:
 
     def mean_gain(self, view: Views, *, forward: bool) -> Array:
         """Mean of `local_gain` over the image, (n, n_altitudes) [1/m^2]."""
-        table = self.loss_table(forward=forward)
-        return np.stack(
-            [
-                field_mean(
-                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), table=table,
-                    fineness=self.fineness.image, **self.common(float(range_m)),
-                )
-                for range_m in self.scene.range_m
-            ],
-            axis=1,
+        return field_means(
+            view.tan_along, view.tan_across, ranges_m=self.scene.range_m, shape=self.shape, lamps=one_side(self.lamps),
+            beam=self.beam, table=self.loss_table(forward=forward), fineness=self.fineness.image,
         )  # fmt: skip
 
     def scatterers(self) -> Any:
@@ -336,12 +329,12 @@ class LampField:
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
         signals, veil_sum = [], []
         scatters = veils and self.scene.scatters
+        forward = scatters and self.effects.forward_veil
+        tables = (self.loss_table(), self.loss_table(forward=True)) if forward else (self.loss_table(),)
         for range_m in self.scene.range_m if ranges_m is None else ranges_m:
             common = dict(lamps=self.lamps, **self.common(float(range_m)))
-            signal = response * local_gain(along, across, table=self.loss_table(), **common)
-            over = np.zeros_like(signal)
-            if scatters and self.effects.forward_veil:
-                over = response * local_gain(along, across, table=self.loss_table(forward=True), **common)
+            signal, *veil = (response * gain for gain in local_gains(along, across, tables=tables, **common))
+            over = veil[0] if veil else np.zeros_like(signal)
             if scatters and self.effects.backscatter:
                 over = over + backscatter_gain(
                     along, across, scatterers=self.scatterers(), fineness=self.fineness.veil, **common
@@ -360,10 +353,8 @@ class LampField:
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
         for range_m in (float(self.scene.range_m[0]), float(self.scene.range_m[-1])):
             common = dict(lamps=self.lamps, **self.common(range_m))
-            signal, over = (
-                local_gain(along, across, table=self.loss_table(forward=veiled), **common) * response
-                for veiled in (False, True)
-            )
+            tables = self.loss_table(), self.loss_table(forward=True)
+            signal, over = (gain * response for gain in local_gains(along, across, tables=tables, **common))
             back = backscatter_gain(along, across, scatterers=self.scatterers(), **common)
             lit = np.maximum(signal, 1e-300)
             with np.errstate(over="ignore"):

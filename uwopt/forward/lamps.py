@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -77,6 +78,7 @@ def light_beam(light: Light, *, n_water: float, end: str = "central") -> beams.B
     return beams.cosine_power_beam(2.0 * half)
 
 
+@lru_cache(maxsize=1024)
 def lamp_set(count: int, *, baseline_m: float, tilt_rad: float) -> Lamps:
     """n lamps across track, alternately at plus and minus the baseline, leaning outward (PHYSICS section 1)."""
     right = (count + 1) // 2
@@ -110,6 +112,7 @@ def mounted_lamps(mounts: Sequence[Any]) -> Lamps:
     )
 
 
+@lru_cache(maxsize=1024)
 def one_side(lamps: Lamps) -> Lamps:
     """The lamps that stand for all in the mean over a symmetric image: mirror images add nothing new."""
     if len(lamps.x_m) == 2 and mirrored(lamps):

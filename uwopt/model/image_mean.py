@@ -28,8 +28,18 @@ FRAME_SHARE = 0.95  # of the image: what is reached there counts as reached over
 FRAME_MAY_MISS = int(FRAME_PLACES * (1.0 - FRAME_SHARE))
 
 
+def field_means(tan_along: Array, tan_across: Array, *, ranges_m: Array, beam: beams.Beam, **common: Any) -> Array:
+    """`field_mean` of n images at each of m ranges, (n, m) [1/m^2]; smooth beams take all of them at once."""
+    if beams.has_sharp_edge(beam):
+        each = [field_mean(tan_along, tan_across, range_m=float(r), beam=beam, **common) for r in ranges_m]
+        return np.stack(each, axis=1)
+    shape = len(tan_along), len(ranges_m)
+    along, across = (np.repeat(tangent, shape[1]) for tangent in (tan_along, tan_across))
+    return field_mean(along, across, range_m=np.tile(ranges_m, shape[0]), beam=beam, **common).reshape(shape)
+
+
 def field_mean(
-    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float | Array, lamps: Lamps, beam: beams.Beam,
     table: PathTable, order: int | None = None, fineness: float = 1.0,
 ) -> Array:  # fmt: skip
     """Mean over the image rectangle of `local_gain`, for many images at once [1/m^2].
@@ -37,6 +47,7 @@ def field_mean(
     Parameters
     ----------
     tan_along, tan_across : (n,) tangents in air of the half angles of view along and across the motion
+    range_m : of all images, or of each, (n,), where the beam does not end sharply
     order : nodes a side of the image (smooth beams: Gauss-Legendre), or cells a side of each lamp's spot in it
         (sharp ones: midpoint, extrapolated)
     fineness : factor on the order that is chosen where none is given
@@ -46,12 +57,12 @@ def field_mean(
     Images are symmetric about the axis, so lamps that mirror each other give the same mean.
     When no lamp stands or leans along the motion over a plane square to the axis, half of the image stands for all.
     """
-    needed = cells_needed if beams.has_sharp_edge(beam) else orders_needed
-    orders = (
-        np.full(len(tan_along), order)
-        if order
-        else needed(tan_along, tan_across, shape, range_m, lamps, beam, fineness)
-    )
+    if order:
+        orders = np.full(len(tan_along), order)
+    elif beams.has_sharp_edge(beam):
+        orders = cells_needed(tan_along, tan_across, shape, float(range_m), lamps, beam, fineness)
+    else:
+        orders = orders_needed(tan_along, tan_across, shape, range_m, lamps, beam, fineness)
     mean = np.empty(len(tan_along))
     for n in np.unique(orders):
         rows = np.nonzero(orders == n)[0]
@@ -60,7 +71,7 @@ def field_mean(
             tan_along[rows],
             tan_across[rows],
             shape=shape,
-            range_m=range_m,
+            range_m=range_m[rows] if isinstance(range_m, np.ndarray) else range_m,
             lamps=lamps,
             beam=beam,
             table=table,
@@ -69,7 +80,7 @@ def field_mean(
 
 
 def orders_needed(
-    tan_along: Array, tan_across: Array, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    tan_along: Array, tan_across: Array, shape: PortShape, range_m: float | Array, lamps: Lamps, beam: beams.Beam,
     fineness: float = 1.0,
 ) -> Array:  # fmt: skip
     """Nodes or cells a side for each image: more where a lamp's spot is small in it.
@@ -80,7 +91,7 @@ def orders_needed(
     half_m = (range_m + shape.outer_radius_m + shape.gap_m + shape.thickness_m) * np.maximum(
         tan_along, tan_across
     )
-    height = min(range_m - z for z in lamps.z_m)
+    height = range_m - max(lamps.z_m)
     spot_m = np.tan(beams.half_power_angle_rad(beam)) * height
     if beams.has_sharp_edge(beam):
         least, wanted = EDGE_CELLS, 32.0 * half_m / spot_m
@@ -210,25 +221,26 @@ def box_mean(count: tuple[int, int], tan_along: Array, tan_across: Array, box: A
 
 
 def mean_of_order(
-    n: int, tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
-    table: PathTable,
+    n: int, tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float | Array, lamps: Lamps,
+    beam: beams.Beam, table: PathTable,
 ) -> Array:  # fmt: skip
     """`field_mean` with n nodes or cells a side."""
-    common: dict[str, Any] = dict(shape=shape, range_m=range_m, lamps=lamps, beam=beam, table=table)
+    common: dict[str, Any] = dict(shape=shape, lamps=lamps, beam=beam, table=table)
     if beams.has_sharp_edge(beam):
-        return edge_mean(n, tan_along, tan_across, **common)
+        return edge_mean(n, tan_along, tan_across, range_m=range_m, **common)
     along_rule = gauss(n)
     if along_symmetric(lamps, shape):
         nodes, weights = gauss(max(4, n // 2))
         along_rule = (0.5 * (nodes + 1.0), weights)
-    return rule_mean(tan_along, tan_across, along_rule, gauss(n), **common)
+    each = np.broadcast_to(np.asarray(range_m, float), tan_along.shape)
+    return rule_mean(tan_along, tan_across, along_rule, gauss(n), range_m=each, **common)
 
 
 def rule_mean(
-    tan_along: Array, tan_across: Array, along_rule: tuple[Array, Array], across_rule: tuple[Array, Array],
-    **common: Any,
+    tan_along: Array, tan_across: Array, along_rule: tuple[Array, Array], across_rule: tuple[Array, Array], *,
+    range_m: Array, **common: Any,
 ) -> Array:  # fmt: skip
-    """Mean of `local_gain` over images by a product rule on [-1, 1], a few images at a time."""
+    """Mean of `local_gain` over images, each at its range, by a product rule on [-1, 1], a few images at a time."""
     along_nodes, along_weights = along_rule
     across_nodes, across_weights = across_rule
     mean = np.empty(len(tan_along))
@@ -238,7 +250,8 @@ def rule_mean(
         along, across = np.broadcast_arrays(
             tan_along[rows, None, None] * along_nodes[:, None], tan_across[rows, None, None] * across_nodes
         )
-        mean[rows] = (local_gain(along, across, **common) @ across_weights) @ along_weights
+        gain = local_gain(along, across, range_m=range_m[rows, None, None], **common)
+        mean[rows] = (gain @ across_weights) @ along_weights
     return mean
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from uwopt.model import beam as beams
 from uwopt.model import lens, light, port, seafloor, sensor
-from uwopt.model.path_table import PathTable, log_mean_transmission
+from uwopt.model.path_table import PathTable, log_mean_transmissions
 from uwopt.model.spectrum import trapezoid_weights_nm
 
 Array = NDArray[Any]
@@ -237,7 +237,7 @@ def flat_slope_m(tan_air: Array, *, shape: PortShape, range_m: float | Array) ->
 
 
 def lamp_light(
-    x_m: Array, y_m: Array, *, lamps: Lamps, index: int, beam: beams.Beam, range_m: float, slope: float = 0.0
+    x_m: Array, y_m: Array, *, lamps: Lamps, index: int, beam: beams.Beam, range_m: float | Array, slope: float = 0.0
 ) -> tuple[Array, Array, Array]:
     """Illuminance per lumen [1/m^2] that one lamp would give in vacuum, range and cos of beam angle.
 
@@ -259,7 +259,7 @@ def lamp_light(
 
 
 def local_gain(
-    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float | Array, lamps: Lamps, beam: beams.Beam,
     table: PathTable, edge_share: bool = False,
 ) -> Array:  # fmt: skip
     """cos^4 times illuminance per lumen times water's loss at each field point [1/m^2].
@@ -267,8 +267,19 @@ def local_gain(
     The loss is relative to `signal_weight` summed over wavelengths. With `edge_share`, points are
     cells of a regular grid and a beam that ends sharply counts by the share of the cell it covers.
     """
+    return local_gains(
+        tan_along, tan_across, shape=shape, range_m=range_m, lamps=lamps, beam=beam, tables=(table,),
+        edge_share=edge_share,
+    )[0]  # fmt: skip
+
+
+def local_gains(
+    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float | Array, lamps: Lamps, beam: beams.Beam,
+    tables: tuple[PathTable, ...], edge_share: bool = False,
+) -> list[Array]:  # fmt: skip
+    """`local_gain` under the losses of several tables, which cover the same ranges."""
     x_m, y_m, path_m = floor_point(tan_along, tan_across, shape=shape, range_m=range_m)
-    total = np.zeros(np.broadcast(x_m, y_m).shape)
+    totals = [np.zeros(np.broadcast(x_m, y_m).shape) for _ in tables]
     plane: dict[str, Any] = dict(range_m=range_m, slope=shape.slope)
     for index, share in enumerate(lamps.share):
         if edge_share:
@@ -279,8 +290,11 @@ def local_gain(
             vacuum = vacuum * covered_share(cos_beam, np.cos(beams.edge_half_angle_rad(beam)))
         else:
             vacuum, range_lamp, _ = lamp_light(x_m, y_m, lamps=lamps, index=index, beam=beam, **plane)
-        total += share * vacuum * np.exp(log_mean_transmission(table, range_lamp, path_m))
-    return np.asarray(total * field_loss(tan_along, tan_across, shape=shape))
+        lit = share * vacuum
+        for total, loss in zip(totals, log_mean_transmissions(tables, range_lamp, path_m), strict=True):
+            total += lit * np.exp(loss)
+    passed = field_loss(tan_along, tan_across, shape=shape)
+    return [np.asarray(total * passed) for total in totals]
 
 
 def field_loss(tan_along: Array, tan_across: Array, *, shape: PortShape) -> Array:

@@ -128,10 +128,18 @@ def log_mean_transmission(table: PathTable, lamp_range_m: ArrayLike, camera_rang
     Ranges broadcast to (...) [m]; returns (batch..., ...), batch the leading dimensions of the weight.
     Ranges outside the table's raise RangeError.
     """
+    return log_mean_transmissions((table,), lamp_range_m, camera_range_m)[0]
+
+
+def log_mean_transmissions(
+    tables: tuple[PathTable, ...], lamp_range_m: ArrayLike, camera_range_m: ArrayLike
+) -> list[Any]:
+    """`log_mean_transmission` of several tables at the same ranges."""
     lamp, camera = _same_shape(lamp_range_m, camera_range_m)
-    _require_inside(lamp, table.lamp_range_m, "lamp")
-    _require_inside(camera, table.camera_range_m, "camera")
-    return _look_up((table,), lamp, camera)[0]
+    for lamp_box, camera_box in {(table.lamp_range_m, table.camera_range_m) for table in tables}:
+        _require_inside(lamp, lamp_box, "lamp")
+        _require_inside(camera, camera_box, "camera")
+    return _look_up(tables, lamp, camera)
 
 
 def log_transmissions_anywhere(

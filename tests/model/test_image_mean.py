@@ -1,0 +1,28 @@
+"""Means over images: many images and ranges at once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from uwopt.model import beam as beams
+from uwopt.model.image_mean import field_means
+from uwopt.model.imaging import Lamps, PortShape
+from uwopt.model.path_table import build_path_table
+
+DOME = PortShape(True, 0.1, 0.005, 1.49, 0.0, 1.34)
+ONE_LAMP = Lamps((0.0,), (0.0,), (0.0,), ((0.0, 0.0, 1.0),), (1.0,))
+CLEAR = build_path_table(
+    np.ones(3), wavelength_nm=None, k_lamp_per_m=np.zeros(3), c_camera_per_m=np.zeros(3), lamp_range_m=(0.5, 9.0),
+    camera_range_m=(0.5, 9.0),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("beam", [beams.cosine_power_beam(np.deg2rad(60.0)), beams.cone_beam(np.deg2rad(30.0))])
+def test_small_images_under_a_lamp_fall_with_the_square_of_the_distance(beam: beams.Beam) -> None:
+    """In clear water the middle of an image gets I / d^2 of a lamp straight above it."""
+    ranges_m = np.array([1.0, 2.0, 4.0])
+    halves = np.array([1e-4, 2e-4])  # tangents: light is even over so little
+    mean = field_means(halves, halves, ranges_m=ranges_m, shape=DOME, lamps=ONE_LAMP, beam=beam, table=CLEAR)
+    on_axis = float(beams.intensity_per_sr(1.0, beam))
+    assert mean == pytest.approx(np.broadcast_to(on_axis / ranges_m**2, (2, 3)), rel=1e-6)
