@@ -354,7 +354,7 @@ DEFECTS = (
         name="veil's camera leg one length too short",
         file="uwopt/model/path_table.py",
         old="powers[-2], powers[-1] = lamp, camera",
-        new="powers[-2], powers[-1] = lamp, np.minimum(camera, stack.boxes[1][1])",
+        new="powers[-2], powers[-1] = lamp, 2.0 * np.minimum(camera, stack.boxes[1][1]) - camera",
         test="tests/model/test_veil.py::test_a_deep_thick_sea_keeps_its_logarithm",
     ),
     Defect(
