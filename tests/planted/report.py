@@ -6,6 +6,20 @@ from planted.defect import Defect
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a rounded cost looks as if it met its limit",
+        file="uwopt/report/text/words.py",
+        old="        if value != limit:\n",
+        new="        if True:\n",
+        test="tests/report/test_words.py::test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves",
+    ),
+    Defect(
+        name="a proven cost hides its gap",
+        file="uwopt/report/text/words.py",
+        old="result.best is not None and not gap:",
+        new="result.best is not None:",
+        test="tests/report/test_words.py::test_a_proven_cost_has_the_digits_that_its_range_leaves",
+    ),
+    Defect(
         name="lamps lean outward whatever their tilt",
         file="uwopt/report/text/words.py",
         old="'outward' if tilt > 0 else 'inward'",

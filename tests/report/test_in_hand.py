@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -30,6 +32,7 @@ class Design:
 
     scenes: list[Scene] = field(default_factory=list)
     feasible: bool = True
+    totals: Any = field(default_factory=lambda: SimpleNamespace(cost=None))
 
 
 BLUR = margin("max_blur_px", 0.5, 0.8, "<=", "px", 0.2)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -88,6 +89,24 @@ def test_kind_of_part_stays_before_its_rule() -> None:
 
 def test_margin_that_is_rounding_only_is_zero(make_margin: Callable[..., Any]) -> None:
     assert words.margin_text(make_margin("overlap", 0.6 + 1e-16, 0.6, ">=", "")) == "0"
+
+
+def test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves(make_margin: Callable[..., Any]) -> None:
+    cost = Cost(13233.0, 8470.0, 27244.0, "USD", 13233.0, 8470.0, 27244.0)
+    margin = make_margin("cost", 27244.0, 30000.0, "<=", "USD")
+    assert words.margin_ends(margin, cost) == ("27 000 USD", "30 000 USD")
+    assert words.margin_text(margin, cost) == "2 800 USD"
+    missed = make_margin("cost", 27244.0, 27000.0, "<=", "USD")
+    assert words.margin_ends(missed, cost) == ("27 244 USD", "27 000 USD")  # else it would look met
+    assert words.margin_text(missed, cost) == "-240 USD"
+
+
+def test_a_proven_cost_has_the_digits_that_its_range_leaves() -> None:
+    cost = Cost(13233.0, 8470.0, 27244.0, "USD", 13233.0, 8470.0, 27244.0)
+    best = SimpleNamespace(totals=SimpleNamespace(cost=cost))
+    result: Any = SimpleNamespace(objective=SimpleNamespace(name="cost", unit="USD"), best=best)
+    assert words.bound_text(result, 13233.0, 0.0) == "13 000 USD"
+    assert words.bound_text(result, 13233.0, 3.0) == "13 233.0 USD"  # with a gap, which it would hide
 
 
 def test_lights_are_placed_in_words() -> None:

@@ -96,9 +96,9 @@ def margin_cells(design: Design, margins: list[Any]) -> list[tuple[str, ...]]:
     """Requirement, value, limit, what is left, and whether it is missed or binds."""
     from uwopt.report.text.tables import has_no_limit, kinds_by_id, margin_state, margin_texts
 
-    kinds = kinds_by_id(design)
+    kinds, cost = kinds_by_id(design), design.totals.cost
     return [
-        (*margin_texts(margin, kinds)[:4], {"met": ""}.get(margin_state(margin), margin_state(margin)))
+        (*margin_texts(margin, kinds, cost)[:4], {"met": ""}.get(margin_state(margin), margin_state(margin)))
         for margin in margins
         if not has_no_limit(margin)
     ]

@@ -168,7 +168,7 @@ def point_data(
 ) -> dict[str, Any]:  # fmt: skip
     """One point: numbers and texts of its columns, parts, and all that its card shows."""
     design, hardware = point.design, point.design.hardware
-    kinds = kinds_by_id(design)
+    kinds, cost = kinds_by_id(design), design.totals.cost
     parts, many = hardware.parts.values(), hardware.camera_count
     return {
         "id": words.one_line(point.id, 20), "pick": pick, "curve": words.one_line(point.curve, 20),
@@ -187,7 +187,7 @@ def point_data(
                 "settings": [texts.row(name, value) for name, value in setting_pairs(scene)],
                 "margins": [
                     [*texts.row(b.name, b.value, b.limit, b.left, b.state), b.start, b.width]
-                    for b in (bar(margin, kinds) for margin in scene.margins if not has_no_limit(margin))
+                    for b in (bar(margin, kinds, cost) for margin in scene.margins if not has_no_limit(margin))
                 ],
             }
             for scene in scenes_to_set(design)

@@ -23,7 +23,7 @@ from uwopt.report.text.tables import (
     settings_block,
 )
 from uwopt.results.basis import OtherMaker
-from uwopt.results.design import BillRow, Design, Margin
+from uwopt.results.design import BillRow, Cost, Design, Margin
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
 from uwopt.units import UNIT_SUFFIXES, format_number
@@ -211,7 +211,7 @@ def scene_bars(design: Design) -> Iterator[SceneBars]:
     kinds = kinds_by_id(design)
     order = {"missed": 0, "binding": 1, "met": 2}
     for scene in design.scenes:
-        bars = [bar(margin, kinds) for margin in scene.margins if not has_no_limit(margin)]
+        bars = [bar(margin, kinds, design.totals.cost) for margin in scene.margins if not has_no_limit(margin)]
         bars.sort(key=lambda b: (order[b.state], 9e9 if b.room is None else b.room))
         names = list(dict.fromkeys(b.name for b in bars if b.state == "binding"))
         missed = list(dict.fromkeys(b.name for b in bars if b.state == "missed"))
@@ -221,9 +221,9 @@ def scene_bars(design: Design) -> Iterator[SceneBars]:
         yield SceneBars(words.one_line(scene.name, 60), bars, " ".join(said), frame_facts([scene]))
 
 
-def bar(margin: Margin, kinds: Mapping[str, str]) -> Bar:
+def bar(margin: Margin, kinds: Mapping[str, str], cost: Cost | None = None) -> Bar:
     """One margin as a bar; without a limit other than 0, or met exactly by rule, there is no bar."""
-    name, value, limit, left, at = margin_texts(margin, kinds)
+    name, value, limit, left, at = margin_texts(margin, kinds, cost)
     limit += f" ({words.reserve_text(margin)})" if margin.reserve else ""
     room = relative_room(margin)
     text = "" if room is None else words.share(0.0 if abs(room) < 1e-6 and margin.satisfied else room)

@@ -38,9 +38,9 @@ def claim_facts(result: Result, certificate: Certificate) -> list[tuple[str, str
     return [
         (
             "no system can be " + ("above" if maximised else "below"),
-            words.objective_text(result, certificate.lower_bound, 6),
+            words.bound_text(result, certificate.lower_bound, certificate.gap_abs),
         ),
-        ("best found", words.objective_text(result, certificate.best_value, 6)),
+        ("best found", words.bound_text(result, certificate.best_value, certificate.gap_abs)),
         ("gap", gap),
         ("complete", "yes" if certificate.complete else "no, the search was stopped"),
         ("covers", certificate.scope),

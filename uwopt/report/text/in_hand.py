@@ -48,5 +48,5 @@ def fails_first(design: Design) -> str:
             name = words.requirement_name(margin.requirement)
             place = f" in {words.one_line(scene, 40)}" if len(design.scenes) > 1 else ""
             kept = f" ({words.kept_text(margin)} reserve kept)" if margin.reserve else ""
-            named.setdefault(name, f"{name}{place}, {words.margin_text(margin)} in hand{kept}")
+            named.setdefault(name, f"{name}{place}, {words.margin_text(margin, design.totals.cost)} in hand{kept}")
     return f"fails first: {'; '.join(list(named.values())[:MOST_NAMED])}"

@@ -23,7 +23,7 @@ from uwopt.report.text.frame import frame_facts
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
-from uwopt.results.design import BillRow, Design, Margin, Note, SceneResult
+from uwopt.results.design import BillRow, Cost, Design, Margin, Note, SceneResult
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
 
@@ -241,7 +241,7 @@ def margin_table(margins: Sequence[Margin], design: Design) -> Grid:
         if has_no_limit(margin):
             continue
         mark = MARKS[margin_state(margin)]
-        table.add_row(*map(Text, margin_texts(margin, kinds)), mark)
+        table.add_row(*map(Text, margin_texts(margin, kinds, design.totals.cost)), mark)
     return table
 
 
@@ -261,15 +261,15 @@ def margin_state(margin: Margin) -> str:
     return "binding" if margin.binding else "met"
 
 
-def margin_texts(margin: Margin, kinds: Mapping[str, str]) -> tuple[str, str, str, str, str]:
+def margin_texts(margin: Margin, kinds: Mapping[str, str], cost: Cost | None = None) -> tuple[str, str, str, str, str]:
     """Requirement, value, limit, what is left, and the altitude where it is worst."""
     sign = {"<=": "at most ", ">=": "at least "}.get(margin.sense, "exactly ")
-    value, limit = words.margin_ends(margin)
+    value, limit = words.margin_ends(margin, cost)
     return (
         words.requirement_name(margin.requirement, kinds),
         value,
         "no limit" if margin.limit is None else sign + limit,
-        words.margin_text(margin),
+        words.margin_text(margin, cost),
         "" if margin.at_altitude_m is None else words.quantity(margin.at_altitude_m, "m"),
     )
 

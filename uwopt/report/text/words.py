@@ -15,6 +15,7 @@ from uwopt.units import (
     format_number,
     format_price,
     format_quantity,
+    format_within,
     split_unit,
     symbol,
     texts_apart,
@@ -227,16 +228,28 @@ def change(value: float, unit: str, scale: float, digits: int = 3) -> str:
     return ("+" if value > 0 else "") + format_quantity(value, unit, digits)
 
 
-def margin_ends(margin: Margin) -> tuple[str, str]:
-    """What is reached of a requirement, a number with its unit or the word in its place; and its limit."""
+def margin_ends(margin: Margin, cost: Cost | None = None) -> tuple[str, str]:
+    """What is reached of a requirement, a number with its unit or the word in its place; and its limit.
+
+    A cost has no more digits than its range leaves it, unless it took them to tell it from its limit.
+    """
+    if cost is not None and margin.requirement == "cost" and None not in (margin.value, margin.limit):
+        value = format_within(margin.value or 0.0, cost.low, cost.high, margin.unit)
+        limit = money(margin.limit, margin.unit)
+        if value != limit:
+            return value, limit
     value, limit = quantities_apart(margin.value, margin.limit, unit=margin.unit, digits=4)
     return one_line(margin.word) if margin.value is None and margin.word else value, limit
 
 
-def margin_text(margin: Margin) -> str:
-    """What is left of a requirement, in its unit."""
+def margin_text(margin: Margin, cost: Cost | None = None) -> str:
+    """What is left of a requirement, in its unit; of a cost with the digits that its range leaves."""
     if margin.margin is None:
         return quantity(None)
+    if cost is not None and margin.requirement == "cost":
+        left = abs(margin.margin)
+        text = format_within(left, 0.0, max(left, cost.high - cost.low), margin.unit)
+        return f"-{text}" if margin.margin < 0.0 else text
     scale = max(abs(margin.limit or 0.0), abs(margin.value or 0.0))
     small = abs(margin.margin) <= (1e-6 if margin.satisfied else 1e-12) * scale  # 1e-6: what counts as met
     return format_quantity(0.0 if small else margin.margin, margin.unit)
@@ -501,6 +514,14 @@ def n_unpriced(bom: Sequence[BillRow]) -> int:
 def objective_text(result: Result, value: float | None, digits: int = 4) -> str:
     """A value of the objective with its unit."""
     return format_quantity(value, result.objective.unit, digits)
+
+
+def bound_text(result: Result, value: float | None, gap: float | None) -> str:
+    """A value of the objective in the proof; a cost that is proven to the last digit as its range leaves it."""
+    if result.objective.name == "cost" and value is not None and result.best is not None and not gap:
+        cost = result.best.totals.cost
+        return format_within(value, cost.low, cost.high, cost.currency)
+    return objective_text(result, value, 6)
 
 
 def value_text(result: Result, design: Design, value: float | None) -> str:
