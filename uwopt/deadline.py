@@ -60,4 +60,21 @@ class Deadline:
             return otherwise
 
 
+@dataclass(frozen=True)
+class UntilFound(Deadline):
+    """A deadline that has also passed once something is found."""
+
+    is_found: Callable[[], bool] = bool
+
+    @classmethod
+    def of(cls, other: Deadline, is_found: Callable[[], bool]) -> UntilFound:
+        """As the other until then."""
+        return cls(other.end_s, other.clock, other.left_out, is_found)
+
+    @property
+    def left_s(self) -> float:
+        """As of a deadline; none once it is found."""
+        return 0.0 if self.is_found() else super().left_s
+
+
 NEVER = Deadline()

@@ -384,7 +384,7 @@ def infeasible_result(
     why, notes = None, interruption_warnings(used)
     if used.outcome.complete:
         patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(EXPLAIN_S, time.process_time)
-        work = Explanation(mission, catalog, goal, generic, patience, progress, used.problem)
+        work = Explanation(mission, catalog, goal, generic, patience, progress, used)
         with timed(timing, "explanation"):
             why = work.told(proof)
         if work.interrupted:

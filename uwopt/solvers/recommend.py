@@ -57,12 +57,13 @@ def seek(
     mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic, top: int,
     deadline: Deadline = NEVER, progress: Progress | None = None, ceiling: float = math.inf,
     depth_m: float | None = None, fineness: Fineness = DEFAULT, like: Problem | None = None,
+    enough: bool = False,
 ) -> Sought:  # fmt: skip
     """Select, tabulate and search; light that another search in these scenes has worked out is not worked out again."""
     selection = selected(mission, catalog, generic=generic, depth_m=depth_m)
     scenes = None if like is None or like.fineness != fineness else same_scenes(like, mission)
     problem = build_problem(mission, selection, fineness=fineness, scenes=scenes)
-    search = Search(problem, objective, top=top, deadline=deadline, progress=progress, ceiling=ceiling)
+    search = Search(problem, objective, top=top, deadline=deadline, progress=progress, ceiling=ceiling, enough=enough)
     return Sought(selection, problem, search, search.run())
 
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, UntilFound
 from uwopt.forward.floor_light import even_enough
 from uwopt.forward.lamp_light import LIKELY_PLACES, ImageLight, SunLight, Veils
 from uwopt.forward.lamp_views import keeps_clear, lamps_refused
@@ -31,6 +31,7 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import Account, Outcome, Sample, snr_ceiling
 from uwopt.solvers.exact.bounds import NODE_RULES, Bounds, LampChoices, NodeBounds
 from uwopt.solvers.exact.imagers import (
+    FittingPairs,
     Imagers,
     enumerate_imagers,
     fitting_pairs,
@@ -87,18 +88,25 @@ class NodeDesigns:
         )
 
 
+def are_too_many(problem: Problem, pairs: FittingPairs) -> bool:
+    """Whether pairs of camera and lens are bounded before their ports."""
+    return len(pairs.camera) * len(problem.port_groups) * len(landscapes(problem)) > MOST_IMAGERS
+
+
 class Search:
     """State of one search."""
 
     def __init__(
         self, problem: Problem, objective: Objective, *, top: int, deadline: Deadline = NEVER,
         progress: Callable[[float, str], None] | None = None, ceiling: float = np.inf,
-        only: Mapping[str, Array] | None = None,
+        only: Mapping[str, Array] | None = None, imagers: Imagers | None = None, enough: bool = False,
     ):  # fmt: skip
+        """`imagers`: those to search, of all that there are; `enough`: one design that fits, whichever."""
+        self.given = imagers
         self.only = only or {}  # camera, light: masks of the parts to search; the others count as bounded
         self.ceiling = ceiling  # designs that are no better than this are not wanted
         self.problem, self.objective, self.top = problem, objective, max(1, top)
-        self.deadline = deadline
+        self.deadline = UntilFound.of(deadline, lambda: bool(self.ranking.best)) if enough else deadline
         self.progress = progress or (lambda share, what: None)
         self.account = Account()
         self.limits = problem.mission.limits
@@ -114,8 +122,8 @@ class Search:
         """Enumerate, bound, evaluate best first."""
         start = time.perf_counter()
         self.progress(0.0, "imagers")
-        pairs = fitting_pairs(self.problem, cameras=self._cameras_below_ceiling())
-        if len(pairs.camera) * len(self.problem.port_groups) * len(landscapes(self.problem)) > MOST_IMAGERS:
+        pairs = None if self.given is not None else fitting_pairs(self.problem, cameras=self._cameras_below_ceiling())
+        if pairs is not None and are_too_many(self.problem, pairs):
             from uwopt.solvers.exact.large import (
                 LargeSearch,  # a search of its own, of no use to small catalogues
             )
@@ -137,7 +145,9 @@ class Search:
 
     def prepare(self) -> Imagers:
         """Enumerate imagers and tabulate lights: all that evaluation needs."""
-        imagers = self.imagers = enumerate_imagers(self.problem, cameras=self._cameras_below_ceiling())
+        imagers = self.imagers = (
+            enumerate_imagers(self.problem, cameras=self._cameras_below_ceiling()) if self.given is None else self.given
+        )
         self.tables = FieldTables(self.problem, imagers)
         self.bounds = Bounds(self.objective, imagers, self.tables, lights=self.only.get("light"))
         self.ranking = Ranking(self.problem, imagers, top=self.top, ceiling=self.ceiling)

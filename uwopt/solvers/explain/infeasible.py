@@ -1,21 +1,20 @@
 """Why nothing fits: the cascade of rules, what each single requirement costs, and the nearest miss.
 
-Each requirement is dropped in turn and the search run again: where that helps, its figure is made as
-good as the others allow, or its limit drawn in as far as something still fits (`least_change`): the smallest
-relaxation that makes the mission feasible.
+Each requirement is dropped in turn and searched without until a first design fits (`relaxed`): where one does, its
+figure is made as good as the others allow, or its limit drawn in as far as something still fits (`least_change`): the
+smallest relaxation that makes the mission feasible.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.assembly import Generic
 from uwopt.forward.designs import Hardware
-from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.reserves import REFUSED, asked_when_held
 from uwopt.objectives.objective import Objective
@@ -24,6 +23,7 @@ from uwopt.results.design import Design
 from uwopt.results.result import Certificate
 from uwopt.solvers.explain.least_change import Change, least_change, rounded_away
 from uwopt.solvers.explain.one_hardware import problem_of
+from uwopt.solvers.explain.relaxed import Relaxer
 from uwopt.solvers.recommend import Progress, Sought, seek
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.units import ratio_to_db
@@ -91,8 +91,8 @@ LONG_TURN = 0.5  # the same of the question whether all would fit at central pri
 class Explanation:
     """What would help a mission that nothing meets; what is known when time ends, or when a person interrupts, stays.
 
-    First every requirement is dropped, then the limits of those that help are drawn in. `like` is the problem
-    that nothing fits, whose light is known.
+    First every requirement is dropped, then the limits of those that help are drawn in. `like` is the search
+    that found nothing, whose light is known.
     """
 
     mission: Mission
@@ -101,8 +101,13 @@ class Explanation:
     generic: Generic
     deadline: Deadline = NEVER
     progress: Progress | None = None
-    like: Problem | None = None
+    like: Sought | None = None
     interrupted: bool = False
+
+    @cached_property
+    def relaxer(self) -> Relaxer:
+        """What the searches share."""
+        return Relaxer(self.mission, self.catalog, self.generic, self.like)
 
     def told(self, certificate: Certificate) -> WhyNothing:
         """The part of a result."""
@@ -138,11 +143,6 @@ class Explanation:
         """The time for one search among others."""
         return self.deadline.at_most(TURN * self.deadline.left_s)
 
-    def _seek(self, mission: Mission, goal: Objective, turn: Deadline, depth_m: float | None = None) -> Sought:
-        return seek(
-            mission, self.catalog, goal, generic=self.generic, top=1, depth_m=depth_m, deadline=turn, like=self.like
-        )  # fmt: skip
-
     def _drop(self, name: str, helpful: list[Without]) -> None:
         """Drop a requirement, if it is asked for, and see whether something fits then."""
         section, key, best = RELAXABLE[name]
@@ -154,36 +154,48 @@ class Explanation:
         if self.deadline.passed():
             self.deadline.left_out.append(f"whether the mission could be met without {name}")
             return
-        goal = Objective.of(best or "power")
+        goal, seek_one = Objective.of(best or "power"), partial(self.relaxer.seek, freed={name}, enough=True)
         if name == "cost" and self.mission.limits.cost_basis == "high":
-            central = with_central_prices(self.mission)
-            found = self._seek(central, Objective.of("power"), self.deadline.at_most(LONG_TURN * self.deadline.left_s))
+            central, turn = with_central_prices(self.mission), self.deadline.at_most(LONG_TURN * self.deadline.left_s)
+            found = seek_one(central, Objective.of("power"), deadline=turn)
             if found.outcome.best:
                 helpful.append(Without(name, limit, central, Objective.of("power"), found, at_central_prices=True))
                 return
-        found = self._seek(relaxed, goal, self._turn(), 0.0 if by_depth else None)
+        if by_depth:
+            found = self._without_ratings(goal)
+        else:
+            found = seek_one(relaxed, goal, deadline=self._turn())
         if found.outcome.best:
             helpful.append(Without(name, limit, relaxed, goal, found))
         if found.outcome.interrupted:
             raise KeyboardInterrupt
-        if not found.outcome.complete:
-            what = f"the least change of {name}" if found.outcome.best else f"whether it could be met without {name}"
-            self.deadline.left_out.append(what)
+        if not found.outcome.complete and not found.outcome.best:
+            self.deadline.left_out.append(f"whether it could be met without {name}")
+
+    def _without_ratings(self, goal: Objective) -> Sought:
+        """A search over parts of any depth rating."""
+        return seek(
+            self.mission, self.catalog, goal, generic=self.generic, top=1, depth_m=0.0, deadline=self._turn(),
+            like=self.relaxer.problem, enough=True,
+        )  # fmt: skip
 
     def _relaxation(self, one: Without) -> Relaxation:
         """The least change of a requirement that helps, or that of the design at hand."""
         _, key, best = RELAXABLE[one.name]
         found, by_depth, turn = one.found, key == "depth_rating_m", self._turn()
+        by_figure = best is not None and not one.at_central_prices
         if by_depth and not self.interrupted:
             found = deepest(
                 found, one.mission, self.catalog, one.goal, generic=self.generic, deadline=self.deadline
             )
+        if by_figure and not self.interrupted:
+            found = self._best_without(one, turn)
         design = judged_by(self.mission, found, self.objective)
         needed = rated_depth(found) if by_depth else reached_value(design, key)
         if needed is not None:
             kept = self.mission.depth_factor
             needed = needed / kept if by_depth else asked_when_held(self.mission.reserve, key, needed)
-        if (best is None or one.at_central_prices) and not by_depth and needed is not None and not self.interrupted:
+        if not by_figure and not by_depth and needed is not None and not self.interrupted:
             try:
                 change = self._least_change(one, needed, turn)
                 needed, design = change.limit, judged_by(self.mission, change.found, self.objective)
@@ -192,12 +204,21 @@ class Explanation:
             self.deadline.left_out.extend(turn.left_out)
         return Relaxation(one.name, one.limit, needed, miss(one.limit, needed), design, one.at_central_prices)
 
+    def _best_without(self, one: Without, turn: Deadline) -> Sought:
+        """The design whose figure is best without its limit; the first that was found where there is no time."""
+        first = one.found.outcome.best[0].minimised
+        better = self.relaxer.seek(one.mission, one.goal, {one.name}, deadline=turn, ceiling=first)
+        self.interrupted |= better.outcome.interrupted
+        if not better.outcome.complete:
+            self.deadline.left_out.append(f"whether less than that change of {one.name} would do")
+        return better if better.outcome.best else one.found
+
     def _least_change(self, one: Without, needed: float, turn: Deadline) -> Change:
         """The limit nearest to what is asked with which something fits."""
         section, key, _ = RELAXABLE[one.name]
 
         def search(wanted: Mission) -> Sought:
-            found = self._seek(wanted, one.goal, turn)
+            found = self.relaxer.seek(wanted, one.goal, {one.name}, deadline=turn, enough=True)
             if found.outcome.interrupted:
                 raise KeyboardInterrupt
             return found

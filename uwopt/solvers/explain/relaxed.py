@@ -1,0 +1,180 @@
+"""Searches of a mission without some requirement, that share what it leaves alone: parts, light, and what else fails.
+
+An imager that breaks a rule which no dropped requirement stands behind need not be looked at again. Each imager's
+broken rules are found once; a search without a requirement takes those that break nothing else.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from copy import copy
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.catalogue import Catalog
+from uwopt.catalog.choose import Selection
+from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.assembly import Generic, build_problem, selected
+from uwopt.forward.problem import Problem
+from uwopt.forward.spectra import Contraction
+from uwopt.mission.mission import Mission
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.imagers import (
+    FittingPairs,
+    Imagers,
+    PortBlock,
+    fitting_pairs,
+    imagers_behind,
+    joined,
+    landscapes,
+    seen_behind,
+    shared_rules,
+)
+from uwopt.solvers.exact.search import Search, are_too_many
+from uwopt.solvers.recommend import Sought, same_scenes, seek
+
+Array = NDArray[Any]
+
+#: Rules of imagers that may pass what they fail once a requirement is dropped or weakened. Of requirements that are
+#: not named here anything may change, parts and their prices included.
+MAY_PASS: dict[str, frozenset[str]] = {
+    **dict.fromkeys(
+        (
+            "min_snr", "max_white_balance", "max_skew_px", "max_airy_px", "max_gain_db", "mean_level", "min_contrast",
+            "min_uniformity", "min_mtf_half_nyquist", "peak_power_w", "cost", "power_w", "mass_kg", "energy_wh",
+        ),
+        frozenset[str](),
+    ),
+    "max_gsd_mm": frozenset({"max_gsd_mm"}),
+    "min_swath_m": frozenset({"min_swath_m"}),
+    "data_rate_mb_s": frozenset({"data_rate_mb_s"}),
+    "resolve_mm": frozenset({"max_gsd_mm"}),
+    "min_dof_m": frozenset({"focus", "min_dof_m", "lens_stop_down"}),
+    "max_blur_px": frozenset({"max_blur_px"}),
+    "lens_stop_down": frozenset({"lens_stop_down", "min_dof_m"}),
+    "overlap": frozenset(
+        {"frame_rate", "data_rate_mb_s", "storage_gb", "card_gb", "max_blur_px", "min_swath_m"}
+    ),
+}  # fmt: skip
+#: Those that count of imagers alone: who fits without them and not with them breaks their rule.
+OF_IMAGERS = frozenset({"max_gsd_mm", "min_swath_m", "data_rate_mb_s"})
+#: Those that no imager's rule or column knows.
+OF_LIGHT = frozenset({
+    "min_snr", "max_white_balance", "max_skew_px", "max_airy_px", "max_gain_db", "mean_level", "min_contrast",
+    "min_uniformity", "min_mtf_half_nyquist", "peak_power_w",
+})  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Broken:
+    """Which rules that ports of the same optics share each pair of camera and lens breaks behind them."""
+
+    pairs: FittingPairs
+    behind: dict[tuple[int, bool], Array]  # by the first of like ports and landscape: bits of `names`, (n_pairs,)
+    names: tuple[str, ...]
+
+    @staticmethod
+    def of(problem: Problem) -> Broken:
+        """Every rule of every pair, whatever it breaks before."""
+        pairs, behind, names = fitting_pairs(problem), {}, dict[str, int]()
+        of_camera, _, of_port = problem.ties
+        for ports in problem.port_groups:
+            own = np.flatnonzero(of_camera[pairs.camera] == of_port[ports[0]])
+            for landscape in landscapes(problem):
+                bits = np.full(len(pairs.camera), -1)  # of another complete camera: breaks everything
+                bits[own] = 0
+                if len(own):
+                    port = int(ports[0])
+                    columns = seen_behind(problem, pairs.camera[own], pairs.lens[own], port, landscape)
+                    for rule, passes in shared_rules(problem, *columns[:2], port, *columns[2:]):
+                        bits[own[~passes]] |= 1 << names.setdefault(rule, len(names))
+                behind[int(ports[0]), landscape] = bits
+        return Broken(pairs, behind, tuple(names))
+
+    def no_more_than(self, rules: Collection[str], *, some: bool) -> dict[tuple[int, bool], Array]:
+        """Pairs behind like ports that break these rules alone, and one of them at least if that is wanted."""
+        forgiven = sum(1 << bit for bit, name in enumerate(self.names) if name in rules)
+        return {
+            place: np.flatnonzero((bits & ~forgiven == 0) & ((bits != 0) if some else True))
+            for place, bits in self.behind.items()
+        }
+
+
+class Relaxer:
+    """One mission's searches without this or that requirement."""
+
+    def __init__(self, mission: Mission, catalog: Catalog, generic: Generic, like: Sought | None = None):
+        """`like`: the search that found nothing, whose parts, light and imagers are known."""
+        self.mission, self.catalog, self.generic, self.like = mission, catalog, generic, like
+
+    @cached_property
+    def selection(self) -> Selection:
+        """The parts that the mission allows."""
+        return selected(self.mission, self.catalog, generic=self.generic) if self.like is None else self.like.selection
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The mission's tables."""
+        return build_problem(self.mission, self.selection) if self.like is None else self.like.problem
+
+    @cached_property
+    def broken(self) -> Broken | None:
+        """What each imager breaks; None of a catalogue too large to look at every imager."""
+        if are_too_many(self.problem, fitting_pairs(self.problem)):
+            return None
+        return Broken.of(self.problem)
+
+    def seek(
+        self, mission: Mission, goal: Objective, freed: Collection[str], *, deadline: Deadline = NEVER,
+        enough: bool = False, ceiling: float = math.inf,
+    ) -> Sought:  # fmt: skip
+        """Search for a mission that differs in these requirements, which ask for less. `enough` as in `Search`."""
+        if not set(freed) <= MAY_PASS.keys() or self.broken is None:
+            return seek(
+                mission, self.catalog, goal, generic=self.generic, top=1, deadline=deadline, like=self.problem,
+                enough=enough, ceiling=ceiling,
+            )  # fmt: skip
+        problem = self.asking(mission)
+        search = Search(
+            problem, goal, top=1, deadline=deadline, ceiling=ceiling, imagers=self.imagers(problem, freed),
+            enough=enough,
+        )  # fmt: skip
+        return Sought(self.selection, problem, search, search.run())
+
+    def asking(self, mission: Mission) -> Problem:
+        """The tables for a mission that asks for less of the same parts in the same scenes."""
+        scenes = same_scenes(self.problem, mission)
+        assert scenes is not None, "a requirement changes no scene"
+        if mission.limits.cost_basis != self.mission.limits.cost_basis:
+            return build_problem(mission, self.selection, scenes=scenes)
+        made = copy(self.problem)
+        made.mission, made.scenes, made.known_models = mission, scenes, {}
+        made.__dict__.pop("duration", None)  # depends on limits of energy
+        made.contractions = [Contraction(scene, made.optics, made.efficiencies) for scene in scenes]
+        return made
+
+    def imagers(self, problem: Problem, freed: Collection[str]) -> Imagers:
+        """Those imagers that break nothing but rules behind what is dropped, under all rules that are left."""
+        known = self.known_imagers
+        if known is not None and OF_LIGHT.issuperset(freed):
+            return known
+        assert self.broken is not None
+        rules = frozenset[str]().union(*(MAY_PASS[name] for name in freed))
+        places = self.broken.no_more_than(rules, some=OF_IMAGERS.issuperset(freed))
+        pairs, discarded, blocks = self.broken.pairs, dict.fromkeys(self.broken.pairs.discarded, 0), list[PortBlock]()
+        for ports in problem.port_groups:
+            for landscape in landscapes(problem):
+                some = places[int(ports[0]), landscape]
+                camera, lens = pairs.camera[some], pairs.lens[some]
+                blocks += imagers_behind(problem, camera, lens, ports, landscape, discarded, {})
+        return replace(joined(problem, blocks, discarded, {}), discarded=dict.fromkeys(discarded, 0))
+
+    @cached_property
+    def known_imagers(self) -> Imagers | None:
+        """All that break no rule, as a search that looked at every imager and found nothing knows them."""
+        return None if self.like is None else self.like.outcome.imagers
