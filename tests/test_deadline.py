@@ -14,7 +14,7 @@ from uwopt.api import trading as api_pareto
 from uwopt.api.common import prepared
 from uwopt.api.timing import STAGES
 from uwopt.cli.status import result_status
-from uwopt.deadline import Deadline, OutOfTimeError
+from uwopt.deadline import Deadline, OutOfTimeError, UntilFound
 from uwopt.results.result import Result
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain import infeasible, robustness
@@ -137,7 +137,7 @@ def test_time_that_ends_with_the_search_leaves_infeasibility_unexplained(ends_wi
     result = api.solve(wanted, seconds=1.0)
     assert result.status == "infeasible" and result_status(result) == 3
     assert result.infeasible["relaxations"] == []
-    assert "whether the mission could be met without power_w" in time_warning(result)
+    assert "whether it could be met without power_w" in time_warning(result)
 
 
 def test_enough_time_leaves_nothing_out(limited: Callable[[float], Clock]) -> None:
@@ -194,6 +194,14 @@ def test_doubts_that_are_known_when_time_ends_are_told(
     assert "other waters" in time_warning(result) and "how firm" not in time_warning(result)
 
 
+def test_a_search_for_any_design_ends_with_the_first() -> None:
+    found: list[int] = []
+    until = UntilFound.of(Deadline(40.0, Clock()), lambda: bool(found))
+    assert until.left_s == 40.0 and not until.passed()
+    found.append(1)
+    assert until.passed()
+
+
 def test_quick_leaves_doubts_out_and_nothing_else() -> None:
     told: list[str] = []
     wanted = mission(catalog=FEW_PARTS)
@@ -234,4 +242,4 @@ def test_explanation_of_an_empty_front_has_the_time_that_is_left(ends_with_searc
     wanted = mission(catalog={**FEW_PARTS, "generic": "never"}, limits={"power_w": 0.001})
     front = api_pareto.pareto(wanted, objectives=["power", "cost"], solver="exact", seconds=1.0)
     assert front.status == "infeasible"
-    assert "whether the mission could be met without power_w" in time_warning(front)
+    assert "whether it could be met without power_w" in time_warning(front)

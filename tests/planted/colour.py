@@ -31,10 +31,24 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{COLOUR}::test_a_ratio_of_channels_is_least_at_a_corner_of_its_cell",
     ),
     Defect(
+        name="colours seen ahead may be a little off balance",
+        file="uwopt/solvers/exact/bounds.py",
+        old="off[doubtful] = seen > most * BALANCE_MET",
+        new="off[doubtful] = seen > most * 1.001",
+        test=f"{COLOUR}::test_colours_seen_ahead_discard_what_an_evaluation_would",
+    ),
+    Defect(
+        name="colours are seen ahead from the nearest altitude",
+        file="uwopt/forward/remembered.py",
+        old="**self.common(float(self.scene.range_m[-1])),",
+        new="**self.common(float(self.scene.range_m[0])),",
+        test=f"{COLOUR}::test_colours_seen_ahead_are_those_of_the_farthest_altitude",
+    ),
+    Defect(
         name="colours are bounded where nothing asks for light",
         file="uwopt/solvers/exact/bounds.py",
-        old="most = needs.max_white_balance if needs.min_snr else None",
-        new="most = needs.max_white_balance",
+        old="if self.problem.scenes[index].view.requirements.min_snr:  # without",
+        new="if True:  # without",
         test=f"{COLOUR}::test_without_light_no_colour_is_too_strong",
     ),
     Defect(

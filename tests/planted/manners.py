@@ -67,8 +67,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="explanations know no time limit",
         file="uwopt/solvers/explain/infeasible.py",
-        old="        if self.deadline.passed():",
-        new="        if False:",
+        old="                if self.deadline.passed():",
+        new="                if False:",
         test=f"{DEADLINE}::test_time_that_ends_with_the_search_leaves_infeasibility_unexplained",
     ),
     Defect(

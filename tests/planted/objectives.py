@@ -646,8 +646,8 @@ DEFECTS = (
     Defect(
         name="the high end of the cheapest is the least of the high ends",
         file="uwopt/solvers/explain/infeasible.py",
-        old="if (best is None or one.at_central_prices) and not",
-        new="if best is None and not",
+        old="by_figure = best is not None and not one.at_central_prices",
+        new="by_figure = best is not None",
         test="tests/solvers/test_least_change.py::test_the_least_limit_of_cost_is_proven_for_high_prices",
     ),
 )

@@ -12,6 +12,7 @@ CERTIFICATE = "tests/solvers/test_certificate.py::"
 DOUBT = "tests/solvers/test_robustness.py::"
 
 FRAME = "tests/solvers/test_over_frame.py::"
+RELAXED = "tests/solvers/test_relaxed.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
@@ -551,6 +552,55 @@ DEFECTS: tuple[Defect, ...] = (
         old="side)[1].min(axis=(1, 2)) / mean",
         new="0.5 * side)[1].min(axis=(1, 2)) / mean.max() * 0.5",
         test="tests/forward/test_remembered.py::test_few_places_bound_the_uniformity",
+    ),
+    Defect(
+        name="a depth of field that is dropped frees no imager",
+        file="uwopt/solvers/explain/relaxed.py",
+        old='"min_dof_m": frozenset({"focus", "min_dof_m", "lens_stop_down"}),',
+        new='"min_dof_m": frozenset({"focus"}),',
+        test=f"{RELAXED}::test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it",
+    ),
+    Defect(
+        name="imagers known to fail are searched once more",
+        file="uwopt/solvers/explain/relaxed.py",
+        old="some=OF_IMAGERS.issuperset(freed))",
+        new="some=False)",
+        test=f"{RELAXED}::test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it",
+    ),
+    Defect(
+        name="a relaxed search asks for what the mission asked for",
+        file="uwopt/solvers/explain/relaxed.py",
+        old="made.mission, made.scenes, made.known_models = mission, scenes, {}",
+        new="made.known_models = {}",
+        test=f"{RELAXED}::test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it",
+    ),
+    Defect(
+        name="of housings the dearest stands for all",
+        file="uwopt/solvers/explain/relaxed.py",
+        old="order = np.lexsort((worth, block.lens, block.camera))",
+        new="order = np.lexsort((-worth, block.lens, block.camera))",
+        test=f"{RELAXED}::test_a_pair_stands_in_the_one_housing_that_a_limit_prefers",
+    ),
+    Defect(
+        name="without its SNR a mission asks for no light at all",
+        file="uwopt/solvers/explain/infeasible.py",
+        old="if value_db is not None and value_db > LEAST_SNR_DB:",
+        new="if False:",
+        test=f"{RELAXED}::test_without_its_snr_a_mission_still_asks_to_see_something",
+    ),
+    Defect(
+        name="a search for any design looks for the best",
+        file="uwopt/deadline.py",
+        old="return 0.0 if self.is_found() else super().left_s",
+        new="return super().left_s",
+        test="tests/test_deadline.py::test_a_search_for_any_design_ends_with_the_first",
+    ),
+    Defect(
+        name="a scene with requirements of its own is another once they change",
+        file="uwopt/forward/scene.py",
+        old='plain = {"vehicle": None, "requirements": None}',
+        new='plain = {"vehicle": None}',
+        test=f"{RELAXED}::test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it[14-0]",
     ),
     Defect(
         name="an interruption loses what would help",

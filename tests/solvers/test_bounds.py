@@ -199,7 +199,7 @@ def test_bounds_by_pixels_leave_the_answer_and_the_account_as_they_are(monkeypat
     case_ = Case(world(name).parts, tight, world(name).objective)
     found = {}
     for refined in (False, True):
-        monkeypatch.setattr(Search, "_asks_of_pixels", lambda self, refined=refined: refined)
+        monkeypatch.setattr(Bounds, "asks_of_images", lambda self, refined=refined: refined)
         found[refined] = case_.solve(top=1)[1]
         assert found[refined].account.adds_up()
         assert found[refined].best[0].minimised == pytest.approx(best.value, rel=FOUND - 1.0)

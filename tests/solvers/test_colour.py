@@ -20,6 +20,7 @@ from uwopt.forward.effects import ImagerGroup, bounds_of
 from uwopt.model.sensor import white_balance
 from uwopt.objectives.requirements import MarginRows
 from uwopt.solvers.exact.balance import least_ratio
+from uwopt.solvers.exact.bounds import NODE_RULES
 from uwopt.solvers.recommend import colour_notes
 from uwopt.solvers.settings.cell_bounds import window_over
 from uwopt.solvers.settings.closed_form import light_for_snr
@@ -72,6 +73,32 @@ def test_no_image_is_better_balanced_than_its_bound(seed: int) -> None:
         assert (bound <= balance).all()
         nearness += [*(bound / balance)]
     assert max(nearness) > 0.9
+
+
+@pytest.mark.parametrize("seed", [9, 41])
+def test_colours_seen_ahead_are_those_of_the_farthest_altitude(seed: int) -> None:
+    """What discards a node before its light is known, against the light."""
+    search = case(seed, coloured=True).searcher()
+    rows = np.arange(len(search.prepare()))
+    for lighting in search.tables.lightings:
+        light = search.tables.exact(0, lighting, rows, veils="none")
+        assert light.colour_e is not None
+        seen = search.tables.balance(0, lighting, rows)
+        assert seen == pytest.approx(white_balance(light.colour_e[:, -1]), rel=1e-9)
+
+
+@pytest.mark.parametrize(("share", "rules"), [(1.0 - 1e-6, {"max_white_balance"}), (1.0 + 1e-6, set())])
+def test_colours_seen_ahead_discard_what_an_evaluation_would(share: float, rules: set[str]) -> None:
+    # red is lost on the way; the limit is a millionth on either side of what the one design's evaluation says
+    def made(most: float) -> Case:
+        asked = {"max_white_balance": most, "max_blur_px": 1.0}
+        return coloured_case(asked, {**FLAT, "red": Curve((380.0, 599.0, 601.0, 780.0), (0.0, 0.0, 0.8, 0.8))})
+
+    balance = float(margins_of(made(9.0))[0]["max_white_balance"].value[0])
+    search = made(balance * share).searcher()
+    rows = np.arange(len(search.prepare()))
+    told = {NODE_RULES[int(rule)] for rule in search.bounds.of_pixels(0, rows).rule if rule >= 0}
+    assert (search.bounds.of_nodes(0, rows).rule < 0).all() and told == rules
 
 
 def test_a_ratio_of_channels_is_least_at_a_corner_of_its_cell() -> None:

@@ -14,9 +14,13 @@ from numpy.typing import NDArray
 
 from uwopt.forward.columns import array_in_places
 from uwopt.forward.lamp_light import LampField, SunLight
-from uwopt.forward.scene import Pixels
+from uwopt.forward.lamps import one_side
+from uwopt.forward.scene import COLOURS, Pixels
+from uwopt.forward.spectra import sees_colours
 from uwopt.forward.sun_light import SunField
 from uwopt.forward.views import Views
+from uwopt.model import sensor
+from uwopt.model.image_mean import field_mean
 from uwopt.model.imaging import Lamps
 
 Array = NDArray[Any]
@@ -58,6 +62,25 @@ class RememberedField(LampField):
         """As `LampField`."""
         make = super().mean_gain
         return self.once(("mean", self.lamps, forward), view, lambda new: make(new, forward=forward))
+
+    def far_balance(self, view: Views) -> Array:
+        """White balance of the means over these images at the farthest altitude, (n,); 1 of a mono sensor."""
+        if not sees_colours(self.problem.efficiencies[self.efficiency]):
+            return np.ones(len(view.tan_along))
+
+        def made(new: Views) -> Array:
+            return sensor.white_balance(np.stack([self.far_signal(new, name) for name in COLOURS], axis=1))
+
+        return self.once(("far balance", self.lamps), view, made)
+
+    def far_signal(self, view: Views, channel: str) -> Array:
+        """Signal of a channel per collecting area at the farthest altitude, (n,); as `LampField.light`."""
+        loss = self.problem.table(self.scene_index, self.spectrum, self.efficiency, channel)
+        gain = field_mean(
+            view.tan_along, view.tan_across, lamps=one_side(self.lamps), table=loss, fineness=self.fineness.image,
+            **self.common(float(self.scene.range_m[-1])),
+        )  # fmt: skip
+        return np.asarray(self.contraction.response(self.spectrum, self.efficiency, channel) * gain)
 
     def mean_backscatter(self, view: Views) -> Array:
         """As `LampField`."""

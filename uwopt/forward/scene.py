@@ -233,7 +233,8 @@ def seen_anew(known: SceneOptics, view: SceneView) -> SceneOptics | None:
     """The same scene asked for other things, its tables shared; None where water, floor or heights differ."""
     old, new = known.view, view
     heights = ("altitude_m", "altitude_tolerance_m", "pitch_deg")
-    same = old.scene == new.scene and all(
+    plain = {"vehicle": None, "requirements": None}  # a scene's own stand in its view
+    same = old.scene.model_copy(update=plain) == new.scene.model_copy(update=plain) and all(
         getattr(old.vehicle, key) == getattr(new.vehicle, key) for key in heights
     )
     return replace(known, view=view) if same else None

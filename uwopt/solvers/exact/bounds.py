@@ -7,7 +7,7 @@ the lights that are able enough, and no quantisation: each term at its least, so
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Any
 
@@ -31,6 +31,8 @@ from uwopt.units import db_to_ratio, ratio_to_db
 Array = NDArray[Any]
 MOST_PLACES = 1024  # rows and columns of a table of lights
 LATTICE_MARGIN = 0.95  # of a share of the image that is counted at places: discs are met to 0.01 of the image
+NEAR_BALANCE = 0.75  # of a limit: how much of their white balance images owe to the water's shortest paths, as a rule
+BALANCE_MET = 1.0 + 1e-8  # of a limit, beyond what an evaluation takes for met
 NODE_RULES = ("light", "cost", "mass_kg", "power_w", "energy_wh", "max_white_balance", "bound")
 
 
@@ -117,6 +119,15 @@ class NodeBounds:
         lowest = np.full(n, -np.inf)
         power, mean_power, cost, mass = (inf.copy() for _ in range(4))
         return NodeBounds(inf, power, mean_power, cost, mass, lowest, np.zeros(n, int), lowest.copy())
+
+    def with_rows(self, index: Array, other: NodeBounds) -> NodeBounds:
+        """With the bounds of others in these rows."""
+        columns = {}
+        for field in fields(NodeBounds):
+            column = np.array(np.broadcast_to(getattr(self, field.name), self.value.shape))
+            column[index] = getattr(other, field.name)
+            columns[field.name] = column
+        return NodeBounds(**columns)
 
     def better_of(self, other: NodeBounds) -> NodeBounds:
         """The lower bound of two groups of lights; a node fails only if both fail, by the later rule."""
@@ -222,22 +233,55 @@ class Bounds:
 
     def _is_off_balance(self, k: int, rows: Array) -> Array:
         """Whether the water alone takes the colours of these imagers too far apart, in some scene; (n,)."""
+        off = np.zeros(len(rows), bool)
+        for index, least, most in self._balances(k, rows):
+            if self.problem.scenes[index].view.requirements.min_snr:  # without any light no colour is stronger
+                off |= least > most
+        return off
+
+    def _is_seen_off_balance(self, k: int, rows: Array) -> Array:
+        """Whether images are off balance under one lighting in some scene, asked where the water nearly says so."""
+        off = np.zeros(len(rows), bool)
+        for index, least, most in self._balances(k, rows):
+            doubtful = np.flatnonzero(~off & (least > NEAR_BALANCE * most))
+            if len(doubtful) and not self.problem.paper:
+                seen = self.tables.balance(index, self.tables.lightings[k], rows[doubtful])
+                off[doubtful] = seen > most * BALANCE_MET
+        return off
+
+    def _balances(self, k: int, rows: Array) -> Iterator[tuple[int, Array, float]]:
+        """Each scene in which lamps alone keep a white balance, what the water leaves at least, and what is asked."""
         curves, back = np.unique(self.problem.cameras.qe_index[self.imagers.camera[rows]], return_inverse=True)
-        off = np.zeros(len(curves), bool)
         for index, scene in enumerate(self.problem.scenes):
-            needs = scene.view.requirements
-            most = needs.max_white_balance if needs.min_snr else None  # without any light no colour is stronger
+            most = scene.view.requirements.max_white_balance
             if most is not None and not self.is_sunlit(index):
                 lighting = self.tables.lightings[k]
-                off |= np.array([self.tables.least_balance(index, lighting, int(q)) > most for q in curves])
-        return np.asarray(off[back.reshape(-1)])
+                least = [self.tables.least_balance(index, lighting, int(curve)) for curve in curves]
+                yield index, np.array(least)[back.reshape(-1)], most
+
+    def asks_of_images(self) -> bool:
+        """Whether `of_pixels` may know more than `of_nodes`: pixels or colours count that lamps alone light."""
+        return any(
+            (scene.pixels is not None or scene.view.requirements.max_white_balance is not None)
+            and not self.is_sunlit(index)
+            for index, scene in enumerate(self.problem.scenes)
+        )
 
     def of_pixels(self, k: int, rows: Array) -> NodeBounds:
-        """Bounds of these imagers under one lighting by the pixel that decides whether the SNR holds, too.
+        """Bounds of these imagers under one lighting by the pixel that decides whether the SNR holds, and by colours.
 
         That pixel has at most the light that `likely_pixel` finds, whatever the number of lamps, and no less is needed
         of it at the farthest altitude than at any. No bound is lower than that of the mean alone.
         """
+        off = self._is_seen_off_balance(k, rows)
+        bounds = NodeBounds.empty(len(rows))
+        bounds.rule[:] = NODE_RULES.index("max_white_balance")
+        if not off.all():
+            bounds = bounds.with_rows(np.flatnonzero(~off), self._of_pixels(k, rows[~off]))
+        return bounds
+
+    def _of_pixels(self, k: int, rows: Array) -> NodeBounds:
+        """The same of imagers whose colours are balanced, or may be."""
         lighting, (low, high) = self.tables.lightings[k], self.problem.count_range
         pixel_e = {}
         for index, scene in enumerate(self.problem.scenes):

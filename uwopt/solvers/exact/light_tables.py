@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.lamp_light import ImageLight, LampField, Veils, image_light
+from uwopt.forward.lamp_light import ImageLight, Veils, image_light
 from uwopt.forward.lamps import Mount, on_axis_gain, one_side
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import RememberedField
@@ -78,6 +78,7 @@ class FieldTables:
         self._widest: dict[tuple[int, int], Rectangles] = {} if like is None else like._widest
         self._losses: dict[tuple[int, int, int, int, int, str | None], float] = {} if like is None else like._losses
         self._likely: dict[Any, Array] = {}
+        self._balance: dict[tuple[int, Lighting], Array] = {}
         self._chunk: tuple[Array, dict[tuple[int, int], Rectangles], Array, Array] | None = None
 
     def bound(
@@ -207,9 +208,20 @@ class FieldTables:
             known[new[mine]] = lit.at_likely_pixels(view, pixels) / view.collecting_m2
         return np.asarray(known[image] * collecting[rows])
 
+    def balance(self, scene_index: int, lighting: Lighting, rows: Array) -> Array:
+        """White balance of the means over these images at the farthest altitude, (n,); 1 of mono sensors."""
+        images, image_of = self.images
+        known = self._balance.setdefault((scene_index, lighting), np.full(len(images), np.nan))
+        image = image_of[rows]
+        new = np.unique(image[np.isnan(known[image])])
+        for lit, mine in self._fields(scene_index, lighting, images[new], 2):
+            view = self.imagers.scenes[scene_index].view.take(images[new[mine]])
+            known[new[mine]] = lit.far_balance(view)
+        return np.asarray(known[image])
+
     def _fields(
         self, scene_index: int, lighting: Lighting, rows: Array, count: int
-    ) -> Iterator[tuple[LampField, Array]]:
+    ) -> Iterator[tuple[RememberedField, Array]]:
         """The lighting as imagers of one port and one efficiency curve see it, with their places."""
         problem = self.problem
         port_of = problem.like_port[self.imagers.port[rows]]

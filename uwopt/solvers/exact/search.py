@@ -50,7 +50,8 @@ Array = NDArray[Any]
 FIRST_BATCH, LARGEST_BATCH = 32, 2048
 LARGEST_COSTLY = 256  # where each node takes light at pixels: the next batch then knows what this one found
 REFINED_AHEAD = 8  # batches of nodes whose bounds are made better before the first of them is taken
-FIRST_DEAR = 4  # of a first batch where information counts: dear to bound while nothing is found that others must beat
+FIRST_DEAR = 4  # of a first batch where one may be enough, or where information counts: dear to bound while nothing is
+# found that others must beat
 FIRST_CHUNK = 400_000  # imagers times lightings that are bounded first: cheaper than to evaluate the wrong ones
 LARGEST_CHUNK = 65536  # imagers that are bounded together
 MOST_IMAGERS = 600_000  # beyond which pairs of camera and lens are bounded before their ports
@@ -102,7 +103,7 @@ class Search:
         only: Mapping[str, Array] | None = None, imagers: Imagers | None = None, enough: bool = False,
     ):  # fmt: skip
         """`imagers`: those to search, of all that there are; `enough`: one design that fits, whichever."""
-        self.given = imagers
+        self.given, self.enough = imagers, enough
         self.only = only or {}  # camera, light: masks of the parts to search; the others count as bounded
         self.ceiling = ceiling  # designs that are no better than this are not wanted
         self.problem, self.objective, self.top = problem, objective, max(1, top)
@@ -249,8 +250,8 @@ class Search:
             self._sample(name, np.nonzero(failed)[0], rows)
         alive = np.nonzero(np.isfinite(value) & (rule < 0))[0]
         order = alive[np.lexsort((power[alive], value[alive]))]
-        position, batch = 0, FIRST_DEAR if self.objective.weight("information") else FIRST_BATCH
-        rough = np.full(len(value), not few and self.sift is None and self._asks_of_pixels())
+        position, batch = 0, FIRST_DEAR if self.enough or self.objective.weight("information") else FIRST_BATCH
+        rough = np.full(len(value), not few and self.sift is None and self.bounds.asks_of_images())
         largest = LARGEST_COSTLY if rough.any() else LARGEST_BATCH
         while position < len(order):
             threshold = self.ranking.threshold()
@@ -308,11 +309,6 @@ class Search:
                 value[failed] = np.inf
                 self.account.discarded[name] += int(size[failed].sum())
                 self._sample(name, failed, rows)
-
-    def _asks_of_pixels(self) -> bool:
-        """Whether the SNR is asked of pixels that lamps alone light, in some scene."""
-        scenes = enumerate(self.problem.scenes)
-        return any(scene.pixels is not None and not self.bounds.is_sunlit(index) for index, scene in scenes)
 
     def _sample(self, rule: str, nodes: Array, rows: Array, *, any_light: bool = False) -> None:
         """Remember some of the nodes that a rule discards, evenly spread, for an audit."""

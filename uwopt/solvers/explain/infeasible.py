@@ -7,8 +7,10 @@ smallest relaxation that makes the mission feasible.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Any
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import NEVER, Deadline
@@ -77,13 +79,15 @@ class Without:
     name: str
     limit: float  # as asked
     mission: Mission
-    goal: Objective
     found: Sought
     at_central_prices: bool = False  # the limit of cost is kept, but for estimated prices at their high ends
 
 
+ANY = Objective.of("power")  # where any design that fits will do: by no other objective takes a search less
 BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost", "mass_kg")
+LEAST_SNR_DB = 0.0  # below which noise is more than signal, and no image is of use
 TURN = 0.25  # of the time left: what one requirement may take of it
+ROUNDS = 4  # of the time that is left, as long as nothing helps
 LONG_TURN = 0.5  # the same of the question whether all would fit at central prices
 
 
@@ -124,9 +128,7 @@ class Explanation:
         """The requirements whose loss makes the mission feasible, with the least change of each."""
         helpful: list[Without] = []
         try:
-            for number, name in enumerate(sorted(RELAXABLE, key=lambda name: name != "cost")):  # money first
-                self._say(0.5 * number / len(RELAXABLE), f"why nothing fits: without {name}")
-                self._drop(name, helpful)
+            self._drop_all(helpful)
         except KeyboardInterrupt:
             self.interrupted = True
         made = []
@@ -143,39 +145,55 @@ class Explanation:
         """The time for one search among others."""
         return self.deadline.at_most(TURN * self.deadline.left_s)
 
-    def _drop(self, name: str, helpful: list[Without]) -> None:
-        """Drop a requirement, if it is asked for, and see whether something fits then."""
-        section, key, best = RELAXABLE[name]
-        limit = asked_value(self.mission, section, key)
+    def _asked(self) -> dict[str, float]:
+        """What the mission asks for and can do without, with its limits: first what takes least to try."""
+        asked = {name: asked_value(self.mission, *RELAXABLE[name][:2]) for name in RELAXABLE}
+        limits = {name: limit for name, limit in asked.items() if limit is not None}
+        if not limits or self.deadline.passed():
+            return limits
+        return {name: limits[name] for name in sorted(limits, key=lambda name: self.relaxer.effort({name}))}
+
+    def _drop_all(self, helpful: list[Without]) -> None:
+        """Drop every requirement in turn; those that take long get more time where no other helps."""
+        left = self._asked()
+        for _ in range(ROUNDS):
+            known = []
+            for number, name in enumerate(left):
+                if self.deadline.passed():
+                    break
+                self._say(0.5 * number / len(left), f"why nothing fits: without {name}")
+                if self._is_known(name, left[name], helpful):
+                    known.append(name)
+            left = {name: limit for name, limit in left.items() if name not in known}
+            if helpful or not left:
+                break
+        self.deadline.left_out.extend(f"whether it could be met without {name}" for name in left)
+
+    def _is_known(self, name: str, limit: float, helpful: list[Without]) -> bool:
+        """Drop a requirement and see whether something fits then; whether that is known in the time for one."""
+        section, key, _ = RELAXABLE[name]
         by_depth = key == "depth_rating_m"
         relaxed = self.mission if by_depth else without(self.mission, section, key)
-        if limit is None or relaxed is None:
-            return
-        if self.deadline.passed():
-            self.deadline.left_out.append(f"whether the mission could be met without {name}")
-            return
-        goal, seek_one = Objective.of(best or "power"), partial(self.relaxer.seek, freed={name}, enough=True)
+        if relaxed is None:
+            return True
+        seek_one = partial(self.relaxer.seek, goal=ANY, freed={name}, enough=True)
         if name == "cost" and self.mission.limits.cost_basis == "high":
             central, turn = with_central_prices(self.mission), self.deadline.at_most(LONG_TURN * self.deadline.left_s)
-            found = seek_one(central, Objective.of("power"), deadline=turn)
+            found = seek_one(central, deadline=turn)
             if found.outcome.best:
-                helpful.append(Without(name, limit, central, Objective.of("power"), found, at_central_prices=True))
-                return
-        if by_depth:
-            found = self._without_ratings(goal)
-        else:
-            found = seek_one(relaxed, goal, deadline=self._turn())
+                helpful.append(Without(name, limit, central, found, at_central_prices=True))
+                return True
+        found = self._without_ratings() if by_depth else seek_one(relaxed, deadline=self._turn())
         if found.outcome.best:
-            helpful.append(Without(name, limit, relaxed, goal, found))
+            helpful.append(Without(name, limit, relaxed, found))
         if found.outcome.interrupted:
             raise KeyboardInterrupt
-        if not found.outcome.complete and not found.outcome.best:
-            self.deadline.left_out.append(f"whether it could be met without {name}")
+        return found.outcome.complete or bool(found.outcome.best)
 
-    def _without_ratings(self, goal: Objective) -> Sought:
+    def _without_ratings(self) -> Sought:
         """A search over parts of any depth rating."""
         return seek(
-            self.mission, self.catalog, goal, generic=self.generic, top=1, depth_m=0.0, deadline=self._turn(),
+            self.mission, self.catalog, ANY, generic=self.generic, top=1, depth_m=0.0, deadline=self._turn(),
             like=self.relaxer.problem, enough=True,
         )  # fmt: skip
 
@@ -186,10 +204,10 @@ class Explanation:
         by_figure = best is not None and not one.at_central_prices
         if by_depth and not self.interrupted:
             found = deepest(
-                found, one.mission, self.catalog, one.goal, generic=self.generic, deadline=self.deadline
+                found, one.mission, self.catalog, ANY, generic=self.generic, deadline=self.deadline
             )
         if by_figure and not self.interrupted:
-            found = self._best_without(one, turn)
+            found = self._best_without(one, Objective.of(best or ""), turn)
         design = judged_by(self.mission, found, self.objective)
         needed = rated_depth(found) if by_depth else reached_value(design, key)
         if needed is not None:
@@ -204,10 +222,11 @@ class Explanation:
             self.deadline.left_out.extend(turn.left_out)
         return Relaxation(one.name, one.limit, needed, miss(one.limit, needed), design, one.at_central_prices)
 
-    def _best_without(self, one: Without, turn: Deadline) -> Sought:
+    def _best_without(self, one: Without, goal: Objective, turn: Deadline) -> Sought:
         """The design whose figure is best without its limit; the first that was found where there is no time."""
-        first = one.found.outcome.best[0].minimised
-        better = self.relaxer.seek(one.mission, one.goal, {one.name}, deadline=turn, ceiling=first)
+        first = judged_by(one.mission, one.found, goal).objective_value
+        ceiling = math.inf if first is None else goal.minimised(first)
+        better = self.relaxer.seek(one.mission, goal, {one.name}, deadline=turn, ceiling=ceiling)
         self.interrupted |= better.outcome.interrupted
         if not better.outcome.complete:
             self.deadline.left_out.append(f"whether less than that change of {one.name} would do")
@@ -218,7 +237,7 @@ class Explanation:
         section, key, _ = RELAXABLE[one.name]
 
         def search(wanted: Mission) -> Sought:
-            found = self.relaxer.seek(wanted, one.goal, {one.name}, deadline=turn, enough=True)
+            found = self.relaxer.seek(wanted, ANY, {one.name}, deadline=turn, enough=True)
             if found.outcome.interrupted:
                 raise KeyboardInterrupt
             return found
@@ -278,17 +297,30 @@ def asked_value(mission: Mission, section: str, key: str) -> float | None:
 
 
 def without(mission: Mission, section: str, key: str) -> Mission | None:
-    """The mission without one requirement, in all scenes; None when it cannot be dropped."""
+    """The mission without one requirement, in all scenes; None when it cannot be dropped.
+
+    Of the SNR so much is left that something is seen.
+    """
     data = mission.to_dict()
-    names = ["min_snr_db", "min_snr"] if key == "min_snr_db" else [key]
     for own in (data[section], *(scene.get(section) or {} for scene in data["scenes"])):
-        for name in names:
-            own.pop(name, None)
+        if key == "min_snr_db":
+            leave_little_snr(own)
+        else:
+            own.pop(key, None)
         if own.get("refuse"):
             own["refuse"] = [word for word in own["refuse"] if word not in words_of(key)]
     if key == "overlap" and mission.requirements.frame_interval_s is None and mission.vehicle.speed_m_s == 0:
         return None
     return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
+
+
+def leave_little_snr(asked: dict[str, Any]) -> None:
+    """In place of an SNR that is asked for, the least that shows anything; none where no more was asked for."""
+    ratio, value_db = asked.pop("min_snr", None), asked.pop("min_snr_db", None)
+    if ratio is not None and value_db is None:
+        value_db = float(ratio_to_db(ratio))
+    if value_db is not None and value_db > LEAST_SNR_DB:
+        asked["min_snr_db"] = LEAST_SNR_DB
 
 
 def with_central_prices(mission: Mission) -> Mission:

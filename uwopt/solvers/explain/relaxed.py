@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -141,8 +141,8 @@ class Relaxer:
             )  # fmt: skip
         problem = self.asking(mission)
         search = Search(
-            problem, goal, top=1, deadline=deadline, ceiling=ceiling, imagers=self.imagers(problem, freed),
-            enough=enough,
+            problem, goal, top=1, deadline=deadline, ceiling=ceiling, enough=enough,
+            imagers=self.imagers(problem, freed, one_housing=enough),
         )  # fmt: skip
         return Sought(self.selection, problem, search, search.run())
 
@@ -158,23 +158,62 @@ class Relaxer:
         made.contractions = [Contraction(scene, made.optics, made.efficiencies) for scene in scenes]
         return made
 
-    def imagers(self, problem: Problem, freed: Collection[str]) -> Imagers:
-        """Those imagers that break nothing but rules behind what is dropped, under all rules that are left."""
+    def effort(self, freed: Collection[str]) -> float:
+        """How many imagers a search without these requirements looks at, about; inf: all there are."""
+        if not set(freed) <= MAY_PASS.keys() or self.broken is None:
+            return math.inf
+        if OF_LIGHT.issuperset(freed):
+            return 0.0
+        return float(sum(map(len, self._freed_pairs(freed).values())))
+
+    def _freed_pairs(self, freed: Collection[str]) -> dict[tuple[int, bool], Array]:
+        """Pairs behind like ports that break nothing but rules behind what is dropped."""
+        assert self.broken is not None
+        rules = frozenset[str]().union(*(MAY_PASS[name] for name in freed))
+        return self.broken.no_more_than(rules, some=OF_IMAGERS.issuperset(freed))
+
+    def imagers(self, problem: Problem, freed: Collection[str], *, one_housing: bool) -> Imagers:
+        """Those imagers that break nothing but rules behind what is dropped, under all rules that are left.
+
+        `one_housing`: where one limit at most tells housings apart, the best of them alone.
+        """
         known = self.known_imagers
         if known is not None and OF_LIGHT.issuperset(freed):
             return known
         assert self.broken is not None
-        rules = frozenset[str]().union(*(MAY_PASS[name] for name in freed))
-        places = self.broken.no_more_than(rules, some=OF_IMAGERS.issuperset(freed))
-        pairs, discarded, blocks = self.broken.pairs, dict.fromkeys(self.broken.pairs.discarded, 0), list[PortBlock]()
+        places, pairs = self._freed_pairs(freed), self.broken.pairs
+        discarded, blocks = dict.fromkeys(pairs.discarded, 0), list[PortBlock]()
         for ports in problem.port_groups:
             for landscape in landscapes(problem):
                 some = places[int(ports[0]), landscape]
-                camera, lens = pairs.camera[some], pairs.lens[some]
-                blocks += imagers_behind(problem, camera, lens, ports, landscape, discarded, {})
-        return replace(joined(problem, blocks, discarded, {}), discarded=dict.fromkeys(discarded, 0))
+                made = imagers_behind(problem, pairs.camera[some], pairs.lens[some], ports, landscape, discarded, {})
+                blocks += (in_best_housing(problem, block) if one_housing else block for block in made)
+        return joined(problem, blocks, dict.fromkeys(discarded, 0), {})
 
     @cached_property
     def known_imagers(self) -> Imagers | None:
         """All that break no rule, as a search that looked at every imager and found nothing knows them."""
         return None if self.like is None else self.like.outcome.imagers
+
+
+def in_best_housing(problem: Problem, block: PortBlock) -> PortBlock:
+    """Each pair in the one housing that a limit of cost or of mass leaves most room; in all where both count.
+
+    Whether something fits is then as it was: housings that hold a pair differ in nothing else.
+    """
+    limits, ports = problem.mission.limits, problem.ports
+    counted = [
+        column
+        for column, most in ((ports.limit_price, limits.cost), (ports.mass_kg, limits.mass_kg))
+        if most is not None
+    ]
+    if len(counted) > 1:
+        return block
+    worth = (counted or [ports.price])[0][block.port]
+    order = np.lexsort((worth, block.lens, block.camera))
+    pair = np.stack([block.camera, block.lens])[:, order]
+    first = np.ones(len(order), bool)
+    first[1:] = (pair[:, 1:] != pair[:, :-1]).any(axis=0)
+    some = np.sort(order[first])
+    scenes = [scene.take(some) for scene in block.scenes]
+    return PortBlock(block.camera[some], block.lens[some], block.port[some], block.landscape, scenes)
