@@ -7,7 +7,7 @@ broken rules are found once; a search without a requirement takes those that bre
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -29,11 +29,13 @@ from uwopt.solvers.exact.imagers import (
     Imagers,
     PortBlock,
     fitting_pairs,
+    focus_rules,
+    focused_behind,
     imagers_behind,
     joined,
     landscapes,
     seen_behind,
-    shared_rules,
+    view_rules,
 )
 from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.recommend import Sought, same_scenes, seek
@@ -83,17 +85,23 @@ class Broken:
         """Every rule of every pair, whatever it breaks before."""
         pairs, behind, names = fitting_pairs(problem), {}, dict[str, int]()
         of_camera, _, of_port = problem.ties
+
+        def mark(bits: Array, rows: Array, rules: Iterator[tuple[str, Array]]) -> None:
+            for rule, passes in rules:
+                bits[rows[~passes]] |= 1 << names.setdefault(rule, len(names))
+
         for ports in problem.port_groups:
-            own = np.flatnonzero(of_camera[pairs.camera] == of_port[ports[0]])
-            for landscape in landscapes(problem):
-                bits = np.full(len(pairs.camera), -1)  # of another complete camera: breaks everything
+            port, bits = int(ports[0]), np.full(len(pairs.camera), -1)  # pieces of others break everything
+            own = np.flatnonzero(of_camera[pairs.camera] == of_port[port])
+            bits[own] = 0
+            for landscape in landscapes(problem) if len(own) else []:
+                behind[port, landscape] = bits = bits.copy()
                 bits[own] = 0
-                if len(own):
-                    port = int(ports[0])
-                    columns = seen_behind(problem, pairs.camera[own], pairs.lens[own], port, landscape)
-                    for rule, passes in shared_rules(problem, *columns[:2], port, *columns[2:]):
-                        bits[own[~passes]] |= 1 << names.setdefault(rule, len(names))
-                behind[int(ports[0]), landscape] = bits
+                camera, lens = pairs.camera[own], pairs.lens[own]
+                seen, dioptre, spacers_m = seen_behind(problem, camera, lens, port, landscape)
+                mark(bits, own, view_rules(problem, port, seen, spacers_m))
+                focused = focused_behind(problem, camera, lens, port, seen, dioptre, spacers_m)
+                mark(bits, own, focus_rules(problem, camera, lens, focused))
         return Broken(pairs, behind, tuple(names))
 
     def no_more_than(self, rules: Collection[str], *, some: bool) -> dict[tuple[int, bool], Array]:
@@ -185,7 +193,7 @@ class Relaxer:
         discarded, blocks = dict.fromkeys(pairs.discarded, 0), list[PortBlock]()
         for ports in problem.port_groups:
             for landscape in landscapes(problem):
-                some = places[int(ports[0]), landscape]
+                some = places.get((int(ports[0]), landscape), np.empty(0, int))
                 made = imagers_behind(problem, pairs.camera[some], pairs.lens[some], ports, landscape, discarded, {})
                 blocks += (in_best_housing(problem, block) if one_housing else block for block in made)
         return joined(problem, blocks, dict.fromkeys(discarded, 0), {})
