@@ -75,7 +75,7 @@ def test_no_image_is_better_balanced_than_its_bound(seed: int) -> None:
     assert max(nearness) > 0.9
 
 
-@pytest.mark.parametrize("seed", [23, 41])
+@pytest.mark.parametrize("seed", [6, 41])
 def test_colours_seen_ahead_are_those_of_the_farthest_altitude(seed: int) -> None:
     """What discards a node before its light is known, against the light."""
     search = case(seed, coloured=True).searcher()

