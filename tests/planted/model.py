@@ -127,6 +127,13 @@ DEFECTS = (
         test="tests/model/test_water.py::test_tables_looked_up_together_are_each_the_sum_of_two_colours",
     ),
     Defect(
+        name="trial fits of a loss table read the other way's attenuation",
+        file="uwopt/model/path_table.py",
+        old="along, across = (self.k_lamp, self.c_camera) if axis == 0",
+        new="along, across = (self.k_lamp, self.c_camera) if axis == 1",
+        test="tests/model/test_water.py::test_grey_water_gives_beers_law",
+    ),
+    Defect(
         name="slopes of the loss table swapped",
         file="uwopt/model/path_table.py",
         old="powers[-2], powers[-1] = lamp, camera",

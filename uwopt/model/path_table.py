@@ -273,6 +273,24 @@ class _Integrand:
         linear = np.multiply.outer(lamp_slope, lamp) + np.multiply.outer(camera_slope, camera)
         return np.asarray(self.log_mean(lamp, camera) + linear)
 
+    def remainder_on_probes(self, boxes: Boxes, axis: int) -> FloatArray:
+        """`remainder` at `_probes_m` of one range, the other at its shortest: (batch, n_probes)."""
+        probes, shortest = _probes_m(boxes[axis]), np.array([boxes[1 - axis][0]])
+        lamp, camera = (probes, shortest) if axis == 0 else (shortest, probes)
+        if max((self.k_lamp * lamp.max()).max(), (self.c_camera * camera.max()).max()) < LARGEST_EXPONENT:
+            along, across = (self.k_lamp, self.c_camera) if axis == 0 else (self.c_camera, self.k_lamp)
+            by_probe, by_other = _decay_at_probes(along.tobytes(), boxes[axis]), np.exp(-across * shortest)
+            if self.excess is not None and axis == 0:
+                by_other *= -np.expm1(-self.excess * shortest)
+            elif self.excess is not None:
+                by_probe = by_probe * _scattered_at_probes(self.excess.tobytes(), boxes[axis])
+            mean = (self.share * by_other) @ by_probe.T
+            if mean.min() > LEAST_SUM:
+                lamp_slope, camera_slope = self.slopes(boxes)
+                linear = np.multiply.outer(lamp_slope, lamp) + np.multiply.outer(camera_slope, camera)
+                return np.asarray(np.log(mean) + linear)
+        return self.remainder_on_grid(boxes, lamp, camera).reshape(len(self.share), -1)
+
     def remainder_on_grid(self, boxes: Boxes, lamp: FloatArray, camera: FloatArray) -> FloatArray:
         """`remainder` over all pairs of a lamp's and a camera's ranges, (batch, n_lamp, n_camera).
 
@@ -297,6 +315,25 @@ class _Integrand:
         return self.remainder(boxes, *np.meshgrid(lamp, camera, indexing="ij"))
 
 
+@functools.lru_cache(maxsize=8)
+def _probes_m(box: Box) -> FloatArray:
+    """Where trial fits read a range, warp after warp."""
+    nodes = chebyshev.chebpts1(PROBE_ORDER + 1)
+    return np.concatenate([_from_unit(nodes, box, warp) for warp in WARPS])
+
+
+@functools.lru_cache(maxsize=8)
+def _decay_at_probes(attenuation_per_m: bytes, box: Box) -> FloatArray:
+    """exp(-K r) there, (n_probes, n): tables of one water share it."""
+    return np.exp(-np.multiply.outer(_probes_m(box), np.frombuffer(attenuation_per_m)))
+
+
+@functools.lru_cache(maxsize=4)
+def _scattered_at_probes(excess_per_m: bytes, box: Box) -> FloatArray:
+    """1 - exp(-(c - k) r) there, (n_probes, n)."""
+    return np.asarray(-np.expm1(-np.multiply.outer(_probes_m(box), np.frombuffer(excess_per_m))))
+
+
 def _log_scattered(optical: FloatArray) -> FloatArray:
     """ln(1 - exp(-x)), that of the least number where nothing is scattered."""
     return np.asarray(np.log(np.maximum(-np.expm1(-optical), LEAST_SHARE)))
@@ -307,17 +344,13 @@ def _choose_orders(
 ) -> tuple[tuple[int, int], tuple[float, float]]:
     """Order and warp along each range, from one-dimensional fits where the other range is shortest."""
     orders, warps = [], []
-    nodes = chebyshev.chebpts1(PROBE_ORDER + 1)
     for axis in (0, 1):
         lo, hi = boxes[axis]
         if hi == lo:
             orders.append(0)
             warps.append(0.0)
             continue
-        ranges = np.array([_from_unit(nodes, boxes[axis], warp) for warp in WARPS])
-        shortest = np.array([boxes[1 - axis][0]])
-        pair = (ranges.ravel(), shortest) if axis == 0 else (shortest, ranges.ravel())
-        values = integrand.remainder_on_grid(boxes, *pair).reshape(-1, *ranges.shape)
+        values = integrand.remainder_on_probes(boxes, axis).reshape(-1, len(WARPS), PROBE_ORDER + 1)
         series = np.abs(values @ _to_series(PROBE_ORDER).T)
         # tail[..., k]: sum of what is left out when the series ends at degree k
         tail = np.cumsum(series[..., ::-1], axis=-1)[..., ::-1] - series
