@@ -23,12 +23,13 @@ from uwopt.deadline import Deadline
 from uwopt.evaluation.design_model import DesignModel, design_model
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.problem import Parts
+from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.tables import result_blocks
 from uwopt.results.design import SettableCheck
 from uwopt.solvers.recommend import SETTINGS_TO_SET, Sought, best_settable, hardware_of
 from uwopt.solvers.settable.rounding import exact_settings, rounded_design
-from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL, few_pixels
+from uwopt.solvers.settable.scene import few_pixels
 from uwopt.solvers.settable.steps import focus_distances_m, rates_hz, stops, time_steps
 
 # Lamps that burn, pulse, flash; by steps or freely; one scene or two; full, auto, paper; every kind of requirement.

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from numbers import Real
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import MissionError
@@ -20,15 +20,15 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design, Note
 from uwopt.results.record import plain as plain_values
 from uwopt.results.result import Certificate
-from uwopt.solvers.recommend import Sought, hardware_of
-from uwopt.solvers.settable.rounding import given_of
-from uwopt.solvers.settings.best import scenes_need_cells
+
+if TYPE_CHECKING:  # what a given system is evaluated for has no use for a search
+    from uwopt.solvers.recommend import Sought
 
 MOST_SEARCHES = 4  # at rising fineness, until the errors of what is found are within the tolerance
 LARGEST_TOLERANCE = 0.5
 OF_INTEGRALS = 0.5  # of the tolerance, where physics `auto` may leave out effects for the rest
 
-Searched = tuple[Sought, Sought | None]  # over parts that are sold, and with parts to be made
+Searched: TypeAlias = "tuple[Sought, Sought | None]"  # over parts that are sold, and with parts to be made
 
 
 def of_integrals(tolerance: float, *, may_leave_out: bool) -> float:
@@ -52,6 +52,9 @@ def checked_tolerance(tolerance: Any) -> float | None:
 def estimator_of_search(sought: Sought, goal: Objective, deadline: Deadline = NEVER) -> Estimator:
     """Errors of the best design of a search: of figures with its settings, of the objective with the best ones."""
     from uwopt.solvers.explain.one_hardware import best_of, problem_of
+    from uwopt.solvers.recommend import hardware_of
+    from uwopt.solvers.settable.rounding import given_of
+    from uwopt.solvers.settings.best import scenes_need_cells
 
     found, problem = sought.outcome.best[0], sought.problem
     slow = scenes_need_cells(problem.scenes, goal)

@@ -33,9 +33,9 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System, load_system
 from uwopt.objectives.goal import goal_of
+from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design, Margin, Note
 from uwopt.results.result import Result
-from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL
 from uwopt.tolerances import SATISFIED_REL
 
 

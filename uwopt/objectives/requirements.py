@@ -30,6 +30,7 @@ Sense = Literal["<=", ">=", "="]
 TINY = 1e-12
 NO_END = 1e3  # times as far as a frame's middle: a far edge at the horizon, or above it
 OVERLAP_ROUNDING = 1e-12
+LEVEL_TOLERANCE_REL = 0.012  # one step of gain: how well a mean level can be met with 0.1 dB
 FOCUS_TOLERANCE_REL = 0.01  # no closer does a person set one focus by distances in two waters
 
 

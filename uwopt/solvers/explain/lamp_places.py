@@ -19,11 +19,11 @@ from uwopt.evaluation.leaning import holds_as_asked, leaning, settings_of
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
+from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.one_hardware import best_of, problem_of
 from uwopt.solvers.recommend import Sought, hardware_of
-from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL
 from uwopt.solvers.settings.best import scenes_need_cells
 
 TRIED_DEG = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)

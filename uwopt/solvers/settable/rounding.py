@@ -23,8 +23,9 @@ from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.problem import Problem
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
 from uwopt.objectives.objective import Objective
+from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design
-from uwopt.solvers.settable.scene import LEVEL_TOLERANCE_REL, SettableScene, Tried, terms_of
+from uwopt.solvers.settable.scene import SettableScene, Tried, terms_of
 from uwopt.solvers.settable.steps import DIGITS, focus_distances_m, rates_hz, stops
 from uwopt.tolerances import SATISFIED_REL
 

@@ -23,7 +23,7 @@ from uwopt.forward.lamp_light import ImageLight, worst_candidates
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.model.sensor import QUANTISATION_VARIANCE_DN2, light_for_snr
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.objectives.requirements import depth_of_field_margins
+from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL, depth_of_field_margins
 from uwopt.solvers.exact.ranking import told_apart
 from uwopt.solvers.settable.steps import EDGE, GAIN_STEP_DB, TIME_STEP_S, light_levels, time_steps
 from uwopt.solvers.settings.few_pixels import between
@@ -32,7 +32,6 @@ from uwopt.units import db_to_ratio, ratio_to_db
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-LEVEL_TOLERANCE_REL = 0.012  # one step of gain: how well a mean level can be met with 0.1 dB
 TIMES = 12  # looked at a row, before the search goes on between two of them
 LEVELS = 9
 ROUNDS = 12  # 11 ** 12 is more than there are microseconds in any exposure
