@@ -10,6 +10,20 @@ RULES = "tests/solvers/test_rules.py"
 
 DEFECTS = (
     Defect(
+        name="a rig that looks ahead is drawn with its lamps square",
+        file="uwopt/report/pictures/oblique_drawing.py",
+        old="atan2(*turned(rig, lamp.aim[0], lamp.aim[2]))",
+        new="atan2(lamp.aim[0], lamp.aim[2])",
+        test="tests/report/test_drawing.py::test_seen_from_the_side_view_and_beam_are_turned_by_the_pitch",
+    ),
+    Defect(
+        name="edges of a pitched view are drawn in the camera's frame",
+        file="uwopt/report/pictures/curves.py",
+        old="forward = x_m * math.cos(scene.pitch_rad) + (range_m + scene.slope * x_m) * math.sin(scene.pitch_rad)",
+        new="forward = x_m",
+        test="tests/report/test_drawing.py::test_edges_of_a_pitched_view_by_hand",
+    ),
+    Defect(
         name="rays start on the axis of a tilted port",
         file=IMAGING,
         old="return (range_m + shape.slope * start_m * tan_along) / descent(",

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from uwopt.report.pictures import drawing
+import uwopt
+from uwopt.evaluation.recompute import replay
+from uwopt.report.pictures import drawing, oblique_drawing
 from uwopt.report.pictures.curves import Lamp, RigMeasures, rig_measures
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
@@ -91,3 +94,54 @@ def test_measures_of_a_replayed_rig_can_be_drawn(replayed):
     design, _ = replayed(PROBLEMS / "awi-ofobs.yaml", PROBLEMS / "awi-ofobs.system.yaml")
     text = drawing.view_from_behind(rig_measures(design), title="a", description="b")
     assert "altitude" in text
+
+
+#: 40 deg ahead at 2 m, 15 deg to each side: edges 2 tan 25 deg and 2 tan 55 deg ahead.
+NEAR_M, FAR_M = 2.0 * math.tan(math.radians(25)), 2.0 * math.tan(math.radians(55))
+PITCHED = RigMeasures(**{
+    **vars(RIG), "pitch_rad": math.radians(40), "edges_m": ((NEAR_M, 0.5), (FAR_M, 0.9)), "is_dome": False,
+    "outer_radius_m": 0.0, "lamps": (Lamp(0.0, 0.5, 0.0, (0.0, 0.0, 1.0)),),
+})  # fmt: skip
+
+
+def test_seen_from_the_side_view_and_beam_are_turned_by_the_pitch():
+    text = oblique_drawing.view_from_side(PITCHED, title="a", description="b")
+    (view,), (beam,) = (points(shapes(text, "polygon", name)[0]) for name in ("view",)), shapes(text, "polygon", "beam")
+    scale = (view[2][0] - view[1][0]) / (FAR_M - NEAR_M)
+    assert view[1][1] - view[0][1] == pytest.approx(2.0 * scale, abs=0.2)  # the altitude
+    assert view[1][0] - view[0][0] == pytest.approx(NEAR_M * scale, abs=0.2)
+    lit = points(beam)  # 30 deg to each side of 40 deg
+    assert lit[1][0] - lit[0][0] == pytest.approx(2.0 * math.tan(math.radians(10)) * scale, abs=0.3)
+    assert lit[2][0] - lit[0][0] == pytest.approx(2.0 * math.tan(math.radians(70)) * scale, abs=0.3)
+    assert "looks 40° ahead" in text and "rotate(-40.0" in text
+
+
+def test_seen_from_above_the_view_is_a_trapezoid():
+    text = oblique_drawing.trapezoid_from_above(PITCHED, title="a", description="b")
+    view, after = (points(shapes(text, "polygon", name)[0]) for name in ("view", "next"))
+    scale = (view[1][0] - view[0][0]) / 1.0
+    assert view[2][0] - view[3][0] == pytest.approx(1.8 * scale, abs=0.2)
+    assert view[0][1] - view[3][1] == pytest.approx((FAR_M - NEAR_M) * scale, abs=0.2)
+    assert view[0][1] - after[0][1] == pytest.approx(0.3 * scale, abs=0.2)
+
+
+def test_edges_of_a_pitched_view_by_hand():
+    # 1000 x 800 pixels of 5 um behind 10 mm and a flat port of no thickness: 14.04 deg in air, 10.4 deg in water
+    mission: dict[str, Any] = {
+        "practice": "bare", "scene": {"water": "II", "seafloor": 0.2, "depth_m": 10, "temperature_c": 10},
+        "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.1, "pitch_deg": 40.0}, "requirements": {"overlap": 0.3},
+    }  # fmt: skip
+    system = {
+        "camera": {"resolution_x_px": 1000, "resolution_y_px": 1000, "pixel_pitch_um": 5.0, "qe": 0.5,
+                   "read_noise_e": 5.0, "saturation_e": 10_000, "max_frame_rate_hz": 30},
+        "lens": {"focal_length_mm": 10.0}, "port": {"geometry": "flat", "thickness_mm": 0.01},
+        "light": {"flux_lm": 5000, "power_w": 50, "beam_angle_deg": 80}, "light_baseline_m": 0.5,
+        "settings": {"f_number": 4.0, "exposure_ms": 1.0, "gain": 1.0},
+    }  # fmt: skip
+    result = uwopt.evaluate(mission, system)
+    rig = rig_measures(replay(result.mission, result.best, physics=result.physics, system=result.system))
+    half = math.asin(math.sin(math.atan(0.25)) / 1.341)
+    (near, _), (far, _) = rig.edges_m
+    assert rig.altitude_m == pytest.approx(2.0)
+    assert near == pytest.approx(2.0 * math.tan(math.radians(40) - half), rel=0.02)  # corner rays bend a little more
+    assert far == pytest.approx(2.0 * math.tan(math.radians(40) + half), rel=0.02)

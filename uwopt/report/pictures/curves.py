@@ -6,12 +6,14 @@ The spectrum and the depth of field are figures 5 and 4 of Billings, Iscar and J
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.figures import depth_of_field_m, full_light_lm
 from uwopt.forward.lamp_light import LampField
@@ -22,7 +24,7 @@ from uwopt.forward.spectra import efficiency_curve
 from uwopt.forward.views import footprints, port_transmission
 from uwopt.model import beam as beams
 from uwopt.model import lens, light, operation, seafloor, sensor
-from uwopt.model.imaging import Lamps, lamp_light
+from uwopt.model.imaging import Lamps, floor_point, lamp_light
 from uwopt.model.port import lens_dioptre_per_m
 
 Array = NDArray[Any]
@@ -116,7 +118,8 @@ class RigMeasures:
     advance_m: float | None  # from one image to the next; None when the rig stands still
     overlap: float | None
     camera_count: int
-    is_level: bool = True  # the camera looks square at its target
+    pitch_rad: float = 0.0  # by which the camera looks ahead of the target's normal
+    edges_m: tuple[tuple[float, float], ...] = ()  # near and far: forward of the port, half of the width; if pitched
 
 
 # ---------------------------------------------------------------- spectrum
@@ -298,7 +301,7 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
         0.5 * float(side[0, 1]) for side in (view.footprint_along_m, view.footprint_across_m)
     )
     return RigMeasures(
-        altitude_m=range_m,
+        altitude_m=range_m * math.cos(scene.pitch_rad),
         altitude_tolerance_m=vehicle.altitude_tolerance_m,
         half_along_m=half_along,
         half_across_m=half_across,
@@ -315,8 +318,21 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
         advance_m=vehicle.speed_m_s / rate if moves else None,
         overlap=float(model.figures(scene_index, settings).overlap[0, 1]) if moves else None,
         camera_count=vehicle.camera_count,
-        is_level=not scene.pitch_rad,
+        pitch_rad=scene.pitch_rad,
+        edges_m=pitched_edges_m(model, scene_index) if scene.pitch_rad else (),
     )
+
+
+def pitched_edges_m(model: DesignModel, scene_index: int) -> tuple[tuple[float, float], ...]:
+    """Near and far edge of a view that looks ahead: forward of the port, and half of its width [m]."""
+    scene, view = model.problem.scenes[scene_index], model.views[scene_index]
+    made = []
+    for along in (-view.tan_along, view.tan_along):
+        range_m = float(scene.range_m[scene.nominal])
+        x_m, y_m, _ = floor_point(along, view.tan_across, shape=model.shapes[scene_index], range_m=range_m)
+        forward = x_m * math.cos(scene.pitch_rad) + (range_m + scene.slope * x_m) * math.sin(scene.pitch_rad)
+        made.append((float(forward[0]), float(y_m[0])))
+    return tuple(made)
 
 
 def lamp_field(design: Replay, scene_index: int, channel: str | None = None) -> LampField:

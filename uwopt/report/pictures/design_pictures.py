@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.evaluation.recompute import Replay, replay
-from uwopt.report.pictures import drawing, plots
+from uwopt.report.pictures import drawing, oblique_drawing, plots
 from uwopt.report.pictures.curves import (
     DepthOfField,
     Operation,
@@ -224,10 +224,10 @@ def map_pictures(image: ImageMap | None, floor: FloorMap | None) -> list[Picture
 def drawings(rig: RigMeasures, *, on_axis: bool) -> list[Picture]:
     """The rig from behind and from above; `on_axis`: the model takes all lamps for standing at the camera.
 
-    None of an oblique view, which they would show as if it were square.
+    A rig that looks ahead is shown from the side.
     """
-    if not rig.is_level:
-        return []
+    if rig.pitch_rad:
+        return oblique_drawings(rig)
     sides = f"{2 * rig.half_along_m:.3g} m along and {2 * rig.half_across_m:.3g} m across the track"
     places = len({(lamp.x_m, lamp.y_m, lamp.z_m) for lamp in rig.lamps})
     lamps = "lamps at one place" if places == 1 else f"lamps at {places} places"
@@ -253,6 +253,28 @@ def drawings(rig: RigMeasures, *, on_axis: bool) -> list[Picture]:
             f"To scale, forward is up; the dashed outline is the next image. {beams}",
             f"Footprint {sides}. {next_one}", "svg",
             drawing.view_from_above(rig, title=title_above, description=f"Footprint {sides}. {next_one}"),
+        ),
+    ]  # fmt: skip
+
+
+def oblique_drawings(rig: RigMeasures) -> list[Picture]:
+    """The rig that looks ahead from the side, and its trapezoid from above."""
+    (near_m, near_half), (far_m, far_half) = rig.edges_m
+    pitch = f"{np.rad2deg(rig.pitch_rad):.3g}°"
+    seen = f"The view reaches from {near_m:.3g} m to {far_m:.3g} m ahead of the port"
+    beside = f"Altitude {rig.altitude_m:.3g} m, the camera looks {pitch} ahead. {seen}."
+    above = f"{seen}, {2 * near_half:.3g} m wide at the near edge and {2 * far_half:.3g} m at the far one."
+    title_beside, title_above = "The rig from the side", "Footprint from above"
+    half = f"{np.rad2deg(rig.beam_half_angle_rad):.0f}°"
+    return [
+        Picture(
+            "rig-beside", "drawing", title_beside,
+            f"To scale, forward is to the right; lamps turn with the camera. Beams are drawn {half} from their axis.",
+            beside, "svg", oblique_drawing.view_from_side(rig, title=title_beside, description=beside),
+        ),
+        Picture(
+            "rig-above", "drawing", title_above, "To scale, forward is up; the dashed outline is the next image.",
+            above, "svg", oblique_drawing.trapezoid_from_above(rig, title=title_above, description=above),
         ),
     ]  # fmt: skip
 
