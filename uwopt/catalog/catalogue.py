@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from uwopt.catalog.records import KINDS, Camera, Complete, Housing, Kind, Lens, Light, Part, Port
 from uwopt.errors import CatalogError
@@ -82,6 +82,7 @@ class Catalog:
         return of_completes | {plain_name(part.id): (kind, part) for kind in KINDS for part in self.parts(kind)}
 
 
+@lru_cache(maxsize=8192)
 def plain_name(name: str) -> str:
     """A name as patterns see it: lower case, `-` and blanks as `_`."""
     return name.strip().casefold().replace("-", "_").replace(" ", "_")

@@ -137,16 +137,21 @@ class SharpRows(Columns):
 
     def at(
         self, rows: Array, spread: SpreadTable | None, *, f_number: Array, working_f_number: Array, blur_s: Array,
-        field: Field, altitude: int = 1,
+        field: Field, altitude: int | slice = 1,
     ) -> Sharpness:  # fmt: skip
-        """The model's record of some rows; the settings are those of all rows."""
+        """The model's record of some rows, (n, n_altitudes) for a slice of them; the settings are those of all rows."""
         along, across = self.colour(field)
+        blur, disc = self.blur_px_per_s[rows, altitude], self.disc_px(field)[rows, altitude]
+
+        def each(column: Array) -> Array:
+            return column.reshape(-1, *([1] * (disc.ndim - 1)))
+
         return Sharpness(
-            working_f_number=working_f_number[rows], wavelength_nm=self.wavelength_nm[rows],
-            pixel_pitch_m=self.pixel_pitch_m[rows], motion_blur_px=self.blur_px_per_s[rows, altitude] * blur_s[rows],
-            defocus_px=self.disc_px(field)[rows, altitude] / f_number[rows],
-            lens_pitch_px=self.lens_pitch_px(field, f_number=f_number[rows], rows=rows),
-            lateral_k_along=along[rows], lateral_k_across=across[rows], spread=spread,
+            working_f_number=each(working_f_number[rows]), wavelength_nm=each(self.wavelength_nm[rows]),
+            pixel_pitch_m=each(self.pixel_pitch_m[rows]), motion_blur_px=blur * each(blur_s[rows]),
+            defocus_px=disc / each(f_number[rows]),
+            lens_pitch_px=each(self.lens_pitch_px(field, f_number=f_number[rows], rows=rows)),
+            lateral_k_along=each(along[rows]), lateral_k_across=each(across[rows]), spread=spread,
         )  # fmt: skip
 
     def each(
@@ -196,12 +201,11 @@ class SharpRows(Columns):
         """Narrowest bars on the floor that arrive in the corner, veil counted; (n, 3), as is the contrast."""
         settings = dict(f_number=f_number, working_f_number=working_f_number, blur_s=blur_s)
 
-        def narrowest(k: int, at: Sharpness, rows: Array) -> Array:
-            return sharpness.smallest_bars_m(at, contrast=contrast[rows, k], ground_sample_m=self.gsd_m[rows, k])
-
-        return np.stack(
-            [self.each(partial(narrowest, k), field="corner", altitude=k, **settings) for k in range(3)], axis=1
-        )
+        found = np.empty(self.gsd_m.shape)
+        for rows, spread in self.groups("corner"):
+            at = self.at(rows, spread, field="corner", altitude=slice(None), **settings)
+            found[rows] = sharpness.smallest_bars_m(at, contrast=contrast[rows], ground_sample_m=self.gsd_m[rows])
+        return found
 
     def information_bit_per_m2(
         self, snr: Array, *, f_number: Array, working_f_number: Array, blur_s: Array

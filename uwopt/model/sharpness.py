@@ -305,6 +305,7 @@ def _root(transfer: Any, level: Numeric, sharpness: Sharpness, null: Array) -> A
     low, high = np.zeros(null.shape), null * 1.0
     at_low, at_high = np.full(null.shape, 1.0 - level), np.full(null.shape, -level)
     side = np.zeros(null.shape)  # 1: the low end moved last, -1: the high end
+    found, settled = np.zeros(null.shape), np.zeros(null.shape, bool)  # each is the same whatever stands beside it
     for step in range(1, _MOST_STEPS):
         share = 0.5 if step % 4 == 0 else at_low / (at_low - at_high)
         nu = low + share * (high - low)
@@ -316,9 +317,11 @@ def _root(transfer: Any, level: Numeric, sharpness: Sharpness, null: Array) -> A
         moved = np.where(above, nu - low, high - nu)
         low, high = np.where(above, nu, low), np.where(above, high, nu)
         side = np.where(above, 1.0, -1.0)
-        if np.all((high - low <= _CONVERGED * null) | (np.abs(value) <= 1e-14) | (moved <= 0.0)):
+        found = np.where(settled, found, nu)
+        settled |= (high - low <= _CONVERGED * null) | (np.abs(value) <= 1e-14) | (moved <= 0.0)
+        if np.all(settled):
             break
-    return nu
+    return found
 
 
 # ---------------------------------------------------------------- information
