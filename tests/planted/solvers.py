@@ -462,6 +462,20 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{DOUBT}test_the_regret_is_what_a_rival_saves_at_worst",
     ),
     Defect(
+        name="no rival is looked for that the winner at its worst does not double",
+        file="uwopt/solvers/explain/robustness.py",
+        old="deadline=patience, ceiling=bad_value)",
+        new="deadline=patience, ceiling=0.5 * bad_value)",
+        test=f"{DOUBT}test_the_regret_is_what_a_rival_saves_at_worst",
+    ),
+    Defect(
+        name="all prices of a lamp are its first",
+        file="uwopt/solvers/explain/one_hardware.py",
+        old='light = np.array([place["light"] for place in places])[owner]',
+        new='light = np.full(len(rows), places[mine[0]]["light"])',
+        test=f"{DOUBT}test_variants_of_a_lamp_are_each_worth_what_they_are_alone",
+    ),
+    Defect(
         name="quotes of rivals never matter",
         file="uwopt/solvers/explain/robustness.py",
         old='((winner, "bad"), (rival, "good"))',

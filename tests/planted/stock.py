@@ -96,4 +96,11 @@ DEFECTS = (
         new="words = [made_for, part.note]",
         test="tests/evaluation/test_design_model.py::test_what_limits_a_port_stands_in_the_bill",
     ),
+    Defect(
+        name="ports of one name share their views, whatever their radius",
+        file="uwopt/forward/problem.py",
+        old="(part.id, *(float(column[index]) for column in columns))",
+        new="part.id",
+        test="tests/solvers/test_robustness.py::test_a_dome_whose_radius_is_estimated_fails_at_whichever_end_harms",
+    ),
 )

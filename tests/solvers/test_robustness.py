@@ -19,6 +19,7 @@ from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.lamp_places import missed_when_leaning
+from uwopt.solvers.explain.one_hardware import KINDS, best_of_each, problem_of
 from uwopt.solvers.explain.robustness import (
     among,
     assumptions,
@@ -112,6 +113,16 @@ def test_the_quotes_that_matter_are_those_that_change_the_choice() -> None:
     assert {(quote["part"], quote["field"]) for quote in doubt["quotes_that_matter"]} == {
         ("camera", "price"), ("camera-0", "price"),
     }  # fmt: skip
+
+
+def test_variants_of_a_lamp_are_each_worth_what_they_are_alone() -> None:
+    """Of one optics, so in one light: at 500 and at 800 USD beside 1000 + 500 + 300."""
+    problem, found = sought().problem, sought().outcome.best[0]
+    lists: dict[str, list[Any]] = {kind: [part] for kind, part in parts_of(problem, found)}
+    lists["light"].append(replace(lists["light"][0], price=exact(800.0)))
+    places = [dict.fromkeys(KINDS, 0) | {"light": light} for light in (1, 0, 1)]
+    values = best_of_each(problem_of(problem, found, lists=lists), sought().search.objective, places)
+    assert values == pytest.approx([2600.0, 2300.0, 2600.0])
 
 
 def test_a_rival_that_stands_twice_among_the_mixed_is_one_of_the_catalogue() -> None:
@@ -212,6 +223,8 @@ def test_lamps_may_lean_until_the_reserve_is_used_up() -> None:
         sought = seek(mission, load_catalog(mission), goal, generic="never", top=1)
         found = sought.outcome.best[0]
         design = evaluated(sought.problem, found, goal)
-        missed[reserve_db] = [missed_when_leaning(sought.problem, found, design, by) for by in (-4.0, 4.0)]
+        missed[reserve_db] = [
+            missed_when_leaning(problem_of(sought.problem, found), found, design, by) for by in (-4.0, 4.0)
+        ]
     assert any("min_snr_db" in names for names in missed[0.0])
     assert not any("min_snr_db" in names for names in missed[4.0])

@@ -250,12 +250,11 @@ class Problem:
 
     @cached_property
     def port_groups(self) -> list[Array]:
-        """Indices of ports that differ by their housing alone, and so share views and light."""
+        """Indices of ports that differ by housing, price or mass alone, and so share views and light."""
         columns = [getattr(self.ports, name) for name in PORT_OPTICS]
         groups: dict[Any, list[int]] = {}
         for index, part in enumerate(self.parts.ports):
-            key = (part.id, *(float(column[index]) for column in columns)) if part.housing else index
-            groups.setdefault(key, []).append(index)
+            groups.setdefault((part.id, *(float(column[index]) for column in columns)), []).append(index)
         return [np.array(group, int) for group in groups.values()]
 
     @cached_property
@@ -386,6 +385,12 @@ class Problem:
         """The same tables with lamps that may stand there too."""
         changed = copy(self)
         changed.mounts = self.mounts if mount in self.mounts else (*self.mounts, mount)
+        return changed
+
+    def standing_at(self, mount: Mount) -> Problem:
+        """The same tables with lamps that stand there alone."""
+        changed = copy(self)
+        changed.mounts, changed.known_models = (mount,), {}
         return changed
 
     def reaching(self, widest_m: Sequence[float]) -> Problem:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design
+from uwopt.solvers.exact.imagers import enumerate_imagers
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.one_hardware import best_of, problem_of
 from uwopt.solvers.recommend import Sought, hardware_of
@@ -42,17 +44,21 @@ def tilt_tolerance(
     if sought.problem.paper:
         return None
     found = sought.outcome.best[0]
+    own, mount = problem_of(sought.problem, found), found.lighting.mount
+    value_at = by_mount(own, objective, deadline)
+
+    def missed(by_deg: float) -> list[str]:
+        return missed_when_leaning(own, found, design, by_deg)
 
     def held(by_deg: float) -> bool:
         deadline.check()
-        return not missed_when_leaning(sought.problem, found, design, by_deg)
+        return not missed(by_deg)
 
     def readjusted(by_deg: float) -> bool:
-        leant = leaning(found.lighting.mount, by_deg)
-        return math.isfinite(value_at_mount(sought, found, objective, leant, deadline))
+        return math.isfinite(value_at(leaning(mount, by_deg)))
 
     slow = scenes_need_cells(sought.problem.scenes, objective)
-    start = missed_when_leaning(sought.problem, found, design, 0.0)
+    start = missed(0.0)
     ends = {
         f"{name}_{way}_deg": reach(holds, sign)
         for name, holds in (("held", held), ("readjusted", readjusted))
@@ -63,7 +69,7 @@ def tilt_tolerance(
     for way, sign in (("outward", 1.0), ("inward", -1.0)):
         end = ends.get(f"held_{way}_deg")
         if end is not None and end < TRIED_DEG[-1]:
-            breaks.update(missed_when_leaning(sought.problem, found, design, sign * (end + 0.5)))
+            breaks.update(missed(sign * (end + 0.5)))
     return {**ends, "first_to_break": sorted(breaks), "tried_up_to_deg": TRIED_DEG[-1]}
 
 
@@ -81,11 +87,14 @@ def reach(holds: Callable[[float], bool], sign: float) -> float:
     return good
 
 
-def missed_when_leaning(problem: Problem, found: Found, design: Design, by_deg: float) -> list[str]:
-    """Requirements as asked for, their reserve used up, that break when the lamps lean and the settings stay as set."""
-    small = problem_of(problem, found, mount=leaning(found.lighting.mount, by_deg))
-    hardware = replace(hardware_of(found), camera=0, lens=0, port=0, light=0, mount=small.mounts[0])
-    model = DesignModel(small, hardware)
+def missed_when_leaning(own: Problem, found: Found, design: Design, by_deg: float) -> list[str]:
+    """Requirements as asked for, their reserve used up, that break when the lamps lean and the settings stay as set.
+
+    own : the problem over the design's parts alone
+    """
+    mount = leaning(found.lighting.mount, by_deg)
+    hardware = replace(hardware_of(found), camera=0, lens=0, port=0, light=0, mount=mount)
+    model = DesignModel(own.standing_at(mount), hardware)
     missed = []
     for index, scene in enumerate(design.scenes):
         shown = scene.settings_to_set or scene.settings
@@ -97,11 +106,10 @@ def missed_when_leaning(problem: Problem, found: Found, design: Design, by_deg: 
     return missed
 
 
-def value_at_mount(
-    sought: Sought, found: Found, objective: Objective, mount: Mount, deadline: Deadline
-) -> float:
-    """Best objective of one design with its lamps at another mount; inf where it is not feasible."""
-    return best_of(problem_of(sought.problem, found, mount=mount), objective, deadline)
+def by_mount(own: Problem, objective: Objective, deadline: Deadline) -> Callable[[Mount], float]:
+    """Best objective over one design's parts by where its lamps stand; inf where it is not feasible."""
+    imagers = cache(lambda: enumerate_imagers(own))  # the same wherever lamps stand
+    return lambda mount: best_of(own.standing_at(mount), objective, deadline, imagers())
 
 
 def polished_mount(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> dict[str, Any] | None:
@@ -118,6 +126,7 @@ def polished_mount(sought: Sought, objective: Objective, deadline: Deadline = NE
     at = np.array([found.lighting.mount.baseline_m, found.lighting.mount.tilt_deg])
     low, high = (np.array([r[end] for r in ranges]) for end in (0, 1))
     best, step = found.minimised, np.array(FIRST_STEP)
+    value_at = by_mount(problem_of(sought.problem, found), objective, deadline)
     for _ in range(POLISH_ROUNDS):
         moved = False
         for axis in (0, 1):
@@ -126,8 +135,7 @@ def polished_mount(sought: Sought, objective: Objective, deadline: Deadline = NE
                 tried[axis] = np.clip(at[axis] + sign * step[axis], low[axis], high[axis])
                 if tried[axis] == at[axis]:
                     continue
-                mount = Mount(float(tried[0]), float(tried[1]))
-                value = value_at_mount(sought, found, objective, mount, deadline)
+                value = value_at(Mount(float(tried[0]), float(tried[1])))
                 if value < best - 1e-9 * abs(best):
                     best, at, moved = value, tried, True
                     break

@@ -9,12 +9,11 @@ import numpy as np
 
 from uwopt.catalog.records import Part
 from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Parts, Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.imagers import limit
+from uwopt.solvers.exact.imagers import Imagers, limit
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import NodeDesigns, Search
 from uwopt.tolerances import ROUND
@@ -42,8 +41,8 @@ def pieces_of(problem: Problem, found: Found) -> list[tuple[str, Part]]:
 
 
 def problem_of(
-    base: Problem, found: Found, *, mission: Mission | None = None, mount: Mount | None = None,
-    scenes: list[SceneOptics] | None = None, lists: Mapping[str, Sequence[Any]] | None = None,
+    base: Problem, found: Found, *, mission: Mission | None = None, scenes: list[SceneOptics] | None = None,
+    lists: Mapping[str, Sequence[Any]] | None = None,
 ) -> Problem:  # fmt: skip
     """A problem over one design's parts, count and mount, or over variants of them.
 
@@ -53,25 +52,29 @@ def problem_of(
     own = base.scenes if mission is None else None
     return Problem(
         mission or base.mission, Parts(*(tuple(lists[kind]) for kind in KINDS)), paper=base.paper,
-        owned_lights=base.owned_lights, counts=(found.count, found.count), mounts=[mount or found.lighting.mount],
+        owned_lights=base.owned_lights, counts=(found.count, found.count), mounts=[found.lighting.mount],
         scenes=scenes or own, effects=base.effects,
     )  # fmt: skip
 
 
-def best_of(problem: Problem, objective: Objective, deadline: Deadline = NEVER) -> float:
+def best_of(
+    problem: Problem, objective: Objective, deadline: Deadline = NEVER, imagers: Imagers | None = None
+) -> float:
     """Best objective of a problem over one part of each kind; inf where it is not feasible."""
-    return best_of_each(problem, objective, [dict.fromkeys(KINDS, 0)], deadline)[0]
+    return best_of_each(problem, objective, [dict.fromkeys(KINDS, 0)], deadline, imagers)[0]
 
 
 def best_of_each(
-    problem: Problem, objective: Objective, places: Sequence[dict[str, int]], deadline: Deadline = NEVER
-) -> list[float]:
-    """Best objective of each choice of parts over all orientations; those under one light are solved together.
+    problem: Problem, objective: Objective, places: Sequence[dict[str, int]], deadline: Deadline = NEVER,
+    imagers: Imagers | None = None,
+) -> list[float]:  # fmt: skip
+    """Best objective of each choice of parts over all orientations; those in light of the same optics together.
 
     places : of each choice, the index of its part in the problem's list of each kind
+    imagers : the problem's, where another with the same cameras in the same scenes has them
     """
-    search = Search(problem, objective, top=1, deadline=deadline)
-    imagers, count = search.prepare(), problem.count_range[0]
+    search = Search(problem, objective, top=1, deadline=deadline, imagers=imagers)
+    imagers, optics_of = search.prepare(), problem.lights.optics_index
     rows_of = [
         np.nonzero(
             (imagers.camera == place["camera"])
@@ -81,21 +84,21 @@ def best_of_each(
         for place in places
     ]
     best = np.full(len(places), np.inf)
-    for light in {place["light"] for place in places}:
-        mine = [n for n, place in enumerate(places) if place["light"] == light and len(rows_of[n])]
+    for optics in {int(optics_of[place["light"]]) for place in places}:
+        mine = [n for n, place in enumerate(places) if optics_of[place["light"]] == optics and len(rows_of[n])]
         if mine:
             rows = np.concatenate([rows_of[n] for n in mine])
             owner = np.repeat(mine, [len(rows_of[n]) for n in mine])
-            np.minimum.at(best, owner, values_under(search, imagers, rows, light, count))
+            light = np.array([place["light"] for place in places])[owner]
+            np.minimum.at(best, owner, values_under(search, imagers, rows, light, optics))
     return [float(value) for value in best]
 
 
-def values_under(search: Search, imagers: Any, rows: Any, light_index: int, count: int) -> Any:
-    """Objective of these imagers under one light; inf where a limit is missed."""
+def values_under(search: Search, imagers: Any, rows: Any, light: Any, optics: int) -> Any:
+    """Objective of these imagers, each under a light of the same optics; inf where a limit is missed."""
     problem, limits = search.problem, search.limits
-    optics = int(problem.lights.optics_index[light_index])
     lighting = next(item for item in search.tables.lightings if item.optics == optics)
-    light, number = np.full(len(rows), light_index), np.full(len(rows), count)
+    number = np.full(len(rows), problem.count_range[0])
     to_buy = problem.lamps_to_buy(light, number)
     cost = imagers.cost[rows] + to_buy * problem.lights.price[light]
     limit_cost = imagers.limit_cost[rows] + to_buy * problem.lights.limit_price[light]

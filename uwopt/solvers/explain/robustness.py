@@ -210,7 +210,7 @@ def robustness(
     mixed = mixed_problem(problem, bad)
     slow = scenes_need_cells(problem.scenes, objective)
     patience = deadline.at_most(SLOW_S if slow else TURN * deadline.left_s)
-    outcome = Search(mixed, objective, top=2, deadline=patience).run()
+    outcome = Search(mixed, objective, top=2, deadline=patience, ceiling=bad_value).run()  # no better: no rival
     deadline.check()  # a rival of half a search is none
     if outcome.interrupted:  # a search keeps what it has; these doubts are all or nothing
         raise KeyboardInterrupt
