@@ -395,3 +395,15 @@ def test_narrowest_bars_are_where_a_tenth_of_all_light_is_left() -> None:
 def test_bars_are_no_narrower_than_a_pixel_and_none_arrive_through_nine_tenths_of_veil() -> None:
     assert sharpness.smallest_bars_m(NOTHING, contrast=1.0, ground_sample_m=1e-3) == pytest.approx(1e-3)
     assert sharpness.smallest_bars_m(NOTHING, contrast=np.array([0.1, 0.05]), ground_sample_m=1e-3).min() == np.inf
+
+
+def test_frequencies_of_a_level_are_those_of_each_design_alone():
+    """Bisection and false position stop at each design's own root, to the last digit."""
+    f_numbers, discs = np.array([[1.4], [8.0], [22.0]]), np.array([[0.1, 3.0, 0.7]])
+    common = dict(wavelength_nm=530.0, pixel_pitch_m=3.45e-6)
+    together = sharpness.frequencies_at_cyc_per_px(
+        0.1, sharpness=sharpness.Sharpness(f_numbers, defocus_px=discs, motion_blur_px=0.4, **common)
+    )
+    for (i, j), of_both in np.ndenumerate(together[0]):
+        one = sharpness.Sharpness(f_numbers[i], defocus_px=discs[0, j], motion_blur_px=0.4, **common)
+        assert sharpness.frequencies_at_cyc_per_px(0.1, sharpness=one)[0] == of_both

@@ -15,6 +15,13 @@ DEFECTS = (
         test="tests/forward/test_columns.py::test_columns_of_parts_are_those_of_the_rows_that_were_taken",
     ),
     Defect(
+        name="a root goes on until all roots are found",
+        file="uwopt/model/sharpness.py",
+        old="found = np.where(settled, found, nu)",
+        new="found = nu",
+        test="tests/model/test_sharpness.py::test_frequencies_of_a_level_are_those_of_each_design_alone",
+    ),
+    Defect(
         name="images and ranges of a mean mixed up",
         file="uwopt/model/image_mean.py",
         old="range_m=np.tile(ranges_m, shape[0])",
