@@ -8,8 +8,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a rounded cost looks as if it met its limit",
         file="uwopt/report/text/words.py",
-        old="        if value != limit:\n",
-        new="        if True:\n",
+        old="if seen != most and (seen < most) == (spent < most)]",
+        new="]",
         test="tests/report/test_words.py::test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves",
     ),
     Defect(

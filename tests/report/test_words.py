@@ -97,8 +97,10 @@ def test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves(make_margin: Ca
     assert words.margin_ends(margin, cost) == ("27 000 USD", "30 000 USD")
     assert words.margin_text(margin, cost) == "2 800 USD"
     missed = make_margin("cost", 27244.0, 27000.0, "<=", "USD")
-    assert words.margin_ends(missed, cost) == ("27 244 USD", "27 000 USD")  # else it would look met
+    assert words.margin_ends(missed, cost) == ("27 200 USD", "27 000 USD")  # else it would look met
     assert words.margin_text(missed, cost) == "-240 USD"
+    near = make_margin("cost", 27244.0, 27240.0, "<=", "USD")
+    assert words.margin_ends(near, cost)[0] == "27 244 USD"  # 27 000 is below the limit that it misses
 
 
 def test_a_proven_cost_has_the_digits_that_its_range_leaves() -> None:

@@ -234,10 +234,14 @@ def margin_ends(margin: Margin, cost: Cost | None = None) -> tuple[str, str]:
     A cost has no more digits than its range leaves it, unless it took them to tell it from its limit.
     """
     if cost is not None and margin.requirement == "cost" and None not in (margin.value, margin.limit):
-        value = format_within(margin.value or 0.0, cost.low, cost.high, margin.unit)
-        limit = money(margin.limit, margin.unit)
-        if value != limit:
-            return value, limit
+        spent, most = margin.value or 0.0, margin.limit or 0.0
+        limit = money(most, margin.unit)
+        known = [format_within(spent, cost.low, cost.high)]
+        known += [format_money(round(spent, -digits)) for digits in (3, 2, 1) if spent > 10.0 ** (digits + 1)]
+        told = [(text, float(text.replace(" ", ""))) for text in known]
+        apart = [text for text, seen in told if seen != most and (seen < most) == (spent < most)]
+        if apart:
+            return f"{apart[0]} {one_line(margin.unit, 8)}", limit
     value, limit = quantities_apart(margin.value, margin.limit, unit=margin.unit, digits=4)
     return one_line(margin.word) if margin.value is None and margin.word else value, limit
 
