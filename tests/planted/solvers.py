@@ -13,6 +13,7 @@ DOUBT = "tests/solvers/test_robustness.py::"
 
 FRAME = "tests/solvers/test_over_frame.py::"
 RELAXED = "tests/solvers/test_relaxed.py"
+LEAST = "tests/solvers/test_least_change.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
@@ -566,6 +567,27 @@ DEFECTS: tuple[Defect, ...] = (
         old="side)[1].min(axis=(1, 2)) / mean",
         new="0.5 * side)[1].min(axis=(1, 2)) / mean.max() * 0.5",
         test="tests/forward/test_remembered.py::test_few_places_bound_the_uniformity",
+    ),
+    Defect(
+        name="of limits that give together the first that was found is told",
+        file="uwopt/solvers/explain/infeasible.py",
+        old="change = with_its_hardware(limit, Change(far, found), wanted, self.deadline)",
+        new="change = Change(far, found)",
+        test=f"{LEAST}::test_changes_told_together_are_enough_and_all_of_them_are_needed",
+    ),
+    Defect(
+        name="the page keeps to itself what helps together",
+        file="uwopt/report/text/short.py",
+        old="    elif together_of(result):",
+        new="    elif False:",
+        test="tests/report/test_short.py::test_changes_that_help_together_alone_are_told_on_the_page",
+    ),
+    Defect(
+        name="nobody tells what must give together",
+        file="uwopt/solvers/explain/infeasible.py",
+        old="        if relaxations or self.interrupted:",
+        new="        if True:",
+        test=f"{LEAST}::test_changes_told_together_are_enough_and_all_of_them_are_needed",
     ),
     Defect(
         name="a depth of field that is dropped frees no imager",

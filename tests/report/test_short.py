@@ -225,6 +225,17 @@ def test_what_was_not_tried_is_not_told_to_be_in_vain(make_result: Make) -> None
     assert "at least two have to give" not in text_of(make_result(infeasible=why, warnings=cut, **nothing))
 
 
+def test_changes_that_help_together_alone_are_told_on_the_page(make_result: Make) -> None:
+    nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None, "status": "infeasible"}
+    changes = [
+        {"name": "min_snr", "limit": 60.0, "needed": 42.9, "miss_rel": 0.29},
+        {"name": "min_swath_m", "limit": 9.0, "needed": 1.42, "miss_rel": 0.84},
+    ]
+    why = {"requirements": [], "relaxations": [], "nearest_miss": None, "together": changes}
+    text = text_of(make_result(infeasible=why, **nothing))
+    assert "these together would let a system through" in text and "42.9" in text and "1.42" in text
+
+
 def test_where_no_change_helps_the_rules_that_exclude_most_are_told(make_result: Make) -> None:
     counts = {"camera: purpose": 900, "mount": 5, "max_gsd_mm": 70, "min_swath_m": 80, "image_circle": 60}
     rules = [{"name": name, "n_excluded": n, "n_is_bound": False} for name, n in counts.items()]

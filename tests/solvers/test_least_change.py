@@ -164,6 +164,25 @@ def test_a_refusal_is_weakened_as_its_key_would_be(parts, catalog):
     assert refused["min_swath_m"] == pytest.approx(2.0 * 1936 * 5.86e-3 / (12.0 * 1.33) / 2.0, rel=0.01)
 
 
+def test_changes_told_together_are_enough_and_all_of_them_are_needed(parts, catalog):
+    # the one lens sees 1.42 m of floor from 2 m, and no light makes 60 dB of its camera's well
+    asked = dict(min_swath_m=9.0, min_snr_db=60.0)
+    wanted = mission(parts, **asked)
+    found = seek(wanted, catalog, POWER, generic="never", top=1)
+    proof = certificate(found.selection, found.problem, found.outcome, POWER)
+    why = Explanation(wanted, catalog, POWER, "never").told(proof)
+    assert not why.relaxations and why.nearest_miss is not None
+    possible = {one.name: one.needed for one in why.together}
+    assert set(possible) == {"min_swath_m", "min_snr"}
+    both = dict(min_swath_m=possible["min_swath_m"], min_snr_db=possible["min_snr"])
+    assert fits(mission(parts, **both), catalog)
+    for name in both:
+        assert not fits(mission(parts, **{**both, name: asked[name]}), catalog)
+    assert possible["min_swath_m"] == pytest.approx(1936 * 5.86e-3 / (12.0 * 1.33) * 2.0, rel=0.01)
+    alone = told(mission(parts, **{**asked, "min_swath_m": possible["min_swath_m"]}), catalog)
+    assert possible["min_snr"] == pytest.approx(alone["min_snr"], rel=0.01)  # no more can be had of that lens
+
+
 @pytest.mark.parametrize(
     ("value", "asked", "rounded"),
     [(2.7134, 1.0, 2.72), (2.71, 1.0, 2.71), (0.061239, 0.5, 0.0612), (1234.5, 0.0, 1240.0), (-3.217, 1.0, -3.22)],

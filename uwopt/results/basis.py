@@ -138,6 +138,9 @@ class WhyNothing(Record):
     nearest_miss: Design | None = Field(
         description="the design of the smallest change, by the mission as it stands"
     )
+    together: list[Relaxed] = Field(
+        default_factory=list, description="where no change alone helps: changes of which all are needed at once"
+    )
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -22,6 +22,7 @@ AT_CENTRAL_PRICES = (
     "(limits.cost_basis: high, the default). Ask for quotes, or hold their middle against it (cost_basis: central)."
 )
 HELPFUL = "Each of these changes alone would let a system through:"
+TOGETHER = "No change alone is known to help; these together would let a system through:"
 
 
 def certificate_block(result: Result, certificate: Certificate) -> Block:
@@ -71,6 +72,8 @@ def infeasible_block(result: Result | FrontResult) -> Block:
     lines: list[Line] = []
     if helpful:
         lines += helpful_lines(result, helpful)
+    elif together_of(result):
+        lines += [sentence(TOGETHER), relaxation_table(result, together_of(result))]
     elif not stopped and isinstance(result, Result):  # of fronts, the verdict has said it
         lines.append(sentence(f"{no_change_helps(result)}."))
     table = columns(("combinations", "right"), ("excluded because", "left"))
@@ -141,6 +144,11 @@ def miss_text(result: Result | FrontResult) -> str:
 def relaxations_of(result: Result | FrontResult) -> list[Relaxed]:
     """Relaxations that help."""
     return result.infeasible.relaxations if result.infeasible is not None else []
+
+
+def together_of(result: Result | FrontResult) -> list[Relaxed]:
+    """Changes that help together where none does alone."""
+    return result.infeasible.together if result.infeasible is not None else []
 
 
 def relaxation_table(result: Result | FrontResult, items: list[Relaxed]) -> Grid:

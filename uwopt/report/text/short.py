@@ -11,12 +11,15 @@ from collections.abc import Iterator, Sequence
 from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import words
 from uwopt.report.text.doubts import (
+    TOGETHER,
     excluding_most,
     helpful_lines,
     miss_sentence,
     no_change_helps,
     quoted_number,
+    relaxation_table,
     relaxations_of,
+    together_of,
 )
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import goal_text
@@ -320,6 +323,8 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
     lines: list[Line] = []
     if helpful:
         lines = helpful_lines(result, helpful)
+    elif together_of(result):
+        lines = [sentence(TOGETHER), relaxation_table(result, together_of(result))]
     elif result.status == "stopped":
         lines = [sentence("Give it more time, or a mission with fewer parts to choose from.")]
     elif result.infeasible:

@@ -8,6 +8,7 @@ smallest relaxation that makes the mission feasible.
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -23,9 +24,14 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Excluded, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
-from uwopt.solvers.explain.least_change import Change, least_change, rounded_away
+from uwopt.solvers.explain.least_change import (
+    Change,
+    least_change,
+    rounded_away,
+    with_its_hardware,
+)
 from uwopt.solvers.explain.one_hardware import problem_of
-from uwopt.solvers.explain.relaxed import Relaxer
+from uwopt.solvers.explain.relaxed import MAY_PASS, Relaxer
 from uwopt.solvers.recommend import Progress, Sought, seek
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.units import ratio_to_db
@@ -122,7 +128,80 @@ class Explanation:
             if item.count
         ]
         helpful = [Relaxed(r.name, r.limit, r.needed, r.miss_rel, r.fits_at_central_prices) for r in relaxations]
-        return WhyNothing(requirements, helpful, relaxations[0].design if relaxations else None)
+        if relaxations or self.interrupted:
+            return WhyNothing(requirements, helpful, relaxations[0].design if relaxations else None)
+        together, miss_of_all = self._together()
+        return WhyNothing(requirements, helpful, miss_of_all, together)
+
+    def _together(self) -> tuple[list[Relaxed], Design | None]:
+        """Requirements of which all have to give for a system to fit, as far as there is time, and that system."""
+        limits = {name: limit for name, limit in self._asked().items() if name in MAY_PASS}
+        found = self._first_of_all(limits)
+        if found is None:
+            return [], None
+        given, needed = missed_by(judged_by(self.mission, found, self.objective), limits), set[str]()
+        while given - needed:
+            name = min(given - needed, key=list(limits).index)
+            others = self._seek_without(given - {name})
+            if others is None:
+                self.deadline.left_out.append("whether fewer changes together would do")
+                break
+            if others.outcome.best:
+                found = others
+                given = missed_by(judged_by(self.mission, found, self.objective), limits)
+            else:
+                needed.add(name)
+        return self._drawn_in({name: limits[name] for name in limits if name in given}, found)
+
+    def _drawn_in(self, asked: dict[str, float], found: Sought) -> tuple[list[Relaxed], Design]:
+        """What a design's hardware can keep of limits that give together: of each in turn as much as can be."""
+        design = judged_by(self.mission, found, self.objective)
+        kept: dict[str, float | None] = dict.fromkeys(asked)
+        for name, limit in asked.items():
+            key = RELAXABLE[name][1]
+            reached = reached_value(design, key)
+            if reached is not None:
+                far = rounded_away(asked_when_held(self.mission.reserve, key, reached), limit)
+                wanted = partial(self._with_limits, asked, kept, name)
+                change = with_its_hardware(limit, Change(far, found), wanted, self.deadline)
+                kept[name], found = change.limit, change.found
+        told = [Relaxed(name, limit, kept[name], miss(limit, kept[name])) for name, limit in asked.items()]
+        return told, judged_by(self.mission, found, self.objective)
+
+    def _with_limits(
+        self, asked: dict[str, float], kept: dict[str, float | None], name: str, value: float
+    ) -> Mission:
+        """The mission with other limits, one of them this; those that are not known yet are left out."""
+        mission = self.mission
+        for one, limit in (kept | {name: value}).items():
+            section, key, _ = RELAXABLE[one]
+            weaker = without(mission, section, key) if limit is None else None
+            if limit is not None:
+                weaker = with_limit(mission, section, key, asked[one], limit)
+            mission = weaker or mission
+        return mission
+
+    def _first_of_all(self, names: Collection[str]) -> Sought | None:
+        """A design that fits where many requirements are dropped: of imagers that fit if there are any, else of all."""
+        few = [name for name in names if not MAY_PASS[name]]
+        for some in (few, [*names]):
+            found = self._seek_without(set(some)) if some else None
+            if found is not None and found.outcome.best:
+                return found
+        return None
+
+    def _seek_without(self, names: Collection[str]) -> Sought | None:
+        """A search without all of these; None where it ends before it knows."""
+        mission = self.mission
+        for name in names:
+            mission = without(mission, *RELAXABLE[name][:2]) or mission
+        if self.deadline.passed():
+            return None
+        found = self.relaxer.seek(mission, ANY, set(names), deadline=self._turn(), enough=True)
+        if found.outcome.interrupted:
+            self.interrupted = True
+            return None
+        return found if found.outcome.best or found.outcome.complete else None
 
     def relaxations(self) -> list[Relaxation]:
         """The requirements whose loss makes the mission feasible, with the least change of each."""
@@ -276,6 +355,12 @@ def judged_by(mission: Mission, found: Sought, objective: Objective) -> Design:
     hardware = Hardware(0, 0, 0, best.landscape, 0, best.count, best.lighting.mount)
     given = given_of(problem, hardware, best.settings)
     return evaluate_design(problem, hardware, given, objective)
+
+
+def missed_by(design: Design, names: Collection[str]) -> set[str]:
+    """Those requirements that a design does not meet."""
+    missed = {margin.requirement for scene in design.scenes for margin in scene.margins if not margin.satisfied}
+    return {name for name in names if RELAXABLE[name][1] in missed or name in missed}
 
 
 def asked_value(mission: Mission, section: str, key: str) -> float | None:
