@@ -19,6 +19,7 @@ from uwopt.errors import RangeError
 from uwopt.model.spectrum import FloatArray, trapezoid_weights_nm
 
 BLOCK = 2048  # points evaluated together: the powers of one block stay in the processor's cache
+MOST_PRODUCTS = 1_000_000  # of a product of matrices: from 2^20 on OpenBLAS wakes threads that wait for one another
 PROBE_ORDER = 32  # of the one-dimensional trial fits that choose order and warp
 # How strongly the nodes crowd towards short ranges, where the spectrum changes most.
 WARPS = (0.0, 0.2, 0.4, 0.6, 0.8)
@@ -198,8 +199,9 @@ def _look_up(tables: tuple[PathTable, ...], lamp: FloatArray, camera: FloatArray
     flat_lamp, flat_camera = lamp.reshape(-1), camera.reshape(-1)
     for stack in _stacks(tables):
         result = np.empty((len(stack.rows) // stack.n_camera, flat_lamp.size))
-        for start in range(0, flat_lamp.size, BLOCK):
-            rows = slice(start, start + BLOCK)
+        block = max(min(BLOCK, MOST_PRODUCTS // stack.rows.size), 1)
+        for start in range(0, flat_lamp.size, block):
+            rows = slice(start, start + block)
             result[:, rows] = _polynomials(stack, flat_lamp[rows], flat_camera[rows])
         for index, own in stack.of_table:
             found[index] = result[own].reshape((*tables[index].weight_integral.shape, *lamp.shape))[()]
