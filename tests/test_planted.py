@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections import Counter
+from collections.abc import Sequence
 from functools import cache
 from itertools import groupby
 from operator import attrgetter
@@ -46,11 +47,26 @@ def fault_in_patch(defect: Defect, sound: str) -> str:
     return ""
 
 
+def faults_in_patches(some: Sequence[Defect], sound: str) -> list[str]:
+    """What is wrong with patches of one file: all that fit beside each other at once, alone where that is no Python."""
+    together, free = sound, []
+    for defect in some:
+        if together.count(defect.old) == sound.count(defect.old) == 1 and defect.old != defect.new:
+            together = together.replace(defect.old, defect.new)
+            free.append(defect)
+    try:
+        if not some[0].file.endswith(".py"):
+            raise SyntaxError
+        compile(together, some[0].file, "exec", ast.PyCF_ONLY_AST)
+    except SyntaxError:
+        free = []
+    return [fault_in_patch(defect, sound) for defect in some if defect not in free]
+
+
 def test_defects_fit_their_files_and_leave_python():
     faults = []
     for file, some in groupby(sorted(DEFECTS, key=FILE), key=FILE):
-        sound = (ROOT / file).read_text(encoding="utf-8")
-        faults += [fault_in_patch(defect, sound) for defect in some]
+        faults += faults_in_patches(list(some), (ROOT / file).read_text(encoding="utf-8"))
     assert [fault for fault in faults if fault] == []
 
 
@@ -69,6 +85,9 @@ def test_a_patch_that_leaves_no_python_is_told():
     broken = Defect("broken", "x.py", "a = 1", "a = (", "t")
     assert fault_in_patch(broken, "a = 1").startswith("broken: ")
     assert "stands 0 times" in fault_in_patch(broken, "b = 1")
+    sound, same = Defect("sound", "x.py", "c", "d", "t"), Defect("same", "x.py", "c = 1", "c = 1", "t")
+    assert "was never closed" in faults_in_patches([sound, broken], "a = 1\nc = 2")[1]
+    assert "the same" in "".join(faults_in_patches([same], "c = 1"))
 
 
 def test_each_defect_has_a_name_of_its_own():
