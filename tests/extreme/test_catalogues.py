@@ -129,7 +129,7 @@ def test_solve_says_what_is_possible(wanted: dict[str, Any], status: str) -> Non
     mission = plain("paper", **wanted)
     mission["scene"]["depth_m"] = 50 + mission["vehicle"]["altitude_m"]
     result = uwopt.solve(
-        {**mission, "catalog": {"cameras": ["flir"], "lenses": ["kowa"], "generic": "never"}}
+        {**mission, "catalog": {"cameras": ["flir-bfs-u3-3"], "lenses": ["kowa-lm8"], "generic": "never"}}
     )
     assert result.status == status
     assert cases.not_finite(result.to_dict()) == []

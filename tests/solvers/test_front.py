@@ -33,14 +33,15 @@ CLOSED = (
     ("power", "mass", "gsd_mm"), ("cost", "gsd_mm", "snr_db"), ("power", "contrast", "cost"),
 )  # fmt: skip
 SUNNY = ("sun", "steps in the sun", "sun at a level", "bars in the sun")
+DEAR = ("dark", "sun", "sun at a level")  # what takes longest: "dark at a level" and other sunny ones stay
 SHADED = tuple(name for name in fc.PLANTED if name not in SUNNY)
 INFORMATION = ("steps", "flash", "counts and mounts", "still")
 CASES = [
     *((seed, CLOSED[0]) for seed in SEEDS),
     *((seed, n) for i, n in enumerate(CLOSED) for seed in (SEEDS if rc.THOROUGH else (SEEDS[i % 3],))),
-    *((name, names) for name in SHADED for names in (CLOSED if rc.THOROUGH else CLOSED[:1])),
+    *((name, names) for name in SHADED for names in (CLOSED if rc.THOROUGH else CLOSED[:1] * (name not in DEAR))),
     ("steps", CLOSED[1]), ("nothing asked", CLOSED[2]),
-    *((name, ("power", "snr_db")) for name in (SUNNY if rc.THOROUGH else SUNNY[1:])),  # plain sun takes longest
+    *((name, ("power", "snr_db")) for name in SUNNY if rc.THOROUGH or name not in DEAR),
     (22, ("power", "cost")), ("sun", ("power", "cost", "contrast")),
 ]  # fmt: skip
 CASES = list(dict.fromkeys(CASES))

@@ -21,9 +21,9 @@ from uwopt.objectives.own import OwnObjective
 from uwopt.solvers.population.pymoo_front import ALGORITHMS, PymooRun, population_front
 
 PAIR, TRIPLE = ("power", "cost"), ("power", "cost", "snr_db")
-SEEDS = drawn((9, 17, 24), cases.FEASIBLE)  # one scene and two, physics full and paper
-ONE_SCENE = drawn((9, 17, 22), (3, 7, 8, 9, 13, 17, 22, 24))
-FEW: dict[str, Any] = {"pop_size": 40, "generations": 8}  # where any front will do
+SEEDS = drawn((22, 24), cases.FEASIBLE)  # one scene and two, physics full and paper
+ONE_SCENE = drawn((17,), (3, 7, 8, 9, 13, 17, 22, 24))
+FEW: dict[str, Any] = {"pop_size": 24, "generations": 6}  # where any front will do
 CURVE_REL = 2e-4  # how near the enumeration's grids come to the best settings
 
 
@@ -90,7 +90,7 @@ def test_front_is_empty_where_enumeration_finds_nothing(seed):
 
 
 @pytest.mark.parametrize(("kind", "names"), [
-    *((kind, ("power", "information")) for kind in cases.LAMPS),
+    *((kind, ("power", "information")) for kind in drawn(["steps", "free"], list(cases.LAMPS))),
     *((kind, ("power", "cost", "information")) for kind in drawn(["pulsed"], list(cases.LAMPS))),
 ])  # fmt: skip
 def test_front_of_information_is_feasible_with_every_kind_of_lamp(kind, names):

@@ -22,7 +22,7 @@ from uwopt.solvers.settings.best import GAP, best_settings
 from uwopt.solvers.settings.cells import best_by_cells
 from uwopt.solvers.settings.closed_form import most_light
 
-FEW = (9, 14, 24, 33, 39, 81, 91)  # one scene and two, both physics, all kinds of lamps
+FEW = (17, 24, 33, 81)  # one scene and two, both physics, all kinds of lamps, quickly enumerated
 SEEDS = tuple(s for s in CHOSEN if solved(s).best) if THOROUGH else FEW
 
 
