@@ -39,13 +39,13 @@ Draw = Any
 
 
 def examples(count: int) -> Any:
-    """Hypothesis's settings for so many examples times UWOPT_FUZZ; without that for fewer, but no fewer than 4.
+    """Hypothesis's settings for so many examples times UWOPT_FUZZ; without that for fewer, but no fewer than 3.
 
     They are the same in every run unless UWOPT_FUZZ asks for as many or more.
     """
     alike = FUZZ < 1.0
     return settings(
-        max_examples=max(math.ceil(count * FUZZ), min(count, 4)), derandomize=alike, deadline=None, database=None,
+        max_examples=max(math.ceil(count * FUZZ), min(count, 3)), derandomize=alike, deadline=None, database=None,
         suppress_health_check=list(HealthCheck), print_blob=not alike,
         phases=[phase for phase in Phase if phase is not Phase.shrink],
     )  # fmt: skip
