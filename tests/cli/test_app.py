@@ -606,7 +606,8 @@ def test_ctrl_c_ends_with_status_130(tmp_path: Path) -> None:
 
 
 def test_solve_finds_a_system_end_to_end(tmp_path: Path) -> None:
-    done = program("solve", MISSION, "--physics", "paper", "--quick", "--json", "--out", tmp_path)
+    mission = ROOT / "problems" / "paper-tool-window.yaml"  # the README's commands solve one with full physics
+    done = program("solve", mission, "--physics", "paper", "--quick", "--json", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     result = Result.from_dict(json.loads(done.stdout))
     assert result.status == "optimal" and result.certificate is not None and result.certificate.adds_up()
