@@ -181,11 +181,24 @@ def format_within(value: float, low: float, high: float, currency: str = "") -> 
     That is two digits of the high end, more where the range is narrow, and never so few that the amount moves by more
     than an eighth.
     """
-    if not (0 <= low <= value <= high and 0 < high - low < math.inf):
+    exponent = _exponent_within(value, low, high)
+    if exponent is None:
         return format_money(value, currency)
-    exponent = min(_magnitude(high) - 1, _magnitude(high - low), *([_magnitude(value / 4)] if value > 0 else []))
-    exponent = max(exponent, -2)
     return f"{round(value, -exponent):,.{max(0, -exponent)}f} {currency}".replace(",", " ").strip()
+
+
+def round_within(value: float, low: float, high: float) -> float:
+    """The amount that `format_within` tells; itself where there is no range."""
+    exponent = _exponent_within(value, low, high)
+    return value if exponent is None else round(value, -exponent)
+
+
+def _exponent_within(value: float, low: float, high: float) -> int | None:
+    """Power of ten of the last digit that a range leaves an amount; None where there is no range about it."""
+    if not (0 <= low <= value <= high and 0 < high - low < math.inf):
+        return None
+    exponent = min(_magnitude(high) - 1, _magnitude(high - low), *([_magnitude(value / 4)] if value > 0 else []))
+    return max(exponent, -2)
 
 
 def _magnitude(value: float) -> int:

@@ -8,8 +8,15 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a rounded cost looks as if it met its limit",
         file="uwopt/report/text/words.py",
-        old="if seen != most and (seen < most) == (spent < most)]",
-        new="]",
+        old="if told != most and (told < most) == (spent < most)), None)",
+        new="), None)",
+        test="tests/report/test_words.py::test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves",
+    ),
+    Defect(
+        name="what is left of a cost is not the difference of the numbers beside it",
+        file="uwopt/report/text/words.py",
+        old="return money(margin.limit - told, margin.unit)",
+        new="return money(margin.margin, margin.unit)",
         test="tests/report/test_words.py::test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves",
     ),
     Defect(

@@ -95,12 +95,13 @@ def test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves(make_margin: Ca
     cost = Cost(13233.0, 8470.0, 27244.0, "USD", 13233.0, 8470.0, 27244.0)
     margin = make_margin("cost", 27244.0, 30000.0, "<=", "USD")
     assert words.margin_ends(margin, cost) == ("27 000 USD", "30 000 USD")
-    assert words.margin_text(margin, cost) == "2 800 USD"
+    assert words.margin_text(margin, cost) == "3 000 USD"  # 30 000 less 27 000, as both are told
     missed = make_margin("cost", 27244.0, 27000.0, "<=", "USD")
     assert words.margin_ends(missed, cost) == ("27 200 USD", "27 000 USD")  # else it would look met
-    assert words.margin_text(missed, cost) == "-240 USD"
+    assert words.margin_text(missed, cost) == "-200 USD"
     near = make_margin("cost", 27244.0, 27240.0, "<=", "USD")
     assert words.margin_ends(near, cost)[0] == "27 244 USD"  # 27 000 is below the limit that it misses
+    assert words.margin_text(near, cost) == "-4.00 USD"
 
 
 def test_a_proven_cost_has_the_digits_that_its_range_leaves() -> None:

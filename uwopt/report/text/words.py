@@ -16,6 +16,7 @@ from uwopt.units import (
     format_price,
     format_quantity,
     format_within,
+    round_within,
     split_unit,
     symbol,
     texts_apart,
@@ -229,31 +230,33 @@ def change(value: float, unit: str, scale: float, digits: int = 3) -> str:
 
 
 def margin_ends(margin: Margin, cost: Cost | None = None) -> tuple[str, str]:
-    """What is reached of a requirement, a number with its unit or the word in its place; and its limit.
-
-    A cost has no more digits than its range leaves it, unless it took them to tell it from its limit.
-    """
-    if cost is not None and margin.requirement == "cost" and None not in (margin.value, margin.limit):
-        spent, most = margin.value or 0.0, margin.limit or 0.0
-        limit = money(most, margin.unit)
-        known = [format_within(spent, cost.low, cost.high)]
-        known += [format_money(round(spent, -digits)) for digits in (3, 2, 1) if spent > 10.0 ** (digits + 1)]
-        told = [(text, float(text.replace(" ", ""))) for text in known]
-        apart = [text for text, seen in told if seen != most and (seen < most) == (spent < most)]
-        if apart:
-            return f"{apart[0]} {one_line(margin.unit, 8)}", limit
+    """What is reached of a requirement, a number with its unit or the word in its place; and its limit."""
+    if (told := told_cost(margin, cost)) is not None:
+        return money(told, margin.unit), money(margin.limit, margin.unit)
     value, limit = quantities_apart(margin.value, margin.limit, unit=margin.unit, digits=4)
     return one_line(margin.word) if margin.value is None and margin.word else value, limit
 
 
+def told_cost(margin: Margin, cost: Cost | None) -> float | None:
+    """A cost with no more digits than its range leaves it, unless it takes them to tell it from its limit.
+
+    None of other requirements, and where all digits are needed.
+    """
+    if cost is None or margin.requirement != "cost" or margin.value is None or margin.limit is None:
+        return None
+    spent, most = margin.value, margin.limit
+    known = [round_within(spent, cost.low, cost.high)]
+    known += [round(spent, -digits) for digits in (3, 2, 1) if spent > 10.0 ** (digits + 1)]
+    return next((told for told in known if told != most and (told < most) == (spent < most)), None)
+
+
 def margin_text(margin: Margin, cost: Cost | None = None) -> str:
-    """What is left of a requirement, in its unit; of a cost with the digits that its range leaves."""
+    """What is left of a requirement, in its unit; of a cost what is left of the numbers that are told."""
     if margin.margin is None:
         return quantity(None)
-    if cost is not None and margin.requirement == "cost":
-        left = abs(margin.margin)
-        text = format_within(left, 0.0, max(left, cost.high - cost.low), margin.unit)
-        return f"-{text}" if margin.margin < 0.0 else text
+    told = told_cost(margin, cost)
+    if told is not None and margin.limit is not None:
+        return money(margin.limit - told, margin.unit)
     scale = max(abs(margin.limit or 0.0), abs(margin.value or 0.0))
     small = abs(margin.margin) <= (1e-6 if margin.satisfied else 1e-12) * scale  # 1e-6: what counts as met
     return format_quantity(0.0 if small else margin.margin, margin.unit)
