@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import brute_force as brute
@@ -40,17 +41,23 @@ def test_search_asking_of_colours_equals_enumeration(seed: int) -> None:
     agree(coloured, coloured.solve()[1], ranked(enumerated(seed, coloured=True)))
 
 
+def coloured_images(seed: int) -> Iterator[tuple[Any, Any, Any, int, Any]]:
+    """A search, its imagers, and each lighting with their images from the farthest altitude and their light."""
+    search = case(seed, coloured=True).searcher()
+    imagers = search.prepare()
+    far = len(search.problem.scenes[0].range_m) - 1
+    for lighting in search.tables.lightings:
+        light = search.tables.exact(0, lighting, np.arange(len(imagers)), veils="none")
+        assert light.colour_e is not None
+        yield search, imagers, lighting, far, light
+
+
 @pytest.mark.parametrize("seed", [17, 44])
 def test_no_image_has_more_red_than_its_bound(seed: int) -> None:
     """Bounds of images under every lighting, taken before the integrals, against the integrals."""
-    search = case(seed, coloured=True).searcher()
-    imagers = search.prepare()
-    rows, far = np.arange(len(imagers)), len(search.problem.scenes[0].range_m) - 1
     nearness = []
-    for lighting in search.tables.lightings:
-        bound = search.tables.bound(0, lighting, far, rows, channel="red")
-        light = search.tables.exact(0, lighting, rows, veils="none")
-        assert light.colour_e is not None
+    for search, imagers, lighting, far, light in coloured_images(seed):
+        bound = search.tables.bound(0, lighting, far, np.arange(len(imagers)), channel="red")
         red = light.colour_e[:, far, 0]
         assert (red <= bound * (1 + 1e-9)).all()
         nearness += [*(red[bound > 0] / bound[bound > 0])]
@@ -60,13 +67,8 @@ def test_no_image_has_more_red_than_its_bound(seed: int) -> None:
 @pytest.mark.parametrize("seed", [9, 41, 44])
 def test_no_image_is_better_balanced_than_its_bound(seed: int) -> None:
     """Bounds that know the water's paths alone, against integrals over every image."""
-    search = case(seed, coloured=True).searcher()
-    imagers = search.prepare()
-    rows, far = np.arange(len(imagers)), len(search.problem.scenes[0].range_m) - 1
     nearness = []
-    for lighting in search.tables.lightings:
-        light = search.tables.exact(0, lighting, rows, veils="none")
-        assert light.colour_e is not None
+    for search, imagers, lighting, far, light in coloured_images(seed):
         curves = search.problem.cameras.qe_index[imagers.camera]
         bound = np.array([search.tables.least_balance(0, lighting, int(curve)) for curve in curves])
         balance = np.where(light.signal_e[:, far] > 0.0, white_balance(light.colour_e[:, far]), np.inf)
