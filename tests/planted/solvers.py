@@ -646,6 +646,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/test_deadline.py::test_an_interrupted_explanation_keeps_what_helps",
     ),
     Defect(
+        name="without its SNR a mission looks for the least power first",
+        file="uwopt/solvers/explain/infeasible.py",
+        old='BRIGHT if name == "min_snr" else ANY',
+        new="ANY",
+        test="tests/solvers/test_least_change.py::test_without_its_snr_a_mission_looks_for_the_brightest_first",
+    ),
+    Defect(
         name="the first requirement that is dropped takes all the time",
         file="uwopt/solvers/explain/infeasible.py",
         old="self.deadline.at_most(TURN * self.deadline.left_s)",

@@ -11,9 +11,11 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
+from uwopt.results.basis import WhyNothing
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.explain.infeasible import Explanation
 from uwopt.solvers.explain.least_change import rounded_away
+from uwopt.solvers.explain.relaxed import Relaxer
 from uwopt.solvers.recommend import seek
 
 POWER = Objective.of("power")
@@ -74,13 +76,17 @@ def mission(
     )  # fmt: skip
 
 
-def told(wanted: Mission, catalog: Catalog) -> dict[str, float]:
-    """Requirements with the limit that is said to be possible."""
+def explained(wanted: Mission, catalog: Catalog) -> WhyNothing:
+    """Why nothing fits."""
     found = seek(wanted, catalog, POWER, generic="never", top=1)
     assert not found.outcome.best
     proof = certificate(found.selection, found.problem, found.outcome, POWER)
-    why = Explanation(wanted, catalog, POWER, "never").told(proof)
-    return {item["name"]: item["needed"] for item in why["relaxations"]}
+    return Explanation(wanted, catalog, POWER, "never").told(proof)
+
+
+def told(wanted: Mission, catalog: Catalog) -> dict[str, float]:
+    """Requirements with the limit that is said to be possible."""
+    return {item.name: item.needed for item in explained(wanted, catalog).relaxations}
 
 
 def fits(wanted: Mission, catalog: Catalog) -> bool:
@@ -164,13 +170,24 @@ def test_a_refusal_is_weakened_as_its_key_would_be(parts, catalog):
     assert refused["min_swath_m"] == pytest.approx(2.0 * 1936 * 5.86e-3 / (12.0 * 1.33) / 2.0, rel=0.01)
 
 
+def test_without_its_snr_a_mission_looks_for_the_brightest_first(parts, catalog, monkeypatch):
+    # By least power thousands of images too dark for the other requirements come first.
+    goals, honest = {}, Relaxer.seek
+
+    def noted(self, wanted, goal, freed, **more):
+        goals.setdefault(tuple(freed), goal.weight("snr_db"))
+        return honest(self, wanted, goal, freed, **more)
+
+    monkeypatch.setattr(Relaxer, "seek", noted)
+    told(mission(parts, min_swath_m=9.0, min_snr_db=60.0), catalog)
+    assert goals[("min_snr",)] and not goals[("min_swath_m",)]
+
+
 def test_changes_told_together_are_enough_and_all_of_them_are_needed(parts, catalog):
     # the one lens sees 1.42 m of floor from 2 m, and no light makes 60 dB of its camera's well
     asked = dict(min_swath_m=9.0, min_snr_db=60.0)
     wanted = mission(parts, **asked)
-    found = seek(wanted, catalog, POWER, generic="never", top=1)
-    proof = certificate(found.selection, found.problem, found.outcome, POWER)
-    why = Explanation(wanted, catalog, POWER, "never").told(proof)
+    why = explained(wanted, catalog)
     assert not why.relaxations and why.nearest_miss is not None
     possible = {one.name: one.needed for one in why.together}
     assert set(possible) == {"min_swath_m", "min_snr"}
@@ -200,9 +217,7 @@ def test_limit_to_type_is_rounded_away_from_what_was_asked(value, asked, rounded
 def test_a_limit_of_cost_that_only_high_prices_break_is_told(parts, catalog, limit, fits_at_central):
     base = mission(parts)
     wanted = base.with_changes(limits={"cost": limit}, catalog=base.to_dict()["catalog"] | {"rest": "estimate"})
-    found = seek(wanted, catalog, POWER, generic="never", top=1)
-    proof = certificate(found.selection, found.problem, found.outcome, POWER)
-    (cost,) = (r for r in Explanation(wanted, catalog, POWER, "never").told(proof).relaxations if r.name == "cost")
+    (cost,) = (r for r in explained(wanted, catalog).relaxations if r.name == "cost")
     assert cost.fits_at_central_prices == fits_at_central
     assert cost.needed == pytest.approx(3340.0)
     assert fits(wanted.with_changes(limits={"cost": limit, "cost_basis": "central"}), catalog) == fits_at_central
@@ -213,7 +228,5 @@ def test_the_least_limit_of_cost_is_proven_for_high_prices(parts, catalog):
     base = mission(parts)
     choice = base.to_dict()["catalog"] | {"rest": "estimate", "cameras": ["zz-cam", "zz-other"]}
     wanted = base.with_changes(limits={"cost": 3000.0}, catalog=choice)
-    found = seek(wanted, catalog, POWER, generic="never", top=1)
-    proof = certificate(found.selection, found.problem, found.outcome, POWER)
-    why = Explanation(wanted, catalog, POWER, "never").told(proof)
+    why = explained(wanted, catalog)
     assert {r.name: r.needed for r in why.relaxations}["cost"] == pytest.approx(3340.0, rel=0.01)  # steps of 3 digits

@@ -90,6 +90,7 @@ class Without:
 
 
 ANY = Objective.of("power")  # where any design that fits will do: by no other objective takes a search less
+BRIGHT = Objective.of("snr_db")  # but without an SNR to ask for, where least power would try what is too dark first
 BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost", "mass_kg")
 LEAST_SNR_DB = 0.0  # below which noise is more than signal, and no image is of use
 TURN = 0.25  # of the time left: what one requirement may take of it
@@ -255,7 +256,7 @@ class Explanation:
         relaxed = self.mission if by_depth else without(self.mission, section, key)
         if relaxed is None:
             return True
-        seek_one = partial(self.relaxer.seek, goal=ANY, freed={name}, enough=True)
+        seek_one = partial(self.relaxer.seek, goal=BRIGHT if name == "min_snr" else ANY, freed={name}, enough=True)
         if name == "cost" and self.mission.limits.cost_basis == "high":
             central, turn = with_central_prices(self.mission), self.deadline.at_most(LONG_TURN * self.deadline.left_s)
             found = seek_one(central, deadline=turn)
