@@ -20,6 +20,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_words.py::test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves",
     ),
     Defect(
+        name="amounts in the head of a page break between thousands",
+        file="uwopt/report/assets/parts.html",
+        old="<dd>{{ card.value | tied }}",
+        new="<dd>{{ card.value }}",
+        test="tests/report/test_page.py::test_amounts_in_the_head_of_a_page_do_not_break_between_thousands",
+    ),
+    Defect(
         name="a proven cost hides its gap",
         file="uwopt/report/text/words.py",
         old="result.best is not None and not gap:",

@@ -247,6 +247,11 @@ def test_page_tells_what_the_result_holds(make_kind: Make, kind: str, expected: 
         assert words in text
 
 
+def test_amounts_in_the_head_of_a_page_do_not_break_between_thousands(make_result: Make) -> None:
+    cards = report_html(make_result()).partition('<dl class="cards">')[2].partition("</dl>")[0]
+    assert "3\u00a0600 to 5\u00a0300 USD" in cards
+
+
 @pytest.mark.parametrize(("kind", "folded"), [("solve", True), ("violated", True), ("front2", False)])
 def test_proof_is_folded_on_the_page_of_one_system(make_kind: Make, kind: str, folded: bool) -> None:
     folds = [e for e in Tree(report_html(make_kind(kind))).tags("details") if "fold" in e.attributes.get("class", "")]
