@@ -577,9 +577,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the page keeps to itself what helps together",
-        file="uwopt/report/text/short.py",
-        old="    elif together_of(result):",
-        new="    elif False:",
+        file="uwopt/report/text/doubts.py",
+        old="if alone else (TOGETHER, together_of(result))",
+        new="if alone else (TOGETHER, [])",
         test="tests/report/test_short.py::test_changes_that_help_together_alone_are_told_on_the_page",
     ),
     Defect(

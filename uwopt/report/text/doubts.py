@@ -68,13 +68,8 @@ def account_lines(certificate: Certificate) -> list[Line]:
 def infeasible_block(result: Result | FrontResult) -> Block:
     """The least that single requirements would have to give, and what excludes how much."""
     stopped = result.status == "stopped"
-    helpful = relaxations_of(result)
-    lines: list[Line] = []
-    if helpful:
-        lines += helpful_lines(result, helpful)
-    elif together_of(result):
-        lines += [sentence(TOGETHER), relaxation_table(result, together_of(result))]
-    elif not stopped and isinstance(result, Result):  # of fronts, the verdict has said it
+    lines = helpful_lines(result)
+    if not lines and not stopped and isinstance(result, Result):  # of fronts, the verdict has said it
         lines.append(sentence(f"{no_change_helps(result)}."))
     table = columns(("combinations", "right"), ("excluded because", "left"))
     bounded = False
@@ -91,9 +86,12 @@ def infeasible_block(result: Result | FrontResult) -> Block:
     return block("What stood in the way so far" if stopped else "Why nothing fits", lines)
 
 
-def helpful_lines(result: Result | FrontResult, helpful: list[Relaxed]) -> list[Line]:
-    """The changes that would help, and a limit of cost that only high prices break."""
-    lines: list[Line] = [sentence(HELPFUL), relaxation_table(result, helpful)]
+def helpful_lines(result: Result | FrontResult) -> list[Line]:
+    """The changes that would help, and a limit of cost that only high prices break; nothing where none is known."""
+    said, helpful = what_helps(result)
+    if not helpful:
+        return []
+    lines: list[Line] = [sentence(said), relaxation_table(result, helpful)]
     if any(item.fits_at_central_prices for item in helpful):
         lines.append(sentence(AT_CENTRAL_PRICES))
     return lines
@@ -139,6 +137,12 @@ def miss_text(result: Result | FrontResult) -> str:
         return ""
     name, asked, possible = relaxation_texts(result, helpful[0])
     return f"meets all that is asked but {name}: {possible} instead of {asked}"
+
+
+def what_helps(result: Result | FrontResult) -> tuple[str, list[Relaxed]]:
+    """How changes help, each alone or else together, and these changes."""
+    alone = relaxations_of(result)
+    return (HELPFUL, alone) if alone else (TOGETHER, together_of(result))
 
 
 def relaxations_of(result: Result | FrontResult) -> list[Relaxed]:

@@ -11,15 +11,11 @@ from collections.abc import Iterator, Sequence
 from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import words
 from uwopt.report.text.doubts import (
-    TOGETHER,
     excluding_most,
     helpful_lines,
     miss_sentence,
     no_change_helps,
     quoted_number,
-    relaxation_table,
-    relaxations_of,
-    together_of,
 )
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import goal_text
@@ -319,15 +315,10 @@ def numbered(texts: Sequence[str]) -> list[Line]:
 
 def nothing_blocks(result: Result) -> Iterator[Block]:
     """What would let a system through, and the system that comes nearest."""
-    helpful = relaxations_of(result)
-    lines: list[Line] = []
-    if helpful:
-        lines = helpful_lines(result, helpful)
-    elif together_of(result):
-        lines = [sentence(TOGETHER), relaxation_table(result, together_of(result))]
-    elif result.status == "stopped":
+    lines = helpful_lines(result)
+    if not lines and result.status == "stopped":
         lines = [sentence("Give it more time, or a mission with fewer parts to choose from.")]
-    elif result.infeasible:
+    elif not lines and result.infeasible:
         most = excluding_most(result)
         lines = [sentence(f"{no_change_helps(result)}."), *([most] if most else [])]
     if result.status == "infeasible" and result.mission.get("practice") == "recommended":

@@ -8,16 +8,13 @@ from __future__ import annotations
 from uwopt.quantities import TERMS
 from uwopt.report.text import words
 from uwopt.report.text.doubts import (
-    HELPFUL,
     NO_QUOTE_MATTERS,
-    TOGETHER,
     bad_ends_text,
     miss_text,
     no_change_helps,
     quote_text,
     relaxation_texts,
-    relaxations_of,
-    together_of,
+    what_helps,
 )
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.tables import nearest_miss
@@ -106,11 +103,11 @@ def nothing(result: Result | FrontResult) -> tuple[str, str]:
         first += f"; the nearest miss, {system_text(miss)}," + (
             f" {nearest}" if nearest else " is shown below"
         )
-    for said, helpful in ((HELPFUL, relaxations_of(result)), (TOGETHER, together_of(result))):
-        if helpful:
-            changes = (relaxation_texts(result, item) for item in helpful)
-            listed = ", ".join(f"{name.partition(' (')[0]} {possible}" for name, _, possible in changes)
-            return first, f"{said} {listed}"
+    said, helpful = what_helps(result)
+    if helpful:
+        changes = (relaxation_texts(result, item) for item in helpful)
+        listed = ", ".join(f"{name.partition(' (')[0]} {possible}" for name, _, possible in changes)
+        return first, f"{said} {listed}"
     if result.status == "stopped":
         return first, "Give it more time, or a mission with fewer combinations, to know more"
     return first, no_change_helps(result)
