@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import sys
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -33,7 +35,13 @@ PLAIN = "--assert=plain"
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Workers take asserts as they are written: to rewrite those of the whole suite is half of what each collects."""
+    """What is done once a process costs most: compiling the package, and rewriting the asserts of the whole suite.
+
+    Bytecode is written, whatever the environment says, so that the next process reads it; workers take asserts as
+    they stand.
+    """
+    sys.dont_write_bytecode = False
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     given = config.invocation_params
     spread = getattr(config.option, "numprocesses", None)
     if spread and not any(argument.startswith("--assert") for argument in given.args):
