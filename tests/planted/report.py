@@ -119,7 +119,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="owned pieces are paid in the table of parts",
-        file="uwopt/report/write.py",
+        file="uwopt/report/text/cells.py",
         old="return None if unit_price is None else row.to_buy * unit_price",
         new="return None if unit_price is None else row.count * unit_price",
         test="tests/report/test_write.py::test_pieces_that_are_owned_are_not_paid",
@@ -133,7 +133,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="formulas pass into the table of parts",
-        file="uwopt/report/write.py",
+        file="uwopt/report/text/cells.py",
         old='return "\'" + text if text.startswith(FORMULA_SIGNS) else text',
         new="return text",
         test="tests/report/test_write.py::test_text_that_begins_like_a_formula_gets_an_apostrophe",

@@ -14,8 +14,9 @@ from uwopt.bench.run import MODULES, Bench
 from uwopt.bench.suite import COLUMNS, BenchTable, Suite
 from uwopt.report.page.html_file import compact_json, packed, rendered
 from uwopt.report.text import words
+from uwopt.report.text.cells import defused
 from uwopt.report.text.layout import Block, Grid, Text, block, columns, sentence
-from uwopt.report.write import check_folder, defused, made_folder, write_files
+from uwopt.report.write import check_folder, made_folder, write_files
 
 PAGE, DATA = "bench.html", "bench.json"
 MOST_COLUMNS = 8  # of a table in the terminal

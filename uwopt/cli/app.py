@@ -66,7 +66,7 @@ class DocumentKind(StrEnum):
 
 OutOption = Annotated[
     str | None,
-    typer.Option("--out", metavar="DIR", help="Write result.json, bom.csv and report.html into DIR."),
+    typer.Option("--out", metavar="DIR", help="Write result.json, bom.csv, bom.xlsx and report.html into DIR."),
 ]
 
 

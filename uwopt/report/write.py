@@ -13,16 +13,17 @@ import os
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
-from uwopt.documents.files import FORMULA_SIGNS
 from uwopt.errors import OutputError
+from uwopt.report.text.cells import defused, to_pay
 from uwopt.results.design import BillRow
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
 
 RESULT_FILE, BOM_FILE, PAGE_FILE = "result.json", "bom.csv", "report.html"
+BOOK_FILE = "bom.xlsx"
 FRONT_FILE, FRONT_TABLE = "front.json", "front.csv"
 BOM_COLUMNS = (
     "kind", "id", "manufacturer", "model", "count", "owned", "unit_price", "unit_price_low", "unit_price_high",
@@ -32,14 +33,18 @@ BOM_COLUMNS = (
 
 
 def write_results(result: Result, folder: str | Path) -> list[Path]:
-    """Write result.json, bom.csv and report.html into a folder, made if need be; returns their paths.
+    """Write result.json, bom.csv, bom.xlsx and report.html into a folder, made if need be; returns their paths.
 
     Without a design the bill of materials holds its header only, so that none of an earlier run stays.
     """
     target = check_folder(folder)
     rows = result.best.bom if result.best is not None else []
-    texts = {RESULT_FILE: json_text(result) + "\n", BOM_FILE: bom_csv(rows), PAGE_FILE: page_text(result)}
-    return write_files(made_folder(target), texts)
+    files: dict[str, str | bytes] = {RESULT_FILE: json_text(result) + "\n", BOM_FILE: bom_csv(rows)}
+    if find_spec("openpyxl") is not None:  # without it the table remains
+        from uwopt.report.order.bom_book import bom_book
+
+        files[BOOK_FILE] = bom_book(result)
+    return write_files(made_folder(target), files | {PAGE_FILE: page_text(result)})
 
 
 def write_front(front: FrontResult, folder: str | Path) -> list[Path]:
@@ -113,7 +118,7 @@ def check_folder(folder: str | Path) -> Path:
             probe = path / f".{RESULT_FILE}.{os.getpid()}.tmp"
             probe.touch()
             probe.unlink()
-        for name in (RESULT_FILE, BOM_FILE, FRONT_FILE, FRONT_TABLE, PAGE_FILE):
+        for name in (RESULT_FILE, BOM_FILE, BOOK_FILE, FRONT_FILE, FRONT_TABLE, PAGE_FILE):
             if (path / name).is_dir():
                 raise OutputError(
                     f"{path / name}: is a folder where a result file goes; choose another --out."
@@ -125,15 +130,15 @@ def check_folder(folder: str | Path) -> Path:
     return path
 
 
-def write_files(folder: Path, texts: Mapping[str, str]) -> list[Path]:
+def write_files(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:
     """Write all files beside their final places, then move them; either all are new or none is."""
     made: list[tuple[Path, Path]] = []
     try:
-        for name, text in texts.items():
+        for name, content in contents.items():
             temporary = folder / f".{name}.{os.getpid()}.{threading.get_ident()}.tmp"
             made.append((temporary, folder / name))
-            with temporary.open("w", encoding="utf-8", newline="") as file:
-                file.write(text)
+            with temporary.open("wb") as file:
+                file.write(content if isinstance(content, bytes) else content.encode("utf-8"))
                 file.flush()
                 os.fsync(file.fileno())
         with alone_in(folder):
@@ -217,25 +222,6 @@ def front_csv(front: FrontResult) -> str:
     writer.writerow([defused(column) for column in columns])
     writer.writerows([defused(row.get(column)) for column in columns] for row in rows)
     return text.getvalue()
-
-
-def to_pay(row: BillRow, unit_price: float | None) -> float | None:
-    """Price of the pieces of one row that are not owned yet; None when the price is unknown."""
-    if not row.to_buy:
-        return 0.0
-    return None if unit_price is None else row.to_buy * unit_price
-
-
-def defused(value: Any) -> Any:
-    """A cell that no spreadsheet takes for a formula: text that begins like one gets an apostrophe."""
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, (int, float)):
-        return value
-    text = str(value).encode("utf-8", "replace").decode("utf-8").replace("\0", "")
-    return "'" + text if text.startswith(FORMULA_SIGNS) else text
 
 
 def reason(fault: Exception) -> str:

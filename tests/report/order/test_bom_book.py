@@ -1,0 +1,117 @@
+"""The bill as a workbook: recalculated by an independent program, and safe to open."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+openpyxl = pytest.importorskip("openpyxl")
+
+from uwopt.documents.files import FORMULA_SIGNS  # noqa: E402
+from uwopt.report import write  # noqa: E402
+from uwopt.report.order.bom_book import bom_book  # noqa: E402
+from uwopt.results.design import BillRow  # noqa: E402
+from uwopt.results.result import Result  # noqa: E402
+
+Make = Callable[..., Any]
+SYSTEMS, FIRST_LINE = "C3", 7
+
+
+def opened(result: Result) -> Any:
+    return openpyxl.load_workbook(io.BytesIO(bom_book(result)))
+
+
+def labelled(sheet: Any, label: str, column: str) -> str:
+    """Address of a cell in the row whose first columns hold a label."""
+    rows = (cell.row for name in "AB" for cell in sheet[name] if cell.value == label)
+    return f"{column}{next(rows)}"
+
+
+def recalculated(result: Result, folder: Path, **typed: object) -> tuple[Any, dict[str, Any]]:
+    """The order as typed into, and every value that the `formulas` library (not ours) computes of it."""
+    formulas = pytest.importorskip("formulas")
+    book = opened(result)
+    for cell, value in typed.items():
+        book["Order"][cell].value = value
+    book.save(folder / "bom.xlsx")
+    solved = formulas.ExcelModel().loads(str(folder / "bom.xlsx")).finish().calculate()
+    prefix = "'[bom.xlsx]ORDER'!"
+    values = {k.removeprefix(prefix): v.value[0, 0] for k, v in solved.items() if k.startswith(prefix) and ":" not in k}
+    return book["Order"], values
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_totals_are_the_result_s_and_no_cell_is_an_error(tmp_path: Path, make_result: Make) -> None:
+    result = make_result()
+    sheet, values = recalculated(result, tmp_path)
+    cost = result.best.totals.cost
+    row = [float(values[labelled(sheet, "sum of these lines", column)]) for column in "PQR"]
+    assert row == pytest.approx([cost.value, cost.low, cost.high])
+    assert float(values[labelled(sheet, "pieces without a price", "P")]) == 0.0
+    assert not [value for value in values.values() if str(value).startswith("#")]
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_totals_follow_systems_quotes_tax_and_what_is_filled_in(tmp_path: Path, make_result: Make) -> None:
+    # by hand: three systems are 3 cameras, one quoted at 2000, and 3 x 2 - 1 = 5 lamps of 2300: 6000 + 11 500 = 17 500;
+    # 2 spares of 100 and 10 % tax: 1.1 x 17 700 = 19 470
+    sheet = opened(make_result())["Order"]
+    spares, tax = labelled(sheet, "spares", "H"), labelled(sheet, "tax and customs", "I")
+    typed = {SYSTEMS: 3, f"L{FIRST_LINE}": 2000, spares: 2, spares.replace("H", "I"): 100, tax: 0.1}
+    sheet, values = recalculated(make_result(), tmp_path, **typed)
+    assert float(values[labelled(sheet, "sum of these lines", "P")]) == pytest.approx(17_500.0)
+    assert float(values[labelled(sheet, "total with what you filled in", "P")]) == pytest.approx(19_470.0)
+
+
+@pytest.mark.parametrize("sign", ["=", "+", "-", "@", "\t", "\r", "\x07="])
+def test_no_text_of_a_file_becomes_a_formula(make_result: Make, sign: str) -> None:
+    evil = f'{sign}HYPERLINK("http://bad.example")'
+    result = make_result()
+    rows = [replace(row, manufacturer=evil, model=evil, note=evil + "\x07", source=evil) for row in result.best.bom]
+    result = replace(result, recommendation=replace(result.best, bom=rows), mission={**result.mission, "name": evil})
+    cells = [cell for sheet in opened(result) for row in sheet.iter_rows() for cell in row if cell.value is not None]
+    assert not [cell.value for cell in cells if cell.data_type == "f" and "HYPERLINK" in cell.value]
+    told = [cell.value for cell in cells if "HYPERLINK" in str(cell.value)]
+    assert len(told) >= 8
+    assert not [text for text in told if text.startswith(FORMULA_SIGNS)]
+
+
+def test_every_line_says_why_and_what_else_would_do(make_result: Make) -> None:
+    result = make_result()
+    other = replace(result.runners_up[0], objective_value=result.best.objective_value * 1.05)
+    hardware = replace(result.best.hardware, camera=replace(other.hardware.camera, id="other-cam"))
+    result = replace(result, runners_up=[replace(other, hardware=hardware)])
+    sheet = opened(result)["Order"]
+    assert sheet[f"W{FIRST_LINE}"].value.endswith("the nearest system with another one is 5.0 % worse in power")
+    assert sheet[f"X{FIRST_LINE}"].value == "other-cam (5.0 % worse in power)"
+    assert sheet[f"S{FIRST_LINE}"].value == "not known, ask"
+
+
+def test_second_sources_are_close_enough_by_a_cell(make_result: Make) -> None:
+    sheet = opened(make_result())["Second sources"]
+    assert sheet["B2"].value == 0.1
+    assert sheet["E5"].value == '=IF(D5="","",IF(D5<=$B$2,"yes","no"))'
+
+
+def test_what_the_bill_holds_is_not_among_what_it_lacks(make_result: Make) -> None:
+    result = make_result()
+    extra: dict[str, Any] = {"kind": "extra", "id": "host-computer", "price_basis": "", "manufacturer": ""}
+    row: BillRow = replace(result.best.bom[0], **extra)
+    held = replace(result, recommendation=replace(result.best, bom=[*result.best.bom, row]))
+    lacking = [[cell.value for cell in opened(one)["Order"]["B"]] for one in (result, held)]
+    assert ["computer with storage" in names for names in lacking] == [True, False]
+
+
+def test_book_without_a_design_holds_no_old_lines(make_result: Make) -> None:
+    book = opened(make_result(status="infeasible", recommendation=None))
+    assert book["Order"].max_row == FIRST_LINE - 1
+
+
+def test_book_lies_beside_the_table(tmp_path: Path, make_result: Make) -> None:
+    write.write_results(make_result(), tmp_path)
+    assert openpyxl.load_workbook(tmp_path / "bom.xlsx")["Order"][f"E{FIRST_LINE}"].value == "acme-cam"

@@ -1,0 +1,60 @@
+"""What an order needs beside the lines of its bill, with what the result knows of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from uwopt.report.text import words
+from uwopt.results.design import Design
+from uwopt.results.result import Result
+
+
+@dataclass(frozen=True)
+class NotCounted:
+    """Something to be bought whose price is not in the sum."""
+
+    what: str
+    known: str
+
+
+def not_counted(result: Result, best: Design) -> list[NotCounted]:
+    """What the bill lacks; what it holds already is not named."""
+    return list(_not_counted(result, best))
+
+
+def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
+    ids = {row.id for row in best.bom}
+    hardware, totals = best.hardware, best.totals
+    depth = words.quantity(depth_m(result), "m")
+    cameras = words.counted(hardware.camera_count, "camera")
+    if hardware.housing is None and hardware.complete is None:
+        yield NotCounted(
+            "housing",
+            f"one for each of {cameras}, {words.part_name(hardware.camera)} with {words.part_name(hardware.lens)}; "
+            f"rated {depth} or more; takes the port {words.part_name(hardware.port)}",
+        )
+    if not any(name.startswith(("rest-camera-connection", "rest-lamp-connection")) for name in ids):
+        lamps = words.counted(hardware.light_count, "lamp")
+        yield NotCounted("connectors and cables", f"for {cameras} and {lamps}, rated {depth} or more")
+    if "host-computer" not in ids:
+        rate = max((float(s.figures.get("data_rate_mb_s") or 0.0) for s in best.scenes), default=0.0)
+        yield NotCounted(
+            "computer with storage",
+            f"takes {words.quantity(rate, 'mb_s')}, {words.quantity(3.6 * rate, 'gb')} in an hour, as images are taken",
+        )
+    if "rest-battery" not in ids:
+        energy = "" if totals.energy_wh is None else f"; {words.quantity(totals.energy_wh, 'wh')} over the mission"
+        mean, peak = words.quantity(totals.power_w, "w"), words.quantity(totals.light_peak_power_w, "w")
+        drawn = f"{mean} on average, lamps {peak} while they burn{energy}"
+        yield NotCounted("batteries", f"{drawn}; none where the vehicle feeds the system")
+    yield NotCounted("spares", "O-rings and fuses are a line above" if "rest-spares" in ids else "none is counted")
+    yield NotCounted("shipping and insurance", "not known")
+
+
+def depth_m(result: Result) -> float | None:
+    """The depth that every part must stand: what the mission asks for, or its deepest scene."""
+    asked = (result.mission.get("limits") or {}).get("depth_rating_m")
+    scenes = [scene.get("depth_m") for scene in result.mission.get("scenes") or []]
+    known = [float(value) for value in (asked, *scenes) if value is not None]
+    return max(known, default=None)
