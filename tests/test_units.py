@@ -72,10 +72,22 @@ def test_convert_knows_what_measures_one_thing():
         (0.0, "w", "0 W"),
         (None, "m", "–"),
         (math.inf, "m", "infinite m"),
+        (1 / 3600, "hz", "once every 60 min"),
+        (0.000277778, "Hz", "once every 60 min"),  # as set, with six digits: 3599.997 s
+        (0.05, "hz", "once every 20 s"),
+        (1 / 86400, "hz", "once every 24 h"),
+        (1 / 500000, "hz", "once every 5.79 days"),
+        (0.1, "hz", "0.100 Hz"),
+        (0.0, "hz", "0 Hz"),
+        (math.inf, "hz", "infinite Hz"),
     ],
 )
 def test_quantities_have_three_significant_digits_and_their_unit(value, unit, text):
     assert units.format_quantity(value, unit) == text
+
+
+def test_a_difference_of_rates_is_no_interval():
+    assert units.format_difference(0.05, "hz") == "0.0500 Hz"
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False, min_value=-1e12, max_value=1e12))

@@ -37,9 +37,11 @@ SYMBOLS: Mapping[str, str] = MappingProxyType(
 
 _DEGREES = math.pi / 180.0
 _MINUTE_S = 60.0
+SLOW_HZ = 0.1  # a rate below this is told by its interval
 MOST_DIGITS = 9  # of numbers that fewer do not tell apart
 _FOOT_M = 0.3048  # international foot, exact
 S_PER_H = 3600.0
+INTERVALS = (("days", 24 * S_PER_H), ("h", S_PER_H), ("min", _MINUTE_S), ("s", 1.0))  # longest first
 _KNOT_M_S = 1852.0 / S_PER_H  # international nautical mile per hour, exact
 
 #: Units that people write, by dimension: factor to the dimension's SI unit. Wider than UNIT_SUFFIXES
@@ -130,13 +132,32 @@ def format_number(value: float, digits: int = 3) -> str:
 def format_quantity(value: float | None, unit: str = "", digits: int = 3) -> str:
     """A number with its unit for reports; a dash where there is none.
 
-    `unit` is a suffix of UNIT_SUFFIXES (with or without the underscore) or a currency.
+    `unit` is a suffix of UNIT_SUFFIXES (with or without the underscore) or a currency. A rate below SLOW_HZ is told by
+    its interval.
     """
     if value is None:
         return "–"
+    if symbol(unit) == "Hz" and 0 < value < SLOW_HZ:
+        return format_interval(1.0 / value, digits)
+    return format_difference(value, unit, digits)
+
+
+def format_difference(value: float, unit: str = "", digits: int = 3) -> str:
+    """How far apart two quantities are, in their unit; of rates in Hz however small, for it is no interval."""
     sign = symbol(unit)
     gap = "" if sign in ("", "°", "%") else " "
     return f"{format_number(value, digits)}{gap}{sign}"
+
+
+def format_interval(interval_s: float, digits: int = 3) -> str:
+    """How often something slow happens: `once every 60 min`, in the largest unit of which it takes two or more."""
+    unit, per = next((name, length) for name, length in INTERVALS if interval_s >= 2 * length or length == 1.0)
+    return f"once every {without_zeros(format_number(interval_s / per, digits))} {unit}"
+
+
+def without_zeros(number: str) -> str:
+    """A formatted number without zeros at the end of its decimals."""
+    return number.rstrip("0").rstrip(".") if "." in number and "e" not in number else number
 
 
 def texts_apart(

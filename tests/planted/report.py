@@ -6,6 +6,20 @@ from planted.defect import Defect
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a slow rate is told in thousandths of a hertz",
+        file="uwopt/units.py",
+        old="SLOW_HZ = 0.1",
+        new="SLOW_HZ = 0.0",
+        test="tests/test_units.py::test_quantities_have_three_significant_digits_and_their_unit",
+    ),
+    Defect(
+        name="a difference of rates is told as an interval",
+        file="uwopt/report/text/words.py",
+        old="+ format_difference(value, unit, digits)",
+        new="+ format_quantity(value, unit, digits)",
+        test="tests/report/test_words.py::test_what_is_left_of_a_rate_is_no_interval",
+    ),
+    Defect(
         name="a rounded cost looks as if it met its limit",
         file="uwopt/report/text/words.py",
         old="if told != most and (told < most) == (spent < most)), None)",

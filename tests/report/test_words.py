@@ -20,6 +20,7 @@ from uwopt.results.design import BillRow, Cost, Design, LampPlace
         ("exposure_ms", 0.043, "43 µs"),
         ("f_number", 2.8, "2.8"),
         ("frame_rate_hz", 20.0, "20 Hz"),
+        ("frame_rate_hz", 0.000277778, "0.000277778 Hz, once every 60 min"),  # a number to type in, and what it means
         ("flux_lm", 30000.0, "30 000 lm"),
         ("dim_frac", 1.0, "100 %"),
         ("gain_db", 0.0, "0 dB"),
@@ -28,6 +29,10 @@ from uwopt.results.design import BillRow, Cost, Design, LampPlace
 )
 def test_settings_keep_the_digits_that_are_set(name: str, value: float | None, text: str) -> None:
     assert words.setting_text(name, value) == text
+
+
+def test_what_is_left_of_a_rate_is_no_interval() -> None:
+    assert words.change(0.05, "Hz", 1.0) == "+0.0500 Hz"
 
 
 @pytest.mark.parametrize(

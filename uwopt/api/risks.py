@@ -16,6 +16,7 @@ from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
 from uwopt.units import (
     db_to_ratio,
+    format_difference,
     format_money,
     format_price,
     format_quantity,
@@ -355,7 +356,7 @@ def tight_figure(margin: Margin) -> str:
         return f"{asked_name(margin)} {against_limit(margin)}"
     assert margin.margin is not None and margin.limit is not None
     rounding = abs(margin.margin) <= SATISFIED_REL * abs(margin.limit)
-    (value, limit), left = ends_of(margin), format_quantity(0.0 if rounding else margin.margin, margin.unit)
+    (value, limit), left = ends_of(margin), format_difference(0.0 if rounding else margin.margin, margin.unit)
     side, wanted = ("from", "nearest") if margin.sense == "<=" else ("to", "farthest")
     return f"sharp {side} {value}, the {wanted} floor at {limit}: {left} in hand"
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwopt.catalog.records import Camera, Lens, Light, Port
+from uwopt.units import format_quantity
 
 #: Share by which a sensor's diagonal may exceed the lens's image circle: formats are rounded names.
 IMAGE_CIRCLE_TOLERANCE_FRAC = 0.02
@@ -185,8 +186,8 @@ def _interface_findings(camera: Camera, frame_rate_hz: float | None) -> list[Fin
         findings.append(
             Finding(
                 "frame rate",
-                f"{camera.id} reaches {camera.max_frame_rate_hz.value:.4g} Hz, "
-                f"{frame_rate_hz:.4g} Hz are wanted",
+                f"{camera.id} reaches {format_quantity(camera.max_frame_rate_hz.value, 'hz', 4)}, "
+                f"{format_quantity(frame_rate_hz, 'hz', 4)} is wanted",
             )
         )
     if camera.bandwidth_mb_s is not None:
@@ -198,7 +199,7 @@ def _interface_findings(camera: Camera, frame_rate_hz: float | None) -> list[Fin
                 Finding(
                     "interface",
                     f"{camera.interface or 'the interface'} of {camera.id} carries "
-                    f"{camera.bandwidth_mb_s.value:.4g} MB/s, {frame_rate_hz:.4g} Hz at "
+                    f"{camera.bandwidth_mb_s.value:.4g} MB/s, {format_quantity(frame_rate_hz, 'hz', 4)} at "
                     f"{camera.bit_depth} bit make {rate_mb_s:.4g} MB/s",
                 )
             )

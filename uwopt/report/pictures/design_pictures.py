@@ -31,6 +31,7 @@ from uwopt.report.pictures.maps import FloorMap, ImageMap, floor_map, image_map
 from uwopt.report.pictures.photograph import View, detail_view, whole_view
 from uwopt.results.basis import UsedPhysics
 from uwopt.results.design import Design
+from uwopt.units import format_quantity
 
 Group = Literal["light", "sharp", "operation", "image", "drawing", "picture"]
 Kind = Literal["plotly", "svg", "image"]
@@ -167,18 +168,19 @@ def sharp_pictures(dof: DepthOfField) -> list[Picture]:
 def operation_pictures(curves: Operation) -> list[Picture]:
     """Frame rate and exposure over speed and altitude."""
     most = curves.camera_rate_hz
-    camera = f" The camera reaches {most:.3g} Hz." if np.isfinite(most) else ""
+    camera = f" The camera reaches {format_quantity(most, 'hz')}." if np.isfinite(most) else ""
     asked = "" if curves.blur_is_asked else " The mission asks for no limit of blur; one pixel is drawn."
     at = f"{curves.mission_speed_m_s:g} m/s and {curves.mission_altitude_m:g} m"
     row = int(np.argmin(np.abs(curves.altitude_m - curves.mission_altitude_m)))
     column = int(np.argmin(np.abs(curves.speed_m_s - curves.mission_speed_m_s)))
     longest_ms = 1e3 * float(curves.exposure_s[row, column])
+    needed, as_set = (format_quantity(rate, "hz") for rate in (curves.mission_rate_hz, curves.set_rate_hz))
     limit = f"{longest_ms:.3g} ms" if np.isfinite(longest_ms) else "without limit"
     return [
         Picture(
             "rate", "operation", "Frame rate over speed",
             f"Least frame rate that overlap and interval ask for, at five altitudes.{camera}",
-            f"At {at} the mission needs {curves.mission_rate_hz:.3g} Hz; {curves.set_rate_hz:.3g} Hz is set.{camera}",
+            f"At {at} the mission needs {needed}; {as_set} is set.{camera}",
             "plotly", plots.rate_plot(curves),
         ),
         Picture(

@@ -11,6 +11,9 @@ from uwopt.results.design import BillRow, Cost, Design, LampPlace, Margin, Total
 from uwopt.results.front import FrontObjective, FrontPoint
 from uwopt.results.result import Certificate, Result
 from uwopt.units import (
+    SLOW_HZ,
+    format_difference,
+    format_interval,
     format_money,
     format_number,
     format_price,
@@ -20,6 +23,7 @@ from uwopt.units import (
     split_unit,
     symbol,
     texts_apart,
+    without_zeros,
 )
 
 STATUS_SENTENCES: Mapping[str, str] = {
@@ -225,8 +229,8 @@ def prefixed(unit: str, largest: float) -> tuple[float, str]:
 def change(value: float, unit: str, scale: float, digits: int = 3) -> str:
     """A difference with its sign; what is only rounding of numbers as large as `scale` is 0."""
     if abs(value) <= 1e-9 * abs(scale):
-        return format_quantity(0.0, unit)
-    return ("+" if value > 0 else "") + format_quantity(value, unit, digits)
+        return format_difference(0.0, unit)
+    return ("+" if value > 0 else "") + format_difference(value, unit, digits)
 
 
 def margin_ends(margin: Margin, cost: Cost | None = None) -> tuple[str, str]:
@@ -259,7 +263,7 @@ def margin_text(margin: Margin, cost: Cost | None = None) -> str:
         return money(margin.limit - told, margin.unit)
     scale = max(abs(margin.limit or 0.0), abs(margin.value or 0.0))
     small = abs(margin.margin) <= (1e-6 if margin.satisfied else 1e-12) * scale  # 1e-6: what counts as met
-    return format_quantity(0.0 if small else margin.margin, margin.unit)
+    return format_difference(0.0 if small else margin.margin, margin.unit)
 
 
 def reserve_text(margin: Margin) -> str:
@@ -282,13 +286,13 @@ def setting_text(name: str, value: float | None) -> str:
         return f"{digits_of(100.0 * value)} %"
     if unit == "ms" and 0 < abs(value) < 0.1:
         return f"{digits_of(value * 1e3)} {symbol('us')}"
-    return f"{digits_of(value)} {symbol(unit)}".strip()
+    typed = f"{digits_of(value)} {symbol(unit)}".strip()
+    return f"{typed}, {format_interval(1.0 / value)}" if unit == "Hz" and 0 < value < SLOW_HZ else typed
 
 
 def digits_of(value: float) -> str:
     """A number with up to six significant digits, without zeros at its end."""
-    text = format_number(value, 6)
-    return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
+    return without_zeros(format_number(value, 6))
 
 
 def share(value: float) -> str:
