@@ -9,7 +9,30 @@ HULL = "tests/model/test_hull.py::"
 BUILT = "tests/forward/test_enclosures.py::"
 NEEDLESS = BUILT + "test_needless_is_what_another_housing_that_fits_does_for_no_more"
 
+FIT = "tests/solvers/test_nearest_fit.py::"
+
 DEFECTS: tuple[Defect, ...] = (
+    Defect(
+        name="a fit is refused though something fits",
+        file="uwopt/solvers/explain/nearest_fit.py",
+        old="        if short_m <= 0.0:\n            return None\n",
+        new="",
+        test=FIT + "test_no_size_is_named_where_something_else_stops_it",
+    ),
+    Defect(
+        name="whichever housing is looked at last comes nearest",
+        file="uwopt/solvers/explain/nearest_fit.py",
+        old="int(np.argmin(short_m))",
+        new="short_m.size - 1",
+        test=FIT + "test_the_size_that_stops_the_fit_is_named_with_what_is_missing",
+    ),
+    Defect(
+        name="a port too wide for every housing is not told",
+        file="uwopt/solvers/explain/nearest_fit.py",
+        old="return nearest_port(relaxer.selection)",
+        new="return None",
+        test=FIT + "test_ports_that_go_on_no_housing_are_told[none]",
+    ),
     Defect(
         name="an enclosure is rated as its port alone",
         file="uwopt/evaluation/design_model.py",
@@ -128,8 +151,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a port goes on ends that are narrower than itself",
         file="uwopt/forward/enclosures.py",
-        old="return port.width_mm is None or port.width_mm <= widest.value",
-        new="return True",
+        old="port.width_mm is None else port.width_mm - widest.value",
+        new="port.width_mm is None else 0.0",
         test=BUILT + "test_port_goes_where_it_is_named_and_on_ends_made_for_it_unless_it_is_wider",
     ),
     Defect(

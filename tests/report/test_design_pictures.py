@@ -25,6 +25,7 @@ from uwopt.report.pictures.design_pictures import (
     rounded,
 )
 from uwopt.report.pictures.plots import numbers
+from uwopt.units import format_quantity
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 NAMES = {
@@ -93,7 +94,7 @@ def test_key_numbers_are_those_of_the_result(made):
     result, pictures = made
     figures, by_id = result.best.scenes[0].figures, {one.id: one for one in pictures}
     assert f"{figures['dof_near_m']:.3g} m" in by_id["dof-aperture"].alt
-    assert f"{figures['frame_rate_min_hz']:.3g} Hz" in by_id["rate"].alt
+    assert format_quantity(figures["frame_rate_min_hz"], "hz") in by_id["rate"].alt
     assert f"{figures['fov_x_m']:.3g} m" in by_id["rig-above"].alt
     if "illuminance" in by_id:
         assert f"{rounded(figures['floor_illuminance_mean_lx'])} lx" in by_id["illuminance"].alt

@@ -5,7 +5,8 @@ Ports that differ by their housing alone share their optics, so that views and l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -39,13 +40,18 @@ def enclosed(ports: Sequence[Port], housings: Sequence[Housing]) -> tuple[Port, 
 
 def takes(housing: Housing, port: Port) -> bool:
     """Whether a port fits on a housing: it is named there, or its end is made for any port no wider than itself."""
+    return missing_width_mm(housing, port) <= 0.0
+
+
+def missing_width_mm(housing: Housing, port: Port) -> float:
+    """How much wider a port is than the end of a housing, not above 0 where it fits; inf where it goes on none."""
     named = [pattern for pattern in housing.ports if pattern != ANY_PORT]
     if any(matches(pattern, port) for pattern in named):
-        return True
+        return 0.0
+    if ANY_PORT not in housing.ports:
+        return math.inf
     widest = housing.outer_diameter_mm
-    if ANY_PORT not in housing.ports or widest is None:
-        return ANY_PORT in housing.ports
-    return port.width_mm is None or port.width_mm <= widest.value
+    return 0.0 if widest is None or port.width_mm is None else port.width_mm - widest.value
 
 
 def camera_with_size(camera: Camera) -> Camera:
@@ -128,15 +134,27 @@ def tight_at_worst(camera: Camera, lens: Lens, spacer_m: float, port: Ports) -> 
 
 def fits_inside(cameras: Cameras, lenses: Lenses, spacers_m: Array | float, ports: Ports) -> Mask:
     """Whether each pair of camera and lens fits into each enclosure, (n_pairs, n_ports); all into bare ports."""
-    bodies, fits = bodies_of(cameras, lenses, spacers_m), np.ones((len(cameras.price), len(ports.price)), bool)
+    fits = np.ones((len(cameras.price), len(ports.price)), bool)
+    for _, alike, needed, room in sizes_m(cameras, lenses, spacers_m, ports):
+        fits[:, alike] &= needed[:, None] <= room * ROUND
+    return fits
+
+
+def sizes_m(
+    cameras: Cameras, lenses: Lenses, spacers_m: Array | float, ports: Ports
+) -> Iterator[tuple[str, list[int], Array, Array]]:
+    """Sizes that count in enclosures: name, places of those where as much is needed, that, (n_pairs,), and their room.
+
+    Bare ports have no size that counts.
+    """
+    bodies = bodies_of(cameras, lenses, spacers_m)
     kinds: dict[tuple[float, ...], list[int]] = {}  # what is needed differs by shape and port, not by housing
     for p in np.flatnonzero(ports.roomy).tolist():
         kinds.setdefault((ports.is_sphere[p], ports.is_dome[p], ports.rim_gap_m[p]), []).append(p)
     for alike in kinds.values():
         room = room_m(ports.take(np.array(alike)))
         for name, needed in needed_m(bodies, ports.take(np.array(alike[:1]))).items():
-            fits[:, alike] &= needed[:, None] <= room[name] * ROUND
-    return fits
+            yield name, alike, needed, room[name]
 
 
 def housing_size_mm(ports: Ports) -> Array:

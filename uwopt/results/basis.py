@@ -130,6 +130,23 @@ class Relaxed(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class Lacking(Record):
+    """A size that stops a fit."""
+
+    name: str = Field(description="housing_diameter_mm | housing_length_mm | dome_radius_mm | port_width_mm")
+    needed_mm: Number = Field(description="what the parts need")
+    room_mm: Number = Field(description="what there is")
+
+
+@dataclass(frozen=True, config=RECORD)
+class NearestFit(Record):
+    """What comes nearest to fitting into a housing, where nothing does."""
+
+    hardware: dict[str, str] = Field(description="ids by kind; empty where no housing is made for any of the ports")
+    lacking: list[Lacking] = Field(description="sizes that are too small, most missing first")
+
+
+@dataclass(frozen=True, config=RECORD)
 class WhyNothing(Record):
     """Why no system fits, and what would help."""
 
@@ -140,6 +157,10 @@ class WhyNothing(Record):
     )
     together: list[Relaxed] = Field(
         default_factory=list, description="where no change alone helps: changes of which all are needed at once"
+    )
+    nearest_fit: NearestFit | None = Field(
+        default=None,
+        description="where nothing that meets the rest so far fits into any housing; null: that does not stop it",
     )
 
 

@@ -71,6 +71,7 @@ def infeasible_block(result: Result | FrontResult) -> Block:
     lines = helpful_lines(result)
     if not lines and not stopped and isinstance(result, Result):  # of fronts, the verdict has said it
         lines.append(sentence(f"{no_change_helps(result)}."))
+    lines += [] if (fit := fit_sentence(result)) is None else [fit]
     table = columns(("combinations", "right"), ("excluded because", "left"))
     bounded = False
     for item in result.infeasible.requirements if result.infeasible is not None else []:
@@ -122,6 +123,26 @@ def excluding_most(result: Result) -> Text | None:
         return f"{words.rule_name(rule.name)} ({key}" + (f" {value:g}, by refuse: {word})" if word else ")")
 
     return sentence(f"Most fall by: {'; '.join(map(told, most))}.")
+
+
+def fit_sentence(result: Result | FrontResult) -> Text | None:
+    """Which size stops the fit, and what comes nearest, where nothing goes into any housing."""
+    fit = None if result.infeasible is None else result.infeasible.nearest_fit
+    if fit is None:
+        return None
+    parts = {kind: words.one_line(name, 60) for kind, name in fit.hardware.items()}
+    if not parts:
+        return sentence("None of the housings is made for any of the ports.")
+    said, nearest = "No port goes on any housing", f"{parts['port']} on {parts['housing']}"
+    if "camera" in parts:
+        said = "No camera with its lens that meets the rest so far fits into any housing"
+        nearest = f"{parts['camera']} with {parts['lens']} behind {parts['port']} in {parts['housing']}"
+    lacking = words.listed([
+        f"{words.quantity(one.needed_mm - one.room_mm, 'mm')} of {words.SIZES.get(one.name, words.one_line(one.name))} "
+        f"({words.quantity(one.needed_mm, 'mm', 4)} needed, {words.quantity(one.room_mm, 'mm', 4)} there)"
+        for one in fit.lacking
+    ])  # fmt: skip
+    return sentence(f"{said}. What comes nearest, {nearest}, lacks {lacking}.")
 
 
 def miss_sentence(result: Result | FrontResult) -> Text | None:

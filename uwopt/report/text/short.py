@@ -12,6 +12,7 @@ from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import words
 from uwopt.report.text.doubts import (
     excluding_most,
+    fit_sentence,
     helpful_lines,
     miss_sentence,
     no_change_helps,
@@ -321,6 +322,7 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
     elif not lines and result.infeasible:
         most = excluding_most(result)
         lines = [sentence(f"{no_change_helps(result)}."), *([most] if most else [])]
+    lines += [] if (fit := fit_sentence(result)) is None else [fit]
     if result.status == "infeasible" and result.mission.get("practice") == "recommended":
         lines.append(sentence(ASKED_BY_PRACTICE))
     if lines:

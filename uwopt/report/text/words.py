@@ -113,6 +113,13 @@ REQUIREMENTS: Mapping[str, str] = {
     "depth_rating_m": "depth rating",
 }
 
+SIZES: Mapping[str, str] = {  # that stop a fit
+    "housing_diameter_mm": "inner diameter of the housing",
+    "housing_length_mm": "inner length of the housing",
+    "dome_radius_mm": "inner radius of the dome",
+    "port_width_mm": "diameter of the housing's end",
+}
+
 RULES: Mapping[str, str] = {
     "availability": "no longer sold, or never was",
     "purpose": "made and sold for something else",

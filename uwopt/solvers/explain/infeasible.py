@@ -30,6 +30,7 @@ from uwopt.solvers.explain.least_change import (
     rounded_away,
     with_its_hardware,
 )
+from uwopt.solvers.explain.nearest_fit import nearest_fit
 from uwopt.solvers.explain.one_hardware import problem_of
 from uwopt.solvers.explain.relaxed import MAY_PASS, Relaxer
 from uwopt.solvers.recommend import Progress, Sought, seek
@@ -129,10 +130,12 @@ class Explanation:
             if item.count
         ]
         helpful = [Relaxed(r.name, r.limit, r.needed, r.miss_rel, r.fits_at_central_prices) for r in relaxations]
+        by_size = any(item.rule.startswith("housing") and item.count for item in certificate.discarded)
+        fit = nearest_fit(self.relaxer) if by_size and not self.interrupted else None
         if relaxations or self.interrupted:
-            return WhyNothing(requirements, helpful, relaxations[0].design if relaxations else None)
+            return WhyNothing(requirements, helpful, relaxations[0].design if relaxations else None, nearest_fit=fit)
         together, miss_of_all = self._together()
-        return WhyNothing(requirements, helpful, miss_of_all, together)
+        return WhyNothing(requirements, helpful, miss_of_all, together, fit)
 
     def _together(self) -> tuple[list[Relaxed], Design | None]:
         """Requirements of which all have to give for a system to fit, as far as there is time, and that system."""
