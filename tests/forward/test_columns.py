@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from uwopt.forward.columns import Columns, PartColumns
+from uwopt.forward.columns import Columns, PartColumns, rows_alike
 
 
 @dataclass(frozen=True)
@@ -94,3 +94,14 @@ def test_a_column_of_parts_takes_no_default():
 
         class WithDefault(PartColumns):
             mass: np.ndarray | None = None
+
+
+def test_rows_that_agree_in_all_columns_are_found_once():
+    rng = np.random.default_rng(7)
+    columns = rng.integers(0, 3, 40), 0.5 * rng.integers(0, 3, 40), rng.integers(0, 2, 40).astype(bool)
+    unique, at, into = np.unique(np.stack(columns), axis=1, return_index=True, return_inverse=True)
+    first, back = rows_alike(*columns)
+    assert np.array_equal(np.stack(columns)[:, first], unique)
+    assert np.array_equal(first, at)
+    assert np.array_equal(back, into.reshape(-1))
+    assert [len(part) for part in rows_alike(np.empty(0), np.empty(0))] == [0, 0]

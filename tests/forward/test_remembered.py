@@ -140,11 +140,37 @@ def test_pixels_that_never_decide_are_left_out() -> None:
     assert decisive_pixels(same, same, 2)[0].shape[2] == 4  # three of five that are alike, and the easiest
 
 
-@pytest.mark.parametrize("pixels", [None, "frame", "darkest"])
-def test_remembered_sun_is_the_sun(pixels: Any) -> None:
+def sunlit() -> Any:
+    """A search of one sunlit scene in physics full."""
     made = case(1)
     scenes = [one | {"sun_lux": 3e4, "depth_m": 5.0} for one in made.mission.to_dict()["scenes"]]
-    search = replace(made, mission=made.mission.with_changes(scenes=scenes, physics="full")).searcher()
+    return replace(made, mission=made.mission.with_changes(scenes=scenes, physics="full")).searcher()
+
+
+def test_daylight_of_images_of_all_sizes_is_that_of_each_ray() -> None:
+    """Polynomials that images of nearly one size share, against the water along each ray for itself."""
+    problem = sunlit().problem
+    field, scene = SunField(problem, 0, port_index=0, efficiency=0), problem.scenes[0]
+    weight = field.electrons(field.at_floor() * scene.reflectance / np.pi)
+    for is_dome in (False, True):
+        shape = field.shape = field.shape._replace(is_dome=is_dome, outer_radius_m=0.1)
+        for widest in (0.11, 0.89, 1.18, 2.3):
+            tangent = np.linspace(0.0, widest, 7)
+            shared = field.radial_logs(tangent[None], np.zeros((1, 7)))
+            for range_m, (floor, _, path) in zip(scene.range_m, shared[:, :, 0], strict=True):
+                bent = tangent / np.sqrt(shape.n_water**2 * (1 + tangent**2) - tangent**2)
+                water = tangent if shape.is_dome else bent
+                reach_m = (range_m + shape.outer_radius_m) if shape.is_dome else range_m
+                path_m = reach_m * np.hypot(1.0, water) - (shape.outer_radius_m if shape.is_dome else 0.0)
+                alone = (weight * np.exp(-scene.attenuation_per_m * path_m[:, None])).sum(axis=1)
+                assert np.exp(floor) == pytest.approx(alone, rel=1e-7)
+                sent = field.path_electrons(path_m, 1.0 / np.hypot(1.0, water))
+                assert np.exp(path) == pytest.approx(sent, rel=1e-7)
+
+
+@pytest.mark.parametrize("pixels", [None, "frame", "darkest"])
+def test_remembered_sun_is_the_sun(pixels: Any) -> None:
+    search = sunlit()
     imagers = search.prepare()
     port, efficiency = int(imagers.port[0]), int(search.problem.cameras.qe_index[imagers.camera[0]])
     alike = np.flatnonzero(imagers.port == port)

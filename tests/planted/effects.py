@@ -35,4 +35,25 @@ DEFECTS: tuple[Defect, ...] = (
         new="return light",
         test="tests/evaluation/test_light_in_parts.py::test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once",
     ),
+    Defect(
+        name="polynomials of daylight end before the image does",
+        file="uwopt/forward/sun_light.py",
+        old="np.floor(STEPS_AN_OCTAVE * np.log2(tangent) + 1.0)",
+        new="np.floor(STEPS_AN_OCTAVE * np.log2(tangent))",
+        test="tests/forward/test_remembered.py::test_daylight_of_images_of_all_sizes_is_that_of_each_ray",
+    ),
+    Defect(
+        name="daylight of one port is taken for that of another",
+        file="uwopt/forward/sun_light.py",
+        old='key = ("sun fit", self.shape, *water,',
+        new='key = ("sun fit", *water,',
+        test="tests/forward/test_remembered.py::test_daylight_of_images_of_all_sizes_is_that_of_each_ray",
+    ),
+    Defect(
+        name="rows that agree in the first column count as alike",
+        file="uwopt/forward/columns.py",
+        old="new[1:] |= ordered[1:] != ordered[:-1]",
+        new="new[1:] |= columns[0][order][1:] != columns[0][order][:-1]",
+        test="tests/forward/test_columns.py::test_rows_that_agree_in_all_columns_are_found_once",
+    ),
 )

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward import effects as influence
+from uwopt.forward.columns import rows_alike
 from uwopt.forward.designs import Designs
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
 from uwopt.forward.lamp_light import ImageLight, Veils, image_light
@@ -88,9 +89,9 @@ class Batch:
         keys = [d.port[rows], problem.lights.optics_index[d.light[rows]]]
         if by_curve:
             keys.append(problem.cameras.qe_index[d.camera[rows]])
-        unique, back = np.unique(np.stack(keys), axis=1, return_inverse=True)
-        for n in range(unique.shape[1]):
-            yield rows[back.reshape(-1) == n], int(unique[0, n]), int(unique[1, n])
+        first, back = rows_alike(*keys)
+        for n, one in enumerate(first):
+            yield rows[back == n], int(keys[0][one]), int(keys[1][one])
 
     def influences(
         self, tolerance: float, settings: list[SettingRows] | None = None, *, information: bool = False

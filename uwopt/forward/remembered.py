@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.columns import array_in_places
+from uwopt.forward.columns import array_in_places, rows_alike
 from uwopt.forward.lamp_light import LampField, SunLight
 from uwopt.forward.lamps import one_side
 from uwopt.forward.scene import COLOURS, Pixels
@@ -30,22 +30,20 @@ ImageKey = tuple[float, float]
 
 def once_an_image(known: dict[ImageKey, Any], view: Views, make: Callable[[Views], Array]) -> Array:
     """Rows (n, ...) of images, one made of each field of view that is not known yet; shorter ones repeat their end."""
-    fields, first, back = np.unique(
-        np.stack([view.tan_along, view.tan_across]), axis=1, return_index=True, return_inverse=True
-    )
-    keys: list[Any] = [tuple(pair) for pair in fields.T.tolist()]
+    first, back = rows_alike(view.tan_along, view.tan_across)
+    keys = list(zip(view.tan_along[first].tolist(), view.tan_across[first].tolist(), strict=True))
     new = [place for place, key in enumerate(keys) if key not in known]
     rows = {key: known[key] for key in keys if key in known}
     if new:
-        made = make(view.take(first[np.array(new)]))
+        made = make(view.take(first[new]))
         rows.update((keys[place], row) for place, row in zip(new, made, strict=True))
         if (len(known) + len(new)) * made[0].size > MOST_NUMBERS:
             known.clear()
         known.update(rows)
     parts = [rows[key] for key in keys]
     if len({part.shape for part in parts}) == 1:
-        return np.stack(parts)[back.reshape(-1)]
-    return array_in_places([(np.array([n]), part[None]) for n, part in enumerate(parts)], len(parts))[back.reshape(-1)]
+        return np.stack(parts)[back]
+    return array_in_places([(np.array([n]), part[None]) for n, part in enumerate(parts)], len(parts))[back]
 
 
 class RememberedField(LampField):

@@ -235,12 +235,13 @@ def of_darkest_pixels(rows: SceneRows, count: int) -> SceneRows:
     """Rows for bounds under the sun: the SNR is asked of so many pixels alone, of which as many as before may miss it.
 
     Settings at which no more than k of all pixels miss it are such that no more than k of some do. Those with the
-    least light of lamps and sun, each as a share of its most, are kept: any would do.
+    least light of lamps and sun at the farthest altitude, each as a share of its most, are kept: any would do.
     """
     lamps, sun = rows.worst_e, rows.worst_sun_signal_e_s
     if lamps is None or sun is None or lamps.shape != sun.shape or lamps.shape[2] <= count:
         return rows
-    shares = [column / np.maximum(column.max(axis=2, keepdims=True), 1e-300) for column in (lamps, sun)]
+    farthest = [column[:, -1:] for column in (lamps, sun)]
+    shares = [column / np.maximum(column.max(axis=2, keepdims=True), 1e-300) for column in farthest]
     few = np.argpartition(shares[0] + shares[1], count, axis=2)[:, :, :count]
     columns = {name: getattr(rows, name) for name in PIXEL_COLUMNS}
     kept: dict[str, Any] = {name: np.take_along_axis(c, few, axis=2) for name, c in columns.items() if c is not None}

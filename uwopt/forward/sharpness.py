@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.columns import Columns
+from uwopt.forward.columns import Columns, rows_alike
 from uwopt.forward.lamps import relative_spectrum
 from uwopt.forward.motion import motion_along
 from uwopt.forward.part_columns import (
@@ -321,10 +321,10 @@ def airy_wavelength_nm(problem: Problem, scene_index: int, optics: int, efficien
 def airy_f_number(problem: Problem, scene_index: int, limit_px: float, camera: Array, light: Array) -> Array:
     """The working f-number at which the Airy disc of these cameras under these lamps has so many pixels."""
     optics, efficiency = problem.lights.optics_index[light], problem.cameras.qe_index[camera]
-    pairs, back = np.unique(np.stack([optics, efficiency]), axis=1, return_inverse=True)
-    wave_nm = np.array([airy_wavelength_nm(problem, scene_index, int(a), int(b)) for a, b in pairs.T])
+    first, back = rows_alike(optics, efficiency)
+    wave_nm = np.array([airy_wavelength_nm(problem, scene_index, int(optics[n]), int(efficiency[n])) for n in first])
     disc_m = airy_diameter_m(wave_nm, working_f_number=1.0)
-    return np.asarray(limit_px * problem.cameras.pixel_pitch_m[camera] / disc_m[back.reshape(-1)])
+    return np.asarray(limit_px * problem.cameras.pixel_pitch_m[camera] / disc_m[back])
 
 
 def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, efficiency: int) -> SpreadTable:

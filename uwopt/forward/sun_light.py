@@ -8,6 +8,7 @@ from the side is averaged over azimuth, because a vehicle turns.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 Array = NDArray[Any]
 RADIAL_DEGREE = 20  # of the polynomials over the distance from the centre: 1e-8 of what they replace
 OBLIQUE_DEGREE = 40  # of those over the angle from the floor's normal, which may near the horizon
+STEPS_AN_OCTAVE = 4  # of the distances up to which polynomials reach
 IMAGE_ORDER = 12  # Gauss-Legendre nodes over half an image's side
 DIMMEST_LOG = -700.0
 
@@ -47,7 +49,11 @@ class SunField:
         self.fineness = self.scene.fineness.sun
         self.shape = problem.shape(port_index, scene_index)
         self.curves, self.channel = problem.efficiencies[efficiency], channel
-        self.efficiency = efficiency_curve(self.curves, self.scene.wavelength_nm, channel=channel)
+
+    @cached_property
+    def efficiency(self) -> Array:
+        """Electrons a photon, by wavelength."""
+        return efficiency_curve(self.curves, self.scene.wavelength_nm, channel=self.channel)
 
     def light(self, view: Views, *, pixels: Pixels | None = None, half_grid: bool = False) -> SunLight:
         """Daylight of these imagers; with `pixels` also at every point that lamps are seen at."""
@@ -77,25 +83,31 @@ class SunField:
         scale = (loss.T * view.collecting_m2).T
         logs_at = self.oblique_logs if self.shape.slope else self.radial_logs
         out = []
-        for range_m in self.scene.range_m:
-            logs = logs_at(along, across, float(range_m))
+        for logs in logs_at(along, across):
             floor, every, path = np.exp(np.maximum(logs, DIMMEST_LOG))
             forward = np.maximum(every - floor, 0.0)
             out.append(np.stack([floor, forward, path], axis=-1) * scale[..., None])
         return out
 
-    def radial_logs(self, along: Array, across: Array, range_m: float) -> Array:
-        """Logarithms of floor, floor with veil, and path [e/s/m^2] by the distance from the image's centre."""
+    def radial_logs(self, along: Array, across: Array) -> Array:
+        """Logarithms of floor, floor with veil, and path [e/s/m^2] by altitude, from the distance to the centre."""
         radius = np.hypot(along, across)
-        widest = float(radius.max(initial=1e-6)) * (1 + 1e-9)
-        knots = chebyshev.chebpts1(scaled(RADIAL_DEGREE, self.fineness) + 1)
-        tangent = 0.5 * (knots + 1.0) * widest
-        _, _, path_m = floor_point(tangent, np.zeros_like(tangent), shape=self.shape, range_m=range_m)
-        in_water = tangent if self.shape.is_dome else port.water_tangent(tangent, n=self.shape.n_water)
-        cos_field = 1.0 / np.sqrt(1.0 + np.square(in_water))
-        return np.asarray(chebyshev.chebval(2.0 * radius / widest - 1.0, self.fitted(knots, path_m, cos_field)))
+        widest = rounded_up(float(radius.max(initial=1e-6)))
+        return np.asarray(chebyshev.chebval(2.0 * radius / widest - 1.0, self.radial_fit(widest)))
 
-    def oblique_logs(self, along: Array, across: Array, range_m: float) -> Array:
+    def radial_fit(self, widest: float) -> Array:
+        """Polynomials of these logarithms up to a distance, made once a scene: (degree + 1, n_altitudes, 3)."""
+        water = tuple(sorted(self.curves.items())), self.channel, self.fineness
+        key = ("sun fit", self.shape, *water, tuple(self.scene.range_m), widest)
+        if key not in self.scene.cache:
+            knots = chebyshev.chebpts1(scaled(RADIAL_DEGREE, self.fineness) + 1)
+            tangent, range_m = 0.5 * (knots + 1.0) * widest, self.scene.range_m[:, None]
+            path_m = floor_point(tangent, np.zeros_like(tangent), shape=self.shape, range_m=range_m)[2]
+            in_water = tangent if self.shape.is_dome else port.water_tangent(tangent, n=self.shape.n_water)
+            self.scene.cache[key] = self.fitted(knots, path_m, 1.0 / np.sqrt(1.0 + np.square(in_water)))
+        return np.asarray(self.scene.cache[key])
+
+    def oblique_logs(self, along: Array, across: Array) -> list[Array]:
         """The same of an oblique view, by the ray's angle from the floor's normal.
 
         path = H / cos(angle), less R behind a dome. H is one height there; behind a flat port, whose rays start off
@@ -107,34 +119,40 @@ class SunField:
         secant = np.sqrt(1.0 + square * np.square(per_m)) * np.hypot(1.0, shape.slope)
         secant = secant / descent(along, per_m, shape.slope)
         behind_m = shape.outer_radius_m if shape.is_dome else 0.0
-        height_m = (floor_point(along, across, shape=shape, range_m=range_m)[2] + behind_m) / secant
         low, high = float(secant.min(initial=1e6)), float(secant.max(initial=1.0)) * (1 + 1e-9)
         knots = chebyshev.chebpts1(scaled(OBLIQUE_DEGREE, self.fineness) + 1)
         at_knots = low + 0.5 * (knots + 1.0) * (high - low)
         place = 2.0 * (secant - low) / max(high - low, 1e-12) - 1.0
-        ends_m = float(height_m.min(initial=np.inf)), float(height_m.max(initial=0.0))
-        first, last = (
-            chebyshev.chebval(place, self.fitted(knots, end_m * at_knots - behind_m, 1.0 / at_knots))
-            for end_m in ends_m
-        )
-        share = (height_m - ends_m[0]) / max(ends_m[1] - ends_m[0], 1e-12)
-        return np.asarray(first + share * (last - first))
+        made = []
+        for range_m in self.scene.range_m:
+            path_m = floor_point(along, across, shape=shape, range_m=float(range_m))[2]
+            height_m = (path_m + behind_m) / secant
+            ends_m = np.array([height_m.min(initial=np.inf), height_m.max(initial=0.0)])
+            fit = self.fitted(knots, ends_m[:, None] * at_knots - behind_m, 1.0 / at_knots)
+            first, last = np.asarray(chebyshev.chebval(place, fit))
+            share = (height_m - ends_m[0]) / max(ends_m[1] - ends_m[0], 1e-12)
+            made.append(first + share * (last - first))
+        return made
 
     def fitted(self, knots: Array, path_m: Array, cos_field: Array) -> Array:
-        """Polynomials through rays at Chebyshev knots: logarithms of floor, floor with veil, and path [e/s/m^2]."""
+        """Polynomials through rays at Chebyshev knots: logarithms of floor, floor with veil, and path [e/s/m^2].
+
+        `path_m` (n, n_knots); returns (degree + 1, n, 3).
+        """
         scene, degree = self.scene, len(knots) - 1
         floor = self.electrons(seafloor.lambertian_radiance(self.at_floor(), reflectance=scene.reflectance))
-        image = log_sum(floor, scene.attenuation_per_m * path_m[:, None])
-        every = log_sum(floor, scene.lamp_attenuation_per_m * path_m[:, None])
+        image = log_sum(floor, scene.attenuation_per_m * path_m[..., None])
+        every = log_sum(floor, scene.lamp_attenuation_per_m * path_m[..., None])
         path = np.log(np.maximum(self.path_electrons(path_m, cos_field), TINY))
-        fits = [chebyshev.chebfit(knots, log, degree) for log in (image, np.maximum(every, image), path)]
-        return np.stack(fits, axis=1)
+        logs = np.stack([image, np.maximum(every, image), path], axis=1)  # (n, 3, n_knots)
+        fits = chebyshev.chebfit(knots, logs.reshape(-1, len(knots)).T, degree)
+        return np.asarray(fits.reshape(degree + 1, -1, 3))
 
     def path_electrons(self, path_m: Array, cos_field: Array) -> Array:
         """Electrons a second and m^2 of the light that the water between sends to the camera."""
         scene = self.scene
         if not scene.scattering or scene.scattering[0].table is None:
-            return np.zeros(len(path_m))
+            return np.zeros(path_m.shape)
         first, molecules = scene.scattering[0], scene.scattering[1:]
         # The ray's vertical extent is the altitude, behind a dome's round face a little more: kept under water.
         depth_m = np.maximum(scene.view.scene.depth_m, path_m * cos_field)
@@ -185,6 +203,11 @@ class SunField:
         )  # fmt: skip
 
 
+def rounded_up(tangent: float) -> float:
+    """The next step of a ladder above a tangent, so that images of nearly one size share what is fitted."""
+    return float(2.0 ** (np.floor(STEPS_AN_OCTAVE * np.log2(tangent) + 1.0) / STEPS_AN_OCTAVE))
+
+
 def log_sum(weight: Array, optical: Array) -> Array:
     """Logarithm of the sum over wavelengths of weight * exp(-optical), whatever its size."""
     least = optical.min(axis=-1, keepdims=True)
@@ -221,7 +244,7 @@ def sun_light(
 
     lamps = None if mount is None or pixels != "darkest" else mount.lamps(count)
     efficiency = problem.cameras.qe_index[camera]
-    columns: dict[str, Any] = {}
+    parts = []
     windows = problem.like_port[port_index]
     for window in np.unique(windows):
         for curve in np.unique(efficiency):
@@ -237,10 +260,5 @@ def sun_light(
                 light = with_colours(
                     light, problem, scene_index, view.take(mine), int(window), int(curve), field_type
                 )
-            for name in light.__dataclass_fields__:
-                part = getattr(light, name)
-                if part is None:
-                    continue
-                column = columns.setdefault(name, np.empty((len(camera), *part.shape[1:])))
-                column[mine] = part
-    return SunLight(**columns)
+            parts.append((mine, light))
+    return parts[0][1] if len(parts) == 1 else SunLight.in_places(parts, len(camera))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import rows_alike
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.imagers import Imagers
@@ -91,8 +92,8 @@ class Ranking:
         order = hopeful[np.lexsort(keys)]
         im = self.imagers
         rows = imager[order]
-        hardware = np.stack([im.camera[rows], im.lens[rows], im.port[rows], light[order]])
-        _, first = np.unique(hardware, axis=1, return_index=True)  # each hardware's best comes first
+        # each hardware's best comes first
+        first, _ = rows_alike(im.camera[rows], im.lens[rows], im.port[rows], light[order])
         for i in order[np.sort(first)]:
             if value[i] > self.threshold():
                 break

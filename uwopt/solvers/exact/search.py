@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, UntilFound
+from uwopt.forward.columns import rows_alike
 from uwopt.forward.floor_light import even_enough
 from uwopt.forward.lamp_light import LIKELY_PLACES, ImageLight, SunLight, Veils
 from uwopt.forward.lamp_views import keeps_clear, lamps_refused
@@ -492,7 +493,7 @@ class Search:
         motorised = self.motorised[imager]
         camera_power = self.imagers.camera_power_w[imager]
         fixed = Terms(camera_power, cost, mass, np.zeros(len(imager)), self.imagers.gsd_mm[imager])
-        hardware = np.unique(np.stack([imager, pairs.light]), axis=1, return_inverse=True)[1].reshape(-1)
+        hardware = rows_alike(imager, pairs.light)[1]
         best = best_settings(
             rows, motorised, self.objective, camera_power, self.problem.scene_power_limit_w,
             gap_rel=ROUGH_GAP if optimistic else GAP, constant=self.objective.constant(fixed),
@@ -564,7 +565,7 @@ class Search:
         self, scene_index: int, imager: Array, count: Array, lighting: Lighting, *, pixels: Pixels | None
     ) -> SunLight | None:
         """The sun's light in these images; the pixels looked at depend on the number of lamps."""
-        parts, places = [], []
+        parts = []
         for number in np.unique(count) if pixels else [int(count.max(initial=1))]:
             mine = np.nonzero(count == number)[0] if pixels else np.arange(len(count))
             unique, back = np.unique(imager[mine], return_inverse=True)
@@ -581,22 +582,9 @@ class Search:
             )
             if sun is None:
                 return None
-            parts.append(sun.take(back))
-            places.append(mine)
-        order = np.argsort(np.concatenate(places), kind="stable")
-        joined: dict[str, Any] = {}
-        for name in SunLight.__dataclass_fields__:
-            columns = [getattr(part, name) for part in parts]
-            if columns[0] is None:
-                joined[name] = None
-                continue
-            deepest = max(column.shape[-1] for column in columns)
-            padded = [
-                np.pad(c, [(0, 0)] * (c.ndim - 1) + [(0, deepest - c.shape[-1])], mode="edge")
-                for c in columns
-            ]
-            joined[name] = np.concatenate(padded)[order]
-        return SunLight(**joined)
+            alike = len(unique) == len(back) and bool((back == np.arange(len(back))).all())
+            parts.append((mine, sun if alike else sun.take(back)))
+        return parts[0][1] if len(parts) == 1 else SunLight.in_places(parts, len(count))
 
     def _has_rules(self, scene_index: int) -> bool:
         """Whether one scene asks for even light, or for lamps out of the view."""
@@ -666,14 +654,14 @@ class Search:
         veils: Veils,
     ) -> ImageLight:
         """With the light at the pixels that the SNR is asked of: their share of each lamp depends on the number."""
-        unique, back = np.unique(np.stack([imager, count]), axis=1, return_inverse=True)
+        first, back = rows_alike(imager, count)
         parts = []
-        for number in np.unique(unique[1]):
-            mine = np.nonzero(unique[1] == number)[0]
+        for number in np.unique(count):
+            mine = np.nonzero(count[first] == number)[0]
             at = self.tables.exact(
                 scene_index,
                 lighting,
-                unique[0, mine],
+                imager[first[mine]],
                 count=int(number),
                 pixels=self.problem.scenes[scene_index].pixels,
                 means=False,
@@ -681,4 +669,4 @@ class Search:
                 deadline=self.deadline,
             )
             parts.append((mine, at))
-        return seen.with_pixels(ImageLight.in_places(parts, unique.shape[1]).take(back.reshape(-1)))
+        return seen.with_pixels(ImageLight.in_places(parts, len(first)).take(back))
