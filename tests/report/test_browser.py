@@ -19,6 +19,7 @@ from uwopt.bench.machine import machine
 from uwopt.bench.page import bench_html
 from uwopt.bench.run import Bench
 from uwopt.bench.suite import BenchRow, BenchTable, Chart, Suite
+from uwopt.report.card.page import card_html, card_of
 from uwopt.report.page.page import report_html
 
 ROOT = Path(__file__).parents[2]
@@ -108,6 +109,14 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def tank() -> Any:
     """A real result, so that the model can draw its pictures."""
     return evaluate(ROOT / "problems" / "paper-tank.yaml", ROOT / "problems" / "paper-tank.system.yaml")
+
+
+def test_settings_card_prints_on_one_sheet(show: Callable[..., Any], tank: Any) -> None:
+    page = show(card_html(tank, card_of(tank, "tank")))
+    assert page.locator("h2").all_inner_texts()[:2] == ["Set", "How it stands"]
+    assert page.locator("table.grid tbody tr").count() >= 6
+    sheets = page.pdf(prefer_css_page_size=True).count(b"/Type /Page\n")
+    assert sheets == 1
 
 
 def wait_drawn(page: Any, place: str, number: int) -> None:

@@ -15,6 +15,7 @@ import typer
 
 from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.cli.bench import bench_command
+from uwopt.cli.card import card_command
 from uwopt.cli.catalog import catalog_app
 from uwopt.cli.options import (
     AccuracyOption,
@@ -216,6 +217,7 @@ def parsed_objective(text: str) -> str | dict[str, float]:
 app.command("pareto", short_help="Trade two or three objectives: the whole front.")(pareto_command)
 app.command("bench", short_help="Measure error against run time on this machine.")(bench_command)
 app.command("report", short_help="Make the page of a result again.")(report_command)
+app.command("card", short_help="Print what to set at sea, on one page.")(card_command)
 
 # ---------------------------------------------------------------- init and schema
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from uwopt.cli.status import DONE, told
 from uwopt.errors import OutputError
 
 if TYPE_CHECKING:
     from uwopt.report.text.console import ProgressBar
+    from uwopt.report.text.layout import Block
     from uwopt.results.front import FrontResult
     from uwopt.results.result import Result
 
@@ -69,3 +72,13 @@ def hand_over(
         raise refused
     if written and not quiet:
         told("written: " + ", ".join(str(path) for path in written), DONE)
+
+
+def print_made(blocks: Sequence[Block], written: Sequence[Path], *, mission: Mapping[str, Any], quiet: bool) -> None:
+    """Print blocks in the words of what is looked at, and which files were written."""
+    from uwopt.report.text.console import print_blocks
+    from uwopt.report.text.looked_at import wording
+
+    print_blocks(blocks, said=wording(mission))
+    if written and not quiet:
+        told("written: " + ", ".join(map(str, written)), DONE)

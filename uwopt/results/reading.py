@@ -38,6 +38,14 @@ def read_result(path: str | Path) -> Result | FrontResult:
     return result
 
 
+def read_solved(path: str | Path) -> Result:
+    """The result of solve or evaluate in a file; a front is refused."""
+    result = read_result(path)
+    if isinstance(result, FrontResult):
+        raise ResultError(f"{path}: is a front of many systems; solve for one of them and name its result.json.")
+    return result
+
+
 def read_json(path: str | Path) -> dict[str, Any]:
     """The JSON object in a file."""
     file = Path(path)

@@ -1,0 +1,134 @@
+"""The settings card: what it says, and that its page is safe and prints on one sheet."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from priced_system import PRICED
+from typer.testing import CliRunner
+
+from uwopt.api.evaluating import evaluate
+from uwopt.cli.app import app
+from uwopt.evaluation.setting_limits import SettingEnd
+from uwopt.report.card.blocks import ROUND_CEILING, ROUND_FLOOR, Card, end_text, settings_card
+from uwopt.report.card.page import card_html
+from uwopt.report.text.layout import Facts, Grid
+from uwopt.report.write import json_text
+from uwopt.results.result import Result
+
+Make = Callable[..., Any]
+MISSION: dict[str, Any] = {
+    "name": "<script>alert(1)</script> reef", "physics": "paper", "practice": "bare",
+    "scene": {"water": "II", "seafloor": "sand", "depth_m": 20},
+    "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "light_count": 2},
+    "requirements": {"overlap": 0.6, "max_blur_px": 1.0, "min_snr_db": 26.5},
+}  # fmt: skip
+SETTINGS = {"f_number": 4.0, "exposure_ms": 3.0, "pulse_ms": 1.0, "gain": 4.0, "frame_rate_hz": 2.0}
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    light = PRICED["light"] | {"flux_lm": 30_000.0}
+    return evaluate(MISSION, PRICED | {"light": light, "light_count": 2, "settings": SETTINGS})
+
+
+@pytest.fixture(scope="module")
+def card(result: Result) -> Card:
+    made = settings_card(result)
+    assert made is not None
+    return made
+
+
+def rows(card: Card, title: str) -> dict[str, list[str]]:
+    """Cells of a block's table by what stands first."""
+    (found,) = (block for block in card.blocks if block.title == title)
+    return {
+        row[0].plain: [cell.plain for cell in row[1:]]
+        for line in found.lines
+        if isinstance(line, Grid)
+        for row in line.rows
+    }
+
+
+def test_every_setting_has_its_limits_and_what_breaks_there(card: Card) -> None:
+    # 26.72 dB may fall by 0.22 dB: to 0.950 of the light where shot noise is all, to 0.974 where read noise is
+    told = rows(card, "Set")
+    assert told["light pulse"] == ["1 ms", "0.952 ms", "signal to noise", "1.5 ms", "motion blur", ""]
+    assert told["frame rate"][1:5] == ["1.67 Hz", "overlap along track", "10 Hz", "frame rate of the camera"]
+    assert told["exposure"][3] == "any"
+
+
+@pytest.mark.parametrize(
+    ("rounding", "factor", "text"),
+    [(ROUND_CEILING, 0.98761, "1.98 m"), (ROUND_FLOOR, 1.01999, "2.03 m"), (ROUND_FLOOR, 1.0001, "as set")],
+)
+def test_ends_are_rounded_to_the_safe_side(rounding: str, factor: float, text: str) -> None:
+    assert end_text("focus_distance_m", 2.0, SettingEnd(factor, "x"), rounding) == text
+
+
+def test_gain_moves_in_decibels() -> None:
+    assert end_text("gain_db", 12.0, SettingEnd(2.0, "x"), ROUND_FLOOR) == "18 dB"
+
+
+def test_the_pulse_may_come_late_by_what_the_exposure_is_longer(card: Card) -> None:
+    said = [getattr(line, "plain", "") for line in card.blocks[0].lines]
+    assert "Trigger: the pulse begins with the exposure, or up to 2.0 ms later without any loss." in said
+
+
+def test_the_day_s_work_is_that_of_an_hour(card: Card, result: Result) -> None:
+    # by hand: 1.504 m at 0.5 m/s for 3600 s; 2 images of 2000 x 1000 px in a second for an hour at 1.5 or 2 byte each
+    told = rows(card, "The day's work")
+    assert told["area in an hour"] == ["2 707 m2/h"]
+    rate = result.best.scenes[0].figures["data_rate_mb_s"]
+    assert told["data in an hour"] == [f"{3.6 * rate:.1f} GB"]
+    power = result.best.totals.power_w
+    assert told["hours from 100 Wh"] == [f"{100 / power:.1f} h"]
+
+
+def test_worse_water_says_what_breaks_and_what_to_change(card: Card) -> None:
+    told = rows(card, "If the water is worse than planned")
+    assert told["Jerlov III"][0].startswith("signal to noise ")
+    assert told["Jerlov III"][1].startswith("f-number ")
+    assert told["Jerlov 3C"][1].startswith("fly at 90 % of the altitude; ")
+
+
+def test_page_escapes_names_and_runs_no_script(result: Result, card: Card) -> None:
+    page = card_html(result, card)
+    assert "<script>alert" not in page
+    assert "&lt;script&gt;alert(1)&lt;/script&gt; reef" in page
+    assert re.findall(r"<script(?! type=\"application/json\")", page) == []
+
+
+def test_card_without_its_inputs_tells_the_settings_all_the_same(make_result: Make) -> None:
+    made = settings_card(make_result())
+    assert made is not None
+    assert rows(made, "Set")["f-number"][0] == "2.8"
+    assert any("cannot be recomputed" in getattr(line, "plain", "") for block in made.blocks for line in block.lines)
+
+
+def test_how_it_stands_is_told(card: Card) -> None:
+    (facts,) = (line for block in card.blocks if block.title == "How it stands" for line in block.lines)
+    assert isinstance(facts, Facts)
+    assert facts.pairs[0] == ("camera", "landscape: the image's height along the motion")
+
+
+def test_command_prints_the_card_and_writes_its_page(tmp_path: Path, result: Result) -> None:
+    file = tmp_path / "result.json"
+    file.write_text(json_text(result), "utf-8")
+    done = CliRunner().invoke(app, ["card", str(file), "--out", str(tmp_path / "card.html")])
+    assert done.exit_code == 0
+    assert "If the water is worse than planned" in done.output
+    assert "<h2>Set</h2>" in (tmp_path / "card.html").read_text("utf-8")
+
+
+def test_command_refuses_a_result_without_a_system(tmp_path: Path, make_result: Make) -> None:
+    file = tmp_path / "result.json"
+    file.write_text(json_text(replace(make_result(), recommendation=None, status="infeasible")), "utf-8")
+    done = CliRunner().invoke(app, ["card", str(file)])
+    assert done.exit_code == 2
+    assert "holds no system" in done.output

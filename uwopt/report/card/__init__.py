@@ -1,0 +1,1 @@
+"""The settings card: one page to print and take to sea."""

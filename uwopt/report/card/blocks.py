@@ -1,0 +1,246 @@
+"""What stands on the settings card, as blocks that text and page share.
+
+How far a setting may be off and what to do in worse water are asked of the model anew, from the inputs of the result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
+
+import numpy as np
+
+from uwopt.deadline import Deadline
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.evaluation.figures_by_name import on_scale_m
+from uwopt.evaluation.recompute import Replay, ReplayError, given_settings, replay
+from uwopt.evaluation.setting_limits import BOTH_TIMES, LEVEL, SettingEnd, SettingLimit, setting_limits
+from uwopt.forward.part_columns import CONTINUOUS, FLASH
+from uwopt.model.port import lens_dioptre_per_m
+from uwopt.report.card.water import water_block
+from uwopt.report.text import words
+from uwopt.report.text.layout import Block, Facts, Grid, Line, Text, block, columns, fact_lines, sentence
+from uwopt.results.design import Design, SceneResult
+from uwopt.results.result import Result
+from uwopt.units import ratio_to_db
+
+WATER_S = 5.0  # for worse waters
+AS_SET = "as set"  # nothing to spare
+NARROW = 5e-4  # share of a setting: what is nearer to it than this, nobody sets
+NAMES = {name: text for name, (text, _) in words.SETTINGS.items()} | {BOTH_TIMES: "exposure and pulse together"}
+SHOWN = ("f_number", "focus_distance_m", "exposure_ms", "pulse_ms", BOTH_TIMES, "gain_db", "dim_frac", "frame_rate_hz")
+
+
+@dataclass(frozen=True)
+class Card:
+    """One page: who it is for, and its blocks."""
+
+    name: str
+    hardware: str
+    verdict: str
+    blocks: tuple[Block, ...]
+
+
+def settings_card(result: Result) -> Card | None:
+    """The card of a result; None where it has no design."""
+    design = result.best
+    if design is None:
+        return None
+    name = words.one_line(result.mission.get("name") or "Mission", 100)
+    parts = " + ".join(words.part_name(part) for part in design.hardware.named.values())
+    verdict = words.as_sentence(words.status_sentence(result))
+    return Card(name, parts, verdict, tuple(card_blocks(result, design)))
+
+
+def card_blocks(result: Result, design: Design) -> Iterator[Block]:
+    """Settings with their limits, trigger, worse water, and the day's work."""
+    made, fault = recomputed(result, design)
+    for index, scene in enumerate(design.scenes):
+        title = f"Set: {words.one_line(scene.name, 60)}" if len(design.scenes) > 1 else "Set"
+        limits = limits_of(made, index, scene) if made is not None else {}
+        lines: list[Line] = [settings_grid(made, index, scene, limits)]
+        if made is not None:
+            lines += [sentence(text) for text in trigger_sentences(made.model, scene, limits)]
+        yield block(title, lines)
+    if len(design.scenes) > 1:
+        common = "One f-number and one focus serve all scenes: for them the narrowest of these counts."
+        yield block("", [sentence(common)])
+    yield block("How it stands", [stands(design)])
+    if made is not None:
+        given = [given_settings(made.model, i, as_set(scene)) for i, scene in enumerate(design.scenes)]
+        yield water_block(made.model, given, design, Deadline.after(WATER_S))
+    else:
+        yield block("Limits of settings and worse water", [sentence(fault, "yellow")])
+    yield block("The day's work", [work_grid(result, design)])
+
+
+def recomputed(result: Result, design: Design) -> tuple[Replay | None, str]:
+    """The design's model, or why there is none."""
+    system = result.system if result.command == "evaluate" else None
+    try:
+        return replay(
+            result.mission, design, physics=result.physics, mission_file=result.mission_file, system=system
+        ), ""
+    except ReplayError as fault:
+        return None, f"Not told: {fault}"
+
+
+def as_set(scene: SceneResult) -> dict[str, float | None]:
+    """The settings that a person types in; the exact ones where there are none."""
+    return scene.settings_to_set or scene.settings
+
+
+def limits_of(made: Replay, index: int, scene: SceneResult) -> dict[str, SettingLimit]:
+    """How far each setting of a scene may be off."""
+    rows = made.model.settings(index, given_settings(made.model, index, as_set(scene)))
+    return {limit.setting: limit for limit in setting_limits(made.model, index, rows)}
+
+
+# ---------------------------------------------------------------- settings
+
+
+def settings_grid(made: Replay | None, index: int, scene: SceneResult, limits: dict[str, SettingLimit]) -> Grid:
+    """What to set, how far it may be off, and what breaks there."""
+    table = columns(
+        ("setting", "left"), ("set to", "right"), ("not below", "right"), ("for", "left"),
+        ("not above", "right"), ("for", "left"), ("brightness holds within", "left"),
+    )  # fmt: skip
+    settings = as_set(scene)
+    for name in SHOWN:
+        value = settings.get("exposure_ms" if name == BOTH_TIMES else name)
+        if value is None or (name == BOTH_TIMES and name not in limits):
+            continue
+        told = "" if name == BOTH_TIMES else words.setting_text(name, value)
+        cells = [NAMES[name], told, *limit_texts(name, value, limits.get(name))]
+        table.add_row(*(Text(cell) for cell in cells))
+        if name == "focus_distance_m" and settings.get("focus_scale_m") is not None:
+            scale = words.setting_text("focus_scale_m", settings["focus_scale_m"])
+            ends = scale_ends(made, index, value, limits.get(name)) if made is not None else ("", "")
+            table.add_row(*map(Text, (NAMES["focus_scale_m"], scale, ends[0], "", ends[1], "", "")))
+    return table
+
+
+def scale_ends(made: Replay, index: int, focus_m: float, limit: SettingLimit | None) -> tuple[str, str]:
+    """What the lens's own scale shows at both ends of the focus."""
+    if limit is None:
+        return "", ""
+    told, rows = [], made.settings[index]
+    for end, rounding in ((limit.low_dark, ROUND_CEILING), (limit.high_bright, ROUND_FLOOR)):
+        text = end_text("focus_distance_m", focus_m, end, rounding)
+        if end.factor is not None and text != AS_SET:
+            dioptre = lens_dioptre_per_m(focus_m * end.factor, focus_map=made.model.maps[index])
+            scale_m = on_scale_m(made.model, replace(rows, dioptre_per_m=np.array([float(dioptre)])))
+            text = "the far end" if scale_m is None else words.setting_text("focus_scale_m", scale_m)
+        told.append(text)
+    return told[0], told[1]
+
+
+def limit_texts(name: str, value: float, limit: SettingLimit | None) -> tuple[str, ...]:
+    """Lowest and highest value with what breaks there, and within which the brightness stays as asked."""
+    if limit is None:
+        return ("", "", "", "", "")
+    low, high = (
+        end_text(name, value, end, rounding)
+        for end, rounding in ((limit.low_dark, ROUND_CEILING), (limit.high_bright, ROUND_FLOOR))
+    )
+    why_low, why_high = (breaks(end) for end in (limit.low_dark, limit.high_bright))
+    from_ = end_text(name, value, limit.low, ROUND_CEILING) if limit.low.requirement == LEVEL else ""
+    up_to = end_text(name, value, limit.high, ROUND_FLOOR) if limit.high.requirement == LEVEL else ""
+    within = f"{from_} to {up_to}" if from_ and up_to else f"from {from_}" if from_ else up_to and f"up to {up_to}"
+    return low, why_low, high, why_high, within
+
+
+def breaks(end: SettingEnd) -> str:
+    """The requirement that breaks."""
+    return words.requirement_name(end.requirement) if end.requirement else ""
+
+
+def end_text(name: str, value: float, end: SettingEnd, rounding: str) -> str:
+    """An end of a setting's range in its unit, rounded to the safe side; or that nothing is to spare, or no end."""
+    if end.factor is None:
+        return "any"
+    if abs(end.factor - 1.0) < NARROW:
+        return AS_SET
+    setting = "exposure_ms" if name == BOTH_TIMES else name
+    moved = value + float(ratio_to_db(end.factor)) if name == "gain_db" else value * end.factor
+    digits = Decimal(f"{moved:.6g}")
+    step = Decimal(1).scaleb(digits.adjusted() - 2)
+    return words.setting_text(setting, float(digits.quantize(step, rounding=rounding)))
+
+
+def trigger_sentences(model: DesignModel, scene: SceneResult, limits: dict[str, SettingLimit]) -> Iterator[str]:
+    """When the lamps fire, and how late they may be."""
+    settings, kind = as_set(scene), int(model.lights.kind[0])
+    if model.unlit:
+        return
+    exposure_ms = settings.get("exposure_ms") or 0.0
+    if kind == CONTINUOUS:
+        yield "The lamps burn all the time: nothing is triggered."
+        return
+    readout_ms = 1e3 * float(model.cameras.readout_s[0])
+    light_ms = settings.get("pulse_ms") or 1e3 * float(model.lights.flash_duration_s[0])
+    begin = "with the exposure"
+    if readout_ms:
+        begin = f"{words.setting_text('pulse_ms', readout_ms)} after the exposure begins, when all rows are open"
+    slack_ms = max(0.0, exposure_ms - readout_ms - light_ms)
+    what = "flash" if kind == FLASH else "pulse"
+    said = f"Trigger: the {what} begins {begin}"
+    if slack_ms > NARROW * light_ms:
+        yield f"{said}, or up to {words.quantity(slack_ms, 'ms', 2)} later without any loss."
+    else:
+        limit = limits.get("pulse_ms")
+        factor = None if limit is None else limit.low_dark.factor
+        spare_ms = 0.0 if factor is None else (1.0 - factor) * light_ms
+        late = "nothing may be lost by delay"
+        if limit is not None and spare_ms > NARROW * light_ms:
+            late = f"{words.quantity(spare_ms, 'ms', 2)} late, {breaks(limit.low_dark)} breaks"
+        yield f"{said}; all of the exposure is lit, so delay costs light: {late}."
+    yield "Take the lamp's own delay from its maker, and set it off in the camera's strobe delay."
+
+
+# ---------------------------------------------------------------- how it stands, and what it does
+
+
+def stands(design: Design) -> Facts:
+    """How camera and lamps stand."""
+    hardware = design.hardware
+    height = {"landscape": "height", "portrait": "width"}.get(hardware.orientation, "height")
+    return fact_lines(
+        [
+            ("camera", f"{hardware.orientation}: the image's {height} along the motion"),
+            ("lights", words.mounts_text(hardware.light_mounts)),
+            ("spacer", f"{hardware.spacer_mm:g} mm ring behind the lens" if hardware.spacer_mm else ""),
+        ]
+    )
+
+
+def work_grid(result: Result, design: Design) -> Grid:
+    """Lines, area, data and energy of each scene."""
+    table = columns(("", "left"), *((words.one_line(s.name, 30), "right") for s in design.scenes),
+                    header=len(design.scenes) > 1)  # fmt: skip
+    for name, texts in work_rows(result, design):
+        if any(texts):
+            table.add_row(Text(name), *(Text(text or "–") for text in texts))
+    return table
+
+
+def work_rows(result: Result, design: Design) -> Iterator[tuple[str, list[str]]]:
+    """Names and values of what the system does in an hour."""
+
+    def row(figure: str, unit: str, scale: float = 1.0) -> list[str]:
+        values = [scene.figures.get(figure) for scene in design.scenes]
+        return ["" if value is None else words.quantity(scale * float(value), unit) for value in values]
+
+    yield "distance between lines", row("line_spacing_m", "m")
+    yield "swath", row("swath_m", "m")
+    yield "pixel on the floor", row("gsd_mm", "mm")
+    yield "area in an hour", row("area_m2_h", "m2/h")
+    yield "data in an hour", row("data_rate_mb_s", "GB", 3.6)
+    yield "energy in an hour", row("power_w", "Wh")
+    hours = design.totals.endurance_h if design.totals.endurance_h is not None else design.totals.run_time_h
+    lasts = [words.quantity(hours, "h") if hours is not None else ""] * len(design.scenes)
+    yield "a battery lasts", lasts
+    if hours is None:
+        drawn_w = [scene.figures.get("power_w") for scene in design.scenes]
+        yield "hours from 100 Wh", [words.quantity(100.0 / float(one_w), "h") if one_w else "" for one_w in drawn_w]

@@ -1,0 +1,65 @@
+"""What to change when the water is worse than planned, as a block of the settings card."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from uwopt.deadline import Deadline
+from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.designs import SceneSettings
+from uwopt.report.text import words
+from uwopt.report.text.layout import Block, Text, block, columns, sentence
+from uwopt.results.design import Design
+from uwopt.solvers.explain.worse_water import InWorseWater, in_worse_water
+
+CHANGED = ("f_number", "focus_distance_m", "exposure_ms", "pulse_ms", "gain_db", "dim_frac", "frame_rate_hz")
+SAME_REL = 0.005  # a setting that moves by less stays as it is
+
+
+def water_block(model: DesignModel, given: list[SceneSettings], planned: Design, deadline: Deadline) -> Block:
+    """A row a worse water: what breaks if nothing is changed, and what to change."""
+    found = in_worse_water(model.problem, model.hardware, given, deadline)
+    if not found:
+        said = "Not told: Jerlov types and readings are made worse; this water is the last type, or a file."
+        return block("If the water is worse than planned", [sentence(said)])
+    table = columns(("water", "left"), ("if nothing is changed", "left"), ("what to change", "left"))
+    for item in found:
+        cells = (words.one_line(item.water, 40), missed_text(item.as_planned), change_text(item, planned))
+        table.add_row(*map(Text, cells))
+    return block("If the water is worse than planned", [table])
+
+
+def missed_text(design: Design) -> str:
+    """Requirements that break, with what is reached and asked."""
+    missed = {m.requirement: m for scene in design.scenes for m in scene.margins if not m.satisfied}
+    said = []
+    for margin in missed.values():
+        value, limit = words.margin_ends(margin)
+        said.append(f"{words.requirement_name(margin.requirement)} {value}, not {limit}")
+    return "; ".join(said) or "all holds"
+
+
+def change_text(item: InWorseWater, planned: Design) -> str:
+    """The settings that differ, and the altitude where it must be lower."""
+    if item.design is None:
+        return f"nothing helps down to {100 * item.altitude_frac:.0f} % of the altitude: wait, or take other hardware"
+    parts = [f"fly at {100 * item.altitude_frac:.0f} % of the altitude"] if item.altitude_frac < 1.0 else []
+    for ours, theirs in zip(planned.scenes, item.design.scenes, strict=True):
+        changes = changed_settings(ours.settings_to_set or ours.settings, theirs.settings)
+        place = f"{words.one_line(ours.name, 30)}: " if len(planned.scenes) > 1 else ""
+        if changes:
+            parts.append(place + ", ".join(changes))
+    power = words.quantity(item.design.totals.power_w, "W")
+    return "; ".join(parts) + f" ({power})" if parts else "nothing"
+
+
+def changed_settings(before: dict[str, float | None], after: dict[str, float | None]) -> Sequence[str]:
+    """Settings that move by more than can be read off a dial."""
+    told = []
+    for name in CHANGED:
+        old, new = before.get(name), after.get(name)
+        if new is None or (old is not None and abs(new - old) <= SAME_REL * max(abs(old), abs(new))):
+            continue
+        label = {"focus_distance_m": "focus in water", "pulse_ms": "pulse"}.get(name, words.SETTINGS[name][0])
+        told.append(f"{label} {words.setting_text(name, float(f'{new:.3g}'))}")
+    return told
