@@ -62,7 +62,7 @@ def setting_limits(model: DesignModel, index: int, settings: SettingRows) -> lis
     """Limits of every setting of one scene; those of a focus in distance, of a gain as a ratio."""
     kind = int(model.lights.kind[0])
     names = [name for name in COLUMNS if applies(name, kind, unlit=model.unlit)]
-    tried = Tried(model, index, settings)
+    tried = NearSettings(model, index, settings)
     asked = [(name, sign, aside) for name in names for sign in (-1, 1) for aside in (False, True)]
     ends = dict(zip(asked, tried.ends(asked), strict=True))
     found = [limit_of(name, ends) for name in names]
@@ -83,7 +83,7 @@ def limit_of(name: str, ends: dict[tuple[str, int, bool], SettingEnd]) -> Settin
     return SettingLimit(name, low, high, ends[name, -1, True], ends[name, 1, True])
 
 
-class Tried:
+class NearSettings:
     """Settings near those of a design, held against what the design meets as it is set."""
 
     def __init__(self, model: DesignModel, index: int, settings: SettingRows):

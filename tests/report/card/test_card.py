@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from uwopt.api.evaluating import evaluate
 from uwopt.cli.app import app
 from uwopt.evaluation.setting_limits import SettingEnd
-from uwopt.report.card.blocks import ROUND_CEILING, ROUND_FLOOR, Card, end_text, settings_card
+from uwopt.report.card.blocks import ROUND_CEILING, ROUND_FLOOR, SettingsCard, end_text, settings_card
 from uwopt.report.card.page import card_html
 from uwopt.report.text.layout import Facts, Grid
 from uwopt.report.write import json_text
@@ -38,13 +38,13 @@ def result() -> Result:
 
 
 @pytest.fixture(scope="module")
-def card(result: Result) -> Card:
+def card(result: Result) -> SettingsCard:
     made = settings_card(result)
     assert made is not None
     return made
 
 
-def rows(card: Card, title: str) -> dict[str, list[str]]:
+def rows(card: SettingsCard, title: str) -> dict[str, list[str]]:
     """Cells of a block's table by what stands first."""
     (found,) = (block for block in card.blocks if block.title == title)
     return {
@@ -55,7 +55,7 @@ def rows(card: Card, title: str) -> dict[str, list[str]]:
     }
 
 
-def test_every_setting_has_its_limits_and_what_breaks_there(card: Card) -> None:
+def test_every_setting_has_its_limits_and_what_breaks_there(card: SettingsCard) -> None:
     # 26.72 dB may fall by 0.22 dB: to 0.950 of the light where shot noise is all, to 0.974 where read noise is
     told = rows(card, "Set")
     assert told["light pulse"] == ["1 ms", "0.952 ms", "signal to noise", "1.5 ms", "motion blur", ""]
@@ -75,12 +75,12 @@ def test_gain_moves_in_decibels() -> None:
     assert end_text("gain_db", 12.0, SettingEnd(2.0, "x"), ROUND_FLOOR) == "18 dB"
 
 
-def test_the_pulse_may_come_late_by_what_the_exposure_is_longer(card: Card) -> None:
+def test_the_pulse_may_come_late_by_what_the_exposure_is_longer(card: SettingsCard) -> None:
     said = [getattr(line, "plain", "") for line in card.blocks[0].lines]
     assert "Trigger: the pulse begins with the exposure, or up to 2.0 ms later without any loss." in said
 
 
-def test_the_day_s_work_is_that_of_an_hour(card: Card, result: Result) -> None:
+def test_the_day_s_work_is_that_of_an_hour(card: SettingsCard, result: Result) -> None:
     # by hand: 1.504 m at 0.5 m/s for 3600 s; 2 images of 2000 x 1000 px in a second for an hour at 1.5 or 2 byte each
     told = rows(card, "The day's work")
     assert told["area in an hour"] == ["2 707 m2/h"]
@@ -90,14 +90,14 @@ def test_the_day_s_work_is_that_of_an_hour(card: Card, result: Result) -> None:
     assert told["hours from 100 Wh"] == [f"{100 / power:.1f} h"]
 
 
-def test_worse_water_says_what_breaks_and_what_to_change(card: Card) -> None:
+def test_worse_water_says_what_breaks_and_what_to_change(card: SettingsCard) -> None:
     told = rows(card, "If the water is worse than planned")
     assert told["Jerlov III"][0].startswith("signal to noise ")
     assert told["Jerlov III"][1].startswith("f-number ")
     assert told["Jerlov 3C"][1].startswith("fly at 90 % of the altitude; ")
 
 
-def test_page_escapes_names_and_runs_no_script(result: Result, card: Card) -> None:
+def test_page_escapes_names_and_runs_no_script(result: Result, card: SettingsCard) -> None:
     page = card_html(result, card)
     assert "<script>alert" not in page
     assert "&lt;script&gt;alert(1)&lt;/script&gt; reef" in page
@@ -111,7 +111,7 @@ def test_card_without_its_inputs_tells_the_settings_all_the_same(make_result: Ma
     assert any("cannot be recomputed" in getattr(line, "plain", "") for block in made.blocks for line in block.lines)
 
 
-def test_how_it_stands_is_told(card: Card) -> None:
+def test_how_it_stands_is_told(card: SettingsCard) -> None:
     (facts,) = (line for block in card.blocks if block.title == "How it stands" for line in block.lines)
     assert isinstance(facts, Facts)
     assert facts.pairs[0] == ("camera", "landscape: the image's height along the motion")

@@ -33,7 +33,7 @@ SHOWN = ("f_number", "focus_distance_m", "exposure_ms", "pulse_ms", BOTH_TIMES, 
 
 
 @dataclass(frozen=True)
-class Card:
+class SettingsCard:
     """One page: who it is for, and its blocks."""
 
     name: str
@@ -42,7 +42,7 @@ class Card:
     blocks: tuple[Block, ...]
 
 
-def settings_card(result: Result) -> Card | None:
+def settings_card(result: Result) -> SettingsCard | None:
     """The card of a result; None where it has no design."""
     design = result.best
     if design is None:
@@ -50,7 +50,7 @@ def settings_card(result: Result) -> Card | None:
     name = words.one_line(result.mission.get("name") or "Mission", 100)
     parts = " + ".join(words.part_name(part) for part in design.hardware.named.values())
     verdict = words.as_sentence(words.status_sentence(result))
-    return Card(name, parts, verdict, tuple(card_blocks(result, design)))
+    return SettingsCard(name, parts, verdict, tuple(card_blocks(result, design)))
 
 
 def card_blocks(result: Result, design: Design) -> Iterator[Block]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from uwopt.errors import ResultError
-from uwopt.report.card.blocks import Card, settings_card
+from uwopt.report.card.blocks import SettingsCard, settings_card
 from uwopt.report.page.html_file import rendered
 from uwopt.report.text.looked_at import in_page, wording
 from uwopt.results.result import Result
 
 
-def card_of(result: Result, name: str) -> Card:
+def card_of(result: Result, name: str) -> SettingsCard:
     """The card of a result; raises ResultError where it has no design."""
     made = settings_card(result)
     if made is None:
@@ -17,7 +17,7 @@ def card_of(result: Result, name: str) -> Card:
     return made
 
 
-def card_html(result: Result, card: Card) -> str:
+def card_html(result: Result, card: SettingsCard) -> str:
     """The card as a page."""
     page = rendered(
         "card.html", (), {"figures": {}}, title="Settings card", name=card.name, card=card, version=result.uwopt_version
