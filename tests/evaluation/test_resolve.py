@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,32 @@ def test_narrowest_bars_have_a_tenth_of_the_contrast_by_the_closed_forms() -> No
     assert left * 0.5 ** ((2.0 * nu) ** 2 * pitch2_px) == pytest.approx(0.1, rel=5e-3)
     margin = {m.requirement: m for m in scene.margins}["resolve_mm"]
     assert (margin.value, margin.limit, margin.unit) == (pytest.approx(found["resolve_mm"]), 20.0, "mm")
+
+
+def test_bars_arrive_at_the_darkest_pixel_through_the_veil_that_is_there(tmp_path: Path) -> None:
+    # Water that sends nothing back: e^-Kr - e^-cr of each lamp's light arrives as a veil, e^-cr as image, whatever lamp
+    # lit the floor. The corner's ray is (d + R) / cos - R = 2.1 m * 1.2138 - 0.1 m long, its tangent 5.506 mm / 8 mm.
+    (tmp_path / "w.csv").write_text("wavelength_nm,attenuation_per_m,kd_per_m\n380,1,0.3\n780,1,0.3\n")
+    half_mm = np.hypot(2448, 2048) * 3.45e-3 / 2.0
+    corner_m = 2.1 * np.hypot(1.0, half_mm / 8.0) - 0.1
+    found = {}
+    for at in ("mean", "worst_px", "worst"):
+        mission = {
+            **MISSION, "scene": {**MISSION["scene"], "water": str(tmp_path / "w.csv")},
+            "requirements": {"overlap": 0.3, "resolve_mm": 50.0, "snr_at": at},
+        }  # fmt: skip
+        found[at] = uwopt.evaluate(mission, SYSTEM).design.scenes[0]
+    figures = found["worst_px"].figures
+    nu = figures["gsd_mm"] / (2.0 * figures["resolve_mm"])
+    s = nu * 0.53e-3 * figures["working_f_number"] / 3.45e-3
+    pupil = 2.0 / np.pi * (np.arccos(s) - s * np.sqrt(1.0 - s * s))
+    disc, pitch2_px = np.pi * figures["defocus_corner_px"] * nu, 1.8**2 * (1.0 + (6.9 / 3.45) ** 2 * (2.0 / 2.8) ** 3)
+    mtf = np.sinc(nu) * np.sinc(nu * figures["blur_px"]) * pupil * 2.0 * j1(disc) / disc
+    left = np.exp(-(1.0 - 0.3) * corner_m) * mtf * 0.5 ** ((2.0 * nu) ** 2 * pitch2_px)
+    assert left == pytest.approx(0.1, rel=5e-3)
+    values = [{m.requirement: m.value for m in found[at].margins}["resolve_mm"] for at in ("mean", "worst", "worst_px")]
+    assert values == sorted(values) and values[0] < 0.99 * values[1] < 0.99 * values[2]
+    assert values[2] == pytest.approx(figures["resolve_mm"])
 
 
 def test_bars_ask_for_pixels_no_wider_and_an_snr_of_twenty_decibels() -> None:

@@ -508,10 +508,50 @@ DEFECTS = (
     Defect(
         name="bars that arrive are those of clear water",
         file="uwopt/evaluation/figures_by_name.py",
-        old="contrast=figures.contrast[:, scene.nominal], ground",
+        old="contrast=contrast, ground",
         new="contrast=1.0, ground",
         test="tests/evaluation/test_resolve.py"
         "::test_narrowest_bars_have_a_tenth_of_the_contrast_by_the_closed_forms",
+    ),
+    Defect(
+        name="bars arrive at the mean of the image",
+        file="uwopt/forward/figures.py",
+        old="np.minimum(mean, reached_by_most(share_of(seen.worst_e",
+        new="np.maximum(mean, reached_by_most(share_of(seen.worst_e",
+        test="tests/evaluation/test_resolve.py"
+        "::test_bars_arrive_at_the_darkest_pixel_through_the_veil_that_is_there",
+    ),
+    Defect(
+        name="water that sends nothing back breaks the veil at a pixel",
+        file="uwopt/model/veil/ray.py",
+        old="lamps.share if scatterers else ()",
+        new="lamps.share",
+        test="tests/evaluation/test_resolve.py"
+        "::test_bars_arrive_at_the_darkest_pixel_through_the_veil_that_is_there",
+    ),
+    Defect(
+        name="bounds of bars under the sun ask for what the darkest mixture leaves",
+        file="uwopt/forward/setting_rows.py",
+        old="return np.minimum(lamps, sun), np.maximum(lamps, sun)",
+        new="return np.minimum(lamps, sun), np.minimum(lamps, sun)",
+        test="tests/solvers/test_cell_bounds.py::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it"
+        "[power of bars over the frame under the sun]",
+    ),
+    Defect(
+        name="the search looks for bars in the mean of the image",
+        file="uwopt/forward/setting_rows.py",
+        old="return self.worst_e is not None and veiled and not self.optimistic",
+        new="return False",
+        test="tests/solvers/test_front.py::test_bars_that_arrive_draw_no_more_power_than_anything_that_is_tried"
+        "[bars over the frame]",
+    ),
+    Defect(
+        name="bounds of bars ask it of the darkest pixel though some may miss it",
+        file="uwopt/forward/setting_rows.py",
+        old="np.minimum(m, reached_by_most(p, self.may_miss))",
+        new="np.minimum(m, p.min(axis=2))",
+        test="tests/solvers/test_cell_bounds.py::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it"
+        "[signal of bars that a few pixels may miss]",
     ),
     Defect(
         name="sharpness of the better direction",

@@ -73,6 +73,7 @@ PLANTED = {
     "altitudes": rc.planted("power", (FREE, STEPS), {**WANTED, "mean_level": 0.3}, altitude_tolerance_m=0.4),
     "sharp": rc.planted("power", (FREE, PULSED_FREE, ON), {**WANTED, "min_mtf_half_nyquist": 0.25}),
     "bars": rc.planted("power", (STEPS,), {**WANTED, "resolve_mm": 3.5}, altitude_tolerance_m=0.3),
+    "bars over the frame": rc.planted("power", (STEPS,), {**WANTED, "resolve_mm": 3.2, "snr_at": "worst"}),
     "still": rc.planted("power", (PULSED_FREE, FREE, FLASH_STEPS), {"min_snr_db": 20.0}, speed_m_s=0.0),
     "nothing asked": rc.planted("power", (FREE, PULSED_FREE, ON), {"max_blur_px": 1.0}),
     "clear": rc.planted("power", (FREE, PULSED_FREE), {**WANTED, "min_contrast": 0.5}),

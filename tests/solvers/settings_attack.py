@@ -138,7 +138,8 @@ def figures(
         mtf = r.sharp.mtf_half_nyquist(f_number=n, working_f_number=n_w, blur_s=blur)
         ok &= mtf.min(axis=1) >= r.min_mtf * (1 - 1e-8)
     if r.resolve_m:
-        bars_m = r.sharp.smallest_bars_m(contrast, f_number=n, working_f_number=n_w, blur_s=blur)
+        arriving = np.minimum(contrast, share_asked(r, x, open_s / n_w**2))
+        bars_m = r.sharp.smallest_bars_m(arriving, f_number=n, working_f_number=n_w, blur_s=blur)
         ok &= bars_m.max(axis=1) <= r.resolve_m * (1 + 1e-8)
     duty = np.minimum(1.0, tau * r.rate_hz)
     drawn = {CONTINUOUS: r.full_power_w, PULSED: r.full_power_w * duty, FLASH: r.pulse_energy_j * r.rate_hz}
@@ -178,6 +179,17 @@ def snr_asked(r: SceneRows, of_mean: Array, x: Array, k: Array, dark: Array, y: 
     read, prnu = (column[:, None, None] for column in (r.read_noise_e, r.prnu_frac))
     noise = read**2 + 1.0 / 12.0 / k[:, :, None] ** 2 + one + veil + dark[:, :, None] + (prnu * (one + veil)) ** 2
     return np.asarray(np.sort(one / np.sqrt(noise), axis=2)[:, :, r.may_miss])
+
+
+def share_asked(r: SceneRows, x: Array, y: Array) -> Array | float:
+    """Image-forming over all light at the pixels, without the darkest few, by altitude; 1 where no pixel is known."""
+    if r.worst_e is None or r.worst_veil_e is None:
+        return 1.0
+    one, veil = r.worst_e * x[:, :, None], r.worst_veil_e * x[:, :, None]
+    if r.worst_sun_signal_e_s is not None and r.worst_sun_veil_e_s is not None:
+        one = one + r.worst_sun_signal_e_s * y[:, None, None]
+        veil = veil + r.worst_sun_veil_e_s * y[:, None, None]
+    return np.asarray(np.sort(one / (one + veil), axis=2)[:, :, r.may_miss])
 
 
 def colours_hold(r: SceneRows, x: Array, k: Array, dark: Array, y: Array) -> Array:

@@ -39,6 +39,16 @@ BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
     "power of bars under the sun": (
         dict(sharpness=soft(), resolve_m=2.2e-3, veil=20.0, sun=(3e3, 6e3), open_max_s=5e-3, min_snr=12.0), "power",
     ),
+    "signal of bars behind veils over the frame": (
+        dict(sharpness=soft(), resolve_m=2.2e-3, veil=4.0, may_miss=2, min_snr=3.0, dark_current_e_s=50.0), "snr_db",
+    ),
+    "signal of bars that a few pixels may miss": (
+        dict(sharpness=soft(), resolve_m=2.2e-3, veil=40.0, may_miss=3, min_snr=3.0), "snr_db",
+    ),
+    "power of bars over the frame under the sun": (
+        dict(sharpness=soft(), resolve_m=2.2e-3, veil=4.0, sun=(3e3, 4e3), open_max_s=5e-3, may_miss=2, min_snr=2.0),
+        "power",
+    ),
     "information, soft wide open": (
         dict(sharpness=soft(), signal_e=[1.2e4, 1e4, 8e3], well_e=6000.0), "information",
     ),

@@ -175,16 +175,17 @@ def test_ends_are_what_the_exact_search_finds(key, name):
     assert end == pytest.approx(found.best[0].minimised, rel=1e-6)
 
 
-def test_bars_that_arrive_draw_no_more_power_than_anything_that_is_tried():
+@pytest.mark.parametrize("key", ["bars", "bars over the frame"])
+def test_bars_that_arrive_draw_no_more_power_than_anything_that_is_tried(key):
     """The exact search where bars on the floor must arrive, over altitudes; its cells end within 1e-4 of the least."""
-    case, names = fc.case_of("bars"), TRIPLE
+    case, names = fc.case_of(key), TRIPLE
     search, outcome = case.solve(top=1)
-    least = fc.tried_of("bars", names)[:, names.index("power")].min()
+    least = fc.tried_of(key, names)[:, names.index("power")].min()
     assert outcome.best[0].minimised <= least * (1 + 1e-4)
     design, values = fc.cases.evaluated_values(search, outcome.best[0], ("power",))
     assert values[0] == pytest.approx(outcome.best[0].minimised, rel=1e-6)
     (margin,) = (m for m in design.scenes[0].margins if m.requirement == "resolve_mm")
-    assert margin.satisfied and margin.value > 3.4  # without it the bars are 3.8 mm
+    assert margin.satisfied and margin.value > 0.97 * margin.limit  # without it the bars are 3.8 mm, and 3.4
 
 
 @pytest.mark.usefixtures("coarse")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from uwopt.forward import switching
 from uwopt.forward.columns import Columns
 from uwopt.forward.focus import held_at_corner
-from uwopt.forward.lamp_light import ImageLight, SunLight, added
+from uwopt.forward.lamp_light import ImageLight, SunLight, added, share_of
 from uwopt.forward.motion import motion_across, motion_along, skew_by_altitude_px, subject_m_s
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Cameras, Lenses, Lights
 from uwopt.forward.scene import SceneOptics
@@ -201,7 +201,9 @@ def figures_of(
         duty_frac=np.asarray(light_model.duty_frac(collected_s, frame_rate_hz=settings.rate_hz)),
         data_rate_mb_s=cam.frame_mb * settings.rate_hz,
         mtf_half_nyquist=rows.sharp.mtf_half_nyquist(**apertures) if needs_mtf and rows.sharp else None,
-        smallest_bars_m=rows.sharp.smallest_bars_m(contrast[:, [0, scene.nominal, -1]], **apertures)
+        smallest_bars_m=rows.sharp.smallest_bars_m(
+            bars_contrast(seen, contrast, rows.light.may_miss)[:, [0, scene.nominal, -1]], **apertures
+        )
         if needs_bars and rows.sharp
         else None,
         information_bit_per_m2=rows.sharp.information_bit_per_m2(snr[:, scene.nominal], **apertures)
@@ -259,17 +261,28 @@ def electrons_in_image(rows: DesignRows, light_x: Array, open_y: Array) -> Elect
     )
 
 
-def share_of(part: Array, whole: Array) -> Array:
-    """Part over whole; 0 where there is nothing."""
-    return np.asarray(part / np.where(whole > 0.0, whole, 1.0))
-
-
 def snr_of_pixels(seen: Electrons, noise: dict[str, Array], may_miss: int) -> Array:
     """The SNR that all but `may_miss` of the pixels reach, (n, n_altitudes)."""
     assert seen.worst_e is not None
     veil = 0.0 if seen.worst_veil_e is None else seen.worst_veil_e
     at_pixels = {name: column[:, :, None] for name, column in noise.items()}
     return reached_by_most(np.asarray(sensor.snr(seen.worst_e, veil_e=veil, **at_pixels)), may_miss)
+
+
+def bars_contrast(seen: Electrons, mean: Array, may_miss: int) -> Array:
+    """Image-forming over all light where bars must arrive, (n, n_altitudes): the image's `mean`, or less at pixels.
+
+        C = min(mean, what all but `may_miss` of the pixels reach that the SNR is asked of)
+    """
+    if seen.worst_e is None or seen.worst_veil_e is None:
+        return mean
+    return np.minimum(mean, reached_by_most(share_of(seen.worst_e, seen.worst_e + seen.worst_veil_e), may_miss))
+
+
+def bars_contrast_at(rows: DesignRows, settings: SettingRows, figures: Figures) -> Array:
+    """The same of designs whose figures are known."""
+    seen = electrons_in_image(rows, figures.light_x, open_s(rows, settings) / np.square(figures.working_f_number))
+    return bars_contrast(seen, figures.contrast, rows.light.may_miss)
 
 
 def forms_image(rows: DesignRows, settings: SettingRows) -> Array:

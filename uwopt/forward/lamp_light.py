@@ -108,6 +108,12 @@ def added(one: Array | None, other: Array | None) -> Array | None:
     return np.asarray(one + other)
 
 
+def share_of(part: Array, whole: Array) -> Array:
+    """Part over whole, (...,); 0 where there is nothing."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(whole > 0.0, part / whole, 0.0)
+
+
 class LampField:
     """One lighting seen by imagers that share scene, port and efficiency curve."""
 

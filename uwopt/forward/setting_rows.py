@@ -12,7 +12,7 @@ from uwopt.forward import switching
 from uwopt.forward.columns import Columns
 from uwopt.forward.flash_times import WHOLE_FLASH, FlashTimes
 from uwopt.forward.focus import Focused
-from uwopt.forward.lamp_light import ImageLight, SunLight
+from uwopt.forward.lamp_light import ImageLight, SunLight, share_of
 from uwopt.forward.part_columns import (
     CONTINUOUS,
     FLASH,
@@ -24,6 +24,7 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.sharpness import Bars, SharpRows, airy_f_number
 from uwopt.mission.sections import Requirements
 from uwopt.model import sensor
+from uwopt.model.image_mean import reached_by_most
 from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, RESOLVED_CONTRAST
 
 if TYPE_CHECKING:
@@ -142,15 +143,40 @@ class SceneRows(Columns):
         return np.array([0, self.nominal, self.signal_e.shape[1] - 1])
 
     def contrast_within(self) -> tuple[Array, Array]:
-        """Least and greatest contrast that lamps and sun leave in whatever mixture, (n, 3) by altitude."""
-        signal, total = self.signal_e[:, self.three], self.total_e[:, self.three]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            lamps = np.where(total > 0, signal / total, 0.0)
-            if self.sun_signal_e_s is None or self.sun_veil_e_s is None:
-                return lamps, lamps
-            shining = self.sun_signal_e_s[:, self.three]
-            every = shining + self.sun_veil_e_s[:, self.three]
-            sun = np.where(every > 0, shining / every, lamps)
+        """Least and greatest contrast of bars that lamps and sun leave in whatever mixture, (n, 3) by altitude.
+
+        The lesser of the image's mean and of what all but `may_miss` pixels reach. A pixel's contrast lies between that
+        of the lamps' light and of the sun's, and what most pixels reach grows with each: so both ends are bounds. Rows
+        that are bounds themselves know some pixels at best, of other altitudes: there the mean stands, no less.
+        """
+        mean = self._shares(self.signal_e, self.total_e, self.sun_signal_e_s, self.sun_veil_e_s)
+        if not self.veils_pixels:
+            return mean
+        assert self.worst_e is not None
+        veil = 0.0 if self.worst_veil_e is None else self.worst_veil_e
+        sun, sun_veil = self.worst_sun_signal_e_s, self.worst_sun_veil_e_s
+        if sun is None and self.sun_signal_e_s is not None and self.sun_veil_e_s is not None:
+            sun, sun_veil = self.sun_signal_e_s[:, :, None], self.sun_veil_e_s[:, :, None]
+        pixels = self._shares(self.worst_e, self.worst_e + veil, sun, sun_veil)
+        least, most = (np.minimum(m, reached_by_most(p, self.may_miss)) for m, p in zip(mean, pixels, strict=True))
+        return least, most
+
+    @property
+    def veils_pixels(self) -> bool:
+        """Whether the veil is known at each pixel that the SNR is asked of."""
+        veiled = self.worst_veil_e is not None or self.worst_sun_veil_e_s is not None
+        return self.worst_e is not None and veiled and not self.optimistic
+
+    def _shares(
+        self, signal_e: Array, total_e: Array, sun_signal_e_s: Array | None, sun_veil_e_s: Array | None
+    ) -> tuple[Array, Array]:
+        """The lesser and the greater of image-forming over all light of lamps and of the sun, at three altitudes."""
+        lamps = share_of(signal_e[:, self.three], total_e[:, self.three])
+        if sun_signal_e_s is None:
+            return lamps, lamps
+        shining = sun_signal_e_s[:, self.three]
+        every = shining if sun_veil_e_s is None else shining + sun_veil_e_s[:, self.three]
+        sun = np.where(every > 0, share_of(shining, every), lamps)
         return np.minimum(lamps, sun), np.maximum(lamps, sun)
 
     def sharp_enough(

@@ -265,7 +265,7 @@ class Requirements(Section):
     resolve_mm: Positive | None = Field(
         default=None,
         description="bars this wide on the floor, in millimetres, arrive with a contrast of a tenth in the corner, "
-        "veil counted; implies pixels no larger and an SNR of 20 dB",
+        "veil counted where snr_at counts; implies pixels no larger and an SNR of 20 dB",
     )
     shutter: Annotated[Literal["any", "global", "rolling"], CHOICE] = Field(
         default="any", description="shutter of the camera: any, global or rolling"

@@ -124,7 +124,7 @@ def _log_gain(
     rays = camera_rays(tan_along, tan_across, shape=shape, range_m=range_m)
     total = np.full(rays.path_m.shape, -np.inf)
     with np.errstate(divide="ignore", under="ignore"):
-        for index, share in enumerate(lamps.share):
+        for index, share in enumerate(lamps.share if scatterers else ()):  # else the water sends nothing back
             view = _lamp_view(rays, lamps=lamps, index=index, beam=beam)
             from_lamp = _log_ray_integral(
                 view, beam=beam, scatterers=scatterers, order=ray_nodes, table_nodes=table_nodes,

@@ -356,8 +356,9 @@ def deciding_light(model: DesignModel, index: int, lamp: ImageLight, worst_e: Ar
     current, most of all at the lowest gain and the longest exposure: see `few_pixels.between`.
     """
     scene, cam = model.problem.scenes[index], model.cameras
-    wanted = scene.view.requirements.min_snr
-    if not wanted or worst_e.shape[2] == 1:
+    needs = scene.view.requirements
+    wanted = needs.min_snr
+    if not wanted or worst_e.shape[2] == 1 or needs.resolve_mm is not None:  # bars must arrive at other pixels
         return lamp
     longest_s = min(float(cam.max_exposure_s[0]), model.problem.mission.limits.max_exposure_ms * 1e-3)
     always = float(cam.read_noise_e[0]) ** 2

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
 from uwopt.forward.flash_times import WHOLE_FLASH
+from uwopt.forward.lamp_light import share_of
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import Bars, SharpRows
@@ -287,8 +288,9 @@ class SceneCells:
         if rows.worst_e is None:  # what pixels reach may be more than the mean has
             alive &= snr >= rows.min_snr * (1 - 1e-9)
         if self.sunlit and any(still.bars.veiled for still in self.bars):
-            seen = self._most_contrast(rows, box, top, bottom, x_lo, x_cap, y_lo, y_hi)
-            alive &= self.sharp_enough(d, box.n_lo, box.n_hi, box.open_lo, seen[:, rows.three], 1e-9)
+            seen = self._most_contrast(rows, box, top, bottom, x_lo, x_cap, y_lo, y_hi)[:, rows.three]
+            seen = np.minimum(seen, self.most_contrast[d] * (1 + SLACK))
+            alive &= self.sharp_enough(d, box.n_lo, box.n_hi, box.open_lo, seen, 1e-9)
         return Reach(alive, power, snr, contrast, x_lo, x_cap, high, bottom, top)
 
     def balanced_levels(self, rows: SceneRows, box: Box, bottom: Array, top: Array) -> tuple[Array, Array]:
@@ -407,7 +409,7 @@ class SceneCells:
         )  # a flash that never fires draws nothing
         fits &= holds & (power - rows.idle <= drawn_most * (1 + 2e-9))
         if self.bars:
-            seen = contrast_of(rows, light_x, sun)[:, rows.three]
+            seen = bars_contrast(rows, light_x, sun)[:, rows.three]
             fits &= self.sharp_enough(d, f_number, f_number, blur_s, seen, MEETS)
         chosen = closed_form.Chosen(f_number, level, time_s, gain, light_x, power, peak, exposure)
         return Points(chosen, fits, snr, contrast, blur_s)
@@ -440,13 +442,29 @@ class SceneCells:
         )  # fmt: skip
 
 
-def contrast_of(rows: SceneRows, light_x: Array, sun: Sun | None) -> Array:
-    """Image-forming over all light by altitude, (n, n_altitudes)."""
+def bars_contrast(rows: SceneRows, light_x: Array, sun: Sun | None) -> Array:
+    """Image-forming over all light by altitude, (n, n_altitudes): of the mean, or less where pixels count."""
     signal, total = rows.signal_e * light_x[:, None], rows.total_e * light_x[:, None]
     if sun is not None:
         signal, total = signal + sun.signal_e, total + sun.total_e
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(total > 0, signal / total, 0.0)
+    mean = share_of(signal, total)
+    if not rows.veils_pixels:
+        return mean
+    one, veil = at_pixels(rows, light_x, sun)
+    return np.minimum(mean, reached_by_most(share_of(one, one + veil), rows.may_miss))
+
+
+def at_pixels(rows: SceneRows, light_x: Array, sun: Sun | None) -> tuple[Array, Array]:
+    """Signal and veil at the pixels that the SNR is asked of, (n, n_altitudes, n_pixels)."""
+    assert rows.worst_e is not None
+    x = light_x[:, None, None]
+    one = rows.worst_e * x
+    veil: Any = np.zeros_like(one) if rows.worst_veil_e is None else rows.worst_veil_e * x
+    if sun is not None and sun.worst_signal_e is not None and sun.worst_total_e is not None:
+        return one + sun.worst_signal_e, veil + (sun.worst_total_e - sun.worst_signal_e)
+    if sun is not None:
+        return one + sun.signal_e[:, :, None], veil + (sun.total_e - sun.signal_e)[:, :, None]
+    return one, veil
 
 
 def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) -> tuple[Array, Array, Array]:
@@ -465,14 +483,9 @@ def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) ->
         share = np.where(total > 0, signal / total, 0.0)
         lowest = snr.min(axis=1)
         if rows.worst_e is not None:
-            one = rows.worst_e * x[:, :, None]
-            veil: Any = 0.0 if rows.worst_veil_e is None else rows.worst_veil_e * x[:, :, None]
-            if sun is not None and sun.worst_signal_e is not None and sun.worst_total_e is not None:
-                one, veil = one + sun.worst_signal_e, veil + (sun.worst_total_e - sun.worst_signal_e)
-            elif sun is not None:
-                one, veil = one + sun.signal_e[:, :, None], veil + (sun.total_e - sun.signal_e)[:, :, None]
-            at_pixels = {name: column[:, :, None] for name, column in noise.items()}
-            each = np.asarray(sensor.snr(one, veil_e=veil, **at_pixels))
+            one, veil = at_pixels(rows, light_x, sun)
+            there = {name: column[:, :, None] for name, column in noise.items()}
+            each = np.asarray(sensor.snr(one, veil_e=veil, **there))
             lowest = reached_by_most(each, rows.may_miss).min(axis=1)
         ratio = rows.highlight_ratio
         brightest = (total + dark).max(axis=1)
