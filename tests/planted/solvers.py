@@ -550,8 +550,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="images of one width along the motion are taken for one",
         file="uwopt/forward/remembered.py",
-        old="np.stack([view.tan_along, view.tan_across]), axis=1",
-        new="np.stack([view.tan_along, view.tan_along]), axis=1",
+        old="rows_alike(view.tan_along, view.tan_across)",
+        new="rows_alike(view.tan_along, view.tan_along)",
         test="tests/forward/test_remembered.py::test_images_that_are_alike_are_made_once",
     ),
     Defect(
