@@ -4,6 +4,7 @@ from planted.defect import Defect
 
 LIMITS = "tests/evaluation/test_setting_limits.py"
 WORSE = "tests/solvers/test_worse_water.py"
+COMPARE = "tests/report/compare/test_compare.py"
 CARD = "tests/report/card/test_card.py"
 BOOK = "tests/report/order/test_bom_book.py"
 
@@ -98,5 +99,26 @@ DEFECTS = (
         old='row("data_rate_mb_s", "GB", 3.6)',
         new='row("data_rate_mb_s", "GB", 60.0)',
         test=f"{CARD}::test_the_day_s_work_is_that_of_an_hour",
+    ),
+    Defect(
+        name="a missed requirement counts as met",
+        file="uwopt/report/compare/rows.py",
+        old="words.margin_ends(margin)[0], margin.satisfied)",
+        new="words.margin_ends(margin)[0], margin.value is not None)",
+        test=f"{COMPARE}::test_each_requirement_is_told_of_every_system",
+    ),
+    Defect(
+        name="the best of several ratings is told",
+        file="uwopt/report/compare/rows.py",
+        old="if known is None or in_hand(margin) < in_hand(known):",
+        new="if known is None or in_hand(margin) > in_hand(known):",
+        test=f"{COMPARE}::test_of_several_parts_the_one_with_the_least_in_hand_is_told",
+    ),
+    Defect(
+        name="a rig that misses what is asked beats the recommendation",
+        file="uwopt/report/compare/rows.py",
+        old='*(["it does not do what is asked"] if missed else [])',
+        new="*[]",
+        test=f"{COMPARE}::test_rig_that_is_better_by_the_goal_is_told_why",
     ),
 )

@@ -17,6 +17,7 @@ from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.cli.bench import bench_command
 from uwopt.cli.card import card_command
 from uwopt.cli.catalog import catalog_app
+from uwopt.cli.compare import compare_command
 from uwopt.cli.options import (
     AccuracyOption,
     FullOption,
@@ -217,6 +218,7 @@ def parsed_objective(text: str) -> str | dict[str, float]:
 app.command("pareto", short_help="Trade two or three objectives: the whole front.")(pareto_command)
 app.command("bench", short_help="Measure error against run time on this machine.")(bench_command)
 app.command("report", short_help="Make the page of a result again.")(report_command)
+app.command("compare", short_help="Hold systems against each other.")(compare_command)
 app.command("card", short_help="Print what to set at sea, on one page.")(card_command)
 
 # ---------------------------------------------------------------- init and schema

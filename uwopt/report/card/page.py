@@ -8,6 +8,9 @@ from uwopt.report.page.html_file import rendered
 from uwopt.report.text.looked_at import in_page, wording
 from uwopt.results.result import Result
 
+LEGEND = "A setting may be off as far as told while all others stay; brightness apart, which gain can mend."
+FOOT = "settings card. Computed, not yet dived: take a test image first."
+
 
 def card_of(result: Result, name: str) -> SettingsCard:
     """The card of a result; raises ResultError where it has no design."""
@@ -20,6 +23,7 @@ def card_of(result: Result, name: str) -> SettingsCard:
 def card_html(result: Result, card: SettingsCard) -> str:
     """The card as a page."""
     page = rendered(
-        "card.html", (), {"figures": {}}, title="Settings card", name=card.name, card=card, version=result.uwopt_version
-    )
+        "sheet.html", (), {"figures": {}}, title="Settings card", name=card.name, version=result.uwopt_version,
+        lead=card.hardware, said=f"{card.verdict} {LEGEND}", blocks=card.blocks, foot=FOOT,
+    )  # fmt: skip
     return in_page(page, wording(result.mission))

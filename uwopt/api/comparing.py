@@ -1,0 +1,94 @@
+"""`uwopt.compare`: systems side by side in one mission, each evaluated by the same rules."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from uwopt.api.common import Progress, Source, prepared
+from uwopt.api.evaluating import evaluate
+from uwopt.errors import MissionError
+from uwopt.mission.mission import Mission
+from uwopt.mission.system import System, load_system
+from uwopt.results.design import Design
+from uwopt.results.result import Result
+
+MOST_SYSTEMS = 12  # columns that a page can show
+RECOMMENDED = "recommended"
+
+
+@dataclass(frozen=True)
+class SideBySide:
+    """One system of a comparison; `result` of the recommended one is that of the search, where something fits."""
+
+    name: str
+    result: Result
+
+    @property
+    def design(self) -> Design:
+        """The system's parts, settings, figures and margins."""
+        assert self.result.best is not None
+        return self.result.best
+
+    @property
+    def recommended(self) -> bool:
+        """Whether it is what the search recommends."""
+        return self.result.command == "solve"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Systems in one mission; `nothing_fits` where a recommendation was asked for and there is none."""
+
+    mission: Mission
+    systems: tuple[SideBySide, ...]
+    nothing_fits: bool = False
+
+
+def compare(
+    mission: Source | Mission, systems: Sequence[Source | System], *, recommended: bool = False,
+    physics: str | None = None, progress: Progress | None = None,
+) -> Comparison:  # fmt: skip
+    """Systems side by side in a mission, requirement by requirement.
+
+    Parameters
+    ----------
+    mission : file name, mapping or Mission
+    systems : file names or mappings, each as `evaluate` takes them
+    recommended : also what `solve` recommends
+    physics : another than the mission's
+    """
+    if not systems:
+        raise MissionError("compare: no system is named; give one system file or more behind the mission.")
+    if len(systems) > MOST_SYSTEMS:
+        raise MissionError(f"compare: {len(systems)} systems are too many for a page; give {MOST_SYSTEMS} at most.")
+    wanted = prepared(mission, physics, None)
+    loaded = [load_system(system) for system in systems]
+    names = apart([shown_name(system) for system in loaded])
+    found = [SideBySide(name, evaluate(wanted, system)) for name, system in zip(names, loaded, strict=True)]
+    if not recommended:
+        return Comparison(wanted, tuple(found))
+    from uwopt.api.solving import solve
+
+    best = solve(wanted, quick=True, progress=progress)
+    if best.best is None:
+        return Comparison(wanted, tuple(found), nothing_fits=True)
+    return Comparison(wanted, (*found, SideBySide(RECOMMENDED, best)))
+
+
+def shown_name(system: System) -> str:
+    """A system's own name, or that of its file."""
+    given = system.name != System.model_fields["name"].default
+    return system.name if given else Path(system.source_name).name.removesuffix(".yaml").removesuffix(".system")
+
+
+def apart(names: Sequence[str]) -> list[str]:
+    """Names with a number behind those that occur again."""
+    made: list[str] = []
+    for name in names:
+        number, told = 2, name
+        while told in made:
+            told, number = f"{name} ({number})", number + 1
+        made.append(told)
+    return made

@@ -1,0 +1,1 @@
+"""Systems side by side: rows, text, page and table of a comparison."""
