@@ -50,12 +50,11 @@ def section(name: str) -> Iterator[str]:
     """One rig and its recommendation."""
     made = compare(PROBLEMS / f"{name}.yaml", [PROBLEMS / f"{name}.system.yaml"], recommended=True)
     names = [one.name for one in made.systems]
-    yield f"## {name}: {made.mission.name}"
+    yield f"## {name}: {made.systems[0].result.mission['name']}"
     yield ""
     yield from table(grid(names, facts(made)))
     yield ""
-    for text in sentences(made):
-        yield text
+    yield from sentences(made)
     yield ""
     rows = [*requirement_rows(made)]
     scenes = list(dict.fromkeys(row.scene for row in rows))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from uwopt.api.common import Progress, Source, prepared
@@ -11,39 +10,10 @@ from uwopt.api.evaluating import evaluate
 from uwopt.errors import MissionError
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System, load_system
-from uwopt.results.design import Design
-from uwopt.results.result import Result
+from uwopt.results.comparison import Comparison, SideBySide
 
 MOST_SYSTEMS = 12  # columns that a page can show
 RECOMMENDED = "recommended"
-
-
-@dataclass(frozen=True)
-class SideBySide:
-    """One system of a comparison; `result` of the recommended one is that of the search, where something fits."""
-
-    name: str
-    result: Result
-
-    @property
-    def design(self) -> Design:
-        """The system's parts, settings, figures and margins."""
-        assert self.result.best is not None
-        return self.result.best
-
-    @property
-    def recommended(self) -> bool:
-        """Whether it is what the search recommends."""
-        return self.result.command == "solve"
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Systems in one mission; `nothing_fits` where a recommendation was asked for and there is none."""
-
-    mission: Mission
-    systems: tuple[SideBySide, ...]
-    nothing_fits: bool = False
 
 
 def compare(
@@ -68,13 +38,13 @@ def compare(
     names = apart([shown_name(system) for system in loaded])
     found = [SideBySide(name, evaluate(wanted, system)) for name, system in zip(names, loaded, strict=True)]
     if not recommended:
-        return Comparison(wanted, tuple(found))
+        return Comparison(tuple(found))
     from uwopt.api.solving import solve
 
     best = solve(wanted, quick=True, progress=progress)
     if best.best is None:
-        return Comparison(wanted, tuple(found), nothing_fits=True)
-    return Comparison(wanted, (*found, SideBySide(RECOMMENDED, best)))
+        return Comparison(tuple(found), nothing_fits=True)
+    return Comparison((*found, SideBySide(RECOMMENDED, best)))
 
 
 def shown_name(system: System) -> str:

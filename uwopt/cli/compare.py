@@ -40,5 +40,5 @@ def compare_command(
     if folder is not None:
         files = {PAGE: comparison_html(made), TABLE: comparison_csv(made)}
         written = write_files(made_folder(folder), files)
-    print_made(comparison_blocks(made), written, mission=made.mission.to_dict(), quiet=quiet)
+    print_made(comparison_blocks(made), written, mission=made.systems[0].result.mission, quiet=quiet)
     return DONE

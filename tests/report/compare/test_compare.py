@@ -14,13 +14,13 @@ import yaml
 from priced_system import PRICED
 from typer.testing import CliRunner
 
-from uwopt.api.comparing import Comparison, SideBySide, apart, compare
+from uwopt.api.comparing import apart, compare
 from uwopt.cli.app import app
 from uwopt.errors import MissionError
-from uwopt.mission.mission import load_mission
 from uwopt.report.compare.page import comparison_blocks, comparison_csv, comparison_html
 from uwopt.report.compare.rows import margins_of, requirement_rows, sentences
 from uwopt.report.text.layout import Grid
+from uwopt.results.comparison import Comparison, SideBySide
 from uwopt.results.design import Margin, Note
 
 Make = Callable[..., Any]
@@ -68,7 +68,7 @@ def side_by_side(make_result: Make, rig: float, *, missed: bool = False, notes: 
         scenes = [replace(s, margins=[replace(s.margins[0], satisfied=False), *s.margins[1:]]) for s in scenes]
     own = replace(best.best, objective_value=rig, scenes=scenes, warnings=[*notes])
     given = replace(best, command="evaluate", recommendation=None, design=own, warnings=[])
-    return Comparison(load_mission(MISSION), (SideBySide("rig", given), SideBySide("recommended", best)))
+    return Comparison((SideBySide("rig", given), SideBySide("recommended", best)))
 
 
 def test_rig_that_is_worse_by_the_goal_may_show_more(make_result: Make) -> None:

@@ -6,13 +6,13 @@ import csv
 import io
 from collections.abc import Iterable, Sequence
 
-from uwopt.api.comparing import Comparison
 from uwopt.report.compare.rows import ComparedRow, facts, figure_rows, requirement_rows, sentences
 from uwopt.report.page.html_file import rendered
 from uwopt.report.text import words
 from uwopt.report.text.cells import defused
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
 from uwopt.report.text.looked_at import in_page, wording
+from uwopt.results.comparison import Comparison
 
 PAGE, TABLE = "compare.html", "compare.csv"
 

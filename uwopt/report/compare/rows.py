@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from uwopt.api.comparing import Comparison, SideBySide
 from uwopt.quantities import QUANTITIES
 from uwopt.report.text import words
+from uwopt.results.comparison import Comparison, SideBySide
 from uwopt.results.design import Design, Margin
 
 #: Limits of the parts themselves, told only where one is missed.
