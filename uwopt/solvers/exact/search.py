@@ -254,10 +254,11 @@ class Search:
         position, batch = 0, FIRST_DEAR if self.enough or self.objective.weight("information") else FIRST_BATCH
         rough = np.full(len(value), not few and self.sift is None and self.bounds.asks_of_images())
         largest = LARGEST_COSTLY if rough.any() else LARGEST_BATCH
+        look = REFINED_AHEAD * batch
         while position < len(order):
             threshold = self.ranking.threshold()
             if rough[order[position]] and value[order[position]] <= threshold:
-                ahead = order[position : position + REFINED_AHEAD * batch]
+                ahead = order[position : position + look]
                 ahead = ahead[rough[ahead] & (value[ahead] <= threshold)]
                 try:
                     self._refine(ahead, rows, value, power, size)
@@ -269,7 +270,7 @@ class Search:
                 rest = order[position:]
                 rest = rest[np.isfinite(value[rest])]
                 order = rest[np.lexsort((power[rest], value[rest]))]
-                position = 0
+                position, look = 0, 2 * look  # while nothing comes to the front that can be evaluated
                 continue
             ahead = order[position : position + batch]
             ahead = ahead[np.logical_and.accumulate(~rough[ahead])]
@@ -290,6 +291,7 @@ class Search:
                 return float(value[rest].min())
             position += len(ahead)
             batch = min(2 * batch, largest)
+            look = REFINED_AHEAD * batch
         self.account.discarded["bound"] += int(size[order[position:]].sum())
         self._sample("bound", order[position:], rows)
         return None
