@@ -199,4 +199,25 @@ DEFECTS: tuple[Defect, ...] = (
         new="a.value < most and a.rule != BESIDE",
         test=f"{AUDIT}test_a_search_cut_short_is_held_to_its_bound_beside_the_best[1.005-False]",
     ),
+    Defect(
+        name="ties are shut out that are as good as what is known",
+        file="uwopt/solvers/exact/ranking.py",
+        old="(tied & (before | level))",
+        new="(tied & before)",
+        test=f"{CERTIFICATE}test_ties_are_shut_out_by_what_comes_after_all_that_are_known",
+    ),
+    Defect(
+        name="ties are shut out by mass before cost has decided",
+        file="uwopt/solvers/exact/ranking.py",
+        old="before |= level & (mine < its)",
+        new="before = level & (mine < its)",
+        test=f"{CERTIFICATE}test_ties_are_shut_out_by_what_comes_after_all_that_are_known",
+    ),
+    Defect(
+        name="ties are shut out by rounding",
+        file="uwopt/solvers/exact/ranking.py",
+        old="least + TIE * np.maximum(np.abs(value), abs(least))",
+        new="least",
+        test=f"{CERTIFICATE}test_ties_are_shut_out_by_what_comes_after_all_that_are_known",
+    ),
 )

@@ -222,10 +222,27 @@ def test_the_last_place_is_what_must_be_beaten() -> None:
     """Ties included; anything while there is room."""
     ranking, design = ranked(top=2)
     ranking._insert(replace(design, camera=0))
-    assert ranking.threshold() == math.inf and ranking.power_threshold() == math.inf
+    assert ranking.threshold() == math.inf
+    assert not ranking.shut_out(*(np.array([1e9]) for _ in range(4))).any()
     ranking._insert(replace(design, camera=1, minimised=20.0, power_w=20.0))
     assert ranking.threshold() == pytest.approx(20.0, rel=2e-9) and ranking.threshold() > 20.0
-    assert ranking.power_threshold() == pytest.approx(20.0, rel=2e-9)
+
+
+def test_ties_are_shut_out_by_what_comes_after_all_that_are_known() -> None:
+    """Of lower bounds of objective, power, cost and mass the first that differs decides; equal ones may still win."""
+    ranking, design = ranked(top=2)
+    known = replace(design, minimised=10.0, power_w=5.0, cost=100.0, mass_kg=2.0)
+    ranking._insert(replace(known, camera=0))
+    ranking._insert(replace(known, camera=1, mass_kg=3.0))
+    last, tied = (10.0, 5.0, 100.0, 3.0), 10.0 * (1.0 + 5e-10)
+    for bounds, shut in (
+        (last, False), ((tied, *last[1:]), False), ((10.0 * (1.0 - 3e-9), 9.0, 900.0, 9.0), False),
+        ((10.0, 4.0, 900.0, 9.0), False), ((10.0, 5.0, 99.0, 9.0), False), ((10.0, 5.0, 100.0, 2.5), False),
+        ((10.0, 5.1, 1.0, 1.0), True), ((tied, 5.0, 101.0, 1.0), True), ((10.0, 5.0, 100.0, 3.1), True),
+        ((10.0 * (1.0 - 5e-10), 5.1, 1.0, 1.0), True), ((10.0 * (1.0 + 3e-9), 1.0, 1.0, 1.0), True),
+        ((10.0, 5.0 * (1.0 + 1e-14), 100.0, 3.0), False),
+    ):  # fmt: skip
+        assert ranking.shut_out(*(np.array([bound]) for bound in bounds)).tolist() == [shut], bounds
 
 
 def test_a_search_lists_runners_up_in_their_order() -> None:

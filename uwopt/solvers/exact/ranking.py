@@ -13,7 +13,7 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.light_tables import Lighting
-from uwopt.tolerances import TIE
+from uwopt.tolerances import SLACK, TIE
 
 Array = NDArray[Any]
 
@@ -65,13 +65,30 @@ class Ranking:
         worst = self.best[-1].minimised
         return min(worst + TIE * abs(worst), self.ceiling)
 
-    def power_threshold(self) -> float:
-        """Among ties, the power that a design must not exceed to matter."""
+    def shut_out(self, value: Array, power: Array, cost: Array, mass: Array | float = 0.0) -> Array:
+        """Designs that get no place, by lower bounds of their objective, power, cost and mass, (n,).
+
+        They exceed the threshold, or tie at best with designs that come before them in power, in cost or in mass.
+        """
+        limit, out = self.threshold(), value > self.threshold()
         if len(self.best) < self.top:
-            return np.inf
-        worst = self.best[-1].minimised
-        tied = [f.power_w for f in self.best if abs(f.minimised - worst) <= 2 * TIE * abs(worst)]
-        return max(tied) * (1.0 + TIE)
+            return out
+        tied = np.flatnonzero(~out & (value >= limit - 3 * TIE * abs(limit)))
+        if len(tied):
+            own = [told_apart(np.broadcast_to(one, out.shape)[tied] * (1.0 - SLACK)) for one in (power, cost, mass)]
+            out[tied] = ~np.any([self._may_pass(design, value[tied], own) for design in self.best], axis=0)
+        return out
+
+    def _may_pass(self, design: Found, value: Array, own: list[Array]) -> Array:
+        """Whether a design may come before one that is known, by lower bounds of its objective and of its tie key."""
+        least, slack = design.minimised, TIE * abs(design.minimised)
+        before, level = np.zeros(len(value), bool), np.ones(len(value), bool)
+        for mine, known in zip(own, (design.power_w, design.cost, design.mass_kg), strict=True):
+            its = float(told_apart(known))
+            before |= level & (mine < its)
+            level &= mine == its
+        tied = value <= least + TIE * np.maximum(np.abs(value), abs(least))
+        return (value < least - slack) | (tied & (before | level))
 
     def add(
         self, imager: Array, light: Array, count: Array, lighting: Lighting, value: Array, terms: Terms,
@@ -90,14 +107,18 @@ class Ranking:
             tie_class,
         )
         order = hopeful[np.lexsort(keys)]
+        order = order[~self.shut_out(value[order], terms.power[order], terms.cost[order], terms.mass[order])]
         im = self.imagers
         rows = imager[order]
         # each hardware's best comes first
         first, _ = rows_alike(im.camera[rows], im.lens[rows], im.port[rows], light[order])
-        for i in order[np.sort(first)]:
-            if value[i] > self.threshold():
-                break
-            self._insert(self._found(int(i), imager, light, count, lighting, value, terms, chosen, exposure))
+        order = order[np.sort(first)]
+        while len(order):
+            i, known = int(order[0]), self.best
+            self._insert(self._found(i, imager, light, count, lighting, value, terms, chosen, exposure))
+            order = order[1:]
+            if self.best is not known:
+                order = order[~self.shut_out(value[order], terms.power[order], terms.cost[order], terms.mass[order])]
 
     def _found(
         self, i: int, imager: Array, light: Array, count: Array, lighting: Lighting, value: Array, terms: Terms,

@@ -44,7 +44,7 @@ from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.settings.best import GAP, best_settings
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.mean_limit import MeanLimit
-from uwopt.tolerances import ROUND, TIE
+from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 
@@ -250,7 +250,8 @@ class Search:
             self.account.discarded[name] += int(size[failed].sum())
             self._sample(name, np.nonzero(failed)[0], rows)
         alive = np.nonzero(np.isfinite(value) & (rule < 0))[0]
-        order = alive[np.lexsort((power[alive], value[alive]))]
+        cost = self.imagers.cost[rows]
+        order = alive[np.lexsort((cost[alive % n], power[alive], value[alive]))]
         position, batch = 0, FIRST_DEAR if self.enough or self.objective.weight("information") else FIRST_BATCH
         rough = np.full(len(value), not few and self.sift is None and self.bounds.asks_of_images())
         largest = LARGEST_COSTLY if rough.any() else LARGEST_BATCH
@@ -269,7 +270,7 @@ class Search:
                 rough[ahead] = False
                 rest = order[position:]
                 rest = rest[np.isfinite(value[rest])]
-                order = rest[np.lexsort((power[rest], value[rest]))]
+                order = rest[np.lexsort((cost[rest % n], power[rest], value[rest]))]
                 position, look = 0, 2 * look  # while nothing comes to the front that can be evaluated
                 continue
             ahead = order[position : position + batch]
@@ -277,13 +278,13 @@ class Search:
             ahead = ahead[value[ahead] <= threshold]
             if len(ahead) == 0:
                 break
-            tied = np.isfinite(threshold) & (value[ahead] >= threshold - 2 * TIE * abs(threshold))
-            useful = ahead[~(tied & (power[ahead] > self.ranking.power_threshold()))]
+            useful = ahead[~self.ranking.shut_out(value[ahead], power[ahead], cost[ahead % n])]
             before = (self.account.evaluated, dict(self.account.discarded))
             self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
             try:
                 self.deadline.check()
-                (self.sift or self.evaluate_nodes)(useful // n, rows[useful % n])
+                if len(useful):
+                    (self.sift or self.evaluate_nodes)(useful // n, rows[useful % n])
             except OutOfTimeError:  # what was found of this batch stays; the batch counts as not reached
                 self.account.evaluated, self.account.discarded = before
                 rest = order[position:]
@@ -380,7 +381,8 @@ class Search:
                 imagers.gsd_mm[imager[node]], 1.0, self.bounds.information_ceiling(imager)[node],
             )
         )  # fmt: skip
-        rule = np.where((rule < 0) & (floor > self.ranking.threshold()), NODE_RULES.index("bound"), rule)
+        beaten = self.ranking.shut_out(floor, imagers.camera_power_w[imager[node]], cost, mass)
+        rule = np.where((rule < 0) & beaten, NODE_RULES.index("bound"), rule)
         for index, name in enumerate(NODE_RULES):
             self.account.discarded[name] += int((rule == index).sum())
         keep = np.nonzero(rule < 0)[0]
@@ -413,7 +415,9 @@ class Search:
                 lights = self._with_veils(pairs.imager, lights, lighting, stage)
             bound = np.maximum(bound, self._bound(pairs, lights, lighting, stage, closed_alone=stage != stages[-1]))
             found = found or int(np.isfinite(bound).sum())
-            kept = np.nonzero(np.isfinite(bound) & (bound <= self.ranking.threshold()))[0]
+            camera_power = self.imagers.camera_power_w[pairs.imager[pairs.node]]
+            beaten = self.ranking.shut_out(bound, camera_power, pairs.cost, pairs.mass_kg)
+            kept = np.nonzero(np.isfinite(bound) & ~beaten)[0]
             if len(kept) == 0:
                 break
             used, back = np.unique(pairs.node[kept], return_inverse=True)
