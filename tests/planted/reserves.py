@@ -10,7 +10,37 @@ RULES = "tests/solvers/test_rules.py"
 EXACT = "tests/solvers/test_exact.py"
 MISSION = "uwopt/mission/reserves.py"
 
+LEANING = "tests/solvers/test_leaning.py::"
+
 DEFECTS: tuple[Defect, ...] = (
+    Defect(
+        name="settings to set forget lamps that lean inward",
+        file="uwopt/evaluation/leaning.py",
+        old='(("outward", 1.0), ("inward", -1.0))',
+        new='(("outward", 1.0),)',
+        test=LEANING + "test_settings_to_set_hold_with_lamps_that_lean[mean]",
+    ),
+    Defect(
+        name="lamps that lean are heeded but not held",
+        file="uwopt/solvers/settable/rounding.py",
+        old="[*heeded, *leaner], deadline)",
+        new="leaner, deadline)",
+        test=LEANING + "test_settings_to_set_hold_with_lamps_that_lean[mean]",
+    ),
+    Defect(
+        name="the best is taken though its lamps may not lean",
+        file="uwopt/solvers/recommend.py",
+        old="math.inf if value is None or leans(design) else",
+        new="math.inf if value is None else",
+        test=LEANING + "test_hardware_whose_lamps_may_lean_is_taken_before_better_that_may_not",
+    ),
+    Defect(
+        name="no settings are offered where no lamps may lean",
+        file="uwopt/solvers/settable/rounding.py",
+        old="again, first)\n    return first",
+        new="again, first)\n    return made",
+        test=LEANING + "test_where_no_lamps_may_lean_the_best_is_told_with_a_warning",
+    ),
     Defect(
         name="a reserve of blur allows more of it",
         file=MISSION,

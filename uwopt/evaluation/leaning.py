@@ -9,12 +9,14 @@ import numpy as np
 
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import Hardware, SceneSettings
+from uwopt.forward.figures import Figures, SettingRows
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
 from uwopt.objectives.requirements import MarginRows
 from uwopt.results.design import Note
 
 STEEPEST_DEG = 80.0
+TILT_RESERVE = "tilt_reserve"  # code of the warning that lamps that lean lose what is asked for
 OF_GAIN = ("mean_level",)  # a gain sets it anew, without another image
 
 
@@ -46,41 +48,66 @@ def settings_of(shown: dict[str, float | None]) -> SceneSettings:
     )  # fmt: skip
 
 
-def lost_when_leaning(
-    problem: Problem, hardware: Hardware, given: Sequence[SceneSettings], by_deg: float
-) -> list[str]:
-    """Requirements as asked for, their reserve used up, that these settings miss when every lamp leans outward."""
-    leant = replace(hardware, mount=leaning(hardware.mount, by_deg))
-    model = DesignModel(problem.with_mount(leant.mount), leant)
-    lost = []
-    for index, wanted in enumerate(given):
-        settings = model.settings(index, wanted)
-        margins = model.margins(index, settings, model.figures(index, settings))
-        lost += [m.requirement for m in margins if m.requirement not in OF_GAIN and not holds_as_asked(m)]
-    return list(dict.fromkeys(lost))
+class LeaningModel(DesignModel):
+    """A design whose lamps lean other than they should: its margins are those asked for, their reserves used up."""
+
+    def margins(
+        self, index: int, settings: SettingRows, figures: Figures, *, level_tolerance_rel: float = 1e-6
+    ) -> list[MarginRows]:
+        """Requirements as asked for; but the mean level, which a gain sets anew."""
+        held = super().margins(index, settings, figures, level_tolerance_rel=level_tolerance_rel)
+        return [as_asked(margin) for margin in held if margin.requirement not in OF_GAIN]
+
+
+def as_asked(margin: MarginRows) -> MarginRows:
+    """A margin whose limit is what is asked for, without the reserve on top."""
+    kept = margin.reserve if margin.sense == "<=" else -margin.reserve
+    return replace(margin, limit=np.asarray(margin.limit + kept), reserve=0.0)
 
 
 def holds_as_asked(margin: MarginRows) -> bool:
     """Whether what is asked for holds when the reserve on top may be used up."""
-    kept = margin.reserve if margin.sense == "<=" else -margin.reserve
-    return bool(replace(margin, limit=np.asarray(margin.limit + kept)).satisfied[0])
+    return bool(as_asked(margin).satisfied[0])
 
 
-def tilt_notes(problem: Problem, hardware: Hardware, given: Sequence[SceneSettings]) -> list[Note]:
-    """Warnings where lamps that lean as far as the mission's reserve lose what is asked for.
+def leaning_models(problem: Problem, hardware: Hardware) -> dict[str, LeaningModel]:
+    """A design with every lamp as far outward, and inward, as the mission's reserve; made once a problem.
 
-    A check of one design with its settings: a search does not know it, nor does a certificate.
+    None where no reserve is kept or no lamp is lit.
     """
     tilt_deg = problem.mission.reserve.tilt_deg
     if problem.paper or not tilt_deg or problem.unlit(hardware.light):
-        return []
-    notes = []
-    for way, sign in (("outward", 1.0), ("inward", -1.0)):
-        lost = lost_when_leaning(problem, hardware, given, sign * tilt_deg)
+        return {}
+    key = ("leaning", hardware)
+    if key not in problem.known_models:
+        made = {}
+        for way, sign in (("outward", 1.0), ("inward", -1.0)):
+            leant = replace(hardware, mount=leaning(hardware.mount, sign * tilt_deg))
+            made[way] = LeaningModel(problem.with_mount(leant.mount), leant)
+        problem.known_models[key] = made
+    models: dict[str, LeaningModel] = problem.known_models[key]
+    return models
+
+
+def lost_when_leaning(model: LeaningModel, given: Sequence[SceneSettings]) -> list[str]:
+    """Requirements as asked for that these settings miss."""
+    lost = []
+    for index, wanted in enumerate(given):
+        settings = model.settings(index, wanted)
+        margins = model.margins(index, settings, model.figures(index, settings))
+        lost += [margin.requirement for margin in margins if not margin.satisfied[0]]
+    return list(dict.fromkeys(lost))
+
+
+def tilt_notes(problem: Problem, hardware: Hardware, given: Sequence[SceneSettings]) -> list[Note]:
+    """Warnings where lamps that lean as far as the mission's reserve lose what is asked for, at these settings."""
+    tilt_deg, notes = problem.mission.reserve.tilt_deg, []
+    for way, model in leaning_models(problem, hardware).items():
+        lost = lost_when_leaning(model, given)
         if lost:
             text = (
                 f"with every lamp {tilt_deg:g} degrees further {way} and the settings as they are, "
                 f"{', '.join(lost)} would be missed; keep more in hand (reserve.snr_db), or fix the lamps' aim"
             )
-            notes.append(Note("tilt_reserve", "reserve.tilt_deg", text))
+            notes.append(Note(TILT_RESERVE, "reserve.tilt_deg", text))
     return notes

@@ -46,7 +46,7 @@ class Reserve(Section):
     tilt_deg: Annotated[float, Field(ge=0, le=30), NUMBER] = Field(
         default=0.0,
         description="degrees that every lamp may lean inward or outward before what is asked for is lost, "
-        "recommended 3; checked of the answer, with a warning",
+        "recommended 3; held by the settings to set, of the best hardware for which there are such",
     )
 
     max_gain_db: Annotated[float, Field(ge=0, le=120), NUMBER] | None = Field(

@@ -18,7 +18,7 @@ from uwopt.catalog.compatibility import explain_pair
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import SolverError
 from uwopt.evaluation.design import evaluate_design
-from uwopt.evaluation.leaning import settings_of, tilt_notes
+from uwopt.evaluation.leaning import TILT_RESERVE, settings_of, tilt_notes
 from uwopt.forward.assembly import Generic, build_problem, selected, wish
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
@@ -114,9 +114,10 @@ def with_tilt(problem: Problem, hardware: Hardware, design: Design) -> Design:
 def best_settable(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> tuple[Sought, Design]:
     """The best design as a person can set it, and the search with it at the head of those it found.
 
-    By exact numbers the first is best. Where it cannot be set, or what can be set costs it much, the next may be
-    better as set; none can be better as set than by exact numbers, so few are tried. Where none can be set, the
-    first is recommended all the same, with a warning. What the deadline does not reach is not tried.
+    By exact numbers the first is best. Where it cannot be set, or not so that lamps may lean as far as the mission's
+    reserve, or what can be set costs it much, the next may be better as set; none can be better as set than by exact
+    numbers, so few are tried, and the bound of the search holds for all. Where none can be set, the first is
+    recommended all the same, with a warning. What the deadline does not reach is not tried.
     """
     found = sought.outcome.best
     first = chosen = design_of(sought, found[0], objective, deadline=deadline)
@@ -137,9 +138,14 @@ def best_settable(sought: Sought, objective: Objective, deadline: Deadline = NEV
 
 
 def value_as_set(design: Design, objective: Objective) -> float:
-    """The minimised objective with the settings to set; inf where there are none."""
+    """The minimised objective with the settings to set; inf where none hold, or none while lamps lean."""
     value = design.rounded.objective_value if design.rounded is not None else None
-    return math.inf if value is None else objective.minimised(value)
+    return math.inf if value is None or leans(design) else objective.minimised(value)
+
+
+def leans(design: Design) -> bool:
+    """Whether lamps that lean as far as the mission's reserve lose what is asked for."""
+    return any(note.code == TILT_RESERVE for note in design.warnings)
 
 
 def better_but_unsettable(first: Design, chosen: Design, objective: Objective, currency: str) -> Note:
@@ -151,7 +157,9 @@ def better_but_unsettable(first: Design, chosen: Design, objective: Objective, c
 
     names = ", ".join(first.hardware.ids)
     text = f"with {names} the exact optimum is {told(first.objective_value)[0]}, but "
-    if first.is_settable and first.rounded is not None and chosen.rounded is not None:
+    if first.is_settable and leans(first):
+        text += "its lamps may not lean as far as reserve.tilt_deg; recommended is the best of the next whose lamps may"
+    elif first.is_settable and first.rounded is not None and chosen.rounded is not None:
         as_set, ours = told(first.rounded.objective_value, chosen.rounded.objective_value)
         text += f"{as_set} with settings that can be set; recommended is what is better as set, {ours}"
     else:

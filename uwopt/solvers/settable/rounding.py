@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import DesignModel, design_model
 from uwopt.evaluation.influences import influences_of
+from uwopt.evaluation.leaning import leaning_models
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.effects import effects_kept
 from uwopt.forward.figures import SettingRows
@@ -50,13 +52,37 @@ def rounded_design(
     """The best design that can be set; feasible, or the nearest miss where none is. Raises OutOfTimeError.
 
     `exact` : the optimum's settings by scene. Without an objective the design stays as near to it as it can.
+    What is asked for holds with lamps that lean as far as the mission's reserve as well, where settings are found with
+    which it does: else, and past the deadline, with lamps as they should be.
+    """
+    model = design_model(problem, hardware)
+    optimum = [model.settings(i, exact_settings(model, i, numbers)) for i, numbers in enumerate(exact)]
+    made = first = rounded_with(problem, hardware, optimum, objective, [], deadline)
+    heeded: list[DesignModel] = []
+    while made.design.feasible:
+        lost = [one for one in leaning_models(problem, hardware).values() if not holds(one, made.given)]
+        if not lost:
+            return made
+        if any(one in heeded for one in lost):
+            break
+        heeded += lost
+        again = partial(rounded_with, problem, hardware, optimum, objective, heeded, deadline)
+        made = deadline.within("settings that hold while lamps lean", again, first)
+    return first
+
+
+def rounded_with(
+    problem: Problem, hardware: Hardware, optimum: Sequence[SettingRows], objective: Objective | None,
+    heeded: Sequence[DesignModel], deadline: Deadline,
+) -> Rounded:  # fmt: skip
+    """The same, of which further models are heeded.
+
     Physics `auto` leaves effects out when the settings are evaluated; the requirements then hold with and without.
     """
     goal, model = objective or BY_POWER, design_model(problem, hardware)
-    optimum = [model.settings(i, exact_settings(model, i, numbers)) for i, numbers in enumerate(exact)]
     leaner: list[DesignModel] = []
     while True:
-        given = settable(model, optimum, objective, leaner, deadline)
+        given = settable(model, optimum, objective, [*heeded, *leaner], deadline)
         made = Rounded(given, evaluated(problem, hardware, given, goal))
         if not made.design.feasible or problem.mission.physics != "auto":
             return made

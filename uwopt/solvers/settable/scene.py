@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design_model import DesignModel
+from uwopt.evaluation.leaning import LeaningModel
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of
 from uwopt.forward.lamp_light import ImageLight, worst_candidates
 from uwopt.forward.part_columns import FLASH, PULSED
@@ -356,7 +357,7 @@ def deciding_light(model: DesignModel, index: int, lamp: ImageLight, worst_e: Ar
     current, most of all at the lowest gain and the longest exposure: see `few_pixels.between`.
     """
     scene, cam = model.problem.scenes[index], model.cameras
-    needs = scene.view.requirements
+    needs = scene.view.asked if isinstance(model, LeaningModel) else scene.view.requirements
     wanted = needs.min_snr
     if not wanted or worst_e.shape[2] == 1 or needs.resolve_mm is not None:  # bars must arrive at other pixels
         return lamp
