@@ -1,7 +1,7 @@
 """uwopt: from an underwater imaging mission to a camera system that can be bought, with a proof.
 
 `solve` finds the best system of a catalogue, `pareto` the trade-off between objectives, `evaluate` says what a
-given system would do.
+given system would do, `whatif` how the optimum changes with the mission.
 Heavy imports wait until they are needed.
 """
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from uwopt.api.evaluating import evaluate as evaluate
     from uwopt.api.solving import solve as solve
     from uwopt.api.trading import pareto as pareto
+    from uwopt.api.whatif import whatif as whatif
     from uwopt.forward.assembly import load_catalog as load_catalog
     from uwopt.mission.mission import Mission as Mission
     from uwopt.mission.mission import load_mission as load_mission
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from uwopt.objectives.own import OwnObjective as OwnObjective
     from uwopt.results.front import FrontResult as FrontResult
     from uwopt.results.result import Result as Result
+    from uwopt.results.whatif import WhatIf as WhatIf
 
 _WHERE = {
     "solve": "uwopt.api.solving",
@@ -36,6 +38,8 @@ _WHERE = {
     "Result": "uwopt.results.result",
     "pareto": "uwopt.api.trading",
     "FrontResult": "uwopt.results.front",
+    "whatif": "uwopt.api.whatif",
+    "WhatIf": "uwopt.results.whatif",
     "OwnObjective": "uwopt.objectives.own",
 }
 __all__ = ["__version__", *_WHERE]

@@ -5,7 +5,6 @@ Nothing heavy is imported before a command runs, so that help is there at once.
 
 from __future__ import annotations
 
-import math
 import os
 import sys
 from enum import StrEnum
@@ -27,12 +26,13 @@ from uwopt.cli.options import (
     QuietOption,
     ToleranceOption,
     checked_seconds,
+    parsed_objective,
 )
 from uwopt.cli.output import hand_over, print_first
 from uwopt.cli.pareto import pareto_command
 from uwopt.cli.report import report_command
 from uwopt.cli.status import BAD_INPUT, DONE, EXIT_STATUS, command, result_status, told
-from uwopt.errors import MissionError
+from uwopt.cli.whatif import whatif_command
 from uwopt.version import __version__
 
 if TYPE_CHECKING:
@@ -178,44 +178,8 @@ def evaluate_command(
     return result_status(result, check=check)
 
 
-def parsed_objective(text: str) -> str | dict[str, float]:
-    """`power`, or weights by name from `power=1,cost=0.01`."""
-    from uwopt.documents.faults import nearest
-    from uwopt.mission.best_image import NAME as BEST_IMAGE
-    from uwopt.mission.keys import OBJECTIVES
-
-    def known(name: str) -> str:
-        plain = name.strip().casefold().replace("-", "_")
-        if plain == BEST_IMAGE and "=" not in text:
-            return plain
-        if plain not in OBJECTIVES:
-            near = nearest(plain, (*OBJECTIVES, BEST_IMAGE))
-            hint = f"did you mean {near}?" if near else f"there are {', '.join((*OBJECTIVES, BEST_IMAGE))}."
-            raise MissionError(f"--objective: {name.strip()!r} is no figure that can be best; {hint}")
-        return plain
-
-    if "=" not in text:
-        return known(text)
-    weights: dict[str, float] = {}
-    for item in text.split(","):
-        name, _, number = item.partition("=")
-        try:
-            weight = float(number)
-        except ValueError:
-            weight = math.nan
-        if not (math.isfinite(weight) and weight >= 0):
-            raise MissionError(
-                f"--objective: {item.strip()!r} must be a name and a weight of 0 or above, such as power=1,cost=0.01"
-            )
-        if known(name) in weights:
-            raise MissionError(f"--objective: {known(name)} stands twice; give one weight a figure.")
-        weights[known(name)] = weight
-    if not any(weights.values()):
-        raise MissionError("--objective: no weight is above 0; write such as power=1,cost=0.01")
-    return weights
-
-
 app.command("pareto", short_help="Trade two or three objectives: the whole front.")(pareto_command)
+app.command("whatif", short_help="Vary the mission: the optimum, and where another system wins.")(whatif_command)
 app.command("bench", short_help="Measure error against run time on this machine.")(bench_command)
 app.command("report", short_help="Make the page of a result again.")(report_command)
 app.command("compare", short_help="Hold systems against each other.")(compare_command)

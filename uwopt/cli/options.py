@@ -45,3 +45,40 @@ def checked_seconds(seconds: float | None) -> float | None:
     if seconds is not None and not (math.isfinite(seconds) and seconds > 0):
         raise MissionError(f"--seconds = {seconds:g} is not a time above 0; leave it out for no limit.")
     return seconds
+
+
+def parsed_objective(text: str) -> str | dict[str, float]:
+    """`power`, or weights by name from `power=1,cost=0.01`."""
+    from uwopt.documents.faults import nearest
+    from uwopt.mission.best_image import NAME as BEST_IMAGE
+    from uwopt.mission.keys import OBJECTIVES
+
+    def known(name: str) -> str:
+        plain = name.strip().casefold().replace("-", "_")
+        if plain == BEST_IMAGE and "=" not in text:
+            return plain
+        if plain not in OBJECTIVES:
+            near = nearest(plain, (*OBJECTIVES, BEST_IMAGE))
+            hint = f"did you mean {near}?" if near else f"there are {', '.join((*OBJECTIVES, BEST_IMAGE))}."
+            raise MissionError(f"--objective: {name.strip()!r} is no figure that can be best; {hint}")
+        return plain
+
+    if "=" not in text:
+        return known(text)
+    weights: dict[str, float] = {}
+    for item in text.split(","):
+        name, _, number = item.partition("=")
+        try:
+            weight = float(number)
+        except ValueError:
+            weight = math.nan
+        if not (math.isfinite(weight) and weight >= 0):
+            raise MissionError(
+                f"--objective: {item.strip()!r} must be a name and a weight of 0 or above, such as power=1,cost=0.01"
+            )
+        if known(name) in weights:
+            raise MissionError(f"--objective: {known(name)} stands twice; give one weight a figure.")
+        weights[known(name)] = weight
+    if not any(weights.values()):
+        raise MissionError("--objective: no weight is above 0; write such as power=1,cost=0.01")
+    return weights

@@ -21,10 +21,12 @@ from uwopt.report.text.cells import defused, to_pay
 from uwopt.results.design import BillRow
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
+from uwopt.results.whatif import WhatIf
 
 RESULT_FILE, BOM_FILE, PAGE_FILE = "result.json", "bom.csv", "report.html"
 BOOK_FILE = "bom.xlsx"
 FRONT_FILE, FRONT_TABLE = "front.json", "front.csv"
+WHATIF_FILE, WHATIF_TABLE, WHATIF_PARQUET = "whatif.json", "whatif.csv", "whatif.parquet"
 BOM_COLUMNS = (
     "kind", "id", "manufacturer", "model", "count", "owned", "unit_price", "unit_price_low", "unit_price_high",
     "to_pay", "to_pay_low", "to_pay_high", "currency", "price_status", "price_date", "generic", "source", "price_basis",
@@ -58,7 +60,22 @@ def write_front(front: FrontResult, folder: str | Path) -> list[Path]:
     return write_files(made_folder(target), texts)
 
 
-def write_page(result: Result | FrontResult, file: str | Path) -> Path:
+def write_whatif(table: WhatIf, folder: str | Path) -> list[Path]:
+    """Write whatif.json, report.html and the table as CSV, beside it as Parquet where pyarrow is installed."""
+    target = check_folder(folder)
+    texts: dict[str, str | bytes] = {
+        WHATIF_FILE: json_text(table) + "\n",
+        WHATIF_TABLE: rows_csv(table.rows(), [key.key for key in table.keys]),
+        PAGE_FILE: page_text(table),
+    }
+    if find_spec("pyarrow") is not None and table.points:
+        buffer = io.BytesIO()
+        table.frame().to_parquet(buffer)
+        texts[WHATIF_PARQUET] = buffer.getvalue()
+    return write_files(made_folder(target), texts)
+
+
+def write_page(result: Result | FrontResult | WhatIf, file: str | Path) -> Path:
     """Write the report of a result to a file; one that stands there is replaced."""
     return write_text(page_text(result), file)
 
@@ -69,8 +86,12 @@ def write_text(text: str, file: str | Path) -> Path:
     return write_files(made_folder(target.parent), {target.name: text})[0]
 
 
-def page_text(result: Result | FrontResult) -> str:
+def page_text(result: Result | FrontResult | WhatIf) -> str:
     """The page of a result; the template engine is loaded only when a page is made."""
+    if isinstance(result, WhatIf):
+        from uwopt.report.page.whatif import whatif_html
+
+        return whatif_html(result)
     from uwopt.report.page.page import report_html
 
     return report_html(result)
@@ -118,7 +139,7 @@ def check_folder(folder: str | Path) -> Path:
             probe = path / f".{RESULT_FILE}.{os.getpid()}.tmp"
             probe.touch()
             probe.unlink()
-        for name in (RESULT_FILE, BOM_FILE, BOOK_FILE, FRONT_FILE, FRONT_TABLE, PAGE_FILE):
+        for name in (RESULT_FILE, BOM_FILE, BOOK_FILE, FRONT_FILE, FRONT_TABLE, PAGE_FILE, WHATIF_FILE, WHATIF_TABLE):
             if (path / name).is_dir():
                 raise OutputError(
                     f"{path / name}: is a folder where a result file goes; choose another --out."
@@ -190,7 +211,7 @@ def write_new(path: str | Path, text: str) -> Path:
     return target
 
 
-def json_text(result: Result | FrontResult, encoding: str = "utf-8") -> str:
+def json_text(result: Result | FrontResult | WhatIf, encoding: str = "utf-8") -> str:
     """The result as JSON; signs that an encoding does not know are written as escapes."""
     text = result.to_json()
     try:
@@ -215,8 +236,12 @@ def bom_csv(rows: Sequence[BillRow]) -> str:
 
 def front_csv(front: FrontResult) -> str:
     """A front's table as CSV, a row a point; columns are those of any point."""
-    rows = front.rows()
-    columns = list(dict.fromkeys(key for row in rows for key in row)) or ["point"]
+    return rows_csv(front.rows(), ["point"])
+
+
+def rows_csv(rows: Sequence[Mapping[str, Any]], otherwise: Sequence[str]) -> str:
+    """Rows by column as CSV; columns are those of any row, or others where there is none."""
+    columns = list(dict.fromkeys(key for row in rows for key in row)) or list(otherwise)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([defused(column) for column in columns])

@@ -1,0 +1,247 @@
+"""`whatif`: every point is the optimum that a search of its own finds, and systems change where they are said to."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+import uwopt
+from uwopt.api import varied as api_varied
+from uwopt.api.solving import searched
+from uwopt.cli.app import app
+from uwopt.deadline import NEVER
+from uwopt.errors import MissionError
+from uwopt.forward.assembly import load_catalog
+from uwopt.mission.mission import Mission, load_mission
+from uwopt.mission.varying import VariedMission
+from uwopt.model.fineness import DEFAULT
+from uwopt.objectives.goal import goal_of
+from uwopt.report.page.whatif import whatif_html
+from uwopt.results.whatif import WhatIf
+from uwopt.solvers.explain import sweep as sweep_room
+from uwopt.solvers.explain.sweep import Sweep
+
+PROBLEMS = Path(__file__).parents[2] / "problems"
+#: Few parts of the reef's mission among which winners change with speed, water and budget.
+FEW: dict[str, Any] = {
+    "cameras": ["avt-alvium-1800-c-040m", "avt-alvium-1800-c-234m"],
+    "lenses": ["computar-m1214-mp2", "thorlabs-mvl16m1"],
+    "ports": ["blue-robotics-4-in-acrylic-end-cap-2026", "blue-robotics-4-in-dome-plastic-ring-2026"],
+    "lights": ["arctic-rays-dragonfish-mini-strobe-65deg*"],
+    "generic": "never",
+}
+SPEEDS = {"speed_m_s": [0.3, 0.45, 0.6, 1.05, 1.3]}
+
+
+def reef(**changes: Any) -> Mission:
+    """The reef with few parts, and no tolerance of altitude: one altitude instead of five."""
+    base = load_mission(PROBLEMS / "reef-mosaic.yaml")
+    vehicle = base.to_dict()["vehicle"] | {"altitude_tolerance_m": 0.0}
+    return base.with_changes(**{"catalog": base.to_dict()["catalog"] | FEW, "vehicle": vehicle} | changes)
+
+
+def alone(mission: Mission) -> float | None:
+    """The optimum of a mission by a search that knows nothing of others."""
+    goal = goal_of(mission)
+    sought, _ = searched(mission, load_catalog(mission), goal, 1, NEVER, None, {}, DEFAULT)
+    best = sought.outcome.best
+    return goal.reported(best[0].minimised) if best else None
+
+
+@pytest.fixture(scope="module")
+def over_speed() -> WhatIf:
+    """The optimum over speed in two waters."""
+    return uwopt.whatif(reef(), SPEEDS | {"water": ["IB", "II"]})
+
+
+def test_each_point_is_the_optimum_of_its_own_search(over_speed):
+    base = VariedMission(reef(), {})
+    keys = [base.varied("speed_m_s", "0.3,1"), base.varied("water", "IB,II")]
+    assert len({point.system for point in over_speed.points}) > 1
+    for point in over_speed.points:
+        mission = base.with_values(dict(zip(keys, point.values, strict=True)))
+        assert point.objective == pytest.approx(alone(mission), rel=1e-6)  # the search's claim agrees so nearly
+
+
+@pytest.mark.parametrize(
+    ("key", "values"),
+    [
+        ("speed_m_s", "0.3,0.6,1.05,1.3,2.5"), ("min_snr_db", "24,28,31,40"), ("cost", "9000,7600,7210,5000"),
+        ("max_blur_px", "1,0.4,0.2,0.05"), ("overlap", "0.1,0.6,0.8,0.97"), ("depth_rating_m", "30,99,150,400"),
+        ("max_gsd_mm", "1.5,1,0.8,0.5"), ("reserve.snr_db", "0,1,2,9"), ("power_w", "9,3,2.7,2"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("most", [1, 5])
+def test_lists_hide_no_winner(key, values, most, monkeypatch):
+    """From what asks for least to what asks for most, with lists that hold little or much."""
+    monkeypatch.setattr(sweep_room, "MOST_LISTED", most)
+    base = VariedMission(reef(), {})
+    varied = base.varied(key, values)
+    sign = varied.stricter(base.base)
+    assert sign * (float(varied.values[-1]) - float(varied.values[0])) > 0.0
+    sweep, goal = Sweep(goal_of(base.base), (sign,)), goal_of(base.base)
+    for value in varied.values:
+        mission = base.with_values({varied: value})
+        found = sweep.best(mission, (value,), ahead=True).found
+        assert (None if found is None else goal.reported(found.minimised)) == (
+            None if (truth := alone(mission)) is None else pytest.approx(truth, rel=1e-6)
+        )
+
+
+def test_a_list_serves_no_weaker_point():
+    base = VariedMission(reef(), {})
+    varied = base.varied("speed_m_s", "3,0.5")
+    sweep = Sweep(goal_of(base.base), (1,))
+    fits = [sweep.best(base.with_values({varied: value}), (value,), ahead=True).found for value in (30.0, 0.5)]
+    assert fits[0] is None
+    assert fits[1] is not None
+
+
+def test_speed_is_not_stricter_where_area_is_asked_for():
+    base = load_mission(PROBLEMS / "reef-mosaic.yaml")
+    asked = base.to_dict()["requirements"] | {"min_area_m2_h": 100.0}
+    for mission, sign in ((base, 1), (base.with_changes(requirements=asked), 0)):
+        made = VariedMission(mission, {})
+        assert made.varied("speed_m_s", "1,2").stricter(made.base) == sign
+
+
+def test_systems_change_where_the_table_says(over_speed):
+    assert over_speed.switches
+    base = VariedMission(reef(), {})
+    speed, water = base.varied("speed_m_s", "0.3,1"), base.varied("water", "IB,II")
+    goal = goal_of(base.base)
+    for switch in over_speed.switches:
+        assert switch.proven
+        assert 0.0 < switch.high - switch.low < 0.01
+        names = []
+        for value in (switch.low, switch.high):
+            mission = base.with_values({speed: value, water: switch.others[1]})
+            sought, _ = searched(mission, load_catalog(mission), goal, 1, NEVER, None, {}, DEFAULT)
+            found, parts = sought.outcome.best[0], sought.problem.parts
+            names.append((parts.cameras[found.camera].id, parts.lights[found.light].id, found.count))
+        told = [over_speed.systems[one] for one in (switch.first, switch.second)]
+        assert names == [(one.camera, one.light, one.light_count) for one in told]
+
+
+def test_where_nothing_fits_any_more_is_found():
+    table = uwopt.whatif(reef(), {"min_snr_db": [30.0, 60.0]})
+    assert [point.status for point in table.points] == ["optimal", "infeasible"]
+    last = table.switches[-1]
+    assert last.second is None
+    base = VariedMission(reef(), {})
+    key = base.varied("min_snr_db", "30,60")
+    assert alone(base.with_values({key: last.low})) is not None
+    assert alone(base.with_values({key: last.high})) is None
+
+
+def test_a_map_has_switches_along_both_keys():
+    table = uwopt.whatif(reef(), {"speed_m_s": [0.4, 1.3], "altitude_m": [1.6, 2.0]})
+    assert {switch.key for switch in table.switches} >= {"speed_m_s"}
+    assert [point.values for point in table.points] == [[0.4, 1.6], [0.4, 2.0], [1.3, 1.6], [1.3, 2.0]]
+    assert "Which system wins where" in whatif_html(table)
+
+
+def test_spider_moves_one_quantity_at_a_time():
+    mission = load_mission({
+        "practice": "bare", "scene": {"water": "II", "seafloor": "coral", "depth_m": 30},
+        "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "light_baseline_m": 0.8, "light_count": 2},
+        "requirements": {"frame_interval_s": 2.0, "min_snr_db": 30.0},
+        "catalog": FEW | {"cameras": FEW["cameras"][1:]},
+    })  # fmt: skip
+    table = uwopt.whatif(mission, spider=True)
+    lines = {line.key: line for line in table.spider}
+    assert {"vehicle.altitude_m", "vehicle.speed_m_s", "requirements.min_snr_db"} <= lines.keys()
+    best = {point.values[0]: point.objective for point in lines["requirements.min_snr_db"].points}
+    assert best[1.0] == pytest.approx(alone(mission), rel=1e-6)
+    quieter = mission.with_changes(requirements=mission.to_dict()["requirements"] | {"min_snr_db": 24.0})
+    assert best[0.8] == pytest.approx(alone(quieter), rel=1e-6)
+    assert all(len(line.points) == 5 for line in table.spider if line.key.startswith("requirements"))
+
+
+# ---------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(
+    ("vary", "words"),
+    [
+        ({"speed": "0.2:2:4"}, ["'speed' is no key", "did you mean speed_m_s?"]),
+        ({"speed_m_s": "2:2:5"}, ["speed_m_s=2:2:5", "empty range"]),
+        ({"speed_m_s": "0.2:2:0"}, ["empty range"]),
+        ({"speed_m_s": []}, ["empty range"]),
+        ({"speed_m_s": "0.2:2"}, ["is no range", "from:to:how many"]),
+        ({"water": "I,,II"}, ["a value is empty"]),
+        ({"water": "I,I"}, ["'I' stands twice"]),
+        ({"water": "I,VI"}, ["water = VI", "'VI' is not one of I, IA"]),
+        ({"max_gain_db": "1,2"}, ["requirements.max_gain_db or reserve.max_gain_db"]),
+        ({"altitude_m": "0.1:2:4"}, ["at altitude_m = 0.1", "altitude_tolerance_m = 0.25 is not below"]),
+        ({"depth_rating_m": "5:50:4"}, ["2 of 4 points", "raise it"]),
+        ({"speed_m_s": "1:2:3", "water": "I,II", "cost": "1,2"}, ["3 keys", "leave some out"]),
+        ({}, ["no key is varied"]),
+        ({"speed_m_s": [1.0, None]}, ["null is no value"]),
+    ],
+)  # fmt: skip
+def test_bad_ranges_are_told_in_one_message(vary, words):
+    with pytest.raises(MissionError) as fault:
+        uwopt.whatif(PROBLEMS / "reef-mosaic.yaml", vary)
+    assert len(fault.value.faults) == 1
+    for word in words:
+        assert word in str(fault.value)
+
+
+# ---------------------------------------------------------------- files, command, interruption
+
+
+@pytest.fixture
+def few_file(tmp_path: Path) -> Path:
+    """The narrowed mission as a file; its name asks for care."""
+    data = yaml.safe_load((PROBLEMS / "reef-mosaic.yaml").read_text(encoding="utf-8"))
+    data |= {"name": "=<script>alert(1)</script>", "catalog": FEW}
+    file = tmp_path / "few.yaml"
+    file.write_text(yaml.safe_dump(data), encoding="utf-8")
+    return file
+
+
+def run(*words: object) -> Any:
+    return CliRunner().invoke(app, ["whatif", *(str(word) for word in words)])
+
+
+def test_command_writes_table_page_and_json(few_file, tmp_path):
+    done = run(few_file, "--vary", "speed_m_s=0.4,1.3", "--out", tmp_path / "out", "-q")
+    assert done.exit_code == 0, done.output
+    assert "beyond speed_m_s" in done.stdout
+    with (tmp_path / "out" / "whatif.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["speed_m_s"] for row in rows] == ["0.4", "1.3"]
+    data = json.loads((tmp_path / "out" / "whatif.json").read_text(encoding="utf-8"))
+    assert WhatIf.from_dict(data).to_dict() == data
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "<script>alert" not in page
+    assert "&lt;script&gt;alert" in page
+
+
+def test_interruption_keeps_what_is_solved(few_file, tmp_path, monkeypatch):
+    honest = api_varied.Sweep.best
+
+    def third_is_interrupted(sweep: Sweep, mission: Mission, at: Any, **more: Any) -> Any:
+        if at[0] > 0.7:
+            raise KeyboardInterrupt
+        return honest(sweep, mission, at, **more)
+
+    monkeypatch.setattr(Sweep, "best", third_is_interrupted)
+    done = run(few_file, "--vary", "speed_m_s=0.4,0.6,0.8", "--out", tmp_path / "out", "-q")
+    assert done.exit_code == 130
+    text = (tmp_path / "out" / "whatif.csv").read_text(encoding="utf-8")
+    assert len(text.splitlines()) == 3
+    assert "Interrupted" in done.stdout
+
+
+def test_a_key_without_values_is_refused_by_the_command():
+    done = run(PROBLEMS / "reef-mosaic.yaml", "--vary", "speed_m_s")
+    assert done.exit_code == 2
+    assert "no key with values" in done.output

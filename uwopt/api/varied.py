@@ -1,0 +1,184 @@
+"""The points of a table over varied keys: their order, what is kept of each, and where systems change."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+from uwopt.deadline import Deadline
+from uwopt.mission.mission import Mission
+from uwopt.mission.varying import Value, Varied, VariedMission
+from uwopt.objectives.objective import Objective
+from uwopt.results.whatif import Switch, WhatIfPoint, WinningSystem
+from uwopt.solvers.explain.sweep import Answer, PartIds, Sweep, ids_of, joined_ids
+from uwopt.solvers.recommend import check_claim, evaluated
+from uwopt.units import ratio_to_db
+
+At = tuple[Value, ...]
+SHARP = 1e-2  # of the way between two neighbouring points: how sharp a switch is told
+DEEPEST = 3  # other systems found between two, one within another
+
+
+@dataclass
+class Systems:
+    """The systems that are best somewhere, by the order in which they were met."""
+
+    objective: Objective
+    found: list[WinningSystem] = field(default_factory=list)
+    parts: list[PartIds] = field(default_factory=list)
+
+    def index(self, answer: Answer) -> int | None:
+        """Of the system that an answer has found; one that is met for the first time is evaluated and compared."""
+        if answer.found is None:
+            return None
+        one, parts = answer.found, answer.sought.problem.parts
+        camera, lens = parts.cameras[one.camera], parts.lenses[one.lens]
+        port, light = parts.ports[one.port], parts.lights[one.light]
+        generic = any(part.generic for part in (camera, lens, port, light))
+        system = WinningSystem(camera.id, lens.id, port.enclosure_id, light.id, one.count, generic)
+        if system not in self.found:
+            check_claim(evaluated(answer.sought.problem, one, self.objective), one, self.objective)
+            self.found.append(system)
+            self.parts.append(ids_of(answer.sought.problem, one))
+        return self.found.index(system)
+
+    def point(self, values: Sequence[Value], answer: Answer) -> WhatIfPoint:
+        """What is kept of an answer."""
+        system, one = self.index(answer), answer.found
+        status = "stopped" if not answer.complete else "infeasible" if one is None else "optimal"
+        if one is None:
+            return WhatIfPoint(list(values), status)
+        settings = one.settings[0]
+        figures = {
+            "power_w": one.power_w, "cost": one.cost, "mass_kg": one.mass_kg, "snr_db": one.snr_db,
+            "gsd_mm": float(answer.sought.outcome.imagers.gsd_mm[one.imager]), "f_number": settings["f_number"],
+            "exposure_ms": 1e3 * settings["exposure_s"], "gain_db": float(ratio_to_db(settings["gain"])),
+            "dim_frac": settings["level"], "frame_rate_hz": settings["rate_hz"],
+        }  # fmt: skip
+        gap = self.objective.share(max(one.minimised - answer.lower_bound, 0.0), one.minimised)
+        return WhatIfPoint(
+            list(values), status, system, self.objective.reported(one.minimised), gap, figures, not answer.capped
+        )
+
+
+@dataclass
+class Grid:
+    """All choices of values of the varied keys, solved one by one."""
+
+    base: VariedMission
+    keys: tuple[Varied, ...]
+    systems: Systems
+    sweep: Sweep
+    missions: dict[At, Mission] = field(default_factory=dict)
+    points: dict[At, WhatIfPoint] = field(default_factory=dict)
+
+    @cached_property
+    def lines(self) -> list[tuple[Value, ...]]:
+        """The values of each key in the order in which they are solved: from what asks for least, else rising."""
+        made = []
+        for key, sign in zip(self.keys, self.sweep.strictness, strict=True):
+            values = sorted(key.values, key=float) if key.is_numeric else list(key.values)
+            made.append(tuple(values[::-1] if sign < 0 else values))
+        return made
+
+    def order(self) -> Iterator[At]:
+        """All points; keys of which more is sure to ask for more change fastest, so that lists serve many."""
+        outer = sorted(range(len(self.keys)), key=lambda k: (self.sweep.strictness[k] != 0, len(self.lines[k])))
+        for values in itertools.product(*(self.lines[k] for k in outer)):
+            by_key = dict(zip(outer, values, strict=True))
+            yield tuple(by_key[k] for k in range(len(self.keys)))
+
+    def mission(self, at: At) -> Mission:
+        """The mission at a point; raises MissionError where its keys contradict each other."""
+        if at not in self.missions:
+            self.missions[at] = self.base.with_values(dict(zip(self.keys, at, strict=True)))
+        return self.missions[at]
+
+    def solve(self, at: At) -> WhatIfPoint:
+        """The optimum at a point, on the grid or between its points."""
+        if at not in self.points:
+            on_grid = all(value in line for value, line in zip(at, self.lines, strict=True))
+            ahead = on_grid and any(
+                sign and value != line[-1]
+                for value, line, sign in zip(at, self.lines, self.sweep.strictness, strict=True)
+            )
+            answer = self.sweep.best(self.mission(at), at, ahead=ahead)
+            if answer.interrupted:
+                raise KeyboardInterrupt
+            self.points[at] = self.systems.point(at, answer)
+        return self.points[at]
+
+    def changes(self) -> Iterator[tuple[int, At, At]]:
+        """Neighbours along each numeric key of which the best systems differ: the key's index, and both."""
+        for k, key in enumerate(self.keys):
+            if not key.is_numeric:
+                continue
+            others = [values if n != k else values[:1] for n, values in enumerate(self.lines)]
+            for fixed in itertools.product(*others):
+                line = [(*fixed[:k], value, *fixed[k + 1 :]) for value in sorted(key.values, key=float)]
+                for a, b in itertools.pairwise(line):
+                    if a in self.points and b in self.points and self.points[a].system != self.points[b].system:
+                        yield k, a, b
+
+
+@dataclass
+class Switches:
+    """Where another system takes over, between neighbouring points of a grid."""
+
+    grid: Grid
+    deadline: Deadline
+    say: Callable[[float, str], None]
+
+    def all(self) -> list[Switch]:
+        """Each as sharp as the time allows."""
+        changes, made = [*self.grid.changes()], list[Switch]()
+        for number, (k, a, b) in enumerate(changes):
+            self.say(number / len(changes), f"where systems take over, {number + 1} of {len(changes)}")
+            made += self.between(k, a, b, SHARP * (float(b[k]) - float(a[k])))
+        return made
+
+    def coarse(self, k: int, a: At, b: At) -> Switch:
+        """Between two solved points, no sharper than they are apart."""
+        others = [None if n == k else value for n, value in enumerate(a)]
+        first, second = self.grid.points[a], self.grid.points[b]
+        proven = first.status != "stopped" and second.status != "stopped"
+        key = self.grid.keys[k].key
+        return Switch(key, others, float(a[k]), float(b[k]), first.system, second.system, proven)
+
+    def between(self, k: int, a: At, b: At, sharp: float, depth: int = DEEPEST) -> list[Switch]:
+        """The switches between two solved points: found between their two systems, then proven on both sides."""
+        grid = self.grid
+        if float(b[k]) - float(a[k]) <= sharp or depth == 0:
+            return [self.coarse(k, a, b)]
+        if self.deadline.passed():
+            self.deadline.left_out.append("how sharp all switches are")
+            return [self.coarse(k, a, b)]
+        low, high = self._bisected(k, a, b, sharp)
+        if not grid.sweep.strictness[k] and any(n != k and key.is_numeric for n, key in enumerate(grid.keys)):
+            found = self.coarse(k, a, b)  # a map has too many to search all parts at each
+            return [replace(found, low=float(low[k]), high=float(high[k]), proven=False)]
+        made = []
+        for left, right in itertools.pairwise(dict.fromkeys((a, low, high, b))):
+            if grid.solve(left).system != grid.solve(right).system:
+                made += self.between(k, left, right, sharp, depth - 1)
+        return made
+
+    def _bisected(self, k: int, a: At, b: At, sharp: float) -> tuple[At, At]:
+        """Where the first of two systems is no longer the better one."""
+        grid, first = self.grid, self.grid.points[a].system
+        names = [one for one in (first, grid.points[b].system) if one is not None]
+        parts = joined_ids([grid.systems.parts[one] for one in names])
+        low, high = float(a[k]), float(b[k])
+        while high - low > sharp:
+            middle = 0.5 * (low + high)
+            at = (*a[:k], middle, *a[k + 1 :])
+            answer = grid.sweep.among(grid.mission(at), parts)
+            if answer.interrupted:
+                raise KeyboardInterrupt
+            if grid.systems.index(answer) == first:
+                low = middle
+            else:
+                high = middle
+        return (*a[:k], low, *a[k + 1 :]), (*a[:k], high, *a[k + 1 :])

@@ -1,0 +1,253 @@
+"""`uwopt.whatif`: the certified optimum over values of a mission's keys, and where another system takes over."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from uwopt.api.common import Progress, Source
+from uwopt.api.floats import own_float_rules
+from uwopt.api.solving import patience_warnings, time_warnings
+from uwopt.api.timing import timed
+from uwopt.api.varied import At, Grid, Switches, Systems
+from uwopt.deadline import Deadline
+from uwopt.errors import MissionError
+from uwopt.forward.scene_checks import check_physical
+from uwopt.mission.mission import Mission
+from uwopt.mission.varying import Asked, Value, Varied, VariedMission
+from uwopt.objectives.goal import goal_of
+from uwopt.objectives.objective import Objective
+from uwopt.results.basis import ObjectiveValue
+from uwopt.results.design import Note
+from uwopt.results.whatif import SpiderLine, Switch, VariedKey, WhatIf, WhatIfPoint
+from uwopt.solvers.explain.sweep import Sweep
+from uwopt.units import UNIT_SUFFIXES
+from uwopt.version import __version__
+
+MOST_KEYS, MOST_POINTS = 2, 10_000
+SPIDER_FACTORS = (0.8, 0.9, 1.0, 1.1, 1.2)
+SWITCHES_S = 30.0  # of the processor, for where systems take over, where no time is given
+Say = Progress | None
+
+
+@own_float_rules
+def whatif(
+    mission: Source | Mission,
+    vary: Asked | None = None,
+    *,
+    spider: bool = False,
+    objective: str | Mapping[str, float] | None = None,
+    physics: str | None = None,
+    seconds: float | None = None,
+    progress: Progress | None = None,
+) -> WhatIf:
+    """The optimum at every choice of values of one or two keys, each proven over the whole catalogue.
+
+    Parameters
+    ----------
+    mission : file name, mapping or Mission
+    vary : values by key, as a sequence or as text: {"speed_m_s": "0.2:2:40", "water": ["I", "II", "1C"]}
+    spider : also vary each number that the mission states alone, by 20 % either way
+    seconds : for all of it; what is solved by then is kept
+
+    Raises
+    ------
+    MissionError : a key does not exist, a range is empty, or values contradict the rest of the mission
+    """
+    start, timing = time.perf_counter(), dict[str, float]()
+    changes = {key: value for key, value in (("objective", objective), ("physics", physics)) if value is not None}
+    base = VariedMission(mission, changes)
+    check_physical(base.base)
+    keys = tuple(base.varied(key, values) for key, values in (vary or {}).items())
+    check_keys(keys, spider=spider)
+    goal, deadline = goal_of(base.base), Deadline.after(seconds)
+    systems = Systems(goal)
+    work = Work(base, goal, systems, deadline, progress)
+    grid = work.grid_of(keys)
+    status, points, switches, lines = "complete", list[WhatIfPoint](), list[Switch](), list[SpiderLine]()
+    try:
+        if keys:
+            check_points(grid)
+            with timed(timing, "points"):
+                work.solve_all(grid)
+            points = in_given_order(grid)
+            with timed(timing, "switches"):
+                switches = work.switches(grid)
+        if spider:
+            with timed(timing, "spider"):
+                work.spider(lines)
+    except KeyboardInterrupt:
+        if not (grid.points or lines):
+            raise
+        status = "interrupted"
+    points = points or in_given_order(grid)
+    timing["total"] = time.perf_counter() - start
+    if status == "complete" and deadline.passed():
+        status = "stopped"
+    return WhatIf(
+        status=status,
+        mission=base.base.to_dict(),
+        objective=ObjectiveValue(goal.name, goal.direction, None, goal.unit(base.base.limits.currency)),
+        uwopt_version=__version__,
+        keys=[
+            VariedKey(key.key, unit_of(key, base.base), list(key.values), sign)
+            for key, sign in zip(keys, grid.sweep.strictness, strict=True)
+        ],
+        points=points,
+        systems=systems.found,
+        switches=switches,
+        spider=lines,
+        warnings=[*notes_of(points, keys, status), *work.notes, *time_warnings(deadline)],
+        timing_s=timing,
+        n_searches=work.n_searches,
+        mission_file=base.base.source_file,
+    )
+
+
+@dataclass
+class Work:
+    """What all parts of one table share."""
+
+    base: VariedMission
+    goal: Objective
+    systems: Systems
+    deadline: Deadline
+    progress: Say
+    n_searches: int = 0
+    notes: list[Note] = field(default_factory=list)
+
+    def grid_of(self, keys: Sequence[Varied]) -> Grid:
+        """A grid over keys, with a sweep of its own."""
+        strictness = tuple(key.stricter(self.base.base) for key in keys)
+        return Grid(self.base, tuple(keys), self.systems, Sweep(self.goal, strictness, self.deadline))
+
+    def say(self, share: float, what: str) -> None:
+        """Tell how far it is."""
+        if self.progress is not None:
+            self.progress(share, what)
+
+    def solve_all(self, grid: Grid) -> None:
+        """Every point of a grid, until the time is over."""
+        order = [*grid.order()]
+        for number, at in enumerate(order):
+            if self.deadline.passed():
+                self.deadline.left_out.append(f"{len(order) - number} of {len(order)} points")
+                break
+            values = ", ".join(f"{key.name} {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
+            self.say(number / len(order), f"point {number + 1} of {len(order)}: {values}")
+            grid.solve(at)
+        self.n_searches += grid.sweep.n_searches
+
+    def switches(self, grid: Grid) -> list[Switch]:
+        """Where other systems take over."""
+        by_itself = math.isfinite(self.deadline.end_s)
+        patience = self.deadline if by_itself else Deadline.after(SWITCHES_S, time.process_time)
+        before = grid.sweep.n_searches
+        made = Switches(grid, patience, self.say).all()
+        self.n_searches += grid.sweep.n_searches - before
+        self.notes += [] if by_itself else patience_warnings(patience, SWITCHES_S)
+        return made
+
+    def spider(self, lines: list[SpiderLine]) -> None:
+        """Each stated quantity alone, into a list that an interruption leaves as it is."""
+        stated = [*self.base.stated_numbers()]
+        signs = tuple(key.stricter(self.base.base) * (1 if float(key.values[0]) > 0 else -1) for key in stated)
+        sweep = Sweep(self.goal, signs, self.deadline)
+        for number, key in enumerate(stated):
+            self.say(number / len(stated), f"{key.section}.{key.name}, 20 % either way")
+            if self.deadline.passed():
+                self.deadline.left_out.append(f"{len(stated) - number} of {len(stated)} quantities")
+                break
+            lines.append(self._spider_line(sweep, key, number))
+        self.n_searches += sweep.n_searches
+
+    def _spider_line(self, sweep: Sweep, key: Varied, place: int) -> SpiderLine:
+        """One quantity; what the mission does not allow is no point."""
+        sign = sweep.strictness[place]
+        factors = sorted(SPIDER_FACTORS, reverse=sign < 0)
+        points = []
+        for factor in [1.0, *(factor for factor in factors if factor != 1.0)]:  # what is listed there serves all
+            at = tuple(factor if k == place else 1.0 for k in range(len(sweep.strictness)))
+            try:
+                mission = self.base.base if factor == 1.0 else self.base.scaled(key, factor)
+                check_physical(mission)
+            except MissionError:
+                continue
+            answer = sweep.best(mission, at, ahead=factor == 1.0 or sign * (factor - 1.0) < 0.0)
+            if answer.interrupted:
+                raise KeyboardInterrupt
+            points.append(self.systems.point((factor,), answer))
+        points.sort(key=lambda point: float(point.values[0]))
+        return SpiderLine(f"{key.section}.{key.name}", unit_of(key, self.base.base), float(key.values[0]), points)
+
+
+def check_keys(keys: Sequence[Varied], *, spider: bool) -> None:
+    """One or two keys, each once, of not too many values."""
+    names = [(key.section, key.name, key.scene) for key in keys]
+    if not keys and not spider:
+        raise MissionError(
+            "whatif: no key is varied; write such as --vary speed_m_s=0.2:2:40 (from:to:how many), or --spider"
+        )
+    if len(keys) > MOST_KEYS:
+        raise MissionError(f"whatif: {len(keys)} keys are varied; a map has {MOST_KEYS} at most, so leave some out")
+    if len(set(names)) < len(names):
+        raise MissionError(f"whatif: {keys[0].name} is varied twice; give all its values at once")
+    count = math.prod(len(key.values) for key in keys)
+    if count > MOST_POINTS:
+        raise MissionError(f"whatif: {count} points are asked for, {MOST_POINTS} at most are solved; take fewer values")
+
+
+def check_points(grid: Grid) -> None:
+    """Raise one message where values contradict each other or the rest of the mission."""
+    faults: list[tuple[At, str]] = []
+    order = [*grid.order()]
+    for at in order:
+        try:
+            check_physical(grid.mission(at))
+        except MissionError as fault:
+            faults.append((at, fault.faults[0]))
+    if faults:
+        at, why = faults[0]
+        values = ", ".join(f"{key.key} = {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
+        more = f" ({len(faults)} of {len(order)} points are like that)" if len(faults) > 1 else ""
+        raise MissionError(f"whatif: at {values} the mission contradicts itself{more}: {why}")
+
+
+def shown(value: Value) -> str:
+    """A value in a line."""
+    return value if isinstance(value, str) else f"{value:.6g}"
+
+
+def in_given_order(grid: Grid) -> list[WhatIfPoint]:
+    """The points of the grid that are solved, in the order of the values as they were given."""
+    places = [{value: n for n, value in enumerate(key.values)} for key in grid.keys]
+    on_grid = [at for at in grid.points if all(v in place for v, place in zip(at, places, strict=True))]
+    on_grid.sort(key=lambda at: [place[v] for v, place in zip(at, places, strict=True)])
+    return [grid.points[at] for at in on_grid]
+
+
+def unit_of(key: Varied, mission: Mission) -> str:
+    """The unit of a key's values."""
+    if not key.is_numeric:
+        return ""
+    if key.name == "cost":
+        return mission.limits.currency
+    fits = [unit for unit in UNIT_SUFFIXES if key.name.endswith(unit)]
+    return max(fits, key=len, default="").lstrip("_")
+
+
+def notes_of(points: Sequence[WhatIfPoint], keys: Sequence[Varied], status: str) -> list[Note]:
+    """What to know of a table."""
+    notes = []
+    if status == "interrupted":
+        notes.append(Note("interrupted", "", "interrupted: the table holds what was solved by then"))
+    if any(point.beyond_gain_cap for point in points):
+        text = "at some points nothing fits below reserve.max_gain_db, and the gain is higher"
+        notes.append(Note("gain_cap", "reserve.max_gain_db", text))
+    if points and all(point.status == "infeasible" for point in points):
+        names = " and ".join(key.key for key in keys)
+        text = f"nothing fits at any value of {names}; uwopt explain says what would help"
+        notes.append(Note("infeasible", "", text))
+    return notes

@@ -1,0 +1,91 @@
+"""The command `uwopt whatif`: the optimum over values of the mission's keys."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import typer
+
+from uwopt.cli.options import (
+    JsonOption,
+    MissionArgument,
+    PhysicsOption,
+    QuietOption,
+    checked_seconds,
+    parsed_objective,
+)
+from uwopt.cli.status import DONE, INTERRUPTED, LIMIT_REACHED, command, told
+from uwopt.errors import MissionError
+
+
+@command
+def whatif_command(
+    mission: MissionArgument,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY=VALUES",
+            help="A key of the mission and its values, such as speed_m_s=0.2:2:40 or water=I,II,1C; once or twice.",
+        ),
+    ] = None,
+    spider: Annotated[
+        bool, typer.Option("--spider", help="Each number that the mission states alone, by 20 % either way.")
+    ] = False,
+    objective: Annotated[
+        str | None, typer.Option(metavar="NAME|WEIGHTS", help="What is to be best; the mission's unless given.")
+    ] = None,
+    physics: PhysicsOption = None,
+    seconds: Annotated[
+        float | None, typer.Option(metavar="S", help="Stop after S seconds; keep what is solved.")
+    ] = None,
+    as_json: JsonOption = False,
+    out: Annotated[
+        str | None,
+        typer.Option("--out", metavar="DIR", help="Write report.html, whatif.csv and whatif.json into DIR."),
+    ] = None,
+    quiet: QuietOption = False,
+) -> int:
+    """Solve the mission at many values of its keys: the optimum, and where another system takes over."""
+    from uwopt.report.text.console import ProgressBar, print_blocks, print_text
+    from uwopt.report.text.looked_at import wording
+    from uwopt.report.text.whatif_tables import whatif_blocks
+    from uwopt.report.write import check_folder, json_text, write_whatif
+
+    limit_s = checked_seconds(seconds)
+    wanted = None if objective is None else parsed_objective(objective)
+    varied = by_key(vary or [])
+    if out is not None:
+        check_folder(out)
+    with ProgressBar(quiet=quiet) as bar:
+        from uwopt.api.whatif import whatif
+
+        table = whatif(
+            mission, varied, spider=spider, objective=wanted, physics=physics and physics.value, seconds=limit_s,
+            progress=bar.report,
+        )  # fmt: skip
+    if as_json:
+        print_text(json_text(table, getattr(sys.stdout, "encoding", None) or "utf-8"))
+    else:
+        print_blocks(whatif_blocks(table), said=wording(table.mission))
+    if out is not None:
+        written = write_whatif(table, out)
+        if not quiet:
+            told("written: " + ", ".join(str(path) for path in written), DONE)
+    return {"interrupted": INTERRUPTED, "stopped": LIMIT_REACHED}.get(table.status, DONE)
+
+
+def by_key(words: list[str]) -> dict[str, str]:
+    """`KEY=VALUES` of every --vary."""
+    made: dict[str, str] = {}
+    for word in words:
+        key, sign, values = word.partition("=")
+        if not sign or not key.strip() or not values.strip():
+            raise MissionError(
+                f"--vary {word!r}: is no key with values; write such as speed_m_s=0.2:2:40 (from:to:how many) or "
+                "water=I,II,1C"
+            )
+        if key.strip() in made:
+            raise MissionError(f"--vary: {key.strip()} stands twice; give all its values at once")
+        made[key.strip()] = values
+    return made
