@@ -27,7 +27,7 @@ DEFECTS = (
         file=SWEEP,
         old="ceiling, self.share = last, max(0.5 * self.share, LEAST_SHARE)",
         new="self.share = max(0.5 * self.share, LEAST_SHARE)",
-        test=f"{TESTS}::test_lists_hide_no_winner[1-speed_m_s-0.3,0.6,1.05,1.3,2.5]",
+        test=f"{TESTS}::test_a_full_list_claims_no_more_than_its_last",
     ),
     Defect(
         name="more speed is always stricter",

@@ -12,7 +12,7 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission
 from uwopt.objectives.objective import Objective
 from uwopt.results.whatif import Switch, WhatIfPoint, WinningSystem
-from uwopt.solvers.explain.sweep import Answer, PartIds, Sweep, ids_of, joined_ids
+from uwopt.solvers.explain.sweep import PartIds, Sweep, SweepAnswer, ids_of, joined_ids
 from uwopt.solvers.recommend import check_claim, evaluated
 from uwopt.units import ratio_to_db
 
@@ -29,7 +29,7 @@ class Systems:
     found: list[WinningSystem] = field(default_factory=list)
     parts: list[PartIds] = field(default_factory=list)
 
-    def index(self, answer: Answer) -> int | None:
+    def index(self, answer: SweepAnswer) -> int | None:
         """Of the system that an answer has found; one that is met for the first time is evaluated and compared."""
         if answer.found is None:
             return None
@@ -44,7 +44,7 @@ class Systems:
             self.parts.append(ids_of(answer.sought.problem, one))
         return self.found.index(system)
 
-    def point(self, values: Sequence[Value], answer: Answer) -> WhatIfPoint:
+    def point(self, values: Sequence[Value], answer: SweepAnswer) -> WhatIfPoint:
         """What is kept of an answer."""
         system, one = self.index(answer), answer.found
         status = "stopped" if not answer.complete else "infeasible" if one is None else "optimal"
@@ -64,7 +64,7 @@ class Systems:
 
 
 @dataclass
-class Grid:
+class VariedGrid:
     """All choices of values of the varied keys, solved one by one."""
 
     base: VariedMission
@@ -127,7 +127,7 @@ class Grid:
 class Switches:
     """Where another system takes over, between neighbouring points of a grid."""
 
-    grid: Grid
+    grid: VariedGrid
     deadline: Deadline
     say: Callable[[float, str], None]
 

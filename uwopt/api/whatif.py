@@ -11,7 +11,7 @@ from uwopt.api.common import Progress, Source
 from uwopt.api.floats import own_float_rules
 from uwopt.api.solving import patience_warnings, time_warnings
 from uwopt.api.timing import timed
-from uwopt.api.varied import At, Grid, Switches, Systems
+from uwopt.api.varied import At, Switches, Systems, VariedGrid
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
 from uwopt.forward.scene_checks import check_physical
@@ -118,17 +118,17 @@ class Work:
     n_searches: int = 0
     notes: list[Note] = field(default_factory=list)
 
-    def grid_of(self, keys: Sequence[Varied]) -> Grid:
+    def grid_of(self, keys: Sequence[Varied]) -> VariedGrid:
         """A grid over keys, with a sweep of its own."""
         strictness = tuple(key.stricter(self.base.base) for key in keys)
-        return Grid(self.base, tuple(keys), self.systems, Sweep(self.goal, strictness, self.deadline))
+        return VariedGrid(self.base, tuple(keys), self.systems, Sweep(self.goal, strictness, self.deadline))
 
     def say(self, share: float, what: str) -> None:
         """Tell how far it is."""
         if self.progress is not None:
             self.progress(share, what)
 
-    def solve_all(self, grid: Grid) -> None:
+    def solve_all(self, grid: VariedGrid) -> None:
         """Every point of a grid, until the time is over."""
         order = [*grid.order()]
         for number, at in enumerate(order):
@@ -140,7 +140,7 @@ class Work:
             grid.solve(at)
         self.n_searches += grid.sweep.n_searches
 
-    def switches(self, grid: Grid) -> list[Switch]:
+    def switches(self, grid: VariedGrid) -> list[Switch]:
         """Where other systems take over."""
         by_itself = math.isfinite(self.deadline.end_s)
         patience = self.deadline if by_itself else Deadline.after(SWITCHES_S, time.process_time)
@@ -199,7 +199,7 @@ def check_keys(keys: Sequence[Varied], *, spider: bool) -> None:
         raise MissionError(f"whatif: {count} points are asked for, {MOST_POINTS} at most are solved; take fewer values")
 
 
-def check_points(grid: Grid) -> None:
+def check_points(grid: VariedGrid) -> None:
     """Raise one message where values contradict each other or the rest of the mission."""
     faults: list[tuple[At, str]] = []
     order = [*grid.order()]
@@ -220,7 +220,7 @@ def shown(value: Value) -> str:
     return value if isinstance(value, str) else f"{value:.6g}"
 
 
-def in_given_order(grid: Grid) -> list[WhatIfPoint]:
+def in_given_order(grid: VariedGrid) -> list[WhatIfPoint]:
     """The points of the grid that are solved, in the order of the values as they were given."""
     places = [{value: n for n, value in enumerate(key.values)} for key in grid.keys]
     on_grid = [at for at in grid.points if all(v in place for v, place in zip(at, places, strict=True))]

@@ -46,7 +46,7 @@ class Listed:
 
 
 @dataclass(frozen=True)
-class Answer:
+class SweepAnswer:
     """The optimum at one point."""
 
     sought: Sought
@@ -60,7 +60,7 @@ class Answer:
 
 
 @dataclass(frozen=True)
-class Stage:
+class SweepStage:
     """One of the searches of a mission, of which the first that finds something counts."""
 
     mission: Mission
@@ -68,11 +68,11 @@ class Stage:
     capped: bool
     selection: Selection
 
-    def answer(self, sought: Sought, *, listed: bool) -> Answer:
+    def answer(self, sought: Sought, *, listed: bool) -> SweepAnswer:
         """What a search in this stage has found."""
         outcome = sought.outcome
         found = outcome.best[0] if outcome.best else None
-        return Answer(
+        return SweepAnswer(
             sought, found, outcome.complete, outcome.lower_bound, self.generic == "allow", self.capped, listed,
             outcome.interrupted,
         )  # fmt: skip
@@ -97,24 +97,24 @@ class Sweep:
             for a, b, sign in zip(weak, strict, self.strictness, strict=True)
         )
 
-    def best(self, mission: Mission, at: At, *, ahead: bool = False) -> Answer:
+    def best(self, mission: Mission, at: At, *, ahead: bool = False) -> SweepAnswer:
         """The optimum of a mission at a point: of parts on sale, else with parts to be made, as `solve` has it.
 
         ahead : stricter points will be asked for, so that a list pays
         """
         return self._first_stage(mission, partial(self._in_stage, at, ahead))
 
-    def among(self, mission: Mission, parts: PartIds) -> Answer:
+    def among(self, mission: Mission, parts: PartIds) -> SweepAnswer:
         """The same among a few parts."""
 
-        def searched(stage: Stage) -> Answer:
+        def searched(stage: SweepStage) -> SweepAnswer:
             few = only(stage.selection, parts)
             return stage.answer(self._search(stage.mission, few, self._scenes(stage.mission), top=1), listed=False)
 
         return self._first_stage(mission, searched)
 
     @staticmethod
-    def _first_stage(mission: Mission, search: Callable[[Stage], Answer]) -> Answer:
+    def _first_stage(mission: Mission, search: Callable[[SweepStage], SweepAnswer]) -> SweepAnswer:
         """The answer of the first stage in which something fits, or in which that is not known."""
         policy, answer = mission.catalog.generic, None
         stages: list[Generic] = ["never", "allow"] if policy == "fallback" else [policy]
@@ -122,13 +122,13 @@ class Sweep:
         for wanted in (mission,) if lifted is mission else (mission, lifted):
             for generic in stages:
                 selection = selected(wanted, load_catalog(wanted), generic=generic)
-                answer = search(Stage(wanted, generic, wanted is mission, selection))
+                answer = search(SweepStage(wanted, generic, wanted is mission, selection))
                 if answer.found is not None or not answer.complete:
                     return answer
         assert answer is not None
         return answer
 
-    def _in_stage(self, at: At, ahead: bool, stage: Stage) -> Answer:
+    def _in_stage(self, at: At, ahead: bool, stage: SweepStage) -> SweepAnswer:
         """The optimum with parts to be made or without, with the cap of gain or without."""
         mission, selection = stage.mission, stage.selection
         scenes, lists = self._scenes(mission), self.lists.setdefault((stage.capped, stage.generic), [])
@@ -156,7 +156,7 @@ class Sweep:
         return stage.answer(sought, listed=False)
 
     def _within(
-        self, stage: Stage, scenes: list[SceneOptics] | None, at: At, reached: float, ahead: bool
+        self, stage: SweepStage, scenes: list[SceneOptics] | None, at: At, reached: float, ahead: bool
     ) -> Sought:
         """A search below what is known to be reached, with a list for what comes if that pays."""
         ceiling = reached + AGREES_REL * abs(reached) + (self.objective.step(self.share, reached) if ahead else 0.0)
