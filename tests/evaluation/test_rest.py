@@ -142,6 +142,21 @@ def test_disks_beyond_those_of_the_computer_are_bought() -> None:
     assert "rest-storage" not in {row.id for row in brief.bom}  # 216 GB
 
 
+def test_disks_hold_the_images_of_the_rate_that_is_set() -> None:
+    # twice as many images as every 100 s: 3.24 TB, 2990 GB more than the computer has; half as many fill what is asked
+    vehicle, limits = {"duration_h": 15_000.0}, {"storage_gb": 4000.0, "cost": 4000.0}
+    mission = {**LONG, "vehicle": LONG["vehicle"] | vehicle, "limits": LONG["limits"] | limits}
+    found = {}
+    for rate_hz in (0.005, 0.01, 0.02):
+        system = {**PRICED, "settings": {**PRICED["settings"], "frame_rate_hz": rate_hz}}
+        found[rate_hz] = uwopt.evaluate(mission, system).design
+    costs = [found[rate].scenes[0].figures["cost"] for rate in (0.005, 0.01, 0.02)]
+    assert costs[0] == costs[1]
+    assert costs[2] - costs[1] == pytest.approx((2990 - 1370) * 0.15)
+    row = next(row for row in found[0.02].bom if row.id == "rest-storage")
+    assert row.model == "disks for 2 990 GB beyond the 250 GB of the computer"
+
+
 def test_without_lamps_nothing_is_wired_to_them() -> None:
     assert [item.id for item in rest_items(RestNeeds(10.0, lit=False))] == [
         "rest-camera-connection", "rest-spares", "rest-pressure-test"

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from uwopt.model.enclosure import Bodies, dome_needed_m, sphere_needed_m, tube_needed_m
+from uwopt.model.enclosure import Bodies, dome_needed_m, mouth_needed_m, sphere_needed_m, tube_needed_m
 
 
 def bodies(**changes: float) -> Bodies:
@@ -45,6 +45,12 @@ def test_lens_front_stands_in_the_dome():
 def test_behind_a_spherical_cap_the_pupil_stands_deeper_in_the_tube():
     # a sphere of 50 mm inside, open over 80 mm: its middle lies sqrt(50^2 - 40^2) = 30 mm behind the rim
     assert tube_needed_m(bodies(), is_dome=True, gap_m=0.030)[1][0] == pytest.approx(0.142)
+
+
+def test_the_corner_ray_of_a_cap_needs_a_mouth_as_wide_as_it_is_there():
+    # 30 mm from the pupil to the rim, half a field of 45 degrees: 30 mm to each side
+    assert mouth_needed_m(np.array([1.0]), gap_m=np.array([0.030]))[0] == pytest.approx(0.060)
+    assert mouth_needed_m(np.array([np.inf]), gap_m=np.array([0.0]))[0] == 0.0  # a hemisphere's pupil stands in it
 
 
 def test_a_lens_free_in_a_cap_passes_its_opening():

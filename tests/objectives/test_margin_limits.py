@@ -244,6 +244,9 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("dome_radius_mm", lambda over: {
         **BODIES, "housing": ROOM, "port.geometry": "dome", "port.gap_mm": None,
         "port.outer_radius_mm": 10.0 + (hypot(20.0, 15.0) + 2.0) / (1.0 + over)}),
+    ("tube_mouth_mm", lambda over: {  # the corner's ray, of 5 and 2.5 in 10, 100 mm behind the window
+        **FULL, **BODIES, "port.gap_mm": 100.0, "housing": {
+            **ROOM, "inner_length_mm": 1e3, "inner_diameter_mm": 2 * 100.0 * hypot(5.0, 2.5) / 10.0 / (1.0 + over)}}),
     ("port_clears_view_mm", lambda over: {  # of a cap of 60 mm inside, half of whose opening the corner sees
         **FULL, "port.geometry": "dome", "port.gap_mm": None, "port.outer_radius_mm": 70.0,
         "port.thickness_mm": 10.0, "port.clear_diameter_mm": 120.0 * sin(atan(hypot(5.0, 2.5) / 10.0 / (1.0 + over)))}),

@@ -59,6 +59,13 @@ DEFECTS = (
         test=f"{REST}::test_a_battery_of_the_system_costs_weighs_and_limits",
     ),
     Defect(
+        name="disks hold the images that are asked for, not those that are taken",
+        file="uwopt/evaluation/design_model.py",
+        old="set_ = self.rates_hz or (0.0,) * len(asked)",
+        new="set_ = (0.0,) * len(asked)",
+        test=f"{REST}::test_disks_hold_the_images_of_the_rate_that_is_set",
+    ),
+    Defect(
         name="disks are for nothing in the search",
         file="uwopt/solvers/exact/imagers.py",
         old='cost = cost + disks_gb * problem.disk_prices["price"]',

@@ -20,6 +20,20 @@ DEFECTS: tuple[Defect, ...] = (
         test=FIT + "test_no_size_is_named_where_something_else_stops_it",
     ),
     Defect(
+        name="the search looks through the wall of a tube",
+        file="uwopt/solvers/exact/imagers.py",
+        old="np.zeros(len(left)) if problem.paper else widest_corner(seen)[left]",
+        new="np.zeros(len(left))",
+        test="tests/solvers/test_housings.py::test_a_cap_behind_whose_rim_the_tube_is_narrower_is_refused",
+    ),
+    Defect(
+        name="the mouth of a tube is half as wide as it must be",
+        file="uwopt/model/enclosure.py",
+        old="2.0 * np.asarray(gap_m)",
+        new="1.0 * np.asarray(gap_m)",
+        test=ROOM + "test_the_corner_ray_of_a_cap_needs_a_mouth_as_wide_as_it_is_there",
+    ),
+    Defect(
         name="whichever housing is looked at last comes nearest",
         file="uwopt/solvers/explain/nearest_fit.py",
         old="int(np.argmin(short_m))",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from agreement import agree, combinations
 from random_cases import RICH, Case, case, enumerated, ranked
 from thorough import drawn
 
+from uwopt.catalog.records import Housing, exact
 from uwopt.forward.enclosures import fits_inside
 from uwopt.solvers.exact.outline import Level, OutlineRows, port_tree
 
@@ -78,3 +80,28 @@ def test_no_group_of_ports_is_tighter_than_its_roomiest_housing() -> None:
             rows = OutlineRows(camera, lens, np.ones(len(camera), bool), np.full(len(camera), number))
             some = fits[:, groups.order[start:stop]].any(axis=1)
             assert np.all(level.may_fit(rows) | ~some)
+
+
+def test_a_cap_behind_whose_rim_the_tube_is_narrower_is_refused() -> None:
+    # 72 mm inside and open over 100 mm: the pupil stands 51.8 mm behind the rim. The lens of 8 mm sees the corner of
+    # the sensor at tan t; a mouth of 2 * 51.8 mm * tan t lets it pass, and a hair less does not, though it costs less.
+    made = random_cases.planted("cost", (random_cases.lamp("on", kind="continuous", flux_lm=2e4, power_w=200.0),), {})
+    cap = replace(
+        made.parts.ports[0], outer_radius_mm=80.0, thickness_mm=exact(8.0), clear_diameter_mm=exact(100.0)
+    )
+    camera = made.parts.cameras[0]
+    half_mm = np.hypot(camera.resolution_x_px, camera.resolution_y_px) * camera.pixel_pitch_um * 1e-3 / 2.0
+    needed_mm = 2.0 * np.sqrt(72.0**2 - 50.0**2) * half_mm / 8.0
+    assert needed_mm < 100.0  # else the rim itself cuts the view
+
+    def tube(name: str, inner_mm: float, price: float) -> Housing:
+        return Housing(
+            name, inner_diameter_mm=inner_mm, inner_length_mm=900.0, outer_diameter_mm=exact(120.0),
+            outer_length_mm=exact(950.0), price=exact(price), mass_g=exact(1000.0), depth_rating_m=6000.0,
+        )  # fmt: skip
+
+    housings = (tube("narrow", 0.999 * needed_mm, 100.0), tube("wide", 1.001 * needed_mm, 900.0))
+    parts = replace(made.parts, ports=tuple(replace(cap, housing=one) for one in housings))
+    _, outcome = replace(made, parts=parts).solve(top=2)
+    assert [parts.ports[found.port].housing.id for found in outcome.best] == ["wide"]
+    assert outcome.account.discarded["housing"] > 0

@@ -35,6 +35,7 @@ ASKED = {
     "min_uniformity": "evenness of the light", "power_w": "power", "peak_power_w": "peak power", "mass_kg": "mass",
     "mass_water_kg": "mass in water", "size_mm": "size of the housing", "dome_radius_mm": "room in the dome",
     "housing_diameter_mm": "room in the housing", "housing_length_mm": "room in the housing",
+    "tube_mouth_mm": "room in the housing",
     "mean_level": "image brightness", "saturation_fraction": "highlights", "depth_rating_m": "depth rating",
     "min_mtf_half_nyquist": "sharpness", "resolve_mm": "sharpness", "frame_interval_s": "time between images",
     "data_rate_mb_s": "data rate", "min_snr_red_db": "signal to noise of red", "max_white_balance": "white balance",

@@ -41,12 +41,13 @@ def evaluate_design(
 ) -> Design:  # fmt: skip
     """Everything a result says of one design with these settings."""
     model = design_model(problem, hardware)
+    each = [model.settings(index, wanted) for index, wanted in enumerate(given)]
+    model = model.at_rates([float(settings.rate_hz[0]) for settings in each])
     scenes, powers, snrs, peaks, light_powers = [], [], [], [], []
     contrasts, information, by_scene, drawn = [], [], [], []
     first: SettingRows | None = None
-    for index, wanted in enumerate(given):
+    for index, settings in enumerate(each):
         scene = problem.scenes[index]
-        settings = model.settings(index, wanted)
         figures = model.figures(index, settings, information=not scene.paper)
         margins = model.margins(index, settings, figures, level_tolerance_rel=level_tolerance_rel)
         margins += [] if first is None else common_margins(model.lenses, settings, first)

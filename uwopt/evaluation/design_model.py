@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -41,7 +42,7 @@ from uwopt.forward.sharpness import SharpRows, airy_wavelength_nm, sharpness_of
 from uwopt.forward.spacers import ring_behind_m
 from uwopt.forward.sun_light import sun_light
 from uwopt.forward.switching import camera_power_w
-from uwopt.forward.views import focus_map, table_reach_m, views
+from uwopt.forward.views import focus_map, table_reach_m, views, widest_corner
 from uwopt.model.image_mean import cells
 from uwopt.model.imaging import floor_point, lamp_light
 from uwopt.model.lens import airy_diameter_m
@@ -80,6 +81,7 @@ class DesignModel:
             for scene, shape in zip(problem.scenes, self.shapes, strict=True)
         ]
         self.problem = problem.reaching([table_reach_m(view) for view in self.views])
+        self.rates_hz: tuple[float, ...] = ()  # of images by scene, where they are set
         self._known: dict[Any, Any] = {}  # what no setting changes, worked out once
         self.spacer_m = self._ring_m() if hardware.spacer_m is None else hardware.spacer_m  # behind each lens
         self.rows = [self._rows(i, pixels=scene.pixels) for i, scene in enumerate(problem.scenes)]
@@ -443,9 +445,13 @@ class DesignModel:
             return []
         limits = self.problem.mission.limits
         bodies = bodies_of(self.cameras, self.lenses, self.spacer_m)
-        rooms = room_needed_m(bodies, port) if port.roomy[0] else {}
+        corner = 0.0 if self.problem.paper else widest_corner(self.views)
+        rooms = room_needed_m(bodies, port, corner) if port.roomy[0] else {}
         margins = []
-        for name, unit in (("housing_diameter_mm", "mm"), ("housing_length_mm", "mm"), ("dome_radius_mm", "mm")):
+        for name, unit in (
+            ("housing_diameter_mm", "mm"), ("housing_length_mm", "mm"), ("dome_radius_mm", "mm"),
+            ("tube_mouth_mm", "mm"),
+        ):  # fmt: skip
             if name in rooms:
                 needed, room = rooms[name]
                 margins.append(MarginRows(name, needed * 1e3, room * 1e3, "<=", unit))
@@ -463,14 +469,27 @@ class DesignModel:
         count = self.problem.mission.vehicle.camera_count
         return mass_in_water_kg(count, self.cameras, self.lenses, self.rings.get("mass_kg", 0.0), port)[:, 0]
 
+    def at_rates(self, rates_hz: Sequence[float]) -> DesignModel:
+        """The model with these rates of images by scene, as far as they are above those that the mission asks for."""
+        made = copy(self)
+        made.rates_hz = tuple(rates_hz)
+        return made
+
     @property
     def disks_gb(self) -> float:
-        """Room for images that is bought beyond the computer's disk, at the least rate that the mission asks for."""
-        gigabytes: float = self._once("disks", lambda: float(self.problem.disks_gb(self.cameras, [
-            required_rate_hz(scene.view.requirements, scene.view.vehicle.speed_m_s, view.footprint_along_m).max(axis=1)
-            for scene, view in zip(self.problem.scenes, self.views, strict=True)
-        ])[0]))  # fmt: skip
-        return gigabytes
+        """Room for images that is bought beyond the computer's disk, at the rates that are set or asked for."""
+
+        def gigabytes() -> float:
+            asked = [
+                required_rate_hz(scene.view.requirements, scene.view.vehicle.speed_m_s, view.footprint_along_m)
+                for scene, view in zip(self.problem.scenes, self.views, strict=True)
+            ]
+            set_ = self.rates_hz or (0.0,) * len(asked)
+            rates = [np.maximum(rate.max(axis=1), own) for rate, own in zip(asked, set_, strict=True)]
+            return float(self.problem.disks_gb(self.cameras, rates)[0])
+
+        made: float = self._once(("disks", self.rates_hz), gigabytes)
+        return made
 
     @property
     def rings(self) -> dict[str, float]:

@@ -21,7 +21,7 @@ from uwopt.catalog.parts.housing import ANY_PORT
 from uwopt.catalog.readers.read_lens import circle_class
 from uwopt.catalog.records import Camera, Housing, Lens, Port, Quantity
 from uwopt.forward.part_columns import Cameras, Lenses, Ports
-from uwopt.model.enclosure import Bodies, dome_needed_m, sphere_needed_m, tube_needed_m
+from uwopt.model.enclosure import Bodies, dome_needed_m, mouth_needed_m, sphere_needed_m, tube_needed_m
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
@@ -94,18 +94,20 @@ def bodies_of(cameras: Cameras, lenses: Lenses, spacers_m: Array | float) -> Bod
     )  # fmt: skip
 
 
-def room_needed_m(bodies: Bodies, port: Ports) -> dict[str, tuple[Array, Array]]:
+def room_needed_m(bodies: Bodies, port: Ports, tan_corner: Array | float = 0.0) -> dict[str, tuple[Array, Array]]:
     """What camera and lens need in one enclosure and what it has, (n_pairs,) each, by the name of the requirement."""
     room = room_m(port)
-    return {name: (needed, room[name]) for name, needed in needed_m(bodies, port).items()}
+    return {name: (needed, room[name]) for name, needed in needed_m(bodies, port, tan_corner).items()}
 
 
-def needed_m(bodies: Bodies, port: Ports) -> dict[str, Array]:
+def needed_m(bodies: Bodies, port: Ports, tan_corner: Array | float = 0.0) -> dict[str, Array]:
     """What camera and lens need behind a port in one housing, (n_pairs,), by the name of the requirement."""
     if port.is_sphere[0]:
         return {"housing_diameter_mm": sphere_needed_m(bodies)}
     width, length = tube_needed_m(bodies, is_dome=port.is_dome, gap_m=port.rim_gap_m)
     needed = {"housing_diameter_mm": width, "housing_length_mm": length}
+    if port.rim_gap_m[0] > 0.0:
+        needed["tube_mouth_mm"] = np.broadcast_to(mouth_needed_m(tan_corner, gap_m=port.rim_gap_m), width.shape)
     return needed | ({"dome_radius_mm": dome_needed_m(bodies)} if port.is_dome[0] else {})
 
 
@@ -113,6 +115,7 @@ def room_m(ports: Ports) -> dict[str, Array]:
     """What housings with their ports have of it, (n_ports,)."""
     return {
         "housing_diameter_mm": ports.room_diameter_m, "housing_length_mm": ports.room_length_m,
+        "tube_mouth_mm": ports.room_diameter_m,
         "dome_radius_mm": ports.outer_radius_m - ports.thickness_m,
     }  # fmt: skip
 
@@ -132,16 +135,21 @@ def tight_at_worst(camera: Camera, lens: Lens, spacer_m: float, port: Ports) -> 
     return {name: (float(n[0]), float(r[0])) for name, (n, r) in needed.items() if not n[0] <= r[0] * ROUND}
 
 
-def fits_inside(cameras: Cameras, lenses: Lenses, spacers_m: Array | float, ports: Ports) -> Mask:
-    """Whether each pair of camera and lens fits into each enclosure, (n_pairs, n_ports); all into bare ports."""
+def fits_inside(
+    cameras: Cameras, lenses: Lenses, spacers_m: Array | float, ports: Ports, tan_corner: Array | float = 0.0
+) -> Mask:
+    """Whether each pair of camera and lens fits into each enclosure, (n_pairs, n_ports); all into bare ports.
+
+    tan_corner : (n_pairs,), of the widest view behind these ports, which a tube's mouth must not cut
+    """
     fits = np.ones((len(cameras.price), len(ports.price)), bool)
-    for _, alike, needed, room in sizes_m(cameras, lenses, spacers_m, ports):
+    for _, alike, needed, room in sizes_m(cameras, lenses, spacers_m, ports, tan_corner):
         fits[:, alike] &= needed[:, None] <= room * ROUND
     return fits
 
 
 def sizes_m(
-    cameras: Cameras, lenses: Lenses, spacers_m: Array | float, ports: Ports
+    cameras: Cameras, lenses: Lenses, spacers_m: Array | float, ports: Ports, tan_corner: Array | float = 0.0
 ) -> Iterator[tuple[str, list[int], Array, Array]]:
     """Sizes that count in enclosures: name, places of those where as much is needed, that, (n_pairs,), and their room.
 
@@ -153,7 +161,7 @@ def sizes_m(
         kinds.setdefault((ports.is_sphere[p], ports.is_dome[p], ports.rim_gap_m[p]), []).append(p)
     for alike in kinds.values():
         room = room_m(ports.take(np.array(alike)))
-        for name, needed in needed_m(bodies, ports.take(np.array(alike[:1]))).items():
+        for name, needed in needed_m(bodies, ports.take(np.array(alike[:1])), tan_corner).items():
             yield name, alike, needed, room[name]
 
 

@@ -5,6 +5,7 @@ An imager is camera x lens x port x orientation; its view is geometry alone, as 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -292,6 +293,11 @@ def smallest_pixels_m(
     one = operation.flat_smallest_pixel_along_m(along[:, None], tan_across_edge=across[:, None], **common)
     other = operation.flat_smallest_pixel_along_m(across[:, None], tan_across_edge=along[:, None], **common)
     return np.asarray(one), np.asarray(other)
+
+
+def widest_corner(seen: Sequence[Views]) -> Array:
+    """Tangent of the angle between the axis and the widest of these views' corners, inside the port, (n,)."""
+    return np.max([np.hypot(view.tan_along, view.tan_across) for view in seen], axis=0)
 
 
 def focus_map(scene: SceneOptics, shape: PortShape) -> port.FocusMap:

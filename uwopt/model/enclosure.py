@@ -65,6 +65,31 @@ def tube_needed_m(bodies: Bodies, *, is_dome: Any, gap_m: Any) -> tuple[Array, A
     return np.asarray(width), np.asarray(bodies.behind_pupil_m + before + CLEARANCE_M)
 
 
+def mouth_needed_m(tan_corner: Any, *, gap_m: Any) -> Array:
+    """Inner diameter that the mouth of a tube needs, for the corner's ray to pass it.
+
+        D = 2 g tan(theta)
+
+    Parameters
+    ----------
+    tan_corner : (n,) [1], of the angle between the axis and the ray to the image's corner, inside the port
+    gap_m : from the entrance pupil to the mouth, where the port's rim or inner face lies [m]
+
+    Returns
+    -------
+    (n,) [m]; 0 behind a hemisphere, whose pupil stands in the mouth.
+
+    Notes
+    -----
+    Valid for: a pupil that is a point. What matters where the mouth is narrower than the port's own opening.
+
+    References
+    ----------
+    Geometry.
+    """
+    return np.asarray(2.0 * np.asarray(gap_m) * np.where(np.asarray(gap_m) > 0.0, tan_corner, 0.0))
+
+
 def dome_needed_m(bodies: Bodies) -> Array:
     """Inner radius that a dome needs, for the front of a lens whose pupil is at its centre.
 

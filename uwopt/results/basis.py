@@ -133,7 +133,9 @@ class Relaxed(Record):
 class Lacking(Record):
     """A size that stops a fit."""
 
-    name: str = Field(description="housing_diameter_mm | housing_length_mm | dome_radius_mm | port_width_mm")
+    name: str = Field(
+        description="housing_diameter_mm | housing_length_mm | tube_mouth_mm | dome_radius_mm | port_width_mm"
+    )
     needed_mm: Number = Field(description="what the parts need")
     room_mm: Number = Field(description="what there is")
 

@@ -104,6 +104,7 @@ REQUIREMENTS: Mapping[str, str] = {
     "housing_diameter_mm": "width of camera and lens in the housing",
     "housing_length_mm": "length of camera and lens in the housing",
     "dome_radius_mm": "front of the lens in the dome",
+    "tube_mouth_mm": "view through the mouth of the housing",
     "data_rate_mb_s": "data rate",
     "energy_wh": "energy of the whole mission",
     "storage_gb": "storage of the whole mission",
@@ -117,6 +118,7 @@ SIZES: Mapping[str, str] = {  # that stop a fit
     "housing_diameter_mm": "inner diameter of the housing",
     "housing_length_mm": "inner length of the housing",
     "dome_radius_mm": "inner radius of the dome",
+    "tube_mouth_mm": "diameter of the housing's mouth",
     "port_width_mm": "diameter of the housing's end",
 }
 

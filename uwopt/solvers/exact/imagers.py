@@ -26,7 +26,7 @@ from uwopt.forward.focus import Focused, common_dioptre, depth_f_number, working
 from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
 from uwopt.forward.problem import Problem
 from uwopt.forward.spacers import needed_spacer_m
-from uwopt.forward.views import Views, focus_map, views
+from uwopt.forward.views import Views, focus_map, views, widest_corner
 from uwopt.model.imaging import FARTHEST
 from uwopt.tolerances import ROUND
 
@@ -216,7 +216,8 @@ def imagers_behind(
 
     rates = [extra.rate_hz[left] for extra in focused]
     own = problem.cameras.take(camera[left]), problem.lenses.take(lens[left])
-    for rule, passes in own_rules(problem, *own, spacers_m[left], ports, rates):
+    corner = np.zeros(len(left)) if problem.paper else widest_corner(seen)[left]
+    for rule, passes in own_rules(problem, *own, spacers_m[left], ports, rates, corner):
         drop(rule, passes)
     if len(ports) > 1:
         drop("better_housing", ~beaten_housings(problem, ports, alive))
@@ -385,16 +386,17 @@ def focus_rules(
 
 
 def own_rules(
-    problem: Problem, cameras: Any, lenses: Any, spacers_m: Array, ports: Array, rates: list[Array]
+    problem: Problem, cameras: Any, lenses: Any, spacers_m: Array, ports: Array, rates: list[Array], tan_corner: Array
 ) -> Iterator[tuple[str, Array]]:
     """Each rule after those, with the imagers that pass it: (n, n_ports) where the housing matters, else (n,).
 
     spacers_m : of rings behind the lenses, (n,)
     rates : of the images by scene, (n,) [Hz]
+    tan_corner : of the widest view, (n,)
     """
     limits, count = problem.mission.limits, problem.mission.vehicle.camera_count
     housings = problem.ports.take(ports)
-    yield "housing", fits_inside(cameras, lenses, spacers_m, housings)
+    yield "housing", fits_inside(cameras, lenses, spacers_m, housings, tan_corner)
     every_pair = np.ones((len(cameras.price), 1), bool)
     yield "size_mm", every_pair & (housing_size_mm(housings) <= limit(limits.size_mm) * ROUND)
     most = limits.mass_water_kg

@@ -10,6 +10,7 @@ import numpy as np
 from uwopt.catalog.choose import Selection
 from uwopt.forward.enclosures import missing_width_mm, sizes_m
 from uwopt.forward.problem import Problem
+from uwopt.forward.views import widest_corner
 from uwopt.results.basis import Lacking, NearestFit
 from uwopt.solvers.exact.imagers import landscapes, seen_behind
 from uwopt.solvers.explain.relaxed import Broken, Relaxer
@@ -61,9 +62,10 @@ def shortages(
             if len(rows) == 0:
                 continue
             camera, lens = broken.pairs.camera[rows], broken.pairs.lens[rows]
-            spacers_m = seen_behind(problem, camera, lens, int(ports[0]), landscape)[2]
+            seen, _, spacers_m = seen_behind(problem, camera, lens, int(ports[0]), landscape)
             own = problem.cameras.take(camera), problem.lenses.take(lens), spacers_m, problem.ports.take(ports)
-            short_m, sizes = np.zeros((len(rows), len(ports))), list(sizes_m(*own))
+            corner = 0.0 if problem.paper else widest_corner(seen)
+            short_m, sizes = np.zeros((len(rows), len(ports))), list(sizes_m(*own, corner))
             for _, alike, needed, room in sizes:
                 over = needed[:, None] - room
                 short_m[:, alike] = np.maximum(short_m[:, alike], np.where(needed[:, None] <= room * ROUND, 0.0, over))
