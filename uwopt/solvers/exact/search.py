@@ -44,7 +44,7 @@ from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.settings.best import GAP, best_settings
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.mean_limit import MeanLimit
-from uwopt.tolerances import ROUND
+from uwopt.tolerances import ROUND, SLACK
 
 Array = NDArray[Any]
 
@@ -415,9 +415,7 @@ class Search:
                 lights = self._with_veils(pairs.imager, lights, lighting, stage)
             bound = np.maximum(bound, self._bound(pairs, lights, lighting, stage, closed_alone=stage != stages[-1]))
             found = found or int(np.isfinite(bound).sum())
-            camera_power = self.imagers.camera_power_w[pairs.imager[pairs.node]]
-            beaten = self.ranking.shut_out(bound, camera_power, pairs.cost, pairs.mass_kg)
-            kept = np.nonzero(np.isfinite(bound) & ~beaten)[0]
+            kept = np.nonzero(np.isfinite(bound) & ~self._beaten(pairs, bound))[0]
             if len(kept) == 0:
                 break
             used, back = np.unique(pairs.node[kept], return_inverse=True)
@@ -427,6 +425,13 @@ class Search:
         solved = 0 if len(kept) == 0 else self._solve_best_first(pairs, bound, lights, lighting)
         self.account.evaluated -= found - solved
         self.account.discarded["bound"] += found - solved
+
+    def _beaten(self, pairs: NodeDesigns, bound: Array) -> Array:
+        """Which of these designs, by lower bounds of their objective, get no place among the best."""
+        power, weight = self.imagers.camera_power_w[pairs.imager[pairs.node]], self.objective.weight("power")
+        if self.objective.single == "power" and weight:
+            power = np.maximum(power, bound / weight * (1.0 - 10.0 * SLACK))
+        return self.ranking.shut_out(bound, power, pairs.cost, pairs.mass_kg)
 
     def _stages(self) -> tuple[Veils, ...]:
         """What designs are bounded by, in turn; each costs more than the one before."""
@@ -457,17 +462,15 @@ class Search:
         self, pairs: NodeDesigns, bound: Array, lights: list[ImageLight], lighting: Lighting
     ) -> int:
         """Designs that may win, best bound first, with all their veils; how many were solved."""
-        least = np.full(len(pairs.imager), np.inf)
-        np.minimum.at(least, pairs.node, bound)
-        order = np.argsort(least, kind="stable")
-        position, batch, solved = 0, FIRST_VEILS, 0
-        while position < len(order):
-            nodes = order[position : position + batch]
-            nodes = nodes[least[nodes] <= self.ranking.threshold()]
-            if len(nodes) == 0:
-                break
-            position += len(nodes)
-            some = pairs.take(np.isin(pairs.node, nodes) & (bound <= self.ranking.threshold()))
+        order = np.lexsort((pairs.cost, bound))
+        nodes, first = np.unique(pairs.node[order], return_index=True)
+        order = nodes[np.argsort(first)]  # nodes by the best of their designs
+        batch, solved = FIRST_VEILS, 0
+        while len(order):
+            left = ~self._beaten(pairs, bound)
+            order = order[np.isin(order, pairs.node[left])]
+            nodes, order = order[:batch], order[batch:]
+            some = pairs.take(np.flatnonzero(left & np.isin(pairs.node, nodes)))
             solved += len(some.node)
             some = some.take(np.nonzero(self._keeps_rules(some, lighting))[0])
             if len(some.node):
