@@ -14,6 +14,7 @@ from uwopt.forward.floor_light import most_uniformities, uniformity
 from uwopt.forward.lamp_light import decisive_pixels, image_light
 from uwopt.forward.remembered import RememberedSunField, once_an_image
 from uwopt.forward.sun_light import SunField
+from uwopt.model.image_mean import FRAME_MAY_MISS, reached_by_most
 from uwopt.model.sensor import light_for_snr
 
 SEEDS = (1, 4, 7)
@@ -186,3 +187,16 @@ def test_remembered_sun_is_the_sun(pixels: Any) -> None:
                 assert getattr(known, name) is None and pixels is None
                 continue
             assert getattr(known, name) == pytest.approx(getattr(plain, name), rel=1e-6)
+
+
+def test_few_pixels_of_the_sun_alone_decide_as_all_do() -> None:
+    """It dims towards the edges: what all but k of the frame's pixels reach is what all but k of the outermost do."""
+    search = sunlit()
+    imagers = search.prepare()
+    port, efficiency = int(imagers.port[0]), int(search.problem.cameras.qe_index[imagers.camera[0]])
+    view = imagers.scenes[0].view.take(np.flatnonzero(imagers.port == port)[:3])
+    field = RememberedSunField(search.problem, 0, port_index=port, efficiency=efficiency)
+    few, every = (field.light(view, pixels="frame", few=one).worst_e_s for one in (True, False))
+    assert few is not None and every is not None and few.shape[2] < 0.2 * every.shape[2]
+    least, all_but = (reached_by_most(light, FRAME_MAY_MISS) for light in (few, every))
+    assert least == pytest.approx(all_but, rel=1e-9)

@@ -56,4 +56,18 @@ DEFECTS: tuple[Defect, ...] = (
         new="new[1:] |= columns[0][order][1:] != columns[0][order][:-1]",
         test="tests/forward/test_columns.py::test_rows_that_agree_in_all_columns_are_found_once",
     ),
+    Defect(
+        name="few pixels of the sun are remembered as all",
+        file="uwopt/forward/remembered.py",
+        old="pixels, half_grid, few, points,",
+        new="pixels, half_grid, points,",
+        test="tests/forward/test_remembered.py::test_few_pixels_of_the_sun_alone_decide_as_all_do",
+    ),
+    Defect(
+        name="the sun's few pixels are those of another question",
+        file="uwopt/forward/sun_light.py",
+        old="grid = likely_places(view, pixels)",
+        new='grid = likely_places(view, "darkest")',
+        test="tests/forward/test_remembered.py::test_few_pixels_of_the_sun_alone_decide_as_all_do",
+    ),
 )

@@ -123,15 +123,17 @@ class RememberedField(LampField):
 class RememberedSunField(SunField):
     """Daylight seen by imagers, each image of which is worked out once; see `SunField`."""
 
-    def light(self, view: Views, *, pixels: Pixels | None = None, half_grid: bool = False) -> SunLight:
+    def light(
+        self, view: Views, *, pixels: Pixels | None = None, half_grid: bool = False, few: bool = False
+    ) -> SunLight:
         """As `SunField`."""
         make = super().light
         curves = tuple(sorted(self.curves.items()))
         points = self.problem.pixels_a_side(self.scene_index)
-        key = ("sun", self.shape, curves, self.channel, pixels, half_grid, points, self.fineness)
+        key = ("sun", self.shape, curves, self.channel, pixels, half_grid, few, points, self.fineness)
 
         def per_area(new: Views) -> Array:
-            light = make(new, pixels=pixels, half_grid=half_grid)
+            light = make(new, pixels=pixels, half_grid=half_grid, few=few)
             means = np.stack([light.signal_e_s, light.forward_e_s, light.path_e_s], axis=2)
             there = [c for c in (light.worst_e_s, light.worst_veil_e_s) if c is not None]
             return np.concatenate([means, *there], axis=2) / new.collecting_m2[:, None, None]

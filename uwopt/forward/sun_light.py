@@ -16,7 +16,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from uwopt.catalog.curves import spectra
-from uwopt.forward.lamp_light import SunLight
+from uwopt.forward.lamp_light import SunLight, likely_places
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
@@ -55,8 +55,10 @@ class SunField:
         """Electrons a photon, by wavelength."""
         return efficiency_curve(self.curves, self.scene.wavelength_nm, channel=self.channel)
 
-    def light(self, view: Views, *, pixels: Pixels | None = None, half_grid: bool = False) -> SunLight:
-        """Daylight of these imagers; with `pixels` also at every point that lamps are seen at."""
+    def light(
+        self, view: Views, *, pixels: Pixels | None = None, half_grid: bool = False, few: bool = False
+    ) -> SunLight:
+        """Daylight of these imagers; with `pixels` also at every point that lamps are seen at, or the likely ones."""
         nodes, weights = gauss(scaled(IMAGE_ORDER, self.fineness))
         half, share = 0.5 * (nodes + 1.0), weights
         ahead, of_ahead = gauss(scaled(2 * IMAGE_ORDER, self.fineness)) if self.shape.slope else (half, share)
@@ -69,7 +71,9 @@ class SunField:
         signal, forward, path = np.moveaxis(np.stack(parts, axis=1), -1, 0)
         if pixels is None:
             return SunLight(signal, forward, path)
-        if pixels == "frame":
+        if few:
+            grid = likely_places(view, pixels)
+        elif pixels == "frame":
             grid = frame_places(view.tan_along, view.tan_across)
         else:
             points = self.problem.pixels_a_side(self.scene_index)
@@ -233,11 +237,13 @@ def with_colours(
 
 def sun_light(
     problem: Problem, scene_index: int, view: Views, camera: Array, *, port_index: Array, mount: Mount | None = None,
-    count: int = 2, channel: str | None = None, pixels: Pixels | None = None, field_type: type[SunField] = SunField,
+    count: int = 2, channel: str | None = None, pixels: Pixels | None = None, few: bool = False,
+    field_type: type[SunField] = SunField,
 ) -> SunLight | None:  # fmt: skip
     """Electrons per second of open shutter from the sun; None without sun.
 
-    With `pixels` also where the lamps at `mount` are seen. `field_type` may remember what it has worked out.
+    With `pixels` also where the lamps at `mount` are seen; of `few`, at those that are likely to be darkest.
+    `field_type` may remember what it has worked out.
     """
     if not problem.scenes[scene_index].sunlit or not problem.effects.sunlight:
         return None
@@ -255,7 +261,7 @@ def sun_light(
                 problem, scene_index, port_index=int(window), efficiency=int(curve), channel=channel
             )
             half = lamps is not None and along_symmetric(lamps, field.shape)
-            light = field.light(view.take(mine), pixels=pixels, half_grid=half)
+            light = field.light(view.take(mine), pixels=pixels, half_grid=half, few=few)
             if channel is None and problem.scenes[scene_index].channels:
                 light = with_colours(
                     light, problem, scene_index, view.take(mine), int(window), int(curve), field_type

@@ -28,6 +28,7 @@ from uwopt.forward.scene import Pixels
 from uwopt.forward.setting_rows import SceneRows, of_darkest_pixels, setting_rows
 from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.sun_light import sun_light
+from uwopt.model.image_mean import FRAME_MAY_MISS
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import Account, Outcome, Sample, snr_ceiling
 from uwopt.solvers.exact.bounds import NODE_RULES, Bounds, LampChoices, NodeBounds
@@ -536,7 +537,11 @@ class Search:
         result = []
         for index, seen in enumerate(lights):
             pixels = self.problem.scenes[index].pixels
-            if pixels is not None:
+            unlit = optimistic and pixels == "frame" and self.bounds.is_sunlit(index) and self._are_unlit(light)
+            if unlit:  # the sun alone says which pixels are dark
+                likely = np.repeat(seen.signal_e[:, :, None], LIKELY_PLACES, axis=2)
+                seen = seen.with_pixels(ImageLight(seen.signal_e, worst_e=likely, may_miss=FRAME_MAY_MISS))
+            elif pixels is not None:
                 veils: Veils = "none" if optimistic else "all"
                 with_pixels = self._with_pixels
                 if optimistic and not self.bounds.is_sunlit(index):
@@ -546,7 +551,7 @@ class Search:
             rows = setting_rows(
                 self.problem, index, camera=self.imagers.camera[imager], light=light, count=count,
                 focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
-                sun=self._sun(index, imager, count, lighting, pixels=pixels),
+                sun=self._sun(index, imager, count, lighting, pixels=pixels, few=unlit),
                 sharp=self._sharp(index, imager, lighting),
             )  # fmt: skip
             if optimistic:
@@ -556,6 +561,10 @@ class Search:
                 rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, -1.0))
             result.append(replace(rows, optimistic=optimistic))
         return result
+
+    def _are_unlit(self, light: Array) -> bool:
+        """Whether all of these lights stand for no lamp."""
+        return all(self.problem.unlit(int(one)) for one in np.unique(light))
 
     def _sharp(self, scene_index: int, imager: Array, lighting: Lighting) -> SharpRows | None:
         """What MTF and information depend on, where either is asked for."""
@@ -571,7 +580,7 @@ class Search:
         ).take(back)  # fmt: skip
 
     def _sun(
-        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, *, pixels: Pixels | None
+        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, *, pixels: Pixels | None, few: bool
     ) -> SunLight | None:
         """The sun's light in these images; the pixels looked at depend on the number of lamps."""
         parts = []
@@ -587,6 +596,7 @@ class Search:
                 mount=lighting.mount,
                 count=int(number),
                 pixels=pixels,
+                few=few,
                 field_type=RememberedSunField,
             )
             if sun is None:
