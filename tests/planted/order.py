@@ -4,6 +4,10 @@ from planted.defect import Defect
 
 LIMITS = "tests/evaluation/test_setting_limits.py"
 WORSE = "tests/solvers/test_worse_water.py"
+SPEC = "tests/solvers/test_specification.py"
+OFFERS = "tests/catalog/test_offers.py"
+BOOKS = "tests/documents/test_workbooks.py"
+TENDER = "tests/report/order/test_tender.py"
 COMPARE = "tests/report/compare/test_compare.py"
 CARD = "tests/report/card/test_card.py"
 BOOK = "tests/report/order/test_bom_book.py"
@@ -120,5 +124,82 @@ DEFECTS = (
         old='*(["it does not do what is asked"] if missed else [])',
         new="*[]",
         test=f"{COMPARE}::test_rig_that_is_better_by_the_goal_is_told_why",
+    ),
+    Defect(
+        name="the worse end of the last step is a limit",
+        file="uwopt/solvers/explain/specification.py",
+        old="made[which][n] = worse(asked[n], float(step))",
+        new="made[which][n] = worse(asked[n], 1.02 * float(step))",
+        test=f"{SPEC}::test_every_limit_holds_within_and_not_beyond",
+    ),
+    Defect(
+        name="a rival that is as good does not count",
+        file="uwopt/solvers/explain/specification.py",
+        old="value <= rival - FINER * abs(rival)",
+        new="value <= rival",
+        test=f"{SPEC}::test_a_rival_that_is_as_good_ends_the_claim",
+    ),
+    Defect(
+        name="all limits at once are taken for enough",
+        file="uwopt/solvers/explain/specification.py",
+        old="        return list(at(low).values())",
+        new="        return list(at(1.0).values())",
+        test=f"{SPEC}::test_all_numbers_together_still_do_and_lie_within_their_limits",
+    ),
+    Defect(
+        name="units of answers are dropped",
+        file="uwopt/catalog/offers.py",
+        old='return f"{value:.10g}", ""',
+        new='return found[1], ""',
+        test=f"{OFFERS}::test_numbers_with_units_are_read_in_the_column_s",
+    ),
+    Defect(
+        name="quotes that no longer hold count",
+        file="uwopt/catalog/offers.py",
+        old="elif until and until < today:",
+        new="elif False:",
+        test=f"{OFFERS}::test_a_price_counts_with_currency_day_and_while_it_holds",
+    ),
+    Defect(
+        name="an own part takes the named one's numbers",
+        file="uwopt/catalog/offers.py",
+        old='and COLUMNS[kind][name].form != "number"',
+        new="and True",
+        test=f"{OFFERS}::test_a_part_of_its_own_takes_words_but_no_numbers_from_the_named_one",
+    ),
+    Defect(
+        name="formulas of a workbook are taken as text",
+        file="uwopt/documents/workbooks.py",
+        old='if getattr(cell, "data_type", "") == "f":',
+        new="if False:",
+        test=f"{BOOKS}::test_formulas_are_refused_with_their_place",
+    ),
+    Defect(
+        name="a workbook may unpack to any size",
+        file="uwopt/documents/workbooks.py",
+        old="if sum(piece.file_size for piece in pieces) > MOST_UNPACKED",
+        new="if sum(piece.file_size for piece in pieces) < 0",
+        test=f"{BOOKS}::test_what_grows_too_large_is_refused_unread",
+    ),
+    Defect(
+        name="the dearer of two offers counts",
+        file="uwopt/api/quoting.py",
+        old="ranks[place] < ranks[found[key]]",
+        new="ranks[place] > ranks[found[key]]",
+        test=f"{TENDER}::test_of_two_offers_of_one_part_the_cheaper_counts",
+    ),
+    Defect(
+        name="what is offered is not searched",
+        file="uwopt/api/quoting.py",
+        old="catalog[key] = named[key] = [*catalog[key], offer.part_id]",
+        new="named[key] = catalog[key]",
+        test=f"{TENDER}::test_what_is_offered_is_searched_beside_what_the_mission_names",
+    ),
+    Defect(
+        name="limits are rounded to the unsafe side",
+        file="uwopt/report/order/tender_lines.py",
+        old="outward = math.ceil if limit.more_is_better else math.floor",
+        new="outward = math.floor if limit.more_is_better else math.ceil",
+        test=f"{TENDER}::test_limits_are_rounded_to_the_safe_side",
     ),
 )

@@ -32,6 +32,7 @@ from uwopt.cli.output import hand_over, print_first
 from uwopt.cli.pareto import pareto_command
 from uwopt.cli.report import report_command
 from uwopt.cli.status import BAD_INPUT, DONE, EXIT_STATUS, command, result_status, told
+from uwopt.cli.tender import quotes_command, tender_command
 from uwopt.cli.whatif import whatif_command
 from uwopt.version import __version__
 
@@ -182,6 +183,8 @@ app.command("pareto", short_help="Trade two or three objectives: the whole front
 app.command("whatif", short_help="Vary the mission: the optimum, and where another system wins.")(whatif_command)
 app.command("bench", short_help="Measure error against run time on this machine.")(bench_command)
 app.command("report", short_help="Make the page of a result again.")(report_command)
+app.command("tender", short_help="Write what makers are asked for.")(tender_command)
+app.command("quotes", short_help="Decide again with makers' answers.")(quotes_command)
 app.command("compare", short_help="Hold systems against each other.")(compare_command)
 app.command("card", short_help="Print what to set at sea, on one page.")(card_command)
 

@@ -1,0 +1,209 @@
+"""The buyer's loop: a tender from a result, answers as makers fill them in, the mission solved again, the order."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+openpyxl = pytest.importorskip("openpyxl")
+
+from uwopt.api.quoting import LOG_FILE, logged, naming, searched, with_quotes  # noqa: E402
+from uwopt.api.solving import solve  # noqa: E402
+from uwopt.catalog.answers import read_answers  # noqa: E402
+from uwopt.catalog.offers import Answers, offers_of  # noqa: E402
+from uwopt.cli.app import app  # noqa: E402
+from uwopt.errors import CatalogError, ResultError  # noqa: E402
+from uwopt.mission.mission import Mission, load_mission  # noqa: E402
+from uwopt.report.order import tender_lines  # noqa: E402
+from uwopt.report.order.answers import answer_blocks, change_sentences  # noqa: E402
+from uwopt.report.order.tender_book import FIRST_ANSWER, letter, tender_book  # noqa: E402
+from uwopt.report.order.tender_lines import end_text, lines_of  # noqa: E402
+from uwopt.report.text.layout import Text  # noqa: E402
+from uwopt.results.result import Result  # noqa: E402
+from uwopt.solvers.explain.specification import PropertyLimit  # noqa: E402
+
+Make = Callable[..., Any]
+ROOT = Path(__file__).parents[3]
+TODAY = "2026-11-23"
+CAMERA, LAMP = "avt-alvium-1800-c-234m", "arctic-rays-dragonfish-mini-strobe-65deg"
+FEW = {
+    "cameras": [CAMERA], "lenses": ["thorlabs-mvl16m1"], "ports": ["blue-robotics-4-in-dome-plastic-ring-2026"],
+    "lights": ["arctic-rays-dragonfish-mini-strobe-65deg"], "generic": "never",
+}  # fmt: skip
+
+
+def small(catalog: dict[str, Any]) -> dict[str, Any]:
+    """reef-mosaic with few parts."""
+    mission = yaml.safe_load((ROOT / "problems" / "reef-mosaic.yaml").read_text("utf-8"))
+    return mission | {"catalog": catalog, "limits": mission["limits"] | {"cost": 20_000}}
+
+
+KNOWN: dict[str, Result] = {}
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return solved_once(load_mission(small(FEW)))
+
+
+def solved_once(mission: Mission, **_: Any) -> Result:
+    """A mission's result, solved once for all tests."""
+    key = json.dumps(mission.to_dict())
+    if key not in KNOWN:
+        KNOWN[key] = solve(mission, quick=True)
+    return KNOWN[key]
+
+
+@pytest.fixture(autouse=True)
+def each_mission_is_solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("uwopt.api.quoting.solve", solved_once)
+
+
+def limit(name: str, feasible: float, best: float | None) -> PropertyLimit:
+    return PropertyLimit("light", name, 30_000.0, True, feasible, best, feasible * 1.5)
+
+
+@pytest.fixture(scope="module")
+def book(result: Result) -> bytes:
+    """A tender of limits that are given: finding them takes a second a part."""
+    found = {"light": [limit("flux_lm", 12_499.4, 29_645.5)]}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tender_lines, "specification", lambda *_, kinds, **__: {k: found.get(k, []) for k in kinds})
+        lines = lines_of(result, "r")
+    assert "(pulsed: while on) in lumens: at least 18 800 lm" in letter(result, lines)
+    return tender_book(result, lines)
+
+
+def filled(book: bytes, folder: Path, *columns: tuple[str, int, dict[str, object]]) -> Path:
+    """The workbook as makers send it back: sheet, maker, answers by key."""
+    opened = openpyxl.load_workbook(io.BytesIO(book))
+    for sheet, maker, answers in columns:
+        rows = {cell.value: cell.row for cell in opened[sheet]["A"]}
+        for key, value in answers.items():
+            row = rows.get(key) or opened[sheet].max_row + 1  # makers add lines of their own
+            opened[sheet].cell(row, 1).value = key
+            opened[sheet].cell(row, FIRST_ANSWER + maker - 1).value = value
+    opened.save(folder / "answers.xlsx")
+    return folder / "answers.xlsx"
+
+
+QUOTED = {"manufacturer": "Arctic Rays", "model": "Dragonfish", "named_part": "yes", "price": 2500, "currency": "USD",
+          "price_date": "2026-11-20", "valid_until": "2027-01-31", "lead_time_weeks": 8, "power_w": 520,
+          "mass_g": "3 s", "max_duty_frac": 0.02}  # fmt: skip
+BETTER = {"manufacturer": "Acme", "model": "Bolt", "named_part": "no", "price": 2000, "currency": "USD",
+          "price_date": "2026-11-21", "kind": "pulsed_led", "flux_lm": 60_000, "power_w": 400, "depth_rating_m": 300,
+          "max_pulse_us": 5000, "min_pulse_us": 20, "max_rate_hz": 5, "beam_angle_deg": 65,
+          "max_duty_frac": 0.1}  # fmt: skip
+
+
+def test_sheets_ask_what_is_needed_and_what_is_not_known(book: bytes) -> None:
+    opened = openpyxl.load_workbook(io.BytesIO(book))
+    assert opened.sheetnames == ["Read me", "camera", "lens", "port", "light"]
+    rows = {row[0].value: [cell.value for cell in row] for row in opened["light"].iter_rows()}
+    assert rows["flux_lm"][3:6] == ["at least 12 500 lm", "at least 29 700 lm", "at least 18 800 lm"]
+    assert rows["flux_lm"][6:8] == ["30000", "published"]
+    assert rows["power_w"][7] == "estimated"
+    assert rows["depth_rating_m"][3] == "at least 100 m"
+    assert "named_part" in rows
+    assert any("yes,no" in str(rule.formula1) for rule in opened["light"].data_validations.dataValidation)
+
+
+def test_limits_are_rounded_to_the_safe_side() -> None:
+    from uwopt.catalog.columns import COLUMNS
+
+    column = COLUMNS["light"]["flux_lm"]
+    assert end_text(12_411.0, limit("flux_lm", 1.0, None), column) == "at least 12 500 lm"
+    less = PropertyLimit("light", "power_w", 10.0, False, None, None, 1.0)
+    assert end_text(7.899, less, COLUMNS["light"]["power_w"]) == "at most 7.89 W"
+
+
+def test_the_whole_loop_ends_in_an_order(book: bytes, tmp_path: Path) -> None:
+    file = filled(book, tmp_path, ("light", 1, QUOTED), ("light", 2, BETTER))
+    made = with_quotes(small(FEW), file, today=TODAY)
+    assert [(offer.part_id, offer.usable) for offer in made.offers] == [(LAMP, True), ("acme-bolt", True)]
+    assert made.offers[0].faults == ("mass_g: '3 s' is in another unit; it is asked in g",)
+    assert "trigger_jitter_us" in made.offers[0].missing
+    assert made.after.best.hardware.light.id == "acme-bolt"
+    assert {row.id: row.unit_price for row in made.after.best.bom}["acme-bolt"] == 2000.0
+    assert made.after.best.objective_value < made.before.best.objective_value
+    told = " ".join(change_sentences(made))
+    assert f"Light acme-bolt instead of {LAMP}, as it is offered (2000 USD, " in told
+    assert "The former recommendation now reaches" in told
+
+
+def test_what_is_now_known_of_a_part_alone_narrows_its_price(book: bytes, tmp_path: Path) -> None:
+    made = with_quotes(small(FEW), filled(book, tmp_path, ("light", 1, QUOTED)), today=TODAY)
+    told = " ".join(change_sentences(made))
+    assert told.startswith("The recommendation stands. Power: ")
+    before, after = made.before.best.totals.cost, made.after.best.totals.cost
+    assert after.high - after.low < 0.5 * (before.high - before.low)
+
+
+def test_an_answer_that_lacks_a_vital_fact_is_told_and_not_searched(tmp_path: Path) -> None:
+    texts = {key: str(value) for key, value in BETTER.items() if key != "depth_rating_m"}
+    offers, log = logged(offers_of([Answers("a maker", "light", LAMP, texts)], TODAY), TODAY)
+    (tmp_path / LOG_FILE).write_text(log, "utf-8")
+    (told,) = searched(offers, naming(load_mission(small(FEW)), tmp_path / LOG_FILE, offers))
+    assert not told.usable
+    assert told.faults[0].startswith("cannot be searched: depth rating, ")
+
+
+def test_what_is_offered_is_searched_beside_what_the_mission_names(tmp_path: Path) -> None:
+    texts = {key: str(value) for key, value in BETTER.items()}
+    offers = offers_of([Answers("a maker", "light", LAMP, texts)], TODAY)
+    assert naming(load_mission(small(FEW)), tmp_path / LOG_FILE, offers).catalog.lights == (LAMP, "acme-bolt")
+
+
+def test_of_two_offers_of_one_part_the_cheaper_counts() -> None:
+    texts = {"named_part": "yes", "currency": "USD", "price_date": "2026-11-20"}
+    sheets = [Answers("a maker", "light", LAMP, texts | {"price": price}) for price in ("900", "700", "800")]
+    told, log = logged(offers_of(sheets, TODAY), TODAY)
+    assert [offer.usable for offer in told] == [False, True, False]
+    assert [row["new"] for row in csv.DictReader(log.splitlines()[3:]) if row["cell"] == "price"] == ["700"]
+
+
+def test_answers_as_csv_are_read_alike(tmp_path: Path) -> None:
+    lines = [f"light,{LAMP},price,900,", f"light,{LAMP},currency,USD,", f"camera,{CAMERA},price,,5"]
+    (tmp_path / "a.csv").write_text("\n".join(["part,candidate,key,maker 1,maker 2", *lines]), "utf-8")
+    found = {one.where: dict(one.texts) for one in read_answers(tmp_path / "a.csv")}
+    assert found["a.csv, light, maker 1"] == {"price": "900", "currency": "USD"}
+    assert found["a.csv, camera, maker 2"] == {"price": "5"}
+    assert found["a.csv, camera, maker 1"] == {"price": ""}
+
+
+def test_a_workbook_of_another_form_is_told(tmp_path: Path) -> None:
+    openpyxl.Workbook().save(tmp_path / "a.xlsx")
+    with pytest.raises(CatalogError, match="holds no sheet of the form"):
+        read_answers(tmp_path / "a.xlsx")
+
+
+def test_nothing_answered_changes_nothing(book: bytes, tmp_path: Path) -> None:
+    made = with_quotes(small(FEW), filled(book, tmp_path), today=TODAY)
+    assert made.before is made.after
+    text = [line.plain for block in answer_blocks(made) for line in block.lines if isinstance(line, Text)]
+    assert text == ["Nothing: no answer told anything that is new and can be used."]
+
+
+def test_command_keeps_answers_and_order(book: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("uwopt.report.write.page_text", lambda _: "")  # pictures take seconds
+    file = filled(book, tmp_path, ("light", 1, QUOTED))
+    (tmp_path / "reef.yaml").write_text(yaml.safe_dump(small(FEW)), "utf-8")
+    named = [str(tmp_path / "reef.yaml"), str(file), "--out", str(tmp_path / "out")]
+    done = CliRunner().invoke(app, ["quotes", *named, "--date", TODAY])
+    assert done.exit_code == 0, done.output
+    assert "The recommendation stands." in done.output
+    assert (tmp_path / "out" / LOG_FILE).read_text("utf-8").count(LAMP) >= 4
+    assert str(tmp_path / "out" / LOG_FILE) in (tmp_path / "out" / "result.json").read_text("utf-8")
+
+
+def test_a_result_without_a_system_asks_for_nothing(make_result: Make) -> None:
+    with pytest.raises(ResultError, match="nothing to ask for"):
+        lines_of(make_result(recommendation=None, status="infeasible"), "r.json")

@@ -1,0 +1,76 @@
+"""The commands `uwopt tender` and `uwopt quotes`: ask makers, and decide again with their answers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption
+from uwopt.cli.output import print_made
+from uwopt.cli.status import DONE, command, result_status, told
+
+
+@command
+def tender_command(
+    result: Annotated[str, typer.Argument(metavar="RESULT.json", help="result.json, as --out wrote it.")],
+    out: Annotated[str, typer.Option("--out", metavar="DIR", help="Write tender.xlsx and letter.txt into DIR.")],
+    quiet: QuietOption = False,
+) -> int:
+    """Write what makers are asked: per part what it must fulfil, with cells for their answers, and a letter."""
+    from uwopt.report.order.tender_book import BOOK_FILE, LETTER_FILE, letter, tender_book
+    from uwopt.report.order.tender_lines import lines_of
+    from uwopt.report.text.console import ProgressBar
+    from uwopt.report.write import check_folder, made_folder, write_files
+    from uwopt.results.reading import read_solved
+
+    folder = check_folder(out)
+    held = read_solved(result)
+    with ProgressBar(quiet=quiet) as bar:
+        if bar.report is not None:
+            bar.report(0.1, "what each part must fulfil")
+        lines = lines_of(held, result)
+    files: dict[str, str | bytes] = {BOOK_FILE: tender_book(held, lines), LETTER_FILE: letter(held, lines)}
+    written = write_files(made_folder(folder), files)
+    if not quiet:
+        told("written: " + ", ".join(map(str, written)), DONE)
+    return DONE
+
+
+@command
+def quotes_command(
+    mission: MissionArgument,
+    answers: Annotated[
+        str, typer.Argument(metavar="ANSWERS", help="tender.xlsx as makers filled it in, or a CSV of its columns.")
+    ],
+    out: Annotated[
+        str | None,
+        typer.Option("--out", metavar="DIR", help="Keep the answers as quotes.csv in DIR, and the new result."),
+    ] = None,
+    date: Annotated[str, typer.Option(help="Day on which the answers are read, YYYY-MM-DD; today unless given.")] = "",
+    physics: PhysicsOption = None,
+    quiet: QuietOption = False,
+) -> int:
+    """Read makers' answers as own parts and prices, solve again, and say what changed and why."""
+    from datetime import date as calendar
+
+    from uwopt.report.order.answers import answer_blocks
+    from uwopt.report.text.console import ProgressBar
+    from uwopt.report.write import check_folder, made_folder, write_results, write_text
+
+    folder = None if out is None else check_folder(out)
+    with ProgressBar(quiet=quiet) as bar:
+        from uwopt.api.quoting import LOG_FILE, with_quotes
+
+        def keep(log: str) -> Path:
+            assert folder is not None
+            return write_text(log, made_folder(folder) / LOG_FILE).absolute()
+
+        made = with_quotes(
+            mission, answers, today=date or calendar.today().isoformat(), keep=None if folder is None else keep,
+            physics=physics and physics.value, progress=bar.report,
+        )  # fmt: skip
+    written = [] if folder is None else write_results(made.after, folder)
+    print_made(answer_blocks(made), written, mission=made.after.mission, quiet=quiet)
+    return result_status(made.after)

@@ -1,0 +1,141 @@
+"""A tender: a workbook with a sheet a part that makers fill in, and a letter that goes with it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from uwopt.catalog.columns import COLUMNS
+from uwopt.catalog.offers import FORM, KEYS, MAKERS
+from uwopt.catalog.parts.part import Kind
+from uwopt.report.order.book import Page, book_bytes, new_book
+from uwopt.report.order.tender_lines import COMMERCIAL, AskedFact, TenderLine
+from uwopt.report.text import words
+from uwopt.results.result import Result
+
+BOOK_FILE, LETTER_FILE = "tender.xlsx", "letter.txt"
+HEADS = ("key", "what", "unit", "needed, all else as named", "to stay the best buy", "enough, all of these together",
+         "the named part has", "known how")  # fmt: skip
+WIDTHS = (20, 44, 18, 26, 26, 28, 18, 13, *[24] * MAKERS)
+FIRST_ANSWER = len(HEADS) + 1
+
+
+def tender_book(result: Result, lines: Sequence[TenderLine]) -> bytes:
+    """The workbook: how to fill it in, and a sheet a line."""
+    book = new_book(f"Tender: {words.one_line(result.mission.get('name') or 'mission', 100)}")
+    read_me(book, result, lines)
+    for line in lines:
+        line_page(book, line)
+    return book_bytes(book)
+
+
+def read_me(book: Any, result: Result, lines: Sequence[TenderLine]) -> None:
+    """What is tendered, and how to answer."""
+    page = Page(book, "Read me", (30, 90))
+    page.line(words.one_line(result.mission.get("name") or "Mission", 120), bold=True)
+    page.row += 1
+    for text in HOW:
+        page.line("", text, wrap=True)
+    page.row += 1
+    for line in lines:
+        named = f"named: {line.name}{' (a class: to be made)' if line.generic else ''}"
+        page.line(f"{line.count} x {line.kind}", named)
+    page.row += 1
+    page.line("made by", f"uwopt {result.uwopt_version}, catalogue {result.versions.get('catalogue', 'not named')}")
+
+
+HOW = (
+    "Fill in the yellow cells, one column a maker. Numbers only, in the unit beside them; a number with its own unit "
+    "behind it, such as 27.4 klm, is read too. Leave empty what is not known. No formulas.",
+    "Needed: what the part must have to do its work when every other number is as the named part has it. To stay the "
+    "best buy: beyond that another system would be preferred. Enough: values that may hold all at once.",
+    "A part that is better in one number may be worse in another: every answer is worked through as a whole.",
+    "Give the price of one piece with its currency, the day of the quote, until when it holds, and the lead time.",
+)
+
+
+def line_page(book: Any, line: TenderLine) -> None:
+    """The sheet of one part."""
+    page = Page(book, f"{line.kind}", WIDTHS)
+    page.line(FORM, bold=True)
+    for name, value in zip(KEYS, (line.kind, line.part_id, line.count), strict=True):
+        page.line(name, value)
+    page.line("named part", line.name + (" (a class of parts: to be made)" if line.generic else ""))
+    page.line("would do as well, or nearly", "; ".join(line.alternatives) or "none is known", wrap=False)
+    if line.rival:
+        page.line("best buy against", line.rival)
+    page.row += 1
+    head = page.heads((*HEADS, *(f"maker {n}" for n in range(1, MAKERS + 1))))
+    page.freeze(head + 1, 3)
+    for key, what, unit in COMMERCIAL:
+        page.text(1, key)
+        page.text(2, what)
+        page.text(3, unit)
+        answers(page, key, line.kind)
+    for fact in line.facts:
+        fact_row(page, fact)
+        answers(page, fact.key, line.kind)
+
+
+def fact_row(page: Page, fact: AskedFact) -> None:
+    """What is asked of one fact."""
+    texts = (fact.key, fact.words, fact.unit, fact.needed, fact.stays_best, fact.together, fact.named, fact.known)
+    for column, value in enumerate(texts, 1):
+        page.text(column, value, wrap=column == 2)
+
+
+def answers(page: Page, key: str, kind: Kind) -> None:
+    """A cell a maker; only words that may stand there where they are few."""
+    column = COLUMNS[kind].get(key)
+    for n in range(MAKERS):
+        cell = page.entry(FIRST_ANSWER + n)
+        if key == "named_part":
+            page.choice(cell, ("yes", "no"))
+        elif column is not None and column.form == "choice" and len(",".join(column.choices)) < 250:
+            page.choice(cell, column.choices)
+        elif key == "lead_time_weeks":
+            page.check(cell, "decimal", 0, 520, "weeks, from 0 to 520")
+    page.row += 1
+
+
+# ---------------------------------------------------------------- letter
+
+
+def letter(result: Result, lines: Sequence[TenderLine]) -> str:
+    """A letter to makers, as text to be sent with the workbook."""
+    name = words.one_line(result.mission.get("name") or "our mission", 120)
+    wanted = "\n".join(
+        f"- {line.count} x {line.kind}" + ("" if line.generic else f", such as {words.one_line(line.name, 80)}")
+        for line in lines
+    )
+    hard = [
+        f"- {line.kind}: {fact.words}: {fact.together or fact.needed}"
+        for line in lines
+        for fact in line.facts
+        if fact.together or fact.needed
+    ]
+    return LETTER.format(name=name, wanted=wanted, hard="\n".join(hard))
+
+
+LETTER = """\
+Subject: request for quotation, {name}
+
+Dear Sir or Madam,
+
+for an underwater imaging system we ask for your quotation for any of
+
+{wanted}
+
+Please fill in the column of a maker on the sheet of each part that you offer in tender.xlsx: price with currency, the
+day of the quote, until when it holds, lead time, and the facts that are asked for. An empty cell counts as not known.
+What is enough of each part, all of it together:
+
+{hard}
+
+A part that falls short in one point may be offered all the same when it is better in another: every offer is worked
+through as a whole.
+
+With kind regards,
+
+[name, institution, address, date by which we need your answer]
+"""

@@ -1,0 +1,183 @@
+"""Lines of a tender: what a part must fulfil, what else is asked of its maker, and which parts would do.
+
+Limits are found by the certified search of the system with its part made worse (`solvers.explain.specification`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from uwopt.catalog.columns import COLUMNS, REQUIRED, Column
+from uwopt.catalog.parts.part import KINDS, Kind
+from uwopt.errors import ResultError
+from uwopt.evaluation.recompute import replay
+from uwopt.objectives.goal import goal_of
+from uwopt.objectives.objective import Objective
+from uwopt.report.order.not_counted import depth_m
+from uwopt.report.order.other_parts import AS_GOOD, other_systems
+from uwopt.results.design import BillRow, Design
+from uwopt.results.result import Result
+from uwopt.solvers.explain.one_hardware import KINDS as VARIED
+from uwopt.solvers.explain.robustness import UNITS_BY_SUFFIX
+from uwopt.solvers.explain.specification import PropertyLimit, specification
+from uwopt.units import format_number, split_unit, symbol
+
+#: What is asked of every maker beside the facts of the part.
+COMMERCIAL = (
+    ("manufacturer", "maker", "text"), ("model", "model that is offered", "text"),
+    ("named_part", "is it the part named above?", "yes or no"), ("price", "price of one piece", "a number"),
+    ("currency", "currency of the price", "three letters"), ("price_date", "day of the quote", "YYYY-MM-DD"),
+    ("valid_until", "the quote holds until", "YYYY-MM-DD"), ("lead_time_weeks", "lead time", "weeks"),
+)  # fmt: skip
+NOT_ASKED = ("id", "price", "price_low", "price_high", "manufacturer", "model", "currency")
+ALWAYS = ("depth_rating_m", "mass_g", "trigger_delay_us", "trigger_jitter_us")
+OF_FIELDS = {"qe_scale": "qe"}  # the record's field by the column that states it
+
+
+@dataclass(frozen=True)
+class AskedFact:
+    """One fact that a maker is asked for: its column in a file of parts, and what is known and needed of it."""
+
+    key: str
+    words: str
+    unit: str
+    needed: str
+    stays_best: str
+    together: str
+    named: str  # value of the part that is named
+    known: str  # published | estimated | not known
+
+
+@dataclass(frozen=True)
+class TenderLine:
+    """One part to be offered."""
+
+    kind: Kind
+    part_id: str
+    name: str
+    generic: bool
+    count: int
+    alternatives: tuple[str, ...]
+    rival: str
+    facts: tuple[AskedFact, ...]
+
+
+def lines_of(result: Result, name: str) -> list[TenderLine]:
+    """The lines of a result's system; raises ResultError where it has none."""
+    if result.best is None:
+        raise ResultError(f"{name}: holds no system, so there is nothing to ask for; solve a mission that has one.")
+    return tender_lines(result, result.best)
+
+
+def tender_lines(result: Result, design: Design) -> list[TenderLine]:
+    """A line a part that is to be bought, its limits found anew by the model."""
+    made = replay(result.mission, design, physics=result.physics, mission_file=result.mission_file,
+                  system=result.system if result.command == "evaluate" else None)  # fmt: skip
+    problem, hardware = made.model.problem, made.model.hardware
+    goal = goal_of(problem.mission)
+    lines = []
+    for row in design.bom:
+        kind = next((kind for kind in KINDS if kind == row.kind), None)
+        if kind is None or not row.to_buy:
+            continue
+        rival, name = nearest_rival(result, kind, goal)
+        limits: list[PropertyLimit] = []
+        if kind in VARIED and design.hardware.complete is None:
+            limits = specification(problem, hardware, goal, rival=rival, kinds=(kind,))[kind]
+        lines.append(line_of(result, design, row, kind, limits, name))
+    return lines
+
+
+def nearest_rival(result: Result, kind: str, goal: Objective) -> tuple[float, str]:
+    """The minimised objective of the best system with another part of a kind that is not as good, and its id."""
+    best = result.best
+    assert best is not None
+    own = best.hardware.parts[kind].id if kind in best.hardware.parts else ""
+    for other in other_systems(result):
+        differs = other.hardware.get(kind) not in (None, own)
+        if differs and other.objective_value is not None and (other.worse_frac or 0.0) > AS_GOOD:
+            return goal.minimised(other.objective_value), other.hardware[kind]
+    return math.inf, ""
+
+
+def line_of(
+    result: Result, design: Design, row: BillRow, kind: Kind, limits: Sequence[PropertyLimit], rival: str
+) -> TenderLine:
+    """One line with its facts."""
+    own = row.id
+    others = [one.hardware[kind] for one in other_systems(result) if one.hardware.get(kind) not in (None, own)]
+    name = f"{row.manufacturer} {row.model}".strip() or own
+    facts = tuple(facts_of(result, kind, own, limits))
+    return TenderLine(kind, own, name, row.generic, row.to_buy, tuple(dict.fromkeys(others)), rival, facts)
+
+
+def facts_of(result: Result, kind: Kind, part_id: str, limits: Sequence[PropertyLimit]) -> Iterator[AskedFact]:
+    """What a maker is asked of a part: what limits it, what every part must say, what is not known of this one."""
+    by_key = {OF_FIELDS.get(limit.name, limit.name): limit for limit in limits}
+    doubted = {a.path.rpartition(".")[2]: a for a in result.assumptions if a.part == part_id}
+    published = cells_of(part_id)
+    wanted = [*by_key, *REQUIRED[kind], *(name for name in doubted if name in COLUMNS[kind]), *ALWAYS]
+    for key in dict.fromkeys(wanted):
+        column = COLUMNS[kind].get(key)
+        if column is None or key in NOT_ASKED:
+            continue
+        known = "estimated" if key in doubted else "published" if published.get(key) else "not known"
+        value = published.get(key, "")
+        if not value and key in doubted and isinstance(doubted[key].value, (int, float)):
+            value = format_number(float(doubted[key].value), 3)
+        limit = by_key.get(key)
+        needed, best, together = limit_texts(limit, column) if limit is not None else ("", "", "")
+        if key == "depth_rating_m" and (deep := depth_m(result)) is not None:
+            needed = together = f"at least {format_number(deep)} m"
+        meaning = column.meaning or key.replace("_", " ")
+        yield AskedFact(key, meaning, unit_of(column), needed, best, together, value, known)
+
+
+def cells_of(part_id: str) -> dict[str, str]:
+    """The cells of a part of the catalogue as they stand in its table; none of a part of one's own."""
+    from uwopt.catalog.catalogue import plain_name
+    from uwopt.catalog.changes import built_in_cells
+
+    for origin in ("published", "generic"):
+        found = built_in_cells(origin).get(plain_name(part_id))
+        if found is not None:
+            return {name: text for name, text in found[1].cells.items() if text}
+    return {}
+
+
+def unit_of(column: Column) -> str:
+    """The unit of a column's numbers; of words what may stand there."""
+    if column.form != "number":
+        return column.allowed() if column.form == "choice" else ""
+    known = sorted((suffix for suffix in UNITS_BY_SUFFIX if column.name.endswith(suffix)), key=len)
+    if known:
+        return UNITS_BY_SUFFIX[known[-1]]
+    unit = split_unit(column.name)[1]
+    return "" if column.name.endswith("_min") else symbol(unit)
+
+
+def limit_texts(limit: PropertyLimit, column: Column) -> tuple[str, str, str]:
+    """Limits in words: alone, to stay the best, and all together; rounded to the safe side."""
+    if limit.name in OF_FIELDS:  # a scale of a whole curve
+        told = [f"{format_number(100.0 * end / limit.value, 3)} % of the named part's at each wavelength"
+                if end is not None else "" for end in (limit.feasible, limit.best, limit.together)]  # fmt: skip
+        told = [text and f"at least {text}" for text in told]
+        return told[0], told[1], told[2]
+    ends = (limit.feasible, limit.best, limit.together)
+    feasible, best, together = (end_text(end, limit, column) for end in ends)
+    return feasible, best, together
+
+
+def end_text(end: float | None, limit: PropertyLimit, column: Column) -> str:
+    """One limit in words: `at least 27 400 lm`; empty where none was found."""
+    if end is None:
+        return ""
+    digits = 2 - math.floor(math.log10(abs(end)))
+    outward = math.ceil if limit.more_is_better else math.floor
+    safe = outward(round(end * 10.0**digits, 6)) / 10.0**digits
+    if column.whole:
+        safe = float(outward(end))
+    way = "at least" if limit.more_is_better else "at most"
+    return f"{way} {format_number(safe)} {unit_of(column)}".strip()

@@ -1,0 +1,190 @@
+"""What a part must fulfil to stand in a system: limits of one property at a time, with all settings chosen anew, and
+how the camera is turned where the mission leaves that open.
+
+From the optimum each number of a part of which more or less favours a design is made worse in steps, many at once,
+until no settings meet the mission (limit of feasibility) or until the system is no better than the best other one
+(limit of staying best); then bisected. What holds one by one need not hold together: all numbers of a part are moved
+towards their limits of feasibility by a common share, and the largest share at which settings are found is told beside.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from uwopt.catalog.parts.kinds import ALL_FIELDS, FAVOURED
+from uwopt.catalog.records import Part, Quantity, exact
+from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.designs import Hardware
+from uwopt.forward.problem import Parts, Problem
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.explain.one_hardware import KINDS, best_of_each
+
+FARTHEST, STEPS = 100.0, 7  # how much worse is tried: a factor; a share comes down to a hundredth
+HALVINGS = 10  # of a step: a limit to a thousandth
+FINER = 1e-9  # relative: what is better by less is not
+GIVEN = ("refractive_index",)  # by the material
+INSIDE = 0.01  # of a range whose end is not of it
+RANGES = {field.name: field.cell.within for field in ALL_FIELDS if field.name in FAVOURED}
+SHARES = 8  # halvings of the common share
+
+
+@dataclass(frozen=True)
+class PropertyLimit:
+    """One number of a part: what it is, which way is worse, and how bad it may become.
+
+    `feasible`, `best` : the last value at which settings meet the mission, and at which the system stays the best; None
+    where as bad as was tried still does. `together` : a value that all numbers of the part may have at once.
+    """
+
+    kind: str
+    name: str
+    value: float
+    more_is_better: bool
+    feasible: float | None
+    best: float | None
+    together: float
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A number of a part that is to be made worse."""
+
+    name: str
+    value: float
+    sign: int  # +1: more is better
+
+
+def specification(
+    problem: Problem, hardware: Hardware, objective: Objective, *, rival: float, kinds: Sequence[str] = KINDS,
+    deadline: Deadline = NEVER,
+) -> dict[str, list[PropertyLimit]]:  # fmt: skip
+    """Limits of parts of a system, by kind.
+
+    rival : the minimised objective of the best system with other parts; inf where there is none
+    """
+    return {kind: limits_of_part(problem, hardware, objective, kind, rival, deadline) for kind in kinds}
+
+
+def limits_of_part(
+    problem: Problem, hardware: Hardware, objective: Objective, kind: str, rival: float, deadline: Deadline
+) -> list[PropertyLimit]:
+    """Limits of the numbers of one part, each alone, and together."""
+    trial = PartTrial(problem, hardware, objective, kind, deadline)
+    asked = properties(trial.part)
+    feasible, best = trial.limits(asked, (math.inf, rival))
+    together = trial.together(asked, feasible)
+    return [
+        PropertyLimit(kind, one.name, one.value, one.sign > 0, alone, stays, own)
+        for one, alone, stays, own in zip(asked, feasible, best, together, strict=True)
+        if alone is not None or stays is not None
+    ]
+
+
+def properties(part: Part) -> list[Asked]:
+    """Numbers of a part of which one end favours a design; what is 0, not known, or no maker's to choose apart."""
+    found = []
+    for field in fields(part):
+        value, sign = getattr(part, field.name), FAVOURED.get(field.name, 0)
+        number = value.value if isinstance(value, Quantity) else value
+        if sign and field.name not in GIVEN and isinstance(number, (int, float)) and number > 0.0:
+            found.append(Asked(field.name, float(number), sign))
+    return found
+
+
+class PartTrial:
+    """One part of a system in many variants: the best objective that settings give each."""
+
+    def __init__(self, problem: Problem, hardware: Hardware, objective: Objective, kind: str, deadline: Deadline):
+        self.base, self.hardware, self.objective = problem, hardware, objective
+        self.kind, self.deadline = kind, deadline
+        own = problem.parts
+        rows = (own.cameras, own.lenses, own.ports, own.lights)
+        at = (hardware.camera, hardware.lens, hardware.port, hardware.light)
+        self.lists: dict[str, Any] = {name: row[n] for name, row, n in zip(KINDS, rows, at, strict=True)}
+
+    @property
+    def part(self) -> Part:
+        """The part as it is."""
+        part: Part = self.lists[self.kind]
+        return part
+
+    def values(self, variants: Sequence[dict[str, float]]) -> list[float]:
+        """Best minimised objective of each variant of the part's numbers; inf where no settings do."""
+        self.deadline.check()
+        made = [changed(self.part, variant) for variant in variants]
+        lists = {name: (made if name == self.kind else [part]) for name, part in self.lists.items()}
+        one = Problem(
+            self.base.mission, Parts(*(tuple(lists[name]) for name in KINDS)), paper=self.base.paper,
+            owned_lights=self.base.owned_lights, counts=(self.hardware.count,) * 2, mounts=[self.hardware.mount],
+            scenes=self.base.scenes, effects=self.base.effects,
+        )  # fmt: skip
+        places = [dict.fromkeys(KINDS, 0) | {self.kind: n} for n in range(len(made))]
+        return best_of_each(one, self.objective, places, self.deadline)
+
+    def limits(self, asked: Sequence[Asked], rivals: Sequence[float]) -> list[list[float | None]]:
+        """For each rival, the last value of each number, made worse alone, at which the objective is still better."""
+        steps = np.linspace(0.0, math.log(FARTHEST), STEPS + 1)[1:]
+        ladder = self.values([{one.name: worse(one, step)} for one in asked for step in steps])
+        by_number = np.array(ladder).reshape(len(asked), STEPS)
+        open_, bad = [], []
+        for which, rival in enumerate(rivals):
+            for n, values in enumerate(by_number):
+                first = next((step for step, value in zip(steps, values, strict=True) if not holds(value, rival)), None)
+                if first is not None:
+                    open_.append((which, n))
+                    bad.append(first)
+        ends, starts = np.array(bad), np.array(bad) - steps[0]
+        for _ in range(HALVINGS if open_ else 0):
+            middle = 0.5 * (starts + ends)
+            found = self.values([{asked[n].name: worse(asked[n], m)} for (_, n), m in zip(open_, middle, strict=True)])
+            fits = np.array([holds(value, rivals[which]) for (which, _), value in zip(open_, found, strict=True)])
+            starts, ends = np.where(fits, middle, starts), np.where(fits, ends, middle)
+        made: list[list[float | None]] = [[None] * len(asked) for _ in rivals]
+        for (which, n), step in zip(open_, starts, strict=True):
+            made[which][n] = worse(asked[n], float(step))
+        return made
+
+    def together(self, asked: Sequence[Asked], limits: Sequence[float | None]) -> list[float]:
+        """Values that all numbers may have at once: a common share of the way to each one's limit."""
+
+        def at(share: float) -> dict[str, float]:
+            ends = [one.value if end is None else end for one, end in zip(asked, limits, strict=True)]
+            return {
+                one.name: one.value * (end / one.value) ** share for one, end in zip(asked, ends, strict=True)
+            }
+
+        low, high = 0.0, 1.0
+        if holds(self.values([at(1.0)])[0], math.inf):
+            low = 1.0
+        for _ in range(SHARES if low < high else 0):
+            middle = 0.5 * (low + high)
+            fits = holds(self.values([at(middle)])[0], math.inf)
+            low, high = (middle, high) if fits else (low, middle)
+        return list(at(low).values())
+
+
+def worse(one: Asked, step: float) -> float:
+    """A number made worse by a step, the logarithm of a factor; it stays within what may be stated of a part."""
+    value, within = one.value * math.exp(-one.sign * step), RANGES[one.name]
+    high = within.high * (1.0 - INSIDE if within.open_high else 1.0)
+    low = within.low * (1.0 + INSIDE if within.open_low else 1.0)
+    return max(min(value, high), low)
+
+
+def holds(value: float, rival: float) -> bool:
+    """Whether a system still does: with some settings, and better than its rival."""
+    return math.isfinite(value) and (math.isinf(rival) or value <= rival - FINER * abs(rival))
+
+
+def changed(part: Any, numbers: dict[str, float]) -> Any:
+    """A part with other numbers, each as sure as it can be."""
+    made: dict[str, Any] = {}
+    for name, value in numbers.items():
+        old = getattr(part, name)
+        made[name] = exact(value, old.status, old.source) if isinstance(old, Quantity) else type(old)(value)
+    return replace(part, **made)
