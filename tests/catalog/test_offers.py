@@ -1,10 +1,10 @@
-"""Answers of makers, cell by cell: units, words, days, what is missing, what contradicts."""
+"""MakerAnswers of makers, cell by cell: units, words, days, what is missing, what contradicts."""
 
 from __future__ import annotations
 
 import pytest
 
-from uwopt.catalog.offers import Answers, Offer, offers_of
+from uwopt.catalog.offers import MakerAnswers, Offer, offers_of
 
 TODAY = "2026-11-23"
 LAMP = "arctic-rays-dragonfish-mini-strobe-65deg"  # 30 000 lm and 350 g on its sheet; its power is not known
@@ -14,7 +14,7 @@ OWN = {"manufacturer": "Acme", "model": "Bolt 40", "named_part": "no", "kind": "
 
 
 def offer(texts: dict[str, str], part: str = "light", candidate: str = LAMP) -> Offer:
-    (found,) = offers_of([Answers("answers, maker 1", part, candidate, texts)], TODAY)
+    (found,) = offers_of([MakerAnswers("answers, maker 1", part, candidate, texts)], TODAY)
     return found
 
 
@@ -97,7 +97,7 @@ def test_a_part_without_a_name_cannot_be_used() -> None:
 
 
 def test_columns_that_nobody_filled_in_are_no_offers() -> None:
-    assert offers_of([Answers("a", "light", LAMP, {"flux_lm": "", "price": " "})], TODAY) == []
+    assert offers_of([MakerAnswers("a", "light", LAMP, {"flux_lm": "", "price": " "})], TODAY) == []
 
 
 def test_unknown_kind_is_told() -> None:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from uwopt.catalog.offers import FORM, KEYS, Answers
+from uwopt.catalog.offers import FORM, KEYS, MakerAnswers
 from uwopt.catalog.tables import parse_table, read_text
 from uwopt.documents.workbooks import Sheet, read_workbook
 from uwopt.errors import CatalogError
@@ -14,7 +14,7 @@ from uwopt.errors import CatalogError
 MAKER = re.compile(r"maker \d+")
 
 
-def read_answers(path: Path) -> list[Answers]:
+def read_answers(path: Path) -> list[MakerAnswers]:
     """Every maker's column of every sheet; raises where there is none."""
     if path.suffix.casefold() == ".xlsx":
         found = [one for name, sheet in read_workbook(path).items() for one in of_sheet(path.name, name, sheet)]
@@ -28,7 +28,7 @@ def read_answers(path: Path) -> list[Answers]:
     return found
 
 
-def of_sheet(file: str, name: str, sheet: Sheet) -> Iterator[Answers]:
+def of_sheet(file: str, name: str, sheet: Sheet) -> Iterator[MakerAnswers]:
     """The columns of one sheet; none of a sheet of another form."""
     if not sheet or not sheet[0] or sheet[0][0] != FORM:
         return
@@ -41,15 +41,15 @@ def of_sheet(file: str, name: str, sheet: Sheet) -> Iterator[Answers]:
 
 def columns_of(
     where: str, part: str, candidate: str, head: Sequence[str], rows: Sequence[Sequence[str]]
-) -> Iterator[Answers]:
+) -> Iterator[MakerAnswers]:
     """One maker a column."""
     for column, title in enumerate(head):
         if MAKER.fullmatch(title):
             texts = {row[0]: row[column] if len(row) > column else "" for row in rows if row and row[0]}
-            yield Answers(f"{where}, {title}", part, candidate, texts)
+            yield MakerAnswers(f"{where}, {title}", part, candidate, texts)
 
 
-def of_table(path: Path) -> Iterator[Answers]:
+def of_table(path: Path) -> Iterator[MakerAnswers]:
     """The same of a CSV: a row a key, its part and candidate beside it."""
     table = parse_table(read_text(path), path.name)
     if table.faults:

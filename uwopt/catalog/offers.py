@@ -25,14 +25,13 @@ KEYS = ("part", "candidate", "pieces")  # above the table of a sheet, in this or
 MAKERS = 3  # columns of answers
 BUSINESS = ("named_part", "valid_until", "lead_time_weeks")  # answers that are no cells of a part
 DATED = ("price_date", "valid_until")
-DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 WITH_UNIT = re.compile(r"([-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?)\s*([^\d\s].*)", re.IGNORECASE)
 DIFFERS = 0.02  # a share: by more an answer contradicts the data sheet
 LONGEST = 300  # signs of an answer
 
 
 @dataclass(frozen=True)
-class Answers:
+class MakerAnswers:
     """What one maker wrote on one sheet: texts by key, and where."""
 
     where: str
@@ -63,7 +62,7 @@ class Offer:
 class Reading:
     """One maker's answers while they are read."""
 
-    answers: Answers
+    answers: MakerAnswers
     kind: Kind
     cells: dict[str, str] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
@@ -144,12 +143,12 @@ def unit_named(text: str) -> str:
     return by_symbol.get(plain) or plain.casefold().replace("µ", "u").replace("/", "_")
 
 
-def offers_of(sheets: Sequence[Answers], today: str) -> list[Offer]:
+def offers_of(sheets: Sequence[MakerAnswers], today: str) -> list[Offer]:
     """Every offer of a tender's answers; columns that nobody filled in are none."""
     return [offer_of(one, today) for one in sheets if any(text.strip() for text in one.texts.values())]
 
 
-def offer_of(answers: Answers, today: str) -> Offer:
+def offer_of(answers: MakerAnswers, today: str) -> Offer:
     """One maker's answers as a part: the named one with what is new of it, or one of its own."""
     kind = kind_named(answers.part)
     if kind is None:
@@ -215,7 +214,7 @@ def of_its_own(kind: Kind, told: Mapping[str, str], named: Mapping[str, str]) ->
     return {"availability": "current", **words, **told}
 
 
-def with_source(cells: Mapping[str, str], answers: Answers, today: str) -> dict[str, str]:
+def with_source(cells: Mapping[str, str], answers: MakerAnswers, today: str) -> dict[str, str]:
     """Cells with where they are from."""
     maker = answers.texts.get("manufacturer", "").strip().lstrip("".join(FORMULA_SIGNS))[:LONGEST] or "a maker"
     return {**cells, "source_url": f"answer to a tender by {maker}, read {today}"}
@@ -229,7 +228,7 @@ def new_id(cells: Mapping[str, str]) -> str:
 
 
 def contradictions(kind: Kind, told: Mapping[str, str], sheet: Mapping[str, str]) -> tuple[str, ...]:
-    """Answers on the named part that its data sheet, as the catalogue has it, says otherwise."""
+    """MakerAnswers on the named part that its data sheet, as the catalogue has it, says otherwise."""
     found = []
     for name, text in told.items():
         before = sheet.get(name, "")

@@ -18,7 +18,7 @@ openpyxl = pytest.importorskip("openpyxl")
 from uwopt.api.quoting import LOG_FILE, logged, naming, searched, with_quotes  # noqa: E402
 from uwopt.api.solving import solve  # noqa: E402
 from uwopt.catalog.answers import read_answers  # noqa: E402
-from uwopt.catalog.offers import Answers, offers_of  # noqa: E402
+from uwopt.catalog.offers import MakerAnswers, offers_of  # noqa: E402
 from uwopt.cli.app import app  # noqa: E402
 from uwopt.errors import CatalogError, ResultError  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
@@ -149,7 +149,7 @@ def test_what_is_now_known_of_a_part_alone_narrows_its_price(book: bytes, tmp_pa
 
 def test_an_answer_that_lacks_a_vital_fact_is_told_and_not_searched(tmp_path: Path) -> None:
     texts = {key: str(value) for key, value in BETTER.items() if key != "depth_rating_m"}
-    offers, log = logged(offers_of([Answers("a maker", "light", LAMP, texts)], TODAY), TODAY)
+    offers, log = logged(offers_of([MakerAnswers("a maker", "light", LAMP, texts)], TODAY), TODAY)
     (tmp_path / LOG_FILE).write_text(log, "utf-8")
     (told,) = searched(offers, naming(load_mission(small(FEW)), tmp_path / LOG_FILE, offers))
     assert not told.usable
@@ -158,13 +158,13 @@ def test_an_answer_that_lacks_a_vital_fact_is_told_and_not_searched(tmp_path: Pa
 
 def test_what_is_offered_is_searched_beside_what_the_mission_names(tmp_path: Path) -> None:
     texts = {key: str(value) for key, value in BETTER.items()}
-    offers = offers_of([Answers("a maker", "light", LAMP, texts)], TODAY)
+    offers = offers_of([MakerAnswers("a maker", "light", LAMP, texts)], TODAY)
     assert naming(load_mission(small(FEW)), tmp_path / LOG_FILE, offers).catalog.lights == (LAMP, "acme-bolt")
 
 
 def test_of_two_offers_of_one_part_the_cheaper_counts() -> None:
     texts = {"named_part": "yes", "currency": "USD", "price_date": "2026-11-20"}
-    sheets = [Answers("a maker", "light", LAMP, texts | {"price": price}) for price in ("900", "700", "800")]
+    sheets = [MakerAnswers("a maker", "light", LAMP, texts | {"price": price}) for price in ("900", "700", "800")]
     told, log = logged(offers_of(sheets, TODAY), TODAY)
     assert [offer.usable for offer in told] == [False, True, False]
     assert [row["new"] for row in csv.DictReader(log.splitlines()[3:]) if row["cell"] == "price"] == ["700"]
