@@ -21,6 +21,7 @@ from uwopt.evaluation.design_model import DesignModel
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.attack import Spread, missed_share
+from uwopt.solvers.exact.joint_bounds import joint_bound
 from uwopt.solvers.explain import knee
 from uwopt.solvers.recommend import Sought
 from uwopt.units import ratio_to_db
@@ -141,6 +142,22 @@ def test_bounds_of_information_and_snr_hold_all_that_is_drawn() -> None:
         assert each.snr_db[mine].max() <= bounds.snr_db[row]
         snr_room.append(bounds.snr_db[row] - each.snr_db[mine].max())
     assert min(snr_room) < 1.0
+
+
+@pytest.mark.parametrize("name", GAINS)
+def test_quality_and_price_together_hold_all_that_is_drawn(name: str) -> None:
+    """The joint bound of each imager under its lamps, as far below what is drawn as its intervals are wide."""
+    case, each = catalogue(wanted(name)), seen(name)
+    per_w, per_100_usd = GAINS[name]
+    value = each.power_w * math.log1p(per_w) + each.cost / 100.0 * math.log1p(per_100_usd) - np.log(each.information)
+    search = case.searcher(top=1)
+    imagers = search.prepare()
+    joint = [joint_bound(search.bounds, k, np.arange(len(imagers))) for k in range(len(search.tables.lightings))]
+    camera = np.array([made.camera for made in brute.buildable(case.problem())])
+    for row, (own, bound) in enumerate(zip(imagers.camera, np.min(joint, axis=0), strict=True)):
+        drawn_of = value[np.isin(each.hardware, np.nonzero(camera == own)[0])]
+        assert bound <= drawn_of.min(), row
+        assert bound >= drawn_of.min() - 1.5, row
 
 
 def test_dear_power_and_money_choose_the_lesser_system() -> None:

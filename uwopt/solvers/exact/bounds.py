@@ -267,6 +267,29 @@ class Bounds:
             for index, scene in enumerate(self.problem.scenes)
         )
 
+    def can_refine(self) -> bool:
+        """Whether `refined` may know more than `of_nodes`."""
+        return self.asks_of_images() or self.weighs_quality()
+
+    def weighs_quality(self) -> bool:
+        """Whether `joint_bound` may know more than `of_nodes`: quality counts beside its price."""
+        weighed = self.objective.weight("snr_db") and self.objective.single is None
+        return bool(weighed or self.objective.weight("information")) and not self.problem.paper
+
+    def refined(self, k: int, rows: Array) -> NodeBounds:
+        """Bounds of these imagers under one lighting by all that may know more than `of_nodes`."""
+        bounds = self.of_pixels(k, rows) if self.asks_of_images() else self.of_nodes(k, rows)
+        if not self.weighs_quality():
+            return bounds
+        from uwopt.solvers.exact.joint_bounds import joint_bound
+
+        alive = np.flatnonzero(bounds.rule < 0)
+        joint, rule = joint_bound(self, k, rows[alive]), bounds.rule.copy()
+        rule[alive[np.isinf(joint)]] = NODE_RULES.index("light")
+        value = bounds.value.copy()
+        value[alive] = np.maximum(value[alive], joint)
+        return replace(bounds, value=value, rule=rule)
+
     def of_pixels(self, k: int, rows: Array) -> NodeBounds:
         """Bounds of these imagers under one lighting by the pixel that decides whether the SNR holds, and by colours.
 
@@ -321,8 +344,8 @@ class Bounds:
                 k, kind, "drawn", table.power_per_light[own][order], table.limit_cost[own][order]
             )
         for index in range(len(imagers.scenes)):
-            need = self._needs(index, rows)
-            light_time, wanted, most = self._light_needed(index, lighting, need, kind, rows, pixel_e.get(index))
+            need = self.needs(index, rows)
+            light_time, wanted, most = self.light_needed(index, lighting, need, kind, rows, pixel_e.get(index))
             if self.coupled:
                 light_time, wanted = self._within_pulse(k, kind, own, need, light_time, wanted)
             capacity_needed = np.maximum(capacity_needed, wanted)
@@ -334,7 +357,7 @@ class Bounds:
                 used = self._used(k, own, kind, need, light_time, wanted)
                 scene_power = np.where(used > 0, used * drawn, 0.0)
                 if self.coupled and kind != PULSED:
-                    on = need.rate_hz if kind == FLASH else self._on_share(k, own, need.rate_hz, 0.0)
+                    on = need.rate_hz if kind == FLASH else self.on_share(k, own, need.rate_hz, 0.0)
                     dimmest = self._dimmest(k, own) * on
                     scene_power = np.maximum(scene_power, np.where(used > 0, dimmest, 0.0))
                 most_drawn = np.minimum(most_drawn, np.where(used > 0, power_left / used * ROUND, np.inf))
@@ -377,9 +400,9 @@ class Bounds:
         """Mean light [lm] that is paid for at least: all that burns, for as long as it is on."""
         if kind != CONTINUOUS:
             return np.asarray(light_time * need.rate_hz)
-        return np.asarray(wanted * self._on_share(k, own, need.rate_hz, need.longest_s))
+        return np.asarray(wanted * self.on_share(k, own, need.rate_hz, need.longest_s))
 
-    def _on_share(self, k: int, own: Array, rate_hz: Array, time_s: Array | float) -> Array:
+    def on_share(self, k: int, own: Array, rate_hz: Array, time_s: Array | float) -> Array:
         """Least share of the time that any of these lamps burns for a time of light; 1 where they burn on."""
         lamp = self.problem.lights.take(self.light_tables[k].light[own])
         vehicles = [scene.view.vehicle for scene in self.problem.scenes]
@@ -421,7 +444,7 @@ class Bounds:
         ]
         return np.array(most)[back.reshape(-1)]
 
-    def _light_needed(
+    def light_needed(
         self, scene_index: int, lighting: Lighting, need: Needs, kind: int, rows: Array,
         pixel_e: Array | None = None,
     ) -> tuple[Array, Array, Array]:
@@ -468,7 +491,7 @@ class Bounds:
         drawn = level * table.effective[own] * table.power_per_light[own]
         return float(np.fmin.reduce(drawn, initial=np.inf))  # a lamp without light has no number
 
-    def _needs(self, scene_index: int, rows: Array) -> Needs:
+    def needs(self, scene_index: int, rows: Array) -> Needs:
         """What these imagers need in one scene, the same under every lighting."""
         if self._needs_of is None or self._needs_of[0] is not rows:
             self._needs_of = (rows, {})
@@ -556,10 +579,14 @@ class Bounds:
         best = np.full(len(rows), np.inf)
         if self.objective.weight("information"):
             for index in range(len(self.imagers.scenes)):
-                clearest = self._most_contrast(index, self.tables.lightings, rows)
-                reached = self._snr_bound(index, np.full(len(rows), np.inf), rows, clearest)
+                reached = self.snr_ceiling(index, self.tables.lightings, rows)
                 best = np.minimum(best, self._information_bound(index, reached, rows))
         return best
+
+    def snr_ceiling(self, scene_index: int, lightings: Sequence[Lighting], rows: Array) -> Array:
+        """SNR in dB that no light of these lightings exceeds: at the most electrons the sensor takes."""
+        clearest = self._most_contrast(scene_index, lightings, rows)
+        return self._snr_bound(scene_index, np.full(len(rows), np.inf), rows, clearest)
 
     def _information_bound(self, scene_index: int, snr_db: Array, rows: Array) -> Array:
         """Information [bit/m2] of a sharp pixel behind the rated lens, closed far, at an SNR: nothing else blurs."""

@@ -36,8 +36,8 @@ def pair_rules(
     switched = [switching.are_switched(scene.view.vehicle, lamp) for scene in bounds.problem.scenes]
     pulsed, flash = table.kind == PULSED, table.kind == FLASH
     for scene_index in range(len(imagers.scenes)):
-        need = bounds._needs(scene_index, rows)
-        light_time, _, _ = bounds._light_needed(scene_index, bounds.tables.lightings[k], need, FLASH, rows)
+        need = bounds.needs(scene_index, rows)
+        light_time, _, _ = bounds.light_needed(scene_index, bounds.tables.lightings[k], need, FLASH, rows)
         rate, longest = need.rate_hz[:, None], need.longest_s[:, None]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             pulse = np.minimum(longest, np.minimum(lamp.max_pulse_s, lamp.max_duty / rate))

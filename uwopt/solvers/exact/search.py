@@ -51,6 +51,7 @@ Array = NDArray[Any]
 
 FIRST_BATCH, LARGEST_BATCH = 32, 2048
 LARGEST_COSTLY = 256  # where each node takes light at pixels: the next batch then knows what this one found
+DEAR_REFINED, CHEAP_REFINED = 256, 2048  # at least, where bounds weigh quality: each call sorts all nodes anew
 REFINED_AHEAD = 8  # batches of nodes whose bounds are made better before the first of them is taken
 FIRST_DEAR = 4  # of a first batch where one may be enough, or where information counts: dear to bound while nothing is
 # found that others must beat
@@ -91,6 +92,43 @@ class NodeDesigns:
         )
 
 
+@dataclass(frozen=True)
+class Waiting:
+    """Designs of one lighting that are bounded and not solved, their nodes in the order of the least bound of each."""
+
+    pairs: NodeDesigns
+    bound: Array
+    lights: list[ImageLight]
+    lighting: Lighting
+    order: Array
+    least: Array  # of the nodes in their order
+    begin: int = 0
+    batch: int = FIRST_VEILS
+
+    @staticmethod
+    def of(pairs: NodeDesigns, bound: Array, lights: list[ImageLight], lighting: Lighting) -> Waiting:
+        """All of a group."""
+        least = np.full(len(pairs.imager), np.inf)
+        np.minimum.at(least, pairs.node, bound)
+        order = np.argsort(least, kind="stable")
+        return Waiting(pairs, bound, lights, lighting, order, least[order])
+
+    @property
+    def lowest(self) -> float:
+        """The least bound that waits."""
+        return float(self.least[self.begin]) if self.begin < len(self.least) else np.inf
+
+    def taken(self, most: float) -> tuple[Array, Waiting]:
+        """The next nodes with no more than some bound, and the group without them."""
+        end = self.begin + int((self.least[self.begin : self.begin + self.batch] <= most).sum())
+        batch = min(2 * self.batch, LARGEST_VEILS)
+        return self.order[self.begin : end], replace(self, begin=end, batch=batch)
+
+    def left(self) -> Array:
+        """Which designs wait."""
+        return np.isin(self.pairs.node, self.order[self.begin :])
+
+
 def are_too_many(problem: Problem, pairs: FittingPairs) -> bool:
     """Whether pairs of camera and lens are bounded before their ports."""
     return len(pairs.camera) * len(problem.port_groups) * len(landscapes(problem)) > MOST_IMAGERS
@@ -118,6 +156,8 @@ class Search:
         self.sift: Sift | None = None
         self.open_gap_bound = np.inf  # below which no settings get, where they are not optimal to rounding
         self._samples: dict[str, list[Sample]] = {}
+        self._waiting: list[Waiting] = []
+        self._patient = False  # designs wait while others have lower bounds
 
     # ------------------------------------------------------------ run
 
@@ -206,7 +246,7 @@ class Search:
                 try:
                     finished = self._best_first(useful)
                 except KeyboardInterrupt:  # keep what was found; these imagers count as not reached
-                    self.interrupted = True
+                    self.interrupted, self._waiting = True, []
                     self.account.evaluated, self.account.discarded = before
                     self.account.discarded["not_reached"] = every * len(useful)
                     finished = float(floor[useful].min())
@@ -254,10 +294,19 @@ class Search:
         cost = self.imagers.cost[rows]
         order = alive[np.lexsort((cost[alive % n], power[alive], value[alive]))]
         position, batch = 0, FIRST_DEAR if self.enough or self.objective.weight("information") else FIRST_BATCH
-        rough = np.full(len(value), not few and self.sift is None and self.bounds.asks_of_images())
+        rough = np.full(len(value), not few and self.sift is None and self.bounds.can_refine())
         largest = LARGEST_COSTLY if rough.any() else LARGEST_BATCH
-        look = REFINED_AHEAD * batch
+        self._patient = self.sift is None and self.bounds.weighs_quality()
+        least_look = 0
+        if self._patient:
+            least_look = DEAR_REFINED if self.bounds.asks_of_images() else CHEAP_REFINED
+        look = max(least_look, REFINED_AHEAD * batch)
         while position < len(order):
+            if self._waiting:
+                try:
+                    self._solve_waiting(float(value[order[position]]))
+                except OutOfTimeError:
+                    return min(self._none_left(order[position:], value, size), self._not_reached())
             threshold = self.ranking.threshold()
             if rough[order[position]] and value[order[position]] <= threshold:
                 ahead = order[position : position + look]
@@ -265,9 +314,7 @@ class Search:
                 try:
                     self._refine(ahead, rows, value, power, size)
                 except OutOfTimeError:
-                    rest = order[position:][np.isfinite(value[order[position:]])]
-                    self.account.discarded["not_reached"] = int(size[rest].sum())
-                    return float(value[rest].min(initial=np.inf))
+                    return min(self._none_left(order[position:], value, size), self._not_reached())
                 rough[ahead] = False
                 rest = order[position:]
                 rest = rest[np.isfinite(value[rest])]
@@ -280,26 +327,34 @@ class Search:
             if len(ahead) == 0:
                 break
             useful = ahead[~self.ranking.shut_out(value[ahead], power[ahead], cost[ahead % n])]
-            before = (self.account.evaluated, dict(self.account.discarded))
+            before, waited = (self.account.evaluated, dict(self.account.discarded)), list(self._waiting)
             self.account.discarded["bound"] += int(size[ahead].sum() - size[useful].sum())
             try:
                 self.deadline.check()
                 if len(useful):
                     (self.sift or self.evaluate_nodes)(useful // n, rows[useful % n])
             except OutOfTimeError:  # what was found of this batch stays; the batch counts as not reached
-                self.account.evaluated, self.account.discarded = before
-                rest = order[position:]
-                self.account.discarded["not_reached"] = int(size[rest].sum())
-                return float(value[rest].min())
+                (self.account.evaluated, self.account.discarded), self._waiting = before, waited
+                return min(self._none_left(order[position:], value, size), self._not_reached())
             position += len(ahead)
             batch = min(2 * batch, largest)
-            look = REFINED_AHEAD * batch
+            look = max(least_look, REFINED_AHEAD * batch)
+        try:
+            self._solve_waiting()
+        except OutOfTimeError:
+            return min(self._none_left(order[position:], value, size), self._not_reached())
         self.account.discarded["bound"] += int(size[order[position:]].sum())
         self._sample("bound", order[position:], rows)
         return None
 
+    def _none_left(self, rest: Array, value: Array, size: Array) -> float:
+        """Count nodes as not reached, as time is over; the least of their bounds."""
+        rest = rest[np.isfinite(value[rest])]
+        self.account.discarded["not_reached"] = int(size[rest].sum())
+        return float(value[rest].min(initial=np.inf))
+
     def _refine(self, nodes: Array, rows: Array, value: Array, power: Array, size: Array) -> None:
-        """Bounds of these nodes by the pixels that decide, in place; inf, and accounted for, where a rule discards one.
+        """Bounds of these nodes by pixels and settings, in place; inf, and accounted for, where a rule discards one.
 
         Raises OutOfTimeError, with the bounds that are done in place: those left stay as valid as they were.
         """
@@ -307,7 +362,7 @@ class Search:
         for k in np.unique(nodes // n):
             self.deadline.check()
             mine = nodes[nodes // n == k]
-            bounds = self.bounds.of_pixels(int(k), rows[mine % n])
+            bounds = self.bounds.refined(int(k), rows[mine % n])
             value[mine], power[mine] = np.maximum(value[mine], bounds.value), np.maximum(power[mine], bounds.power)
             for index, name in enumerate(NODE_RULES):
                 failed = mine[bounds.rule == index]
@@ -423,7 +478,11 @@ class Search:
             lights = [light.take(used) for light in lights]
             pairs = replace(pairs.take(kept), imager=pairs.imager[used], node=back.reshape(-1))
             bound = bound[kept]
-        solved = 0 if len(kept) == 0 else self._solve_best_first(pairs, bound, lights, lighting)
+        solved = 0
+        if self._patient and len(kept):  # other nodes may hold better bounds
+            self._waiting.append(Waiting.of(pairs, bound, lights, lighting))
+        elif len(kept):
+            solved = self._solve_best_first(pairs, bound, lights, lighting)
         self.account.evaluated -= found - solved
         self.account.discarded["bound"] += found - solved
 
@@ -482,6 +541,41 @@ class Search:
                 self._rank(some, [light.take(place) for light in full], lighting)
             batch = min(2 * batch, LARGEST_VEILS)
         return solved
+
+    def _solve_waiting(self, until: float = np.inf) -> None:
+        """Solve what waits with all its veils, best bound first, as far as it may win and nothing else has less."""
+        while self._waiting:
+            first = min(self._waiting, key=lambda group: group.lowest)
+            most = min(until, self.ranking.threshold())
+            if first.lowest > most:
+                break
+            self.deadline.check()
+            nodes, group = first.taken(most)
+            some = first.pairs.take(np.isin(first.pairs.node, nodes) & (first.bound <= self.ranking.threshold()))
+            n_solved = len(some.node)
+            some = some.take(np.nonzero(self._keeps_rules(some, first.lighting))[0])
+            if n_solved and len(some.node):
+                used, place = np.unique(some.node, return_inverse=True)
+                lights = [light.take(used) for light in first.lights]
+                full = self._with_veils(first.pairs.imager[used], lights, first.lighting, "all")
+                self._rank(some, [light.take(place) for light in full], first.lighting)
+            self.account.evaluated += n_solved
+            self.account.discarded["bound"] -= n_solved
+            rest = [other for other in self._waiting if other is not first]
+            self._waiting = [*rest, *([group] if np.isfinite(group.lowest) else [])]
+        threshold = self.ranking.threshold()
+        self._waiting = [group for group in self._waiting if group.lowest <= threshold]
+
+    def _not_reached(self) -> float:
+        """Count what waits as not reached, as time is over; the least of its bounds."""
+        lowest, threshold = np.inf, self.ranking.threshold()
+        for group in self._waiting:
+            left = group.left() & (group.bound <= threshold)
+            self.account.discarded["bound"] -= int(left.sum())
+            self.account.discarded["not_reached"] = self.account.discarded.get("not_reached", 0) + int(left.sum())
+            lowest = min(lowest, group.lowest)
+        self._waiting = []
+        return lowest
 
     def _rank(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
         """Solve these designs and put them in their place among the best."""

@@ -14,6 +14,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings import closed_form, dark
 from uwopt.solvers.settings.few_pixels import deciding_pixels
+from uwopt.solvers.settings.joint import is_bounded, joint_bound
 from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.units import ratio_to_db
 
@@ -77,6 +78,11 @@ def best_settings(
             best_by_cells,  # no closed form needs it
         )
 
+        if is_bounded(rows, objective):
+            return best_joint(
+                rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
+                cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit,
+            )  # fmt: skip
         return _of_cells(best_by_cells(
             rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
             cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit,
@@ -84,6 +90,28 @@ def best_settings(
     return best_where_sharp(
         rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
         cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, closed_alone=closed_alone,
+    )  # fmt: skip
+
+
+def best_joint(
+    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
+    power_limit_w: float | Array, *,
+    constant: Array | float, cutoff: float | Array, **more: Any,
+) -> Best:  # fmt: skip
+    """Best settings over cells of the designs whose quality and price together may win; bounds of the others.
+
+    Rows for bounds are answered with these bounds alone.
+    """
+    n = len(motorised)
+    bound = joint_bound(rows, objective, np.broadcast_to(power_limit_w - camera_power_w, (n,)), constant)
+    nothing = np.full(n, np.nan)
+    chosen = [closed_form.Chosen(*(nothing.copy() for _ in range(7))) for _ in rows]
+    none = Best(chosen, np.zeros(n, bool), nothing, nothing, np.zeros(n), bound)
+    if rows[0].optimistic:
+        return none
+    return searched_where(
+        np.isfinite(bound) & (bound <= cutoff), none, rows, motorised, objective, camera_power_w, power_limit_w,
+        constant=constant, cutoff=cutoff, **more,
     )  # fmt: skip
 
 
@@ -182,7 +210,8 @@ def searched_where(
         chosen.append(old.put(open_, new))
     return Best(
         chosen, placed(easy.feasible, found.feasible), placed(easy.snr_db, found.snr_db),
-        placed(easy.contrast, found.contrast), easy.information, placed(easy.lower_bound, found.lower_bound),
+        placed(easy.contrast, found.contrast), placed(easy.information, np.nan_to_num(found.information)),
+        placed(easy.lower_bound, found.lower_bound),
     )  # fmt: skip
 
 

@@ -1,0 +1,115 @@
+"""Joint bounds of nodes: quality and its price at the same settings, for any light of a lighting.
+
+As `solvers.settings.joint` has them of designs; here no field is integrated, and the lamps are the best of all.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.part_columns import CONTINUOUS, FLASH
+from uwopt.forward.sharpness import sharpness_of
+from uwopt.objectives.objective import Terms
+from uwopt.solvers.settings.joint import (
+    F_NUMBERS,
+    LEVELS_DB,
+    MOST_NUMBERS,
+    electrons_in_levels,
+    intervals,
+    most_information,
+    snr_in_levels,
+)
+
+if TYPE_CHECKING:
+    from uwopt.solvers.exact.bounds import Bounds
+
+Array = NDArray[Any]
+
+
+def joint_bound(bounds: Bounds, k: int, rows: Array) -> Array:
+    """Lower bound of the objective of imagers under one lighting, the worst scene's, (n,); inf: none is reached."""
+    step = max(1, MOST_NUMBERS // (F_NUMBERS * len(LEVELS_DB)))
+    parts = [_bound_of(bounds, k, rows[start : start + step]) for start in range(0, len(rows), step)]
+    return np.concatenate(parts) if parts else np.empty(0)
+
+
+def _bound_of(bounds: Bounds, k: int, rows: Array) -> Array:
+    value = np.full(len(rows), -np.inf)
+    for index in range(len(bounds.problem.scenes)):
+        value = np.maximum(value, _in_scene(bounds, k, rows, index))
+    return value
+
+
+def _in_scene(bounds: Bounds, k: int, rows: Array, index: int) -> Array:
+    """The bound by what one scene alone needs and shows: no other lowers the power or betters the image."""
+    table, lighting = bounds.light_tables[k], bounds.tables.lightings[k]
+    focused = bounds.imagers.scenes[index].focused.take(rows)
+    ends = intervals(focused.n_low, focused.n_high)
+    snr_db, information = _most_quality(bounds, k, rows, index, ends)
+    need, square = bounds.needs(index, rows), np.square(ends[:, :-1] * focused.working_factor[:, None])
+    value = np.full(len(rows), np.inf)
+    for kind in np.unique(table.kind):
+        own = table.kind == kind
+        light_time, _, _ = bounds.light_needed(index, lighting, need, int(kind), rows)
+        least_x = light_time / need.square
+        light_x = np.maximum(_least_light(bounds, k, rows, index), least_x[:, None])
+        light_time = np.where(light_x > 0.0, light_x, 0.0)[:, None, :] * square[:, :, None]
+        wanted = light_time if kind == FLASH else light_time / need.longest_s[:, None, None]
+        power, cost, mass = _price(bounds, k, own, rows, need, light_time, wanted, kind=int(kind))
+        gsd_mm = bounds.imagers.gsd_mm[rows][:, None, None]
+        terms = Terms(power, cost, mass, snr_db[:, None, :], gsd_mm, 1.0, information)
+        with np.errstate(invalid="ignore"):
+            each = np.asarray(bounds.objective.cost_to_minimise(terms))
+        each = np.where(np.isfinite(power) & np.isfinite(snr_db)[:, None, :], each, np.inf)
+        value = np.minimum(value, each.reshape(len(rows), -1).min(axis=1))
+    return value
+
+
+def _most_quality(bounds: Bounds, k: int, rows: Array, index: int, ends: Array) -> tuple[Array, Array]:
+    """SNR in dB (n, n_levels), -inf where no light reaches the interval, and information (n, n_intervals, n_levels)."""
+    lighting = bounds.tables.lightings[k]
+    snr_db = snr_in_levels(bounds.snr_ceiling(index, [lighting], rows))
+    if not bounds.objective.weight("information"):
+        return snr_db, np.zeros((len(rows), ends.shape[1] - 1, 1))
+    imagers, seen = bounds.imagers, bounds.imagers.scenes[index]
+    sharp = sharpness_of(
+        bounds.problem, index, seen.view.take(rows), camera=imagers.camera[rows], lens=imagers.lens[rows],
+        port=imagers.port[rows], optics=lighting.optics, dioptre_per_m=seen.focused.dioptre_per_m[rows],
+    )  # fmt: skip
+    return snr_db, most_information(sharp, seen.focused.working_factor[rows], ends, snr_db)
+
+
+def _least_light(bounds: Bounds, k: int, rows: Array, index: int) -> Array:
+    """Least X = light * time / N_w^2 that the lower end of each interval of the SNR needs, (n, n_levels)."""
+    if bounds.is_sunlit(index):  # the sun may bring all of it
+        return np.zeros((len(rows), len(LEVELS_DB)))
+    cameras = bounds.problem.cameras.take(bounds.imagers.camera[rows])
+    electrons = electrons_in_levels(cameras.read_noise_e, cameras.prnu_frac)
+    signal = bounds.tables.bound(index, bounds.tables.lightings[k], bounds.problem.scenes[index].nominal, rows)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(electrons > 0.0, electrons / signal[:, None], 0.0)
+
+
+def _price(
+    bounds: Bounds, k: int, own: Array, rows: Array, need: Any, light_time: Array, wanted: Array, *, kind: int
+) -> tuple[Array, Array, Array]:
+    """Power, cost and mass at least with so much light from lamps of one kind; inf where none has it."""
+    table, imagers = bounds.light_tables[k], bounds.imagers
+    order = np.argsort(table.effective[own])
+    capacity = table.effective[own][order]
+    at = np.searchsorted(capacity, wanted * (1 - 1e-12))
+
+    def least(values: Array) -> Array:
+        return np.append(np.fmin.accumulate(values[own][order][::-1])[::-1], np.inf)[at]
+
+    used = light_time * need.rate_hz[:, None, None]
+    if kind == CONTINUOUS:
+        used = wanted * bounds.on_share(k, own, need.rate_hz, need.longest_s)[:, None, None]
+    with np.errstate(invalid="ignore"):
+        drawn = np.where(used > 0.0, used * least(table.power_per_light), 0.0)
+    camera_w, cost, mass = (of[rows][:, None, None] for of in (imagers.camera_power_w, imagers.cost, imagers.mass_kg))
+    power = np.where(at < len(capacity), camera_w + drawn, np.inf)
+    return power, cost + least(table.cost), mass + least(table.mass_kg)
