@@ -117,6 +117,7 @@ class Problem:
         self.mission, self.parts, self.paper, self.end = mission, estimated(mission, parts), paper, end
         parts = self.parts
         self.known_models: dict[Any, Any] = {}  # by hardware; see `design_model.design_model`
+        self.f_number: float | None = None  # at which every iris stands; None: where it is best
         self.effects = PAPER if paper else effects
         self.owned_lights = owned_lights or {}
         self.count_range = counts or light_counts(mission)
@@ -163,6 +164,19 @@ class Problem:
         """The same tables for a mission that differs in its limits of power and cost alone."""
         changed = copy(self)
         changed.mission, changed.known_models = mission, {}
+        return changed
+
+    def in_scenes(self, scenes: list[SceneOptics]) -> Problem:
+        """The same parts in other water or over another floor; heights and indices of refraction must be the same."""
+        changed = copy(self)
+        changed.scenes, changed.known_models = scenes, {}
+        changed.contractions = [Contraction(scene, self.optics, self.efficiencies) for scene in scenes]
+        return changed
+
+    def at_f_number(self, f_number: float) -> Problem:
+        """The same tables with the iris of every lens at one stop, which must lie on its ring."""
+        changed = copy(self)
+        changed.f_number, changed.known_models = f_number, {}
         return changed
 
     def with_fineness(self, fineness: fine.Fineness) -> Problem:

@@ -19,6 +19,7 @@ from uwopt.documents.reading import Document, read_document
 from uwopt.documents.validation import validated
 from uwopt.mission import checks
 from uwopt.mission.best_image import NAME, BestImageGoal, to_goal
+from uwopt.mission.doubt import CENTRAL, Confidence, Doubt
 from uwopt.mission.keys import OBJECTIVES
 from uwopt.mission.practice import DEFAULT_PRACTICE, Practice, with_practice
 from uwopt.mission.reserves import REFUSED_DEPTH, Reserve, ReserveOrWord, asked_of, held_of, kept_of
@@ -77,6 +78,11 @@ class Mission(Section):
         description="what a mission that leaves a key out asks for: recommended (good practice: light and sharpness "
         "over the whole image, reserves, a lens one stop down, what an expert would refuse) or bare (nothing)",
     )
+    confidence: Confidence = Field(
+        default=CENTRAL,
+        description="share of the scenarios of what is uncertain in which the hardware must hold, 0.5 to 0.99 such as 0.9; "
+        "central (every number at its central value) or ends (at the worst of its ends)",
+    )
     seed: Annotated[int, Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="seed of all random numbers, 0 or above"
     )
@@ -90,6 +96,9 @@ class Mission(Section):
     reserve: ReserveOrWord = Field(
         default_factory=lambda: Reserve(),
         description="section of what is kept in hand of each requirement, or the word recommended",
+    )
+    doubt: Doubt = Field(
+        default_factory=lambda: Doubt(), description="section of what is uncertain beside the numbers of parts"
     )
     limits: Limits = Field(
         default_factory=lambda: Limits(), description="section of what the system may cost, draw and weigh"
@@ -265,6 +274,7 @@ def sections() -> dict[str, type[Section]]:
         "vehicle": Vehicle,
         "requirements": Requirements,
         "reserve": Reserve,
+        "doubt": Doubt,
         "limits": Limits,
         "catalog": CatalogChoice,
         "scene": Scene,

@@ -261,8 +261,8 @@ def focused_behind(
             Focused(
                 dioptre_per_m=dioptre_per_m,
                 working_factor=factor,
-                n_low=np.maximum(closed, n_depth),
-                n_high=problem.lenses.f_number_max[lens],
+                n_low=np.maximum(np.maximum(closed, n_depth), problem.f_number or 0.0),
+                n_high=np.minimum(problem.lenses.f_number_max[lens], problem.f_number or np.inf),
                 rate_hz=rate.max(axis=1),
                 blur_time_s=blur_time_s(scene, shape, view),
                 spacer_m=spacers_m,

@@ -625,9 +625,10 @@ class Search:
 
     def rows(
         self, imager: Array, lights: list[ImageLight], light: Array, count: Array, lighting: Lighting, *,
-        optimistic: bool = False, stage: Veils = "none",
+        optimistic: bool = False, stage: Veils = "none", with_rules: bool = True,
     ) -> list[SceneRows]:  # fmt: skip
-        """The settings' view of these designs, by scene."""
+        """The settings' view of these designs, by scene; `with_rules`: those that miss a rule that no setting mends have
+        no time."""
         result = []
         for index, seen in enumerate(lights):
             pixels = self.problem.scenes[index].pixels
@@ -650,7 +651,7 @@ class Search:
             )  # fmt: skip
             if optimistic:
                 rows = of_darkest_pixels(rows, LIKELY_PLACES)
-            if not optimistic and self._has_rules(index):
+            if with_rules and not optimistic and self._has_rules(index):
                 kept = self._keeps_rules_in(index, imager, light, count, lighting)
                 rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, -1.0))
             result.append(replace(rows, optimistic=optimistic))

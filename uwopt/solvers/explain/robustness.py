@@ -12,10 +12,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 from uwopt.catalog.curves.clarity import Clarity
+from uwopt.catalog.parts.doubts import doubtful
 from uwopt.catalog.parts.kinds import EITHER
 from uwopt.catalog.records import Part, Port, Quantity, exact
 from uwopt.deadline import NEVER, Deadline
@@ -31,7 +32,6 @@ from uwopt.solvers.explain.one_hardware import KINDS, best_of, best_of_each, par
 from uwopt.solvers.recommend import Sought, hardware_of
 from uwopt.solvers.settings.best import scenes_need_cells
 
-DOUBTFUL = ("estimated", "generic", "derived")
 UNITS_BY_SUFFIX = {
     "_e": "e-", "_e_s": "e-/s", "_db": "dB", "_us": "µs", "_hz": "Hz", "_w": "W", "_g": "g", "_lm": "lm",
     "_j": "J", "_s": "s", "_deg": "deg", "_mm": "mm", "_m": "m", "_frac": "", "_mb_s": "MB/s", "_lm_s_per_j": "lm s/J",
@@ -46,16 +46,6 @@ def unit_of(name: str, part: Part) -> str:
         return part.currency if name == "price" else "USD"
     suffixes = sorted(UNITS_BY_SUFFIX, key=len, reverse=True)
     return next((UNITS_BY_SUFFIX[s] for s in suffixes if name.endswith(s)), "")
-
-
-def doubtful(part: Part) -> list[tuple[str, Quantity]]:
-    """Fields whose value is not stated by a source for this very part and has a range."""
-    found = []
-    for f in fields(part):
-        value = getattr(part, f.name)
-        if isinstance(value, Quantity) and value.status in DOUBTFUL and value.high > value.low:
-            found.append((f.name, value))
-    return found
 
 
 def assumptions(problem: Problem, found: Found) -> list[Assumption]:

@@ -167,7 +167,8 @@ def best_common(
     model: DesignModel, scenes: Sequence[SettableScene], objective: Objective | None, *, between: bool
 ) -> tuple[float, list[SceneSettings]]:
     """The best settings with an f-number common to all scenes unless the iris has a motor, and what they miss."""
-    marks = stops(model.lenses, between=between)
+    fixed = model.problem.f_number
+    marks = stops(model.lenses, between=between) if fixed is None else np.array([fixed])
     sharp = np.logical_and.reduce([scene.keep_depth(marks) for scene in scenes], axis=0)
     tried = [scene.best_by_stop(marks[sharp] if sharp.any() else marks[-1:]) for scene in scenes]
     if model.lenses.motorised[0]:

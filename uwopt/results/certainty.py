@@ -1,0 +1,64 @@
+"""How certain it is that a system does what is asked, as results tell it."""
+
+from __future__ import annotations
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from uwopt.results.record import RECORD, Flag, Number, Record, Whole
+
+
+@dataclass(frozen=True, config=RECORD)
+class LostTo(Record):
+    """What is missed first where a system does not hold."""
+
+    requirement: str = Field(description="rule or requirement; light: no settings give enough of it without too much")
+    share: Number = Field(description="of the scenarios")
+
+
+@dataclass(frozen=True, config=RECORD)
+class CertaintyPoint(Record):
+    """What a confidence costs."""
+
+    confidence: Number = Field(description="share of the scenarios in which the hardware holds at least")
+    objective_p50: Number = Field(description="median of the objective of the best hardware counted")
+    hardware: list[str] = Field(description="its parts")
+
+
+@dataclass(frozen=True, config=RECORD)
+class WorthKnowing(Record):
+    """An uncertain number, and what it would be worth to know before buying."""
+
+    what: str = Field(description="field of the part, or what of the water")
+    part: str = Field(description="id of the part; empty where it is of none")
+    worth: Number = Field(description="fall of the median of the objective, on average")
+
+
+@dataclass(frozen=True, config=RECORD)
+class Confidence(Record):
+    """In how many scenarios of what is uncertain a system holds, and with which objective."""
+
+    asked: Number | str = Field(description="share of the scenarios, or ends: the worst of all ends")
+    enough: Flag = Field(description="whether it holds as often as asked")
+    held: Number = Field(description="share of fresh scenarios in which settings meet every requirement")
+    held_low: Number = Field(description="low end of that share, with 95 % confidence (Wilson)")
+    held_high: Number = Field(description="high end of it")
+    scenarios: Whole = Field(description="fresh ones, which the choice has not seen")
+    held_in_choice: Number = Field(description="share of the scenarios that the choice was made on")
+    scenarios_in_choice: Whole = Field(description="how many those are")
+    objective_p50: Number | None = Field(description="kept or bettered in half of the fresh scenarios; null: not held in as many")
+    objective_p90: Number | None = Field(description="kept or bettered in nine of ten; null: not held in as many")
+    f_number: Number | None = Field(description="where the iris stands in all of them; null: moved at sea")
+    lost_to: list[LostTo] = Field(description="what is missed where it does not hold, the most frequent first")
+    central_objective: Number | None = Field(
+        default=None, description="best objective with every number at its central value"
+    )
+    central_hardware: list[str] = Field(default_factory=list, description="the hardware that reaches it")
+    central_held: Number | None = Field(default=None, description="share of the scenarios in which that holds")
+    counted: Whole = Field(default=1, description="hardware whose outcomes were counted in every scenario")
+    complete: Flag = Field(default=True, description="whether there was time for all of it")
+    curve: list[CertaintyPoint] = Field(default_factory=list, description="what confidence costs, from 0.5 to 0.99")
+    ask_first: list[WorthKnowing] = Field(
+        default_factory=list, description="what would be worth knowing before buying, the most first"
+    )
+    drawn: list[str] = Field(default_factory=list, description="what the scenarios draw, in words")

@@ -1,0 +1,86 @@
+"""Draws of what is uncertain: the same for all hardware, seeded, and evenly spread over each distribution.
+
+Every uncertain number has a distribution that is triangular over its low, central and high value. Its draws are a
+Latin hypercube: of n states each falls into another n-th of the probability, in an order of the number's own. The order
+rests on the seed and the number's name alone, so that a fact of a part is drawn alike in whatever design the part stands.
+"""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.parts.doubts import doubtful
+from uwopt.catalog.records import Part, Port, exact
+
+Array = NDArray[np.float64]
+
+
+def triangular(probability: Array, low: float, mode: float, high: float) -> Array:
+    """Quantiles of a triangular distribution, as the probabilities, in the unit of its ends.
+
+        F(x) = (x - low)^2 / ((high - low) (mode - low))         below the mode
+        F(x) = 1 - (high - x)^2 / ((high - low) (high - mode))   above it
+
+    Kotz and van Dorp 2004, Beyond Beta, eq. 1.6. A range of no width gives its value.
+    """
+    width = high - low
+    if width <= 0.0:
+        return np.full(np.shape(probability), mode)
+    rising = low + np.sqrt(probability * width * (mode - low))
+    falling = high - np.sqrt((1.0 - probability) * width * (high - mode))
+    return np.where(probability * width < mode - low, rising, falling)
+
+
+def shuffled(seed: int, name: str, count: int) -> NDArray[np.int64]:
+    """The numbers 0 to count - 1 in an order that the seed and a name settle."""
+    return np.random.default_rng([seed, zlib.crc32(name.encode())]).permutation(count)
+
+
+def probabilities(seed: int, name: str, count: int) -> Array:
+    """One probability for each of so many states, each within another n-th of (0, 1)."""
+    rng = np.random.default_rng([seed, zlib.crc32(name.encode()), 1])
+    return (shuffled(seed, name, count) + rng.random(count)) / count
+
+
+def even_points(seed: int, name: str, count: int, dimensions: int) -> Array:
+    """Points that fill the unit cube evenly, (count, dimensions): an additive recurrence with a random shift.
+
+        u_kd = frac(s_d + k / phi^d),   phi^(D+1) = phi + 1
+
+    M. Roberts 2018, "The unreasonable effectiveness of quasirandom sequences", R_D.
+    """
+    phi = 2.0
+    for _ in range(40):
+        phi = (1.0 + phi) ** (1.0 / (dimensions + 1))
+    steps = phi ** -np.arange(1.0, dimensions + 1)
+    shift = np.random.default_rng([seed, zlib.crc32(name.encode()), 2]).random(dimensions)
+    return np.asarray((shift + np.arange(count)[:, None] * steps) % 1.0)
+
+
+def drawn_facts(part: Part, seed: int, states: int) -> dict[str, Array]:
+    """Draws of every uncertain number of a part, (states,) each."""
+    return {
+        name: triangular(probabilities(seed, f"{part.id} {name}", states), known.low, known.value, known.high)
+        for name, known in doubtful(part)
+    }
+
+
+def drawn_parts(part: Any, seed: int, states: int) -> list[Any]:
+    """A part as it is in each state; a port with the housing that it is built into."""
+    facts = {name: (values, getattr(part, name)) for name, values in drawn_facts(part, seed, states).items()}
+    hull = part.housing if isinstance(part, Port) else None
+    housings = [None] * states if hull is None else drawn_parts(hull, seed, states)
+    made = []
+    for state in range(states):
+        changes: dict[str, Any] = {
+            name: exact(float(values[state]), known.status, known.source) for name, (values, known) in facts.items()
+        }
+        if hull is not None:
+            changes["housing"] = housings[state]
+        made.append(replace(part, **changes) if changes else part)
+    return made

@@ -1,0 +1,53 @@
+"""The worst case of all estimates: every number of the parts at its bad end, in each water that the doubts leave open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from uwopt.catalog.records import Light, Part
+from uwopt.forward.scene import SceneOptics
+from uwopt.mission.doubt import Doubt
+from uwopt.mission.mission import Mission
+from uwopt.solvers.confidence.scenarios import Scenarios, brighter
+from uwopt.solvers.confidence.waters import Waters, WaterState
+from uwopt.solvers.explain.robustness import at_end, with_either_end
+
+ENDS = (-1.0, 1.0)
+PORT_VARIANTS = 3  # of a dome whose radius is in doubt: as it is, and both ends
+
+
+@dataclass(frozen=True)
+class EndScenarios(Scenarios):
+    """Every combination of the ends of water and floor with the ends of a dome's radius; parts at their bad ends."""
+
+    @staticmethod
+    def of(mission: Mission, scenes: Sequence[SceneOptics], doubt: Doubt) -> EndScenarios:
+        """All of them, each once."""
+        tables = (False, True) if doubt.other_water_table > 0.0 else (False,)
+        clarity = ENDS if doubt.water and any(scene.clarity for scene in scenes) else (0.0,)
+        legs = ENDS if doubt.lamp_leg and any(scene.scattering for scene in scenes) else (0.0,)
+        floors = tuple(dict.fromkeys(doubt.floor))
+        rows = list(product(product(tables, clarity, legs, floors), range(PORT_VARIANTS)))
+        states = [WaterState(*water) for water, _ in rows]
+        port = np.array([variant for _, variant in rows])
+        return EndScenarios(doubt, 0, len(rows), states, Waters.of(mission, scenes), port)
+
+    def ports(self, part: Part) -> list[Any]:
+        """A port at its bad end, with each end of its radius."""
+        if not self.doubt.parts:
+            return [part] * PORT_VARIANTS
+        variants = with_either_end(at_end(part, "bad"))
+        return (variants * PORT_VARIANTS)[:PORT_VARIANTS]
+
+    def each(self, part: Part) -> list[Any]:
+        """A camera or a lens at its bad end."""
+        return [at_end(part, "bad") if self.doubt.parts else part] * self.count
+
+    def lights(self, part: Light) -> list[Light]:
+        """A light at its bad end, and as faint as lamps are."""
+        return [brighter(one, self.doubt.lamp_output[0]) for one in self.each(part)]

@@ -1,0 +1,174 @@
+"""How the light in an image changes with the water: worked out at nodes, and interpolated for each scenario.
+
+Signal and veils of one imager are worked out in each table at five degrees of clarity, at five of K on the lamps' way,
+and where both are at their ends. Their logarithms are interpolated by parabolas on either side of the central water, where
+the spectra have a kink, and by what the ends have beyond the sum. The floor's reflectance scales the signal and the forward veil, not what the water sends back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.scene import SceneOptics
+from uwopt.forward.setting_rows import BALANCE_ROUND, SceneRows
+from uwopt.model import sensor
+from uwopt.model.image_mean import reached_by_most
+from uwopt.solvers.confidence.waters import Waters, WaterState
+
+Array = NDArray[Any]
+NODES = (-1.0, -0.5, 0.0, 0.5, 1.0)
+SIDES = (-1.0, 1.0)
+TINY = 1e-300
+LIT = ("signal_e", "worst_e", "colour_e", "sun_signal_e_s", "worst_sun_signal_e_s", "sun_colour_e_s")
+VEILED = (
+    "veil_e", "worst_veil_e", "red_veil_e", "sun_veil_e_s", "worst_sun_veil_e_s", "sun_red_veil_e_s",
+)  # fmt: skip
+UNLIT = ("background_e",)  # open water behind targets knows no floor
+AT_PIXELS = tuple(name for name in (*LIT, *VEILED) if name.startswith("worst_"))
+COLUMNS = (*LIT, *VEILED, *UNLIT)
+Reference = Callable[[list[SceneOptics]], list[SceneRows]]  # one imager's rows in these scenes
+BRIGHTER = 1.25  # floor at which the share of the veil that it sends is measured
+
+
+@dataclass(frozen=True)
+class TableResponse:
+    """Of one light column in one table of waters: logarithms over the water as it is known, along both axes.
+
+    ln f(c, k) = ln f(c, 0) + ln f(0, k) - ln f(0, 0) + |c k| e,   e: what the corner of that side has beyond the sum
+    """
+
+    clarity: Array  # (n_nodes, *shape of the column)
+    leg: Array
+    centre: Array
+    corners: dict[tuple[float, float], Array]
+
+    def at(self, clarity: Array, leg: Array, across: Array, along: Array) -> Array:
+        """At these states, (n, *shape)."""
+        made = np.einsum("nc,c...->n...", across, self.clarity) + np.einsum("nl,l...->n...", along, self.leg)
+        made = made - self.centre
+        for (c, k), beyond in self.corners.items():
+            mine = (clarity * c > 0.0) & (leg * k > 0.0)
+            size = np.abs(clarity * leg)[mine]
+            made[mine] += size.reshape(-1, *([1] * (made.ndim - 1))) * beyond
+        return made
+
+
+@dataclass(frozen=True)
+class WaterResponse:
+    """How each light column of one imager changes with the state of the water, by scene."""
+
+    clarity: tuple[float, ...]
+    leg: tuple[float, ...]
+    columns: list[dict[str, dict[bool, TableResponse]]]  # by scene, column and table
+    from_floor: list[dict[str, Array]]  # by scene: share of a veil that the floor sends, by column
+
+    @staticmethod
+    def of(waters: Waters, states: Sequence[WaterState], reference: Reference) -> WaterResponse:
+        """Work out the nodes that these states need."""
+        clarity = nodes_for([state.clarity for state in states])
+        leg = nodes_for([state.lamp_leg for state in states])
+
+        def seen(table: bool, c: float, k: float, floor: float = 1.0) -> list[SceneRows]:
+            return reference(waters.kept(WaterState(table, c, k, floor)))
+
+        known, brighter = seen(False, 0.0, 0.0), seen(False, 0.0, 0.0, BRIGHTER)
+        corners = list(product(SIDES, SIDES)) if len(clarity) > 1 and len(leg) > 1 else []
+        columns: list[dict[str, dict[bool, TableResponse]]] = [{} for _ in known]
+        for table in sorted({state.other_table for state in states}):
+            nodes = {(c, k): seen(table, c, k) for c, k in [*product(clarity, (0.0,)), *product((0.0,), leg), *corners]}
+            for index, base in enumerate(known):
+                for name in COLUMNS:
+                    if getattr(base, name) is None:
+                        continue
+                    lowest = np.maximum(level(base, name), TINY)
+                    logs = {
+                        at: np.log(np.maximum(level(rows[index], name), TINY) / lowest) for at, rows in nodes.items()
+                    }
+                    beyond = {
+                        (c, k): logs[c, k] - logs[c, 0.0] - logs[0.0, k] + logs[0.0, 0.0] for c, k in corners
+                    }
+                    columns[index].setdefault(name, {})[table] = TableResponse(
+                        np.array([logs[c, 0.0] for c in clarity]), np.array([logs[0.0, k] for k in leg]),
+                        logs[0.0, 0.0], beyond,
+                    )  # fmt: skip
+        shares = [floor_shares(base, lit) for base, lit in zip(known, brighter, strict=True)]
+        return WaterResponse(clarity, leg, columns, shares)
+
+    def seen_in(self, index: int, rows: SceneRows, states: Sequence[WaterState]) -> SceneRows:
+        """Rows of one scene as they are in the water and over the floor of each state."""
+        other = np.array([state.other_table for state in states])
+        clarity, leg = (np.array([getattr(state, name) for state in states]) for name in ("clarity", "lamp_leg"))
+        across, along = weights(self.clarity, clarity), weights(self.leg, leg)
+        floor = np.array([state.floor for state in states])
+        changes: dict[str, Any] = {}
+        for name, tables in self.columns[index].items():
+            some = next(iter(tables.values()))
+            picked = np.zeros((len(states), *some.centre.shape))
+            for table, known in tables.items():
+                mine = other == table
+                picked[mine] = known.at(clarity[mine], leg[mine], across[mine], along[mine])
+            factor = np.exp(picked)
+            bright = floor.reshape(-1, *([1] * (factor.ndim - 1)))
+            if name in LIT:
+                factor = factor * bright
+            elif name in VEILED:
+                factor = factor * (1.0 + (bright - 1.0) * self.from_floor[index][name])
+            changes[name] = getattr(rows, name) * factor
+        return balanced(replace(rows, **changes))
+
+
+def level(rows: SceneRows, name: str) -> Array:
+    """A light column of the first row; of pixels what all but those that may miss it reach, the veil's mean there.
+
+    Which pixels may decide differs between waters; as a group they darken alike.
+    """
+    column = np.asarray(getattr(rows, name)[0])
+    if name not in AT_PIXELS:
+        return column
+    if name in LIT:
+        return reached_by_most(column, min(rows.may_miss, column.shape[1] - 1))[:, None]
+    return np.asarray(column.mean(axis=1, keepdims=True))
+
+
+def nodes_for(values: Sequence[float]) -> tuple[float, ...]:
+    """The nodes between which these values lie: one where nothing varies."""
+    return NODES if any(values) else (0.0,)
+
+
+def floor_shares(known: SceneRows, brighter: SceneRows) -> dict[str, Array]:
+    """Which share of each veil grows with the floor's reflectance."""
+    shares = {}
+    for name in VEILED:
+        column = getattr(known, name)
+        if column is not None:
+            grown = level(brighter, name) / np.maximum(level(known, name), TINY)
+            shares[name] = np.clip((grown - 1.0) / (BRIGHTER - 1.0), 0.0, 1.0)
+    return shares
+
+
+def weights(nodes: tuple[float, ...], at: Array) -> Array:
+    """Of each node at each place, (n_places, n_nodes): parabolas through the three nodes of its side of 0."""
+    if len(nodes) == 1:
+        return np.ones((len(at), 1))
+    made = np.zeros((len(at), len(nodes)))
+    for first, side in ((0, at < 0.0), (2, at >= 0.0)):
+        x = at[side]
+        own = np.array(nodes[first : first + 3])
+        for k in range(3):
+            others = np.delete(own, k)
+            made[side, first + k] = np.prod([(x - other) / (own[k] - other) for other in others], axis=0)
+    return made
+
+
+def balanced(rows: SceneRows) -> SceneRows:
+    """Rows of which those whose colours are too far apart, with no sun to mix, have no time."""
+    if rows.colour_e is None or rows.sunlit or not np.isfinite(rows.max_white_balance):
+        return rows
+    ratio = sensor.white_balance(rows.colour_e).max(axis=1)
+    return replace(rows, time_max_s=np.where(ratio <= rows.max_white_balance * BALANCE_ROUND, rows.time_max_s, -1.0))

@@ -1,0 +1,96 @@
+"""Scenarios: everything that is uncertain, drawn once for all hardware.
+
+A scenario has a state of its own of water, floor, camera, lens and light. Ports and beams, whose optics are dear to work
+out, have few states, each of which serves as many scenarios.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.parts.doubts import doubtful
+from uwopt.catalog.records import Light, Part, exact
+from uwopt.forward.scene import SceneOptics
+from uwopt.mission.doubt import Doubt
+from uwopt.mission.mission import Mission
+from uwopt.solvers.confidence.draws import drawn_parts, probabilities, shuffled, triangular
+from uwopt.solvers.confidence.waters import Waters, WaterState, drawn_states
+
+Array = NDArray[Any]
+PORTS, BEAMS = 8, 8  # states of the optics of a port and of a beam, whose integrals over the image are dear
+BEAM_FACTS = frozenset({"beam_angle_deg"})
+
+
+@dataclass(frozen=True)
+class Scenarios:
+    """So many scenarios of one mission, each with a state of the water, and of the port, (count,)."""
+
+    doubt: Doubt
+    seed: int
+    count: int
+    states: list[WaterState]
+    waters: Waters
+    port: Array
+    known: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)  # parts drawn, by id
+
+    @staticmethod
+    def drawn(mission: Mission, scenes: Sequence[SceneOptics], doubt: Doubt, *, seed: int, count: int) -> Scenarios:
+        """Draw them."""
+        port = shuffled(seed, "port", count) * PORTS // count
+        states = drawn_states(doubt, seed, count)
+        return Scenarios(doubt, seed, count, states, Waters.of(mission, scenes), port)
+
+    def scenes_at(self, share: float) -> list[SceneOptics]:
+        """The scenes in water that takes more of the light than in so large a share of the scenarios."""
+        taken = [sum(loss(scene) for scene in self.waters.at(state)) for state in self.states]
+        order = np.argsort(taken, kind="stable")
+        return self.waters.at(self.states[int(order[min(int(share * len(order)), len(order) - 1)])])
+
+    def ports(self, part: Part) -> list[Any]:
+        """A port in each of its states."""
+        return drawn_parts(part, self.seed, PORTS) if self.doubt.parts else [part] * PORTS
+
+    def each(self, part: Part) -> list[Any]:
+        """A camera or a lens in each scenario."""
+        if not self.doubt.parts:
+            return [part] * self.count
+        if part.id not in self.known:
+            self.known[part.id] = drawn_parts(part, self.seed, self.count)
+        return list(self.known[part.id])
+
+    def lights(self, part: Light) -> list[Light]:
+        """A light in each scenario; its beam in one of few states."""
+        made = self.each(part)
+        for name, known in doubtful(part) if self.doubt.parts else ():
+            if name in BEAM_FACTS:
+                angle = triangular(self.beam_probability(part, name), known.low, known.value, known.high)
+                made = [
+                    replace(one, **{name: exact(float(value), known.status, known.source)})
+                    for one, value in zip(made, angle, strict=True)
+                ]
+        low, high = self.doubt.lamp_output
+        output = triangular(probabilities(self.seed, f"{part.id} output", self.count), low, 1.0, high)
+        return [brighter(one, float(factor)) for one, factor in zip(made, output, strict=True)]
+
+    def beam_probability(self, part: Part, name: str) -> Array:
+        """The probability at which a fact of a beam is drawn in each scenario: one of few."""
+        state = shuffled(self.seed, f"{part.id} beam", self.count) * BEAMS // self.count
+        return np.asarray(probabilities(self.seed, f"{part.id} {name}", BEAMS)[state])
+
+
+def brighter(light: Light, factor: float) -> Light:
+    """A lamp that gives so many times the light that it is taken for."""
+    known = 1.0 if light.output_factor is None else light.output_factor.value
+    return replace(light, output_factor=exact(known * factor, "estimated", "drawn"))
+
+
+def loss(scene: SceneOptics) -> float:
+    """What a water takes on the way from lamp to floor and back, where the eye sees best, and a dark floor withholds."""
+    weight = scene.photopic / max(float(scene.photopic.sum()), 1e-300)
+    path = (scene.attenuation_per_m + scene.lamp_attenuation_per_m) * float(scene.range_m[-1])
+    return float((weight * (path - np.log(np.maximum(scene.reflectance, 1e-9)))).sum())

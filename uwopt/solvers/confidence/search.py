@@ -1,0 +1,192 @@
+"""The hardware that holds in most scenarios with the least median objective.
+
+Hardware with room is looked for by searches in which parts and water are worse than in most scenarios, best first; how
+often each holds, and with which objective, is counted in all scenarios. That count is exact for the scenarios drawn; of
+hardware that no search brought up nothing is claimed but the bound of the central search.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.forward.problem import Problem
+from uwopt.mission.doubt import ENDS, Doubt
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.confidence.candidates import worse_problem
+from uwopt.solvers.confidence.ends import EndScenarios
+from uwopt.solvers.confidence.outcomes import Outcomes, outcomes
+from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.exact.imagers import IMAGER_RULES, imagers_behind, joined
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain.one_hardware import KINDS, parts_of, problem_of
+from uwopt.solvers.explain.robustness import among
+from uwopt.solvers.recommend import Sought
+
+WORSE = (0.75, 0.9, 0.6)  # than this share of the scenarios: what searches for hardware with room start from
+A_SEARCH = 8  # hardware that each brings up
+OF_CENTRAL = 3  # of the central search
+ENOUGH = 4  # hardware that holds: no further search is made
+FRESH = 1024  # scenarios that the choice has not seen
+FRESH_SEED = 1_000_003
+
+
+@dataclass(frozen=True)
+class Counted:
+    """One hardware with its outcomes, at the stop that is best for the confidence asked for."""
+
+    found: Found
+    outcomes: Outcomes
+    stop: int
+
+    @property
+    def held(self) -> float:
+        """Share of the scenarios in which it holds."""
+        return float(self.outcomes.held[self.stop])
+
+    @property
+    def f_number(self) -> float | None:
+        """Where the iris stands; None where it is moved at sea."""
+        number = float(self.outcomes.f_numbers[self.stop])
+        return number if np.isfinite(number) else None
+
+    def quantile(self, share: float) -> float:
+        """Minimised objective that it keeps or betters in so many scenarios; inf where it does not hold in as many."""
+        return float(self.outcomes.quantile(share)[self.stop])
+
+
+@dataclass(frozen=True)
+class Certain:
+    """What was found: the best, all that was counted, and the best on scenarios that the choice has not seen."""
+
+    asked: float
+    scenarios: Scenarios
+    best: Counted
+    central: Found  # the best with every number at its central value and its iris at that stop
+    tried: list[Counted]
+    complete: bool  # whether there was time for every search
+    fresh: Counted | None = None
+
+    @property
+    def enough(self) -> bool:
+        """Whether the best holds as often as asked."""
+        return self.best.held >= self.asked
+
+
+def scenarios_of(problem: Problem, doubt: Doubt, asked: float | str, seed: int) -> Scenarios:
+    """Scenarios of a problem's mission: drawn, or the ends of all that is uncertain."""
+    if asked == ENDS:
+        return EndScenarios.of(problem.mission, problem.scenes, doubt)
+    return Scenarios.drawn(problem.mission, problem.scenes, doubt, seed=seed, count=doubt.scenarios)
+
+
+def most_certain(
+    sought: Sought, objective: Objective, asked: float | str, deadline: Deadline = NEVER,
+    progress: Callable[[float, str], None] | None = None,
+) -> Certain | None:  # fmt: skip
+    """The best hardware that holds in the share of scenarios asked for; else that which holds most often.
+
+    None where none is feasible with every number at its central value: then neither are its settings to tell.
+    """
+    problem, doubt = sought.problem, sought.problem.mission.doubt
+    scenarios = scenarios_of(problem, doubt, asked, problem.mission.seed)
+    share = 1.0 if asked == ENDS else float(asked)
+    tried: list[Counted] = []
+    complete = True
+    try:
+        for found in candidates(sought, objective, scenarios, deadline, lambda: enough(tried, share)):
+            made = outcomes(problem, found, objective, scenarios, deadline)
+            tried.append(Counted(found, made, made.best(share)))
+            if progress is not None:
+                progress(min(len(tried) / (A_SEARCH * len(WORSE)), 0.99), "certainty")
+    except OutOfTimeError:
+        complete = False
+        if not tried:
+            raise
+    best, central = first_that_fits(problem, objective, sorted(tried, key=lambda one: rank(one, share)), deadline)
+    if best is None or central is None:
+        return None
+    certain = Certain(share, scenarios, best, central, tried, complete)
+    if asked == ENDS:
+        return certain
+    fresh = deadline.within("scenarios that the choice has not seen", lambda: anew(problem, objective, certain), None)
+    return replace(certain, fresh=fresh)
+
+
+def first_that_fits(
+    problem: Problem, objective: Objective, ranked: Sequence[Counted], deadline: Deadline
+) -> tuple[Counted | None, Found | None]:
+    """The first of these that is feasible with every number at its central value too."""
+    for one in ranked:
+        if (found := at_its_stop(problem, objective, one, deadline)) is not None:
+            return one, found
+    return None, None
+
+
+def enough(tried: Sequence[Counted], share: float) -> bool:
+    """Whether no further search for hardware with room is needed."""
+    return sum(one.held >= share for one in tried) >= ENOUGH
+
+
+def rank(one: Counted, share: float) -> tuple[Any, ...]:
+    """Hardware that holds by its median; behind it, what holds most often."""
+    holds = one.held >= share
+    return (not holds, one.quantile(0.5) if holds else -one.held, one.quantile(0.9), one.found.cost)
+
+
+def candidates(
+    sought: Sought, objective: Objective, scenarios: Scenarios, deadline: Deadline, done: Callable[[], bool]
+) -> Iterator[Found]:
+    """Hardware worth counting: the best of the central search, then of those with room."""
+    problem, known = sought.problem, set()
+    for found in sought.outcome.best[:OF_CENTRAL]:
+        known.add(names(problem, found))
+        yield found
+    for worse in WORSE:
+        if done():
+            return
+        changed = worse_problem(problem, scenarios, worse)
+        searched = Search(changed, objective, top=A_SEARCH, deadline=deadline).run()
+        deadline.check()
+        for found in searched.best:
+            here = among(problem, found, changed)
+            if (name := names(problem, here)) not in known:
+                known.add(name)
+                yield here
+
+
+def names(problem: Problem, found: Found) -> tuple[Any, ...]:
+    """What tells one hardware from another."""
+    ids = [getattr(part, "enclosure_id", part.id) for _, part in parts_of(problem, found)]
+    return (*ids, found.count, found.landscape, found.lighting.mount)
+
+
+def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:
+    """The best in scenarios that the choice has not seen, at the same stop."""
+    mission, doubt = problem.mission, problem.mission.doubt
+    seed = (mission.seed + FRESH_SEED) % 2**32
+    scenarios = Scenarios.drawn(mission, problem.scenes, doubt, seed=seed, count=FRESH)
+    stop = None if certain.best.f_number is None else [certain.best.f_number]
+    return Counted(certain.best.found, outcomes(problem, certain.best.found, objective, scenarios, f_numbers=stop), 0)
+
+
+def at_its_stop(problem: Problem, objective: Objective, one: Counted, deadline: Deadline = NEVER) -> Found | None:
+    """The same hardware with every estimate at its central value and the iris where scenarios want it; None: in vain."""
+    alone, only = problem_of(problem, one.found), np.array([0])
+    if one.f_number is not None:
+        alone = alone.at_f_number(one.f_number)
+    discarded = dict.fromkeys(IMAGER_RULES, 0)
+    blocks = list(imagers_behind(alone, only, only, only, one.found.landscape, discarded, {}))
+    if not blocks:
+        return None
+    imagers = joined(alone, blocks, discarded, {})
+    best = Search(alone, objective, top=1, imagers=imagers, deadline=deadline).run().best
+    if not best:
+        return None
+    places = {kind: getattr(one.found, kind) for kind in KINDS}
+    return replace(best[0], **places, imager=one.found.imager, lighting=one.found.lighting)

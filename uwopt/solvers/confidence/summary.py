@@ -1,0 +1,100 @@
+"""What was counted in scenarios, as a result tells it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from uwopt.forward.problem import Problem
+from uwopt.mission.doubt import Doubt
+from uwopt.objectives.objective import Objective
+from uwopt.results.certainty import CertaintyPoint, Confidence, LostTo, WorthKnowing
+from uwopt.solvers.confidence.search import Certain, Counted, rank
+from uwopt.solvers.confidence.worth import worth_of_knowing
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.explain.one_hardware import pieces_of
+
+Z95 = 1.959964
+LEVELS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 0.99)
+MOST_LOST, MOST_ASKED = 4, 5
+
+
+def wilson(held: float, count: int) -> tuple[float, float]:
+    """Interval that holds a probability with 95 % confidence, from a share p of n draws (Wilson 1927).
+
+        (p + z^2/2n -+ z sqrt(p (1 - p)/n + z^2/4n^2)) / (1 + z^2/n)
+    """
+    z2n = Z95**2 / count
+    centre, half = held + z2n / 2.0, Z95 * math.sqrt(held * (1.0 - held) / count + z2n / (4.0 * count))
+    return max((centre - half) / (1.0 + z2n), 0.0), min((centre + half) / (1.0 + z2n), 1.0)
+
+
+def told(problem: Problem, objective: Objective, certain: Certain, central: Found, *, ends: bool) -> Confidence:
+    """The record of a choice: how often it holds in scenarios that it was not made on, and what certainty costs."""
+    seen, first = certain.fresh or certain.best, certain.tried[0]
+    return counted(
+        problem, objective, seen, asked="ends" if ends else certain.asked, share=certain.asked,
+        in_choice=certain.best,
+        central_objective=objective.reported(central.minimised), central_hardware=ids(problem, central),
+        central_held=first.held, counted=len(certain.tried), complete=certain.complete,
+        curve=[] if ends else list(curve(problem, objective, certain)),
+        ask_first=[] if ends else [
+            WorthKnowing(one.what, one.part, objective.amount(one.worth, certain.best.quantile(0.5)))
+            for one in worth_of_knowing(problem, certain)[:MOST_ASKED]
+        ],
+    )  # fmt: skip
+
+
+def counted(
+    problem: Problem, objective: Objective, seen: Counted, *, asked: float | str, share: float,
+    in_choice: Counted | None = None, **more: object,
+) -> Confidence:  # fmt: skip
+    """The record of one hardware in its scenarios."""
+    count = seen.outcomes.value.shape[1]
+    low, high = wilson(seen.held, count)
+    chosen = in_choice or seen
+    missed = list(seen.outcomes.missed(seen.stop).items())[:MOST_LOST]
+    return Confidence(
+        asked=asked, enough=chosen.held >= share, held=seen.held, held_low=low, held_high=high, scenarios=count,
+        held_in_choice=chosen.held, scenarios_in_choice=chosen.outcomes.value.shape[1],
+        objective_p50=reported(objective, seen.quantile(0.5)), objective_p90=reported(objective, seen.quantile(0.9)),
+        f_number=seen.f_number, lost_to=[LostTo(name, number / count) for name, number in missed],
+        drawn=list(drawn(problem.mission.doubt, problem)), **more,  # type: ignore[arg-type]
+    )  # fmt: skip
+
+
+def reported(objective: Objective, minimised: float) -> float | None:
+    """An objective as results show it; None where there is none."""
+    return objective.reported(minimised) if math.isfinite(minimised) else None
+
+
+def curve(problem: Problem, objective: Objective, certain: Certain) -> Iterator[CertaintyPoint]:
+    """The least median among the hardware counted, by confidence, as far as any holds so often."""
+    for level in LEVELS:
+        stops = [Counted(one.found, one.outcomes, one.outcomes.best(level)) for one in certain.tried]
+        best = min(stops, key=lambda one: rank(one, level))
+        if best.held >= level and np.isfinite(best.quantile(0.5)):
+            yield CertaintyPoint(level, objective.reported(best.quantile(0.5)), ids(problem, best.found))
+
+
+def ids(problem: Problem, found: Found) -> list[str]:
+    """A design's parts by id."""
+    return [part.id for _, part in pieces_of(problem, found)]
+
+
+def drawn(doubt: Doubt, problem: Problem) -> Iterator[str]:
+    """What the scenarios draw, in words."""
+    if doubt.parts:
+        yield "every estimated number of a part, triangular over its low, central and high value"
+    if not problem.paper:
+        if doubt.water and any(scene.clarity for scene in problem.scenes):
+            yield "the water's clarity, within what the reading leaves open"
+        if doubt.lamp_leg and any(scene.scattering for scene in problem.scenes):
+            yield "K on the lamps' way, between a + b_b and c about K_d"
+        if doubt.other_water_table > 0.0:
+            yield f"the other table of the Jerlov types, where it has the water, in {doubt.other_water_table:.0%} of all"
+    for name, (low, high) in (("reflectance of the floor", doubt.floor), ("lumens of the lamps", doubt.lamp_output)):
+        if high > low:
+            yield f"{name}, {low:g} to {high:g} times what is stated"

@@ -1,0 +1,147 @@
+"""The states of water and floor that scenarios draw from.
+
+A water is uncertain in which published table of its Jerlov type holds, in what its reading (a visibility, a Secchi
+depth) leaves open, and in K on the way from lamp to floor, which lies between a + b_b and c. A state lies between known
+spectra: each of its coefficients is their geometric mean, weighted by how far it is from the central one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.curves.clarity import ClarityEnd
+from uwopt.catalog.curves.spectra import water_types
+from uwopt.forward.scene import LampLeg, SceneOptics, Scattering, scene_optics
+from uwopt.mission.doubt import Doubt
+from uwopt.mission.mission import Mission, SceneView
+from uwopt.solvers.confidence.draws import even_points, triangular
+from uwopt.solvers.explain.waters import OTHER
+
+Array = NDArray[Any]
+ENDS: tuple[LampLeg, LampLeg, LampLeg] = ("least", "diffuse", "most")
+FAINT = 1e-12  # 1/m, below which no coefficient counts
+
+
+@dataclass(frozen=True)
+class WaterState:
+    """One state: which table, and how far between the ends of clarity and of K, from -1 to 1."""
+
+    other_table: bool
+    clarity: float
+    lamp_leg: float
+    floor: float  # factor on its reflectance
+
+
+def drawn_states(doubt: Doubt, seed: int, count: int) -> list[WaterState]:
+    """Evenly spread states; those of all scenes of a mission are drawn together."""
+    at = even_points(seed, "water", count, 4).T
+
+    def between(probability: Array, asked: bool) -> Array:
+        return triangular(probability, -1.0, 0.0, 1.0) if asked else np.zeros(count)
+
+    columns = (
+        at[0] < doubt.other_water_table, between(at[1], doubt.water), between(at[2], doubt.lamp_leg),
+        triangular(at[3], doubt.floor[0], 1.0, doubt.floor[1]),
+    )  # fmt: skip
+    return [WaterState(*row) for row in zip(*(column.tolist() for column in columns), strict=True)]
+
+
+@dataclass(frozen=True)
+class Waters:
+    """A mission's scenes in any state, and at the nodes between which states lie."""
+
+    nodes_of: list[Nodes]
+    known: dict[WaterState, list[SceneOptics]] = field(default_factory=dict, repr=False, compare=False)
+
+    @staticmethod
+    def of(mission: Mission, scenes: Sequence[SceneOptics]) -> Waters:
+        """Of all scenes of a mission."""
+        return Waters([Nodes(mission, mission.scene_view(index), scene) for index, scene in enumerate(scenes)])
+
+    def at(self, state: WaterState) -> list[SceneOptics]:
+        """The scenes in one state."""
+        return [nodes.at(state) for nodes in self.nodes_of]
+
+    def kept(self, state: WaterState) -> list[SceneOptics]:
+        """The same, with the tables that are made of them, for all hardware."""
+        if state not in self.known:
+            self.known[state] = self.at(state)
+        return self.known[state]
+
+
+class Nodes:
+    """The waters between which one scene's states lie, each tabulated once, on the scene's own wavelengths."""
+
+    def __init__(self, mission: Mission, view: SceneView, scene: SceneOptics):
+        self.mission, self.view, self.scene = mission, view, scene
+        self.known: dict[tuple[bool, ClarityEnd, LampLeg], SceneOptics] = {}
+
+    def at(self, state: WaterState) -> SceneOptics:
+        """The scene in one state."""
+        scene = self.scene
+        reflectance = np.minimum(scene.reflectance * state.floor, 1.0)
+        if scene.paper:
+            return replace(scene, reflectance=reflectance, cache={})
+        other = state.other_table and self.other_table() is not None
+        low, central, high = (self.between(other, leg, state.clarity) for leg in ENDS)
+        lamp = geometric(central[1], low[1] if state.lamp_leg < 0 else high[1], abs(state.lamp_leg))
+        attenuation, _, daylight, *b = central
+        scattering = tuple(
+            Scattering(one.name, own, one.table) for one, own in zip(scene.scattering, b, strict=True)
+        )
+        return replace(
+            scene, attenuation_per_m=attenuation, lamp_attenuation_per_m=np.minimum(lamp, attenuation),
+            diffuse_attenuation_per_m=None if scene.diffuse_attenuation_per_m is None else daylight,
+            scattering=scattering, reflectance=reflectance, cache={},
+        )  # fmt: skip
+
+    def between(self, other: bool, leg: LampLeg, clarity: float) -> list[Array]:
+        """c, K of the lamps' way, K_d and the scattering of each kind, between the ends of a reading."""
+        central = self.columns(other, "central", leg)
+        if not clarity or self.scene.clarity is None:
+            return central
+        ends = self.columns(other, "low" if clarity < 0 else "high", leg)
+        return [geometric(one, end, abs(clarity)) for one, end in zip(central, ends, strict=True)]
+
+    def columns(self, other: bool, end: ClarityEnd, leg: LampLeg) -> list[Array]:
+        """The same of one known water, on the scene's own wavelengths."""
+        made, grid = self.node(other, end, leg), self.scene.wavelength_nm
+        daylight = made.attenuation_per_m if made.diffuse_attenuation_per_m is None else made.diffuse_attenuation_per_m
+        columns = [made.attenuation_per_m, made.lamp_attenuation_per_m, daylight]
+        columns += [one.scattering_per_m for one in made.scattering]
+        return [np.interp(grid, made.wavelength_nm, column) for column in columns]
+
+    def node(self, other: bool, end: ClarityEnd, leg: LampLeg) -> SceneOptics:
+        """One known water."""
+        key = (other, end, leg)
+        if key not in self.known:
+            self.known[key] = scene_optics(
+                self.view, paper=False, base_dir=self.mission.base_dir, lamp_leg=leg, water_end=end,
+                water_table=self.other_table() if other else own_table(self.scene), fineness=self.scene.fineness,
+            )  # fmt: skip
+        return self.known[key]
+
+    def other_table(self) -> str | None:
+        """The other table of the Jerlov types, where it has this water."""
+        scene = self.scene
+        other, water = OTHER.get(scene.water_table), self.view.scene.water
+        if other is None:
+            return None
+        of_no_type = scene.clarity is not None and water is None
+        return other if of_no_type or water in water_types(other) else None
+
+
+def own_table(scene: SceneOptics) -> str | None:
+    """The table that a scene's water is from, where it is one of the two."""
+    return scene.water_table if scene.water_table in OTHER else None
+
+
+def geometric(central: Array, end: Array, share: float) -> Array:
+    """Between two spectra: the central one at 0, the end at 1, even in their logarithms."""
+    low, high = np.maximum(central, FAINT), np.maximum(end, FAINT)
+    return np.asarray(low * (high / low) ** share)

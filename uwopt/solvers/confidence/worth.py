@@ -1,0 +1,100 @@
+"""What it would be worth to know an uncertain number before buying.
+
+Scenarios are sorted into bins by the number. With it known, the best hardware of each bin would be bought: the expected
+value of partial perfect information (Strong and Oakley 2013, Med. Decis. Making 33:755) is by how much the mean of the
+bins' medians falls. Hardware is chosen on half of the scenarios and judged on the other, so that luck is worth nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.parts.doubts import doubtful
+from uwopt.catalog.records import Housing, Part, Port
+from uwopt.forward.problem import Problem
+from uwopt.solvers.confidence.draws import probabilities
+from uwopt.solvers.confidence.scenarios import BEAM_FACTS, PORTS, Scenarios
+from uwopt.solvers.confidence.search import Certain
+from uwopt.solvers.explain.one_hardware import pieces_of
+
+Array = NDArray[np.float64]
+BINS = 3
+LEAST_REL = 0.005  # of the median: what is worth less is not told
+OF_LUCK = 20  # numbers that mean nothing: what is worth no more than the best of them is not told either
+
+
+@dataclass(frozen=True)
+class Worth:
+    """One uncertain number and what it is worth to know, in the minimised objective."""
+
+    what: str
+    part: str
+    worth: float
+
+
+def worth_of_knowing(problem: Problem, certain: Certain) -> list[Worth]:
+    """Uncertain numbers of the best hardware and of the water, those worth most first."""
+    values = np.array([one.outcomes.value[one.stop] for one in certain.tried])
+    best = next(k for k, one in enumerate(certain.tried) if one is certain.best)
+    plain = float(np.median(values[best]))
+    if len(values) < 2 or not np.isfinite(plain):
+        return []
+
+    def worth_of(number: Array) -> float:
+        return 0.5 * sum(gained(values, best, number, certain.asked, chosen=half) for half in (0, 1))
+
+    luck = np.random.default_rng(certain.scenarios.seed).random((OF_LUCK, values.shape[1]))
+    least = max(LEAST_REL * abs(plain), *(worth_of(number) for number in luck))
+    told = [(what, part, worth_of(number)) for what, part, number in numbers_of(problem, certain)]
+    found = [Worth(*one) for one in told if one[2] > least]
+    return sorted(found, key=lambda one: -one.worth)
+
+
+def gained(values: Array, best: int, number: Array, share: float, *, chosen: int) -> float:
+    """By how much the mean of the bins' medians falls; hardware is chosen on every other scenario of a bin."""
+    order, saved = np.argsort(number, kind="stable"), 0.0
+    for rows in np.array_split(order, BINS):
+        ours, theirs = rows[chosen::2], rows[1 - chosen :: 2]
+        held = np.isfinite(values[:, ours]).mean(axis=1)
+        medians = np.where(held >= min(share, held[best]), middle(values[:, ours]), np.inf)
+        pick = int(np.argmin(medians)) if np.isfinite(medians).any() else best
+        before, after = middle(values[best : best + 1, theirs])[0], middle(values[pick : pick + 1, theirs])[0]
+        if np.isfinite(before) and np.isfinite(after):
+            saved += (before - after) / BINS
+    return saved
+
+
+def middle(values: Array) -> Array:
+    """Lower median of each row: one of its values, inf where most are."""
+    return np.asarray(np.sort(values, axis=1)[:, (values.shape[1] - 1) // 2])
+
+
+def numbers_of(problem: Problem, certain: Certain) -> Iterator[tuple[str, str, Array]]:
+    """Each uncertain number as it is in every scenario: name, part, a number that grows with it."""
+    scenarios = certain.scenarios
+    states = scenarios.states
+    for name, text in (
+        ("clarity", "clarity of the water"), ("lamp_leg", "K of the lamps' way"), ("floor", "reflectance of the floor"),
+        ("other_table", "which table of the Jerlov types holds"),
+    ):  # fmt: skip
+        column = np.array([float(getattr(state, name)) for state in states])
+        if np.ptp(column) > 0.0:
+            yield text, "", column
+    if not scenarios.doubt.parts:
+        return
+    for kind, part in pieces_of(problem, certain.best.found):
+        for name, _ in doubtful(part):
+            yield f"{kind}.{name}", part.id, drawn(scenarios, part, name)
+
+
+def drawn(scenarios: Scenarios, part: Part, name: str) -> Array:
+    """The probability at which a number of a part is drawn in each scenario."""
+    if isinstance(part, (Port, Housing)):
+        return probabilities(scenarios.seed, f"{part.id} {name}", PORTS)[scenarios.port]
+    if name in BEAM_FACTS:
+        return scenarios.beam_probability(part, name)
+    return probabilities(scenarios.seed, f"{part.id} {name}", scenarios.count)
