@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 
 import uwopt
+from uwopt.catalog.parts.doubts import doubtful
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import system_problem
 from uwopt.mission.mission import load_mission
 from uwopt.mission.system import load_system
-from uwopt.catalog.parts.doubts import doubtful
 
 OFF = {"lamps_between_images": "off", "camera_between_images": "off"}
 MISSION: dict[str, Any] = {

@@ -31,14 +31,16 @@ NOT_MODELLED = (
 )  # fmt: skip
 
 
-def prepared(mission: Source | Mission, physics: str | None, objective: Any) -> Mission:
-    """A mission with the physics and objective of the call."""
+def prepared(mission: Source | Mission, physics: str | None, objective: Any, confidence: Any = None) -> Mission:
+    """A mission with the physics, objective and confidence of the call."""
     loaded = load_mission(mission)
     changes: dict[str, Any] = {}
     if physics is not None:
         changes["physics"] = physics
     if objective is not None:
         changes["objective"] = objective
+    if confidence is not None:
+        changes["confidence"] = confidence
     made = loaded.with_changes(**changes) if changes else loaded
     check_physical(made)
     return made

@@ -94,10 +94,25 @@ def missed(result: Result, design: Design) -> Weighed:
         yield 100.0, Risk(f"{name} is not as asked for", "the requirement is missed", against_limit(margin))
 
 
+def uncertain(result: Result, design: Design) -> Weighed:
+    """That it holds less often than was asked for."""
+    known = result.confidence
+    if known is None or known.enough:
+        return
+    because = f"settings that meet every requirement exist in {100.0 * known.held:.0f} % of the scenarios"
+    if known.lost_to:
+        because += f"; else {LOST_TO.get(known.lost_to[0].requirement, known.lost_to[0].requirement)} is missed first"
+    wanted = "all ends" if known.asked == "ends" else f"{100.0 * float(known.asked):g} % asked"
+    yield 95.0, Risk("it may not do what is asked", because, wanted)
+
+
+LOST_TO = {"light": "enough light without too much", "rules": "a rule on lamps or shutter"}
+
+
 def at_bad_ends(result: Result, design: Design) -> Weighed:
     """Requirements that may fail when estimated numbers turn out badly."""
-    if (result.robustness or {}).get("feasible_at_bad_end") is not False:
-        return
+    if result.confidence is not None or (result.robustness or {}).get("feasible_at_bad_end") is not False:
+        return  # what was counted in scenarios says more
     number = sum(
         1 for item in result.assumptions if item.low != item.high and not item.path.endswith(".price")
     )
@@ -110,6 +125,8 @@ def at_bad_ends(result: Result, design: Design) -> Weighed:
 def nothing_in_hand(result: Result, design: Design) -> Weighed:
     """Requirements that are met to the last digit; where estimates tell the same, they do."""
     least = tight(design)
+    if result.confidence is not None and result.confidence.enough:
+        return  # settings are found anew where the scenario asks for others
     if not least or (result.robustness or {}).get("feasible_at_bad_end") is False:
         return
     because = (
@@ -313,7 +330,7 @@ def noted(result: Result, design: Design) -> Weighed:
 
 
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
-    missed, at_bad_ends, nothing_in_hand, shallow, in_other_water, lamps_off, uneven, seen_in_the_image,
+    missed, uncertain, at_bad_ends, nothing_in_hand, shallow, in_other_water, lamps_off, uneven, seen_in_the_image,
     smeared_subjects, weak_colours, wide_open, high_gain, held_back, price, to_be_made, maybe_withdrawn,
     better_elsewhere, noted,
 )  # fmt: skip

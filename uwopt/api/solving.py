@@ -16,6 +16,7 @@ from uwopt.api.accuracy import (
     plain_accuracy,
     search_within,
 )
+from uwopt.api.certainty import with_confidence
 from uwopt.api.common import (
     Progress,
     Source,
@@ -72,6 +73,7 @@ def solve(
     solver: str = "exact",
     objective: str | Mapping[str, float] | None = None,
     physics: str | None = None,
+    confidence: float | str | None = None,
     top: int = 5,
     audit: int = 0,
     seconds: float | None = None,
@@ -90,6 +92,7 @@ def solve(
     solver : exact (search with certificate); casadi or nlopt also solve the settings of the best
         hardware again and report what they find; bonmin solves hardware and settings of the best together
     top : how many designs with other hardware to list, the best included
+    confidence : share of the scenarios in which hardware must hold, `central` or `ends`, instead of the mission's
     audit : how many other combinations to attack, half of them discarded
     seconds : for all of it: what is proven by then is reported with the gap that is left, and what is told of
         a result beyond its proof is left out where there is no time for it
@@ -103,7 +106,7 @@ def solve(
     for_search = deadline if seconds is None else deadline.at_most(SEARCH_SHARE * seconds)
     if solver not in SOLVERS:
         raise MissionError(f"solver {solver!r} is not one of {', '.join(SOLVERS)}")
-    wanted = prepared(mission, physics, objective)
+    wanted = prepared(mission, physics, objective, confidence)
     checked_tolerance(tolerance)
     goal = goal_of(wanted)
     timing: dict[str, float] = {}
@@ -255,6 +258,12 @@ def found_result(
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
             cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
     best = sought.outcome.best[0]
+    certain = None
+    if not cut and sought.outcome.best:
+        try:
+            sought, winner, certain = with_confidence(sought, winner, goal, deadline, progress, timing)
+        except KeyboardInterrupt:
+            cut = True
     cut_short = cut_short or cut
     generic = None
     if alternative is not None and alternative.outcome.best:
@@ -269,7 +278,8 @@ def found_result(
     made = replace(
         result,
         physics=replace(result.physics, effects=[item.used() for item in proven_in_full(influences)]),
-        status="stopped" if not proven else "optimal" if winner.is_settable and not wide else "feasible",
+        confidence=certain,
+        status=status_of(proven=proven, exact=winner.is_settable and not wide and certain is None),
         recommendation=winner,
         runners_up=others,
         generic_alternative=generic,
@@ -292,6 +302,13 @@ def found_result(
     if first is not None:
         first(with_risks(made))
     return (made if quick else doubted(made, sought, goal, timing, deadline, progress, solver)), sought
+
+
+def status_of(*, proven: bool, exact: bool) -> str:
+    """The status of a result with a recommendation; what holds in most scenarios is counted, not proven best."""
+    if not proven:
+        return "stopped"
+    return "optimal" if exact else "feasible"
 
 
 def doubted(

@@ -8,6 +8,7 @@ from typing import Any
 
 #: What a person reads while a stage lasts that does not tell how far it is.
 STAGES = {
+    "certainty": "in how many scenarios hardware holds",
     "knee": "what more power and money would buy",
     "robustness": "how firm the answer is", "second_opinion": "second opinions",
     "alternatives": "what other makers offer", "accuracy": "errors of figures",

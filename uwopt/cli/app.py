@@ -91,6 +91,10 @@ def solve_command(
         typer.Option(metavar="NAME|WEIGHTS", help="What is to be best, such as cost, best_image or power=1,cost=0.01."),
     ] = None,
     physics: PhysicsOption = None,
+    confidence: Annotated[
+        str | None,
+        typer.Option(metavar="P", help="Share of scenarios in which hardware must hold, such as 0.9; central or ends."),
+    ] = None,
     top: Annotated[int, typer.Option(metavar="K", min=1, max=1000, help="How many systems to list.")] = 5,
     audit: Annotated[
         int,
@@ -133,6 +137,7 @@ def solve_command(
             solver=solver.value,
             objective=wanted,
             physics=physics and physics.value,
+            confidence=confidence,
             top=top,
             audit=audit,
             seconds=limit_s,

@@ -19,7 +19,7 @@ from uwopt.documents.reading import Document, read_document
 from uwopt.documents.validation import validated
 from uwopt.mission import checks
 from uwopt.mission.best_image import NAME, BestImageGoal, to_goal
-from uwopt.mission.doubt import CENTRAL, Confidence, Doubt
+from uwopt.mission.doubt import Confidence, Doubt
 from uwopt.mission.keys import OBJECTIVES
 from uwopt.mission.practice import DEFAULT_PRACTICE, Practice, with_practice
 from uwopt.mission.reserves import REFUSED_DEPTH, Reserve, ReserveOrWord, asked_of, held_of, kept_of
@@ -79,8 +79,8 @@ class Mission(Section):
         "over the whole image, reserves, a lens one stop down, what an expert would refuse) or bare (nothing)",
     )
     confidence: Confidence = Field(
-        default=CENTRAL,
-        description="share of the scenarios of what is uncertain in which the hardware must hold, 0.5 to 0.99 such as 0.9; "
+        default="central",
+        description="share of the scenarios of what is uncertain in which the hardware must hold, 0.5 to 0.99; "
         "central (every number at its central value) or ends (at the worst of its ends)",
     )
     seed: Annotated[int, Field(ge=0, le=2**32 - 1), WHOLE] = Field(

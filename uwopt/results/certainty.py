@@ -46,7 +46,7 @@ class Confidence(Record):
     scenarios: Whole = Field(description="fresh ones, which the choice has not seen")
     held_in_choice: Number = Field(description="share of the scenarios that the choice was made on")
     scenarios_in_choice: Whole = Field(description="how many those are")
-    objective_p50: Number | None = Field(description="kept or bettered in half of the fresh scenarios; null: not held in as many")
+    objective_p50: Number | None = Field(description="kept or bettered in half of them; null: not held in as many")
     objective_p90: Number | None = Field(description="kept or bettered in nine of ten; null: not held in as many")
     f_number: Number | None = Field(description="where the iris stands in all of them; null: moved at sea")
     lost_to: list[LostTo] = Field(description="what is missed where it does not hold, the most frequent first")

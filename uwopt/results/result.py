@@ -13,6 +13,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from uwopt.results.basis import Assumption, Knee, ObjectiveValue, OtherMaker, Risk, UsedPhysics, WhyNothing
+from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design, Note
 from uwopt.results.frames import bill_rows, design_rows, figure_rows, frame_of, margin_rows, settings_rows
 from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
@@ -74,6 +75,9 @@ class Result(Shown, FiledRecord):
     infeasible: WhyNothing | None = Field(default=None, description="why nothing fits")
     assumptions: list[Assumption] = Field(default_factory=list, description="what is not known but taken")
     robustness: dict[str, Any] | None = Field(default=None, description="what the estimates could change")
+    confidence: Confidence | None = Field(
+        default=None, description="in how many scenarios it holds; null where numbers are taken as central"
+    )
     risks: list[Risk] = Field(default_factory=list, description="what may go wrong, the most serious first")
     solvers: list[dict[str, Any]] = Field(default_factory=list, description="second opinions on the settings")
     audit: dict[str, Any] | None = Field(default=None, description="the attack on what was discarded")

@@ -22,7 +22,7 @@ from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Line, fact_lines
 from uwopt.report.text.looked_at import in_figure, in_page, wording
-from uwopt.report.text.short import goal_sentence, short_blocks
+from uwopt.report.text.short import goal_sentence, how_far, short_blocks
 from uwopt.report.text.verdict import verdict
 from uwopt.results.design import Design
 from uwopt.results.front import FrontResult
@@ -103,7 +103,7 @@ def opening(result: Result | FrontResult) -> tuple[str, str]:
     said = [goal_sentence(result, result.best)]
     if first := fails_first(result.best):
         said.append(words.as_sentence(first))
-    return words.as_sentence(words.status_sentence(result)), " ".join(said)
+    return words.as_sentence(how_far(result)), " ".join(said)
 
 
 # ---------------------------------------------------------------- designs and their pictures

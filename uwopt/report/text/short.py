@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 
 from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import words
+from uwopt.report.text.certainty import ask_first, certainty_block, status_text
 from uwopt.report.text.doubts import (
     excluding_most,
     fit_sentence,
@@ -89,6 +90,7 @@ def first_blocks(result: Result) -> Iterator[Block]:
     yield buy_block(design, "The system" if result.command == "evaluate" else "Buy")
     yield set_block(result, design)
     yield cost_block(result, design)
+    yield from certainty_block(result)
 
 
 def rest_of_blocks(result: Result) -> Iterator[Block]:
@@ -108,7 +110,12 @@ def rest_of_blocks(result: Result) -> Iterator[Block]:
 def title_line(result: Result) -> Joined:
     """The mission's name, and how far the answer may be believed."""
     name = words.one_line(result.mission.get("name") or "mission", 80)
-    return Joined((Text(name, "bold"), Text(": "), Text(words.status_sentence(result), status_style(result))))
+    return Joined((Text(name, "bold"), Text(": "), Text(how_far(result), status_style(result))))
+
+
+def how_far(result: Result) -> str:
+    """How far the answer may be believed: in how many scenarios it holds, where that was counted."""
+    return words.status_sentence(result) if result.confidence is None else status_text(result.confidence)
 
 
 def verdict_lines(result: Result) -> list[Line]:
@@ -252,9 +259,11 @@ def risk_text(risk: Risk) -> str:
 def questions(result: Result, design: Design) -> Iterator[str]:
     """What is worth knowing before the order, in the order in which it can change the answer."""
     doubt = result.robustness or {}
+    yield from ask_first(result)
     if equal := words.equal_sentence(result):
         yield equal
-    if decisive := [quoted_number(item) for item in doubt.get("quotes_that_matter") or []][:MOST_QUESTIONS]:
+    decisive = [quoted_number(item) for item in doubt.get("quotes_that_matter") or []][:MOST_QUESTIONS]
+    if decisive and result.confidence is None:
         yield f"Ask for what decides between this and another system: {words.listed(decisive)}."
     waters = doubt.get("waters") or []
     failed = [water for water in waters if water.get("objective_value") is None]

@@ -81,6 +81,8 @@ def headline(result: Result) -> Block:
 def status_style(result: Result) -> str:
     """How the status of a result is printed."""
     good = "bold green"
+    if result.confidence is not None and not result.confidence.enough:
+        return "bold red"
     return {"optimal": good, "feasible": good, "stopped": "bold yellow"}.get(result.status, "bold red")
 
 

@@ -1,7 +1,7 @@
 """Hardware that is likely to hold: the best where parts and water are as bad as few scenarios make them.
 
-A search with every estimate at its central value finds what stands at the edge. One with every number worse than most of
-its draws, in water murkier than most, finds what has room, best first; how often each holds is then counted.
+A search with every estimate at its central value finds what stands at the edge. One with every number worse than most
+of its draws, in water murkier than most, finds what has room, best first; how often each holds is then counted.
 """
 
 from __future__ import annotations

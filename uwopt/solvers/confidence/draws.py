@@ -1,8 +1,8 @@
 """Draws of what is uncertain: the same for all hardware, seeded, and evenly spread over each distribution.
 
 Every uncertain number has a distribution that is triangular over its low, central and high value. Its draws are a
-Latin hypercube: of n states each falls into another n-th of the probability, in an order of the number's own. The order
-rests on the seed and the number's name alone, so that a fact of a part is drawn alike in whatever design the part stands.
+Latin hypercube: of n states each falls into another n-th of the probability, in an order of the number's own. The
+order rests on the seed and the number's name alone: a fact of a part is drawn alike in whatever design it stands.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The worst case of all estimates: every number of the parts at its bad end, in each water that the doubts leave open."""
+"""The worst case of all estimates: every number of a part at its bad end, in each water that the doubts leave open."""
 
 from __future__ import annotations
 

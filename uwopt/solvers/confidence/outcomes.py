@@ -121,7 +121,7 @@ def rows_of(
 ) -> list[SceneRows]:
     """The settings' view of all scenarios, by scene of the mission, a row an imager.
 
-    The light of each is worked out in the water as it is known, and scaled as that of one of them changes with the water.
+    The light of each is worked out in the water as it is known, and scaled as one of them changes with the water.
     """
     search = Search(problem, objective, top=1, imagers=imagers, deadline=deadline)
     search.prepare()
@@ -146,7 +146,8 @@ def rows_of(
     if key not in scenarios.known:
         scenarios.known[key] = WaterResponse.of(scenarios.waters, states, reference)
     response = scenarios.known[key]
-    known = [SceneRows.in_places([(mine, rows[k]) for mine, rows in parts], len(who)) for k in range(len(problem.scenes))]
+    every = range(len(problem.scenes))
+    known = [SceneRows.in_places([(mine, rows[k]) for mine, rows in parts], len(who)) for k in every]
     return [response.seen_in(index, rows, states) for index, rows in enumerate(known)]
 
 

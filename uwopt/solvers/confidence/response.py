@@ -1,8 +1,9 @@
 """How the light in an image changes with the water: worked out at nodes, and interpolated for each scenario.
 
 Signal and veils of one imager are worked out in each table at five degrees of clarity, at five of K on the lamps' way,
-and where both are at their ends. Their logarithms are interpolated by parabolas on either side of the central water, where
-the spectra have a kink, and by what the ends have beyond the sum. The floor's reflectance scales the signal and the forward veil, not what the water sends back.
+and where both are at their ends. Their logarithms are interpolated by parabolas on either side of the central water,
+where the spectra have a kink, and by what the ends have beyond the sum. The floor's reflectance scales the signal and the
+forward veil, not what the water sends back.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Scenarios: everything that is uncertain, drawn once for all hardware.
 
-A scenario has a state of its own of water, floor, camera, lens and light. Ports and beams, whose optics are dear to work
-out, have few states, each of which serves as many scenarios.
+A scenario has a state of its own of water, floor, camera, lens and light. Ports and beams, whose optics are dear to
+work out, have few states, each of which serves as many scenarios.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def brighter(light: Light, factor: float) -> Light:
 
 
 def loss(scene: SceneOptics) -> float:
-    """What a water takes on the way from lamp to floor and back, where the eye sees best, and a dark floor withholds."""
+    """What a water takes on the way from lamp to floor and back, where the eye sees best, and the floor withholds."""
     weight = scene.photopic / max(float(scene.photopic.sum()), 1e-300)
     path = (scene.attenuation_per_m + scene.lamp_attenuation_per_m) * float(scene.range_m[-1])
     return float((weight * (path - np.log(np.maximum(scene.reflectance, 1e-9)))).sum())

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -99,7 +100,10 @@ def most_certain(
     tried: list[Counted] = []
     complete = True
     try:
-        for found in candidates(sought, objective, scenarios, deadline, lambda: enough(tried, share)):
+        hold = partial(holding, tried, share)
+        for found in candidates(
+            sought, objective, scenarios, deadline, done=lambda: hold() >= ENOUGH, hopeful=lambda: hold() > 0
+        ):
             made = outcomes(problem, found, objective, scenarios, deadline)
             tried.append(Counted(found, made, made.best(share)))
             if progress is not None:
@@ -128,9 +132,9 @@ def first_that_fits(
     return None, None
 
 
-def enough(tried: Sequence[Counted], share: float) -> bool:
-    """Whether no further search for hardware with room is needed."""
-    return sum(one.held >= share for one in tried) >= ENOUGH
+def holding(tried: Sequence[Counted], share: float) -> int:
+    """How many of these hold as often as asked."""
+    return sum(one.held >= share for one in tried)
 
 
 def rank(one: Counted, share: float) -> tuple[Any, ...]:
@@ -140,10 +144,15 @@ def rank(one: Counted, share: float) -> tuple[Any, ...]:
 
 
 def candidates(
-    sought: Sought, objective: Objective, scenarios: Scenarios, deadline: Deadline, done: Callable[[], bool]
-) -> Iterator[Found]:
-    """Hardware worth counting: the best of the central search, then of those with room."""
+    sought: Sought, objective: Objective, scenarios: Scenarios, deadline: Deadline, *, done: Callable[[], bool],
+    hopeful: Callable[[], bool],
+) -> Iterator[Found]:  # fmt: skip
+    """Hardware worth counting: the best of the central search, then of those with room.
+
+    Where none of these holds, the brightest is looked at too.
+    """
     problem, known = sought.problem, set()
+    wants_light = any(scene.view.requirements.min_snr for scene in problem.scenes) and objective.single != "snr_db"
     for found in sought.outcome.best[:OF_CENTRAL]:
         known.add(names(problem, found))
         yield found
@@ -151,13 +160,16 @@ def candidates(
         if done():
             return
         changed = worse_problem(problem, scenarios, worse)
-        searched = Search(changed, objective, top=A_SEARCH, deadline=deadline).run()
-        deadline.check()
-        for found in searched.best:
-            here = among(problem, found, changed)
-            if (name := names(problem, here)) not in known:
-                known.add(name)
-                yield here
+        for goal in (objective, Objective.of("snr_db")):
+            if done() or (goal is not objective and (hopeful() or not wants_light)):
+                break
+            searched = Search(changed, goal, top=A_SEARCH, deadline=deadline).run()
+            deadline.check()
+            for found in searched.best:
+                here = among(problem, found, changed)
+                if (name := names(problem, here)) not in known:
+                    known.add(name)
+                    yield here
 
 
 def names(problem: Problem, found: Found) -> tuple[Any, ...]:
@@ -176,7 +188,7 @@ def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:
 
 
 def at_its_stop(problem: Problem, objective: Objective, one: Counted, deadline: Deadline = NEVER) -> Found | None:
-    """The same hardware with every estimate at its central value and the iris where scenarios want it; None: in vain."""
+    """The same hardware by central numbers, with the iris where scenarios want it; None where nothing fits."""
     alone, only = problem_of(problem, one.found), np.array([0])
     if one.f_number is not None:
         alone = alone.at_f_number(one.f_number)

@@ -94,7 +94,8 @@ def drawn(doubt: Doubt, problem: Problem) -> Iterator[str]:
         if doubt.lamp_leg and any(scene.scattering for scene in problem.scenes):
             yield "K on the lamps' way, between a + b_b and c about K_d"
         if doubt.other_water_table > 0.0:
-            yield f"the other table of the Jerlov types, where it has the water, in {doubt.other_water_table:.0%} of all"
+            share = 100.0 * doubt.other_water_table
+            yield f"the other table of the Jerlov types, where it has the water, in {share:g} % of all"
     for name, (low, high) in (("reflectance of the floor", doubt.floor), ("lumens of the lamps", doubt.lamp_output)):
         if high > low:
             yield f"{name}, {low:g} to {high:g} times what is stated"

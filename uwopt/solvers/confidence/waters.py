@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.curves.clarity import ClarityEnd
 from uwopt.catalog.curves.spectra import water_types
-from uwopt.forward.scene import LampLeg, SceneOptics, Scattering, scene_optics
+from uwopt.forward.scene import LampLeg, Scattering, SceneOptics, scene_optics
 from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission, SceneView
 from uwopt.solvers.confidence.draws import even_points, triangular

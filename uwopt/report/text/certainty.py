@@ -1,0 +1,115 @@
+"""How certain it is that a system does what is asked, in words: where it holds, what that costs, what to ask first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from uwopt.report.text import words
+from uwopt.report.text.layout import Block, Line, block, columns, fact_lines
+from uwopt.report.text.layout import Text as Cell
+from uwopt.results.certainty import Confidence, WorthKnowing
+from uwopt.results.result import Result
+
+LOST_TO = {
+    "light": "no exposure, gain and light level give enough signal without saturating",
+    "rules": "a rule on lamps or shutter that no setting mends",
+    "housing": "camera and lens do not fit into the housing",
+    "focus": "the lens does not focus behind this port",
+}
+EVERY_END = "at every end of what is uncertain"
+
+
+def percent(share: float) -> str:
+    """`97 %`; never all or nothing where some were lost or won: `99.9 %`."""
+    digits = 0 if 0.01 <= share <= 0.99 or share in (0.0, 1.0) else 1
+    shown = min(max(100.0 * share, 0.1), 99.9) if 0.0 < share < 1.0 else 100.0 * share
+    return f"{shown:.{digits}f} %"
+
+
+def held_text(known: Confidence) -> str:
+    """`holds in 97 % of 1 024 scenarios (96 % to 98 %); 90 % asked`."""
+    if known.asked == "ends":
+        share = EVERY_END if known.held >= 1.0 else f"in {percent(known.held)} of the ends of what is uncertain"
+        return f"holds {share}"
+    between = f"{percent(known.held_low)} to {percent(known.held_high)}"
+    return (
+        f"holds in {percent(known.held)} of {words.count_text(known.scenarios)} scenarios of what is uncertain "
+        f"({between}); {percent(float(known.asked))} asked"
+    )
+
+
+def status_text(known: Confidence) -> str:
+    """The same as the first thing that is said of an answer."""
+    return held_text(known) if known.enough else f"not certain enough: {held_text(known)}"
+
+
+def certainty_block(result: Result) -> Iterator[Block]:
+    """Where it holds, what it costs, and what would be worth knowing before buying."""
+    known = result.confidence
+    if known is None:
+        return
+    lines: list[Line] = [fact_lines(list(facts(result, known)))]
+    if len({tuple(point.hardware) for point in known.curve}) > 1:
+        lines.append(curve_table(result, known))
+    yield block("How certain", lines)
+
+
+def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
+    """Name and text of each fact."""
+    name = words.one_line(result.objective.name.replace("_", " "))
+    yield "holds", words.capital(held_text(known)).removeprefix("Holds ")
+    if known.objective_p50 is not None:
+        text = f"{words.objective_text(result, known.objective_p50)} or better in half of them"
+        if known.objective_p90 is not None:
+            text += f", {words.objective_text(result, known.objective_p90)} or better in nine of ten"
+        yield name, text
+    if known.lost_to:
+        told = [f"{lost_text(one.requirement)} ({percent(one.share)})" for one in known.lost_to]
+        yield "else missed first", words.listed(told)
+    if known.central_objective is not None and known.central_held is not None:
+        value = words.objective_text(result, known.central_objective)
+        parts = words.listed([words.one_line(part, 60) for part in known.central_hardware])
+        yield (
+            "by central numbers",
+            f"{value} with {parts}, which holds in {percent(known.central_held)} of the scenarios",
+        )
+    if known.f_number is not None:
+        yield "set at sea", (
+            f"exposure, gain and light level, once the water is seen; the iris stays at f/{known.f_number:.3g}"
+        )
+    yield "drawn", "; ".join(map(words.one_line, known.drawn)) or "nothing"
+
+
+def lost_text(requirement: str) -> str:
+    """What is missed, in words."""
+    return LOST_TO.get(requirement, words.requirement_name(requirement))
+
+
+def curve_table(result: Result, known: Confidence) -> Line:
+    """What confidence costs: one row a hardware, at the most that it holds in."""
+    name = words.one_line(result.objective.name)
+    table = columns(("held in", "right"), (f"{name}, median", "right"), ("with", "left"))
+    for point, after in zip(known.curve, [*known.curve[1:], None], strict=True):
+        if after is not None and after.hardware == point.hardware:
+            continue
+        parts = ", ".join(words.one_line(part, 40) for part in point.hardware)
+        table.add_row(*map(Cell, (percent(point.confidence), words.objective_text(result, point.objective_p50), parts)))
+    return table
+
+
+def ask_first(result: Result) -> Iterator[str]:
+    """What would be worth knowing before buying, in the unit of the objective."""
+    known = result.confidence
+    for one in known.ask_first if known is not None else ():
+        yield f"{asked_text(one)}: worth {words.objective_text(result, one.worth)} on average."
+
+
+def asked_text(one: WorthKnowing) -> str:
+    """`Ask for light.power_w of acme-1`, `Measure the clarity of the water`."""
+    if one.part:
+        field = words.one_line(one.what.partition(".")[2].replace("_", " "))
+        return f"Ask for {field} of {words.one_line(one.part, 60)}"
+    verb = "Find out" if one.what.startswith("which") else "Measure"
+    return f"{verb} {words.one_line(one.what)}"
+
+
