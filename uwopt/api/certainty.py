@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from uwopt.api.common import Progress
 from uwopt.api.timing import STAGES, timed
 from uwopt.deadline import Deadline
+from uwopt.forward.designs import Hardware
+from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import CENTRAL, ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design, Note
+from uwopt.solvers.confidence.search import Certain, Counted, at_its_stop, most_certain, with_stop
+from uwopt.solvers.exact.light_tables import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import Sought, design_of
 
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
+OF_A_SYSTEM = 2048  # scenarios in which a given system is counted
 AS_CENTRAL = "certainty_left_out"  # that there was no time for it
 
 
@@ -26,7 +32,6 @@ def with_confidence(
 
     Where numbers are taken as central, the central optimum.
     """
-    from uwopt.solvers.confidence.search import most_certain
     from uwopt.solvers.confidence.summary import told
 
     asked, problem = sought.problem.mission.confidence, sought.problem
@@ -42,10 +47,9 @@ def with_confidence(
         note = Note(AS_CENTRAL, "confidence", text)
         return sought, replace(winner, warnings=[note, *winner.warnings]), None
     with timed(timing, "certainty", progress):
-        found, stop = certain.central, certain.best.f_number
-        as_set = replace(sought, problem=problem if stop is None else problem.at_f_number(stop))
-        design = design_of(as_set, found, goal, deadline=deadline)
+        certain, design = as_settable(sought, certain, goal, deadline)
         counted = told(problem, goal, certain, first, ends=asked == ENDS)
+    found = certain.central
     if not certain.enough:
         share = "every end" if asked == ENDS else f"{100.0 * certain.asked:g} % of the scenarios"
         text = f"nothing that was counted holds in {share}; this does in {100.0 * counted.held_in_choice:.0f} %"
@@ -53,6 +57,61 @@ def with_confidence(
     others = [one for one in sought.outcome.best if not same_hardware(one, found)]
     outcome = replace(sought.outcome, best=[found, *others])
     return replace(sought, outcome=outcome), design, counted
+
+
+def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Deadline) -> tuple[Certain, Design]:
+    """The choice at the stop of its ring that can be set by central numbers too, and its design.
+
+    At the best stop depth of field may be met to the last digit, so that no focus mark keeps it; the others that hold
+    as often are tried in the order of their medians. Where none can be set, the best, with a warning.
+    """
+    problem, tried = sought.problem, []
+    for one in stops_that_hold(certain):
+        found = at_its_stop(problem, goal, one, deadline)
+        if found is None:
+            continue
+        at = problem if one.f_number is None else problem.at_f_number(one.f_number)
+        design = design_of(replace(sought, problem=at), found, goal, deadline=deadline)
+        chosen = certain if one is certain.best else with_stop(problem, goal, certain, one, found, deadline)
+        tried.append((chosen, design))
+        if design.is_settable:
+            return chosen, design
+    return tried[0]
+
+
+def stops_that_hold(certain: Certain) -> list[Counted]:
+    """The best hardware at its stop, then at the others at which it holds no less often than was asked for."""
+    best, made = certain.best, certain.best.outcomes
+    others = [Counted(best.found, made, k) for k in range(len(made.f_numbers)) if k != best.stop]
+    least = min(certain.asked, best.held)
+    return [best, *sorted((one for one in others if one.held >= least), key=lambda one: one.quantile(0.5))]
+
+
+def confidence_of(
+    problem: Problem, hardware: Hardware, goal: Objective, asked: float | str, f_number: float | None
+) -> Confidence:
+    """In how many scenarios a given system holds, its iris where it stands and all else set once the water is seen."""
+    from uwopt.solvers.confidence.ends import EndScenarios
+    from uwopt.solvers.confidence.outcomes import outcomes
+    from uwopt.solvers.confidence.scenarios import Scenarios
+    from uwopt.solvers.confidence.summary import counted
+
+    mission, doubt = problem.mission, problem.mission.doubt
+    ends = asked == ENDS
+    scenarios: Scenarios = (
+        EndScenarios.of(mission, problem.scenes, doubt)
+        if ends
+        else Scenarios.drawn(mission, problem.scenes, doubt, seed=mission.seed, count=OF_A_SYSTEM)
+    )
+    lighting = Lighting(int(problem.lights.optics_index[hardware.light]), 0, hardware.mount)
+    found = Found(
+        imager=0, camera=hardware.camera, lens=hardware.lens, port=hardware.port, landscape=hardware.landscape,
+        light=hardware.light, count=hardware.count, lighting=lighting, minimised=math.nan, power_w=math.nan,
+        cost=math.nan, mass_kg=math.nan, snr_db=math.nan, settings=[], pulse_s=0.0,
+    )  # fmt: skip
+    made = outcomes(problem, found, goal, scenarios, f_numbers=None if f_number is None else [f_number])
+    share = 1.0 if ends else float(asked)
+    return counted(problem, goal, Counted(found, made, made.best(share)), asked=asked, share=share)
 
 
 def same_hardware(one: Found, other: Found) -> bool:

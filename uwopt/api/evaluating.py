@@ -14,6 +14,7 @@ from uwopt.api.accuracy import (
     of_integrals,
     plain_accuracy,
 )
+from uwopt.api.certainty import confidence_of
 from uwopt.api.common import Source, base_result, beyond_cap, prepared
 from uwopt.api.floats import own_float_rules
 from uwopt.api.risks import with_risks
@@ -30,6 +31,7 @@ from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.effects import effects_kept
 from uwopt.forward.part_columns import FLASH
 from uwopt.forward.problem import Problem
+from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System, load_system
 from uwopt.objectives.goal import goal_of
@@ -42,16 +44,18 @@ from uwopt.tolerances import SATISFIED_REL
 @own_float_rules
 def evaluate(
     mission: Source | Mission, system: Source | System, *, physics: str | None = None, accuracy: bool = False,
-    tolerance: float | None = None,
+    tolerance: float | None = None, confidence: float | str | None = None,
 ) -> Result:  # fmt: skip
     """What a given system would do in a mission: figures and margins of every scene.
+
+    `confidence`: also in how many scenarios of what is uncertain it holds, against this share of them.
 
     `accuracy`: with estimated numerical errors of every figure. `tolerance`: largest error of a figure, a
     share; integrals are then taken as coarsely as it allows.
     """
     start = time.perf_counter()
     timing: dict[str, float] = {}
-    as_written = prepared(mission, physics, None)
+    as_written = prepared(mission, physics, None, confidence)
     wanted = as_written.without_gain_cap  # what is given is not refused for it
     auto = wanted.physics == "auto"
     allowed = math.inf  # error of integrals
@@ -88,11 +92,16 @@ def evaluate(
     with timed(timing, "evaluation"):
         elsewhere = departures(asked, load_catalog(asked), built, problem, hardware, given, goal)
         design = with_compatibility(evaluated(problem), problem, wanted, elsewhere)
+    counted = None
+    if confidence is not None and wanted.confidence != CENTRAL:
+        with timed(timing, "certainty"):
+            counted = confidence_of(problem, hardware, goal, wanted.confidence, given[0].f_number)
     result = base_result("evaluate", wanted, goal, problem, influences)
     made = replace(
         result,
         status="feasible" if design.feasible else "violated",
         design=design,
+        confidence=counted,
         system=built.to_dict(absolute_paths=True),
         objective=replace(result.objective, value=design.objective_value),
         warnings=[

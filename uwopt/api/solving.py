@@ -258,7 +258,7 @@ def found_result(
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
             cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
     best = sought.outcome.best[0]
-    certain = None
+    certain, proven_outcome = None, sought.outcome  # of central numbers
     if not cut and sought.outcome.best:
         try:
             sought, winner, certain = with_confidence(sought, winner, goal, deadline, progress, timing)
@@ -272,7 +272,7 @@ def found_result(
     hardware = hardware_of(best)
     given = given_of(sought.problem, hardware, best.settings)
     influences = influences_of(sought.problem, hardware, given, goal)
-    proof = certificate(sought.selection, sought.problem, sought.outcome, goal)
+    proof = certificate(sought.selection, sought.problem, proven_outcome, goal)
     wide = proven and (proof.gap_rel or 0.0) > PROVEN_GAP_REL
     second_best = any(warning["code"] == BETTER_UNSETTABLE for warning in winner.warnings)
     made = replace(

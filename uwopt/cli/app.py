@@ -165,6 +165,9 @@ def evaluate_command(
     ] = False,
     accuracy: AccuracyOption = False,
     tolerance: ToleranceOption = None,
+    confidence: Annotated[
+        str | None, typer.Option(metavar="P", help="Count in how many scenarios it holds, against this share; or ends.")
+    ] = None,
     full: FullOption = False,
     as_json: JsonOption = False,
     out: OutOption = None,
@@ -178,8 +181,9 @@ def evaluate_command(
     from uwopt.api.evaluating import evaluate
 
     result = evaluate(
-        mission, system, physics=physics and physics.value, accuracy=accuracy, tolerance=tolerance
-    )
+        mission, system, physics=physics and physics.value, accuracy=accuracy, tolerance=tolerance,
+        confidence=confidence,
+    )  # fmt: skip
     hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet)
     return result_status(result, check=check)
 

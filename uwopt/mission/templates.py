@@ -107,6 +107,18 @@ requirements:
 #   max_gain_db: 12            # more gain stands in for light; lifted with a warning where nothing fits
 #   tilt_deg: 3                # how far each lamp may lean in or out
 
+# How certain the recommendation is to be: the share of the scenarios of what is uncertain in which the hardware must
+# hold, central (every number at its central value), or ends (the worst of all ends).
+# confidence: 0.9
+# doubt:                       # what the scenarios draw beside the numbers of parts that are estimates
+#   parts: yes                 # those
+#   water: yes                 # what a reading such as visibility_m leaves open
+#   lamp_leg: yes              # K on the way from lamp to floor, between a + b_b and c
+#   other_water_table: 0.5     # probability that the other published table of the Jerlov types holds
+#   floor: [0.8, 1.25]         # factor on its reflectance; [1, 1]: it is known
+#   lamp_output: [0.85, 1.07]  # factor on the lumens that makers state
+#   scenarios: 256
+
 # What the system may cost, draw and weigh. A limit that is left out limits nothing.
 limits:
   cost: 20000

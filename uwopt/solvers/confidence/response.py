@@ -2,7 +2,7 @@
 
 Signal and veils of one imager are worked out in each table at five degrees of clarity, at five of K on the lamps' way,
 and where both are at their ends. Their logarithms are interpolated by parabolas on either side of the central water,
-where the spectra have a kink, and by what the ends have beyond the sum. The floor's reflectance scales the signal and the
+where the spectra have a kink, and by what the ends have beyond the sum. The floor scales the signal and the
 forward veil, not what the water sends back.
 """
 
@@ -103,6 +103,7 @@ class WaterResponse:
 
     def seen_in(self, index: int, rows: SceneRows, states: Sequence[WaterState]) -> SceneRows:
         """Rows of one scene as they are in the water and over the floor of each state."""
+        rows = of_deciding_pixels(rows)
         other = np.array([state.other_table for state in states])
         clarity, leg = (np.array([getattr(state, name) for state in states]) for name in ("clarity", "lamp_leg"))
         across, along = weights(self.clarity, clarity), weights(self.leg, leg)
@@ -165,6 +166,25 @@ def weights(nodes: tuple[float, ...], at: Array) -> Array:
             others = np.delete(own, k)
             made[side, first + k] = np.prod([(x - other) / (own[k] - other) for other in others], axis=0)
     return made
+
+
+def of_deciding_pixels(rows: SceneRows) -> SceneRows:
+    """Rows whose SNR is asked of two pixels instead of hundreds: those that all but the pixels that may miss it reach.
+
+    One by the signal, which decides where the camera's own noise counts, one by s^2 / (s + v), where that of the light
+    does; both must reach the SNR. Under the sun, which mixes with the lamps, all stay.
+    """
+    signal, veil = rows.worst_e, rows.worst_veil_e
+    if signal is None or rows.sunlit or signal.shape[2] <= 2:
+        return rows
+    over = np.zeros_like(signal) if veil is None else np.broadcast_to(veil, signal.shape)
+    place = min(rows.may_miss, signal.shape[2] - 1)
+    by_light = signal**2 / np.maximum(signal + over, TINY)
+    picks = np.stack([np.argpartition(key, place, axis=2)[:, :, place] for key in (signal, by_light)], axis=2)
+    changes: dict[str, Any] = {"worst_e": np.take_along_axis(signal, picks, axis=2), "may_miss": 0}
+    if veil is not None:
+        changes["worst_veil_e"] = np.take_along_axis(over, picks, axis=2)
+    return replace(rows, **changes)
 
 
 def balanced(rows: SceneRows) -> SceneRows:

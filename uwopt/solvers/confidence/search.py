@@ -116,10 +116,7 @@ def most_certain(
     if best is None or central is None:
         return None
     certain = Certain(share, scenarios, best, central, tried, complete)
-    if asked == ENDS:
-        return certain
-    fresh = deadline.within("scenarios that the choice has not seen", lambda: anew(problem, objective, certain), None)
-    return replace(certain, fresh=fresh)
+    return certain if asked == ENDS else judged_anew(problem, objective, certain, deadline)
 
 
 def first_that_fits(
@@ -176,6 +173,20 @@ def names(problem: Problem, found: Found) -> tuple[Any, ...]:
     """What tells one hardware from another."""
     ids = [getattr(part, "enclosure_id", part.id) for _, part in parts_of(problem, found)]
     return (*ids, found.count, found.landscape, found.lighting.mount)
+
+
+def judged_anew(problem: Problem, objective: Objective, certain: Certain, deadline: Deadline) -> Certain:
+    """With what it does in scenarios that the choice has not seen."""
+    fresh = deadline.within("scenarios that the choice has not seen", lambda: anew(problem, objective, certain), None)
+    return replace(certain, fresh=fresh)
+
+
+def with_stop(
+    problem: Problem, objective: Objective, certain: Certain, one: Counted, central: Found, deadline: Deadline
+) -> Certain:
+    """The same choice with its hardware at another stop."""
+    made = replace(certain, best=one, central=central)
+    return made if certain.fresh is None else judged_anew(problem, objective, made, deadline)
 
 
 def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:

@@ -42,7 +42,7 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
         curve=[] if ends else list(curve(problem, objective, certain)),
         ask_first=[] if ends else [
             WorthKnowing(one.what, one.part, objective.amount(one.worth, certain.best.quantile(0.5)))
-            for one in worth_of_knowing(problem, certain)[:MOST_ASKED]
+            for one in worth_of_knowing(problem, objective, certain)[:MOST_ASKED]
         ],
     )  # fmt: skip
 

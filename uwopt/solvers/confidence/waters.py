@@ -55,13 +55,13 @@ def drawn_states(doubt: Doubt, seed: int, count: int) -> list[WaterState]:
 class Waters:
     """A mission's scenes in any state, and at the nodes between which states lie."""
 
-    nodes_of: list[Nodes]
+    nodes_of: list[KnownWaters]
     known: dict[WaterState, list[SceneOptics]] = field(default_factory=dict, repr=False, compare=False)
 
     @staticmethod
     def of(mission: Mission, scenes: Sequence[SceneOptics]) -> Waters:
         """Of all scenes of a mission."""
-        return Waters([Nodes(mission, mission.scene_view(index), scene) for index, scene in enumerate(scenes)])
+        return Waters([KnownWaters(mission, mission.scene_view(index), scene) for index, scene in enumerate(scenes)])
 
     def at(self, state: WaterState) -> list[SceneOptics]:
         """The scenes in one state."""
@@ -74,7 +74,7 @@ class Waters:
         return self.known[state]
 
 
-class Nodes:
+class KnownWaters:
     """The waters between which one scene's states lie, each tabulated once, on the scene's own wavelengths."""
 
     def __init__(self, mission: Mission, view: SceneView, scene: SceneOptics):

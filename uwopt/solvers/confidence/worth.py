@@ -16,10 +16,12 @@ from numpy.typing import NDArray
 from uwopt.catalog.parts.doubts import doubtful
 from uwopt.catalog.records import Housing, Part, Port
 from uwopt.forward.problem import Problem
+from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.draws import probabilities
 from uwopt.solvers.confidence.scenarios import BEAM_FACTS, PORTS, Scenarios
 from uwopt.solvers.confidence.search import Certain
 from uwopt.solvers.explain.one_hardware import pieces_of
+from uwopt.solvers.explain.robustness import matters
 
 Array = NDArray[np.float64]
 BINS = 3
@@ -36,10 +38,10 @@ class Worth:
     worth: float
 
 
-def worth_of_knowing(problem: Problem, certain: Certain) -> list[Worth]:
+def worth_of_knowing(problem: Problem, objective: Objective, certain: Certain) -> list[Worth]:
     """Uncertain numbers of the best hardware and of the water, those worth most first."""
     values = np.array([one.outcomes.value[one.stop] for one in certain.tried])
-    best = next(k for k, one in enumerate(certain.tried) if one is certain.best)
+    best = next(k for k, one in enumerate(certain.tried) if one.outcomes is certain.best.outcomes)
     plain = float(np.median(values[best]))
     if len(values) < 2 or not np.isfinite(plain):
         return []
@@ -49,7 +51,7 @@ def worth_of_knowing(problem: Problem, certain: Certain) -> list[Worth]:
 
     luck = np.random.default_rng(certain.scenarios.seed).random((OF_LUCK, values.shape[1]))
     least = max(LEAST_REL * abs(plain), *(worth_of(number) for number in luck))
-    told = [(what, part, worth_of(number)) for what, part, number in numbers_of(problem, certain)]
+    told = [(what, part, worth_of(number)) for what, part, number in numbers_of(problem, objective, certain)]
     found = [Worth(*one) for one in told if one[2] > least]
     return sorted(found, key=lambda one: -one.worth)
 
@@ -73,7 +75,7 @@ def middle(values: Array) -> Array:
     return np.asarray(np.sort(values, axis=1)[:, (values.shape[1] - 1) // 2])
 
 
-def numbers_of(problem: Problem, certain: Certain) -> Iterator[tuple[str, str, Array]]:
+def numbers_of(problem: Problem, objective: Objective, certain: Certain) -> Iterator[tuple[str, str, Array]]:
     """Each uncertain number as it is in every scenario: name, part, a number that grows with it."""
     scenarios = certain.scenarios
     states = scenarios.states
@@ -87,7 +89,7 @@ def numbers_of(problem: Problem, certain: Certain) -> Iterator[tuple[str, str, A
     if not scenarios.doubt.parts:
         return
     for kind, part in pieces_of(problem, certain.best.found):
-        for name, _ in doubtful(part):
+        for name in (name for name, _ in doubtful(part) if matters(name, problem, objective)):
             yield f"{kind}.{name}", part.id, drawn(scenarios, part, name)
 
 

@@ -627,7 +627,7 @@ class Search:
         self, imager: Array, lights: list[ImageLight], light: Array, count: Array, lighting: Lighting, *,
         optimistic: bool = False, stage: Veils = "none", with_rules: bool = True,
     ) -> list[SceneRows]:  # fmt: skip
-        """The settings' view of these designs, by scene; `with_rules`: no time for those that miss what no setting mends."""
+        """The settings' view of these designs, by scene; `with_rules`: none for what no setting mends."""
         result = []
         for index, seen in enumerate(lights):
             pixels = self.problem.scenes[index].pixels
