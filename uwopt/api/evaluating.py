@@ -14,7 +14,6 @@ from uwopt.api.accuracy import (
     of_integrals,
     plain_accuracy,
 )
-from uwopt.api.certainty import confidence_of
 from uwopt.api.common import Source, base_result, beyond_cap, prepared
 from uwopt.api.floats import own_float_rules
 from uwopt.api.risks import with_risks
@@ -94,6 +93,8 @@ def evaluate(
         design = with_compatibility(evaluated(problem), problem, wanted, elsewhere)
     counted = None
     if confidence is not None and wanted.confidence != CENTRAL:
+        from uwopt.api.certainty import confidence_of  # brings the search, which nothing else here needs
+
         with timed(timing, "certainty"):
             counted = confidence_of(problem, hardware, goal, wanted.confidence, given[0].f_number)
     result = base_result("evaluate", wanted, goal, problem, influences)

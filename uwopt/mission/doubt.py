@@ -52,7 +52,7 @@ class Doubt(Section):
     parts: bool = Field(
         default=True, description="whether numbers of parts that are estimates are drawn: yes or no"
     )
-    water: bool = Field(
+    clarity: bool = Field(
         default=True, description="whether what a reading such as a visibility leaves open is drawn: yes or no"
     )
     lamp_leg: bool = Field(

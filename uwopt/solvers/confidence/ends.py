@@ -29,7 +29,7 @@ class EndScenarios(Scenarios):
     def of(mission: Mission, scenes: Sequence[SceneOptics], doubt: Doubt) -> EndScenarios:
         """All of them, each once."""
         tables = (False, True) if doubt.other_water_table > 0.0 else (False,)
-        clarity = ENDS if doubt.water and any(scene.clarity for scene in scenes) else (0.0,)
+        clarity = ENDS if doubt.clarity and any(scene.clarity for scene in scenes) else (0.0,)
         legs = ENDS if doubt.lamp_leg and any(scene.scattering for scene in scenes) else (0.0,)
         floors = tuple(dict.fromkeys(doubt.floor))
         rows = list(product(product(tables, clarity, legs, floors), range(PORT_VARIANTS)))

@@ -89,7 +89,7 @@ def drawn(doubt: Doubt, problem: Problem) -> Iterator[str]:
     if doubt.parts:
         yield "every estimated number of a part, triangular over its low, central and high value"
     if not problem.paper:
-        if doubt.water and any(scene.clarity for scene in problem.scenes):
+        if doubt.clarity and any(scene.clarity for scene in problem.scenes):
             yield "the water's clarity, within what the reading leaves open"
         if doubt.lamp_leg and any(scene.scattering for scene in problem.scenes):
             yield "K on the lamps' way, between a + b_b and c about K_d"

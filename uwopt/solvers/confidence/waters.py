@@ -45,7 +45,7 @@ def drawn_states(doubt: Doubt, seed: int, count: int) -> list[WaterState]:
         return triangular(probability, -1.0, 0.0, 1.0) if asked else np.zeros(count)
 
     columns = (
-        at[0] < doubt.other_water_table, between(at[1], doubt.water), between(at[2], doubt.lamp_leg),
+        at[0] < doubt.other_water_table, between(at[1], doubt.clarity), between(at[2], doubt.lamp_leg),
         triangular(at[3], doubt.floor[0], 1.0, doubt.floor[1]),
     )  # fmt: skip
     return [WaterState(*row) for row in zip(*(column.tolist() for column in columns), strict=True)]
