@@ -107,16 +107,16 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the least change of a limit is that of the first hardware that was found",
         file="uwopt/solvers/explain/least_change.py",
-        old="        if not closer.outcome.best:",
-        new="        if True:",
+        old="        if closer.outcome.best:  # not",
+        new="        if False:  # not",
         test="tests/solvers/test_least_change.py::"
         "test_least_change_of_swath_takes_the_wider_lens_though_the_other_needs_less_power",
     ),
     Defect(
         name="a limit is said to be possible that the cheapest design happens to reach",
         file="uwopt/solvers/explain/least_change.py",
-        old="        change = with_its_hardware(asked, change, relaxed, deadline)\n",
-        new="        return change\n",
+        old="    change, too_near, share = with_its_hardware(",
+        new="    return Change(reached, found)\n    change, too_near, share = with_its_hardware(",
         test="tests/solvers/test_least_change.py::test_least_blur_is_that_of_the_lamp_at_full_level",
     ),
     Defect(

@@ -252,3 +252,14 @@ def test_what_the_estimates_cannot_tell_apart_is_called_equal(make_result: Make,
     text = text_of(make_result(runners_up=others, robustness={"equal": [{"runner_up": 1}]}))
     said = "Equal within the estimates: this system, and the same with lens r-lens. Choose by quote and delivery."
     assert said in text and "q-lens" not in text
+
+
+def test_moves_and_contradictions_are_told(make_result: Make) -> None:
+    moves = [{"name": "speed_m_s", "asked": 1.5, "needed": 0.62, "unit": "m_s", "nearest": True},
+             {"name": "water", "asked": "III", "needed": "IB", "unit": "", "nearest": False}]  # fmt: skip
+    why = {"requirements": [], "relaxations": [], "nearest_miss": None, "moves": moves,
+           "contradiction": ["min_snr", "min_swath_m"]}  # fmt: skip
+    text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=why))
+    assert "speed_m_s 1.500 m/s -> 0.620 m/s" in text or "speed_m_s 1.500 m/s -> 0.6200 m/s" in text
+    assert "water III -> IB (less may do)" in text
+    assert "These contradict each other" in text and "swath (min_swath_m)" in text

@@ -17,6 +17,7 @@ from uwopt.cli.bench import bench_command
 from uwopt.cli.card import card_command
 from uwopt.cli.catalog import catalog_app
 from uwopt.cli.compare import compare_command
+from uwopt.cli.explain import explain_command
 from uwopt.cli.options import (
     AccuracyOption,
     FullOption,
@@ -189,6 +190,7 @@ def evaluate_command(
 
 
 app.command("pareto", short_help="Trade two or three objectives: the whole front.")(pareto_command)
+app.command("explain", short_help="Say why nothing fits, and what would help.")(explain_command)
 app.command("whatif", short_help="Vary the mission: the optimum, and where another system wins.")(whatif_command)
 app.command("bench", short_help="Measure error against run time on this machine.")(bench_command)
 app.command("report", short_help="Make the page of a result again.")(report_command)

@@ -149,6 +149,17 @@ class NearestFit(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class Moved(Record):
+    """A key of the mission, no requirement, whose move alone would let a system through."""
+
+    name: str = Field(description="the key: speed_m_s, altitude_m, water or a reading of its clarity")
+    asked: Number | str = Field(description="where it stands")
+    needed: Number | str = Field(description="where something fits, which has been solved")
+    unit: str = Field(description="of both; empty for words")
+    nearest: Flag = Field(description="whether nothing fits a little nearer to what is asked")
+
+
+@dataclass(frozen=True, config=RECORD)
 class WhyNothing(Record):
     """Why no system fits, and what would help."""
 
@@ -163,6 +174,14 @@ class WhyNothing(Record):
     nearest_fit: NearestFit | None = Field(
         default=None,
         description="where nothing that meets the rest so far fits into any housing; null: that does not stop it",
+    )
+    moves: list[Moved] = Field(
+        default_factory=list, description="keys that are no requirements, of which one moved alone would help"
+    )
+    contradiction: list[str] = Field(
+        default_factory=list,
+        description="requirements that contradict each other: nothing fits where these alone are asked, and something "
+        "does without any of them; empty where that is not known",
     )
 
 

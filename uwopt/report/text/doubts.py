@@ -7,6 +7,7 @@ from typing import Any
 
 from uwopt.mission.reserves import REFUSED
 from uwopt.report.text import words
+from uwopt.report.text.helps import contradiction_lines, move_lines
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
 from uwopt.results.basis import Assumption, Excluded, Relaxed
 from uwopt.results.front import FrontResult
@@ -69,8 +70,9 @@ def infeasible_block(result: Result | FrontResult) -> Block:
     """The least that single requirements would have to give, and what excludes how much."""
     stopped = result.status == "stopped"
     lines = helpful_lines(result)
-    if not lines and not stopped and isinstance(result, Result):  # of fronts, the verdict has said it
-        lines.append(sentence(f"{no_change_helps(result)}."))
+    alone = what_helps(result)[1]
+    if not alone and not stopped and isinstance(result, Result):  # of fronts, the verdict has said it
+        lines.insert(0, sentence(f"{no_change_helps(result)}."))
     lines += [] if (fit := fit_sentence(result)) is None else [fit]
     table = columns(("combinations", "right"), ("excluded because", "left"))
     bounded = False
@@ -90,12 +92,10 @@ def infeasible_block(result: Result | FrontResult) -> Block:
 def helpful_lines(result: Result | FrontResult) -> list[Line]:
     """The changes that would help, and a limit of cost that only high prices break; nothing where none is known."""
     said, helpful = what_helps(result)
-    if not helpful:
-        return []
-    lines: list[Line] = [sentence(said), relaxation_table(result, helpful)]
+    lines: list[Line] = [sentence(said), relaxation_table(result, helpful)] if helpful else []
     if any(item.fits_at_central_prices for item in helpful):
         lines.append(sentence(AT_CENTRAL_PRICES))
-    return lines
+    return [*lines, *move_lines(result), *contradiction_lines(result)]
 
 
 def no_change_helps(result: Result | FrontResult) -> str:

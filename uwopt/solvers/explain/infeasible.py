@@ -21,15 +21,17 @@ from uwopt.forward.designs import Hardware
 from uwopt.mission.mission import Mission
 from uwopt.mission.reserves import REFUSED, asked_when_held
 from uwopt.objectives.objective import Objective
-from uwopt.results.basis import Excluded, Relaxed, WhyNothing
+from uwopt.results.basis import Excluded, Moved, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
+from uwopt.solvers.explain.contradiction import contradiction
 from uwopt.solvers.explain.least_change import (
     Change,
     least_change,
     rounded_away,
     with_its_hardware,
 )
+from uwopt.solvers.explain.moves import Mover
 from uwopt.solvers.explain.nearest_fit import nearest_fit
 from uwopt.solvers.explain.one_hardware import problem_of
 from uwopt.solvers.explain.relaxed import MAY_PASS, Relaxer
@@ -95,6 +97,7 @@ BRIGHT = Objective.of("snr_db")  # but without an SNR to ask for, where least po
 BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost", "mass_kg")
 LEAST_SNR_DB = 0.0  # below which noise is more than signal, and no image is of use
 TURN = 0.25  # of the time left: what one requirement may take of it
+MOVES_SHARE = 0.35  # of the time, for speed, water and altitude
 ROUNDS = 4  # of the time that is left, as long as nothing helps
 LONG_TURN = 0.5  # the same of the question whether all would fit at central prices
 
@@ -123,6 +126,7 @@ class Explanation:
 
     def told(self, certificate: Certificate) -> WhyNothing:
         """The part of a result."""
+        moves = self._moves()
         relaxations = sorted(self.relaxations(), key=lambda r: r.miss_rel)
         requirements = [
             Excluded(item.rule, item.count, item.rule in BOUNDED)
@@ -133,9 +137,35 @@ class Explanation:
         by_size = any(item.rule.startswith("housing") and item.count for item in certificate.discarded)
         fit = nearest_fit(self.relaxer) if by_size and not self.interrupted else None
         if relaxations or self.interrupted:
-            return WhyNothing(requirements, helpful, relaxations[0].design if relaxations else None, nearest_fit=fit)
-        together, miss_of_all = self._together()
-        return WhyNothing(requirements, helpful, miss_of_all, together, fit)
+            together, miss = list[Relaxed](), relaxations[0].design if relaxations else None
+        else:
+            together, miss = self._together()
+        clash = self._contradiction({r.name for r in relaxations})
+        return WhyNothing(requirements, helpful, miss, together, fit, moves, clash)
+
+    def _moves(self) -> list[Moved]:
+        """Keys that are no requirements, of which one moved alone would help."""
+        some = self.deadline.at_most(MOVES_SHARE * self.deadline.left_s)
+        self._say(0.0, "another speed, water or altitude")
+        try:
+            made = Mover(self.mission, self.catalog, self.generic, some, self.relaxer.problem).all()
+        except KeyboardInterrupt:
+            self.interrupted = True
+            return []
+        self.deadline.left_out.extend(some.left_out)
+        return made
+
+    def _contradiction(self, helpful: Collection[str]) -> list[str]:
+        """Requirements that contradict each other, none too many; none where there is no time to know."""
+        if self.interrupted or self.deadline.passed():
+            return []
+
+        def fits(without: Collection[str]) -> bool | None:
+            found = self._seek_without(without)
+            return None if found is None else bool(found.outcome.best)
+
+        self._say(0.95, "which requirements contradict each other")
+        return contradiction([name for name in self._asked() if name in MAY_PASS], helpful, fits) or []
 
     def _together(self) -> tuple[list[Relaxed], Design | None]:
         """Requirements of which all have to give for a system to fit, as far as there is time, and that system."""

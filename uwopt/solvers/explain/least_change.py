@@ -2,8 +2,8 @@
 
 A requirement that is dropped leaves a design that misses it by some amount, not by the least. The limit is drawn
 towards what was asked: first with that design's hardware, which takes little time, then all hardware is searched
-at a limit a little closer still. Where nothing fits there, the change is the least; else the next hardware is
-taken in turn.
+at a limit a little closer still. Where nothing fits there, the change is the least; else the next hardware is drawn
+in likewise, and all hardware is searched half-way to what was asked.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from uwopt.solvers.recommend import Sought, same_scenes
 CLOSER = 0.02  # of a change: what is proven not to be enough is a change smaller by this share
 DIGITS = 3  # of a limit, rounded away from what was asked: it can be typed as it stands
 HALVINGS = 30
-ROUNDS = 8  # of other hardware; each takes a search over all
+ROUNDS = 12  # each takes a search over all hardware
 
 
 @dataclass(frozen=True)
@@ -45,17 +45,20 @@ def least_change(
     relaxed : the mission with another limit
     search : over all hardware
     """
-    change = Change(reached, found)
+    change, too_near, share = with_its_hardware(asked, Change(reached, found), relaxed, deadline), asked, CLOSER
     for _ in range(ROUNDS):
-        change = with_its_hardware(asked, change, relaxed, deadline)
         if deadline.passed():
             break
-        closer = search(relaxed(change.limit + CLOSER * (asked - change.limit)))
-        if not closer.outcome.best:
-            if closer.outcome.complete:
+        step = change.limit + share * ((too_near if share > CLOSER else asked) - change.limit)
+        closer = search(relaxed(step))
+        if closer.outcome.best:  # not the least by far, it seems: halve what is left
+            change, share = with_its_hardware(too_near, Change(step, closer), relaxed, deadline), 0.5
+        elif closer.outcome.complete:
+            too_near, share = step, CLOSER
+            if abs(too_near - change.limit) <= CLOSER * abs(asked - change.limit) * (1.0 + 1e-9):
                 return change
+        else:
             break
-        change = Change(change.limit + CLOSER * (asked - change.limit), closer)
     deadline.left_out.append(f"whether less than that change of {name} would do")
     return change
 

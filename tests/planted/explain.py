@@ -1,0 +1,46 @@
+"""Planted defects of why nothing fits: keys that are moved, and requirements that contradict each other."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+MOVES = "uwopt/solvers/explain/moves.py"
+TESTS = "tests/solvers/test_moves.py"
+
+DEFECTS = (
+    Defect(
+        name="a move is as far as it was tried",
+        file=MOVES,
+        old="rounded(change.limit), unit_of",
+        new="rounded(float(value)), unit_of",
+        test=f"{TESTS}::test_speed_and_height_move_as_far_as_they_must",
+    ),
+    Defect(
+        name="the clearest water is told where the next would do",
+        file=MOVES,
+        old="for water in CLEAREST_FIRST[place - 1 : 0 : -1]:",
+        new="for water in CLEAREST_FIRST[0:0]:",
+        test=f"{TESTS}::test_the_nearest_clearer_water_is_told",
+    ),
+    Defect(
+        name="a speed is told that lets nothing through",
+        file=MOVES,
+        old="if found is not None and found.outcome.best:\n                return self._nearest(",
+        new="if found is not None:\n                return self._nearest(",
+        test=f"{TESTS}::test_what_does_not_help_is_not_told",
+    ),
+    Defect(
+        name="a contradiction keeps what it does not need",
+        file="uwopt/solvers/explain/contradiction.py",
+        old="            left_out.append(name)",
+        new="            needed.append(name)",
+        test=f"{TESTS}::test_a_contradiction_is_irreducible",
+    ),
+    Defect(
+        name="a contradiction is told though it was not known",
+        file="uwopt/solvers/explain/contradiction.py",
+        old="        if known is None:\n            return None\n",
+        new="",
+        test=f"{TESTS}::test_a_contradiction_is_not_told_where_a_search_is_cut_short",
+    ),
+)

@@ -1,0 +1,98 @@
+"""Keys that are no requirements move as little as lets something fit; sets that clash are irreducible."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from test_least_change import FILES, mission
+
+from uwopt.catalog.catalogue import Catalog
+from uwopt.deadline import NEVER
+from uwopt.forward.assembly import load_catalog
+from uwopt.mission.mission import Mission
+from uwopt.objectives.objective import Objective
+from uwopt.results.basis import Moved
+from uwopt.solvers.explain.contradiction import contradiction
+from uwopt.solvers.explain.least_change import CLOSER
+from uwopt.solvers.explain.moves import Mover
+from uwopt.solvers.recommend import seek
+
+POWER = Objective.of("power")
+
+
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """A folder with one camera, two lenses, two ports and one lamp."""
+    folder = tmp_path_factory.mktemp("parts")
+    for name, text in FILES.items():
+        (folder / f"{name}.csv").write_text(text, encoding="utf-8")
+    return folder
+
+
+def fits(wanted: Mission, catalog: Catalog) -> bool:
+    return bool(seek(wanted, catalog, POWER, generic="never", top=1).outcome.best)
+
+
+def moves(wanted: Mission) -> dict[str, Moved]:
+    """What may be moved, by key."""
+    catalog = load_catalog(wanted)
+    sought = seek(wanted, catalog, POWER, generic="never", top=1)
+    assert not sought.outcome.best
+    return {move.name: move for move in Mover(wanted, catalog, "never", NEVER, sought.problem).all()}
+
+
+def test_speed_and_height_move_as_far_as_they_must(parts):
+    wanted = mission(parts, min_snr_db=30.0, max_blur_px=0.25)  # 0.25 px of blur leave too little light
+    catalog, told = load_catalog(wanted), moves(wanted)
+    assert {"speed_m_s", "altitude_m"} <= told.keys()
+    for name in ("speed_m_s", "altitude_m"):
+        move = told[name]
+        assert move.nearest
+        assert move.needed < move.asked
+        at = wanted.to_dict()["vehicle"]
+        nearer = move.needed + 2.0 * CLOSER * (move.asked - move.needed)
+        assert fits(wanted.with_changes(vehicle=at | {name: move.needed}), catalog)
+        assert not fits(wanted.with_changes(vehicle=at | {name: nearer}), catalog)
+
+
+def test_the_nearest_clearer_water_is_told(parts):
+    murky = mission(parts, min_snr_db=18.0, max_blur_px=0.25)
+    scene = murky.to_dict()["scenes"][0] | {"water": "5C"}
+    wanted = murky.with_changes(scenes=[scene])
+    catalog, told = load_catalog(wanted), moves(wanted)["water"]
+    order = ["I", "IA", "IB", "II", "1C", "III", "3C", "5C"]
+    place = order.index(told.needed)
+    tried = [wanted.with_changes(scenes=[scene | {"water": water}]) for water in order[place : place + 2]]
+    assert [fits(one, catalog) for one in tried] == [True, False]
+
+
+def test_what_does_not_help_is_not_told(parts):
+    assert moves(mission(parts, min_snr_db=100.0)) == {}  # more electrons than the pixel holds
+
+
+# ---------------------------------------------------------------- what contradicts what
+
+NAMES = "abcdef"
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.sets(st.sampled_from(NAMES), min_size=1, max_size=4), min_size=1, max_size=4))
+def test_a_contradiction_is_irreducible(clashes):
+    def possible(without: Collection[str]) -> bool:
+        return not any(clash.isdisjoint(without) for clash in clashes)
+
+    alone = {name for name in NAMES if possible([name])}
+    found = contradiction(NAMES, alone, possible)
+    assert found is not None
+    others = set(NAMES) - set(found)
+    assert not possible(others)
+    assert all(possible(others | set(some)) for some in itertools.combinations(found, 1))
+
+
+def test_a_contradiction_is_not_told_where_a_search_is_cut_short():
+    assert contradiction(NAMES, set(), lambda without: None) is None

@@ -1,0 +1,39 @@
+"""The command `uwopt explain`: why nothing fits, and what would help."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import typer
+
+from uwopt.cli.options import JsonOption, MissionArgument, PhysicsOption, QuietOption, checked_seconds
+from uwopt.cli.status import command, result_status
+
+
+@command
+def explain_command(
+    mission: MissionArgument,
+    physics: PhysicsOption = None,
+    seconds: Annotated[
+        float | None, typer.Option(metavar="S", help="Time for all of it; more finds more that would help.")
+    ] = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> int:
+    """Say why nothing fits a mission: what contradicts what, and how far each requirement, speed or water must move."""
+    from uwopt.report.text.console import ProgressBar, print_blocks, print_text
+    from uwopt.report.text.explanation import explanation_blocks
+    from uwopt.report.text.looked_at import wording
+    from uwopt.report.write import json_text
+
+    limit_s = checked_seconds(seconds)
+    with ProgressBar(quiet=quiet) as bar:
+        from uwopt.api.solving import solve
+
+        result = solve(mission, physics=physics and physics.value, seconds=limit_s, quick=True, progress=bar.report)
+    if as_json:
+        print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))
+    else:
+        print_blocks(explanation_blocks(result), said=wording(result.mission))
+    return result_status(result)

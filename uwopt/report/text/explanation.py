@@ -1,0 +1,28 @@
+"""What `uwopt explain` prints: why nothing fits and what would help, or else which system does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from uwopt.report.text import words
+from uwopt.report.text.doubts import infeasible_block, miss_sentence
+from uwopt.report.text.layout import Block, Text, block, sentence
+from uwopt.report.text.tables import nearest_miss
+from uwopt.results.result import Result
+
+
+def explanation_blocks(result: Result) -> Iterator[Block | Text]:
+    """The explanation block by block."""
+    name = words.one_line(result.mission.get("name") or "mission", 80)
+    if result.best is not None:
+        parts = ", ".join(words.as_bought([part.id for part in result.best.hardware.named.values()]))
+        said = f"Something fits: {words.one_line(parts, 300)}. uwopt solve says how sure that is, and how to set it."
+        yield block(name, [sentence(said)])
+    else:
+        yield block(name, [sentence(words.as_sentence(words.status_sentence(result)))])
+        yield infeasible_block(result)
+        if nearest_miss(result) is not None and (note := miss_sentence(result)) is not None:
+            yield block("What comes nearest", [note])
+    if result.warnings:
+        yield block("Notes", [sentence("- " + words.as_sentence(note.message)) for note in result.warnings])
+    yield sentence(f"Took {words.run_time_sentence(result.timing_s)}.", "dim")
