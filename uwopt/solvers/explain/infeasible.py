@@ -137,11 +137,11 @@ class Explanation:
         by_size = any(item.rule.startswith("housing") and item.count for item in certificate.discarded)
         fit = nearest_fit(self.relaxer) if by_size and not self.interrupted else None
         if relaxations or self.interrupted:
-            together, miss = list[Relaxed](), relaxations[0].design if relaxations else None
+            together, nearest = list[Relaxed](), relaxations[0].design if relaxations else None
         else:
-            together, miss = self._together()
+            together, nearest = self._together()
         clash = self._contradiction({r.name for r in relaxations})
-        return WhyNothing(requirements, helpful, miss, together, fit, moves, clash)
+        return WhyNothing(requirements, helpful, nearest, together, fit, moves, clash)
 
     def _moves(self) -> list[Moved]:
         """Keys that are no requirements, of which one moved alone would help."""
@@ -160,8 +160,8 @@ class Explanation:
         if self.interrupted or self.deadline.passed():
             return []
 
-        def fits(without: Collection[str]) -> bool | None:
-            found = self._seek_without(without)
+        def fits(left_out: Collection[str]) -> bool | None:
+            found = self._seek_without(left_out)
             return None if found is None else bool(found.outcome.best)
 
         self._say(0.95, "which requirements contradict each other")
