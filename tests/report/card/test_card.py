@@ -17,9 +17,11 @@ from uwopt.cli.app import app
 from uwopt.evaluation.setting_limits import SettingEnd
 from uwopt.report.card.blocks import ROUND_CEILING, ROUND_FLOOR, SettingsCard, end_text, settings_card
 from uwopt.report.card.page import card_html
+from uwopt.report.card.water import change_text
 from uwopt.report.text.layout import Facts, Grid
 from uwopt.report.write import json_text
 from uwopt.results.result import Result
+from uwopt.solvers.explain.worse_water import InWorseWater
 
 Make = Callable[..., Any]
 MISSION: dict[str, Any] = {
@@ -71,8 +73,18 @@ def test_ends_are_rounded_to_the_safe_side(rounding: str, factor: float, text: s
     assert end_text("focus_distance_m", 2.0, SettingEnd(factor, "x"), rounding) == text
 
 
-def test_gain_moves_in_decibels() -> None:
-    assert end_text("gain_db", 12.0, SettingEnd(2.0, "x"), ROUND_FLOOR) == "18 dB"
+@pytest.mark.parametrize(
+    ("gain_db", "factor", "rounding", "text"),
+    [(12.0, 2.0, ROUND_FLOOR, "18 dB"), (6.02060, 0.5, ROUND_CEILING, "0 dB"), (1.5, 0.99, ROUND_CEILING, "1.5 dB")],
+)
+def test_gain_moves_in_decibels(gain_db: float, factor: float, rounding: str, text: str) -> None:
+    assert end_text("gain_db", gain_db, SettingEnd(factor, "x"), rounding) == text
+
+
+def test_nothing_is_changed_where_all_holds_in_worse_water(result: Result) -> None:
+    scenes = [replace(scene, settings=scene.settings | {"f_number": 2.0}) for scene in result.best.scenes]
+    item = InWorseWater("Jerlov III", result.best, 1.0, replace(result.best, scenes=scenes))
+    assert change_text(item, result.best) == "nothing"
 
 
 def test_the_pulse_may_come_late_by_what_the_exposure_is_longer(card: SettingsCard) -> None:

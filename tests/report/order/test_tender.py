@@ -74,11 +74,13 @@ def limit(name: str, feasible: float, best: float | None) -> PropertyLimit:
 @pytest.fixture(scope="module")
 def book(result: Result) -> bytes:
     """A tender of limits that are given: finding them takes a second a part."""
-    found = {"light": [limit("flux_lm", 12_499.4, 29_645.5)]}
+    loose = PropertyLimit("light", "min_pulse_us", 100.0, False, 5000.0, None, 4000.0)
+    found = {"light": [limit("flux_lm", 12_499.4, 29_645.5), loose]}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tender_lines, "specification", lambda *_, kinds, **__: {k: found.get(k, []) for k in kinds})
         lines = lines_of(result, "r")
     assert "(pulsed: while on) in lumens: at least 18 800 lm" in letter(result, lines)
+    assert "shortest pulse" not in letter(result, lines)  # 4 ms, where the named lamp has 0.1
     return tender_book(result, lines)
 
 

@@ -27,6 +27,7 @@ from uwopt.units import ratio_to_db
 
 WATER_S = 5.0  # for worse waters
 AS_SET = "as set"  # nothing to spare
+DECIBELS = Decimal("0.1")  # as finely as a gain is set
 NARROW = 5e-4  # share of a setting: what is nearer to it than this, nobody sets
 NAMES = {name: text for name, (text, _) in words.SETTINGS.items()} | {BOTH_TIMES: "exposure and pulse together"}
 SHOWN = ("f_number", "focus_distance_m", "exposure_ms", "pulse_ms", BOTH_TIMES, "gain_db", "dim_frac", "frame_rate_hz")
@@ -164,9 +165,9 @@ def end_text(name: str, value: float, end: SettingEnd, rounding: str) -> str:
         return AS_SET
     setting = "exposure_ms" if name == BOTH_TIMES else name
     moved = value + float(ratio_to_db(end.factor)) if name == "gain_db" else value * end.factor
-    digits = Decimal(f"{moved:.6g}")
-    step = Decimal(1).scaleb(digits.adjusted() - 2)
-    return words.setting_text(setting, float(digits.quantize(step, rounding=rounding)))
+    digits = Decimal(f"{moved:.6f}" if name == "gain_db" else f"{moved:.6g}")
+    step = DECIBELS if name == "gain_db" else Decimal(1).scaleb(digits.adjusted() - 2)
+    return words.setting_text(setting, float(digits.quantize(step, rounding=rounding)) + 0.0)  # no -0
 
 
 def trigger_sentences(model: DesignModel, scene: SceneResult, limits: dict[str, SettingLimit]) -> Iterator[str]:
@@ -235,7 +236,8 @@ def work_rows(result: Result, design: Design) -> Iterator[tuple[str, list[str]]]
     yield "distance between lines", row("line_spacing_m", "m")
     yield "swath", row("swath_m", "m")
     yield "pixel on the floor", row("gsd_mm", "mm")
-    yield "area in an hour", row("area_m2_h", "m2/h")
+    if any(scene.figures.get("area_m2_h") for scene in design.scenes):  # none without a speed
+        yield "area in an hour", row("area_m2_h", "m2/h")
     yield "data in an hour", row("data_rate_mb_s", "GB", 3.6)
     yield "energy in an hour", row("power_w", "Wh")
     hours = design.totals.endurance_h if design.totals.endurance_h is not None else design.totals.run_time_h

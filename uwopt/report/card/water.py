@@ -41,8 +41,11 @@ def missed_text(design: Design) -> str:
 
 def change_text(item: InWorseWater, planned: Design) -> str:
     """The settings that differ, and the altitude where it must be lower."""
+    if item.as_planned.feasible:
+        return "nothing"
     if item.design is None:
-        return f"nothing helps down to {100 * item.altitude_frac:.0f} % of the altitude: wait, or take other hardware"
+        lowest = f"{100 * item.altitude_frac:.0f} % of the altitude"
+        return f"no settings and no altitude down to {lowest} keep every requirement: wait, or other hardware"
     parts = [f"fly at {100 * item.altitude_frac:.0f} % of the altitude"] if item.altitude_frac < 1.0 else []
     for ours, theirs in zip(planned.scenes, item.design.scenes, strict=True):
         changes = changed_settings(ours.settings_to_set or ours.settings, theirs.settings)
@@ -61,5 +64,6 @@ def changed_settings(before: dict[str, float | None], after: dict[str, float | N
         if new is None or (old is not None and abs(new - old) <= SAME_REL * max(abs(old), abs(new))):
             continue
         label = {"focus_distance_m": "focus in water", "pulse_ms": "pulse"}.get(name, words.SETTINGS[name][0])
-        told.append(f"{label} {words.setting_text(name, float(f'{new:.3g}'))}")
+        shown = round(new, 1) + 0.0 if name == "gain_db" else float(f"{new:.3g}")
+        told.append(f"{label} {words.setting_text(name, shown)}")
     return told

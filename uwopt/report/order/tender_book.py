@@ -112,7 +112,7 @@ def letter(result: Result, lines: Sequence[TenderLine]) -> str:
         f"- {line.kind}: {fact.words}: {fact.together or fact.needed}"
         for line in lines
         for fact in line.facts
-        if fact.together or fact.needed
+        if (fact.together or fact.needed) and not fact.loose
     ]
     return LETTER.format(name=name, wanted=wanted, hard="\n".join(hard))
 

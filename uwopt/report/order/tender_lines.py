@@ -33,6 +33,7 @@ COMMERCIAL = (
 )  # fmt: skip
 NOT_ASKED = ("id", "price", "price_low", "price_high", "manufacturer", "model", "currency")
 ALWAYS = ("depth_rating_m", "mass_g", "trigger_delay_us", "trigger_jitter_us")
+LOOSE = 5.0  # times worse than the named part: no part that is offered comes near to it
 OF_FIELDS = {"qe_scale": "qe"}  # the record's field by the column that states it
 
 
@@ -48,6 +49,7 @@ class AskedFact:
     together: str
     named: str  # value of the part that is named
     known: str  # published | estimated | not known
+    loose: bool = False  # whether parts of its kind have it anyway
 
 
 @dataclass(frozen=True)
@@ -132,7 +134,8 @@ def facts_of(result: Result, kind: Kind, part_id: str, limits: Sequence[Property
         if key == "depth_rating_m" and (deep := depth_m(result)) is not None:
             needed = together = f"at least {format_number(deep)} m"
         meaning = column.meaning or key.replace("_", " ")
-        yield AskedFact(key, meaning, unit_of(column), needed, best, together, value, known)
+        loose = limit is not None and abs(math.log(limit.together / limit.value)) > math.log(LOOSE)
+        yield AskedFact(key, meaning, unit_of(column), needed, best, together, value, known, loose)
 
 
 def cells_of(part_id: str) -> dict[str, str]:
