@@ -90,6 +90,7 @@ def test_a_part_of_its_own_takes_words_but_no_numbers_from_the_named_one() -> No
 def test_a_class_to_be_made_becomes_the_maker_s_part_even_where_he_says_it_is_the_named_one() -> None:
     found = offer(OWN | {"named_part": "yes"}, candidate="generic-pulsed-flood-30000lm")
     assert (found.part_id, found.named) == ("acme-bolt-40", False)
+    assert found.cells["purpose"] == "vehicle lamp"  # a class has none
 
 
 def test_a_part_without_a_name_cannot_be_used() -> None:

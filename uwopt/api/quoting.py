@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -22,6 +23,7 @@ from uwopt.solvers.explain.quoted import QuotedAgain
 
 PATTERNS = {"camera": "cameras", "lens": "lenses", "port": "ports", "light": "lights", "housing": "housings",
             "complete": "complete_cameras"}  # fmt: skip
+PLACE = re.compile(r"^rows\.csv(?: row \d+)?(?: \([^)]*\))?: ")  # of a table that no person has seen
 LOG_FILE = "quotes.csv"  # a log of changes to the catalogue, which a mission names in catalog.files
 
 
@@ -118,7 +120,7 @@ def added(offer: Offer, rows: Path, log: Path, today: str) -> str:
     try:
         plan = planned([rows], log, date=today)
     except CatalogError as fault:
-        return "; ".join(fault.faults)
+        return "; ".join(PLACE.sub("", text).rstrip(".") for text in fault.faults)
     if plan.changes:
         log.write_text(log_text(plan.log), encoding="utf-8")
     return ""

@@ -15,7 +15,8 @@ from dataclasses import dataclass, field
 from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.changes import built_in_cells, kind_named
 from uwopt.catalog.columns import COLUMNS, REQUIRED, CellError, Column, parse_cell
-from uwopt.catalog.parts.cell import beyond
+from uwopt.catalog.parts.cell import beyond, fields_of
+from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.parts.part import Kind
 from uwopt.documents.files import FORMULA_SIGNS
 from uwopt.units import SYMBOLS, convert, split_unit
@@ -211,7 +212,9 @@ def of_its_own(kind: Kind, told: Mapping[str, str], named: Mapping[str, str]) ->
         for name, text in named.items()
         if text and name not in kept and name in COLUMNS[kind] and COLUMNS[kind][name].form != "number"
     }
-    return {"availability": "current", **words, **told}
+    made_for = next((f.default for f in fields_of(PARTS[kind].record) if f.name == "purpose"), "")
+    meant = {"purpose": str(made_for)} if made_for else {}
+    return {"availability": "current", **meant, **words, **told}
 
 
 def with_source(cells: Mapping[str, str], answers: MakerAnswers, today: str) -> dict[str, str]:

@@ -114,7 +114,7 @@ def test_sheets_ask_what_is_needed_and_what_is_not_known(book: bytes) -> None:
     assert rows["flux_lm"][6:8] == ["30000", "published"]
     assert rows["power_w"][7] == "estimated"
     assert rows["depth_rating_m"][3] == "at least 100 m"
-    assert "named_part" in rows
+    assert {"named_part", "beam_angle_deg", "trigger"} <= rows.keys()
     assert any("yes,no" in str(rule.formula1) for rule in opened["light"].data_validations.dataValidation)
 
 
@@ -139,6 +139,7 @@ def test_the_whole_loop_ends_in_an_order(book: bytes, tmp_path: Path) -> None:
     told = " ".join(change_sentences(made))
     assert f"Light acme-bolt instead of {LAMP}, as it is offered (2000 USD, " in told
     assert "The former recommendation now reaches" in told
+    assert "what is to be made" not in told
 
 
 def test_what_is_now_known_of_a_part_alone_narrows_its_price(book: bytes, tmp_path: Path) -> None:
@@ -170,6 +171,13 @@ def test_of_two_offers_of_one_part_the_cheaper_counts() -> None:
     told, log = logged(offers_of(sheets, TODAY), TODAY)
     assert [offer.usable for offer in told] == [False, True, False]
     assert [row["new"] for row in csv.DictReader(log.splitlines()[3:]) if row["cell"] == "price"] == ["700"]
+
+
+def test_what_is_wrong_with_a_part_as_a_whole_is_told_without_our_own_table() -> None:
+    texts = {key: str(value) for key, value in BETTER.items()} | {"min_pulse_us": "6000"}  # above its longest
+    (told,), log = logged(offers_of([MakerAnswers("a maker", "light", LAMP, texts)], TODAY), TODAY)
+    assert (told.usable, log) == (False, "")
+    assert told.faults == ("min_pulse_us = 6000 is above max_pulse_us = 5000; swap or correct them",)
 
 
 def test_answers_as_csv_are_read_alike(tmp_path: Path) -> None:

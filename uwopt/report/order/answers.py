@@ -107,7 +107,10 @@ def because(made: QuotedAgain, was: str, now: str) -> str:
     """Why a part has another in its place, by what was answered of either."""
     offered, former_offer = made.offer_of(now), made.offer_of(was)
     if offered is not None:
-        return f", as it is offered{told_of(offered)}"
+        before = made.before.best
+        class_before = before is not None and any(p.id == was and p.generic for p in before.hardware.parts.values())
+        first = "; what is sold goes before what is to be made" if class_before else ""
+        return f", as it is offered{told_of(offered)}{first}"
     if former_offer is not None:
         return f", for what is known now of the former{told_of(former_offer)}"
     return ", which suits the others that changed"

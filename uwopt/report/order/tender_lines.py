@@ -33,6 +33,11 @@ COMMERCIAL = (
 )  # fmt: skip
 NOT_ASKED = ("id", "price", "price_low", "price_high", "manufacturer", "model", "currency")
 ALWAYS = ("depth_rating_m", "mass_g", "trigger_delay_us", "trigger_jitter_us")
+#: Facts without which no search uses a part of its own, or which tell whether it fits.
+VITAL: dict[str, tuple[str, ...]] = {
+    "camera": ("shutter", "colour", "mounts", "interface", "max_frame_rate_hz"), "lens": ("mounts", "image_circle_mm"),
+    "port": ("mount", "outer_radius_mm", "thickness_mm"), "light": ("beam_angle_deg", "beam_medium", "supply", "trigger"),
+}  # fmt: skip
 LOOSE = 5.0  # times worse than the named part: no part that is offered comes near to it
 OF_FIELDS = {"qe_scale": "qe"}  # the record's field by the column that states it
 
@@ -120,7 +125,8 @@ def facts_of(result: Result, kind: Kind, part_id: str, limits: Sequence[Property
     by_key = {OF_FIELDS.get(limit.name, limit.name): limit for limit in limits}
     doubted = {a.path.rpartition(".")[2]: a for a in result.assumptions if a.part == part_id}
     published = cells_of(part_id)
-    wanted = [*by_key, *REQUIRED[kind], *(name for name in doubted if name in COLUMNS[kind]), *ALWAYS]
+    wanted = [*by_key, *REQUIRED[kind], *(name for name in doubted if name in COLUMNS[kind])]
+    wanted += [*VITAL.get(kind, ()), *ALWAYS]
     for key in dict.fromkeys(wanted):
         column = COLUMNS[kind].get(key)
         if column is None or key in NOT_ASKED:
