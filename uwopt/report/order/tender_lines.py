@@ -36,7 +36,8 @@ ALWAYS = ("depth_rating_m", "mass_g", "trigger_delay_us", "trigger_jitter_us")
 #: Facts without which no search uses a part of its own, or which tell whether it fits.
 VITAL: dict[str, tuple[str, ...]] = {
     "camera": ("shutter", "colour", "mounts", "interface", "max_frame_rate_hz"), "lens": ("mounts", "image_circle_mm"),
-    "port": ("mount", "outer_radius_mm", "thickness_mm"), "light": ("beam_angle_deg", "beam_medium", "supply", "trigger"),
+    "port": ("mount", "outer_radius_mm", "thickness_mm"),
+    "light": ("beam_angle_deg", "beam_medium", "supply", "trigger"),
 }  # fmt: skip
 LOOSE = 5.0  # times worse than the named part: no part that is offered comes near to it
 OF_FIELDS = {"qe_scale": "qe"}  # the record's field by the column that states it
