@@ -1,7 +1,7 @@
 """uwopt: from an underwater imaging mission to a camera system that can be bought, with a proof.
 
 `solve` finds the best system of a catalogue, `pareto` the trade-off between objectives, `evaluate` says what a
-given system would do, `whatif` how the optimum changes with the mission.
+given system would do, `compare` puts systems side by side, `whatif` tells how the optimum changes with the mission.
 Heavy imports wait until they are needed.
 """
 
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from uwopt.version import __version__
 
 if TYPE_CHECKING:
+    from uwopt.api.comparing import compare as compare
     from uwopt.api.evaluating import evaluate as evaluate
     from uwopt.api.solving import solve as solve
     from uwopt.api.trading import pareto as pareto
@@ -38,6 +39,7 @@ _WHERE = {
     "Result": "uwopt.results.result",
     "pareto": "uwopt.api.trading",
     "FrontResult": "uwopt.results.front",
+    "compare": "uwopt.api.comparing",
     "whatif": "uwopt.api.whatif",
     "WhatIf": "uwopt.results.whatif",
     "OwnObjective": "uwopt.objectives.own",

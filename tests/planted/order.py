@@ -202,4 +202,18 @@ DEFECTS = (
         new="outward = math.floor if limit.more_is_better else math.ceil",
         test=f"{TENDER}::test_limits_are_rounded_to_the_safe_side",
     ),
+    Defect(
+        name="what keeps the vehicle from going nearer is not told",
+        file="uwopt/solvers/explain/worse_water.py",
+        old='            obstacle = furthest_rule(outcome.account.discarded) or ""',
+        new='            obstacle = ""',
+        test=f"{WORSE}::test_what_stops_the_vehicle_on_its_way_down_is_told",
+    ),
+    Defect(
+        name="a new part of a class has no purpose",
+        file="uwopt/catalog/offers.py",
+        old='meant = {"purpose": str(made_for)} if made_for else {}',
+        new="meant: dict[str, str] = {}",
+        test=f"{OFFERS}::test_a_class_to_be_made_becomes_the_maker_s_part_even_where_he_says_it_is_the_named_one",
+    ),
 )

@@ -52,6 +52,15 @@ def test_the_altitude_is_lowered_only_where_settings_alone_do_not_help(worse: li
     assert design.scenes[0].figures["gsd_mm"] == pytest.approx(0.9 * worse[2].as_planned.scenes[0].figures["gsd_mm"])
 
 
+def test_what_stops_the_vehicle_on_its_way_down_is_told() -> None:
+    needs = MISSION["requirements"] | {"min_swath_m": 1.45}  # 1.504 m wide at 2 m, and less below
+    result = evaluate({**MISSION, "requirements": needs}, SYSTEM)
+    made = replay(result.mission, result.best, physics=result.physics, system=result.system)
+    given = [given_settings(made.model, 0, result.best.scenes[0].settings)]
+    last = in_worse_water(made.model.problem, made.model.hardware, given)[-1]
+    assert (last.design, last.obstacle) == (None, "min_swath_m")
+
+
 @pytest.mark.parametrize(
     ("scene", "worse_by_one"),
     [

@@ -15,7 +15,14 @@ from typer.testing import CliRunner
 from uwopt.api.evaluating import evaluate
 from uwopt.cli.app import app
 from uwopt.evaluation.setting_limits import SettingEnd
-from uwopt.report.card.blocks import ROUND_CEILING, ROUND_FLOOR, SettingsCard, end_text, settings_card
+from uwopt.report.card.blocks import (
+    ROUND_CEILING,
+    ROUND_FLOOR,
+    SettingsCard,
+    end_text,
+    settings_card,
+    short_text,
+)
 from uwopt.report.card.page import card_html
 from uwopt.report.card.water import change_text
 from uwopt.report.text.layout import Facts, Grid
@@ -71,6 +78,18 @@ def test_every_setting_has_its_limits_and_what_breaks_there(card: SettingsCard) 
 )
 def test_ends_are_rounded_to_the_safe_side(rounding: str, factor: float, text: str) -> None:
     assert end_text("focus_distance_m", 2.0, SettingEnd(factor, "x"), rounding) == text
+
+
+def test_slow_rates_are_told_as_intervals_alone() -> None:
+    assert short_text("frame_rate_hz", 1.0 / 3600.0) == "every 60 min"
+    assert short_text("exposure_ms", 2.5) == "2.5 ms"
+
+
+def test_what_keeps_the_vehicle_from_going_nearer_is_told(result: Result) -> None:
+    scenes = [replace(s, margins=[replace(m, satisfied=False) for m in s.margins]) for s in result.best.scenes]
+    planned = replace(result.best, scenes=scenes, feasible=False)
+    item = InWorseWater("Jerlov 9C", planned, 0.3, None, "min_swath_m")
+    assert "down to 30 % of the altitude: swath too narrow; wait" in change_text(item, result.best)
 
 
 @pytest.mark.parametrize(

@@ -101,6 +101,12 @@ def test_what_is_missed_is_said_in_words_too(pair: Comparison) -> None:
     assert [cell.plain for cell in cells] == ["1 missed", "1.330 px (missed)"]
 
 
+def test_compare_is_a_function_of_the_package() -> None:
+    import uwopt
+
+    assert uwopt.compare is compare
+
+
 def test_names_that_occur_twice_are_told_apart() -> None:
     assert apart(["a", "b", "a", "a"]) == ["a", "b", "a (2)", "a (3)"]
 

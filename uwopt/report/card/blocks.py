@@ -112,7 +112,7 @@ def settings_grid(made: Replay | None, index: int, scene: SceneResult, limits: d
         value = settings.get("exposure_ms" if name == BOTH_TIMES else name)
         if value is None or (name == BOTH_TIMES and name not in limits):
             continue
-        told = "" if name == BOTH_TIMES else words.setting_text(name, value)
+        told = "" if name == BOTH_TIMES else short_text(name, value)
         cells = [NAMES[name], told, *limit_texts(name, value, limits.get(name))]
         table.add_row(*(Text(cell) for cell in cells))
         if name == "focus_distance_m" and settings.get("focus_scale_m") is not None:
@@ -153,8 +153,8 @@ def limit_texts(name: str, value: float, limit: SettingLimit | None) -> tuple[st
 
 
 def breaks(end: SettingEnd) -> str:
-    """The requirement that breaks."""
-    return words.requirement_name(end.requirement) if end.requirement else ""
+    """The requirement that breaks, in its first words."""
+    return words.requirement_name(end.requirement).partition(",")[0] if end.requirement else ""
 
 
 def end_text(name: str, value: float, end: SettingEnd, rounding: str) -> str:
@@ -167,7 +167,12 @@ def end_text(name: str, value: float, end: SettingEnd, rounding: str) -> str:
     moved = value + float(ratio_to_db(end.factor)) if name == "gain_db" else value * end.factor
     digits = Decimal(f"{moved:.6f}" if name == "gain_db" else f"{moved:.6g}")
     step = DECIBELS if name == "gain_db" else Decimal(1).scaleb(digits.adjusted() - 2)
-    return words.setting_text(setting, float(digits.quantize(step, rounding=rounding)) + 0.0)  # no -0
+    return short_text(setting, float(digits.quantize(step, rounding=rounding)) + 0.0)  # no -0
+
+
+def short_text(name: str, value: float) -> str:
+    """A setting as it is typed in; of a slow rate the time between images alone, where that is told."""
+    return words.setting_text(name, value).rpartition(", once ")[2]
 
 
 def trigger_sentences(model: DesignModel, scene: SceneResult, limits: dict[str, SettingLimit]) -> Iterator[str]:
@@ -197,7 +202,7 @@ def trigger_sentences(model: DesignModel, scene: SceneResult, limits: dict[str, 
         if limit is not None and spare_ms > NARROW * light_ms:
             late = f"{words.quantity(spare_ms, 'ms', 2)} late, {breaks(limit.low_dark)} breaks"
         yield f"{said}; all of the exposure is lit, so delay costs light: {late}."
-    yield "Take the lamp's own delay from its maker, and set it off in the camera's strobe delay."
+    yield "Ask the lamp's maker for its own delay, and allow for it in the strobe delay of the camera."
 
 
 # ---------------------------------------------------------------- how it stands, and what it does

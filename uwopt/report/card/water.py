@@ -44,8 +44,9 @@ def change_text(item: InWorseWater, planned: Design) -> str:
     if item.as_planned.feasible:
         return "nothing"
     if item.design is None:
+        why = f": {words.rule_name(item.obstacle)}" if item.obstacle else ""
         lowest = f"{100 * item.altitude_frac:.0f} % of the altitude"
-        return f"no settings and no altitude down to {lowest} keep every requirement: wait, or other hardware"
+        return f"no settings do, nor does flying lower, down to {lowest}{why}; wait, or take other hardware"
     parts = [f"fly at {100 * item.altitude_frac:.0f} % of the altitude"] if item.altitude_frac < 1.0 else []
     for ours, theirs in zip(planned.scenes, item.design.scenes, strict=True):
         changes = changed_settings(ours.settings_to_set or ours.settings, theirs.settings)

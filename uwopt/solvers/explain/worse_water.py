@@ -23,6 +23,7 @@ from uwopt.objectives.goal import goal_of
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design
 from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain.alternatives import furthest_rule
 from uwopt.solvers.recommend import evaluated
 
 WORSE = (1.25, 1.5, 2.0)  # of a reading
@@ -41,6 +42,7 @@ class InWorseWater:
     as_planned: Design  # with the settings of the planned water
     altitude_frac: float
     design: Design | None
+    obstacle: str = ""  # the rule that keeps the vehicle from going nearer, where one does and nothing helps
 
 
 def in_worse_water(
@@ -57,8 +59,8 @@ def in_worse_water(
         one, goal = alone(problem, hardware, mission), goal_of(mission)
         own = Hardware(0, 0, 0, hardware.landscape, 0, hardware.count, hardware.mount, hardware.spacer_m)
         planned = evaluate_design(one, own, given, goal, level_tolerance_rel=LEVEL_TOLERANCE_REL)
-        share, design = nearest_that_does(problem, hardware, mission, deadline)
-        found.append(InWorseWater(water, planned, share, design))
+        share, design, obstacle = nearest_that_does(problem, hardware, mission, deadline)
+        found.append(InWorseWater(water, planned, share, design, obstacle))
         if design is None:
             break
     return found
@@ -79,8 +81,9 @@ def alone(problem: Problem, hardware: Hardware, mission: Mission) -> Problem:
 
 def nearest_that_does(
     problem: Problem, hardware: Hardware, mission: Mission, deadline: Deadline
-) -> tuple[float, Design | None]:
-    """The highest share of the altitude at which some settings do, and the best design there."""
+) -> tuple[float, Design | None, str]:
+    """The highest share of the altitude at which some settings do, and the best design there; or what stops it."""
+    obstacle = ""
     for share in LOWER:
         lower = flown(mission, share, landscape=hardware.landscape)
         if lower is None:
@@ -88,8 +91,10 @@ def nearest_that_does(
         one, goal = alone(problem, hardware, lower), goal_of(lower)
         outcome = Search(one, goal, top=1, deadline=deadline).run()
         if outcome.best:
-            return share, evaluated(one, outcome.best[0], goal)
-    return LOWER[-1], None
+            return share, evaluated(one, outcome.best[0], goal), ""
+        if share < 1.0 and not obstacle:
+            obstacle = furthest_rule(outcome.account.discarded) or ""
+    return LOWER[-1], None, obstacle
 
 
 def worse_missions(mission: Mission) -> Iterator[tuple[str, Mission]]:
