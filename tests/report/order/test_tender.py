@@ -202,8 +202,12 @@ def test_nothing_answered_changes_nothing(book: bytes, tmp_path: Path) -> None:
     assert text == ["Nothing: no answer told anything that is new and can be used."]
 
 
-def test_command_keeps_answers_and_order(book: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_command_keeps_answers_and_order(
+    book: bytes, result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[Mission] = []
     monkeypatch.setattr("uwopt.report.write.page_text", lambda _: "")  # pictures take seconds
+    monkeypatch.setattr("uwopt.api.quoting.solve", lambda mission, **_: seen.append(mission) or result)
     file = filled(book, tmp_path, ("light", 1, QUOTED))
     (tmp_path / "reef.yaml").write_text(yaml.safe_dump(small(FEW)), "utf-8")
     named = [str(tmp_path / "reef.yaml"), str(file), "--out", str(tmp_path / "out")]
@@ -211,7 +215,8 @@ def test_command_keeps_answers_and_order(book: bytes, tmp_path: Path, monkeypatc
     assert done.exit_code == 0, done.output
     assert "The recommendation stands." in done.output
     assert (tmp_path / "out" / LOG_FILE).read_text("utf-8").count(LAMP) >= 4
-    assert str(tmp_path / "out" / LOG_FILE) in (tmp_path / "out" / "result.json").read_text("utf-8")
+    assert seen[1].catalog.files == (str(tmp_path / "out" / LOG_FILE),)
+    assert (tmp_path / "out" / "bom.xlsx").exists()
 
 
 def test_a_result_without_a_system_asks_for_nothing(make_result: Make) -> None:
