@@ -72,6 +72,8 @@ def needed_spacer_m(
         reached = (at * slack >= near[lens]) & (at <= far[lens] * slack)
         needed[left[reached]] = length[lens[reached]]
         left = left[~reached]
+        if len(left) == 0:
+            break
     return needed
 
 

@@ -408,8 +408,8 @@ def own_rules(
         yield "mass_water_kg", in_water <= most + (ROUND - 1.0) * abs(most)
     asked = ports if limits.cost is not None or limits.mass_kg is not None else ports[:1]  # one stands for all
     disks_gb = problem.disks_gb(cameras, rates)
-    each = [totals(problem, cameras, lenses, spacers_m, int(p), disks_gb) for p in asked]
-    cost, mass = (np.stack([one[k] for one in each], axis=1) for k in (1, 2))
+    _, cost, mass = totals(problem, cameras, lenses, spacers_m, asked[:, None], disks_gb)
+    cost, mass = cost.T, mass.T
     yield "cost", cost <= limit(limits.cost) * ROUND
     yield "mass_kg", mass <= limit(limits.mass_kg) * ROUND
     powers = problem.camera_powers_w(cameras, rates)
@@ -455,7 +455,10 @@ def common_f_number(focused: list[Focused]) -> Array:
 def totals(
     problem: Problem, cameras: Any, lenses: Any, spacers_m: Array, port: int | Array, disks_gb: Array
 ) -> tuple[Array, Array, Array]:
-    """Cost, cost that counts against the budget, and mass of everything but the lights."""
+    """Cost, cost that counts against the budget, and mass of everything but the lights.
+
+    port : of each row, or one for all; (n_ports, 1): all rows behind each, (n_ports, n)
+    """
     count = problem.mission.vehicle.camera_count
     extra_cost, extra_mass, _ = problem.extras
     ports = problem.ports
