@@ -7,7 +7,37 @@ from planted.defect import Defect
 MOVES = "uwopt/solvers/explain/moves.py"
 TESTS = "tests/solvers/test_moves.py"
 
+PRICES, PRICED = "uwopt/solvers/explain/prices.py", "tests/solvers/test_prices.py"
+
 DEFECTS = (
+    Defect(
+        name="a decibel is one of power",
+        file=PRICES,
+        old="return sum(found) * math.log(10.0) / 20.0 if found else None",
+        new="return sum(found) * math.log(10.0) / 10.0 if found else None",
+        test=f"{PRICED}::test_slope_of_snr_is_the_multiplier",
+    ),
+    Defect(
+        name="a step is not asked of the system",
+        file=PRICES,
+        old="mission = base.with_values({key: value})",
+        new="mission = base.base",
+        test=f"{PRICED}::test_speed_costs_what_the_lamps_draw_more",
+    ),
+    Defect(
+        name="a budget grows where its price is told",
+        file=PRICES,
+        old='key.startswith("max_") or section == "limits"',
+        new='key.startswith("max_")',
+        test=f"{PRICED}::test_a_limit_from_above_gets_less_and_one_from_below_more",
+    ),
+    Defect(
+        name="what takes over is the system that is left",
+        file="uwopt/api/pricing.py",
+        old="until, then = (ends.low, ends.second) if step > 0",
+        new="until, then = (ends.low, ends.first) if step > 0",
+        test=f"{PRICED}::test_prices_over_a_range_are_those_of_searches_of_their_own",
+    ),
     Defect(
         name="a move is as far as it was tried",
         file=MOVES,

@@ -39,7 +39,7 @@ from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
-from uwopt.results.basis import Knee
+from uwopt.results.basis import Knee, Price
 from uwopt.results.design import Design, Note
 from uwopt.results.result import Certificate, Result
 from uwopt.solvers.exact.certificate import certificate
@@ -317,6 +317,7 @@ def doubted(
 ) -> Result:  # fmt: skip
     """A result with how firm it is, what more power and money would buy, and second opinions, in time."""
     from uwopt.solvers.explain.knee import knee
+    from uwopt.solvers.explain.prices import prices
 
     winner, cut = made.recommendation, False
     assert winner is not None
@@ -324,6 +325,7 @@ def doubted(
     doubt: dict[str, Any] | None = None
     opinions: list[dict[str, Any]] = []
     bought: Knee | None = None
+    costs: list[Price] = []
     try:
         with timed(timing, "robustness", progress):
             doubt = doubts(sought, goal, winner, patience)
@@ -333,12 +335,15 @@ def doubted(
         with timed(timing, "second_opinion", progress):
             slow = deadline if solver != "exact" else patience  # what is asked for by name takes its time
             opinions = slow.within("second opinions", lambda: second_opinions(sought, goal, solver, slow), [])
+        with timed(timing, "prices", progress):
+            costs = patience.within(STAGES["prices"], lambda: prices(sought, goal, winner, opinions, patience), [])
     except KeyboardInterrupt:  # what is proven is not lost
         cut = True
     notes = cut_warnings() if cut else []
     if patience is not deadline:
         notes += patience_warnings(patience, DOUBTS_S)
-    return replace(made, robustness=doubt, knee=bought, solvers=opinions, warnings=[*made.warnings, *notes])
+    told = [*made.warnings, *notes]
+    return replace(made, robustness=doubt, knee=bought, solvers=opinions, prices=costs, warnings=told)
 
 
 def proven_line(winner: Design, goal: Objective, currency: str) -> str:

@@ -11,6 +11,7 @@ STAGES = {
     "certainty": "in how many scenarios hardware holds",
     "knee": "what more power and money would buy",
     "robustness": "how firm the answer is", "second_opinion": "second opinions",
+    "prices": "what requirements cost",
     "alternatives": "what other makers offer", "accuracy": "errors of figures",
 }  # fmt: skip
 

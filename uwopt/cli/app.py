@@ -190,7 +190,7 @@ def evaluate_command(
 
 
 app.command("pareto", short_help="Trade two or three objectives: the whole front.")(pareto_command)
-app.command("explain", short_help="Say why nothing fits, and what would help.")(explain_command)
+app.command("explain", short_help="Say why nothing fits, or what each requirement costs.")(explain_command)
 app.command("whatif", short_help="Vary the mission: the optimum, and where another system wins.")(whatif_command)
 app.command("bench", short_help="Measure error against run time on this machine.")(bench_command)
 app.command("report", short_help="Make the page of a result again.")(report_command)

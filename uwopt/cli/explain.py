@@ -1,8 +1,9 @@
-"""The command `uwopt explain`: why nothing fits, and what would help."""
+"""The command `uwopt explain`: why nothing fits, and what would help; or what each requirement costs."""
 
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from typing import Annotated
 
 import typer
@@ -21,7 +22,10 @@ def explain_command(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> int:
-    """Say why nothing fits a mission: what contradicts what, and how far each requirement, speed or water must move."""
+    """Say why nothing fits and what would help: how far each requirement, speed, height or water must move.
+
+    Where something fits, say what each binding requirement costs, and where another system takes over.
+    """
     from uwopt.report.text.console import ProgressBar, print_blocks, print_text
     from uwopt.report.text.explanation import explanation_blocks
     from uwopt.report.text.looked_at import wording
@@ -29,9 +33,11 @@ def explain_command(
 
     limit_s = checked_seconds(seconds)
     with ProgressBar(quiet=quiet) as bar:
+        from uwopt.api.pricing import range_prices
         from uwopt.api.solving import solve
 
         result = solve(mission, physics=physics and physics.value, seconds=limit_s, quick=True, progress=bar.report)
+        result = replace(result, prices=range_prices(mission, result, seconds=limit_s, progress=bar.report))
     if as_json:
         print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))
     else:

@@ -149,6 +149,21 @@ class NearestFit(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class Price(Record):
+    """What a step more of one requirement, or of the speed, costs."""
+
+    name: str = Field(description="the key")
+    unit: str = Field(description="of what is asked, and of the step")
+    asked: Number = Field(description="by the mission")
+    step: Number = Field(description="that asks for more; negative of a limit from above")
+    change: Number | None = Field(description="of the objective, as it is reported; null: the system no longer fits")
+    slope: Number | None = Field(default=None, description="per dB at the limit, by a central difference")
+    slope_casadi: Number | None = Field(default=None, description="the same by the multiplier of CasADi's program")
+    until: Number | None = Field(default=None, description="value up to which the system stays the best, if searched")
+    then: str = Field(default="", description="the system that takes over there; empty: nothing fits")
+
+
+@dataclass(frozen=True, config=RECORD)
 class Moved(Record):
     """A key of the mission, no requirement, whose move alone would let a system through."""
 

@@ -12,7 +12,16 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from uwopt.results.basis import Assumption, Knee, ObjectiveValue, OtherMaker, Risk, UsedPhysics, WhyNothing
+from uwopt.results.basis import (
+    Assumption,
+    Knee,
+    ObjectiveValue,
+    OtherMaker,
+    Price,
+    Risk,
+    UsedPhysics,
+    WhyNothing,
+)
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design, Note
 from uwopt.results.frames import bill_rows, design_rows, figure_rows, frame_of, margin_rows, settings_rows
@@ -78,6 +87,7 @@ class Result(Shown, FiledRecord):
     confidence: Confidence | None = Field(
         default=None, description="in how many scenarios it holds; null where numbers are taken as central"
     )
+    prices: list[Price] = Field(default_factory=list, description="what more of a binding requirement costs")
     risks: list[Risk] = Field(default_factory=list, description="what may go wrong, the most serious first")
     solvers: list[dict[str, Any]] = Field(default_factory=list, description="second opinions on the settings")
     audit: dict[str, Any] | None = Field(default=None, description="the attack on what was discarded")
@@ -126,6 +136,6 @@ class Result(Shown, FiledRecord):
         absent = (
             ("design", "system")
             if self.command == "solve"
-            else ("recommendation", "certificate", "generic_alternative", "alternatives", "knee")
+            else ("recommendation", "certificate", "generic_alternative", "alternatives", "knee", "prices")
         )
         return {key: value for key, value in data.items() if key not in absent}

@@ -22,6 +22,7 @@ from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Line, fact_lines
 from uwopt.report.text.looked_at import in_figure, in_page, wording
+from uwopt.report.text.prices import price_blocks
 from uwopt.report.text.short import goal_sentence, how_far, short_blocks
 from uwopt.report.text.verdict import verdict
 from uwopt.results.design import Design
@@ -187,6 +188,7 @@ def trust_blocks(result: Result | FrontResult) -> Iterator[Block]:
         if result.certificate is not None:
             yield doubts.certificate_block(result, result.certificate)
         yield from knee_blocks(result)
+        yield from price_blocks(result)
         if result.robustness:
             yield doubts.robustness_block(result)
         if result.solvers or result.audit:

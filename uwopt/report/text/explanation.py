@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from uwopt.report.text import words
 from uwopt.report.text.doubts import infeasible_block, miss_sentence
 from uwopt.report.text.layout import Block, Text, block, sentence
+from uwopt.report.text.prices import price_blocks
 from uwopt.report.text.tables import nearest_miss
 from uwopt.results.result import Result
 
@@ -18,6 +19,7 @@ def explanation_blocks(result: Result) -> Iterator[Block | Text]:
         parts = ", ".join(words.as_bought([part.id for part in result.best.hardware.named.values()]))
         said = f"Something fits: {words.one_line(parts, 300)}. uwopt solve says how sure that is, and how to set it."
         yield block(name, [sentence(said)])
+        yield from price_blocks(result)
     else:
         yield block(name, [sentence(words.as_sentence(words.status_sentence(result)))])
         yield infeasible_block(result)

@@ -23,6 +23,7 @@ from uwopt.report.text.frame import frame_facts
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
+from uwopt.report.text.prices import price_blocks
 from uwopt.results.design import BillRow, Cost, Design, Margin, Note, SceneResult
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
@@ -46,6 +47,7 @@ def result_blocks(result: Result) -> Iterator[Block | Text]:
     if result.certificate is not None:
         yield certificate_block(result, result.certificate)
     yield from knee_blocks(result)
+    yield from price_blocks(result)
     if result.robustness:
         yield robustness_block(result)
     if result.solvers or result.audit:

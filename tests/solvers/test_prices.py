@@ -1,0 +1,98 @@
+"""A step more of a requirement costs what the same system takes for it; CasADi's multiplier agrees with differences."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+import uwopt
+from uwopt.api.pricing import range_price
+from uwopt.deadline import NEVER
+from uwopt.mission.mission import Mission, load_mission
+from uwopt.mission.varying import VariedMission
+from uwopt.report.text.prices import price_text
+from uwopt.results.basis import Price
+from uwopt.results.result import Result
+from uwopt.solvers.explain.prices import priced_keys, step_of
+
+PROBLEMS = Path(__file__).parents[2] / "problems"
+FEW = {
+    "cameras": ["avt-alvium-1800-c-040m", "avt-alvium-1800-c-234m"], "generic": "never",
+    "lenses": ["computar-m1214-mp2", "thorlabs-mvl16m1"], "lights": ["arctic-rays-dragonfish-mini-strobe-65deg*"],
+    "ports": ["blue-robotics-4-in-acrylic-end-cap-2026", "blue-robotics-4-in-dome-plastic-ring-2026"],
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def reef() -> Mission:
+    """The reef with few parts and one altitude."""
+    base = load_mission(PROBLEMS / "reef-mosaic.yaml").to_dict()
+    vehicle = base["vehicle"] | {"altitude_tolerance_m": 0.0}
+    return load_mission(base | {"catalog": base["catalog"] | FEW, "vehicle": vehicle})
+
+
+@pytest.fixture(scope="module")
+def solved(reef: Mission) -> Result:
+    return uwopt.solve(reef)
+
+
+def with_speed(reef: Mission, speed_m_s: float) -> Mission:
+    """The reef at another speed."""
+    return reef.with_changes(vehicle=reef.to_dict()["vehicle"] | {"speed_m_s": speed_m_s})
+
+
+def changed(reef: Mission, speed_m_s: float) -> float:
+    """The optimum at another speed."""
+    value = uwopt.solve(with_speed(reef, speed_m_s), quick=True).objective.value
+    assert value is not None
+    return value
+
+
+def test_slope_of_snr_is_the_multiplier(solved):
+    price = next(price for price in solved.prices if price.name == "min_snr_db")
+    assert price.slope_casadi == pytest.approx(price.slope, rel=1e-3)  # IPOPT's barrier, and the difference's curvature
+
+
+def test_speed_costs_what_the_lamps_draw_more(solved):
+    """Flashes come as often as images: by hand, a tenth more speed is a tenth more light's power."""
+    price = next(price for price in solved.prices if price.name == "speed_m_s")
+    light_w = solved.recommendation.totals.light_power_w
+    assert price.change == pytest.approx(light_w * price.step / price.asked, rel=1e-6)
+
+
+def test_prices_over_a_range_are_those_of_searches_of_their_own(reef, solved):
+    base, best = VariedMission(reef, {}), solved.objective.value
+    (asked,) = (key for key in priced_keys(reef, solved.recommendation) if key[0].name == "speed_m_s")
+    told = range_price(base, asked[0], 0.5, 0.2, NEVER)
+    assert told is not None and told.until is not None
+    assert changed(reef, 0.7) - best == pytest.approx(told.change, rel=1e-4)
+    assert 0.5 < told.until < 1.3
+    beyond = uwopt.solve(with_speed(reef, told.until + 0.005), quick=True).recommendation
+    before = uwopt.solve(with_speed(reef, told.until - 0.005), quick=True).recommendation
+    assert before.hardware.ids == solved.recommendation.hardware.ids != beyond.hardware.ids
+    assert all(one in told.then for one in beyond.hardware.ids)
+
+
+def test_a_limit_from_above_gets_less_and_one_from_below_more(reef):
+    names = ("min_snr_db", "max_gsd_mm", "cost", "overlap", "light_level_max")
+    margins = [SimpleNamespace(requirement=name, binding=True) for name in names]
+    winner = SimpleNamespace(scenes=[SimpleNamespace(margins=margins)])
+    steps = {key.name: step for key, _, step in priced_keys(reef, winner)}
+    assert steps == {"min_snr_db": 1.0, "max_gsd_mm": -0.1, "cost": -800, "overlap": 0.06, "speed_m_s": 0.05}
+
+
+@pytest.mark.parametrize(
+    ("key", "asked", "step"), [("min_snr_db", 30.0, 1.0), ("speed_m_s", 0.5, 0.05), ("cost", 8000.0, 800.0)]
+)
+def test_steps_are_such_as_a_person_takes(key, asked, step):
+    assert step_of(key, asked) == pytest.approx(step)
+
+
+def test_sentences_tell_step_change_and_what_takes_over(solved):
+    price = Price("min_snr_db", "db", 30.0, 1.0, 0.4, until=31.2, then="a + b + c + 2 x d")
+    text = price_text(solved, price)
+    assert text.startswith("1.00 dB more signal to noise (min_snr_db, now 30.0 dB): +0.400 W")
+    assert "beyond 31.2 dB another system: a + b + c + 2 x d" in text
+    assert "nothing fits" in price_text(solved, Price("min_snr_db", "db", 30.0, 1.0, None, until=30.4))

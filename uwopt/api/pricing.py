@@ -1,0 +1,89 @@
+"""What requirements cost over a useful range: each binding one made stricter step by step, all parts searched again."""
+
+from __future__ import annotations
+
+import itertools
+import time
+
+from uwopt.api.common import Progress, Source
+from uwopt.api.floats import own_float_rules
+from uwopt.api.varied import SHARP, Switches, Systems, VariedGrid
+from uwopt.deadline import Deadline
+from uwopt.errors import MissionError
+from uwopt.mission.mission import Mission
+from uwopt.mission.varying import Varied, VariedMission, rounded
+from uwopt.objectives.goal import goal_of
+from uwopt.results.basis import Price
+from uwopt.results.result import Result
+from uwopt.solvers.explain.prices import priced_keys
+from uwopt.solvers.explain.sweep import Sweep
+from uwopt.units import split_unit
+
+STEPS = 4  # beyond what is asked
+PRICES_S = 10.0  # of the processor, where no time is given
+
+
+@own_float_rules
+def range_prices(
+    mission: Source | Mission, result: Result, *, seconds: float | None = None, progress: Progress | None = None
+) -> list[Price]:
+    """What a step more of each binding requirement and of the speed costs with the best system for it.
+
+    Each value is solved with its certificate; `until` is where the recommended system is no longer the best.
+    """
+    if result.recommendation is None:
+        return []
+    base = VariedMission(mission, {})
+    deadline = Deadline.after(PRICES_S, time.process_time) if seconds is None else Deadline.after(seconds)
+    made = []
+    keys = [*priced_keys(base.base, result.recommendation)]
+    for number, (key, asked, step) in enumerate(keys):
+        if deadline.passed():
+            break
+        if progress is not None:
+            progress(number / len(keys), f"what {key.name} costs")
+        price = range_price(base, key, asked, step, deadline)
+        made += [] if price is None else [price]
+    return made
+
+
+def range_price(base: VariedMission, key: Varied, asked: float, step: float, deadline: Deadline) -> Price | None:
+    """One key from what is asked on; None where there is no time for the first step."""
+    goal = goal_of(base.base)
+    values = allowed(base, key, [rounded(asked + n * step) for n in range(STEPS + 1)])
+    varied = Varied(key.key, key.section, key.name, tuple(values))
+    if len(values) < 2:
+        return None
+    grid = VariedGrid(base, (varied,), Systems(goal), Sweep(goal, (varied.stricter(base.base),), deadline))
+    points = []
+    for value in values:
+        if deadline.passed():
+            break
+        points.append(grid.solve((value,)))
+    if len(points) < 2 or points[0].objective is None or points[1].status == "stopped":
+        return None
+    first, second = points[0].objective, points[1].objective
+    price = Price(key.name, split_unit(key.name)[1], asked, step, None if second is None else second - first)
+    pair = next(((a, b) for a, b in itertools.pairwise(points) if a.system != b.system), None)
+    if pair is None:
+        return price
+    low, high = sorted((tuple(one.values) for one in pair), key=lambda at: float(at[0]))
+    found = Switches(grid, deadline, lambda share, what: None).between(0, low, high, SHARP * abs(step))
+    ends = found[0] if step > 0 else found[-1]  # the first on the way from what is asked
+    until, then = (ends.low, ends.second) if step > 0 else (ends.high, ends.first)
+    return Price(
+        price.name, price.unit, asked, step, price.change, until=rounded(until),
+        then="" if then is None else grid.systems.found[then].parts,
+    )  # fmt: skip
+
+
+def allowed(base: VariedMission, key: Varied, values: list[float | int]) -> list[float | int]:
+    """The first of these values, up to one that the mission does not allow."""
+    made = []
+    for value in values:
+        try:
+            base.with_values({key: value})
+        except MissionError:
+            break
+        made.append(value)
+    return made

@@ -1,0 +1,56 @@
+"""What requirements cost, as sentences: a step more of each, and how far the system stays the best."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from uwopt.report.text import words
+from uwopt.report.text.layout import Block, Line, block, sentence
+from uwopt.results.basis import Price
+from uwopt.results.result import Result
+from uwopt.units import format_quantity
+
+NOTHING_CHANGES = 1e-6  # of the objective: less is rounding
+
+
+def price_blocks(result: Result) -> Iterator[Block]:
+    """The block, if there are any."""
+    if result.prices:
+        yield block("What requirements cost", list(price_lines(result, result.prices)))
+
+
+def price_lines(result: Result, prices: Sequence[Price]) -> Iterator[Line]:
+    """A sentence each."""
+    for price in prices:
+        yield sentence("- " + price_text(result, price))
+
+
+def price_text(result: Result, price: Price) -> str:
+    """`1 dB more signal to noise: +0.22 W; beyond 31.2 dB another camera, ...`."""
+    name = "speed" if price.name == "speed_m_s" else words.requirement_name(price.name)
+    unit = price_unit(result, price)
+    word = "more" if price.step > 0 else "less"
+    said = f"{format_quantity(abs(price.step), unit)} {word} {name} ({words.one_line(price.name)}, "
+    said += f"now {format_quantity(price.asked, unit)}): {change_words(result, price)}"
+    if price.slope_casadi is not None and price.slope is not None:
+        ours, theirs = (words.objective_text(result, value, 3) for value in (price.slope, price.slope_casadi))
+        said += f"; at the limit {ours} per dB by difference, {theirs} by CasADi's multiplier"
+    if price.until is not None:
+        then = f"another system: {words.one_line(price.then, 300)}" if price.then else "nothing fits"
+        said += f"; beyond {format_quantity(price.until, unit)} {then}"
+    return said
+
+
+def price_unit(result: Result, price: Price) -> str:
+    """The unit of a price's key."""
+    return str((result.mission.get("limits") or {}).get("currency") or "") if price.name == "cost" else price.unit
+
+
+def change_words(result: Result, price: Price) -> str:
+    """By how much the objective changes."""
+    if price.change is None:
+        return "this system no longer fits" if price.until is None else "nothing fits"
+    if abs(price.change) <= NOTHING_CHANGES * abs(result.objective.value or 1.0):
+        return "nothing"
+    sign = "+" if price.change > 0 else "-"
+    return f"{sign}{words.objective_text(result, abs(price.change), 3)}"
