@@ -10,7 +10,7 @@ TESTS = "tests/solvers/test_rounding.py::"
 DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a result whose optimum cannot be set is headed optimal", file="uwopt/api/solving.py",
-        old='"optimal" if winner.is_settable and not wide', new='"optimal" if not wide',
+        old="exact=winner.is_settable and not wide and", new="exact=not wide and",
         test=f"{TESTS}test_result_is_not_headed_optimal_where_nothing_can_be_set",
     ),
     Defect(

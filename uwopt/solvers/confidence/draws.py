@@ -18,6 +18,7 @@ from uwopt.catalog.parts.doubts import doubtful
 from uwopt.catalog.records import Part, Port, exact
 
 Array = NDArray[np.float64]
+PRIMES = (2, 3, 5, 7, 11)
 
 
 def triangular(probability: Array, low: float, mode: float, high: float) -> Array:
@@ -48,18 +49,26 @@ def probabilities(seed: int, name: str, count: int) -> Array:
 
 
 def even_points(seed: int, name: str, count: int, dimensions: int) -> Array:
-    """Points that fill the unit cube evenly, (count, dimensions): an additive recurrence with a random shift.
+    """Points that fill the unit cube evenly, (count, dimensions): a Hammersley set, shifted at random as on a torus.
 
-        u_kd = frac(s_d + k / phi^d),   phi^(D+1) = phi + 1
+        u_k1 = (k + 1/2) / n,   u_kd = the digits of k in the (d - 1)-th prime base, mirrored at the point
 
-    M. Roberts 2018, "The unreasonable effectiveness of quasirandom sequences", R_D.
+    Hammersley 1960, Ann. N. Y. Acad. Sci. 86:844; the shift: Cranley and Patterson 1976.
     """
-    phi = 2.0
-    for _ in range(40):
-        phi = (1.0 + phi) ** (1.0 / (dimensions + 1))
-    steps = phi ** -np.arange(1.0, dimensions + 1)
     shift = np.random.default_rng([seed, zlib.crc32(name.encode()), 2]).random(dimensions)
-    return np.asarray((shift + np.arange(count)[:, None] * steps) % 1.0)
+    columns = [(np.arange(count) + 0.5) / count]
+    columns += [mirrored(np.arange(count), base) for base in PRIMES[: dimensions - 1]]
+    return np.asarray((np.stack(columns, axis=1) + shift) % 1.0)
+
+
+def mirrored(numbers: NDArray[np.int64], base: int) -> Array:
+    """Radical inverse: the digits of whole numbers in a base, mirrored at the point."""
+    made, rest, scale = np.zeros(len(numbers)), numbers.copy(), 1.0 / base
+    while rest.any():
+        rest, digit = np.divmod(rest, base)
+        made += scale * digit
+        scale /= base
+    return made
 
 
 def drawn_facts(part: Part, seed: int, states: int) -> dict[str, Array]:

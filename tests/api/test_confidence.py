@@ -1,0 +1,105 @@
+"""`solve` and `evaluate` at a confidence: what is recommended, what is counted, and how it is told."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import uwopt
+from uwopt.errors import MissionError
+from uwopt.mission.mission import load_mission
+from uwopt.report.text.certainty import percent
+from uwopt.report.text.console import print_blocks
+from uwopt.report.text.short import short_text_blocks
+from uwopt.results.result import Result
+from uwopt.solvers.confidence import search
+
+ROOT = Path(__file__).parents[2]
+TANK = ROOT / "problems" / "paper-tank.yaml"
+FEW: dict[str, Any] = {"cameras": ["basler-*"], "lenses": ["thorlabs-*", "kowa-*"]}
+
+
+@pytest.fixture(scope="module")
+def certain() -> Result:
+    """The tank's mission at 0.9 over few parts."""
+    mission = load_mission(TANK)
+    catalog = mission.to_dict()["catalog"] | FEW
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search, "FRESH", 256)
+        return uwopt.solve(mission.with_changes(catalog=catalog, doubt={"scenarios": 64}), confidence=0.9, quick=True)
+
+
+def test_what_is_recommended_holds_and_can_be_set(certain: Result) -> None:
+    known, best = certain.confidence, certain.recommendation
+    assert known is not None and best is not None and known.enough
+    assert known.held_low <= known.held <= known.held_high and known.scenarios == 256
+    assert known.held_in_choice >= 0.9 and known.scenarios_in_choice == 64
+    assert best.is_settable and best.feasible
+    assert best.scenes[0].settings_to_set["f_number"] == pytest.approx(known.f_number)
+    assert known.objective_p50 is not None and known.objective_p90 is not None
+    assert known.objective_p50 <= known.objective_p90
+
+
+def test_beside_it_stands_the_central_optimum_with_its_proof(certain: Result) -> None:
+    known, proof = certain.confidence, certain.certificate
+    assert known is not None and proof is not None and proof.adds_up()
+    assert known.central_objective == pytest.approx(proof.best_value)
+    assert certain.status == "feasible"  # counted, not proven best
+    assert known.central_held is not None and 0.0 <= known.central_held <= 1.0
+
+
+def test_it_is_told_first_and_survives_its_file(certain: Result) -> None:
+    stream = io.StringIO()
+    print_blocks(short_text_blocks(certain), stream)
+    text = stream.getvalue()
+    assert "holds in" in text.splitlines()[0] and "of 256 scenarios" in " ".join(text.split())
+    assert "How certain" in text
+    assert Result.from_dict(certain.to_dict()).confidence == certain.confidence
+
+
+def test_central_is_as_without_doubt() -> None:
+    """No scenario is counted, and nothing is told of them."""
+    mission = load_mission(TANK)
+    catalog = mission.to_dict()["catalog"] | FEW
+    result = uwopt.solve(mission.with_changes(catalog=catalog), confidence="central", quick=True)
+    assert result.confidence is None and result.status == "optimal"
+
+
+def test_a_given_system_is_counted_with_its_iris_where_it_stands() -> None:
+    system = ROOT / "problems" / "paper-tank.system.yaml"
+    result = uwopt.evaluate(TANK, system, confidence=0.9)
+    known, design = result.confidence, result.design
+    assert known is not None and design is not None
+    assert known.f_number == pytest.approx(design.scenes[0].settings["f_number"])
+    assert known.held + sum(one.share for one in known.lost_to) == pytest.approx(1.0, abs=0.02)
+    assert uwopt.evaluate(TANK, system).confidence is None
+
+
+@pytest.mark.parametrize(
+    ("wrong", "mend"),
+    [(90, "for 90 % write 0.9"), (0.3, "or give central"), ("sure", "or give a share such as 0.9"), (1.0, "ends")],
+)
+def test_what_is_no_confidence_is_told_in_one_message(wrong: Any, mend: str) -> None:
+    with pytest.raises(MissionError, match=mend):
+        uwopt.solve(TANK, confidence=wrong)
+
+
+@pytest.mark.parametrize(
+    ("doubt", "mend"),
+    [({"floor": [1.2, 1.5]}, "give factors about 1"), ({"lamp_output": [1.1, 0.9]}, "lamp_output"),
+     ({"scenarios": 3}, "below 32"), ({"beam": 1}, "unknown"), ({"other_water_table": 40}, "0.4")],
+)  # fmt: skip
+def test_what_is_no_doubt_is_told_in_one_message(doubt: dict[str, Any], mend: str) -> None:
+    with pytest.raises(MissionError, match=mend):
+        load_mission(TANK).with_changes(doubt=doubt)
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [(0.9, "90 %"), (1.0, "100 %"), (0.0, "0 %"), (0.9996, "99.9 %"), (0.0004, "0.1 %"), (0.005, "0.5 %")],
+)
+def test_a_share_is_never_all_where_some_were_lost(share: float, text: str) -> None:
+    assert percent(share) == text

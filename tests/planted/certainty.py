@@ -1,0 +1,125 @@
+"""Planted defects of confidence: draws, light in other water, shares, choices, and what they are told as."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+ROOM = "uwopt/solvers/confidence"
+DRAWS = "tests/solvers/test_confidence_draws.py"
+TESTS = "tests/solvers/test_confidence.py"
+API = "tests/api/test_confidence.py"
+
+DEFECTS = (
+    Defect(
+        name="the upper side of a triangle is drawn as the lower",
+        file=f"{ROOM}/draws.py",
+        old="np.sqrt((1.0 - probability) * width * (high - mode))",
+        new="np.sqrt((1.0 - probability) * width * (mode - low))",
+        test=f"{DRAWS}::test_quantiles_are_those_of_the_triangular_distribution[1.0-2.0-5.0]",
+    ),
+    Defect(
+        name="all facts of a part are drawn together",
+        file=f"{ROOM}/draws.py",
+        old="    return (shuffled(seed, name, count) + rng.random(count)) / count",
+        new='    return (shuffled(seed, "", count) + rng.random(count)) / count',
+        test=f"{DRAWS}::test_each_state_falls_into_another_part_of_the_probability",
+    ),
+    Defect(
+        name="digits are not mirrored",
+        file=f"{ROOM}/draws.py",
+        old="        scale /= base\n",
+        new="",
+        test=f"{DRAWS}::test_points_fill_the_cube_evenly",
+    ),
+    Defect(
+        name="a share of the interval is as narrow as without doubt of its own",
+        file=f"{ROOM}/summary.py",
+        old="z2n / (4.0 * count))",
+        new="z2n / (4.0 * count**2))",
+        test=f"{DRAWS}::test_the_interval_of_a_share_is_that_of_wilson[0-50]",
+    ),
+    Defect(
+        name="the floor brightens what the water sends back",
+        file=f"{ROOM}/response.py",
+        old="factor = factor * (1.0 + (bright - 1.0) * self.from_floor[index][name])",
+        new="factor = factor / (1.0 + (bright - 1.0) * self.from_floor[index][name])",
+        test=f"{TESTS}::test_light_in_other_water_is_that_of_the_model",
+    ),
+    Defect(
+        name="clear water is taken for murky",
+        file=f"{ROOM}/waters.py",
+        old='ends = self.columns(other, "low" if clarity < 0 else "high", leg)',
+        new='ends = self.columns(other, "high" if clarity < 0 else "low", leg)',
+        test=f"{TESTS}::test_a_murkier_water_takes_more_power_and_a_brighter_floor_less",
+    ),
+    Defect(
+        name="K on the lamps' way is known",
+        file=f"{ROOM}/waters.py",
+        old="lamp = geometric(central[1], low[1] if state.lamp_leg < 0 else high[1], abs(state.lamp_leg))",
+        new="lamp = central[1]",
+        test=f"{TESTS}::test_a_murkier_water_takes_more_power_and_a_brighter_floor_less",
+    ),
+    Defect(
+        name="the median is the best of all",
+        file=f"{ROOM}/outcomes.py",
+        old="return np.asarray(ordered[:, max(int(np.ceil(share * ordered.shape[1])) - 1, 0)])",
+        new="return np.asarray(ordered[:, 0])",
+        test=f"{TESTS}::test_median_and_ninth_tenth_are_those_of_the_one_number_in_doubt",
+    ),
+    Defect(
+        name="a budget holds nothing in scenarios",
+        file=f"{ROOM}/outcomes.py",
+        old='"cost": limit_cost > limit(limits.cost) * ROUND,',
+        new='"cost": np.zeros(len(imager), bool),',
+        test=f"{TESTS}::test_what_is_missed_is_told_and_adds_up",
+    ),
+    Defect(
+        name="what does not focus holds",
+        file=f"{ROOM}/outcomes.py",
+        old="    value[:, imagers.camera], short = values_at(",
+        new="    value[:] = 0.0\n    value[:, imagers.camera], short = values_at(",
+        test=f"{TESTS}::test_it_holds_as_often_as_the_lens_focuses_so_near",
+    ),
+    Defect(
+        name="hardware is ranked by its median alone",
+        file=f"{ROOM}/search.py",
+        old="    return (not holds, one.quantile(0.5) if holds else -one.held,",
+        new="    return (False, one.quantile(0.5),",
+        test=f"{TESTS}::test_at_ninety_per_cent_the_sure_camera_is_bought_at_half_the_other",
+    ),
+    Defect(
+        name="no hardware with room is looked for",
+        file=f"{ROOM}/search.py",
+        old="    for worse in WORSE:\n",
+        new="    for worse in WORSE[:0]:\n",
+        test=f"{TESTS}::test_no_hardware_of_a_small_catalogue_holds_and_is_better",
+    ),
+    Defect(
+        name="what luck alone saves counts",
+        file=f"{ROOM}/worth.py",
+        old="        ours, theirs = rows[chosen::2], rows[1 - chosen :: 2]",
+        new="        ours, theirs = rows, rows",
+        test=f"{TESTS}::test_a_number_is_worth_what_choosing_by_it_saves",
+    ),
+    Defect(
+        name="the iris of a given system is opened",
+        file="uwopt/api/certainty.py",
+        old="f_numbers=None if f_number is None else [f_number])",
+        new="f_numbers=None)",
+        test=f"{API}::test_a_given_system_is_counted_with_its_iris_where_it_stands",
+    ),
+    Defect(
+        name="settings to set have an iris of their own",
+        file="uwopt/solvers/settable/rounding.py",
+        old="    marks = stops(model.lenses, between=between) if fixed is None else np.array([fixed])",
+        new="    marks = stops(model.lenses, between=between)",
+        test=f"{API}::test_what_is_recommended_holds_and_can_be_set",
+    ),
+    Defect(
+        name="nine and ninety per cent are one",
+        file="uwopt/mission/doubt.py",
+        old="    if LEAST_CONFIDENCE <= share <= MOST_CONFIDENCE:",
+        new="    if LEAST_CONFIDENCE <= share <= 100.0:",
+        test=f"{API}::test_what_is_no_confidence_is_told_in_one_message[90-for 90 % write 0.9]",
+    ),
+)

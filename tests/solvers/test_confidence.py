@@ -1,0 +1,264 @@
+"""Hardware in scenarios: shares and medians by hand, light against the model itself, choices against all others."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+from one_of_each import one, with_parts
+from random_cases import Case
+
+from uwopt.catalog.parts.quantity import Quantity
+from uwopt.mission.doubt import Doubt
+from uwopt.solvers.confidence import search as search_module
+from uwopt.solvers.confidence.outcomes import imagers_of, outcomes
+from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.search import Certain, Counted, at_its_stop, most_certain, rank
+from uwopt.solvers.confidence.summary import told
+from uwopt.solvers.confidence.worth import gained, worth_of_knowing
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain.one_hardware import parts_of, problem_of
+from uwopt.solvers.recommend import Sought
+
+NOTHING: dict[str, Any] = {
+    "clarity": False, "lamp_leg": False, "other_water_table": 0.0, "floor": [1, 1], "lamp_output": [1, 1]
+}  # fmt: skip
+KNOWN = Doubt.model_validate(NOTHING)
+FAST = {"max_blur_px": 1.0, "min_snr_db": 20.0}
+
+
+def between(low: float, value: float, high: float) -> Quantity:
+    """A number that is estimated."""
+    return Quantity(value, low, high, "estimated")
+
+
+def sought_of(case_: Case, **doubt: Any) -> Sought:
+    """The central search of a case whose mission has these doubts."""
+    case_ = replace(case_, mission=case_.mission.with_changes(doubt=NOTHING | doubt))
+    search, outcome = case_.solve(top=5)
+    return Sought(None, search.problem, search, outcome)  # type: ignore[arg-type]
+
+
+def counted(sought: Sought, doubt: Doubt = KNOWN, *, count: int = 200, seed: int = 0) -> Any:
+    """Outcomes of the best hardware."""
+    problem = sought.problem
+    scenarios = Scenarios.drawn(problem.mission, problem.scenes, doubt, seed=seed, count=count)
+    return outcomes(problem, sought.outcome.best[0], sought.search.objective, scenarios)
+
+
+def test_without_doubt_every_scenario_is_the_central_one() -> None:
+    """At the stop that is best by central numbers, or none better."""
+    sought = sought_of(one(wanted=FAST))
+    made = counted(sought, count=40)
+    best = made.best(0.9)
+    assert made.held[best] == 1.0
+    found = at_its_stop(sought.problem, sought.search.objective, Counted(sought.outcome.best[0], made, best))
+    assert found is not None
+    assert made.value[best] == pytest.approx(found.minimised, rel=1e-9)
+    assert found.minimised >= sought.outcome.best[0].minimised * (1 - 1e-9)
+
+
+def test_median_and_ninth_tenth_are_those_of_the_one_number_in_doubt() -> None:
+    """Cost 500 + 300 + 500 and a camera from 800 over 1000 to 1600: quantiles of a triangle, whose mode has F = 1/4."""
+    made = counted(sought_of(one("cost", wanted=FAST, camera={"price": between(800.0, 1000.0, 1600.0)})))
+    median = 1600.0 - np.sqrt(0.5 * 800.0 * 600.0)
+    ninth = 1600.0 - np.sqrt(0.1 * 800.0 * 600.0)
+    assert made.quantile(0.5)[made.best(0.9)] == pytest.approx(1300.0 + median, abs=4.0)
+    assert made.quantile(0.9)[made.best(0.9)] == pytest.approx(1300.0 + ninth, abs=4.0)
+
+
+def test_it_holds_as_often_as_the_lens_focuses_so_near() -> None:
+    """A lens that focuses from 0.05 to 0.35 m on, behind a dome whose image lies where the model says it does."""
+    plain = sought_of(one(wanted=FAST))
+    needed_m = 1.0 / plain.outcome.best[0].settings[0]["dioptre_per_m"]
+    low, mode, high = 0.5 * needed_m, 0.8 * needed_m, 2.0 * needed_m
+    made = counted(sought_of(one(wanted=FAST, lens={"min_object_distance_m": between(low, mode, high)})))
+    expected = 1.0 - (high - needed_m) ** 2 / ((high - low) * (high - mode))
+    assert made.held.max() == pytest.approx(expected, abs=0.011)
+    assert made.lost["focus"] == pytest.approx(200 * (1.0 - expected), abs=2.2)
+
+
+def test_what_is_missed_is_told_and_adds_up() -> None:
+    """A budget that the camera's price may exceed."""
+    sought = sought_of(
+        one(wanted=FAST, camera={"price": between(800.0, 1000.0, 1600.0)},
+            limits={"cost": 2500.0, "cost_basis": "central"})
+    )  # fmt: skip
+    made = counted(sought)
+    best = made.best(0.9)
+    expected = 1.0 - 400.0**2 / (800.0 * 600.0)  # the camera at 1200 or less
+    assert made.held[best] == pytest.approx(expected, abs=0.006)
+    assert sum(made.missed(best).values()) == round(200 * (1.0 - made.held[best]))
+
+
+WATERS: dict[str, Any] = {
+    "scenes": ({"visibility_m": 12.0, "water": None},), "wanted": FAST | {"min_snr_db": 20.0}
+}  # fmt: skip
+
+
+@cache
+def murky() -> Sought:
+    """A design whose water is a visibility, with camera and lamp in doubt."""
+    case_ = one(
+        **WATERS, camera={"read_noise_e": between(1.0, 2.0, 6.0)}, light={"flux_lm": between(2e4, 3e4, 4e4)},
+        port={"thickness_mm": between(8.0, 10.0, 12.0)},
+    )  # fmt: skip
+    doubt = {"clarity": True, "lamp_leg": True, "other_water_table": 0.5, "floor": [0.8, 1.25]}
+    return sought_of(case_, **doubt, lamp_output=[0.85, 1.07])
+
+
+def worked_out(sought: Sought, scenarios: Scenarios, index: int, f_number: float) -> float:
+    """The objective in one scenario by the search over its parts in its water: nothing is interpolated."""
+    base, found = sought.problem, sought.outcome.best[0]
+    own: dict[str, Any] = dict(parts_of(base, found))
+    lists: dict[str, list[Any]] = {
+        "camera": [scenarios.each(own["camera"])[index]], "lens": [scenarios.each(own["lens"])[index]],
+        "port": [scenarios.ports(own["port"])[scenarios.port[index]]], "light": [scenarios.lights(own["light"])[index]],
+    }  # fmt: skip
+    scenes = scenarios.waters.at(scenarios.states[index])
+    problem = problem_of(base, found, lists=lists, scenes=scenes).at_f_number(f_number)
+    imagers, _ = imagers_of(problem, np.array([0]), np.array([0]), found.landscape)
+    best = Search(problem, sought.search.objective, top=1, imagers=imagers).run().best if len(imagers) else []
+    return best[0].minimised if best else np.inf
+
+
+def test_light_in_other_water_is_that_of_the_model() -> None:
+    """Of 24 scenarios, by the search itself over the drawn parts in the drawn water: power within 2 %."""
+    sought = murky()
+    doubt = sought.problem.mission.doubt
+    scenarios = Scenarios.drawn(sought.problem.mission, sought.problem.scenes, doubt, seed=2, count=96)
+    made = outcomes(sought.problem, sought.outcome.best[0], sought.search.objective, scenarios)
+    stop = made.best(0.5)
+    some = range(0, 96, 4)
+    exact = np.array([worked_out(sought, scenarios, k, float(made.f_numbers[stop])) for k in some])
+    ours = made.value[stop, list(some)]
+    both = np.isfinite(exact) & np.isfinite(ours)
+    assert (np.isfinite(exact) != np.isfinite(ours)).sum() <= 1
+    assert np.ptp(exact[both]) > 0.3 * np.median(exact[both])  # the scenarios differ
+    assert ours[both] == pytest.approx(exact[both], rel=0.02)
+
+
+def test_a_murkier_water_takes_more_power_and_a_brighter_floor_less() -> None:
+    """With nothing else in doubt, scenario by scenario."""
+    sought = murky()
+    for doubt, name, sign, span in (
+        ({"clarity": True}, "clarity", 1.0, 1.2), ({"floor": [0.5, 2.0]}, "floor", -1.0, 1.2),
+        ({"lamp_leg": True}, "lamp_leg", 1.0, 1.05),
+    ):  # fmt: skip
+        known = Doubt.model_validate(NOTHING | {"parts": False} | doubt)
+        scenarios = Scenarios.drawn(sought.problem.mission, sought.problem.scenes, known, seed=2, count=64)
+        made = outcomes(sought.problem, sought.outcome.best[0], sought.search.objective, scenarios)
+        order = np.argsort([sign * getattr(state, name) for state in scenarios.states])
+        value = made.value[made.best(0.5)][order]
+        held = np.isfinite(value)
+        assert held.sum() > 32 and not np.any(held[1:] & ~held[:-1])  # what is worse than what fails fails too
+        assert np.all(np.diff(value[held]) >= 0.0) and value[held][-1] > span * value[held][0]
+
+
+# ---------------------------------------------------------------- choices
+
+
+def rivals() -> Case:
+    """Two cameras: one draws 3 W but may not focus a frame so fast, the other 4 W for sure."""
+    unsure = {"power_w": 3.0, "max_frame_rate_hz": between(0.2, 0.4, 0.6)}
+    return with_parts(one(wanted=FAST, camera=unsure), cameras=[{"power_w": 4.0, "max_frame_rate_hz": 100.0}])
+
+
+def test_at_ninety_per_cent_the_sure_camera_is_bought_at_half_the_other() -> None:
+    """0.2747 images/s are asked: the first is fast enough in 1 - (0.0747 / 0.2)^2 / 2 = 93 % ... of a triangle."""
+    sought = sought_of(rivals())
+    objective = sought.search.objective
+    assert sought.problem.parts.cameras[sought.outcome.best[0].camera].id == "camera"
+    share = 1.0 - (0.3 / (1.56 * 0.7) - 0.2) ** 2 / (0.4 * 0.2)
+    sure, unsure = most_certain(sought, objective, 0.97), most_certain(sought, objective, 0.5)
+    assert sure is not None and unsure is not None and sure.fresh is not None and unsure.fresh is not None
+    assert sought.problem.parts.cameras[sure.best.found.camera].id == "camera-0"
+    assert sought.problem.parts.cameras[unsure.best.found.camera].id == "camera"
+    assert sure.best.held == 1.0 and sure.enough
+    assert unsure.best.held == pytest.approx(share, abs=0.005)
+    assert unsure.fresh.held == pytest.approx(share, abs=0.002)
+    assert sure.best.quantile(0.5) == pytest.approx(unsure.best.quantile(0.5) + 1.0, rel=1e-6)
+    record = told(sought.problem, objective, unsure, sought.outcome.best[0], ends=False)
+    assert record.held_low <= share <= record.held_high
+    assert [point.confidence for point in record.curve][-1] == 0.99
+    assert record.curve[0].hardware[0] == "camera" and record.curve[-1].hardware[0] == "camera-0"
+
+
+def test_no_hardware_of_a_small_catalogue_holds_and_is_better(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every combination counted in the same scenarios; the search brings up all but the central optimum itself."""
+    monkeypatch.setattr(search_module, "OF_CENTRAL", 1)
+    case_ = with_parts(
+        one(wanted=FAST | {"min_snr_db": 27.0}, camera={"read_noise_e": between(1.0, 2.0, 8.0)},
+            light={"flux_lm": between(1.5e4, 3e4, 4e4)}),
+        cameras=[{"power_w": 4.0, "read_noise_e": 2.0}],
+        lenses=[{"f_number_min": 1.4, "price": 700.0}],
+        lights=[{"flux_lm": 3.4e4, "power_w": 330.0}],
+    )  # fmt: skip
+    sought = sought_of(case_, floor=[0.6, 1.6], lamp_output=[0.8, 1.1])
+    objective = sought.search.objective
+    certain = most_certain(sought, objective, 0.9)
+    assert certain is not None and certain.enough
+    first = sought.outcome.best[0]
+    for camera, lens, light in product(range(2), range(2), range(2)):
+        found = replace(first, camera=camera, lens=lens, light=light)
+        made = outcomes(sought.problem, found, objective, certain.scenarios)
+        other = Counted(found, made, made.best(0.9))
+        assert rank(certain.best, 0.9)[:2] <= (rank(other, 0.9)[0], rank(other, 0.9)[1] * (1 + 1e-9))
+
+
+def test_where_nothing_holds_so_often_it_is_the_most_certain(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both cameras are in doubt of their rate, the dearer less."""
+    monkeypatch.setattr(search_module, "FRESH", 64)
+    slow = {"max_frame_rate_hz": between(0.1, 0.25, 0.4)}
+    case_ = with_parts(
+        one(wanted=FAST, camera=slow), cameras=[{"power_w": 4.0, "max_frame_rate_hz": between(0.1, 0.4, 0.5)}]
+    )
+    sought = sought_of(case_)
+    certain = most_certain(sought, sought.search.objective, 0.99)
+    assert certain is not None and not certain.enough
+    assert sought.problem.parts.cameras[certain.best.found.camera].id == "camera-0"
+
+
+def test_the_worst_case_takes_every_bad_end() -> None:
+    """A camera of 2 to 6 W at 6; floor at its darkest: more light, more power."""
+    case_ = one(wanted=FAST, camera={"power_w": between(2.0, 3.0, 6.0)})
+    sought = sought_of(case_, floor=[0.5, 1.5], lamp_leg=True)
+    certain = most_certain(sought, sought.search.objective, "ends")
+    assert certain is not None and certain.enough and certain.fresh is None
+    assert certain.scenarios.count == 2 * 2 * 3  # K, floor, a port's variants
+    central = sought.outcome.best[0].minimised
+    light = central - 3.0
+    assert certain.best.quantile(1.0) > 6.0 + 1.9 * light
+
+
+# ---------------------------------------------------------------- worth of knowing
+
+
+def test_a_number_is_worth_what_choosing_by_it_saves() -> None:
+    """Hardware A costs 10 u, B 5: bought by the third of u, A saves where u < 1/3 and is passed over beyond 2/3.
+
+    Medians of A in the thirds: 10/6, 5, 50/6; without knowing 5 each; with: 10/6, 5, 5.
+    """
+    u = (np.arange(600) + 0.5) / 600
+    values = np.stack([np.full(600, 5.0), 10.0 * u])
+    worth = np.mean([gained(values, 0, u, 0.9, chosen=half) for half in (0, 1)])
+    assert worth == pytest.approx((5.0 - 10.0 / 6.0) / 3.0, abs=0.03)
+    noises = np.random.default_rng(0).random((40, 600))
+    assert np.mean([gained(values, 0, noise, 0.9, chosen=half) for noise in noises for half in (0, 1)]) < 0.05
+
+
+def test_what_decides_between_two_cameras_is_asked_first() -> None:
+    """Cost: a camera of 800 to 1600 USD against one of 1150 for sure."""
+    price = {"price": between(800.0, 1000.0, 1600.0), "mass_g": between(100.0, 200.0, 300.0)}
+    case_ = with_parts(one("cost", wanted=FAST, camera=price), cameras=[{"price": 1150.0}])
+    sought = sought_of(case_)
+    certain = most_certain(sought, sought.search.objective, 0.9)
+    assert isinstance(certain, Certain)
+    asked = worth_of_knowing(sought.problem, sought.search.objective, certain)
+    assert [(one_.what, one_.part) for one_ in asked][:1] in ([("camera.price", "camera")], [])
+    if sought.problem.parts.cameras[certain.best.found.camera].id == "camera":
+        assert asked and asked[0].worth > 20.0

@@ -1,0 +1,85 @@
+"""Draws of what is uncertain, against SciPy and by counting."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+from one_of_each import one
+
+from uwopt.catalog.parts.quantity import Quantity
+from uwopt.mission.doubt import Doubt
+from uwopt.solvers.confidence.draws import drawn_parts, even_points, probabilities, triangular
+from uwopt.solvers.confidence.summary import wilson
+from uwopt.solvers.confidence.waters import drawn_states
+
+
+@pytest.mark.parametrize(
+    ("low", "mode", "high"), [(1.0, 2.0, 5.0), (0.0, 0.0, 1.0), (-1.0, 3.0, 3.0), (0.8, 1.0, 1.25)]
+)
+def test_quantiles_are_those_of_the_triangular_distribution(low: float, mode: float, high: float) -> None:
+    """SciPy's own, its shape being where the mode lies between the ends."""
+    from scipy.stats import triang
+
+    at = np.linspace(0.001, 0.999, 41)
+    expected = triang.ppf(at, (mode - low) / (high - low), loc=low, scale=high - low)
+    assert triangular(at, low, mode, high) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_range_of_no_width_is_its_value() -> None:
+    assert triangular(np.array([0.1, 0.9]), 2.0, 2.0, 2.0).tolist() == [2.0, 2.0]
+
+
+def test_each_state_falls_into_another_part_of_the_probability() -> None:
+    """64 states in 64 bins; the same for the same name, others for another."""
+    drawn = probabilities(7, "lamp power_w", 64)
+    assert sorted((drawn * 64).astype(int).tolist()) == list(range(64))
+    assert np.array_equal(drawn, probabilities(7, "lamp power_w", 64))
+    other = probabilities(7, "lamp flux_lm", 64)
+    assert abs(float(np.corrcoef(drawn, other)[0, 1])) < 0.4
+    assert not np.array_equal(drawn, probabilities(8, "lamp power_w", 64))
+
+
+def test_points_fill_the_cube_evenly() -> None:
+    """256 points in 16 parts of four dimensions: 16 each if spread perfectly, 8 to 24 by chance."""
+    points = even_points(0, "water", 256, 4)
+    assert ((points >= 0.0) & (points < 1.0)).all()
+    halves = points > 0.5
+    counts = [int((halves == np.array(corner)).all(axis=1).sum()) for corner in product((False, True), repeat=4)]
+    assert sum(counts) == 256 and min(counts) >= 13 and max(counts) <= 19
+    assert points.mean(axis=0) == pytest.approx(0.5, abs=0.01)
+
+
+def test_a_part_is_drawn_alike_in_every_design_and_others_apart() -> None:
+    """Facts that a source states stay; an estimated one takes its draws, whatever else the part has."""
+    camera = replace(one().parts.cameras[0], power_w=Quantity(3.0, 2.0, 6.0, "estimated"))
+    dearer = replace(camera, price=Quantity(900.0, 800.0, 1000.0, "estimated"))
+    first, second = drawn_parts(camera, 5, 32), drawn_parts(dearer, 5, 32)
+    assert [p.power_w.value for p in first] == [p.power_w.value for p in second]
+    assert {p.price.value for p in first} == {1000.0}
+    assert all(2.0 < p.power_w.value < 6.0 and p.power_w.low == p.power_w.high for p in first)
+    other = drawn_parts(replace(camera, id="other"), 5, 32)
+    assert [p.power_w.value for p in other] != [p.power_w.value for p in first]
+
+
+def test_states_of_the_water_keep_to_what_is_in_doubt() -> None:
+    """A quarter in the other table; nothing of K or clarity where they are known; a floor about 1."""
+    known = Doubt(clarity=False, lamp_leg=False, other_water_table=0.25, floor=(0.5, 2.0))
+    states = drawn_states(known, 3, 400)
+    assert sum(state.other_table for state in states) == pytest.approx(100, abs=4)
+    assert {(state.clarity, state.lamp_leg) for state in states} == {(0.0, 0.0)}
+    floors = np.array([state.floor for state in states])
+    assert floors.min() > 0.5 and floors.max() < 2.0
+    # median of a triangle from 0.5 over 1 to 2: the upper side holds two thirds of it
+    assert np.median(floors) == pytest.approx(2.0 - np.sqrt(0.5 * 1.5 * 1.0), abs=0.01)
+
+
+@pytest.mark.parametrize(("hits", "count"), [(0, 50), (930, 1024), (1024, 1024), (1, 3)])
+def test_the_interval_of_a_share_is_that_of_wilson(hits: int, count: int) -> None:
+    """SciPy's."""
+    from scipy.stats import binomtest
+
+    expected = binomtest(hits, count).proportion_ci(0.95, method="wilson")
+    assert wilson(hits / count, count) == pytest.approx((expected.low, expected.high), abs=1e-6)
