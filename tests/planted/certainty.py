@@ -85,14 +85,14 @@ DEFECTS = (
         file=f"{ROOM}/search.py",
         old="    return (not holds, one.quantile(0.5) if holds else -one.held,",
         new="    return (False, one.quantile(0.5),",
-        test=f"{TESTS}::test_at_ninety_per_cent_the_sure_camera_is_bought_at_half_the_other",
+        test=f"{TESTS}::test_a_sure_camera_is_bought_where_the_other_holds_too_seldom",
     ),
     Defect(
         name="no hardware with room is looked for",
         file=f"{ROOM}/search.py",
         old="    for worse in WORSE:\n",
         new="    for worse in WORSE[:0]:\n",
-        test=f"{TESTS}::test_no_hardware_of_a_small_catalogue_holds_and_is_better",
+        test=f"{TESTS}::test_a_sure_camera_is_bought_where_the_other_holds_too_seldom",
     ),
     Defect(
         name="what luck alone saves counts",
