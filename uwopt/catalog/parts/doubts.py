@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 from uwopt.catalog.parts.part import Part
 from uwopt.catalog.parts.quantity import Quantity
 
@@ -11,8 +13,8 @@ DOUBTFUL = ("estimated", "generic", "derived")
 def doubtful(part: Part) -> list[tuple[str, Quantity]]:
     """Fields whose value is not stated by a source for this very part and has a range."""
     found = []
-    for name in part.__dataclass_fields__:
-        value = getattr(part, name)
+    for f in fields(part):
+        value = getattr(part, f.name)
         if isinstance(value, Quantity) and value.status in DOUBTFUL and value.high > value.low:
-            found.append((name, value))
+            found.append((f.name, value))
     return found
