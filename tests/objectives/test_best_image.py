@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from uwopt.errors import MissionError
+from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.mission import load_mission
-from uwopt.objectives.goal import goal_of
+from uwopt.objectives.goal import goal_of, taken_instead
 from uwopt.objectives.objective import Objective, Terms
 
 
@@ -84,13 +85,37 @@ def test_steps_of_a_sum_are_those_of_its_value() -> None:
     assert watts.share(5.0, 50.0) == pytest.approx(0.1)
 
 
+HOVERING = {"vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0}, "requirements": {"frame_interval_s": 5.0}}
+
+
+@pytest.mark.parametrize(("changes", "why"), [
+    ({}, ""),
+    (HOVERING, "information grows without end as the image shrinks"),
+    ({**HOVERING, "requirements": {"frame_interval_s": 5.0, "min_swath_m": 1.0}}, ""),
+    ({"physics": "paper"}, "information needs sharpness, which physics paper does not know"),
+])  # fmt: skip
+def test_signal_to_noise_is_taken_and_told_where_information_cannot_be_asked(changes: Any, why: str) -> None:
+    wanted = mission("best_image").with_changes(**changes)
+    assert goal_of(wanted).quality == ("snr_db" if why else "information")
+    assert [note.message.startswith(f"Best image is by signal to noise: {why}") for note in taken_instead(wanted)] == (
+        [True] if why else []
+    )
+
+
+def test_who_chooses_a_quality_gets_it_or_an_error() -> None:
+    by_snr = mission({"best_image": {"of": "snr"}})
+    assert goal_of(by_snr).quality == "snr_db" and taken_instead(by_snr.with_changes(**HOVERING)) == []
+    with pytest.raises(MissionError, match="information grows without end"):
+        check_physical(mission({"best_image": {"of": "information"}}).with_changes(**HOVERING))
+
+
 # ---------------------------------------------------------------- keys
 
 
 @pytest.mark.parametrize("given", ["best_image", "Best-Image", {"best_image": None}, {"best image": {}}])
 def test_every_spelling_has_the_defaults(given: Any) -> None:
     assert mission(given).to_dict()["objective"] == {
-        "best_image": {"of": "information", "per_w": 0.01, "per_100_usd": 0.01}
+        "best_image": {"of": "auto", "per_w": 0.01, "per_100_usd": 0.01}
     }
 
 

@@ -38,6 +38,13 @@ DEFECTS = (
         test=f"{PRICES}::test_what_no_setting_changes_is_the_price_alone",
     ),
     Defect(
+        name="nobody is told that signal to noise is taken instead",
+        file="uwopt/objectives/goal.py",
+        old='wanted.best_image.of != "auto" or not reasons',
+        new='wanted.best_image.of == "auto" or not reasons',
+        test=f"{PRICES}::test_signal_to_noise_is_taken_and_told_where_information_cannot_be_asked",
+    ),
+    Defect(
         name="a share of the best image is one of its logarithm",
         file="uwopt/objectives/objective.py",
         old="return math.log1p(share) if self.quality else share * abs(minimised)",

@@ -96,8 +96,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="nobody tells what sensor was chosen",
         file="uwopt/report/text/short.py",
-        old="for note in result.warnings if note.code == COLOUR_LEFT_OPEN]",
-        new="for note in result.warnings if note.code != COLOUR_LEFT_OPEN]",
+        old="for note in result.warnings if note.code in TOLD_FIRST]",
+        new="for note in result.warnings if note.code not in TOLD_FIRST]",
         test=f"{SHORT}::test_sensor_that_nobody_asked_for_is_told_on_the_page_and_is_no_risk",
     ),
     Defect(

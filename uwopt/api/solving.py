@@ -37,7 +37,7 @@ from uwopt.forward.effects import Influence
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
-from uwopt.objectives.goal import goal_of
+from uwopt.objectives.goal import goal_of, taken_instead
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Knee, Price
 from uwopt.results.design import Design, Note
@@ -290,6 +290,7 @@ def found_result(
             *result.warnings,
             *selection_warnings(sought.selection),
             *winner.warnings,
+            *taken_instead(sought.problem.mission),
             *colour_notes(sought.problem, hardware),
             *(interruption_warnings(sought) or (cut_warnings() if cut else [])),
             *(gap_warnings(proof) if wide and not second_best else []),

@@ -12,7 +12,7 @@ from typing import Any
 from uwopt.errors import CatalogError, MissionError
 from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.forward.scene import clarity_of, table_of
-from uwopt.mission.best_image import BestImageGoal
+from uwopt.mission.best_image import BestImageGoal, why_no_information
 from uwopt.mission.keys import TARGET_WORDS
 from uwopt.mission.mission import Mission, SceneView
 from uwopt.model.scattering import FOURNIER_FORAND_RATIOS
@@ -42,16 +42,7 @@ def objective_faults(mission: Mission) -> Iterator[str]:
         wanted = wanted.best_image.of
     names = [wanted] if isinstance(wanted, str) else list(wanted)
     if "information" in names:
-        if mission.physics == "paper":
-            yield "objective: information needs sharpness, which physics paper does not know; use auto or full"
-        for view in mission.views:
-            needs = view.requirements
-            moving = view.vehicle.speed_m_s > 0 and needs.overlap is not None
-            if needs.min_swath_m is None and not moving:
-                yield (
-                    "objective: information grows without end as the image shrinks; add requirements.min_swath_m, "
-                    f"or an overlap at speed, in scene {view.scene.name!r}"
-                )
+        yield from (f"objective: {reason}" for reason in why_no_information(mission))
 
 
 def light_faults(view: SceneView) -> Iterator[str]:

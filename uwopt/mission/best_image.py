@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, ValidationError
 
 from uwopt.documents.faults import nearest
 from uwopt.documents.key_types import CHOICE, NUMBER, Section, keys_of, refusal
 from uwopt.mission.keys import to_objective
+
+if TYPE_CHECKING:
+    from uwopt.mission.mission import Mission
 
 NAME = "best_image"
 Gain = Annotated[float, Field(ge=0, le=10), NUMBER]
@@ -18,10 +21,10 @@ Gain = Annotated[float, Field(ge=0, le=10), NUMBER]
 class BestImage(Section):
     """The knee: where one more watt or 100 USD more buy less than these gains."""
 
-    of: Annotated[Literal["information", "snr"], CHOICE] = Field(
-        default="information",
-        description="quality of the image: information (bit per square metre of floor), or snr where no texture is "
-        "wanted",
+    of: Annotated[Literal["auto", "information", "snr"], CHOICE] = Field(
+        default="auto",
+        description="quality of the image: information (bit per square metre of floor), snr where no texture is "
+        "wanted, or auto, information where it can be asked",
     )
     per_w: Gain = Field(
         default=0.01, description="share by which one more watt must better the quality, such as 0.01; 0: power is free"
@@ -37,6 +40,19 @@ class BestImageGoal(Section):
     best_image: BestImage = Field(
         default_factory=BestImage, description="quality (of) and the gains per_w and per_100_usd that end at the knee"
     )
+
+
+def why_no_information(mission: Mission) -> list[str]:
+    """What keeps a mission from asking for information; nothing where it may."""
+    if mission.physics == "paper":
+        return ["information needs sharpness, which physics paper does not know; use auto or full"]
+    return [
+        "information grows without end as the image shrinks; add requirements.min_swath_m, or an overlap at speed, "
+        f"in scene {view.scene.name!r}"
+        for view in mission.views
+        if view.requirements.min_swath_m is None
+        and (view.vehicle.speed_m_s == 0 or view.requirements.overlap is None)
+    ]
 
 
 def to_goal(value: Any) -> Any:

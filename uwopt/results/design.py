@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 NOT_SETTABLE = "not_settable"  # code of the note that no settings to type in are offered
+SNR_INSTEAD = "snr_instead"  # code of the note that says why the best image is by signal to noise
 COLOUR_LEFT_OPEN = "colour_left_open"  # code of the note that says what sensor was chosen where none was asked
 
 

@@ -31,12 +31,13 @@ from uwopt.report.text.tables import (
     status_style,
 )
 from uwopt.results.basis import Risk
-from uwopt.results.design import COLOUR_LEFT_OPEN, BillRow, Design
+from uwopt.results.design import COLOUR_LEFT_OPEN, SNR_INSTEAD, BillRow, Design
 from uwopt.results.result import Result
 from uwopt.units import format_within
 
 MOST_RISKS = 3
 MOST_QUESTIONS = 4
+TOLD_FIRST = (SNR_INSTEAD, COLOUR_LEFT_OPEN)  # notes on what was chosen where the mission leaves it open
 NUMBERS = ("", "The greatest risk", "The two greatest risks", "The three greatest risks")
 FIGURES = ("gsd_mm", "swath_m", "snr_db", "dof_m", "frame_rate_hz")
 DEAR = 0.1  # a part's share of the doubt in the price from which a quote is worth asking for
@@ -126,7 +127,7 @@ def verdict_lines(result: Result) -> list[Line]:
     if first := fails_first(result.best):
         said.append(words.as_sentence(first))
     said += [*subject_sentences(result, result.best)]
-    said += [words.as_sentence(note.message) for note in result.warnings if note.code == COLOUR_LEFT_OPEN]
+    said += [words.as_sentence(note.message) for note in result.warnings if note.code in TOLD_FIRST]
     if result.command == "solve" and result.mission.get("practice") == "bare":
         said.append(BARE)
     return [sentence(text) for text in said]

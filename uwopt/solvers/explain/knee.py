@@ -14,6 +14,7 @@ from uwopt.catalog.money import to_currency
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.problem import Problem
 from uwopt.mission.best_image import BestImageGoal
+from uwopt.objectives.goal import NAME_OF
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Bought, Knee
 from uwopt.solvers.exact.ranking import Found
@@ -44,7 +45,7 @@ def knee(sought: Sought, goal: Objective, deadline: Deadline = NEVER) -> Knee | 
         bought.append(Bought(what, amount, unit, gain, parts, limit is not None and more[what] > limit))
     log_quality = log_quality_of(goal, found)
     unit = goal.unit(limits.currency)
-    return Knee(gains.of, math.exp(log_quality), unit, gains.per_w, gains.per_100_usd, bought)
+    return Knee(NAME_OF[goal.quality], math.exp(log_quality), unit, gains.per_w, gains.per_100_usd, bought)
 
 
 def log_quality_of(goal: Objective, found: Found) -> float:

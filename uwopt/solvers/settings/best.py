@@ -67,12 +67,16 @@ def best_settings(
 
     `closed_alone`: for a bound, no cells where the closed form is one.
     """
+    weighs = bool(objective.weight("snr_db") and objective.weight("power"))
+    if weighs and rows[0].optimistic and is_bounded(rows, objective):  # as good as closed forms, and far cheaper
+        return best_joint(
+            rows, motorised, objective, camera_power_w, power_limit_w, constant=constant, cutoff=cutoff
+        )  # fmt: skip
     if not needs_cells(rows, objective):
         return best_in_the_dark(
             rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
             cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit,
         )  # fmt: skip
-    weighs = bool(objective.weight("snr_db") and objective.weight("power"))
     if objective.weight("information") or any(r.sunlit or (weighs and r.switched) for r in rows):
         from uwopt.solvers.settings.cells import (
             best_by_cells,  # no closed form needs it
