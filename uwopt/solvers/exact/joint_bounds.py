@@ -47,7 +47,7 @@ def _in_scene(bounds: Bounds, k: int, rows: Array, index: int) -> Array:
     """The bound by what one scene alone needs and shows: no other lowers the power or betters the image."""
     table, lighting = bounds.light_tables[k], bounds.tables.lightings[k]
     focused = bounds.imagers.scenes[index].focused.take(rows)
-    ends = intervals(focused.n_low, focused.n_high)
+    ends = intervals(focused.n_low, focused.n_high, bounds.objective)
     snr_db, information = _most_quality(bounds, k, rows, index, ends)
     need, square = bounds.needs(index, rows), np.square(ends[:, :-1] * focused.working_factor[:, None])
     value = np.full(len(rows), np.inf)

@@ -86,9 +86,10 @@ def most_bit_spread(magnitude: bytes, step: float) -> Array:
     return np.stack([[np.interp(LEVELS_DB, FEW_LEVELS_DB, line) for line in block] for block in found])
 
 
-def intervals(n_low: Array, n_high: Array) -> Array:
-    """Ends of the intervals of the f-number, (n, F_NUMBERS + 1)."""
-    return np.geomspace(n_low, np.maximum(n_high, n_low), F_NUMBERS + 1, axis=1)
+def intervals(n_low: Array, n_high: Array, objective: Objective) -> Array:
+    """Ends of the intervals of the f-number, (n, n_intervals + 1); one where sharpness does not count."""
+    count = F_NUMBERS if objective.weight("information") else 1
+    return np.geomspace(n_low, np.maximum(n_high, n_low), count + 1, axis=1)
 
 
 def snr_in_levels(most_db: Array) -> Array:
@@ -177,7 +178,7 @@ def _in_scene(rows: SceneRows, objective: Objective, light_limit_w: Array) -> Ar
 
 
 def _of_alive(rows: SceneRows, objective: Objective, light_limit_w: Array, low: Array, high: Array) -> Array:
-    ends = intervals(rows.n_low, rows.n_high)
+    ends = intervals(rows.n_low, rows.n_high, objective)
     signal = rows.signal_e[:, rows.nominal]
     with np.errstate(divide="ignore", invalid="ignore"):
         veil = np.zeros(len(low)) if rows.veil_e is None else rows.veil_e[:, rows.nominal]
