@@ -26,6 +26,17 @@ def test_the_blur_of_aberrations_falls_with_the_cube_of_the_f_number_in_its_squa
     assert got == pytest.approx(pitch_um, rel=1e-12)
 
 
+@pytest.mark.parametrize(("f_number_min", "left"), [(0.95, 4.0), (1.4, 4.0), (1.8, 2.0), (2.8, 2.0)])
+def test_two_stops_leave_a_fourth_of_the_square_of_a_fast_lens_and_an_eighth_of_others(
+    f_number_min: float, left: float
+) -> None:
+    # 4^2 wide open: 16 / 2^2 = 4 of a lens that opens to F1.4 or more, 16 / 2^3 = 2 of others
+    power = aberration.aberration_power(f_number_min)
+    at_f1 = aberration.aberration_at_f1(OF_ABERRATIONS, f_number_min=f_number_min)
+    got = aberration.lens_pitch(0.0, aberration_f1_px=at_f1, f_number=2.0 * f_number_min, power=power)
+    assert got**2 == pytest.approx(left, rel=1e-12)
+
+
 def test_a_perfect_lens_without_a_rating_blurs_nothing() -> None:
     assert aberration.lens_pitch(0.0, aberration_f1_px=0.0, f_number=1.4) == 0.0
 

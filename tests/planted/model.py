@@ -452,13 +452,21 @@ DEFECTS = (
     Defect(
         name="aberrations stay as they are when a lens is closed",
         file="uwopt/model/aberration.py",
-        old="f_number**-ABERRATION_POWER)",
+        old="f_number**-power)",
         new="f_number**-0.0)",
         test=(
             "tests/model/test_aberration.py"
             "::test_the_blur_of_aberrations_falls_with_the_cube_of_the_f_number_in_its_square",
             "tests/evaluation/test_aberrations.py::test_aberrations_take_contrast_wide_open_and_in_the_corner",
         ),
+    ),
+    Defect(
+        name="fast lenses get better as quickly as others",
+        file="uwopt/model/aberration.py",
+        old="ABERRATION_POWER, FAST_POWER = 3.0, 2.0",
+        new="ABERRATION_POWER, FAST_POWER = 3.0, 3.0",
+        test="tests/model/test_aberration.py"
+        "::test_two_stops_leave_a_fourth_of_the_square_of_a_fast_lens_and_an_eighth_of_others",
     ),
     Defect(
         name="aberrations are no wider in the corner",
@@ -474,7 +482,7 @@ DEFECTS = (
     Defect(
         name="aberrations wide open are those of F1",
         file="uwopt/model/aberration.py",
-        old="return aberration_pitch_m * f_number_min ** (ABERRATION_POWER / 2.0)",
+        old="return aberration_pitch_m * f_number_min ** (aberration_power(f_number_min) / 2.0)",
         new="return aberration_pitch_m",
         test="tests/evaluation/test_aberrations.py::test_aberrations_take_contrast_wide_open_and_in_the_corner",
     ),

@@ -22,14 +22,16 @@ Array = NDArray[Any]
 
 
 def sharp(
-    *, blur: float = 2000.0, place: float = 4.0, rms: float = 6.0, rated: float = 0.8, aberration: float = 0.8
-) -> SharpRows:
+    *, blur: float = 2000.0, place: float = 4.0, rms: float = 6.0, rated: float = 0.8, aberration: float = 0.8,
+    power: float = 3.0,
+) -> SharpRows:  # fmt: skip
     """A 3.45 um sensor that moves, with some image curvature; discs at f-number 1."""
     one, none = np.ones(1), np.zeros(1)
     return SharpRows(
         wavelength_nm=530.0 * one, pixel_pitch_m=3.45e-6 * one, rated_pitch_px=rated * one,
-        aberration_px=aberration * one, corner_disc_px=np.array([[1.0, 0.2, 1.0]]) * place, corner_k_along=none,
-        corner_k_across=none, gsd_m=np.array([[0.9e-3, 1e-3, 1.1e-3]]),
+        aberration_px=aberration * one, aberration_power=power * one,
+        corner_disc_px=np.array([[1.0, 0.2, 1.0]]) * place, corner_k_along=none, corner_k_across=none,
+        gsd_m=np.array([[0.9e-3, 1e-3, 1.1e-3]]),
         blur_px_per_s=np.array([[1.1, 1.0, 0.9]]) * blur, place_disc_px=np.array([[1.0, 0.2, 1.0]]) * place,
         rms_disc_px=np.array([[1.0, 0.6, 1.0]]) * rms, place_k_along=none, place_k_across=none, rms_k_along=none,
         rms_k_across=none, spread_index=np.zeros(1, int), pixel_area_m2=1e-6 * one, spreads=(),

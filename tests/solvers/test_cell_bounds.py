@@ -52,6 +52,10 @@ BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
     "information, soft wide open": (
         dict(sharpness=soft(), signal_e=[1.2e4, 1e4, 8e3], well_e=6000.0), "information",
     ),
+    "information of a fast lens, soft wide open": (
+        dict(sharpness=sharp(aberration=6.0, rated=0.1, place=0.5, rms=0.5, blur=500.0, power=2.0),
+             signal_e=[1.2e4, 1e4, 8e3], well_e=6000.0), "information",
+    ),
     "signal under the sun": (dict(sun=(3e5, 2e5), open_max_s=5e-3), "snr_db"),
     "contrast under the sun": (dict(sun=(3e5, 2e5), veil=20.0, open_max_s=5e-3), "contrast"),
     "power under the sun": (dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0), "power"),
