@@ -69,7 +69,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a search out of time has no bound",
         file="uwopt/solvers/exact/search.py",
-        old="return float(value[rest].min())",
+        old="return float(value[rest].min(initial=np.inf))",
         new="return np.inf",
         test=f"{CERTIFICATE}test_a_search_out_of_time_has_the_bound_of_the_next_unit",
     ),
