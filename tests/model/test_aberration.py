@@ -31,9 +31,9 @@ def test_two_stops_leave_a_fourth_of_the_square_of_a_fast_lens_and_an_eighth_of_
     f_number_min: float, left: float
 ) -> None:
     # 4^2 wide open: 16 / 2^2 = 4 of a lens that opens to F1.4 or more, 16 / 2^3 = 2 of others
-    power = aberration.aberration_power(f_number_min)
+    exponent = aberration.aberration_exponent(f_number_min)
     at_f1 = aberration.aberration_at_f1(OF_ABERRATIONS, f_number_min=f_number_min)
-    got = aberration.lens_pitch(0.0, aberration_f1_px=at_f1, f_number=2.0 * f_number_min, power=power)
+    got = aberration.lens_pitch(0.0, aberration_f1_px=at_f1, f_number=2.0 * f_number_min, exponent=exponent)
     assert got**2 == pytest.approx(left, rel=1e-12)
 
 

@@ -452,7 +452,7 @@ DEFECTS = (
     Defect(
         name="aberrations stay as they are when a lens is closed",
         file="uwopt/model/aberration.py",
-        old="f_number**-power)",
+        old="f_number**-exponent)",
         new="f_number**-0.0)",
         test=(
             "tests/model/test_aberration.py"
@@ -482,7 +482,7 @@ DEFECTS = (
     Defect(
         name="aberrations wide open are those of F1",
         file="uwopt/model/aberration.py",
-        old="return aberration_pitch_m * f_number_min ** (aberration_power(f_number_min) / 2.0)",
+        old="return aberration_pitch_m * f_number_min ** (aberration_exponent(f_number_min) / 2.0)",
         new="return aberration_pitch_m",
         test="tests/evaluation/test_aberrations.py::test_aberrations_take_contrast_wide_open_and_in_the_corner",
     ),

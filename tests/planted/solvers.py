@@ -71,16 +71,16 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the tangent of a fast lens's transfer is that of others",
         file="uwopt/solvers/settings/cell_information.py",
-        old="scale * (sharp.aberration_power[design]",
-        new="scale * (3.0 + 0.0 * sharp.aberration_power[design]",
+        old="scale * (sharp.aberration_exponent[design]",
+        new="scale * (3.0 + 0.0 * sharp.aberration_exponent[design]",
         test="tests/solvers/test_cell_bounds.py"
         "::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[information of a fast lens, soft wide open]",
     ),
     Defect(
         name="the tangent of the aberrations' transfer is flat",
         file="uwopt/solvers/settings/cell_information.py",
-        old="scale * (sharp.aberration_power[design]",
-        new="scale * (0.0 * sharp.aberration_power[design]",
+        old="scale * (sharp.aberration_exponent[design]",
+        new="scale * (0.0 * sharp.aberration_exponent[design]",
         test="tests/solvers/test_cell_bounds.py"
         "::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[information, soft wide open]",
     ),

@@ -29,7 +29,7 @@ def sharp(
     one, none = np.ones(1), np.zeros(1)
     return SharpRows(
         wavelength_nm=530.0 * one, pixel_pitch_m=3.45e-6 * one, rated_pitch_px=rated * one,
-        aberration_px=aberration * one, aberration_power=power * one,
+        aberration_px=aberration * one, aberration_exponent=power * one,
         corner_disc_px=np.array([[1.0, 0.2, 1.0]]) * place, corner_k_along=none, corner_k_across=none,
         gsd_m=np.array([[0.9e-3, 1e-3, 1.1e-3]]),
         blur_px_per_s=np.array([[1.1, 1.0, 0.9]]) * blur, place_disc_px=np.array([[1.0, 0.2, 1.0]]) * place,

@@ -21,7 +21,8 @@ def rows_with(defocus_px: float, *, light: float = 1.0) -> SceneRows:
     one, three = np.ones(1), np.ones((1, 3))
     sharp = SharpRows(
         wavelength_nm=550 * one, pixel_pitch_m=3.45e-6 * one, rated_pitch_px=0.8 * one,
-        aberration_px=1.5 * one, aberration_power=3.0 * one, blur_px_per_s=10 * three, place_disc_px=defocus_px * three,
+        aberration_px=1.5 * one, aberration_exponent=3.0 * one, blur_px_per_s=10 * three,
+        place_disc_px=defocus_px * three,
         corner_disc_px=defocus_px * three, rms_disc_px=defocus_px * three, gsd_m=1e-3 * three, place_k_along=0 * one,
         place_k_across=0 * one, corner_k_along=0 * one, corner_k_across=0 * one,
         rms_k_along=0 * one, rms_k_across=0 * one,

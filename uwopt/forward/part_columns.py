@@ -24,7 +24,7 @@ from uwopt.forward.adapters import NO_ADAPTER, adapter_of
 from uwopt.forward.columns import Columns, PartColumns
 from uwopt.forward.flash_times import FlashTimes
 from uwopt.model import flash as flash_model
-from uwopt.model.aberration import aberration_at_f1, aberration_power
+from uwopt.model.aberration import aberration_at_f1, aberration_exponent
 from uwopt.model.f_stops import f_number_closed
 from uwopt.model.hull import SEAWATER_KG_M3
 from uwopt.model.light import flash_light_lm_s
@@ -92,7 +92,7 @@ class Lenses(PartColumns):
     max_magnification: Array  # on a ring or screwed out
     rated_pitch_m: Array  # pixel pitch that the maker rates the lens for; 0 when unknown
     aberration_f1_m: Array  # that of its aberrations, at f-number 1
-    aberration_power: Array  # with which their square falls as the iris closes
+    aberration_exponent: Array  # with which their square falls as the iris closes
     motorised: Array
     length_m: Array  # 0 where it is not known
     diameter_m: Array
@@ -330,7 +330,7 @@ def lens_rows(
             "aberration_f1_m": aberration_at_f1(
                 known["aberration_pitch_m"], f_number_min=known["f_number_min"]
             ),
-            "aberration_power": aberration_power(known["f_number_min"]),
+            "aberration_exponent": aberration_exponent(known["f_number_min"]),
             "spacers_m": _spacers(parts),
             "rated_pitch_m": np.array([(rated_pitch_um(part) or 0.0) * 1e-6 for part in parts], float),
             "motorised": np.array([part.aperture_control == "motorised" for part in parts], bool),

@@ -68,7 +68,7 @@ class SharpRows(Columns):
     pixel_pitch_m: Array
     rated_pitch_px: Array  # that the lens is rated for, over the camera's; 0: unknown
     aberration_px: Array  # the same of its aberrations, at f-number 1 (`model.aberration`)
-    aberration_power: Array  # with which their square falls as the iris closes
+    aberration_exponent: Array  # with which their square falls as the iris closes
     blur_px_per_s: Array  # (n, 3) along the motion
     place_disc_px: Array  # (n, 3) where MTF must hold
     corner_disc_px: Array  # (n, 3) centre and corner
@@ -132,7 +132,7 @@ class SharpRows(Columns):
         """Pitch that the lens is good for at these f-numbers and a field point, over the camera's."""
         pitch = aberration.lens_pitch(
             self.rated_pitch_px[rows], aberration_f1_px=self.aberration_px[rows], f_number=f_number,
-            power=self.aberration_power[rows], field_blur=self.lens_blur(field),
+            exponent=self.aberration_exponent[rows], field_blur=self.lens_blur(field),
         )  # fmt: skip
         return np.asarray(pitch)
 
@@ -271,7 +271,7 @@ def sharp_rows(
         pixel_pitch_m=pitch,
         rated_pitch_px=lenses.rated_pitch_m / pitch,
         aberration_px=lenses.aberration_f1_m / pitch,
-        aberration_power=lenses.aberration_power,
+        aberration_exponent=lenses.aberration_exponent,
         blur_px_per_s=np.asarray(blur),
         place_disc_px=both if at_corner else on_axis,
         corner_disc_px=both,

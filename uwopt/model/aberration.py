@@ -22,8 +22,10 @@ FAST_F_NUMBER = 1.6  # a lens that opens wider is a fast one; none of the measur
 CORNER_BLUR = 1.8
 
 
-def aberration_power(f_number_min: Numeric) -> Numeric:
-    """Power P of N_min / N with which the square of a lens's blur falls: 2 of lenses of F1.4 and faster, else 3.
+def aberration_exponent(f_number_min: Numeric) -> Numeric:
+    """Exponent of N_min / N with which the square of a lens's blur falls.
+
+        P = 2 where N_min < 1.6 (F1.4 and faster), else 3
 
     f_number_min : broadcast, as engraved. Returns (...,).
     """
@@ -38,11 +40,11 @@ def aberration_at_f1(aberration_pitch_m: Numeric, *, f_number_min: Numeric) -> N
     aberration_pitch_m : broadcast [m], wide open on the axis; f_number_min : broadcast. Returns [m]. A number to
     compute with: no lens is used wider than N_min.
     """
-    return aberration_pitch_m * f_number_min ** (aberration_power(f_number_min) / 2.0)
+    return aberration_pitch_m * f_number_min ** (aberration_exponent(f_number_min) / 2.0)
 
 
 def lens_pitch(
-    rated_pitch_px: Numeric, *, aberration_f1_px: Numeric, f_number: Numeric, power: Numeric = ABERRATION_POWER,
+    rated_pitch_px: Numeric, *, aberration_f1_px: Numeric, f_number: Numeric, exponent: Numeric = ABERRATION_POWER,
     field_blur: Numeric = 1.0,
 ) -> Numeric:
     """Pixel pitch that a lens is good for at an opening and a field point.
@@ -54,7 +56,7 @@ def lens_pitch(
     rated_pitch_px : broadcast [px], q_r, what the lens is rated for over the camera's pitch; 0 unknown
     aberration_f1_px : broadcast [px], of `aberration_at_f1`, over the camera's pitch
     f_number : broadcast, N as engraved, at least N_min
-    power : broadcast, P, of `aberration_power`
+    exponent : broadcast, P, of `aberration_exponent`
     field_blur : broadcast, B, of `field_blur`
 
     Returns
@@ -70,7 +72,7 @@ def lens_pitch(
     ----------
     docs/lenses.md: measured MTF50 against aperture, and what it gives.
     """
-    return field_blur * np.sqrt(rated_pitch_px**2 + aberration_f1_px**2 * f_number**-power)
+    return field_blur * np.sqrt(rated_pitch_px**2 + aberration_f1_px**2 * f_number**-exponent)
 
 
 def field_blur(field_over_corner: Numeric) -> Numeric:

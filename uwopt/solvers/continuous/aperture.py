@@ -69,7 +69,7 @@ class ApertureProgram:
             pixel_pitch_m=float(sharp.pixel_pitch_m[0]), defocus_px=float(sharp.rms_disc_px[0, 1]) / f_number,
             lens_pitch_px=lens_pitch(
                 float(sharp.rated_pitch_px[0]), aberration_f1_px=float(sharp.aberration_px[0]), f_number=f_number,
-                power=float(sharp.aberration_power[0]), field_blur=sharp.lens_blur("rms"),
+                exponent=float(sharp.aberration_exponent[0]), field_blur=sharp.lens_blur("rms"),
             ),
         )  # fmt: skip
         blur = float(sharp.blur_px_per_s[0, 1] * rows.blur_s(self.chosen.time_s)[0])

@@ -108,7 +108,7 @@ def log_lens(sharp: SharpRows, design: Array, f_number: Array, radius_cyc_per_px
     scale = -np.log(2.0) * (2.0 * radius_cyc_per_px) ** 2
     pitch2 = np.square(sharp.lens_pitch_px("rms", f_number=f_number, rows=design))
     closed2 = np.square(sharp.lens_blur("rms") * sharp.rated_pitch_px[design])
-    return scale * pitch2[:, None], scale * (sharp.aberration_power[design] * (pitch2 - closed2))[:, None]
+    return scale * pitch2[:, None], scale * (sharp.aberration_exponent[design] * (pitch2 - closed2))[:, None]
 
 
 def summed(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
