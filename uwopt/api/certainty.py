@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import replace
 
 from uwopt.api.common import Progress
@@ -20,6 +21,7 @@ from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import Sought, design_of
 
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
+CERTAINTY_S = 20.0  # of the processor, where no time is given
 OF_A_SYSTEM = 2048  # scenarios in which a given system is counted
 AS_CENTRAL = "certainty_left_out"  # that there was no time for it
 
@@ -37,9 +39,10 @@ def with_confidence(
     asked, problem = sought.problem.mission.confidence, sought.problem
     if asked == CENTRAL or not sought.outcome.best:
         return sought, winner, None
+    patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(CERTAINTY_S, time.process_time)
     with timed(timing, "certainty", progress):
-        certain = deadline.within(
-            STAGES["certainty"], lambda: most_certain(sought, goal, asked, deadline, progress), None
+        certain = patience.within(
+            STAGES["certainty"], lambda: most_certain(sought, goal, asked, patience, progress), None
         )
     first = sought.outcome.best[0]
     if certain is None:

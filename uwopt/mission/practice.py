@@ -22,6 +22,7 @@ RECOMMENDED_KEYS: Mapping[str, Mapping[str, Any]] = {
     "vehicle": {"lamp_supply": "external"},
     "catalog": {"host": "estimate", "rest": "estimate", "housing": "required", "spacers": "allow"},
 }
+RECOMMENDED_CONFIDENCE = 0.9  # share of the scenarios of what is uncertain in which hardware must hold
 LEAST_UNIFORMITY = 0.3  # darkest over mean illuminance of the floor, where there are lamps
 HOUSING_WORDS = ("hous", "enclos", "hull", "pressure case", "canister")  # in the names of extras
 SLOW_LAMP_S, SLOW_CAMERA_S = 10.0, 60.0  # between images; from here on what is switched off between them saves much
@@ -52,6 +53,8 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
             made[section] = {**keys, **{key: value for key, value in (given or {}).items() if value is not None}}
     if made.get("reserve") is None:
         made["reserve"] = RECOMMENDED
+    if made.get("confidence") is None:
+        made["confidence"] = RECOMMENDED_CONFIDENCE
     return made
 
 

@@ -109,7 +109,7 @@ requirements:
 
 # How certain the recommendation is to be: the share of the scenarios of what is uncertain in which the hardware must
 # hold, central (every number at its central value), or ends (the worst of all ends).
-# confidence: 0.9
+# confidence: 0.9              # by good practice
 # doubt:                       # what the scenarios draw beside the numbers of parts that are estimates
 #   parts: yes                 # those
 #   clarity: yes               # what a reading such as visibility_m leaves open

@@ -34,6 +34,7 @@ from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 FEW_STOPS = 3  # that are looked at
+GAP = 1e-2  # of a scenario's objective where settings have no closed form: far less than scenarios differ
 SAME_FIELD = 0.02  # of the logarithm of a field's tangent
 MOST = 0.9  # of the scenarios: a stop that as many allow is not too wide
 
@@ -208,7 +209,7 @@ def values_at(
     none = np.zeros(len(imager))
     best = best_settings(
         tried, problem.lenses.motorised[imagers.lens[imager]], objective, camera_power, problem.scene_power_limit_w,
-        constant=objective.constant(Terms(camera_power, cost, mass, none, imagers.gsd_mm[imager])),
+        gap_rel=GAP, constant=objective.constant(Terms(camera_power, cost, mass, none, imagers.gsd_mm[imager])),
         mean_limit=MeanLimit.of(problem),
     )  # fmt: skip
     power = camera_power + np.max([c.light_power_w for c in best.chosen], axis=0)

@@ -30,7 +30,7 @@ from uwopt.solvers.explain.robustness import among
 from uwopt.solvers.recommend import Sought
 
 WORSE = (0.75, 0.9, 0.6)  # than this share of the scenarios: what searches for hardware with room start from
-A_SEARCH = 8  # hardware that each brings up
+A_SEARCH = 6  # hardware that each brings up
 OF_CENTRAL = 3  # of the central search
 ENOUGH = 4  # hardware that holds: no further search is made
 FRESH = 1024  # scenarios that the choice has not seen
