@@ -60,7 +60,8 @@ What a result does not tell does not pass.
 | stop | f-number over the lens's widest | one stop or more, or a lens of one opening |
 | colour | white balance of the weakest channel | at most x 4; black and white passes |
 | depth | least depth rating over the depth asked | 1.1 or more |
-| reserve | requirements on the images met with nothing in hand | none |
+| reserve | requirements on the images met with nothing in hand, where it was not counted how often they hold | none |
+| certain | scenarios of what is uncertain in which settings meet every requirement | 90 % or more |
 | bad ends | what is asked, with estimated numbers at their bad ends | still met |
 | water | other descriptions of the same water | all served |
 | housing | a housing that takes port, camera and lens | one is in the order |
@@ -160,6 +161,14 @@ def reserve(result: Result, design: Design) -> Line:
     return Line("reserve", not tight, "none left" if tight else "kept")
 
 
+def certain(result: Result, design: Design) -> Line:
+    """How often it holds in the doubt."""
+    known = result.confidence
+    if known is None:
+        return Line("certain", False, "not counted")
+    return Line("certain", known.enough, f"{100.0 * known.held:.0f} %")
+
+
 def bad_ends(result: Result, design: Design) -> Line:
     """Estimated numbers at their bad ends."""
     held = (result.robustness or {}).get("feasible_at_bad_end")
@@ -208,7 +217,7 @@ def quoted(result: Result, design: Design) -> Line:
 
 
 CHECKS: tuple[Check, ...] = (
-    light, snr, corner, stop, colour, depth, reserve, bad_ends, water, housing, lamps, sold, price,
+    light, snr, corner, stop, colour, depth, reserve, certain, bad_ends, water, housing, lamps, sold, price,
     quoted,
 )  # fmt: skip
 
