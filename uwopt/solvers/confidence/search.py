@@ -29,10 +29,10 @@ from uwopt.solvers.explain.one_hardware import KINDS, parts_of, problem_of
 from uwopt.solvers.explain.robustness import among
 from uwopt.solvers.recommend import Sought
 
-WORSE = (0.75, 0.9, 0.6)  # than this share of the scenarios: what searches for hardware with room start from
-A_SEARCH = 6  # hardware that each brings up
-OF_CENTRAL = 3  # of the central search
-ENOUGH = 4  # hardware that holds: no further search is made
+WORSE = (0.75, 0.9)  # than this share of the scenarios: what searches for hardware with room start from
+A_SEARCH = 4  # hardware that each brings up
+OF_CENTRAL = 2  # of the central search
+ENOUGH = 3  # hardware that holds: no further search is made
 FRESH = 1024  # scenarios that the choice has not seen
 FRESH_SEED = 1_000_003
 
@@ -158,7 +158,7 @@ def candidates(
             return
         changed = worse_problem(problem, scenarios, worse)
         for goal in (objective, Objective.of("snr_db")):
-            if done() or (goal is not objective and (hopeful() or not wants_light)):
+            if done() or (goal is not objective and (hopeful() or not wants_light or worse != WORSE[0])):
                 break
             searched = Search(changed, goal, top=A_SEARCH, deadline=deadline).run()
             deadline.check()
