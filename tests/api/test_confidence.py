@@ -49,6 +49,8 @@ def test_beside_it_stands_the_central_optimum_with_its_proof(certain: Result) ->
     assert known.central_objective == pytest.approx(proof.best_value)
     assert certain.status == "feasible"  # counted, not proven best
     assert known.central_held is not None and 0.0 <= known.central_held <= 1.0
+    assert known.central_p50 is not None and known.objective_p50 is not None
+    assert known.objective_p50 <= known.central_p50 * 1.02  # of other scenarios
 
 
 def test_it_is_told_first_and_survives_its_file(certain: Result) -> None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 
 from uwopt.api.common import Progress
 from uwopt.api.timing import STAGES, timed
@@ -15,13 +17,14 @@ from uwopt.mission.doubt import CENTRAL, ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design, Note
-from uwopt.solvers.confidence.search import Certain, Counted, at_its_stop, most_certain, with_stop
+from uwopt.solvers.confidence.search import Certain, Counted, at_its_stop, most_certain, rank, with_stop
 from uwopt.solvers.exact.light_tables import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import Sought, design_of
 
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
 CERTAINTY_S = 20.0  # of the processor, where no time is given
+MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
 OF_A_SYSTEM = 2048  # scenarios in which a given system is counted
 AS_CENTRAL = "certainty_left_out"  # that there was no time for it
 
@@ -66,10 +69,13 @@ def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Dea
     """The choice at the stop of its ring that can be set by central numbers too, and its design.
 
     At the best stop depth of field may be met to the last digit, so that no focus mark keeps it; the others that hold
-    as often are tried in the order of their medians. Where none can be set, the best, with a warning.
+    as often are tried in the order of their medians, then other hardware. Where none can be set, the best, with a
+    warning.
     """
     problem, tried = sought.problem, []
-    for one in stops_that_hold(certain):
+    for one in islice(stops_that_hold(certain), MOST_SET):
+        if tried and deadline.passed():
+            break
         found = at_its_stop(problem, goal, one, deadline)
         if found is None:
             continue
@@ -82,12 +88,16 @@ def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Dea
     return tried[0]
 
 
-def stops_that_hold(certain: Certain) -> list[Counted]:
-    """The best hardware at its stop, then at the others at which it holds no less often than was asked for."""
-    best, made = certain.best, certain.best.outcomes
-    others = [Counted(best.found, made, k) for k in range(len(made.f_numbers)) if k != best.stop]
-    least = min(certain.asked, best.held)
-    return [best, *sorted((one for one in others if one.held >= least), key=lambda one: one.quantile(0.5))]
+def stops_that_hold(certain: Certain) -> Iterator[Counted]:
+    """The best hardware at its stop, then at the others at which it holds as often as was asked for; then the next."""
+    least = min(certain.asked, certain.best.held)
+    others = sorted((one for one in certain.tried if one is not certain.best), key=lambda one: rank(one, certain.asked))
+    for hardware in (certain.best, *others):
+        made = hardware.outcomes
+        rest = [Counted(hardware.found, made, k) for k in range(len(made.f_numbers)) if k != hardware.stop]
+        for one in (hardware, *sorted(rest, key=lambda one: one.quantile(0.5))):
+            if one.held >= least:
+                yield one
 
 
 def confidence_of(

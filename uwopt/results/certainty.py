@@ -55,6 +55,7 @@ class Confidence(Record):
     )
     central_hardware: list[str] = Field(default_factory=list, description="the hardware that reaches it")
     central_held: Number | None = Field(default=None, description="share of the scenarios in which that holds")
+    central_p50: Number | None = Field(default=None, description="objective that it keeps or betters in half of them")
     counted: Whole = Field(default=1, description="hardware whose outcomes were counted in every scenario")
     complete: Flag = Field(default=True, description="whether there was time for all of it")
     curve: list[CertaintyPoint] = Field(default_factory=list, description="what confidence costs, from 0.5 to 0.99")

@@ -17,6 +17,7 @@ from uwopt.report.page.html_file import compact_json, packed, rendered, safe_id,
 from uwopt.report.page.sections import DesignPart
 from uwopt.report.page.svg import clean_svg
 from uwopt.report.text import doubts, exactness, tables, words
+from uwopt.report.text.certainty import percent
 from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import knee_blocks
@@ -241,6 +242,9 @@ def status_words(result: Result | FrontResult) -> tuple[str, str]:
         "stopped": "warn",
         "interrupted": "warn",
     }
+    if isinstance(result, Result) and result.confidence is not None:
+        known = result.confidence
+        return f"holds in {percent(known.held)}", "good" if known.enough else "bad"
     text = "best of the catalogue" if result.status == "optimal" else words.one_line(result.status, 30)
     return text, mark.get(result.status, "bad")
 

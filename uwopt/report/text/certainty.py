@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from uwopt.report.text import words
+from uwopt.report.text.doubts import number_name
 from uwopt.report.text.layout import Block, Line, block, columns, fact_lines
 from uwopt.report.text.layout import Text as Cell
 from uwopt.results.certainty import Confidence, WorthKnowing
@@ -69,10 +70,10 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
     if known.central_objective is not None and known.central_held is not None:
         value = words.objective_text(result, known.central_objective)
         parts = words.listed([words.one_line(part, 60) for part in known.central_hardware])
-        yield (
-            "by central numbers",
-            f"{value} with {parts}, which holds in {percent(known.central_held)} of the scenarios",
-        )
+        text = f"{value} with {parts}, which holds in {percent(known.central_held)} of the scenarios"
+        if known.central_p50 is not None:
+            text += f", in half of them with {words.objective_text(result, known.central_p50)}"
+        yield "by central numbers", text
     if known.f_number is not None:
         yield "set at sea", (
             f"exposure, gain and light level, once the water is seen; the iris stays at f/{known.f_number:.3g}"
@@ -101,13 +102,13 @@ def ask_first(result: Result) -> Iterator[str]:
     """What would be worth knowing before buying, in the unit of the objective."""
     known = result.confidence
     for one in known.ask_first if known is not None else ():
-        yield f"{asked_text(one)}: worth {words.objective_text(result, one.worth)} on average."
+        yield f"{asked_text(one)}: worth {words.objective_text(result, one.worth, 2)} on average."
 
 
 def asked_text(one: WorthKnowing) -> str:
     """`Ask for light.power_w of acme-1`, `Measure the clarity of the water`."""
     if one.part:
-        field = words.one_line(one.what.partition(".")[2].replace("_", " "))
+        field = words.one_line(number_name(one.what.partition(".")[2]))
         return f"Ask for {field} of {words.one_line(one.part, 60)}"
     verb = "Find out" if one.what.startswith("which") else "Measure"
     return f"{verb} {words.one_line(one.what)}"

@@ -291,7 +291,8 @@ def tilt_facts(doubt: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 #: Fields of parts whose names say little to who has to ask for them.
-NUMBERS = {"qe_scale": "quantum efficiency (as a factor)", "output_factor": "share of light that leaves"}
+NUMBERS = {"qe_scale": "quantum efficiency (as a factor)", "output_factor": "share of light that leaves",
+           "flash_duration_at_frac": "level to which the stated flash duration is measured"}  # fmt: skip
 PRICES = ("price", "host price")
 #: What is taken for the loss of light between lamp and floor, by the name in a result.
 LAMP_LOSSES = {
@@ -343,12 +344,16 @@ def quote_text(item: Any, result: Result) -> str:
     return words.one_line(quoted_number(item) + other)
 
 
+def number_name(field: str) -> str:
+    """A field of a part as its maker calls it."""
+    return NUMBERS.get(field, split_unit(field)[0].removesuffix("_frac").replace("_", " "))
+
+
 def quoted_number(item: Any) -> str:
     """`price of acme-lamp (1 700 to 3 400 USD)`, `output of acme-lamp ~0.7 (0.5 to 0.9)`."""
     if not isinstance(item, Mapping):
         return words.one_line(item)
-    field = str(item.get("field") or "")
-    number = NUMBERS.get(field, split_unit(field)[0].removesuffix("_frac").replace("_", " "))
+    number = number_name(str(item.get("field") or ""))
     unit = str(item.get("unit") or "")
     whose = item.get("part") or item.get("id") or item.get("path")
     if number in PRICES and is_number(item.get("low")) and is_number(item.get("high")):

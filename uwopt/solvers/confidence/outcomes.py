@@ -33,7 +33,7 @@ from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
-FEW_STOPS = 3  # that are looked at
+STOPS_ON = (0.0, 1 / 3, 2 / 3, 4 / 3)  # from the widest stop that most scenarios allow: those that are looked at
 GAP = 1e-2  # of a scenario's objective where settings have no closed form: far less than scenarios differ
 SAME_FIELD = 0.02  # of the logarithm of a field's tangent
 MOST = 0.9  # of the scenarios: a stop that as many allow is not too wide
@@ -176,17 +176,18 @@ def image_key(problem: Problem, imagers: Imagers, lighting: Lighting, found: Fou
 def wanted_stops(problem: Problem, imagers: Imagers) -> list[float]:
     """Stops of the lens's ring, and halfway between them, that most scenarios allow.
 
-    What is sharp in few scenarios is not looked at. Of the others the widest, which ask for the least light, and one
-    in the middle.
+    What is sharp in few scenarios is not looked at. Of the others the widest, which asks for the least light, some that
+    are closed a little more, and one in the middle.
     """
     low = np.max([seen.focused.n_low for seen in imagers.scenes], axis=0) / ROUND
     high = np.min([seen.focused.n_high for seen in imagers.scenes], axis=0) * ROUND
     marks = stops(problem.lenses.take(np.array([0])), between=True)
     allowed = ((marks[:, None] >= low) & (marks[:, None] <= high)).mean(axis=1)
     useful, share = marks[allowed > 0.0], allowed[allowed > 0.0]
-    if len(useful) > FEW_STOPS:
+    if len(useful) > len(STOPS_ON):
         most = useful[share >= min(float(share.max()), MOST)]
-        useful = np.unique([*most[: FEW_STOPS - 1], most[len(most) // 2]])
+        wanted = most[0] * 2.0 ** (np.array(STOPS_ON) / 2.0)
+        useful = np.unique([*most[np.abs(most[:, None] - wanted).argmin(axis=0)], most[len(most) // 2]])
     return [float(n) for n in useful]
 
 

@@ -38,7 +38,8 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
         problem, objective, seen, asked="ends" if ends else certain.asked, share=certain.asked,
         in_choice=certain.best,
         central_objective=objective.reported(central.minimised), central_hardware=ids(problem, central),
-        central_held=first.held, counted=len(certain.tried), complete=certain.complete,
+        central_held=first.held, central_p50=reported(objective, first.quantile(0.5)),
+        counted=len(certain.tried), complete=certain.complete,
         curve=[] if ends else list(curve(problem, objective, certain)),
         ask_first=[] if ends else [
             WorthKnowing(one.what, one.part, objective.amount(one.worth, certain.best.quantile(0.5)))
