@@ -72,7 +72,8 @@ def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Dea
     as often are tried in the order of their medians, then other hardware. Where none can be set, the best, with a
     warning.
     """
-    problem, tried = sought.problem, []
+    problem = sought.problem
+    tried: list[tuple[Certain, Design]] = []
     for one in islice(stops_that_hold(certain), MOST_SET):
         if tried and deadline.passed():
             break
