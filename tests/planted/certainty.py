@@ -102,6 +102,20 @@ DEFECTS = (
         test=f"{TESTS}::test_a_number_is_worth_what_choosing_by_it_saves",
     ),
     Defect(
+        name="a choice is solved again when time is over",
+        file="uwopt/api/certainty.py",
+        old="found = certain.central if one is certain.best else at_its_stop(",
+        new="found = at_its_stop(",
+        test=f"{TESTS}::test_what_was_chosen_is_kept_when_time_is_over",
+    ),
+    Defect(
+        name="pieces of one name are one",
+        file=f"{ROOM}/scenarios.py",
+        old="key = (type(part), part.id)",
+        new="key = part.id",
+        test=f"{TESTS}::test_pieces_of_one_name_are_each_drawn_as_what_they_are",
+    ),
+    Defect(
         name="the iris of a given system is opened",
         file="uwopt/api/certainty.py",
         old="f_numbers=None if f_number is None else [f_number])",

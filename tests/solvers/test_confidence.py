@@ -12,7 +12,9 @@ import pytest
 from one_of_each import one, with_parts
 from random_cases import Case
 
+from uwopt.api.certainty import as_settable
 from uwopt.catalog.parts.quantity import Quantity
+from uwopt.deadline import Deadline
 from uwopt.mission.doubt import Doubt
 from uwopt.solvers.confidence import search as search_module
 from uwopt.solvers.confidence.outcomes import imagers_of, outcomes
@@ -236,6 +238,29 @@ def test_the_worst_case_takes_every_bad_end() -> None:
     central = sought.outcome.best[0].minimised
     light = central - 3.0
     assert certain.best.quantile(1.0) > 6.0 + 1.9 * light
+
+
+def test_pieces_of_one_name_are_each_drawn_as_what_they_are() -> None:
+    """Camera and lens of a complete camera may have its id."""
+    sought = sought_of(one(wanted=FAST))
+    problem = sought.problem
+    scenarios = Scenarios.drawn(problem.mission, problem.scenes, KNOWN, seed=0, count=4)
+    camera, lens = problem.parts.cameras[0], replace(problem.parts.lenses[0], id="camera")
+    assert {type(part) for part in scenarios.each(camera)} == {type(camera)}
+    assert {type(part) for part in scenarios.each(lens)} == {type(lens)}
+
+
+def test_what_was_chosen_is_kept_when_time_is_over() -> None:
+    """Nothing is solved again for the choice itself; what it was made on is told as such."""
+    sought = sought_of(one(wanted=FAST))
+    objective = sought.search.objective
+    certain = most_certain(sought, objective, 0.9)
+    assert certain is not None
+    over = Deadline.after(-1.0)
+    kept, design = as_settable(sought, replace(certain, fresh=None), objective, over)
+    assert kept.central == certain.central and design.feasible
+    record = told(sought.problem, objective, kept, sought.outcome.best[0], ends=False)
+    assert not record.fresh and record.scenarios == certain.scenarios.count
 
 
 # ---------------------------------------------------------------- worth of knowing

@@ -17,7 +17,15 @@ from uwopt.mission.doubt import CENTRAL, ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design, Note
-from uwopt.solvers.confidence.search import Certain, Counted, at_its_stop, most_certain, rank, with_stop
+from uwopt.solvers.confidence.search import (
+    Certain,
+    Counted,
+    at_its_stop,
+    most_certain,
+    rank,
+    scenarios_of,
+    with_stop,
+)
 from uwopt.solvers.exact.light_tables import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import Sought, design_of
@@ -49,7 +57,8 @@ def with_confidence(
         )
     first = sought.outcome.best[0]
     if certain is None:
-        text = "no time was left to count scenarios: this is the best by central numbers"
+        why = "no time was left to count scenarios" if patience.left_out else "no stop that was counted fits by them"
+        text = f"this is the best by central numbers, which alone are held: {why}"
         note = Note(AS_CENTRAL, "confidence", text)
         return sought, replace(winner, warnings=[note, *winner.warnings]), None
     with timed(timing, "certainty", progress):
@@ -77,7 +86,7 @@ def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Dea
     for one in islice(stops_that_hold(certain), MOST_SET):
         if tried and deadline.passed():
             break
-        found = at_its_stop(problem, goal, one, deadline)
+        found = certain.central if one is certain.best else at_its_stop(problem, goal, one, deadline)
         if found is None:
             continue
         at = problem if one.f_number is None else problem.at_f_number(one.f_number)
@@ -105,18 +114,10 @@ def confidence_of(
     problem: Problem, hardware: Hardware, goal: Objective, asked: float | str, f_number: float | None
 ) -> Confidence:
     """In how many scenarios a given system holds, its iris where it stands and all else set once the water is seen."""
-    from uwopt.solvers.confidence.ends import EndScenarios
     from uwopt.solvers.confidence.outcomes import outcomes
-    from uwopt.solvers.confidence.scenarios import Scenarios
     from uwopt.solvers.confidence.summary import counted
 
-    mission, doubt = problem.mission, problem.mission.doubt
-    ends = asked == ENDS
-    scenarios: Scenarios = (
-        EndScenarios.of(mission, problem.scenes, doubt)
-        if ends
-        else Scenarios.drawn(mission, problem.scenes, doubt, seed=mission.seed, count=OF_A_SYSTEM)
-    )
+    scenarios = scenarios_of(problem, asked, problem.mission.seed, OF_A_SYSTEM)
     lighting = Lighting(int(problem.lights.optics_index[hardware.light]), 0, hardware.mount)
     found = Found(
         imager=0, camera=hardware.camera, lens=hardware.lens, port=hardware.port, landscape=hardware.landscape,
@@ -124,7 +125,7 @@ def confidence_of(
         cost=math.nan, mass_kg=math.nan, snr_db=math.nan, settings=[], pulse_s=0.0,
     )  # fmt: skip
     made = outcomes(problem, found, goal, scenarios, f_numbers=None if f_number is None else [f_number])
-    share = 1.0 if ends else float(asked)
+    share = 1.0 if asked == ENDS else float(asked)
     return counted(problem, goal, Counted(found, made, made.best(share)), asked=asked, share=share)
 
 

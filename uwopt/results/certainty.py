@@ -40,10 +40,10 @@ class Confidence(Record):
 
     asked: Number | str = Field(description="share of the scenarios, or ends: the worst of all ends")
     enough: Flag = Field(description="whether it holds as often as asked")
-    held: Number = Field(description="share of fresh scenarios in which settings meet every requirement")
+    held: Number = Field(description="share of the scenarios in which settings meet every requirement")
     held_low: Number = Field(description="low end of that share, with 95 % confidence (Wilson)")
     held_high: Number = Field(description="high end of it")
-    scenarios: Whole = Field(description="fresh ones, which the choice has not seen")
+    scenarios: Whole = Field(description="in which it was counted: of solve fresh ones, unless time was short (fresh)")
     held_in_choice: Number = Field(description="share of the scenarios that the choice was made on")
     scenarios_in_choice: Whole = Field(description="how many those are")
     objective_p50: Number | None = Field(description="kept or bettered in half of them; null: not held in as many")
@@ -57,6 +57,7 @@ class Confidence(Record):
     central_held: Number | None = Field(default=None, description="share of the scenarios in which that holds")
     central_p50: Number | None = Field(default=None, description="objective that it keeps or betters in half of them")
     counted: Whole = Field(default=1, description="hardware whose outcomes were counted in every scenario")
+    fresh: Flag = Field(default=True, description="whether the choice has not seen these scenarios")
     complete: Flag = Field(default=True, description="whether there was time for all of it")
     curve: list[CertaintyPoint] = Field(default_factory=list, description="what confidence costs, from 0.5 to 0.99")
     ask_first: list[WorthKnowing] = Field(

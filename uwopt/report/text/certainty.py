@@ -74,6 +74,10 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
         if known.central_p50 is not None:
             text += f", in half of them with {words.objective_text(result, known.central_p50)}"
         yield "by central numbers", text
+    short = [] if known.complete else ["not all hardware with room was looked for"]
+    short += [] if known.fresh else ["the scenarios are those that the choice was made on, so the share flatters it"]
+    if short:
+        yield "for want of time", "; ".join(short)
     if known.f_number is not None:
         yield "set at sea", (
             f"exposure, gain and light level, once the water is seen; the iris stays at f/{known.f_number:.3g}"

@@ -36,7 +36,7 @@ class Scenarios:
     states: list[WaterState]
     waters: Waters
     port: Array
-    known: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)  # parts drawn, by id
+    known: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)  # parts drawn, light in other water
 
     @staticmethod
     def drawn(mission: Mission, scenes: Sequence[SceneOptics], doubt: Doubt, *, seed: int, count: int) -> Scenarios:
@@ -59,9 +59,10 @@ class Scenarios:
         """A camera or a lens in each scenario."""
         if not self.doubt.parts:
             return [part] * self.count
-        if part.id not in self.known:
-            self.known[part.id] = drawn_parts(part, self.seed, self.count)
-        return list(self.known[part.id])
+        key = (type(part), part.id)  # pieces of a complete camera share its name
+        if key not in self.known:
+            self.known[key] = drawn_parts(part, self.seed, self.count)
+        return list(self.known[key])
 
     def lights(self, part: Light) -> list[Light]:
         """A light in each scenario; its beam in one of few states."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
-from uwopt.mission.doubt import ENDS, Doubt
+from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.ends import EndScenarios
@@ -79,11 +79,12 @@ class Certain:
         return self.best.held >= self.asked
 
 
-def scenarios_of(problem: Problem, doubt: Doubt, asked: float | str, seed: int) -> Scenarios:
-    """Scenarios of a problem's mission: drawn, or the ends of all that is uncertain."""
+def scenarios_of(problem: Problem, asked: float | str, seed: int, count: int) -> Scenarios:
+    """Scenarios of a problem's mission: so many drawn, or the ends of all that is uncertain."""
+    mission = problem.mission
     if asked == ENDS:
-        return EndScenarios.of(problem.mission, problem.scenes, doubt)
-    return Scenarios.drawn(problem.mission, problem.scenes, doubt, seed=seed, count=doubt.scenarios)
+        return EndScenarios.of(mission, problem.scenes, mission.doubt)
+    return Scenarios.drawn(mission, problem.scenes, mission.doubt, seed=seed, count=count)
 
 
 def most_certain(
@@ -94,8 +95,8 @@ def most_certain(
 
     None where none is feasible with every number at its central value: then neither are its settings to tell.
     """
-    problem, doubt = sought.problem, sought.problem.mission.doubt
-    scenarios = scenarios_of(problem, doubt, asked, problem.mission.seed)
+    problem, mission = sought.problem, sought.problem.mission
+    scenarios = scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios)
     share = 1.0 if asked == ENDS else float(asked)
     tried: list[Counted] = []
     complete = True
@@ -191,9 +192,7 @@ def with_stop(
 
 def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:
     """The best in scenarios that the choice has not seen, at the same stop."""
-    mission, doubt = problem.mission, problem.mission.doubt
-    seed = (mission.seed + FRESH_SEED) % 2**32
-    scenarios = Scenarios.drawn(mission, problem.scenes, doubt, seed=seed, count=FRESH)
+    scenarios = scenarios_of(problem, certain.asked, (problem.mission.seed + FRESH_SEED) % 2**32, FRESH)
     stop = None if certain.best.f_number is None else [certain.best.f_number]
     return Counted(certain.best.found, outcomes(problem, certain.best.found, objective, scenarios, f_numbers=stop), 0)
 

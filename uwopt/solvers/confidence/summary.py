@@ -39,7 +39,7 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
         in_choice=certain.best,
         central_objective=objective.reported(central.minimised), central_hardware=ids(problem, central),
         central_held=first.held, central_p50=reported(objective, first.quantile(0.5)),
-        counted=len(certain.tried), complete=certain.complete,
+        counted=len(certain.tried), complete=certain.complete, fresh=ends or certain.fresh is not None,
         curve=[] if ends else list(curve(problem, objective, certain)),
         ask_first=[] if ends else [
             WorthKnowing(one.what, one.part, objective.amount(one.worth, certain.best.quantile(0.5)))
