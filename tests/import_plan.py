@@ -37,6 +37,7 @@ SENTENCE = [
     "api",
     "report",
     "bench",
+    "explore",
     "cli",
     "__main__",
 ]

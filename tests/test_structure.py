@@ -91,7 +91,7 @@ def test_library_is_imported_in_one_module(library):
     second, _ = SECOND_MODULES.get(library, ("", ""))
     users = [user for user in users if user != second]
     assert len(users) <= 1
-    assert all(user.startswith("solvers.") for user in users)
+    assert all(user.startswith("explore." if library == "dash" else "solvers.") for user in users)
 
 
 @pytest.mark.parametrize("name", ["solve", "evaluate", "pareto"])
@@ -102,7 +102,7 @@ def test_no_module_bears_the_name_of_a_public_function(name):
 #: What one command in some needs, and loads when it comes to it.
 SELDOM = (
     "scipy", "pandas", "casadi", "nlopt", "pymoo", "moocore", "plotly", "jerlov", "jinja2", "mpmath", "PIL", "rich",
-    "openpyxl", "uwopt.report", "uwopt.bench",
+    "openpyxl", "dash", "matplotlib", "uwopt.report", "uwopt.bench", "uwopt.explore",
 )  # fmt: skip
 NOT_LOADED_BY = {
     "uwopt": (*SELDOM, "numpy", "yaml", "pydantic"),

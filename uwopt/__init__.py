@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from uwopt.api.solving import solve as solve
     from uwopt.api.trading import pareto as pareto
     from uwopt.api.whatif import whatif as whatif
+    from uwopt.explore.plotting import plot as plot
     from uwopt.forward.assembly import load_catalog as load_catalog
     from uwopt.mission.mission import Mission as Mission
     from uwopt.mission.mission import load_mission as load_mission
@@ -40,6 +41,7 @@ _WHERE = {
     "pareto": "uwopt.api.trading",
     "FrontResult": "uwopt.results.front",
     "compare": "uwopt.api.comparing",
+    "plot": "uwopt.explore.plotting",
     "whatif": "uwopt.api.whatif",
     "WhatIf": "uwopt.results.whatif",
     "OwnObjective": "uwopt.objectives.own",

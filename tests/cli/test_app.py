@@ -35,7 +35,7 @@ MISSION = ROOT / "problems" / "paper-tank.yaml"
 SYSTEM = ROOT / "problems" / "paper-tank.system.yaml"
 COMMANDS = [
     [], ["solve"], ["evaluate"], ["catalog"], ["catalog", "list"], ["catalog", "show"], ["catalog", "check"],
-    ["catalog", "template"], ["init"], ["schema"], ["report"], ["pareto"], ["whatif"], ["explain"], ["bench"],
+    ["catalog", "template"], ["init"], ["schema"], ["report"], ["pareto"], ["whatif"], ["plot"], ["explain"], ["bench"],
 ]  # fmt: skip
 Status = Callable[..., None]
 

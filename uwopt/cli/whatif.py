@@ -75,17 +75,17 @@ def whatif_command(
     return {"interrupted": INTERRUPTED, "stopped": LIMIT_REACHED}.get(table.status, DONE)
 
 
-def by_key(words: list[str]) -> dict[str, str]:
-    """`KEY=VALUES` of every --vary."""
+def by_key(words: list[str], option: str = "--vary") -> dict[str, str]:
+    """`KEY=VALUES` of every --vary, or of another option."""
     made: dict[str, str] = {}
     for word in words:
         key, sign, values = word.partition("=")
         if not sign or not key.strip() or not values.strip():
             raise MissionError(
-                f"--vary {word!r}: is no key with values; write such as speed_m_s=0.2:2:40 (from:to:how many) or "
+                f"{option} {word!r}: is no key with values; write such as speed_m_s=0.2:2:40 (from:to:how many) or "
                 "water=I,II,1C"
             )
         if key.strip() in made:
-            raise MissionError(f"--vary: {key.strip()} stands twice; give all its values at once")
+            raise MissionError(f"{option}: {key.strip()} stands twice; give all its values at once")
         made[key.strip()] = values
     return made

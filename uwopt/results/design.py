@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from pydantic import Field
@@ -15,6 +17,9 @@ if TYPE_CHECKING:
 
 NOT_SETTABLE = "not_settable"  # code of the note that no settings to type in are offered
 SNR_INSTEAD = "snr_instead"  # code of the note that says why the best image is by signal to noise
+#: Settings that a system file states; its light level as a share, for flashes too.
+STATED = ("f_number", "exposure_ms", "pulse_ms", "gain", "dim_frac", "frame_rate_hz", "focus_distance_m")
+FARTHEST_M = 10_000.0  # focus that a system file may state; in place of one at infinity
 COLOUR_LEFT_OPEN = "colour_left_open"  # code of the note that says what sensor was chosen where none was asked
 
 
@@ -240,6 +245,18 @@ class Design(Record):
         as_set = self.rounded.power_w if self.rounded is not None and self.is_settable else None
         return self.totals.power_w if as_set is None else as_set
 
+    def as_system(self) -> dict[str, Any]:
+        """The keys of a system file that `evaluate` takes: its parts by id, places, and the exact settings by scene."""
+        made = self.hardware
+        parts = {kind: part.id for kind, part in made.named.items()}
+        places = [asdict(place) for place in made.light_mounts]
+        spacer = {"spacer_mm": made.spacer_mm} if made.spacer_mm else {}
+        return {
+            **parts, **spacer, "camera_count": made.camera_count, "light_count": made.light_count,
+            "orientation": made.orientation, **({"light_mounts": places} if places else {}),
+            "scenes": {scene.name: given_settings(scene.settings) for scene in self.scenes},
+        }  # fmt: skip
+
     def margins_frame(self) -> pd.DataFrame:
         """All margins as a table, one row a requirement and scene."""
         return frame_of({"margins": lambda: margin_rows(self)}, "margins")
@@ -251,3 +268,9 @@ class Design(Record):
     def bom_frame(self) -> pd.DataFrame:
         """The bill of materials as a table."""
         return frame_of({"bill": lambda: bill_rows(self)}, "bill")
+
+
+def given_settings(settings: Mapping[str, float | None]) -> dict[str, float]:
+    """One scene's settings as a system file states them."""
+    known = {key: value for key in STATED if (value := settings.get(key)) is not None}
+    return {"focus_distance_m": FARTHEST_M, **known}

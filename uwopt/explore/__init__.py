@@ -1,0 +1,1 @@
+"""Explore a design: plots as files, and the page with every control."""
