@@ -45,6 +45,8 @@ QUANTITIES = (
     Compared("light_count", "number of lights", ""),
     Compared("frame_rate_hz", "frame rate", "Hz"),
     Compared("swath_m", "swath", "m", "more"),
+    Compared("common_swath_m", "swath of both cameras", "m", "more"),
+    Compared("depth_error_mm", "error of a distance by stereo", "mm"),
     Compared("line_spacing_m", "distance between lines", "m", "more"),
     Compared("area_m2_h", "area in an hour", "m2/h", "more"),
     Compared("blur_px", "motion blur", "px"),

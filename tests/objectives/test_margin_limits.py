@@ -10,7 +10,7 @@ import ast
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from math import atan, degrees, hypot, log2, log10, pi, sin, sqrt
+from math import atan, degrees, hypot, log2, log10, pi, radians, sin, sqrt, tan
 from pathlib import Path
 from typing import Any
 
@@ -46,10 +46,12 @@ SYSTEM: dict[str, Any] = {
     "light": {"id": "lamp", "flux_lm": 10_000, "power_w": 100.0, "beam": "cosine-power", "beam_half_angle_deg": 40.0,
               "price": 400.0, "mass_g": 700.0},
     "housing": None,
+    "camera_count": 1,
     "spacer_mm": None,
     "light_count": 2,
     "settings": {"f_number": 4.0, "exposure_ms": 1.0, "gain": 1.0, "frame_rate_hz": 2.0},
 }  # fmt: skip
+PAIR = {"vehicle.camera_count": 2, "camera_count": 2, "vehicle.camera_baseline_m": 0.4}
 PULSED = {"light.kind": "pulsed_led", "settings.pulse_ms": 0.5}
 FLASH = {
     **{"light.kind": "flash", "light.flux_lm": None, "light.power_w": None},
@@ -198,6 +200,14 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("min_dof_m", low("requirements.min_dof_m", FAR_M - NEAR_M)),
     ("max_gsd_mm", high("requirements.max_gsd_mm", GSD_M * 1e3)),
     ("min_swath_m", low("requirements.min_swath_m", 2000 * GSD_M)),
+    ("min_common_swath_m", low("requirements.min_common_swath_m", 2000 * GSD_M - 0.4, **PAIR)),
+    ("min_common_swath_m", low(
+        "requirements.min_common_swath_m", (2000 * GSD_M - 0.4) / 1.1, **PAIR, **{"reserve.swath": 0.1})),
+    ("min_common_swath_m", lambda over: {  # the inner edges of views of 500 in 1330 to a side, turned by 2 deg, decide
+        **PAIR, "vehicle.camera_convergence_deg": 4.0, "requirements.min_common_swath_m": 2.0 * (
+            2.0 * tan(radians(2.0) + atan(1000 * PIXEL_M / FOCAL_M)) - 0.2) * (1.0 + over)}),
+    ("max_depth_error_mm", high("requirements.max_depth_error_mm", 0.3 * GSD_M * 1e3 * 2.0 / 0.4, **PAIR, **{
+        "requirements.disparity_error_px": 0.3})),
     ("min_snr_db", lambda over: {"requirements.min_snr_db": snr_db() * (1.0 + over)}),
     ("min_snr_red_db", lambda over: {
         **COLOUR, "requirements.min_snr_red_db": snr_db(0.2 / 0.55, **COLOUR) * (1.0 + over)}),

@@ -323,6 +323,7 @@ def misses_limits(model: DesignModel) -> bool:
     names = (
         "horizon", "max_gsd_mm", "min_swath_m", "cost", "mass_kg", "data_rate_mb_s", "frame_rate", "min_uniformity",
         "min_contrast", "storage_gb", "card_gb", "max_white_balance", "size_mm", "mass_water_kg",
+        "min_common_swath_m", "max_depth_error_mm",
     )  # fmt: skip
     for index in range(len(model.problem.scenes)):
         unit = model.settings(index, SceneSettings(gain=1.0))

@@ -26,6 +26,7 @@ COLOURS = 9  # the same of what is asked of colours
 COMPLETES = 11  # the same of complete cameras
 HOUSINGS = 10  # the same of housings and the sizes of bodies
 RINGS = 11  # the same of rings behind lenses
+PAIRS = 13  # the same of how two cameras stand
 PITCHES = 12  # the same of the angles by which cameras look ahead
 #: Of the first hundred random cases some that are enumerated quickly and, together, meet every kind of part, wish and
 #: rule, most of them with designs that are feasible; a test lists the kinds.
@@ -65,14 +66,14 @@ class Case:
 @cache
 def case(
     seed: int, *, over_frame: bool = False, coloured: bool = False, in_mid_water: bool = False, housed: bool = False,
-    spaced: bool = False, oblique: bool = False, whole: bool = False,
+    spaced: bool = False, oblique: bool = False, whole: bool = False, paired: bool = False,
 ) -> Case:  # fmt: skip
     """A random case whose limits are, in a part of the cases, just what one of its designs needs.
 
     `over_frame` asks its SNR, eased, of 95 % of the image, wherever it was asked; `coloured` asks something of colours;
     `in_mid_water` puts dark targets into open water; `housed` builds each port into three housings; `spaced` lets
     lenses that focus on nothing near stand on rings; `oblique` looks ahead;
-    `whole` adds complete cameras.
+    `whole` adds complete cameras; `paired` asks what a stereo pair sees and measures, just as well as a design does.
     """
     rng = np.random.default_rng(seed)
     parts, plain = small.parts(rng, 3 if THOROUGH else 2), small.with_in_hand(small.mission(rng), seed)
@@ -86,6 +87,8 @@ def case(
         plain = small.in_mid_water(plain)
     if oblique:
         plain = small.obliquely(np.random.default_rng([seed, PITCHES]), plain)
+    if paired:
+        plain = small.in_pairs(np.random.default_rng([seed, PAIRS]), plain)
     if housed:
         parts = small.housed(np.random.default_rng([seed, HOUSINGS]), parts)
     if spaced:
@@ -95,6 +98,8 @@ def case(
     objective = Objective.of(plain["objective"])
     free = Case(parts, small.loaded(plain), objective)
     limits, wanted = limits_that_bind(rng, free)
+    if paired:
+        wanted |= pair_that_binds(np.random.default_rng([seed, PAIRS, 1]), free)
     return Case(parts, small.loaded(plain, limits, **wanted), objective)
 
 
@@ -121,6 +126,20 @@ def limits_that_bind(rng: np.random.Generator, free: Case) -> tuple[dict[str, fl
     if small.chance(rng, 0.25):
         wanted["min_swath_m"] = min(float(v.footprint_across_m.min()) for v in model.views) / room
     return limits, wanted
+
+
+def pair_that_binds(rng: np.random.Generator, free: Case) -> dict[str, float]:
+    """What the pair of one random design that sees something with both cameras sees and measures, or a little less."""
+    bench = brute.Bench(free.problem())
+    models = [bench.model(hardware) for hardware in brute.buildable(bench.problem)]
+    seen = [(min(float(v.common_across_m.min()) for v in m.views), m) for m in models]
+    some = [(width_m, model) for width_m, model in seen if width_m > 0.0]
+    if not some:
+        return {}
+    width_m, model = small.pick(rng, some)
+    worst_m = max(float(v.depth_error_m.max()) for v in model.views)
+    room = small.pick(rng, [1.0, 1.0001, 1.05])
+    return {"min_common_swath_m": width_m / room, "max_depth_error_mm": worst_m * 1e3 * room}
 
 
 @cache

@@ -392,6 +392,13 @@ def obliquely(rng: Rng, plain: dict[str, Any]) -> dict[str, Any]:
     return {**plain, "physics": "full", "vehicle": vehicle, "scenes": scenes}
 
 
+def in_pairs(rng: Rng, plain: dict[str, Any]) -> dict[str, Any]:
+    """The same mission with a stereo pair, turned inward in some."""
+    pair = {"camera_count": 2, "camera_baseline_m": between(rng, 0.05, 0.6)}
+    turned = {"camera_convergence_deg": between(rng, 2, 20)} if chance(rng, 0.5) else {}
+    return {**plain, "vehicle": {**plain["vehicle"], **pair, **turned}}
+
+
 def loaded(plain: dict[str, Any], limits: dict[str, float] | None = None, **wanted: float) -> Mission:
     """The mission with more limits and requirements on top."""
     return load_mission(

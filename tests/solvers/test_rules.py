@@ -82,6 +82,7 @@ TILT = 0.625  # tangent of the corner: 5 mm of image over 8 mm
 
 
 TWO_HOURS = {"vehicle": {"duration_h": 2.0}}
+PAIR = {"vehicle": {"camera_count": 2, "camera_baseline_m": 0.5}}
 RATED = {"catalog": {"lens_rating": "limit"}}
 SHORT = {"limits": {"max_exposure_ms": 0.5}, "wanted": {"max_blur_px": 9.0}}
 
@@ -114,6 +115,10 @@ def imager_limits() -> dict[str, Limit]:
         "focus": Limit("lens", "min_object_distance_m", virtual_image_m(n_water), least=False),
         "max_gsd_mm": Limit("wanted", "max_gsd_mm", 0.5e-3 * DISTANCE_M * 1e3, least=True),
         "min_swath_m": Limit("wanted", "min_swath_m", DISTANCE_M, least=False),
+        # 0.5 m less of two cameras half a metre apart; half a pixel of disparity: 0.5 px (p / f) Z^2 / B
+        "min_common_swath_m": Limit("wanted", "min_common_swath_m", DISTANCE_M - 0.5, least=False, more=PAIR),
+        "max_depth_error_mm": Limit("wanted", "max_depth_error_mm", 0.5 * 0.5 * DISTANCE_M**2 / 0.5, least=True,
+                                    more=PAIR),
         "frame_rate": Limit("camera", "max_frame_rate_hz", RATE_HZ, least=True),
         "data_rate_mb_s": Limit("limits", "data_rate_mb_s", 4.5 * RATE_HZ, least=True),
         "lens_stop_down": Limit("lens", "f_number_max", 2.0 * 2.0**0.75, least=True,

@@ -65,6 +65,11 @@ def evaluate(
     built.check_scenes(wanted)
     asked = wanted
     if built.camera_count != wanted.vehicle.camera_count:
+        if wanted.vehicle.camera_baseline_m is not None:
+            raise MissionError([
+                f"{built.source_name}: camera_count = {built.camera_count}, where the mission asks for a stereo pair "
+                "(vehicle.camera_baseline_m); set it to 2"
+            ])  # fmt: skip
         vehicle = {**wanted.to_dict()["vehicle"], "camera_count": built.camera_count}
         wanted = wanted.with_changes(vehicle=vehicle)
     goal = goal_of(wanted)

@@ -30,6 +30,7 @@ Weighed = Iterator[tuple[float, Risk]]
 #: What is asked for, in words that stand in a sentence; others are told by their key.
 ASKED = {
     "max_blur_px": "motion blur", "max_skew_px": "skew", "overlap": "overlap", "max_gsd_mm": "pixel on the floor",
+    "min_common_swath_m": "swath of both cameras", "max_depth_error_mm": "error of a distance by stereo",
     "min_swath_m": "swath", "min_snr_db": "signal to noise", "min_snr": "signal to noise",
     "min_dof_m": "depth of field", "dof_near_m": "depth of field", "dof_far_m": "depth of field",
     "min_uniformity": "evenness of the light", "power_w": "power", "peak_power_w": "peak power", "mass_kg": "mass",

@@ -36,6 +36,8 @@ def used_hardware(problem: Problem, hw: Hardware, spacer_m: float) -> UsedHardwa
         housing=None if housing is None else used_part(housing),
         spacer_mm=spacer_m * 1e3,
         complete=used_part(whole(port)) if port.complete else None,
+        camera_baseline_m=problem.mission.vehicle.camera_baseline_m,
+        camera_convergence_deg=problem.mission.vehicle.camera_convergence_deg,
     )
 
 

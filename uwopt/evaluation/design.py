@@ -22,6 +22,7 @@ from uwopt.evaluation.figures_by_name import (
     stop_notes,
     uneven_notes,
 )
+from uwopt.evaluation.pair_light import pair_notes
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.enclosures import tight_at_worst
 from uwopt.forward.figures import Figures, SettingRows
@@ -98,8 +99,11 @@ def evaluate_design(
         ),
         scenes=scenes,
         bom=bill,
-        warnings=[*light_notes(model), *housing_notes(model), *uneven_notes(scenes), *stop_notes(model)],
-    )
+        warnings=[
+            *light_notes(model), *pair_notes(model, each), *housing_notes(model), *uneven_notes(scenes),
+            *stop_notes(model),
+        ],
+    )  # fmt: skip
 
 
 def housing_notes(model: DesignModel) -> list[Note]:

@@ -23,11 +23,11 @@ from uwopt.forward.figures import (
 from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
-from uwopt.forward.scene import COLOURS
+from uwopt.forward.scene import COLOURS, SceneOptics
 from uwopt.forward.sharpness import Field, airy_wavelength_nm, arriving
 from uwopt.forward.spacers import scale_distance_m
 from uwopt.forward.spectra import sees_colours
-from uwopt.forward.views import CORNER_FIELD, field_dioptres_per_m
+from uwopt.forward.views import CORNER_FIELD, Views, field_dioptres_per_m, pair_of
 from uwopt.model import lateral, sensor, sharpness
 from uwopt.model import lens as lens_model
 from uwopt.model.defocus import defocus_px, dome_decentring
@@ -96,8 +96,9 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "skew_px": float(figures.skew_px[0, 1]),
         "swath_m": across,
         **oblique_figures(model, index),
-        "line_spacing_m": across * (1.0 - needs.sidelap),
-        "area_m2_h": across * (1.0 - needs.sidelap) * speed * S_PER_H,
+        **pair_figures(scene, view),
+        "line_spacing_m": float(view.common_across_m[0, 1]) * (1.0 - needs.sidelap),
+        "area_m2_h": float(view.common_across_m[0, 1]) * (1.0 - needs.sidelap) * speed * S_PER_H,
         "overlap": float(figures.overlap[0, 1]),
         "frame_rate_min_hz": nominal_rate,
         "exposure_max_ms": blur_limit * 1e3,
@@ -196,6 +197,15 @@ def oblique_figures(model: DesignModel, index: int) -> dict[str, float]:
         found[f"gsd_{end}_mm"] = float(floor_steps(ray, np.array(0.0), **at).longest_m) * pixel * 1e3
         found[f"swath_{end}_m"] = 2.0 * float(floor_point(ray, side, **at)[1])
     return found
+
+
+def pair_figures(scene: SceneOptics, view: Views) -> dict[str, float]:
+    """What a stereo pair sees with both cameras and how surely it tells distances; nothing of others."""
+    if pair_of(scene) is None:
+        return {}
+    return {
+        "common_swath_m": float(view.common_across_m[0, 1]), "depth_error_mm": float(view.depth_error_m[0, 1]) * 1e3,
+    }  # fmt: skip
 
 
 def _at_nominal(scene: Any) -> Any:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import Cameras, Lenses, Ports
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
-from uwopt.model import defocus, operation, port
+from uwopt.model import defocus, operation, port, stereo
 from uwopt.model.footprint import floor_steps
 from uwopt.model.imaging import PortShape, descent, floor_point, ray_spread
 
@@ -25,6 +25,8 @@ PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
 CORNERS_REACH = 1.5  # of tables, in distances of the image's corner from the axis: with a margin
 CORNER_FIELD = 0.8  # of the half diagonal: where a corner's sharpness counts; 9 to 14 % of the image lie beyond
 PLACES_ALONG = 17  # of an image behind a flat port, where pixels on a tilted plane are compared
+PAPER_PORT = PortShape(True, 0.0, 0.0, 1.0, 0.0, PAPER_N_WATER)  # rays start at the port's middle, unbent
+STRIP_PLACES = (0.0, 0.5, 1.0)  # of half the strip that a stereo pair sees, where its error is worked out
 RMS_FIELD = 1.0 / np.sqrt(3.0)  # of the corner's tangent: the 2-point Gauss rule's node along and across
 
 
@@ -48,6 +50,8 @@ class Views(Columns):
     axis_image: Array  # (n, 2, 3) where the floor's image lies on the axis; see `image_places`
     corner_image: Array  # the same where a corner's sharpness counts; (n, 4, 3), near and far, of a tilted plane
     rms_image: Array  # the same at the field points that stand for the image's mean
+    common_across_m: Array  # (n, 3) wide, what both cameras of a stereo pair see; the footprint of others
+    depth_error_m: Array  # (n, 3) largest over it, of the distance by a stereo pair; 0 of others, inf without a strip
 
 
 def port_shape(ports: Ports, index: int, scene: SceneOptics) -> PortShape:
@@ -81,10 +85,12 @@ def views(
     wanted_px = scene.view.requirements.circle_of_confusion_px
     coc = diagonal * PAPER_COC_PER_DIAGONAL if wanted_px is None else wanted_px * pitch
     transmission = lenses.transmission * (1.0 if scene.paper else port_transmission(shape))
+    covered = footprints(scene, shape, along, across, pitch, effective, altitudes_m(scene))
     return Views(
         tan_along=along,
         tan_across=across,
-        **footprints(scene, shape, along, across, pitch, effective, altitudes_m(scene)),
+        **covered,
+        **seen_by_pair(scene, shape, across, pitch / effective, covered["footprint_across_m"]),
         coc_m=coc,
         focal_length_m=effective,
         collecting_m2=np.square(pitch) * transmission * cameras.qe_scale,
@@ -92,6 +98,35 @@ def views(
         corner_image=tilted_places(scene, shape, along, across, CORNER_FIELD),
         rms_image=tilted_places(scene, shape, along, across, float(RMS_FIELD)),
     )
+
+
+def pair_of(scene: SceneOptics) -> stereo.Pair | None:
+    """How the cameras of a stereo pair stand; None of others."""
+    vehicle = scene.view.vehicle
+    if vehicle.camera_baseline_m is None:
+        return None
+    return stereo.Pair(vehicle.camera_baseline_m, 0.5 * float(np.deg2rad(vehicle.camera_convergence_deg)))
+
+
+def seen_by_pair(
+    scene: SceneOptics, shape: PortShape, across: Array, tan_per_px: Array, footprint_across_m: Array
+) -> dict[str, Array]:
+    """The columns of `Views` that say what a stereo pair sees and measures of the target's plane.
+
+    The error is the largest of three places from the middle of the strip to its edge, in the middle along the motion.
+    """
+    pair = pair_of(scene)
+    if pair is None:
+        return dict(common_across_m=footprint_across_m, depth_error_m=np.zeros_like(footprint_across_m))
+    shape = PAPER_PORT if scene.paper else shape
+    ranges = altitudes_m(scene)
+    wide_m = stereo.common_width_m(across[:, None], shape=shape, range_m=ranges, pair=pair)
+    places = 0.5 * wide_m[..., None] * np.array(STRIP_PLACES)
+    errors = stereo.depth_error_m(
+        places, shape=shape, range_m=ranges[:, None], pair=pair, tan_per_px=tan_per_px[:, None, None],
+        disparity_error_px=scene.view.requirements.disparity_error_px,
+    )
+    return dict(common_across_m=wide_m, depth_error_m=np.where(wide_m > 0.0, errors.max(axis=2), np.inf))
 
 
 def footprints(

@@ -23,6 +23,8 @@ HARDWARE_KEYS = (
     "lamp_size_m",
     "lamp_supply",
     "camera_count",
+    "camera_baseline_m",
+    "camera_convergence_deg",
     "orientation",
     "supply",
     "cable_m",
@@ -198,6 +200,7 @@ def cross_faults(parts: Values) -> list[Fault]:
             *_target_faults(vehicle, wanted, scene.get("target") or "floor"),
             *_snr_faults(wanted),
             *_area_faults(vehicle, wanted),
+            *_pair_faults(vehicle, wanted),
             *_rate_faults(vehicle, wanted, scene.get("target") or "floor"),
         ):
             inside = key in (scene.get(section) or {})
@@ -271,6 +274,24 @@ def _dark_faults(scene: Values, index: int, vehicle: Values) -> Iterator[tuple[K
 def _area_faults(vehicle: Values, wanted: Values) -> Iterator[tuple[str, str, str]]:
     if wanted.get("min_area_m2_h") is not None and vehicle.get("speed_m_s") == 0:
         yield "requirements", "min_area_m2_h", "is asked, but vehicle.speed_m_s is 0: nothing is covered; give a speed"
+
+
+def _pair_faults(vehicle: Values, wanted: Values) -> Iterator[tuple[str, str, str]]:
+    """What only a stereo pair has, and how many cameras make one."""
+    if vehicle.get("camera_baseline_m") is None:
+        asked = [("vehicle", key) for key in ("camera_convergence_deg",) if vehicle.get(key)]
+        asked += [("requirements", key) for key in ("max_depth_error_mm", "min_common_swath_m") if wanted.get(key)]
+        for section, key in asked:
+            text = "is of a stereo pair; add vehicle.camera_baseline_m, the metres between its ports, or leave it out"
+            yield section, key, text
+        return
+    if vehicle.get("camera_count", 1) != 2:
+        count = vehicle.get("camera_count", 1)
+        text = f"is of a stereo pair, but camera_count is {count}; set it to 2, or leave it out"
+        yield "vehicle", "camera_baseline_m", text
+    if vehicle.get("pitch_deg", 0.0) != 0.0:
+        text = "is of a pair that looks square at what it sees, but pitch_deg is not 0; leave one of them out"
+        yield "vehicle", "camera_baseline_m", text
 
 
 def _snr_faults(wanted: Values) -> Iterator[tuple[str, str, str]]:

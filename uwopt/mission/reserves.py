@@ -80,7 +80,8 @@ REFUSED: Mapping[str, tuple[str, float]] = {
 def asked_of(wanted: Requirements, vehicle: Vehicle) -> Requirements:
     """Requirements with the default of each refusal in place; a key that the mission gives stays as it is.
 
-    Area per hour is swath x (1 - sidelap) x speed, so that it asks for a swath; bars ask for pixels and an SNR.
+    Area per hour is swath x (1 - sidelap) x speed, so that it asks for a swath, of a stereo pair for the strip that
+    both cameras see; bars ask for pixels and an SNR.
 
     The swath is refused in a survey alone: at speed, with an overlap.
     """
@@ -92,7 +93,8 @@ def asked_of(wanted: Requirements, vehicle: Vehicle) -> Requirements:
     }
     if wanted.min_area_m2_h is not None and vehicle.speed_m_s > 0.0:
         swath_m = wanted.min_area_m2_h / (S_PER_H * vehicle.speed_m_s * (1.0 - wanted.sidelap))
-        made["min_swath_m"] = max(swath_m, wanted.min_swath_m or made.get("min_swath_m", 0.0))
+        key = "min_swath_m" if vehicle.camera_baseline_m is None else "min_common_swath_m"
+        made[key] = max(swath_m, getattr(wanted, key) or made.get(key, 0.0))
     if wanted.resolve_mm is not None:
         made |= asked_by_bars(wanted, wanted.resolve_mm)
     return wanted.model_copy(update=made) if made else wanted
@@ -117,6 +119,7 @@ def factors_of(reserve: Reserve) -> dict[str, float]:
         "min_snr_given": reserve.snr_ratio,
         "max_blur_px": 1.0 - reserve.blur,
         "min_swath_m": 1.0 + reserve.swath,
+        "min_common_swath_m": 1.0 + reserve.swath,
         "min_dof_m": 1.0 + reserve.dof,
     }
 

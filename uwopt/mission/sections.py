@@ -87,6 +87,15 @@ class Vehicle(Section):
         description="side of the image along the motion: landscape its height, portrait its width, or any",
     )
     camera_count: Count = Field(default=1, description="number of cameras, each with lens and port")
+    camera_baseline_m: Annotated[float, Field(gt=0, le=20), at_least(1e-3), NUMBER] | None = Field(
+        default=None,
+        description="of a stereo pair (camera_count 2), the distance across track between the middles of the ports in "
+        "metres; lamps stand about the middle between them",
+    )
+    camera_convergence_deg: Annotated[float, Field(ge=0, le=90), NUMBER] = Field(
+        default=0.0,
+        description="angle between the axes of a stereo pair in degrees, each camera turned inward by half of it",
+    )
     light_count: Annotated[tuple[int, int], whole_range(0, MAX_LIGHTS)] = Field(
         default=(1, 8),
         description=f"number of lights, or [least, most], whole numbers from 0 to {MAX_LIGHTS}; 0 where the sun "
@@ -229,12 +238,30 @@ class Requirements(Section):
     min_swath_m: NonNegative | None = Field(
         default=None, description="least footprint across track in metres"
     )
+    max_depth_error_mm: Positive | None = Field(
+        default=None,
+        description="largest standard error of a point's distance by a stereo pair in millimetres, over the strip that "
+        "both cameras see; needs vehicle.camera_baseline_m",
+    )
+    disparity_error_px: Annotated[float, Field(gt=0, le=100), at_least(1e-4), NUMBER] = Field(
+        default=0.5,
+        description="standard error of a point's disparity, the difference of its places in both images, in pixels: "
+        "0.1 to 0.3 of good texture matched by program, 0.5 to 1 of points set by hand",
+    )
+    min_common_swath_m: NonNegative | None = Field(
+        default=None,
+        description="least width across track that both cameras of a stereo pair see, in metres; needs "
+        "vehicle.camera_baseline_m",
+    )
     sidelap: Annotated[float, Field(ge=0, lt=1), NUMBER] = Field(
-        default=0.0, description="overlap of neighbouring lines across track, a share 0..1"
+        default=0.0,
+        description="overlap of neighbouring lines across track, a share 0..1; of a stereo pair, of what both cameras "
+        "see",
     )
     min_area_m2_h: Positive | None = Field(
         default=None,
-        description="least area covered in an hour in square metres, sidelap taken off and turns left out",
+        description="least area covered in an hour in square metres, sidelap taken off and turns left out; of a stereo "
+        "pair, seen by both cameras",
     )
     mean_level: Annotated[float, Field(gt=0, lt=1), NUMBER] | None = Field(
         default=None,

@@ -51,7 +51,9 @@ vehicle:
   # pitch_rate_deg_s: 0
   # roll_rate_deg_s: 0
   orientation: any             # landscape | portrait | any: image height | width along the motion
-  # camera_count: 1
+  # camera_count: 2            # 1 unless given
+  # camera_baseline_m: 0.5     # of a stereo pair, across track between the ports
+  # camera_convergence_deg: 8  # between its axes, half of it each inward
   light_count: [1, 4]          # a number, or [least, most]
   light_baseline_m: 0.8        # across track from port to lights: a number, or [least, most]
   # light_tilt_deg: 0          # outward tilt: a number, or [least, most]
@@ -80,6 +82,9 @@ requirements:
   # snr_at: worst              # by good practice: 95 % of the frame reach it; worst_px: the darkest pixel; mean
   max_gsd_mm: 1.0              # largest pixel on the floor
   # min_swath_m: 1.0
+  # max_depth_error_mm: 10     # of a stereo pair: standard error of a distance
+  # disparity_error_px: 0.5    # that it is reckoned with
+  # min_common_swath_m: 1.0    # of a stereo pair: seen by both cameras
   # min_area_m2_h: 1000        # covered in an hour, the sidelap taken off
   # sidelap: 0.2                # of neighbouring lines, a share 0..1
   mean_level: 0.3              # wanted mean image level, share of full scale; the gain is chosen for it

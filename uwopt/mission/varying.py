@@ -31,13 +31,13 @@ ONE_OF = (("min_snr", "min_snr_db"), CLARITY_KEYS)
 #: Those of which less does are below. Of keys in neither, such as an altitude, anything may change.
 STRICTER_UP = frozenset({
     "speed_m_s", "pitch_rate_deg_s", "roll_rate_deg_s", "subject_speed_m_s", "duration_h", "overlap", "min_snr",
-    "min_snr_db", "min_snr_red_db", "min_swath_m", "min_area_m2_h", "sidelap", "min_contrast", "min_uniformity",
-    "min_mtf_half_nyquist", "depth_rating_m",
+    "min_snr_db", "min_snr_red_db", "min_swath_m", "min_common_swath_m", "disparity_error_px",
+    "min_area_m2_h", "sidelap", "min_contrast", "min_uniformity", "min_mtf_half_nyquist", "depth_rating_m",
 })  # fmt: skip
 STRICTER_DOWN = frozenset({
-    "frame_interval_s", "max_blur_px", "max_skew_px", "max_gsd_mm", "max_white_balance", "max_airy_px", "cost",
-    "power_w", "peak_power_w", "energy_wh", "storage_gb", "mass_kg", "mass_water_kg", "size_mm", "data_rate_mb_s",
-    "max_exposure_ms",
+    "frame_interval_s", "max_blur_px", "max_skew_px", "max_gsd_mm", "max_depth_error_mm", "max_white_balance",
+    "max_airy_px", "cost", "power_w", "peak_power_w", "energy_wh", "storage_gb", "mass_kg", "mass_water_kg", "size_mm",
+    "data_rate_mb_s", "max_exposure_ms",
 })  # fmt: skip
 STRICTER_RESERVE = frozenset({"snr_db", "blur", "swath"})
 

@@ -193,6 +193,14 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         value, where = worst(rows.view.footprint_across_m, three, highest=False)
         kept = scene.view.kept("min_swath_m")
         yield MarginRows("min_swath_m", value, at_all(figures, needs.min_swath_m), ">=", "m", where, reserve=kept)
+    if needs.min_common_swath_m is not None:
+        value, where = worst(rows.view.common_across_m, three, highest=False)
+        kept, least = scene.view.kept("min_common_swath_m"), at_all(figures, needs.min_common_swath_m)
+        yield MarginRows("min_common_swath_m", value, least, ">=", "m", where, reserve=kept)
+    if needs.max_depth_error_mm is not None:
+        value, where = worst(rows.view.depth_error_m * 1e3, three, highest=True)
+        most = at_all(figures, needs.max_depth_error_mm)
+        yield MarginRows("max_depth_error_mm", value, most, "<=", "mm", where)
     if needs.min_snr is not None:
         at_pixels = scene.at_worst and figures.snr_pixels is not None
         snr = figures.snr_pixels if at_pixels else figures.snr

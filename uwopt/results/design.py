@@ -73,6 +73,10 @@ class UsedHardware(Record):
     complete: UsedPart | None = Field(
         default=None, description="the complete camera that camera, lens and port are pieces of; null where none is"
     )
+    camera_baseline_m: Number | None = Field(
+        default=None, description="between the ports of a stereo pair, across track; null of others"
+    )
+    camera_convergence_deg: Number = Field(default=0.0, description="between the axes of a stereo pair")
 
     @property
     def parts(self) -> dict[str, UsedPart]:

@@ -211,10 +211,9 @@ def trigger_sentences(model: DesignModel, scene: SceneResult, limits: dict[str, 
 def stands(design: Design) -> Facts:
     """How camera and lamps stand."""
     hardware = design.hardware
-    height = {"landscape": "height", "portrait": "width"}.get(hardware.orientation, "height")
     return fact_lines(
         [
-            ("camera", f"{hardware.orientation}: the image's {height} along the motion"),
+            ("camera", words.camera_stand(hardware)),
             ("lights", words.mounts_text(hardware.light_mounts)),
             ("spacer", f"{hardware.spacer_mm:g} mm ring behind the lens" if hardware.spacer_mm else ""),
         ]
@@ -240,6 +239,9 @@ def work_rows(result: Result, design: Design) -> Iterator[tuple[str, list[str]]]
 
     yield "distance between lines", row("line_spacing_m", "m")
     yield "swath", row("swath_m", "m")
+    if any("common_swath_m" in scene.figures for scene in design.scenes):
+        yield "swath of both cameras", row("common_swath_m", "m")
+        yield "error of a distance by stereo", row("depth_error_mm", "mm")
     yield "pixel on the floor", row("gsd_mm", "mm")
     if any(scene.figures.get("area_m2_h") for scene in design.scenes):  # none without a speed
         yield "area in an hour", row("area_m2_h", "m2/h")

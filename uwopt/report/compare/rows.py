@@ -18,8 +18,9 @@ OF_PARTS = (
     "common_f_number", "common_focus_m",
 )  # fmt: skip
 FIGURES = (
-    "swath_m", "gsd_mm", "area_m2_h", "snr_db", "contrast", "dof_m", "blur_px", "mean_level", "f_number", "exposure_ms",
-    "flux_lm", "frame_rate_hz", "data_rate_mb_s", "power_w", "light_power_w", "information_bit_per_m2",
+    "swath_m", "common_swath_m", "depth_error_mm", "gsd_mm", "area_m2_h", "snr_db", "contrast", "dof_m", "blur_px",
+    "mean_level", "f_number", "exposure_ms", "flux_lm", "frame_rate_hz", "data_rate_mb_s", "power_w", "light_power_w",
+    "information_bit_per_m2",
 )  # fmt: skip
 KNOWN = {one.name: one for one in QUANTITIES}
 

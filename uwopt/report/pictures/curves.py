@@ -21,11 +21,12 @@ from uwopt.forward.lamps import on_axis_gain, relative_spectrum
 from uwopt.forward.motion import motion_across, motion_along, required_rate_hz
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.spectra import efficiency_curve
-from uwopt.forward.views import footprints, port_transmission
+from uwopt.forward.views import PAPER_PORT, footprints, pair_of, port_transmission
 from uwopt.model import beam as beams
 from uwopt.model import lens, light, operation, seafloor, sensor
 from uwopt.model.imaging import Lamps, floor_point, lamp_light
 from uwopt.model.port import lens_dioptre_per_m
+from uwopt.model.stereo import meeting_m
 
 Array = NDArray[Any]
 CHANNELS = ("red", "green", "blue")
@@ -120,6 +121,7 @@ class RigMeasures:
     camera_count: int
     pitch_rad: float = 0.0  # by which the camera looks ahead of the target's normal
     edges_m: tuple[tuple[float, float], ...] = ()  # near and far: forward of the port, half of the width; if pitched
+    pair_m: tuple[tuple[float, float, float], ...] = ()  # of a stereo pair each camera's place and its view's ends
 
 
 # ---------------------------------------------------------------- spectrum
@@ -320,7 +322,24 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
         camera_count=vehicle.camera_count,
         pitch_rad=scene.pitch_rad,
         edges_m=pitched_edges_m(model, scene_index) if scene.pitch_rad else (),
+        pair_m=pair_places_m(model, scene_index),
     )
+
+
+def pair_places_m(model: DesignModel, scene_index: int) -> tuple[tuple[float, float, float], ...]:
+    """Of each camera of a stereo pair where it stands and where its view ends, across track [m]; nothing of others."""
+    scene, view = model.problem.scenes[scene_index], model.views[scene_index]
+    pair = pair_of(scene)
+    if pair is None:
+        return ()
+    shape = PAPER_PORT if scene.paper else model.shapes[scene_index]
+    ends = [
+        float(meeting_m(side * view.tan_across, shape=shape, range_m=scene.range_m[scene.nominal],
+                        turn_rad=pair.turn_rad)[0])
+        for side in (-1.0, 1.0)
+    ]  # fmt: skip
+    half_m = 0.5 * pair.baseline_m
+    return (-half_m, ends[0] - half_m, ends[1] - half_m), (half_m, half_m - ends[1], half_m - ends[0])
 
 
 def pitched_edges_m(model: DesignModel, scene_index: int) -> tuple[tuple[float, float], ...]:

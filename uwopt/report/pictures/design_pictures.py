@@ -239,7 +239,7 @@ def drawings(rig: RigMeasures, *, on_axis: bool) -> list[Picture]:
     if on_axis:
         beams += " Physics paper reckons with all lamps on the camera's axis; they are drawn where they are mounted."
     port = "dome" if rig.is_dome else "flat port"
-    cameras = "" if rig.camera_count == 1 else f" One of {rig.camera_count} cameras is drawn."
+    cameras = "" if rig.camera_count == 1 or rig.pair_m else f" One of {rig.camera_count} cameras is drawn."
     behind = f"Altitude {rig.altitude_m:g} m, footprint {sides}, {port}, {lamps}."
     next_one = "The rig stands still."
     if rig.advance_m is not None and rig.overlap is not None:

@@ -71,7 +71,8 @@ def view_from_behind(rig: RigMeasures, *, title: str, description: str) -> str:
     """Port, lamps, beams and the camera's view across the track, down to the floor; the motion goes into the page."""
     floor_m, tolerance_m = rig.altitude_m, rig.altitude_tolerance_m
     lamps_y = [lamp.y_m for lamp in rig.lamps]
-    half_m = max(rig.half_across_m * 1.12, max(map(abs, lamps_y)) * 1.12)
+    seen_m = max((rig.half_across_m, *(abs(end) for camera in rig.pair_m for end in camera)))
+    half_m = max(seen_m * 1.12, max(map(abs, lamps_y)) * 1.12)
     top_m = min(-0.12 * floor_m, *(lamp.z_m for lamp in rig.lamps)) - 0.02 * floor_m
     frame = fitted(-half_m, half_m, top_m, floor_m + tolerance_m + 0.02 * floor_m)
     floor_y, right_x = frame.y(floor_m), frame.x(half_m)
@@ -79,11 +80,11 @@ def view_from_behind(rig: RigMeasures, *, title: str, description: str) -> str:
     parts += [beam_across(frame, rig, lamp) for lamp in rig.lamps]
     edge = rig.half_across_m
     start_m = rig.outer_radius_m if rig.is_dome else 0.0  # rays start at the dome's centre, above its vertex
-    parts.append(
-        polygon(
-            [(frame.x(0), frame.y(-start_m)), (frame.x(-edge), floor_y), (frame.x(edge), floor_y)], "view"
+    cameras = rig.pair_m or ((0.0, -edge, edge),)
+    for at_m, *ends_m in cameras:
+        parts.append(
+            polygon([(frame.x(at_m), frame.y(-start_m)), *((frame.x(end), floor_y) for end in ends_m)], "view")
         )
-    )
     parts += [line(EDGE_PX, floor_y, WIDTH_PX - EDGE_PX, floor_y, "ink")]
     if tolerance_m > 0:
         for level in (floor_m - tolerance_m, floor_m + tolerance_m):
@@ -92,7 +93,7 @@ def view_from_behind(rig: RigMeasures, *, title: str, description: str) -> str:
     ends = [min([0.0, *lamps_y]), max([0.0, *lamps_y])]
     parts.append(line(frame.x(ends[0]), frame.y(mast_m), frame.x(ends[1]), frame.y(mast_m), "ink"))
     parts += [lamp_across(frame, lamp, mast_m) for lamp in rig.lamps]
-    parts.append(camera_across(frame, rig, mast_m))
+    parts += [camera_across(frame, rig, mast_m, at_m) for at_m, *_ in cameras]
     spread = f" ± {metres(tolerance_m)}" if tolerance_m > 0 else ""
     parts.append(
         upright_dimension(right_x + 14, frame.y(0), floor_y, f"altitude {metres(floor_m)}{spread}", right_x)
@@ -217,9 +218,9 @@ def lamp_across(frame: PageFrame, lamp: Lamp, mast_m: float) -> str:
     return f'{stay}<rect class="solid" x="{x - 6:.1f}" y="{y - 12:.1f}" width="12" height="12" {turned}/>'
 
 
-def camera_across(frame: PageFrame, rig: RigMeasures, mast_m: float) -> str:
-    """Housing and port; a dome is drawn to scale where it is large enough to be seen."""
-    x, y = frame.x(0.0), frame.y(0.0)
+def camera_across(frame: PageFrame, rig: RigMeasures, mast_m: float, at_m: float) -> str:
+    """Housing and port, so far to starboard; a dome is drawn to scale where it is large enough to be seen."""
+    x, y = frame.x(at_m), frame.y(0.0)
     radius = max(rig.outer_radius_m * frame.scale_px_per_m, LEAST_SYMBOL_PX)
     if not rig.is_dome:
         window = f'<rect class="solid" x="{x - 9:.1f}" y="{y - 3:.1f}" width="18" height="3"/>'

@@ -114,7 +114,7 @@ def excluding_most(result: Result) -> Text | None:
         return None
     asked = result.mission.get("requirements") or {}
     given = {key for key, value in asked.items() if value is not None}
-    given |= {"min_swath_m"} if "min_area_m2_h" in given else set()  # an area asks for a swath
+    given |= {"min_swath_m", "min_common_swath_m"} if "min_area_m2_h" in given else set()  # an area asks for a swath
     by_refusal = {key: (word, value) for word, (key, value) in REFUSED.items() if key not in given}
 
     def told(rule: Excluded) -> str:

@@ -194,9 +194,8 @@ def bought_name(row: BillRow) -> str:
 def set_block(result: Result, design: Design) -> Block:
     """Settings to type in, and how camera and lights stand."""
     hardware = design.hardware
-    height = {"landscape": "height", "portrait": "width"}.get(hardware.orientation, "height")
     stands = [
-        ("camera", f"{hardware.orientation}: the image's {height} along the motion"),
+        ("camera", words.camera_stand(hardware)),
         ("lights", words.mounts_text(hardware.light_mounts)),
     ]
     lines: list[Line] = [settings_table(scenes_to_set(design), exact=False), fact_lines(stands)]

@@ -110,9 +110,8 @@ def hardware_block(design: Design, title: str, note: Text | None = None) -> Bloc
     for kind, part in hardware.named.items():
         count = hardware.light_count if kind == "light" else hardware.camera_count
         table.add_row(Text(kind), Text(f"{count} x"), Text(words.part_name(part)), Text(words.part_id(part)))
-    height = {"landscape": "height", "portrait": "width"}.get(hardware.orientation, "height")
     facts = [
-        ("orientation", f"{hardware.orientation}: the image's {height} along the motion"),
+        ("orientation", words.camera_stand(hardware)),
         ("lights", words.mounts_text(hardware.light_mounts)),
     ]
     return block(title, [*([note] if note else []), table, fact_lines(facts)])

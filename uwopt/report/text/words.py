@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
-from uwopt.results.design import BillRow, Cost, Design, LampPlace, Margin, Totals, UsedPart
+from uwopt.results.design import BillRow, Cost, Design, LampPlace, Margin, Totals, UsedHardware, UsedPart
 from uwopt.results.front import FrontObjective, FrontPoint
 from uwopt.results.result import Certificate, Result
 from uwopt.units import (
@@ -64,6 +64,8 @@ REQUIREMENTS: Mapping[str, str] = {
     "min_dof_m": "depth of field",
     "max_gsd_mm": "pixel on the floor",
     "min_swath_m": "swath",
+    "min_common_swath_m": "swath of both cameras",
+    "max_depth_error_mm": "error of a distance by stereo",
     "min_snr_db": "signal to noise",
     "min_snr": "signal to noise",
     "min_snr_red_db": "signal to noise of red",
@@ -148,6 +150,8 @@ RULES: Mapping[str, str] = {
     "focus": "lens cannot focus on the floor through the port",
     "max_gsd_mm": "pixel on the floor too large",
     "min_swath_m": "swath too narrow",
+    "min_common_swath_m": "strip that both cameras see too narrow",
+    "max_depth_error_mm": "distance by stereo too uncertain",
     "frame_rate": "camera too slow",
     "data_rate_mb_s": "data rate too high",
     "storage_gb": "more images than the storage holds",
@@ -413,6 +417,17 @@ def equal_sentence(result: Result, most: int = 2) -> str:
     instead = "; ".join(differing_parts(design, result.best) for design in others[:most])
     more = f"; {len(others) - most} more" if len(others) > most else ""
     return f"Equal within the estimates: this system, and the same with {instead}{more}. Choose by quote and delivery"
+
+
+def camera_stand(hardware: UsedHardware) -> str:
+    """Which side of the image lies along the motion, and how the cameras of a stereo pair stand."""
+    height = {"landscape": "height", "portrait": "width"}.get(hardware.orientation, "height")
+    turned = f"{hardware.orientation}: the image's {height} along the motion"
+    if hardware.camera_baseline_m is None:
+        return turned
+    half = 0.5 * hardware.camera_convergence_deg
+    inward = f"each turned {half:g}° inward" if half else "side by side, not turned"
+    return f"{turned}; ports {hardware.camera_baseline_m:g} m apart across track, {inward}"
 
 
 def mounts_text(mounts: Sequence[LampPlace]) -> str:

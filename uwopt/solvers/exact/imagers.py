@@ -36,9 +36,9 @@ PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule
 
 IMAGER_RULES = (
     "complete", "mount", "image_circle", "lens_rating", "view", "horizon", "focus", "max_gsd_mm", "min_swath_m",
-    "frame_rate", "data_rate_mb_s", "storage_gb", "card_gb", "lens_stop_down", "min_dof_m", "max_blur_px", "housing",
-    "size_mm",
-    "mass_water_kg", "cost", "mass_kg", "power_w", "energy_wh", "better_housing",
+    "min_common_swath_m", "max_depth_error_mm", "frame_rate", "data_rate_mb_s", "storage_gb", "card_gb",
+    "lens_stop_down", "min_dof_m", "max_blur_px", "housing", "size_mm", "mass_water_kg",
+    "cost", "mass_kg", "power_w", "energy_wh", "better_housing",
 )  # fmt: skip
 
 
@@ -354,6 +354,20 @@ def view_rules(
         "min_swath_m",
         all_of(
             view.footprint_across_m.min(axis=1) * ROUND >= (scene.view.requirements.min_swath_m or 0.0)
+            for scene, view in every
+        ),
+    )
+    yield (
+        "min_common_swath_m",
+        all_of(
+            view.common_across_m.min(axis=1) * ROUND >= (scene.view.requirements.min_common_swath_m or 0.0)
+            for scene, view in every
+        ),
+    )
+    yield (
+        "max_depth_error_mm",
+        all_of(
+            view.depth_error_m.max(axis=1) * 1e3 <= limit(scene.view.requirements.max_depth_error_mm) * ROUND
             for scene, view in every
         ),
     )

@@ -24,7 +24,7 @@ from uwopt.forward.motion import motion_across, motion_along, required_rate_hz
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.forward.spacers import needed_spacer_m
-from uwopt.forward.views import Views, focus_map, port_transmission
+from uwopt.forward.views import Views, focus_map, pair_of, port_transmission
 from uwopt.model import lens, operation, port
 from uwopt.model.enclosure import tube_needed_m
 from uwopt.model.imaging import FARTHEST, PortShape
@@ -465,7 +465,10 @@ class Level:
             "complete": (self.groups.tie_low[at] <= tie) & (tie <= self.groups.tie_high[at]), "horizon": every.copy(),
             "focus": self.lens_focus.focuses[rows.lens, rows.group],
         }  # fmt: skip
-        for name in ("max_gsd_mm", "min_swath_m", "frame_rate", "data_rate_mb_s", "storage_gb", "card_gb"):
+        for name in (
+            "max_gsd_mm", "min_swath_m", "min_common_swath_m", "max_depth_error_mm", "frame_rate", "data_rate_mb_s",
+            "storage_gb", "card_gb",
+        ):  # fmt: skip
             passes[name] = every.copy()
         duration, rates = problem.duration, []
         passes["lens_stop_down"] = stops_down(problem, problem.lenses)[rows.lens]
@@ -479,6 +482,7 @@ class Level:
             if needs.min_swath_m is not None:
                 nearest = self.extent(scene, rows, float(scene.range_m[0]))
                 passes["min_swath_m"] &= 2.0 * nearest.across_high_m * COARSE_ROUND >= needs.min_swath_m
+            self.pair_rules(passes, scene, rows)
             passes["frame_rate"] &= focused.rate_hz <= cameras.max_rate_hz[rows.camera] * COARSE_ROUND
             data = focused.rate_hz * cameras.frame_mb[rows.camera] * count
             passes["data_rate_mb_s"] &= data <= limit(limits.data_rate_mb_s) * COARSE_ROUND
@@ -498,6 +502,29 @@ class Level:
         passes["energy_wh"] = imagers.camera_power_w <= duration.mean_power_limit_w * COARSE_ROUND
         return list(passes.items())
 
+
+    def pair_rules(self, passes: dict[str, Array], scene: SceneOptics, rows: OutlineRows) -> None:
+        """What a stereo pair that is not turned inward may see and measure at best; turned, its imagers are asked.
+
+        The strip is the footprint less the baseline. Behind domes the error is the same all over it; behind a flat port
+        no pixel in it is smaller than on the image's edge, and the rays to its middle meet at B / d at most.
+        """
+        needs, pair = scene.view.requirements, pair_of(scene)
+        if pair is None or pair.turn_rad > 0.0:
+            return
+        nearest = self.extent(scene, rows, float(scene.range_m[0]))
+        if needs.min_common_swath_m is not None:
+            strip_m = 2.0 * nearest.across_high_m * COARSE_ROUND - pair.baseline_m
+            passes["min_common_swath_m"] &= strip_m >= needs.min_common_swath_m
+        if needs.max_depth_error_mm is not None:
+            range_m = float(scene.range_m[-1])
+            square = np.square(self.path_m(scene, rows, range_m, high=False))
+            if not scene.paper:
+                bent = self.per_metre(scene, rows, self.tangents(rows)[1])
+                flat = range_m**2 * scene.n_water**2 * bent**3
+                square = np.where(self.groups.is_dome[rows.group], square, flat)
+            least_m = needs.disparity_error_px * self.pixel_per_range(rows) * square / pair.baseline_m
+            passes["max_depth_error_mm"] &= least_m * 1e3 <= needs.max_depth_error_mm * COARSE_ROUND
 
     def may_fit(self, rows: OutlineRows) -> Array:
         """Whether the roomiest housing of the group is wide enough, and as long as what lies behind the pupil.

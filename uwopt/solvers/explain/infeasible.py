@@ -46,6 +46,8 @@ RELAXABLE: dict[str, tuple[str, str, str | None]] = {
     "max_white_balance": ("requirements", "max_white_balance", None),
     "max_gsd_mm": ("requirements", "max_gsd_mm", "gsd_mm"),
     "min_swath_m": ("requirements", "min_swath_m", None),
+    "min_common_swath_m": ("requirements", "min_common_swath_m", None),
+    "max_depth_error_mm": ("requirements", "max_depth_error_mm", None),
     "min_dof_m": ("requirements", "min_dof_m", None),
     "max_blur_px": ("requirements", "max_blur_px", None),
     "max_skew_px": ("requirements", "max_skew_px", None),

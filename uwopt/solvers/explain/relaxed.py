@@ -54,6 +54,8 @@ MAY_PASS: dict[str, frozenset[str]] = {
     ),
     "max_gsd_mm": frozenset({"max_gsd_mm"}),
     "min_swath_m": frozenset({"min_swath_m"}),
+    "min_common_swath_m": frozenset({"min_common_swath_m"}),
+    "max_depth_error_mm": frozenset({"max_depth_error_mm"}),
     "data_rate_mb_s": frozenset({"data_rate_mb_s"}),
     "resolve_mm": frozenset({"max_gsd_mm"}),
     "min_dof_m": frozenset({"focus", "min_dof_m", "lens_stop_down"}),
@@ -64,7 +66,7 @@ MAY_PASS: dict[str, frozenset[str]] = {
     ),
 }  # fmt: skip
 #: Those that count of imagers alone: who fits without them and not with them breaks their rule.
-OF_IMAGERS = frozenset({"max_gsd_mm", "min_swath_m", "data_rate_mb_s"})
+OF_IMAGERS = frozenset({"max_gsd_mm", "min_swath_m", "min_common_swath_m", "max_depth_error_mm", "data_rate_mb_s"})
 #: Those that no imager's rule or column knows.
 OF_LIGHT = frozenset({
     "min_snr", "max_white_balance", "max_skew_px", "max_airy_px", "max_gain_db", "mean_level", "min_contrast",

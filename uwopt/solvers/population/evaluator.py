@@ -274,6 +274,9 @@ class Evaluator:
         def swath(k: int, r: Any, t: Any, f: Any) -> Array:
             return np.asarray(r.view.footprint_across_m[:, 1])
 
+        def common(k: int, r: Any, t: Any, f: Any) -> Array:
+            return np.asarray(r.view.common_across_m[:, 1])
+
         found = {
             "f_number": worst(lambda k, r, t, f: t.f_number, most=True),
             "exposure_ms": worst(lambda k, r, t, f: t.exposure_s * 1e3, most=True),
@@ -283,8 +286,8 @@ class Evaluator:
             "light_count": built.count.astype(float),
             "frame_rate_hz": worst(lambda k, r, t, f: t.rate_hz, most=True),
             "swath_m": worst(swath, most=False),
-            "line_spacing_m": worst(swath, most=False, times=kept),
-            "area_m2_h": worst(swath, most=False, times=per_hour),
+            "line_spacing_m": worst(common, most=False, times=kept),
+            "area_m2_h": worst(common, most=False, times=per_hour),
             "blur_px": worst(lambda k, r, t, f: f.blur_px.max(axis=1), most=True),
             "dof_near_m": worst(lambda k, r, t, f: f.dof_near_m, most=True),
             "dof_far_m": worst(lambda k, r, t, f: f.dof_far_m, most=False),

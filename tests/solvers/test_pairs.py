@@ -1,0 +1,39 @@
+"""Stereo pairs: the search against enumeration with the cameras' places drawn, and outlines against their imagers."""
+
+from __future__ import annotations
+
+import pytest
+from agreement import agree
+from random_cases import CASES, Case, case, enumerated, ranked
+from test_large import outlines_hold
+from thorough import drawn
+
+from uwopt.solvers.exact.imagers import enumerate_imagers
+
+SOME = drawn((9, 14, 35, 52), CASES)
+
+
+@pytest.mark.usefixtures("batches")
+@pytest.mark.parametrize("seed", SOME)
+def test_search_of_stereo_pairs_equals_enumeration(seed: int) -> None:
+    made = case(seed, paired=True)
+    agree(made, made.solve()[1], ranked(enumerated(seed, paired=True)))
+
+
+def wanted_of(made: Case) -> tuple[float | None, float | None]:
+    wanted = made.problem().mission.requirements
+    return wanted.min_common_swath_m, wanted.max_depth_error_mm
+
+
+@pytest.mark.parametrize("seed", drawn((9, 29, 40, 57), tuple(range(300))))
+def test_outlines_of_stereo_pairs_bound_their_imagers(seed: int) -> None:
+    outlines_hold(case(seed, paired=True).problem())
+
+
+def test_both_rules_of_pairs_discard_imagers_in_these_cases() -> None:
+    """Else the cases would say nothing of them."""
+    lost = dict.fromkeys(("min_common_swath_m", "max_depth_error_mm"), 0)
+    for seed in (9, 14, 52):
+        found = enumerate_imagers(case(seed, paired=True).problem()).discarded
+        lost = {rule: count + found[rule] for rule, count in lost.items()}
+    assert all(lost.values()), lost
