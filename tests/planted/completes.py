@@ -42,8 +42,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a group of ports is that of its first complete camera",
         file="uwopt/solvers/exact/outline.py",
-        old="low(problem.ties[2]), high(problem.ties[2])",
-        new="low(problem.ties[2]), low(problem.ties[2])",
+        old="np.maximum.reduceat(tie, start),",
+        new="np.minimum.reduceat(tie, start),",
         test=SEARCHED + "test_no_group_of_ports_loses_the_complete_camera_of_one_of_them",
     ),
     Defect(

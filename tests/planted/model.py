@@ -24,9 +24,23 @@ DEFECTS = (
     Defect(
         name="images and ranges of a mean mixed up",
         file="uwopt/model/image_mean.py",
-        old="range_m=np.tile(ranges_m, shape[0])",
-        new="range_m=np.repeat(ranges_m, shape[0])",
+        old="np.arange(len(tan_along)), ranges_m, indexing=\"ij\"",
+        new="np.arange(len(tan_along)), ranges_m",
         test="tests/model/test_image_mean.py::test_small_images_under_a_lamp_fall_with_the_square_of_the_distance",
+    ),
+    Defect(
+        name="all images of a batch are seen behind the first one's port",
+        file="uwopt/forward/views.py",
+        old="            at = index[mine]\n",
+        new="            at = index[mine[:1]].repeat(len(mine))\n",
+        test="tests/forward/test_port_columns.py::test_footprints_behind_many_ports_are_those_behind_each",
+    ),
+    Defect(
+        name="all images of a mean are seen behind the first one's port",
+        file="uwopt/model/image_mean.py",
+        old="            tan_across[rows],\n            shape=shape.take(rows),",
+        new="            tan_across[rows],\n            shape=shape.take(0 * rows),",
+        test="tests/forward/test_port_columns.py::test_means_behind_many_ports_are_those_behind_each",
     ),
     Defect(
         name="PRNU is not squared",

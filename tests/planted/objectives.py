@@ -526,8 +526,8 @@ DEFECTS = (
     Defect(
         name="landscape and portrait swapped",
         file="uwopt/forward/views.py",
-        old="along, across = (half_y, half_x) if landscape else (half_x, half_y)",
-        new="along, across = (half_x, half_y) if landscape else (half_y, half_x)",
+        old="np.where(landscape, half_y, half_x), np.where(landscape, half_x, half_y)",
+        new="np.where(landscape, half_x, half_y), np.where(landscape, half_y, half_x)",
         test="tests/evaluation/test_design_model.py::test_view_keeps_its_width_and_the_swath_lies_across_the_track",
     ),
     Defect(

@@ -141,8 +141,8 @@ DEFECTS = (
     Defect(
         name="outlines discard frames that stay below the horizon",
         file="uwopt/solvers/exact/outline.py",
-        old='passes["horizon"] &= self.descents(scene, rows)[1] * FARTHEST * COARSE_ROUND >= 1.0',
-        new='passes["horizon"] &= self.descents(scene, rows)[1] * FARTHEST >= 1.1',
+        old='passes["horizon"] &= seen.view.farthest <= FARTHEST * COARSE_ROUND',
+        new='passes["horizon"] &= 1.1 * seen.view.farthest <= FARTHEST',
         test=f"{RULES}::test_an_outline_keeps_what_is_inside[horizon]",
     ),
     Defect(
@@ -195,17 +195,17 @@ DEFECTS = (
         test=f"{SEARCHED}::test_no_oblique_image_gets_more_light_than_its_bounds",
     ),
     Defect(
-        name="outlines take the near edge of oblique images for wider than it is",
+        name="outlines take oblique images for as large as behind the widest of their ports",
         file="uwopt/solvers/exact/outline.py",
-        old="near = 1.0 + scene.slope * along * self.per_metre(scene, rows, corner)",
-        new="near = 1.0",
+        old="view, most = (self.view(index, rows, ports) for ports in (self.groups.least,",
+        new="view, most = (self.view(index, rows, ports) for ports in (self.groups.most,",
         test=f"{SEARCHED}::test_outlines_of_oblique_views_bound_their_imagers",
     ),
     Defect(
         name="outlines take the largest pixel of an oblique image for larger than it is",
-        file="uwopt/solvers/exact/outline.py",
-        old="return np.asarray(np.hypot(1.0, scene.slope) * np.maximum(middle, edge))",
-        new="return np.asarray(1.3 * np.hypot(1.0, scene.slope) * np.maximum(middle, edge))",
+        file="uwopt/solvers/exact/oblique.py",
+        old="return np.asarray(np.hypot(1.0, slope) * np.maximum(middle,",
+        new="return np.asarray(1.3 * np.hypot(1.0, slope) * np.maximum(middle,",
         test=f"{SEARCHED}::test_outlines_of_oblique_views_bound_their_imagers",
     ),
     Defect(

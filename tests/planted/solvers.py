@@ -305,8 +305,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="groups of ports cost as much as their dearest",
         file="uwopt/solvers/exact/outline.py",
-        old="high(ports.room_length_m), low(ports.price),",
-        new="high(ports.room_length_m), high(ports.price),",
+        old='first, **low(*sizes, "price", "limit_price", "mass_kg"),',
+        new='first, **low(*sizes, "limit_price", "mass_kg"), **high("price"),',
         test=f"{BOUNDS}test_a_group_of_ports_is_bounded_by_its_best[lamps in steps]",
     ),
     Defect(
@@ -319,8 +319,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="outlines skip the swath",
         file="uwopt/solvers/exact/outline.py",
-        old='passes["min_swath_m"] &= 2.0 * nearest.across_high_m * COARSE_ROUND >= needs.min_swath_m',
-        new='passes["min_swath_m"] &= nearest.across_high_m > 0.0',
+        old='passes["min_swath_m"] &= seen.most.footprint_across_m[:, 0] * COARSE_ROUND >= needs.min_swath_m',
+        new='passes["min_swath_m"] &= seen.most.footprint_across_m[:, 0] > 0.0',
         test=f"{RULES}test_an_outline_discards_what_is_outside[min_swath_m]",
     ),
     Defect(

@@ -76,8 +76,8 @@ DEFECTS = (
     Defect(
         name="outlines forget the baseline of a pair",
         file=OUTLINE,
-        old="nearest.across_high_m * COARSE_ROUND - pair.baseline_m",
-        new="nearest.across_high_m * COARSE_ROUND",
+        old="seen.most.footprint_across_m[:, 0] * COARSE_ROUND - pair.baseline_m",
+        new="seen.most.footprint_across_m[:, 0] * COARSE_ROUND",
         test=f"{RULES}test_an_outline_discards_what_is_outside[min_common_swath_m]",
     ),
     Defect(

@@ -18,7 +18,7 @@ from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.audit import audit
 from uwopt.solvers.exact.bounds import Corner
 from uwopt.solvers.exact.imagers import enumerate_imagers
-from uwopt.solvers.exact.outline import Level, OutlineRows, port_tree
+from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineScene, port_tree
 from uwopt.solvers.exact.search import Search
 
 
@@ -53,17 +53,18 @@ def outlines_hold(problem: Problem) -> None:
             assert (getattr(seen, name) <= getattr(imagers, name) * (1 + slack)).all(), name
         for rule, passes in level.rules(rows, seen):
             assert passes.all(), f"{rule} discards an imager that passes"
-        for scene, own, out in zip(problem.scenes, imagers.scenes, seen.scenes, strict=True):
+        for own, out in zip(imagers.scenes, seen.scenes, strict=True):
             for name in ("n_low", "working_factor", "rate_hz"):
                 assert (getattr(out.focused, name) <= getattr(own.focused, name) * (1 + slack)).all(), name
             assert (out.focused.blur_time_s * (1 + slack) >= own.focused.blur_time_s).all()
             assert (out.view.collecting_m2 * (1 + slack) >= own.view.collecting_m2).all()
-            nominal = level.extent(scene, rows, float(scene.range_m[scene.nominal]))
-            for half, low, high in (
-                (0.5 * own.view.footprint_along_m[:, 1], nominal.along_low_m, nominal.along_high_m),
-                (0.5 * own.view.footprint_across_m[:, 1], nominal.across_low_m, nominal.across_high_m),
-            ):
-                assert (low <= half * (1 + slack)).all() and (half <= high * (1 + slack)).all()
+            assert isinstance(out, OutlineScene)
+            for name in ("footprint_along_m", "footprint_across_m", "area_m2"):
+                low, one, high = (getattr(view, name) for view in (out.view, own.view, out.most))
+                assert (low <= one * (1 + slack)).all() and (one <= high * (1 + slack)).all(), name
+            for name in ("pixel_along_m", "pixel_across_m"):
+                assert (getattr(own.view, name) <= getattr(out.most, name) * (1 + slack)).all(), name
+            assert (out.view.gsd_m <= own.view.gsd_m * (1 + slack)).all()
 
 
 @pytest.mark.parametrize("seed", FEW)

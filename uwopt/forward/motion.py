@@ -22,7 +22,7 @@ def blur_time_s(scene: SceneOptics, shape: PortShape, view: Views) -> Array:
     count = len(view.tan_along)
     if limit_px is None:
         return np.full(count, np.inf)
-    lever = altitudes_m(scene) + shape.outer_radius_m * (not scene.paper)
+    lever = altitudes_m(scene) + shape.over(1).outer_radius_m * (not scene.paper)
     return np.asarray(
         np.minimum(
             operation.blur_exposure_s(

@@ -6,7 +6,7 @@ the estimates (central, good, bad). A design is a row of indices into these tabl
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -47,7 +47,7 @@ from uwopt.forward.part_columns import (
 from uwopt.forward.scene import SceneOptics, glass_index, scene_optics
 from uwopt.forward.spacers import lens_with_spacers, without_spacers
 from uwopt.forward.spectra import Contraction
-from uwopt.forward.views import port_shape
+from uwopt.forward.views import port_shape, port_shapes
 from uwopt.mission.duration import Duration
 from uwopt.mission.mission import Mission
 from uwopt.model import fineness as fine
@@ -338,6 +338,11 @@ class Problem:
         """One port in one scene's water."""
         plain = port_shape(self.ports, port_index, self.scenes[scene_index])
         return plain._replace(window_angle=self.effects.window_angle)
+
+    def shapes(self, ports: Array, scene_index: int) -> Iterator[tuple[Array, PortShape]]:
+        """The same of ports row by row, (n,): one shape of columns for each geometry, with the places of its rows."""
+        for mine, plain in port_shapes(self.ports, ports, self.scenes[scene_index]):
+            yield mine, plain._replace(window_angle=self.effects.window_angle)
 
     def unlit(self, light: int) -> bool:
         """Whether this light stands for no lamp."""

@@ -5,7 +5,7 @@ An imager is camera x lens x port x orientation; its view is geometry alone, as 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -67,6 +67,18 @@ def port_shape(ports: Ports, index: int, scene: SceneOptics) -> PortShape:
     )
 
 
+def port_shapes(ports: Ports, index: Array, scene: SceneOptics) -> Iterator[tuple[Array, PortShape]]:
+    """Ports row by row, (n,), as columns: one shape for all of a geometry, with the places of its rows."""
+    for is_dome in (True, False):
+        mine = np.flatnonzero(ports.is_dome[index] == is_dome)
+        if len(mine):
+            at = index[mine]
+            yield mine, PortShape(
+                is_dome, ports.outer_radius_m[at], ports.thickness_m[at], ports.refractive_index[at], ports.gap_m[at],
+                scene.n_water, slope=scene.slope,
+            )  # fmt: skip
+
+
 def table_reach_m(view: Views) -> float:
     """How far from the axis tables of water's loss must reach: past the widest image."""
     return CORNERS_REACH * float(view.far_m.max(initial=0.0))
@@ -76,14 +88,7 @@ def views(
     scene: SceneOptics, cameras: Cameras, lenses: Lenses, shape: PortShape, *, landscape: bool
 ) -> Views:
     """Geometry of imagers behind one port; camera and lens columns row by row."""
-    pitch, focal = cameras.pixel_pitch_m, lenses.focal_length_m
-    effective = focal * PAPER_N_WATER if scene.paper and not shape.is_dome else focal
-    half_x = cameras.resolution_x_px * pitch / (2.0 * effective)
-    half_y = cameras.resolution_y_px * pitch / (2.0 * effective)
-    along, across = (half_y, half_x) if landscape else (half_x, half_y)
-    diagonal = np.hypot(cameras.resolution_x_px, cameras.resolution_y_px) * pitch
-    wanted_px = scene.view.requirements.circle_of_confusion_px
-    coc = diagonal * PAPER_COC_PER_DIAGONAL if wanted_px is None else wanted_px * pitch
+    pitch, (along, across, effective) = cameras.pixel_pitch_m, field_of_view(scene, cameras, lenses, shape, landscape)
     transmission = lenses.transmission * (1.0 if scene.paper else port_transmission(shape))
     covered = footprints(scene, shape, along, across, pitch, effective, altitudes_m(scene))
     return Views(
@@ -91,7 +96,7 @@ def views(
         tan_across=across,
         **covered,
         **seen_by_pair(scene, shape, across, pitch / effective, covered["footprint_across_m"]),
-        coc_m=coc,
+        coc_m=circle_of_confusion_m(scene, cameras),
         focal_length_m=effective,
         collecting_m2=np.square(pitch) * transmission * cameras.qe_scale,
         axis_image=image_places(scene, shape, None, len(along)),
@@ -129,11 +134,31 @@ def seen_by_pair(
     return dict(common_across_m=wide_m, depth_error_m=np.where(wide_m > 0.0, errors.max(axis=2), np.inf))
 
 
+def field_of_view(
+    scene: SceneOptics, cameras: Cameras, lenses: Lenses, shape: PortShape, landscape: bool | Array
+) -> tuple[Array, Array, Array]:
+    """Tangents in air of the half angles of view along and across the motion, and the effective focal length [m]."""
+    focal = lenses.focal_length_m
+    effective = focal * PAPER_N_WATER if scene.paper and not shape.is_dome else focal
+    half_x = cameras.resolution_x_px * cameras.pixel_pitch_m / (2.0 * effective)
+    half_y = cameras.resolution_y_px * cameras.pixel_pitch_m / (2.0 * effective)
+    return np.where(landscape, half_y, half_x), np.where(landscape, half_x, half_y), effective
+
+
+def circle_of_confusion_m(scene: SceneOptics, cameras: Cameras) -> Array:
+    """Width of a point that counts as sharp: as many pixels as are asked for, else a share of the diagonal."""
+    wanted_px = scene.view.requirements.circle_of_confusion_px
+    if wanted_px is not None:
+        return np.asarray(wanted_px * cameras.pixel_pitch_m)
+    diagonal_px = np.hypot(cameras.resolution_x_px, cameras.resolution_y_px)
+    return np.asarray(diagonal_px * cameras.pixel_pitch_m * PAPER_COC_PER_DIAGONAL)
+
+
 def footprints(
     scene: SceneOptics, shape: PortShape, along: Array, across: Array, pitch: Array, focal: Array, ranges: Array
 ) -> dict[str, Array]:
     """The columns of `Views` that say what the images cover of the target's plane, at ranges of which the last counts
-    as the farthest."""
+    as the farthest. Ports of many images are columns of `shape`."""
     if scene.slope:
         return oblique_footprints(shape, along, across, pitch / focal, ranges)
     wide_along, wide_across = (2.0 * edge_m(scene, shape, side, ranges) for side in (along, across))
@@ -156,10 +181,10 @@ def oblique_footprints(
     pixel : (n,) its tangent; ranges : (k,) along the axis
     """
     near, far = -along[:, None], along[:, None]
-    side, middle = across[:, None], np.zeros((len(along), 1))
+    side, middle, spread = across[:, None], np.zeros((len(along), 1)), shape.over(1)
 
     def point(u: Array, v: Array) -> tuple[Array, Array, Array]:
-        x_m, y_m, _ = floor_point(u, v, shape=shape, range_m=ranges)
+        x_m, y_m, _ = floor_point(u, v, shape=spread, range_m=ranges)
         return x_m, y_m, ranges + shape.slope * x_m
 
     deep = np.hypot(1.0, shape.slope) * (point(far, middle)[0] - point(near, middle)[0])
@@ -169,7 +194,7 @@ def oblique_footprints(
     if shape.is_dome:  # pixels grow towards the far corner, throughout
         u, v = np.array([-1.0, 1.0]), np.ones(2)
     steps = floor_steps(
-        (along[:, None] * u)[:, None], (across[:, None] * v)[:, None], shape=shape, range_m=ranges[:, None]
+        (along[:, None] * u)[:, None], (across[:, None] * v)[:, None], shape=shape.over(2), range_m=ranges[:, None]
     )
     moved = [least.min(axis=2) * pixel[:, None] for least in steps.least_moved_m]
     with np.errstate(divide="ignore"):
@@ -264,7 +289,7 @@ def port_transmission(shape: PortShape) -> float:
 
 def edge_m(scene: SceneOptics, shape: PortShape, tangent: Array, ranges: Array) -> Array:
     """Distance on the floor from the axis to the middle of an image edge, (n, 3)."""
-    tangent = tangent[:, None]
+    tangent, shape = tangent[:, None], shape.over(1)
     if scene.paper:
         return tangent * ranges
     if shape.is_dome:
@@ -285,7 +310,7 @@ def edge_m(scene: SceneOptics, shape: PortShape, tangent: Array, ranges: Array) 
 
 def largest_pixel_m(scene: SceneOptics, shape: PortShape, pitch: Array, focal: Array, ranges: Array) -> Array:
     """Largest ground sample of the image, (n, 3): uniform behind a dome, at the centre behind a flat port."""
-    scale = (pitch / focal)[:, None]
+    scale, shape = (pitch / focal)[:, None], shape.over(1)
     if scene.paper:
         return scale * ranges
     if shape.is_dome:
@@ -316,6 +341,7 @@ def smallest_pixels_m(
     if scene.paper or shape.is_dome:
         same = largest_pixel_m(scene, shape, pitch, focal, ranges)
         return same, same
+    shape = shape.over(1)
     common = dict(
         pixel_pitch_m=pitch[:, None],
         focal_length_m=focal[:, None],

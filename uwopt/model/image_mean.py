@@ -28,14 +28,19 @@ FRAME_SHARE = 0.95  # of the image: what is reached there counts as reached over
 FRAME_MAY_MISS = int(FRAME_PLACES * (1.0 - FRAME_SHARE))
 
 
-def field_means(tan_along: Array, tan_across: Array, *, ranges_m: Array, beam: beams.Beam, **common: Any) -> Array:
+def field_means(
+    tan_along: Array, tan_across: Array, *, shape: PortShape, ranges_m: Array, beam: beams.Beam, **common: Any
+) -> Array:
     """`field_mean` of n images at each of m ranges, (n, m) [1/m^2]; smooth beams take all of them at once."""
     if beams.has_sharp_edge(beam):
-        each = [field_mean(tan_along, tan_across, range_m=float(r), beam=beam, **common) for r in ranges_m]
+        each = [
+            field_mean(tan_along, tan_across, shape=shape, range_m=float(r), beam=beam, **common) for r in ranges_m
+        ]
         return np.stack(each, axis=1)
-    shape = len(tan_along), len(ranges_m)
-    along, across = (np.repeat(tangent, shape[1]) for tangent in (tan_along, tan_across))
-    return field_mean(along, across, range_m=np.tile(ranges_m, shape[0]), beam=beam, **common).reshape(shape)
+    image, range_m = (part.ravel() for part in np.meshgrid(np.arange(len(tan_along)), ranges_m, indexing="ij"))
+    return field_mean(
+        tan_along[image], tan_across[image], shape=shape.take(image), range_m=range_m, beam=beam, **common
+    ).reshape(len(tan_along), len(ranges_m))
 
 
 def field_mean(
@@ -47,6 +52,7 @@ def field_mean(
     Parameters
     ----------
     tan_along, tan_across : (n,) tangents in air of the half angles of view along and across the motion
+    shape : the port of all images, or the ports of each
     range_m : of all images, or of each, (n,), where the beam does not end sharply
     order : nodes a side of the image (smooth beams: Gauss-Legendre), or cells a side of each lamp's spot in it
         (sharp ones: midpoint, extrapolated)
@@ -70,7 +76,7 @@ def field_mean(
             int(n),
             tan_along[rows],
             tan_across[rows],
-            shape=shape,
+            shape=shape.take(rows),
             range_m=range_m[rows] if isinstance(range_m, np.ndarray) else range_m,
             lamps=lamps,
             beam=beam,
@@ -167,7 +173,7 @@ def spot_box(
 def spot_scales_m(corner: Array, shape: PortShape, range_m: float) -> list[Array]:
     """Least and most distance from the axis over the tangent in air, of image points so far along the axis [m]."""
     if shape.is_dome:
-        return [np.full(len(corner), max(range_m + shape.outer_radius_m, 1e-9))]
+        return [np.broadcast_to(np.maximum(range_m + shape.outer_radius_m, 1e-9), corner.shape)]
     ahead_m = max(range_m, 1e-9)  # a spot may begin behind the port, where no ray goes
     return [flat_slope_m(t, shape=shape, range_m=ahead_m) for t in (0.0 * corner, corner)]
 
@@ -192,7 +198,7 @@ def edge_mean(
                 tan_along[rows],
                 tan_across[rows],
                 box[:, rows],
-                shape=shape,
+                shape=shape.take(rows),
                 lamps=lamp,
                 **common,
             )
@@ -203,7 +209,9 @@ def edge_mean(
     return mean
 
 
-def box_mean(count: tuple[int, int], tan_along: Array, tan_across: Array, box: Array, **common: Any) -> Array:
+def box_mean(
+    count: tuple[int, int], tan_along: Array, tan_across: Array, box: Array, *, shape: PortShape, **common: Any
+) -> Array:
     """Mean of `local_gain` over a part of each image, (4, n) as `spot_box` gives it, by even cells [1/m^2]."""
     (u, _), (v, _) = cells(count[0]), cells(count[1])
     mean = np.empty(len(tan_along))
@@ -214,8 +222,9 @@ def box_mean(count: tuple[int, int], tan_along: Array, tan_across: Array, box: A
         along = tan_along[rows, None] * (0.5 * (low + high) + 0.5 * (high - low) * u)
         across = tan_across[rows, None] * (0.5 * (left + right) + 0.5 * (right - left) * v)
         gain = local_gain(
-            *np.broadcast_arrays(along[:, :, None], across[:, None, :]), edge_share=True, **common
-        )
+            *np.broadcast_arrays(along[:, :, None], across[:, None, :]), edge_share=True,
+            shape=shape.take(rows).over(2), **common,
+        )  # fmt: skip
         mean[rows] = gain.mean(axis=(1, 2))
     return mean
 
@@ -238,7 +247,7 @@ def mean_of_order(
 
 def rule_mean(
     tan_along: Array, tan_across: Array, along_rule: tuple[Array, Array], across_rule: tuple[Array, Array], *,
-    range_m: Array, **common: Any,
+    shape: PortShape, range_m: Array, **common: Any,
 ) -> Array:  # fmt: skip
     """Mean of `local_gain` over images, each at its range, by a product rule on [-1, 1], a few images at a time."""
     along_nodes, along_weights = along_rule
@@ -250,7 +259,9 @@ def rule_mean(
         along, across = np.broadcast_arrays(
             tan_along[rows, None, None] * along_nodes[:, None], tan_across[rows, None, None] * across_nodes
         )
-        gain = local_gain(along, across, range_m=range_m[rows, None, None], **common)
+        gain = local_gain(
+            along, across, shape=shape.take(rows).over(2), range_m=range_m[rows, None, None], **common
+        )
         mean[rows] = (gain @ across_weights) @ along_weights
     return mean
 

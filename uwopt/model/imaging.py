@@ -10,6 +10,7 @@ the image of geometry and water's loss. C is what a search tabulates; X is what 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -28,16 +29,35 @@ FARTHEST = 5.0  # times as far along the axis as the middle of a frame: beyond i
 
 
 class PortShape(NamedTuple):
-    """One port, the water in front of it and how the target's plane lies there, as scalars in SI."""
+    """Ports of one geometry, the water in front of them and how the target's plane lies there, in SI.
+
+    The port's four numbers are scalars, or columns (n,) with one port for each of n images.
+    """
 
     is_dome: bool
-    outer_radius_m: float
-    thickness_m: float
-    n_glass: float
-    gap_m: float
+    outer_radius_m: port.Numeric
+    thickness_m: port.Numeric
+    n_glass: port.Numeric
+    gap_m: port.Numeric
     n_water: float
     window_angle: bool = False  # count that a flat window passes less off its axis
     slope: float = 0.0  # of the plane z = d + slope x that is looked at, tan of the pitch; 0: square to the axis
+
+    def take(self, rows: Array | slice) -> PortShape:
+        """The ports of some of the images."""
+        return self._with_columns(lambda column: column[rows])
+
+    def over(self, axes: int) -> PortShape:
+        """With so many axes behind each column, for field points or ranges of each image."""
+        return self._with_columns(lambda column: column.reshape(*column.shape, *[1] * axes))
+
+    def _with_columns(self, change: Callable[[Array], Array]) -> PortShape:
+        """With each column changed; scalars are for all images and points alike."""
+        numbers = (self.outer_radius_m, self.thickness_m, self.n_glass, self.gap_m)
+        if not any(isinstance(number, np.ndarray) for number in numbers):
+            return self
+        radius, thickness, glass, gap = (change(n) if isinstance(n, np.ndarray) else n for n in numbers)
+        return self._replace(outer_radius_m=radius, thickness_m=thickness, n_glass=glass, gap_m=gap)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.views import CORNERS_REACH
+from uwopt.forward.views import CORNERS_REACH, edge_m
 from uwopt.model.imaging import FARTHEST
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.bounds import NODE_RULES, Bounds
@@ -135,11 +135,12 @@ class LargeSearch:
     def _small_enough(self, scene_index: int, group: int, *, landscape: bool) -> OutlineRows:
         """Pairs behind one group of the first level whose pixels may be small enough, and whose view may end."""
         level, scene = self.levels[0], self.problem.scenes[scene_index]
-        limit_mm = limit(scene.view.requirements.max_gsd_mm)
         rows = self._rows(np.arange(len(self.pairs.camera)), group, landscape=landscape)
-        gsd_mm = level.pixel_per_range(rows) * level.pixel_path_m(scene, rows, float(scene.range_m[-1])) * 1e3
-        ends = level.descents(scene, rows)[1] * FARTHEST * COARSE_ROUND >= 1.0
-        return rows.take(np.nonzero((gsd_mm <= limit_mm * COARSE_ROUND) & ends)[0])
+        limit_mm = limit(scene.view.requirements.max_gsd_mm)
+        small = rows.take(level.gsd_m(scene_index, rows)[:, 2] * 1e3 <= limit_mm * COARSE_ROUND)
+        if not scene.slope:
+            return small
+        return small.take(level.view(scene_index, small, level.groups.least).farthest <= FARTHEST * COARSE_ROUND)
 
     def _reach(self, scene_index: int, altitude: int) -> PlaneReach:
         """The most of `Level.reach` over all such pairs, as columns of length one."""
@@ -155,14 +156,12 @@ class LargeSearch:
     def _widest_m(self, scene_index: int, altitude: int) -> tuple[float, float]:
         """No image of a pair whose pixels are small enough reaches farther from the axis, either way."""
         level, scene = self.levels[0], self.problem.scenes[scene_index]
-        range_m = float(scene.range_m[altitude])
-        widest = 1e-6
+        range_m, widest = np.array([scene.range_m[altitude]]), 1e-6
         for group in range(len(level.groups.start)):
             rows = self._small_enough(scene_index, group, landscape=True)
-            if len(rows):
-                tangent = np.max([t.max() for t in level.tangents(rows)])
-                _, edge = level.edges_m(scene, rows.take(np.array([0])), np.array([tangent]), range_m)
-                widest = max(widest, float(edge[0]))
+            for _, _, most in level.ends(scene, rows.group[:1]):
+                tangent = np.max(level.tangents(scene, rows, most), keepdims=True)[0]
+                widest = max(widest, float(edge_m(scene, most, tangent, range_m)[0, 0]))
         return widest, widest
 
     def _rows(self, pairs: Array, group: int, *, landscape: bool) -> OutlineRows:
@@ -253,12 +252,11 @@ class LargeSearch:
         for group in range(len(level.groups.start)):
             rows = self._rows(np.arange(len(pairs.camera)), group, landscape=True)
             turned = self._rows(np.arange(len(pairs.camera)), group, landscape=False)
-            worst = np.max([
-                np.minimum(*(
-                    level.pixel_path_m(scene, one, float(scene.range_m[scene.nominal])) for one in (rows, turned)
-                )) for scene in problem.scenes
+            worst_m = np.max([
+                np.minimum(*(level.gsd_m(index, one)[:, 1] for one in (rows, turned)))
+                for index in range(len(problem.scenes))
             ], axis=0)  # fmt: skip
-            gsd_mm = np.minimum(gsd_mm, level.pixel_per_range(rows) * worst * 1e3)
+            gsd_mm = np.minimum(gsd_mm, worst_m * 1e3)
         cost = cameras.price[pairs.camera] + lenses.price[pairs.lens] + ports.price.min()
         mass = cameras.mass_kg[pairs.camera] + lenses.mass_kg[pairs.lens] + ports.mass_kg.min()
         information = np.inf if self.search.objective.weight("information") else 0.0

@@ -26,7 +26,7 @@ from uwopt.forward.scene import Pixels
 from uwopt.forward.spectra import sees_colours
 from uwopt.forward.views import table_reach_m
 from uwopt.model import beam as beams
-from uwopt.model.imaging import Lamps, flat_slope_m, levelled
+from uwopt.model.imaging import Lamps, PortShape, flat_slope_m, levelled
 from uwopt.model.port import flat_floor_derivative
 from uwopt.solvers.exact.balance import least_white_balance
 from uwopt.solvers.exact.imagers import Imagers
@@ -422,12 +422,9 @@ class Rectangles:
 
     @staticmethod
     def oblique(problem: Problem, imagers: Imagers, scene_index: int, range_m: float, rows: Array) -> Rectangles:
-        """Those of imagers on a tilted plane, port by port."""
-        view, ports = imagers.scenes[scene_index].view, problem.like_port[imagers.port[rows]]
-        columns = np.ones((len(PlaneReach._fields), len(rows)))
-        for port in np.unique(ports):
-            mine = np.nonzero(ports == port)[0]
-            shape = problem.shape(int(port), scene_index)
+        """Those of imagers on a tilted plane."""
+        view, columns = imagers.scenes[scene_index].view, np.ones((len(PlaneReach._fields), len(rows)))
+        for mine, shape in problem.shapes(imagers.port[rows], scene_index):
             along, across = view.tan_along[rows[mine]], view.tan_across[rows[mine]]
             columns[:, mine] = reach_of(along, across, least=shape, most=shape, range_m=range_m)
         return Rectangles.tilted(PlaneReach(*columns), deepest_m(problem, scene_index))
@@ -444,7 +441,10 @@ class Rectangles:
             0.5 * ((1 - weight) * width[rows, 0] + weight * width[rows, 2])
             for width in (view.footprint_along_m, view.footprint_across_m)
         )
-        crowding = crowding_of(problem, imagers, scene_index, range_m, along, across, rows)
+        crowding = np.ones(len(rows))
+        for mine, shape in problem.shapes(imagers.port[rows], scene_index):
+            tangents = view.tan_along[rows[mine]], view.tan_across[rows[mine]]
+            crowding[mine] = crowding_of(*tangents, along[mine], across[mine], shape=shape, range_m=range_m)
         deepest, share = Rectangles.paths(problem, scene_index, range_m)
         return Rectangles(along, across, along * across, crowding, deepest, share)
 
@@ -460,36 +460,24 @@ class Rectangles:
 
 
 def crowding_of(
-    problem: Problem,
-    imagers: Imagers,
-    scene_index: int,
-    range_m: float,
-    along: Array,
-    across: Array,
-    rows: Array,
+    tan_along: Array, tan_across: Array, along_m: Array, across_m: Array, *, shape: PortShape, range_m: float
 ) -> Array:
-    """Upper bound of (samples per floor area) over (uniform): the corner's, where a flat port crowds most."""
-    view = imagers.scenes[scene_index].view
-    out = np.ones(len(rows))
-    ports = problem.like_port[imagers.port[rows]]
-    for port in np.unique(ports):
-        if problem.ports.is_dome[port]:
-            continue
-        mine = np.nonzero(ports == port)[0]
-        tan_along, tan_across = view.tan_along[rows[mine]], view.tan_across[rows[mine]]
-        shape = problem.shape(int(port), scene_index)
-        corner = np.hypot(tan_along, tan_across)
-        slope = flat_slope_m(corner, shape=shape, range_m=range_m)
-        steep = flat_floor_derivative(
-            corner,
-            gap_m=shape.gap_m,
-            thickness_m=shape.thickness_m,
-            n_glass=shape.n_glass,
-            n_water=shape.n_water,
-            range_m=range_m,
-        )
-        out[mine] = along[mine] * across[mine] / (tan_along * tan_across * slope * steep)
-    return out
+    """Most samples per floor area of images, (n,), over those were they spread evenly: 1 behind a dome.
+
+        (U V / (u v)) / (F(rho) dF/drho / rho),   rho = sqrt(u^2 + v^2): the corner's, where a flat port crowds most
+
+    tan_along, tan_across : u, v of the half angles in air; along_m, across_m : U, V, no less than half the footprint
+    shape : ports that take rays no farther from the axis than their own
+    """
+    if shape.is_dome:
+        return np.ones(len(tan_along))
+    corner = np.hypot(tan_along, tan_across)
+    steep = flat_floor_derivative(
+        corner, gap_m=shape.gap_m, thickness_m=shape.thickness_m, n_glass=shape.n_glass, n_water=shape.n_water,
+        range_m=range_m,
+    )  # fmt: skip
+    spread = flat_slope_m(corner, shape=shape, range_m=range_m) * steep
+    return np.asarray(along_m * across_m / (tan_along * tan_across * spread))
 
 
 def edges_to(largest_m: float) -> Array:

@@ -63,6 +63,31 @@ def reach_of(tan_along: Array, tan_across: Array, *, least: PortShape, most: Por
     )  # fmt: skip
 
 
+def least_oblique_pixel_m(tan_along: Array, *, least: PortShape, range_m: Any) -> Array:
+    """Lower bound of the largest pixel over its tangent: in the middle, or far, where the port may add nothing.
+
+        at the far edge   sqrt(1 + s^2) (A' + d W' + s u (W' A - W A')) / D^2
+    """
+    slope, u = least.slope, tan_along
+    start_m, per_axis = ray_spread(0.0 * u, least)
+    middle = start_m + range_m * per_axis
+    per_m = ray_spread(np.square(u), least)[1]
+    edge = middle if least.is_dome else range_m * least.n_water**2 * per_m**3
+    return np.asarray(np.hypot(1.0, slope) * np.maximum(middle, edge / np.square(descent(u, per_m, slope))))
+
+
+def most_oblique_pixels_m(tan_along: Array, *, most: PortShape, range_m: Any) -> tuple[Array, Array]:
+    """Upper bounds of the smallest pixels along and across over their tangent: those in the middle of the near edge."""
+    slope, u = most.slope, tan_along
+    start_m, _ = ray_spread(0.0 * u, most)
+    per_m = ray_spread(np.square(u), most)[1]
+    near = 1.0 + slope * u * per_m
+    deep = (start_m + range_m * per_m) / np.square(near)
+    if not most.is_dome:
+        deep = start_m / near + range_m * most.n_water**2 * per_m**3 / np.square(near)
+    return np.asarray(np.hypot(1.0, slope) * deep), np.asarray((start_m + range_m * per_m) / near)
+
+
 def crowding(along_m: Array, slope: float, range_m: float, deepest_m: float) -> Array:
     """Most samples at places (...,) along the plane over those where the axis meets it: (E / (E + s x))^3."""
     x_m = along_m / np.hypot(1.0, slope)
