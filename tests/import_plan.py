@@ -36,6 +36,7 @@ SENTENCE = [
     "solvers",
     "api",
     "report",
+    "sweeps",
     "bench",
     "explore",
     "cli",

@@ -1,7 +1,8 @@
 """uwopt: from an underwater imaging mission to a camera system that can be bought, with a proof.
 
 `solve` finds the best system of a catalogue, `pareto` the trade-off between objectives, `evaluate` says what a
-given system would do, `compare` puts systems side by side, `whatif` tells how the optimum changes with the mission.
+given system would do, `compare` puts systems side by side, `whatif` tells how the optimum changes with the mission,
+`sweep` works out many missions.
 Heavy imports wait until they are needed.
 """
 
@@ -27,7 +28,9 @@ if TYPE_CHECKING:
     from uwopt.objectives.own import OwnObjective as OwnObjective
     from uwopt.results.front import FrontResult as FrontResult
     from uwopt.results.result import Result as Result
+    from uwopt.results.sweep import SweepSummary as SweepSummary
     from uwopt.results.whatif import WhatIf as WhatIf
+    from uwopt.sweeps.run import sweep as sweep
 
 _WHERE = {
     "solve": "uwopt.api.solving",
@@ -44,6 +47,8 @@ _WHERE = {
     "plot": "uwopt.explore.plotting",
     "whatif": "uwopt.api.whatif",
     "WhatIf": "uwopt.results.whatif",
+    "sweep": "uwopt.sweeps.run",
+    "SweepSummary": "uwopt.results.sweep",
     "OwnObjective": "uwopt.objectives.own",
 }
 __all__ = ["__version__", *_WHERE]

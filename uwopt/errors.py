@@ -5,6 +5,7 @@ UwoptError
   CatalogError    a part, price or spectrum file is wrong, or a part is unknown
   RangeError      a number lies outside what a formula or table covers
   SolverError     a solver could not do its work (infeasible is a result, not an error)
+  SchedulerError  a cluster cannot be reached, or its workers are another program
   OutputError     a result cannot be written where it was asked for
   ResultError     a result file cannot be read: none, cut off, of another version, or changed by hand
 """
@@ -40,6 +41,10 @@ class RangeError(UwoptError):
 
 class SolverError(UwoptError):
     """A solver could not do its work."""
+
+
+class SchedulerError(UwoptError):
+    """A cluster cannot be used."""
 
 
 class OutputError(UwoptError):

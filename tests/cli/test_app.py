@@ -36,6 +36,7 @@ SYSTEM = ROOT / "problems" / "paper-tank.system.yaml"
 COMMANDS = [
     [], ["solve"], ["evaluate"], ["catalog"], ["catalog", "list"], ["catalog", "show"], ["catalog", "check"],
     ["catalog", "template"], ["init"], ["schema"], ["report"], ["pareto"], ["whatif"], ["plot"], ["explain"], ["bench"],
+    ["sweep"],
 ]  # fmt: skip
 Status = Callable[..., None]
 

@@ -83,6 +83,7 @@ def solve(
     progress: Progress | None = None,
     quick: bool = False,
     first: First | None = None,
+    explain: bool = True,
 ) -> Result:
     """The best system for a mission, with a certificate; see the package's documentation.
 
@@ -101,6 +102,7 @@ def solve(
     tolerance : largest error of a figure, a share: integrals are taken as coarsely as it allows
     quick : leave out how firm the answer is, and second opinions
     first : called with the result as soon as its recommendation is proven, before all that is told beyond the proof
+    explain : where nothing fits, also say why and what would help
     """
     start, deadline = time.perf_counter(), Deadline.after(seconds)
     for_search = deadline if seconds is None else deadline.at_most(SEARCH_SHARE * seconds)
@@ -127,8 +129,9 @@ def solve(
     result = base_result("solve", wanted, goal, sought.problem)
     if not sought.outcome.best:
         result = infeasible_result(
-            result, wanted.without_gain_cap, catalog, goal, sought, alternative, timing, deadline, progress
-        )
+            result, wanted.without_gain_cap, catalog, goal, sought, alternative, timing, deadline, progress,
+            explain=explain,
+        )  # fmt: skip
     else:
         result, sought = found_result(
             result, goal, sought, alternative, timing, deadline, progress, solver=solver, quick=quick, first=first
@@ -396,6 +399,7 @@ def second_opinions(sought: Sought, goal: Objective, solver: str, deadline: Dead
 def infeasible_result(
     result: Result, mission: Mission, catalog: Catalog, goal: Objective, sought: Sought,
     alternative: Sought | None, timing: dict[str, float], deadline: Deadline, progress: Progress | None,
+    *, explain: bool = True,
 ) -> Result:  # fmt: skip
     """A result without a recommendation: why, and what would help."""
     from uwopt.solvers.explain.infeasible import Explanation
@@ -405,7 +409,7 @@ def infeasible_result(
     with_generic = alternative is not None or mission.catalog.generic == "allow"
     generic: Generic = "allow" if with_generic else "never"
     why, notes = None, interruption_warnings(used)
-    if used.outcome.complete:
+    if used.outcome.complete and explain:
         patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(EXPLAIN_S, time.process_time)
         work = Explanation(mission, catalog, goal, generic, patience, progress, used)
         with timed(timing, "explanation"):

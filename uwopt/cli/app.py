@@ -34,6 +34,7 @@ from uwopt.cli.pareto import pareto_command
 from uwopt.cli.plot import plot_command
 from uwopt.cli.report import report_command
 from uwopt.cli.status import BAD_INPUT, DONE, EXIT_STATUS, command, result_status, told
+from uwopt.cli.sweep import sweep_command
 from uwopt.cli.tender import quotes_command, tender_command
 from uwopt.cli.whatif import whatif_command
 from uwopt.version import __version__
@@ -194,6 +195,7 @@ app.command("pareto", short_help="Trade two or three objectives: the whole front
 app.command("explain", short_help="Say why nothing fits, or what each requirement costs.")(explain_command)
 app.command("whatif", short_help="Vary the mission: the optimum, and where another system wins.")(whatif_command)
 app.command("plot", short_help="Draw one plot of a system in a mission.")(plot_command)
+app.command("sweep", short_help="Many missions: a row each, on all processors.")(sweep_command)
 app.command("bench", short_help="Measure error against run time on this machine.")(bench_command)
 app.command("report", short_help="Make the page of a result again.")(report_command)
 app.command("tender", short_help="Write what makers are asked for.")(tender_command)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -76,14 +76,19 @@ class Varied:
 class VariedMission:
     """A mission's plain values, in which keys can be set and the mission made again."""
 
-    def __init__(self, source: str | Path | Mapping[str, Any] | Mission, changes: Mapping[str, Any]):
-        """`changes`: other top-level values, such as the objective of the call."""
-        self.base = load_mission(source)
+    def __init__(
+        self,
+        source: str | Path | Mapping[str, Any] | Mission,
+        changes: Mapping[str, Any],
+        base_dir: Path | None = None,
+    ):
+        """`changes`: other top-level values, such as the objective of the call; `base_dir` as of `load_mission`."""
+        self.base = load_mission(source, base_dir=base_dir)
+        self.base_dir = self.base.base_dir
         if isinstance(source, Mission):
-            data, self.base_dir = source.to_dict(), source.base_dir
+            data = source.to_dict()
         else:
-            document = read_document(source, "mission")
-            data, self.base_dir = in_one_form(document.data)[0], document.base_dir
+            data = in_one_form(read_document(source, "mission").data)[0]
         self.data = {**data, **changes}
         if changes:
             self.base = self.with_values({})
@@ -114,6 +119,10 @@ class VariedMission:
 
     def varied(self, key: str, values: Sequence[Any] | str) -> Varied:
         """A key that is in the mission's language, with checked values."""
+        return replace(self.named(key), values=checked_values(f"vary {key.strip()}", values))
+
+    def named(self, key: str) -> Varied:
+        """A key that is in the mission's language, without values; raises MissionError for others."""
         plain, told = key.strip(), f"vary {key.strip()}"
         head, _, name = plain.rpartition(".")
         name = OTHER_NAMES.get(name, name)
@@ -134,7 +143,7 @@ class VariedMission:
         if len(found) > 1:
             both = " or ".join(f"{section}.{name}" for section in found)
             raise MissionError(f"{told}: {' and '.join(found)} both have this key; write {both}")
-        return Varied(plain, found[0], name, checked_values(told, values), scene)
+        return Varied(plain, found[0], name, (), scene)
 
     def _made(self, data: Mapping[str, Any]) -> Mission:
         return load_mission(data, base_dir=self.base_dir)

@@ -22,12 +22,14 @@ from uwopt.report.text.cells import defused, to_pay
 from uwopt.results.design import BillRow
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
+from uwopt.results.sweep import SweepSummary
 from uwopt.results.whatif import WhatIf
 
 RESULT_FILE, BOM_FILE, PAGE_FILE = "result.json", "bom.csv", "report.html"
 BOOK_FILE = "bom.xlsx"
 FRONT_FILE, FRONT_TABLE = "front.json", "front.csv"
 WHATIF_FILE, WHATIF_TABLE, WHATIF_PARQUET = "whatif.json", "whatif.csv", "whatif.parquet"
+AnyResult = Result | FrontResult | WhatIf | SweepSummary
 BOM_COLUMNS = (
     "kind", "id", "manufacturer", "model", "count", "owned", "unit_price", "unit_price_low", "unit_price_high",
     "to_pay", "to_pay_low", "to_pay_high", "currency", "price_status", "price_date", "generic", "source", "price_basis",
@@ -62,21 +64,21 @@ def write_front(front: FrontResult, folder: str | Path) -> list[Path]:
 
 
 def write_whatif(table: WhatIf, folder: str | Path) -> list[Path]:
-    """Write whatif.json, report.html and the table as CSV, beside it as Parquet where pyarrow is installed."""
+    """Write whatif.json, report.html and the table as CSV, beside it as Parquet."""
     target = check_folder(folder)
     texts: dict[str, str | bytes] = {
         WHATIF_FILE: json_text(table) + "\n",
         WHATIF_TABLE: rows_csv(table.rows(), [key.key for key in table.keys]),
         PAGE_FILE: page_text(table),
     }
-    if find_spec("pyarrow") is not None and table.points:
+    if table.points:
         buffer = io.BytesIO()
         table.frame().to_parquet(buffer)
         texts[WHATIF_PARQUET] = buffer.getvalue()
     return write_files(made_folder(target), texts)
 
 
-def write_page(result: Result | FrontResult | WhatIf, file: str | Path) -> Path:
+def write_page(result: AnyResult, file: str | Path) -> Path:
     """Write the report of a result to a file; one that stands there is replaced."""
     return write_text(page_text(result), file)
 
@@ -87,12 +89,16 @@ def write_text(text: str, file: str | Path) -> Path:
     return write_files(made_folder(target.parent), {target.name: text})[0]
 
 
-def page_text(result: Result | FrontResult | WhatIf) -> str:
+def page_text(result: AnyResult) -> str:
     """The page of a result; the template engine is loaded only when a page is made."""
     if isinstance(result, WhatIf):
         from uwopt.report.page.whatif import whatif_html
 
         return whatif_html(result)
+    if isinstance(result, SweepSummary):
+        from uwopt.report.page.sweep import sweep_html
+
+        return sweep_html(result)
     from uwopt.report.page.page import report_html
 
     return report_html(result)
@@ -176,7 +182,10 @@ def write_files(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]
 
 @contextlib.contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """One run at a time moves its files into a folder, so that they belong together; where folders can be locked."""
+    """One run at a time moves its files into a folder, so that they belong together; where folders can be locked.
+
+    At the end it is asked of the disk that the files have their names, so that power may fail.
+    """
     try:
         import fcntl
     except ImportError:  # Windows
@@ -187,6 +196,8 @@ def alone_in(folder: Path) -> Iterator[None]:
         with contextlib.suppress(OSError):  # some network drives know no locks
             fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield
+        with contextlib.suppress(OSError):  # nor this
+            os.fsync(descriptor)
     finally:
         os.close(descriptor)
 
@@ -212,7 +223,7 @@ def write_new(path: str | Path, text: str) -> Path:
     return target
 
 
-def json_text(result: Result | FrontResult | WhatIf, encoding: str = "utf-8") -> str:
+def json_text(result: AnyResult, encoding: str = "utf-8") -> str:
     """The result as JSON; signs that an encoding does not know are written as escapes."""
     text = result.to_json()
     try:

@@ -36,6 +36,6 @@ def whatif_html(table: WhatIf) -> str:
         name=words.one_line(table.mission.get("name") or "Mission", 120), version=table.uwopt_version,
         opening=opening(table), status=(table.status, MARKS.get(table.status, "bad")), pictures=pictures,
         blocks=blocks, run_time=words.run_time_sentence(table.timing_s), raw=packed(compact_json(table.to_dict())),
-        raw_name="whatif.json",
+        raw_name="whatif.json", made_by="uwopt whatif",
     )  # fmt: skip
     return in_page(page, said)

@@ -1,0 +1,87 @@
+"""Planted defects of sweeps over many missions: what is lost, twice, or taken for an answer that is none."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+TESTS = "tests/sweeps/test_sweep.py"
+
+DEFECTS = (
+    Defect(
+        name="rows of another catalogue are believed",
+        file="uwopt/sweeps/identity.py",
+        old='DECIDING = ("uwopt", "program", "catalogue")',
+        new='DECIDING = ("uwopt", "program")',
+        test=f"{TESTS}::test_another_catalogue_or_program_is_noticed[catalogue]",
+    ),
+    Defect(
+        name="files that files name are not looked at",
+        file="uwopt/sweeps/files.py",
+        old="if depth and path.suffix",
+        new="if not depth and path.suffix",
+        test=f"{TESTS}::test_a_changed_input_is_noticed[file of a file]",
+    ),
+    Defect(
+        name="a confidence asked of all is no input",
+        file="uwopt/sweeps/job.py",
+        old="self.ways.system, self.system_hash, self.ways.changes()])",
+        new="self.ways.system, self.system_hash])",
+        test=f"{TESTS}::test_a_changed_input_is_noticed[confidence]",
+    ),
+    Defect(
+        name="an interruption loses its batch",
+        file="uwopt/sweeps/work.py",
+        old="return SweepReply(rows, most_memory_mb(), cut=True)",
+        new="return SweepReply([], most_memory_mb(), cut=True)",
+        test=f"{TESTS}::test_an_interruption_keeps_what_is_done",
+    ),
+    Defect(
+        name="a batch whose worker died is forgotten",
+        file="uwopt/sweeps/run.py",
+        old="self._suspects.append(batch)",
+        new="self.done += len(batch.tasks)",
+        test=f"{TESTS}::test_what_dies_once_is_worked_out_all_the_same",
+    ),
+    Defect(
+        name="all that died with a mission is given up",
+        file="uwopt/sweeps/run.py",
+        old="        if alone:\n",
+        new="        if not alone:\n",
+        test=f"{TESTS}::test_only_a_mission_that_ends_each_process_is_given_up",
+    ),
+    Defect(
+        name="a mission whose worker died is done for ever",
+        file="uwopt/sweeps/store.py",
+        old='if not (message or "").startswith(DIED)',
+        new="if message != DIED",
+        test=f"{TESTS}::test_only_a_mission_that_ends_each_process_is_given_up",
+    ),
+    Defect(
+        name="rows that stand twice count twice",
+        file="uwopt/sweeps/store.py",
+        old="return whole if len(last) == len(whole) else whole.take(sorted(last.values()))",
+        new="return whole",
+        test=f"{TESTS}::test_small_files_are_joined_and_rows_that_stand_twice_count_once",
+    ),
+    Defect(
+        name="a damaged file ends the run",
+        file="uwopt/sweeps/store.py",
+        old="except (pa.ArrowException, OSError, ValueError, KeyError):",
+        new="except KeyError:",
+        test=f"{TESTS}::test_a_damaged_file_is_set_aside_and_its_missions_worked_out_again",
+    ),
+    Defect(
+        name="a blank cell is a value",
+        file="uwopt/sweeps/inputs.py",
+        old="isinstance(given, str) and not given.strip()",
+        new="isinstance(given, str) and not given",
+        test=f"{TESTS}::test_a_table_sets_keys_and_leaves_empty_cells_alone",
+    ),
+    Defect(
+        name="the best as listed is not what stands in the row",
+        file="uwopt/sweeps/rows.py",
+        old='"objective": best.objective_value,',
+        new='"objective": None if best.rounded is None else best.rounded.objective_value,',
+        test=f"{TESTS}::test_each_row_is_what_solve_says",
+    ),
+)

@@ -1,0 +1,91 @@
+"""The command `uwopt sweep`: many missions, a row each."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Annotated
+
+import typer
+
+from uwopt.cli.options import JsonOption, PhysicsOption, QuietOption, parsed_objective
+from uwopt.cli.status import DONE, INTERRUPTED, command, told
+from uwopt.cli.whatif import by_key
+
+
+@command
+def sweep_command(
+    missions: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="MISSION|DIR|TABLE...",
+            help="Mission files, folders of them, or a table (.csv, .parquet: a key a column) and a mission.",
+        ),
+    ],
+    out: Annotated[
+        str,
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            help="Folder for rows, sweep.parquet, sweep.csv, sweep.json and report.html; a later run goes on there.",
+        ),
+    ],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY=VALUES",
+            help="A key of the mission and its values, such as speed_m_s=0.2:2:40 or water=I,II,1C; any number.",
+        ),
+    ] = None,
+    system: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SYSTEM", help="Evaluate this system (YAML) in each mission instead of a search."
+        ),
+    ] = None,
+    objective: Annotated[
+        str | None,
+        typer.Option(metavar="NAME|WEIGHTS", help="What is to be best; the missions' unless given."),
+    ] = None,
+    physics: PhysicsOption = None,
+    confidence: Annotated[
+        str | None,
+        typer.Option(
+            metavar="P",
+            help="Share of scenarios in which hardware must hold; central, which is quick; or ends.",
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=1, help="Processes on this machine; one a processor unless given."),
+    ] = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> int:
+    """Work out many missions: every combination of values, a folder of missions, or a row of a table each."""
+    from uwopt.report.text.console import ProgressBar, print_blocks, print_text
+    from uwopt.report.text.sweep_tables import sweep_blocks
+    from uwopt.report.write import check_folder, json_text
+
+    wanted = None if objective is None else parsed_objective(objective)
+    varied = by_key(vary or [])
+    check_folder(out)
+    with ProgressBar(quiet=quiet) as bar:
+        from uwopt.sweeps.run import sweep
+
+        made = sweep(
+            missions, varied or None, out=out, system=system, objective=wanted, physics=physics and physics.value,
+            confidence=confidence, workers=workers or processors(), progress=bar.report,
+        )  # fmt: skip
+    if as_json:
+        print_text(json_text(made, getattr(sys.stdout, "encoding", None) or "utf-8"))
+    else:
+        print_blocks(sweep_blocks(made))
+    if not quiet:
+        told(f"written: {out}", DONE)
+    return INTERRUPTED if made.status == "interrupted" else DONE
+
+
+def processors() -> int:
+    """How many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,104 @@
+"""One row a mission: what its result says, in columns of one kind each.
+
+Names carry their unit. Of several scenes the first stands in plain columns, all of them in `scenes` as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from uwopt.results.design import Design
+from uwopt.results.result import Result
+
+Row = dict[str, Any]
+SETTING, EXACT = "set_", "exact_"  # before settings to type in, and before those of the exact optimum
+FAILED = "failed"  # status of a mission that could not be worked out
+DIED = "the process that worked on this mission ended"  # begins the message of such a row
+#: Columns of text, whole numbers and flags; all others are numbers with a point.
+TEXTS = frozenset({
+    "key", "input_hash", "catalogue_hash", "version", "inputs", "mission", "status", "message", "camera", "lens",
+    "port", "housing", "complete", "light", "orientation", "lamps", "objective_name", "objective_unit", "currency",
+    "missed", "warnings", "scenes", "confidence_asked",
+})  # fmt: skip
+WHOLES = frozenset({"n", "camera_count", "light_count"})
+FLAGS = frozenset({"generic", "settable", "beyond_gain_cap"})
+#: In this order, before settings and figures.
+FIRST = (
+    "key", "mission", "inputs", "status", "message", "camera", "lens", "port", "housing", "complete", "light",
+    "camera_count", "light_count", "orientation", "spacer_mm", "lamps", "generic", "objective_name", "objective",
+    "objective_as_set", "objective_unit", "lower_bound", "gap_rel", "confidence_asked", "confidence", "settable",
+    "beyond_gain_cap", "missed", "warnings", "cost", "cost_low", "cost_high", "currency", "power_w", "mass_kg",
+)  # fmt: skip
+LAST = ("scenes", "time_s", "version", "input_hash", "catalogue_hash")
+#: Columns that a result always has, so that an input of the same name gets its section before it.
+OUTPUTS = frozenset({*FIRST, *LAST, "n"})
+
+
+def row_of(result: Result) -> Row:
+    """The row of a result of `solve` or `evaluate`."""
+    proof, best, goal = result.certificate, result.best, result.objective
+    row: Row = {
+        "mission": str(result.mission.get("name") or "mission"),
+        "status": result.status,
+        "message": "nothing fits" if result.status == "infeasible" else "",
+        "objective_name": goal.name,
+        "objective_unit": goal.unit,
+        "lower_bound": None if proof is None else proof.lower_bound,
+        "gap_rel": None if proof is None else proof.gap_rel,
+        "confidence_asked": None if result.confidence is None else str(result.confidence.asked),
+        "confidence": None if result.confidence is None else result.confidence.held,
+        "beyond_gain_cap": any(note.code == "gain_cap" for note in result.warnings),
+        "warnings": " ".join(dict.fromkeys(note.code for note in result.warnings)),
+    }
+    return row if best is None else row | design_columns(best)
+
+
+def failed_row(mission: str, message: str) -> Row:
+    """The row of a mission that could not be worked out."""
+    return {"mission": mission, "status": FAILED, "message": message}
+
+
+def design_columns(best: Design) -> Row:
+    """What a row says of a system."""
+    used, totals, scene = best.hardware, best.totals, best.scenes[0]
+    missed = [m.requirement for one in best.scenes for m in one.margins if not m.satisfied]
+    row: Row = {
+        **{kind: getattr(used, kind).id for kind in ("camera", "lens", "port", "light")},
+        "housing": None if used.housing is None else used.housing.id,
+        "complete": None if used.complete is None else used.complete.id,
+        "camera_count": used.camera_count,
+        "light_count": used.light_count,
+        "orientation": used.orientation,
+        "spacer_mm": used.spacer_mm,
+        "lamps": json.dumps(
+            [[one.x_m, one.y_m, one.z_m, one.tilt_x_deg, one.tilt_y_deg] for one in used.light_mounts]
+        ),
+        "generic": any(part.generic for part in used.parts.values()),
+        "objective": best.objective_value,
+        "objective_as_set": None if best.rounded is None else best.rounded.objective_value,
+        "settable": best.is_settable,
+        "missed": " ".join(dict.fromkeys(missed)),
+        "cost": totals.cost.value,
+        "cost_low": totals.cost.low,
+        "cost_high": totals.cost.high,
+        "currency": totals.cost.currency,
+        "power_w": totals.power_w,
+        "mass_kg": totals.mass_kg,
+    }
+    row |= {SETTING + name: value for name, value in (scene.settings_to_set or {}).items()}
+    row |= {EXACT + name: value for name, value in scene.settings.items()}
+    row |= {name: value for name, value in scene.figures.items() if name not in row and is_number(value)}
+    if len(best.scenes) > 1:
+        told = [
+            {"name": one.name, "settings": one.settings, "settings_to_set": one.settings_to_set,
+             "figures": one.figures}
+            for one in best.scenes
+        ]  # fmt: skip
+        row["scenes"] = json.dumps(told, allow_nan=False)
+    return row
+
+
+def is_number(value: Any) -> bool:
+    """Whether a figure goes into a column of numbers."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -1,0 +1,251 @@
+"""`uwopt.sweep`: many missions worked out, each a row of a table; nothing that is done is lost.
+
+Tasks go to workers in batches of a few seconds, sized by what the last ones took. Whoever dies takes no rows along:
+what it had is sent again, alone, and only a mission that ends its process each time is given up, with a message.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from uwopt.errors import OutputError, RangeError, SchedulerError
+from uwopt.mission.system import System
+from uwopt.mission.varying import Asked
+from uwopt.results.sweep import SweepSummary
+from uwopt.sweeps.inputs import Named, job_of
+from uwopt.sweeps.job import SweepBatch, SweepJob, SweepTask, SweepWays
+from uwopt.sweeps.rows import DIED, Row, failed_row
+from uwopt.sweeps.store import SweepStore
+from uwopt.sweeps.summary import summary_of, write_sweep
+from uwopt.sweeps.work import SweepReply, labels_of
+from uwopt.sweeps.workers import Died, Workers, local_workers
+
+Progress = Callable[[float, str], None]
+BATCH_S = 2.0  # of a worker's time, before what it costs to send a batch counts
+OVERHEAD_S = 0.01  # of a scheduler's time a batch, with which batches of many workers grow
+MOST_TASKS = 1000  # in one batch
+AHEAD = 2  # batches a worker: one that it works on, one that waits
+DEATHS = 3  # of a mission's processes, alone, before it is given up
+WAIT_S = 0.5  # between two looks at the time
+NEWEST = 0.3  # weight of the newest batch in the mean
+
+
+def sweep(
+    named: Named | Sequence[Named],
+    vary: Asked | None = None,
+    *,
+    out: str | Path,
+    system: str | Path | Mapping[str, Any] | System | None = None,
+    objective: str | Mapping[str, float] | None = None,
+    physics: str | None = None,
+    confidence: float | str | None = None,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> SweepSummary:
+    """Many missions solved, or a system evaluated in each: a row a mission, in a folder that a later run goes on with.
+
+    Parameters
+    ----------
+    named : mission files, folders of them, missions; or a table (CSV, Parquet, a key a column) and a mission
+    vary : values by key, as of `whatif`; every combination is a mission
+    out : folder for the rows, the table, the summary and the page
+    system : a system that is evaluated in each mission, instead of looking for the best
+    confidence : share of the scenarios in which hardware must hold, `central` or `ends`, instead of the missions'
+    workers : processes of this machine; with more than 1 call it below `if __name__ == "__main__":`
+
+    Raises
+    ------
+    MissionError : what is named holds no mission, a key does not exist, a table cannot be read
+    OutputError : the folder cannot be written, or its disk is full; the rows there stay valid
+    """
+    if workers < 1:
+        raise RangeError(f"sweep: workers = {workers}; at least one is needed")
+    start = time.perf_counter()
+    several: list[Named] = list(named) if isinstance(named, (list, tuple)) else [named]  # type: ignore[list-item]
+    ways = SweepWays(objective=objective, physics=physics, confidence=confidence)
+    job = job_of(several, vary, ways=ways, system=system)
+    with SweepStore(Path(out)) as store:
+        run = SweepRun(job, store, progress)
+        run.all(lambda: local_workers(job, workers), workers)
+        timing = {"missions": run.spent_s, "total": time.perf_counter() - start}
+        made = summary_of(
+            job, store, interrupted=run.interrupted, kept=run.kept, workers=workers, memory_mb=run.memory_mb,
+            timing_s=timing,
+        )  # fmt: skip
+        write_sweep(made, job, store, Path(out))
+    return made
+
+
+@dataclass
+class Pace:
+    """How long missions take, and how many go into a batch."""
+
+    workers: int
+    task_s: float | None = None  # of a worker's time; None before the first is done
+
+    @property
+    def batch_s(self) -> float:
+        """How long a batch should take: longer for many workers, whose scheduler must keep up."""
+        return max(BATCH_S, OVERHEAD_S * self.workers)
+
+    def learn(self, rows: int, seconds: float) -> None:
+        """What a batch took."""
+        if rows:
+            new = seconds / rows
+            self.task_s = new if self.task_s is None else (1.0 - NEWEST) * self.task_s + NEWEST * new
+
+    def size(self, left: int) -> int:
+        """How many tasks the next batch takes; fewer towards the end, so that all workers end together."""
+        if self.task_s is None:
+            return 1
+        fair = -(-left // (AHEAD * self.workers))
+        return max(1, min(round(self.batch_s / max(self.task_s, 1e-6)), MOST_TASKS, fair))
+
+
+@dataclass
+class SweepRun:
+    """The missions of a job on their way through workers into a store."""
+
+    job: SweepJob
+    store: SweepStore
+    progress: Progress | None = None
+    interrupted: bool = False
+    kept: int = 0
+    memory_mb: float = 0.0
+    spent_s: float = 0.0
+    total: int = 0
+    done: int = 0
+    _suspects: deque[SweepBatch] = field(default_factory=deque)
+    _deaths: dict[str, int] = field(default_factory=dict)  # of single tasks, by their keys
+    _flying: int = 0
+    _batches: int = 0
+    _start_s: float = 0.0
+
+    def all(self, start_workers: Callable[[], Workers], count: int) -> None:
+        """Every mission that the store does not have yet."""
+        self._start_s = time.perf_counter()
+        keys = {task.key for task in self.job.tasks()}
+        self.total = len(keys)
+        self.done = self.kept = len(keys & self.store.keys)
+        if self.kept < self.total:
+            workers = start_workers()
+            try:
+                self._work(workers, Pace(count))
+            except KeyboardInterrupt:
+                self.interrupted = True
+                self._late(workers)
+            finally:
+                workers.close()
+        self.spent_s = time.perf_counter() - self._start_s
+
+    def _work(self, workers: Workers, pace: Pace) -> None:
+        """Send batches and keep what comes back, until nothing is left."""
+        tasks, more = self._tasks(), True
+        while True:
+            if self._suspects and not self._flying:
+                self._send(workers, self._suspects.popleft())  # alone, so that it is clear whose process ends
+            while more and not self._suspects and self._flying < AHEAD * workers.count:
+                some = tuple(itertools.islice(tasks, pace.size(self.total - self.done)))
+                if more := bool(some):
+                    self._send(workers, SweepBatch(some))
+            if not self._flying and not self._suspects:
+                return
+            finished = workers.next(WAIT_S)
+            if finished is not None:
+                self._take(*finished, pace)
+            self._tell(workers)
+
+    def _tasks(self) -> Iterator[SweepTask]:
+        """Tasks that are not worked out yet, each once; of what is no mission the rows are made here."""
+        sent: set[str] = set()
+        for task in self.job.tasks():
+            if task.key in self.store.keys or task.key in sent:
+                continue
+            sent.add(task.key)
+            base = self.job.bases[task.base]
+            if base.fault:
+                self._keep([failed_row(base.name, base.fault) | labels_of(self.job, task) | {"time_s": 0.0}])
+            else:
+                yield task
+
+    def _send(self, workers: Workers, batch: SweepBatch) -> None:
+        workers.submit(batch)
+        self._flying += 1
+
+    def _take(self, batch: SweepBatch, outcome: SweepReply | Died, pace: Pace) -> None:
+        """Keep the rows of a batch; where a process ended, look for the mission that ends it."""
+        alone = self._flying == 1
+        self._flying -= 1
+        if isinstance(outcome, Died):
+            self._died(batch, alone=alone)
+            return
+        if outcome.refusal:
+            raise SchedulerError(
+                f"a worker is not the same program: {outcome.refusal}; install the same everywhere"
+            )
+        pace.learn(len(outcome.rows), sum(row["time_s"] for row in outcome.rows))
+        self.memory_mb = max(self.memory_mb, outcome.memory_mb)
+        self._keep(outcome.rows)
+        if outcome.cut:
+            raise KeyboardInterrupt
+
+    def _died(self, batch: SweepBatch, *, alone: bool) -> None:
+        """Send again what a process had that ended, in halves; give up a mission that ends each of its own."""
+        first = batch.tasks[0]
+        if len(batch.tasks) > 1 and alone:
+            half = len(batch.tasks) // 2
+            self._suspects.extend((SweepBatch(batch.tasks[:half]), SweepBatch(batch.tasks[half:])))
+            return
+        if alone:
+            self._deaths[first.key] = self._deaths.get(first.key, 0) + 1
+        if self._deaths.get(first.key, 0) < DEATHS:
+            self._suspects.append(batch)
+            return
+        told = f"{DIED} {DEATHS} times, for want of memory perhaps; a run to come tries it again"
+        self._keep(
+            [failed_row(self.job.bases[first.base].name, told) | labels_of(self.job, first) | {"time_s": 0.0}]
+        )
+
+    def _keep(self, rows: Sequence[Row]) -> None:
+        """Rows onto the disk."""
+        try:
+            self.store.add(rows)
+        except OutputError as fault:
+            raise OutputError(
+                f"{str(fault).rstrip('.')}. What is there stays valid, {self.done} of {self.total} missions: make "
+                "room, and the same command goes on with the rest."
+            ) from None
+        self.done += len(rows)
+
+    def _late(self, workers: Workers) -> None:
+        """Keep what was done when a person interrupted."""
+        with contextlib.suppress(KeyboardInterrupt):
+            while (finished := workers.next(0.0)) is not None:
+                if isinstance(finished[1], SweepReply):
+                    self._keep(finished[1].rows)
+
+    def _tell(self, workers: Workers) -> None:
+        """How far it is, how fast, and how long it will take."""
+        if self.progress is None:
+            return
+        new, spent_s = self.done - self.kept, time.perf_counter() - self._start_s
+        said = f"{self.done} of {self.total} missions"
+        if new:
+            rate = new / spent_s
+            said += f", {rate:.3g} a second, {duration_text((self.total - self.done) / rate)} left"
+        self.progress(self.done / self.total, said)
+
+
+def duration_text(seconds: float) -> str:
+    """A time in the largest unit that suits it."""
+    for unit, length_s in (("days", 86_400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * length_s:
+            return f"{seconds / length_s:.0f} {unit}"
+    return f"{seconds:.0f} s"
