@@ -102,7 +102,8 @@ def test_no_module_bears_the_name_of_a_public_function(name):
 #: What one command in some needs, and loads when it comes to it.
 SELDOM = (
     "scipy", "pandas", "casadi", "nlopt", "pymoo", "moocore", "plotly", "jerlov", "jinja2", "mpmath", "PIL", "rich",
-    "openpyxl", "dash", "matplotlib", "pyarrow", "distributed", "uwopt.report", "uwopt.bench", "uwopt.explore", "uwopt.sweeps",
+    "openpyxl", "dash", "matplotlib", "pyarrow", "distributed", "uwopt.report", "uwopt.bench", "uwopt.explore",
+    "uwopt.sweeps",
 )  # fmt: skip
 NOT_LOADED_BY = {
     "uwopt": (*SELDOM, "numpy", "yaml", "pydantic"),

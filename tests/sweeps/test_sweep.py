@@ -311,7 +311,7 @@ def test_only_a_mission_that_ends_each_process_is_given_up(tmp_path: Path):
     with SweepStore(tmp_path) as store:
         run = SweepRun(job, store)
         workers = DyingWorkers(lambda values: values == (3.0,))
-        run.all(lambda: workers, 2)
+        run.all(lambda left: workers, 2)
         table = store.table().to_pylist()
         keys = [task.key for task in job.tasks()]
         assert sorted(row["key"] for row in table) == sorted(keys)
@@ -329,7 +329,7 @@ def test_what_dies_once_is_worked_out_all_the_same(tmp_path: Path):
         return values == (2.0,) and met.count(values) == 1
 
     with SweepStore(tmp_path) as store:
-        SweepRun(job, store).all(lambda: DyingWorkers(once), 2)
+        SweepRun(job, store).all(lambda left: DyingWorkers(once), 2)
         table = store.table().to_pylist()
     assert len(table) == 40
     assert {row["status"] for row in table} == {"optimal"}

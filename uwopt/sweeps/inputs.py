@@ -186,7 +186,9 @@ def table_points(
 def cell_of(given: Any) -> Cell:
     """A cell as a mission would have it; None where it is empty."""
     is_blank = isinstance(given, str) and not given.strip()
-    return None if given is None or is_blank or given != given else plain_value(given)  # NaN differs from itself
+    return (
+        None if given is None or is_blank or given != given else plain_value(given)
+    )  # NaN differs from itself
 
 
 def table_cells(path: Path) -> tuple[list[str], list[Sequence[Any]]]:

@@ -73,7 +73,7 @@ def sweep(
     job = job_of(several, vary, ways=ways, system=system)
     with SweepStore(Path(out)) as store:
         run = SweepRun(job, store, progress)
-        run.all(lambda: local_workers(job, workers), workers)
+        run.all(lambda left: local_workers(job, workers, left), workers)
         timing = {"missions": run.spent_s, "total": time.perf_counter() - start}
         made = summary_of(
             job, store, interrupted=run.interrupted, kept=run.kept, workers=workers, memory_mb=run.memory_mb,
@@ -125,17 +125,16 @@ class SweepRun:
     _suspects: deque[SweepBatch] = field(default_factory=deque)
     _deaths: dict[str, int] = field(default_factory=dict)  # of single tasks, by their keys
     _flying: int = 0
-    _batches: int = 0
     _start_s: float = 0.0
 
-    def all(self, start_workers: Callable[[], Workers], count: int) -> None:
+    def all(self, start_workers: Callable[[int], Workers], count: int) -> None:
         """Every mission that the store does not have yet."""
         self._start_s = time.perf_counter()
         keys = {task.key for task in self.job.tasks()}
         self.total = len(keys)
         self.done = self.kept = len(keys & self.store.keys)
         if self.kept < self.total:
-            workers = start_workers()
+            workers = start_workers(self.total - self.kept)
             try:
                 self._work(workers, Pace(count))
             except KeyboardInterrupt:

@@ -14,6 +14,9 @@ from typing import Any, Protocol
 from uwopt.sweeps.job import SweepBatch, SweepJob
 from uwopt.sweeps.work import SweepReply, SweepWorker, begin, work_on
 
+TRIED = 2  # missions, before other processes are started
+START_S = 3.0  # of work that is left, for which it pays to start them
+
 
 class Died(Exception):  # noqa: N818 - no error of the program: a process is gone
     """A worker died while it had a batch, this one or another."""
@@ -44,35 +47,46 @@ class ThisProcess:
 
     def __init__(self, job: SweepJob):
         self._worker = SweepWorker(job)
-        self._waiting: list[SweepBatch] = []
+        self.waiting: list[SweepBatch] = []
+        self.n_done, self.last_s = 0, 0.0  # missions, and how long the last one took
 
     def submit(self, batch: SweepBatch) -> None:
         """As `Workers`."""
-        self._waiting.append(batch)
+        self.waiting.append(batch)
 
     def next(self, timeout_s: float) -> tuple[SweepBatch, Outcome] | None:
         """As `Workers`."""
         del timeout_s
-        if not self._waiting:
+        if not self.waiting:
             return None
-        batch = self._waiting.pop(0)
-        return batch, self._worker.reply(batch)
+        batch = self.waiting.pop(0)
+        reply = self._worker.reply(batch)
+        if reply.rows:
+            self.n_done, self.last_s = self.n_done + len(reply.rows), reply.rows[-1]["time_s"]
+        return batch, reply
 
     def close(self) -> None:
         """As `Workers`."""
 
 
 class LocalWorkers:
-    """Processes on this machine, each with the catalogue of its own."""
+    """Processes on this machine, each with the catalogue of its own.
 
-    def __init__(self, job: SweepJob, count: int):
+    The first missions are worked out in the process that asks: few that are quick are done before others start.
+    """
+
+    def __init__(self, job: SweepJob, count: int, left: int):
         self.count = count
-        self._job = job.for_workers
+        self._job, self._left = job.for_workers, left
+        self._here: ThisProcess | None = ThisProcess(job)
         self._done: queue.SimpleQueue[tuple[SweepBatch, Future[SweepReply]]] = queue.SimpleQueue()
         self._pool: ProcessPoolExecutor | None = None
 
     def submit(self, batch: SweepBatch) -> None:
         """As `Workers`; where a process has died, others are made."""
+        if self._here is not None:
+            self._here.submit(batch)
+            return
         try:
             future = self._running().submit(work_on, batch)
         except BrokenProcessPool:
@@ -82,6 +96,13 @@ class LocalWorkers:
 
     def next(self, timeout_s: float) -> tuple[SweepBatch, Outcome] | None:
         """As `Workers`."""
+        if self._here is not None and (done := self._here.next(timeout_s)) is not None:
+            self._left -= len(done[0].tasks)
+            if self._here.n_done >= TRIED and self._left * self._here.last_s > START_S:
+                here, self._here = self._here, None
+                for batch in here.waiting:
+                    self.submit(batch)
+            return done
         try:
             batch, future = self._done.get(timeout=timeout_s)
         except queue.Empty:
@@ -119,6 +140,6 @@ def new_processes() -> Any:
     return context
 
 
-def local_workers(job: SweepJob, count: int) -> Workers:
-    """So many processes of this machine; one worker needs none of its own."""
-    return ThisProcess(job) if count == 1 else LocalWorkers(job, count)
+def local_workers(job: SweepJob, count: int, left: int) -> Workers:
+    """So many processes of this machine for so many missions; one worker needs none of its own."""
+    return ThisProcess(job) if count == 1 else LocalWorkers(job, count, left)
