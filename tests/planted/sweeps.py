@@ -78,6 +78,27 @@ DEFECTS = (
         test=f"{TESTS}::test_a_table_sets_keys_and_leaves_empty_cells_alone",
     ),
     Defect(
+        name="a kit serves with any number of lamps and cameras",
+        file="uwopt/sweeps/kits.py",
+        old="if not (allowed and bodies and few.lights):",
+        new="if not (bodies and few.lights):",
+        test="tests/sweeps/test_portfolio.py::test_a_kit_serves_where_a_search_over_its_parts_finds_settings",
+    ),
+    Defect(
+        name="the price of a portfolio is not looked at",
+        file="uwopt/sweeps/portfolio.py",
+        old="np.zeros(len(counts)), np.asarray(prices, dtype=float), reached)",
+        new="np.zeros(len(counts)), np.ones(len(prices)), reached)",
+        test="tests/sweeps/test_portfolio.py::test_choices_are_those_that_trying_all_finds[0]",
+    ),
+    Defect(
+        name="missions of one pattern count once",
+        file="uwopt/sweeps/portfolio.py",
+        old="size, -counts, np.zeros(len(prices)))",
+        new="size, -np.sign(counts), np.zeros(len(prices)))",
+        test="tests/sweeps/test_portfolio.py::test_choices_are_those_that_trying_all_finds[0]",
+    ),
+    Defect(
         name="the best as listed is not what stands in the row",
         file="uwopt/sweeps/rows.py",
         old='"objective": best.objective_value,',

@@ -44,7 +44,9 @@ def killed_in_the_middle(folder: Path, tmp_path: Path) -> None:
     script.write_text(SWEEP, encoding="utf-8")
     words = [sys.executable, str(script), str(MISSION), str(SYSTEM), str(folder), SPEEDS]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    running = subprocess.Popen(words, env=environment, start_new_session=True, stderr=subprocess.PIPE, text=True)
+    running = subprocess.Popen(
+        words, env=environment, start_new_session=True, stderr=subprocess.PIPE, text=True
+    )
     try:
         while len(rows_on_disk(folder)) < 4:
             assert running.poll() is None, running.communicate()[1]

@@ -6,6 +6,7 @@ import csv
 import json
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pandas as pd
@@ -306,12 +307,17 @@ class DyingWorkers:
         """Nothing to let go."""
 
 
+def crew_of(workers: Any) -> Any:
+    """A crew of workers that are there already."""
+    return SimpleNamespace(workers=lambda left: workers)
+
+
 def test_only_a_mission_that_ends_each_process_is_given_up(tmp_path: Path):
     job = job_of([FEW], {"speed_m_s": "0.1:4:40"})
     with SweepStore(tmp_path) as store:
         run = SweepRun(job, store)
         workers = DyingWorkers(lambda values: values == (3.0,))
-        run.all(lambda left: workers, 2)
+        run.all(crew_of(workers))
         table = store.table().to_pylist()
         keys = [task.key for task in job.tasks()]
         assert sorted(row["key"] for row in table) == sorted(keys)
@@ -329,7 +335,7 @@ def test_what_dies_once_is_worked_out_all_the_same(tmp_path: Path):
         return values == (2.0,) and met.count(values) == 1
 
     with SweepStore(tmp_path) as store:
-        SweepRun(job, store).all(lambda left: DyingWorkers(once), 2)
+        SweepRun(job, store).all(crew_of(DyingWorkers(once)))
         table = store.table().to_pylist()
     assert len(table) == 40
     assert {row["status"] for row in table} == {"optimal"}

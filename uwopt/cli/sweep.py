@@ -59,6 +59,15 @@ def sweep_command(
         int | None,
         typer.Option(metavar="N", min=1, help="Processes on this machine; one a processor unless given."),
     ] = None,
+    kits: Annotated[
+        int,
+        typer.Option(
+            metavar="K",
+            min=0,
+            max=100,
+            help="Try the K kits that win most often in every mission: few kits for many.",
+        ),
+    ] = 8,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> int:
@@ -75,7 +84,7 @@ def sweep_command(
 
         made = sweep(
             missions, varied or None, out=out, system=system, objective=wanted, physics=physics and physics.value,
-            confidence=confidence, workers=workers or processors(), progress=bar.report,
+            confidence=confidence, workers=workers or processors(), kits=kits, progress=bar.report,
         )  # fmt: skip
     if as_json:
         print_text(json_text(made, getattr(sys.stdout, "encoding", None) or "utf-8"))

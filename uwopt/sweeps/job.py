@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from uwopt.mission.varying import Value
+from uwopt.results.sweep import SweepKit
 from uwopt.sweeps.identity import DECIDING
 
 Cell = Value | None  # None: as the mission has it
@@ -87,7 +88,7 @@ class SweepBatch:
     """Tasks that are sent together; `kits` are tried in each, where the missions themselves are known already."""
 
     tasks: tuple[SweepTask, ...]
-    kits: tuple[Mapping[str, Any], ...] = ()
+    kits: tuple[SweepKit, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ DIED = "the process that worked on this mission ended"  # begins the message of 
 TEXTS = frozenset({
     "key", "input_hash", "catalogue_hash", "version", "inputs", "mission", "status", "message", "camera", "lens",
     "port", "housing", "complete", "light", "orientation", "lamps", "objective_name", "objective_unit", "currency",
-    "missed", "warnings", "scenes", "confidence_asked",
+    "missed", "warnings", "scenes", "confidence_asked", "served",
 })  # fmt: skip
 WHOLES = frozenset({"n", "camera_count", "light_count"})
 FLAGS = frozenset({"generic", "settable", "beyond_gain_cap"})

@@ -11,23 +11,25 @@ import itertools
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from uwopt.errors import OutputError, RangeError, SchedulerError
 from uwopt.mission.system import System
 from uwopt.mission.varying import Asked
-from uwopt.results.sweep import SweepSummary
+from uwopt.results.sweep import SweepKit, SweepSummary
 from uwopt.sweeps.inputs import Named, job_of
-from uwopt.sweeps.job import SweepBatch, SweepJob, SweepTask, SweepWays
+from uwopt.sweeps.job import SweepBatch, SweepJob, SweepTask, SweepWays, hash_of
+from uwopt.sweeps.kits import YES
 from uwopt.sweeps.rows import DIED, Row, failed_row
-from uwopt.sweeps.store import SweepStore
-from uwopt.sweeps.summary import summary_of, write_sweep
+from uwopt.sweeps.store import SERVED, SweepStore
+from uwopt.sweeps.summary import solved_keys, summary_of, with_portfolio, write_sweep
 from uwopt.sweeps.work import SweepReply, labels_of
 from uwopt.sweeps.workers import Died, Workers, local_workers
 
 Progress = Callable[[float, str], None]
+MOST_KITS = 8  # tried in every mission, unless said otherwise
 BATCH_S = 2.0  # of a worker's time, before what it costs to send a batch counts
 OVERHEAD_S = 0.01  # of a scheduler's time a batch, with which batches of many workers grow
 MOST_TASKS = 1000  # in one batch
@@ -47,6 +49,7 @@ def sweep(
     physics: str | None = None,
     confidence: float | str | None = None,
     workers: int = 1,
+    kits: int = MOST_KITS,
     progress: Progress | None = None,
 ) -> SweepSummary:
     """Many missions solved, or a system evaluated in each: a row a mission, in a folder that a later run goes on with.
@@ -58,6 +61,7 @@ def sweep(
     out : folder for the rows, the table, the summary and the page
     system : a system that is evaluated in each mission, instead of looking for the best
     confidence : share of the scenarios in which hardware must hold, `central` or `ends`, instead of the missions'
+    kits : how many of the kits that win most often are tried in every mission, for a portfolio; 0 leaves it out
     workers : processes of this machine; with more than 1 call it below `if __name__ == "__main__":`
 
     Raises
@@ -71,16 +75,80 @@ def sweep(
     several: list[Named] = list(named) if isinstance(named, (list, tuple)) else [named]  # type: ignore[list-item]
     ways = SweepWays(objective=objective, physics=physics, confidence=confidence)
     job = job_of(several, vary, ways=ways, system=system)
-    with SweepStore(Path(out)) as store:
+    folder = Path(out)
+    with SweepStore(folder) as store, SweepStore(folder, SERVED) as served, Crew(job, workers) as crew:
         run = SweepRun(job, store, progress)
-        run.all(lambda left: local_workers(job, workers, left), workers)
-        timing = {"missions": run.spent_s, "total": time.perf_counter() - start}
-        made = summary_of(
-            job, store, interrupted=run.interrupted, kept=run.kept, workers=workers, memory_mb=run.memory_mb,
-            timing_s=timing,
+        run.all(crew)
+        made = summary_of(job, store, interrupted=run.interrupted, kept=run.kept)
+        timing = {"missions": run.spent_s}
+        if len(made.kits[:kits]) > 1 and not run.interrupted:
+            trial = Trial(job, tuple(made.kits[:kits]), solved_keys(job, store))
+            second = SweepRun(
+                trial.job, served, progress, trial.tasks, trial.kits, f"{len(trial.kits)} kits tried in "
+            )
+            second.all(crew)
+            timing["kits"] = second.spent_s
+            run.memory_mb, run.interrupted = max(run.memory_mb, second.memory_mb), second.interrupted
+            made = with_portfolio(made, *trial.table(served))
+        timing["total"] = time.perf_counter() - start
+        made = replace(
+            made, status="interrupted" if run.interrupted else made.status, workers=workers,
+            memory_mb=run.memory_mb, timing_s=timing,
         )  # fmt: skip
-        write_sweep(made, job, store, Path(out))
+        write_sweep(made, job, store, folder)
     return made
+
+
+class Crew:
+    """The workers of a sweep, started when there is work for them; use as a context, at whose end they go."""
+
+    def __init__(self, job: SweepJob, count: int):
+        self._job, self.count = job, count
+        self._workers: Workers | None = None
+
+    def __enter__(self) -> Crew:
+        return self
+
+    def __exit__(self, *given: object) -> None:
+        if self._workers is not None:
+            self._workers.close()
+
+    def workers(self, left: int) -> Workers:
+        """Those for so many missions."""
+        if self._workers is None:
+            self._workers = local_workers(self._job, self.count, left)
+        return self._workers
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Kits tried in every mission in which something fits."""
+
+    job: SweepJob
+    kits: tuple[SweepKit, ...]
+    solved: Mapping[str, int | None]  # by key the index of the kit that wins there
+
+    def tasks(self) -> Iterator[SweepTask]:
+        """One a mission, under a key of its own."""
+        for task in self.job.tasks():
+            if task.key in self.solved:
+                yield replace(task, key=self.key(task.key))
+
+    def key(self, of_mission: str) -> str:
+        """That of a mission with these kits."""
+        return hash_of([of_mission, [kit.parts for kit in self.kits]])
+
+    def table(self, store: SweepStore) -> tuple[list[str], int]:
+        """A sign a kit for each mission that was tried, its own winner served for certain; and how many kits."""
+        rows = store.table().to_pylist()
+        signs = {row["key"]: row["served"] for row in rows if row.get("served")}
+        made = []
+        for task in self.job.tasks():
+            told = signs.get(self.key(task.key)) if task.key in self.solved else None
+            if told is not None:
+                won = self.solved[task.key]
+                made.append(told if won is None or won >= len(told) else told[:won] + YES + told[won + 1 :])
+        return made, len(self.kits)
 
 
 @dataclass
@@ -116,6 +184,9 @@ class SweepRun:
     job: SweepJob
     store: SweepStore
     progress: Progress | None = None
+    tasks: Callable[[], Iterator[SweepTask]] | None = None  # those of the job unless given
+    kits: tuple[SweepKit, ...] = ()  # tried in each mission, instead of a search for the best
+    does: str = ""  # before the number of missions, for who waits
     interrupted: bool = False
     kept: int = 0
     memory_mb: float = 0.0
@@ -127,22 +198,23 @@ class SweepRun:
     _flying: int = 0
     _start_s: float = 0.0
 
-    def all(self, start_workers: Callable[[int], Workers], count: int) -> None:
+    def all(self, crew: Crew) -> None:
         """Every mission that the store does not have yet."""
         self._start_s = time.perf_counter()
-        keys = {task.key for task in self.job.tasks()}
+        keys = {task.key for task in self._asked()}
         self.total = len(keys)
         self.done = self.kept = len(keys & self.store.keys)
         if self.kept < self.total:
-            workers = start_workers(self.total - self.kept)
+            workers = crew.workers(self.total - self.kept)
             try:
-                self._work(workers, Pace(count))
+                self._work(workers, Pace(workers.count))
             except KeyboardInterrupt:
                 self.interrupted = True
                 self._late(workers)
-            finally:
-                workers.close()
         self.spent_s = time.perf_counter() - self._start_s
+
+    def _asked(self) -> Iterator[SweepTask]:
+        return self.job.tasks() if self.tasks is None else self.tasks()
 
     def _work(self, workers: Workers, pace: Pace) -> None:
         """Send batches and keep what comes back, until nothing is left."""
@@ -153,7 +225,7 @@ class SweepRun:
             while more and not self._suspects and self._flying < AHEAD * workers.count:
                 some = tuple(itertools.islice(tasks, pace.size(self.total - self.done)))
                 if more := bool(some):
-                    self._send(workers, SweepBatch(some))
+                    self._send(workers, SweepBatch(some, self.kits))
             if not self._flying and not self._suspects:
                 return
             finished = workers.next(WAIT_S)
@@ -164,7 +236,7 @@ class SweepRun:
     def _tasks(self) -> Iterator[SweepTask]:
         """Tasks that are not worked out yet, each once; of what is no mission the rows are made here."""
         sent: set[str] = set()
-        for task in self.job.tasks():
+        for task in self._asked():
             if task.key in self.store.keys or task.key in sent:
                 continue
             sent.add(task.key)
@@ -200,7 +272,9 @@ class SweepRun:
         first = batch.tasks[0]
         if len(batch.tasks) > 1 and alone:
             half = len(batch.tasks) // 2
-            self._suspects.extend((SweepBatch(batch.tasks[:half]), SweepBatch(batch.tasks[half:])))
+            self._suspects.extend(
+                replace(batch, tasks=some) for some in (batch.tasks[:half], batch.tasks[half:])
+            )
             return
         if alone:
             self._deaths[first.key] = self._deaths.get(first.key, 0) + 1
@@ -235,7 +309,7 @@ class SweepRun:
         if self.progress is None:
             return
         new, spent_s = self.done - self.kept, time.perf_counter() - self._start_s
-        said = f"{self.done} of {self.total} missions"
+        said = f"{self.does}{self.done} of {self.total} missions"
         if new:
             rate = new / spent_s
             said += f", {rate:.3g} a second, {duration_text((self.total - self.done) / rate)} left"

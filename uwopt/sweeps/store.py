@@ -22,6 +22,7 @@ from uwopt.sweeps.rows import DIED, FLAGS, TEXTS, WHOLES, Row
 if TYPE_CHECKING:
     import pyarrow as pa
 
+SERVED = "served"  # folder of what kits serve
 ROWS, ENDING, DAMAGED = "rows", ".parquet", ".damaged"
 MOST_SMALL = 128  # files, before they are joined
 LOCK = ".lock"

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from uwopt.report.write import PAGE_FILE, json_text, page_text, rows_csv, write_files
 from uwopt.results.design import Note
-from uwopt.results.sweep import SWEEP_PARQUET, FailedMissions, SweepKit, SweepSummary
+from uwopt.results.sweep import SWEEP_PARQUET, FailedMissions, SweepKit, SweepPortfolio, SweepSummary
 from uwopt.sweeps.job import LABEL, SweepJob
+from uwopt.sweeps.kits import YES
+from uwopt.sweeps.portfolio import portfolios
 from uwopt.sweeps.rows import FAILED, FIRST, LAST, OUTPUTS
 from uwopt.sweeps.store import SweepStore, parquet_bytes
 from uwopt.version import __version__
@@ -70,10 +75,7 @@ def input_array(values: Sequence[Any]) -> Any:
 # ---------------------------------------------------------------- summary
 
 
-def summary_of(
-    job: SweepJob, store: SweepStore, *, interrupted: bool, kept: int, workers: int, memory_mb: float,
-    timing_s: Mapping[str, float],
-) -> SweepSummary:  # fmt: skip
+def summary_of(job: SweepJob, store: SweepStore, *, interrupted: bool, kept: int) -> SweepSummary:
     """What the rows of a job amount to."""
     rows = job_rows(job, store)
     counts = Counter(str(row["status"]) for row in rows)
@@ -93,9 +95,6 @@ def summary_of(
         failed=[FailedMissions(message, count) for message, count in failed.most_common(MOST_FAILURES)],
         kept=kept,
         passed_over=len(store.keys) - len({row["key"] for row in rows} & store.keys),
-        workers=workers,
-        memory_mb=memory_mb,
-        timing_s=dict(timing_s),
         warnings=notes_of(job, store),
         folder=str(store.folder),
     )
@@ -141,3 +140,33 @@ def notes_of(job: SweepJob, store: SweepStore) -> list[Note]:
             Note("no_csv", "", f"more than {MOST_CSV} rows: sweep.parquet has them, and no CSV is written")
         )
     return notes
+
+
+# ---------------------------------------------------------------- few kits for many missions
+
+
+def solved_keys(job: SweepJob, store: SweepStore) -> dict[str, int | None]:
+    """Keys of missions in which something fits, with the index of the kit that wins there."""
+    rows = [row for row in job_rows(job, store) if row.get("camera") is not None]
+    places = {tuple(getattr(kit, name) for name in KIT): index for index, kit in enumerate(kits_of(rows))}
+    return {row["key"]: places.get(tuple(row.get(name) for name in KIT)) for row in rows}
+
+
+def with_portfolio(made: SweepSummary, signs: Sequence[str], tried: int) -> SweepSummary:
+    """A summary with what each of the first kits serves, and what few of them serve together."""
+    served = np.array([[sign == YES for sign in one] for one in signs], bool).reshape(len(signs), tried)
+    kits = [replace(kit, serves=int(served[:, index].sum())) for index, kit in enumerate(made.kits[:tried])]
+    known = made.currency != "" and all(kit.price is not None for kit in made.kits)
+    prices = [kit.price or 0.0 for kit in kits] if known else [0.0] * tried
+    best = [
+        SweepPortfolio(chosen, reached, sum(prices[index] for index in chosen) if known else None)
+        for chosen, reached in portfolios(served, prices)
+    ]
+    return replace(
+        made,
+        kits=[*kits, *made.kits[tried:]],
+        tried=tried,
+        servable=int(served.any(axis=1).sum()),
+        portfolio=best,
+        one_each_price=sum(kit.price or 0.0 for kit in made.kits) if known else None,
+    )

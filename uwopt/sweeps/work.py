@@ -11,7 +11,7 @@ import threading
 import time
 import warnings
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,8 +21,10 @@ from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission
 from uwopt.results.result import Result
+from uwopt.results.sweep import SweepKit
 from uwopt.sweeps.identity import differences, program_identity
 from uwopt.sweeps.job import LABEL, SweepBatch, SweepJob, SweepTask
+from uwopt.sweeps.kits import served_by
 from uwopt.sweeps.rows import Row, failed_row, row_of
 
 MOST_BASES = 64  # missions of files that are kept read
@@ -53,33 +55,33 @@ class SweepWorker:
             return SweepReply([], 0.0, refusal=self.refusal)
         rows: list[Row] = []
         try:
-            rows.extend(self.row(task) for task in batch.tasks)
+            rows.extend(self.row(task, batch.kits) for task in batch.tasks)
         except KeyboardInterrupt:
             return SweepReply(rows, most_memory_mb(), cut=True)
         return SweepReply(rows, most_memory_mb())
 
-    def row(self, task: SweepTask) -> Row:
-        """One mission worked out; what goes wrong is its row's message."""
+    def row(self, task: SweepTask, kits: Sequence[SweepKit] = ()) -> Row:
+        """One mission worked out, or kits tried in it; what goes wrong is its row's message."""
         start = time.perf_counter()
         name = self.job.bases[task.base].name
         try:
-            row = row_of(self._result(task))
+            row = self._served(task, kits) if kits else row_of(self._result(task))
         except UwoptError as fault:
             row = failed_row(name, str(fault))
         except Exception as fault:  # one mission must not stop the others
             what = " ".join(str(fault).split())[:300]
             row = failed_row(name, f"a defect of uwopt: {type(fault).__name__}: {what}")
-        return row | self.labels(task) | {"time_s": time.perf_counter() - start}
-
-    def labels(self, task: SweepTask) -> Row:
-        """What a row says of its task."""
-        return labels_of(self.job, task)
+        return row | labels_of(self.job, task) | {"time_s": time.perf_counter() - start}
 
     def mission(self, task: SweepTask) -> Mission:
         """The mission of a task; raises MissionError where its values cannot stand together."""
         base, named = self._base(task.base)
         pairs = zip(named, task.values, strict=True)
         return base.with_values({k: self._here(v) for k, v in pairs if k is not None and v is not None})
+
+    def _served(self, task: SweepTask, kits: Sequence[SweepKit]) -> Row:
+        mission = self.mission(task)
+        return {"mission": mission.name, "served": served_by(mission, kits)}
 
     def _result(self, task: SweepTask) -> Result:
         ways = self.job.ways
