@@ -87,8 +87,8 @@ DEFECTS = (
     Defect(
         name="the price of a portfolio is not looked at",
         file="uwopt/sweeps/portfolio.py",
-        old="np.zeros(len(counts)), np.asarray(prices, dtype=float), reached)",
-        new="np.zeros(len(counts)), np.ones(len(prices)), reached)",
+        old="np.asarray(prices, dtype=float)",
+        new="np.ones(len(prices))",
         test="tests/sweeps/test_portfolio.py::test_choices_are_those_that_trying_all_finds[0]",
     ),
     Defect(
