@@ -67,6 +67,13 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{CERTIFICATE}test_a_search_cut_short_has_a_bound_below_what_it_found[large]",
     ),
     Defect(
+        name="a design that draws more than it may leaves a gap",
+        file="uwopt/solvers/exact/search.py",
+        old="hopeless[which] = least.lower_bound > limit_w * ROUND",
+        new="hopeless[which] = False",
+        test=f"{CERTIFICATE}test_a_design_that_draws_too_much_leaves_no_gap",
+    ),
+    Defect(
         name="a search out of time has no bound",
         file="uwopt/solvers/exact/search.py",
         old="return float(value[rest].min(initial=np.inf))",

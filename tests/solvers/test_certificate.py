@@ -160,6 +160,27 @@ def test_a_gap_of_settings_is_left_in_the_bound() -> None:
     assert best < -outcome.lower_bound <= best * (1.0 + 2e-4)
 
 
+def test_a_design_that_draws_too_much_leaves_no_gap() -> None:
+    """The cheaper of two flashes cannot do with the power that is allowed: it proves nothing about the other's cost."""
+    fading = {
+        "kind": "flash", "flux_lm": None, "power_w": None, "flash_energy_j": 30.0, "flash_efficacy_lm_s_per_j": 35.0,
+        "flash_duration_us": 800.0, "flash_duration_at_frac": 0.3, "recycle_s": 0.5, "dim_min_frac": 0.02,
+        "charging_efficiency_frac": 0.7, "price": 300.0,
+    }  # fmt: skip
+
+    def solved(objective: str, **limits: float) -> Outcome:
+        camera = {"dark_current_e_s": 50.0, "min_exposure_us": 20.0}
+        case_ = one(objective, wanted=FAST, light=fading, camera=camera, limits=limits)
+        dearer = {"price": 900.0, "charging_efficiency_frac": 0.9}
+        return with_parts(case_, lights=[dearer]).solve(top=2)[1]
+
+    thrifty, cheap = solved("power").best
+    assert (thrifty.light, cheap.light) == (1, 0) and thrifty.power_w < 0.99 * cheap.power_w
+    outcome = solved("cost", power_w=0.9993 * cheap.power_w)  # enough but for the veil
+    assert [found.light for found in outcome.best] == [1]
+    assert outcome.complete and outcome.lower_bound == outcome.best[0].minimised > cheap.cost
+
+
 # ---------------------------------------------------------------- ties and runners-up
 
 

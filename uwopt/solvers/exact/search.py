@@ -607,6 +607,10 @@ class Search:
         chosen = best.chosen
         power = camera_power + np.max([c.light_power_w for c in chosen], axis=0)
         feasible = best.feasible & (power <= self.problem.scene_power_limit_w * ROUND)
+        if best.lower_bound is not None and not optimistic:
+            open_ = np.isfinite(best.lower_bound) & ~feasible & (best.lower_bound <= self.ranking.threshold())
+            hopeless = self._draw_too_much(rows, motorised, camera_power, np.flatnonzero(open_))
+            best = replace(best, lower_bound=np.where(hopeless, np.inf, best.lower_bound))
         terms = Terms(
             power, cost, mass, best.snr_db, self.imagers.gsd_mm[imager], best.contrast, best.information
         )
@@ -622,6 +626,23 @@ class Search:
                 return best.lower_bound, terms, chosen, exposure
             self.open_gap_bound = min(self.open_gap_bound, float(best.lower_bound.min(initial=np.inf)))
         return value, terms, chosen, exposure
+
+    def _draw_too_much(
+        self, rows: list[SceneRows], motorised: Array, camera_power_w: Array, which: Array
+    ) -> Array:
+        """Which of some designs draw more than the limit at any settings, by a bound of their power alone, (n,)."""
+        hopeless, limit_w = np.zeros(len(motorised), bool), self.problem.scene_power_limit_w
+        if len(which) and np.isfinite(limit_w):
+            least = best_settings(
+                [r.take(which) for r in rows], motorised[which], Objective.of("power"), camera_power_w[which], limit_w,
+                constant=camera_power_w[which], cutoff=limit_w * ROUND, mean_limit=MeanLimit.of(self.problem),
+            )  # fmt: skip
+            if least.lower_bound is None:  # the least itself
+                least_w = camera_power_w[which] + np.max([c.light_power_w for c in least.chosen], axis=0)
+                hopeless[which] = least.feasible & (least_w > limit_w * ROUND)
+            else:
+                hopeless[which] = least.lower_bound > limit_w * ROUND
+        return hopeless
 
     def rows(
         self, imager: Array, lights: list[ImageLight], light: Array, count: Array, lighting: Lighting, *,
