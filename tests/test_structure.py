@@ -94,7 +94,12 @@ def test_library_is_imported_in_one_module(library):
     assert all(user.startswith("explore." if library == "dash" else "solvers.") for user in users)
 
 
-@pytest.mark.parametrize("name", ["solve", "evaluate", "pareto"])
+def test_dask_is_imported_by_its_workers_alone():
+    users = [name_of(p) for p in MODULES if any(n.split(".")[0] in ("dask", "distributed") for n in imports_of(p))]
+    assert users == ["sweeps.cluster"]
+
+
+@pytest.mark.parametrize("name", ["solve", "evaluate", "pareto", "sweep"])
 def test_no_module_bears_the_name_of_a_public_function(name):
     assert not [p for p in MODULES if p.stem == name and p.parent == PACKAGE]
 

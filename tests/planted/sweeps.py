@@ -43,11 +43,11 @@ DEFECTS = (
         test=f"{TESTS}::test_what_dies_once_is_worked_out_all_the_same",
     ),
     Defect(
-        name="all that died with a mission is given up",
+        name="a mission whose process ends once is given up",
         file="uwopt/sweeps/run.py",
-        old="        if alone:\n",
-        new="        if not alone:\n",
-        test=f"{TESTS}::test_only_a_mission_that_ends_each_process_is_given_up",
+        old="DEATHS = 3 ",
+        new="DEATHS = 1 ",
+        test=f"{TESTS}::test_what_dies_once_is_worked_out_all_the_same",
     ),
     Defect(
         name="a mission whose worker died is done for ever",
@@ -76,6 +76,20 @@ DEFECTS = (
         old="isinstance(given, str) and not given.strip()",
         new="isinstance(given, str) and not given",
         test=f"{TESTS}::test_a_table_sets_keys_and_leaves_empty_cells_alone",
+    ),
+    Defect(
+        name="workers with another catalogue are welcome",
+        file="uwopt/sweeps/cluster.py",
+        old="        if what:\n",
+        new="        if what and not worker:\n",
+        test="tests/sweeps/test_cluster.py::test_workers_with_another_program_are_refused",
+    ),
+    Defect(
+        name="workers elsewhere are sent no files",
+        file="uwopt/sweeps/run.py",
+        old="with_files=scheduler is not None",
+        new="with_files=False",
+        test="tests/sweeps/test_cluster.py::test_rows_are_those_of_one_process_though_a_worker_is_killed",
     ),
     Defect(
         name="a kit serves with any number of lamps and cameras",

@@ -26,7 +26,9 @@ def test_choices_are_those_that_trying_all_finds(seed: int):
     for kits, reached in found:
         every = [list(some) for n in range(1, len(kits) + 1) for some in itertools.combinations(range(7), n)]
         most = max(int(served[:, some].any(axis=1).sum()) for some in every)
-        cheapest = min(sum(prices[k] for k in some) for some in every if served[:, some].any(axis=1).sum() == most)
+        cheapest = min(
+            sum(prices[k] for k in some) for some in every if served[:, some].any(axis=1).sum() == most
+        )
         assert reached == served[:, kits].any(axis=1).sum() == most
         assert sum(prices[k] for k in kits) == cheapest
     assert found[-1][1] == served.any(axis=1).sum()

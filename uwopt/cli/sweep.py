@@ -59,6 +59,12 @@ def sweep_command(
         int | None,
         typer.Option(metavar="N", min=1, help="Processes on this machine; one a processor unless given."),
     ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS", help="Send the work to a running Dask cluster, such as tcp://127.0.0.1:8786."
+        ),
+    ] = None,
     kits: Annotated[
         int,
         typer.Option(
@@ -84,7 +90,8 @@ def sweep_command(
 
         made = sweep(
             missions, varied or None, out=out, system=system, objective=wanted, physics=physics and physics.value,
-            confidence=confidence, workers=workers or processors(), kits=kits, progress=bar.report,
+            confidence=confidence, workers=workers or processors(), scheduler=scheduler,
+            kits=kits, progress=bar.report,
         )  # fmt: skip
     if as_json:
         print_text(json_text(made, getattr(sys.stdout, "encoding", None) or "utf-8"))

@@ -49,6 +49,7 @@ def sweep(
     physics: str | None = None,
     confidence: float | str | None = None,
     workers: int = 1,
+    scheduler: str | None = None,
     kits: int = MOST_KITS,
     progress: Progress | None = None,
 ) -> SweepSummary:
@@ -64,8 +65,11 @@ def sweep(
     kits : how many of the kits that win most often are tried in every mission, for a portfolio; 0 leaves it out
     workers : processes of this machine; with more than 1 call it below `if __name__ == "__main__":`
 
+    scheduler : address of a running Dask cluster, such as tcp://127.0.0.1:8786, instead of processes of this machine
+
     Raises
     ------
+    SchedulerError : it does not answer, has no workers, or they are another program
     MissionError : what is named holds no mission, a key does not exist, a table cannot be read
     OutputError : the folder cannot be written, or its disk is full; the rows there stay valid
     """
@@ -74,9 +78,13 @@ def sweep(
     start = time.perf_counter()
     several: list[Named] = list(named) if isinstance(named, (list, tuple)) else [named]  # type: ignore[list-item]
     ways = SweepWays(objective=objective, physics=physics, confidence=confidence)
-    job = job_of(several, vary, ways=ways, system=system)
+    job = job_of(several, vary, ways=ways, system=system, with_files=scheduler is not None)
     folder = Path(out)
-    with SweepStore(folder) as store, SweepStore(folder, SERVED) as served, Crew(job, workers) as crew:
+    with (
+        SweepStore(folder) as store,
+        SweepStore(folder, SERVED) as served,
+        Crew(job, workers, scheduler) as crew,
+    ):
         run = SweepRun(job, store, progress)
         run.all(crew)
         made = summary_of(job, store, interrupted=run.interrupted, kept=run.kept)
@@ -92,7 +100,7 @@ def sweep(
             made = with_portfolio(made, *trial.table(served))
         timing["total"] = time.perf_counter() - start
         made = replace(
-            made, status="interrupted" if run.interrupted else made.status, workers=workers,
+            made, status="interrupted" if run.interrupted else made.status, workers=crew.count,
             memory_mb=run.memory_mb, timing_s=timing,
         )  # fmt: skip
         write_sweep(made, job, store, folder)
@@ -102,8 +110,8 @@ def sweep(
 class Crew:
     """The workers of a sweep, started when there is work for them; use as a context, at whose end they go."""
 
-    def __init__(self, job: SweepJob, count: int):
-        self._job, self.count = job, count
+    def __init__(self, job: SweepJob, count: int, scheduler: str | None = None):
+        self._job, self._count, self._scheduler = job, count, scheduler
         self._workers: Workers | None = None
 
     def __enter__(self) -> Crew:
@@ -115,9 +123,18 @@ class Crew:
 
     def workers(self, left: int) -> Workers:
         """Those for so many missions."""
-        if self._workers is None:
-            self._workers = local_workers(self._job, self.count, left)
+        if self._workers is None and self._scheduler is not None:
+            from uwopt.sweeps.cluster import ClusterWorkers
+
+            self._workers = ClusterWorkers(self._job, self._scheduler)
+        elif self._workers is None:
+            self._workers = local_workers(self._job, self._count, left)
         return self._workers
+
+    @property
+    def count(self) -> int:
+        """How many there were."""
+        return self._count if self._scheduler is None or self._workers is None else self._workers.count
 
 
 @dataclass(frozen=True)

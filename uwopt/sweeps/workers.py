@@ -28,7 +28,9 @@ Outcome = SweepReply | Died
 class Workers(Protocol):
     """What sends batches to workers."""
 
-    count: int
+    @property
+    def count(self) -> int:
+        """How many there are."""
 
     def submit(self, batch: SweepBatch) -> None:
         """Send a batch."""
