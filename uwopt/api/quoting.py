@@ -51,7 +51,7 @@ def with_quotes(
             named = naming(wanted, kept if keep is None else keep(log), offers)
             offers = searched(offers, named)
             after = solve(named, progress=progress, quick=True)
-    return QuotedAgain(tuple(offers), log, before, after)
+    return QuotedAgain(offers=tuple(offers), log=log, before=before, after=after)
 
 
 def searched(offers: Sequence[Offer], mission: Mission) -> list[Offer]:

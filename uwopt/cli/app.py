@@ -14,6 +14,7 @@ import typer
 
 from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.cli.bench import bench_command
+from uwopt.cli.calibrate import calibrate_command
 from uwopt.cli.card import card_command
 from uwopt.cli.catalog import catalog_app
 from uwopt.cli.compare import compare_command
@@ -201,6 +202,7 @@ app.command("report", short_help="Make the page of a result again.")(report_comm
 app.command("tender", short_help="Write what makers are asked for.")(tender_command)
 app.command("quotes", short_help="Decide again with makers' answers.")(quotes_command)
 app.command("compare", short_help="Hold systems against each other.")(compare_command)
+app.command("calibrate", short_help="Fit test shots; a mission with what they tell.")(calibrate_command)
 app.command("card", short_help="Print what to set at sea, on one page.")(card_command)
 
 # ---------------------------------------------------------------- init and schema

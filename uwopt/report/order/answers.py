@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from uwopt.catalog.offers import Offer
 from uwopt.report.text import words
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
 from uwopt.results.design import Design
 from uwopt.results.result import Result
-from uwopt.solvers.explain.quoted import QuotedAgain
+from uwopt.solvers.explain.quoted import QuotedAgain, SolvedAgain
 
 
 def answer_blocks(made: QuotedAgain) -> list[Block]:
@@ -73,10 +73,15 @@ def missing_lines(made: QuotedAgain) -> Iterator[Line]:
 
 def change_sentences(made: QuotedAgain) -> Iterator[str]:
     """What is recommended now, what was before, and why it is another."""
-    before, after = made.before.best, made.after.best
     if not made.log:
         yield "Nothing: no answer told anything that is new and can be used."
         return
+    yield from again_sentences(made, lambda was, now: because(made, was, now))
+
+
+def again_sentences(made: SolvedAgain, why: Callable[[str, str], str]) -> Iterator[str]:
+    """The same of whatever was learned; `why`: what stands behind a part that is another, by its id before and now."""
+    before, after = made.before.best, made.after.best
     if after is None or before is None:
         yield f"Before: {verdict(made.before)}. Now: {verdict(made.after)}."
         return
@@ -86,7 +91,7 @@ def change_sentences(made: QuotedAgain) -> Iterator[str]:
     if not replaced:
         yield "The recommendation stands."
     for kind, was, now in replaced:
-        yield f"{words.capital(kind)} {now} instead of {was}{because(made, was, now)}."
+        yield f"{words.capital(kind)} {now} instead of {was}{why(was, now)}."
     told = f"{values[1]}, before {values[0]}" if values[0] != values[1] else f"{values[1]} as before"
     yield f"{words.capital(goal)}: {told}."
     yield (
@@ -128,7 +133,7 @@ NO_FACTS = ("part", "id", "manufacturer", "model", "price", "currency", "price_d
             "purpose", "kind", "geometry")  # fmt: skip
 
 
-def former(made: QuotedAgain, goal: str) -> str:
+def former(made: SolvedAgain, goal: str) -> str:
     """What became of the system that was recommended."""
     now = made.former_now()
     if now is None:

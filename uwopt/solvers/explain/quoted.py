@@ -1,4 +1,4 @@
-"""A mission solved before and with the answers of makers: what changed, and why."""
+"""A mission solved before and after something was learned, such as makers' answers: what changed, and why."""
 
 from __future__ import annotations
 
@@ -11,21 +11,15 @@ from uwopt.results.design import Design
 from uwopt.results.result import Result
 
 
-@dataclass(frozen=True)
-class QuotedAgain:
-    """What came of answers: the offers, the log that they make, and the mission solved before and with them."""
+@dataclass(frozen=True, kw_only=True)
+class SolvedAgain:
+    """A mission solved before and after something was learned."""
 
-    offers: tuple[Offer, ...]
-    log: str
     before: Result
     after: Result
 
-    def offer_of(self, part_id: str) -> Offer | None:
-        """The offer of a part that counts."""
-        return next((o for o in self.offers if o.usable and plain_name(o.part_id) == plain_name(part_id)), None)
-
     def former_now(self) -> Design | None:
-        """The system that was recommended before, as it stands among those found with the answers."""
+        """The system that was recommended before, as it stands among those found after."""
         if self.before.best is None or self.after.best is None:
             return None
         ids = self.before.best.hardware.ids
@@ -40,3 +34,15 @@ class QuotedAgain:
             was, now = (parts[kind].id if kind in parts else "none" for parts in (old, new))
             if was != now:
                 yield kind, was, now
+
+
+@dataclass(frozen=True, kw_only=True)
+class QuotedAgain(SolvedAgain):
+    """What came of answers: the offers, the log that they make, and the mission solved before and with them."""
+
+    offers: tuple[Offer, ...]
+    log: str
+
+    def offer_of(self, part_id: str) -> Offer | None:
+        """The offer of a part that counts."""
+        return next((o for o in self.offers if o.usable and plain_name(o.part_id) == plain_name(part_id)), None)
