@@ -16,11 +16,12 @@ import pytest
 from thorough import drawn
 
 import uwopt
-from uwopt.api.calibrating import Calibrated, calibrate
+from uwopt.api.calibrating import calibrate
 from uwopt.mission.mission import load_mission
 from uwopt.mission.system import load_system
 from uwopt.solvers.calibration.fit import LEVEL, Fit, fitted
 from uwopt.solvers.calibration.light import shot_light
+from uwopt.solvers.calibration.summary import Calibrated
 
 PLANCK_C = 6.62607015e-34 * 299792458.0
 FLOOR, C_TOLD, C_TRUE, LIGHT_TRUE = 0.2, 0.25, 0.40, 0.8

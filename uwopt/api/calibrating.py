@@ -6,7 +6,7 @@ import csv
 import io
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -28,9 +28,9 @@ from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.shots import Shot, read_shots
 from uwopt.mission.system import System, load_system
-from uwopt.results.result import Result
-from uwopt.solvers.calibration.fit import Fit, fitted
+from uwopt.solvers.calibration.fit import fitted
 from uwopt.solvers.calibration.light import shot_light
+from uwopt.solvers.calibration.summary import Calibrated
 
 SATURATED = 0.95  # of where the camera ends: a mean so high has clipped pixels
 LEAST_NET_DN = 0.5  # above the dark level: half a number
@@ -38,33 +38,6 @@ LEAST_TOLD_DN = 1e-9  # by the model: it has no light there
 MISSION_FILE = "calibrated.yaml"
 GRID_NM = np.arange(380.0, 781.0)
 Keep = Callable[[Mapping[str, str]], Path]  # writes files into a folder and gives its path
-
-
-@dataclass(frozen=True)
-class Calibrated:
-    """What came of test shots.
-
-    shots : that were taken; left_out : the others by name, and why
-    put_to : what light times reflectance was put down to, floor or lamp
-    notes : what could not be written, or should be known of it
-    searched : whether anything that a search looks at is another
-    """
-
-    mission: Mission
-    system: System
-    shots: tuple[Shot, ...]
-    left_out: Mapping[str, str]
-    fit: Fit
-    net_dn: Sequence[float]
-    scene: str
-    put_to: str
-    before_per_m: float
-    reflectance: float
-    files: Mapping[str, str] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-    searched: bool = True
-    before: Result | None = None
-    after: Result | None = None
 
 
 def calibrate(

@@ -26,7 +26,7 @@ LevelUnit = Literal["dn", "frac"]
 
 
 @dataclass(frozen=True)
-class Quantity:
+class ShotColumn:
     """What a column may hold: factors to SI by the end of its name, and whether it must be there."""
 
     words: str
@@ -36,15 +36,15 @@ class Quantity:
 
 
 LEVELS = {"_dn": 1.0, "_pct": 0.01, "_frac": 1.0}
-COLUMNS: dict[str, Quantity] = {
-    "exposure": Quantity("exposure", {"_ms": 1e-3, "_us": 1e-6, "_s": 1.0}),
-    "gain": Quantity("gain over the camera's lowest", {"_db": math.nan, "": 1.0}, or_zero=True),
-    "distance": Quantity("distance from port to target", {"_m": 1.0, "_cm": 1e-2, "_mm": 1e-3}),
-    "level": Quantity("mean level", LEVELS, or_zero=True),
-    "dark": Quantity("level without light", LEVELS, or_zero=True),
-    "f_number": Quantity("f-number", {"": 1.0}, needed=False),
-    "pulse": Quantity("light pulse", {"_ms": 1e-3, "_us": 1e-6, "_s": 1.0}, needed=False),
-    "light": Quantity("light level", {"_pct": 0.01, "_frac": 1.0}, needed=False),
+COLUMNS: dict[str, ShotColumn] = {
+    "exposure": ShotColumn("exposure", {"_ms": 1e-3, "_us": 1e-6, "_s": 1.0}),
+    "gain": ShotColumn("gain over the camera's lowest", {"_db": math.nan, "": 1.0}, or_zero=True),
+    "distance": ShotColumn("distance from port to target", {"_m": 1.0, "_cm": 1e-2, "_mm": 1e-3}),
+    "level": ShotColumn("mean level", LEVELS, or_zero=True),
+    "dark": ShotColumn("level without light", LEVELS, or_zero=True),
+    "f_number": ShotColumn("f-number", {"": 1.0}, needed=False),
+    "pulse": ShotColumn("light pulse", {"_ms": 1e-3, "_us": 1e-6, "_s": 1.0}, needed=False),
+    "light": ShotColumn("light level", {"_pct": 0.01, "_frac": 1.0}, needed=False),
 }
 NAMES = {f"{name}{unit}": (name, unit) for name, one in COLUMNS.items() for unit in one.units}
 BESIDE = ("shot", "note")

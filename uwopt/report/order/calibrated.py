@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from uwopt.api.calibrating import Calibrated
 from uwopt.report.order.answers import again_sentences
 from uwopt.report.text import words
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
 from uwopt.solvers.calibration.fit import Fitted
+from uwopt.solvers.calibration.summary import Calibrated
 from uwopt.solvers.explain.quoted import SolvedAgain
 from uwopt.units import format_number
 
