@@ -19,6 +19,7 @@ from uwopt.cli.card import card_command
 from uwopt.cli.catalog import catalog_app
 from uwopt.cli.compare import compare_command
 from uwopt.cli.explain import explain_command
+from uwopt.cli.explore import explore_command
 from uwopt.cli.options import (
     AccuracyOption,
     FullOption,
@@ -195,6 +196,7 @@ def evaluate_command(
 app.command("pareto", short_help="Trade two or three objectives: the whole front.")(pareto_command)
 app.command("explain", short_help="Say why nothing fits, or what each requirement costs.")(explain_command)
 app.command("whatif", short_help="Vary the mission: the optimum, and where another system wins.")(whatif_command)
+app.command("explore", short_help="Explore the design space in a page.")(explore_command)
 app.command("plot", short_help="Draw one plot of a system in a mission.")(plot_command)
 app.command("sweep", short_help="Many missions: a row each, on all processors.")(sweep_command)
 app.command("bench", short_help="Measure error against run time on this machine.")(bench_command)

@@ -138,6 +138,16 @@ def makers() -> dict[str, Callable[[Replay, int], list[Picture]]]:
 
 def result_pictures(result: Result, name: str, scene: int) -> list[Picture]:
     """The pictures of one plot of a result's design."""
+    pictures = drawn_by(result, scene, makers()[name])
+    if not pictures:
+        raise RangeError(
+            f"physics {result.physics.name} knows no field, so there is no plot {name!r}; take physics full or auto"
+        )
+    return pictures
+
+
+def drawn_by(result: Result, scene: int, draw: Callable[[Replay, int], list[Picture]]) -> list[Picture]:
+    """What draws a design, applied to that of a result."""
     from uwopt.evaluation.recompute import replay
 
     design = result.best
@@ -147,12 +157,7 @@ def result_pictures(result: Result, name: str, scene: int) -> list[Picture]:
     made = replay(
         result.mission, design, physics=result.physics, mission_file=result.mission_file, system=result.system
     )
-    pictures = makers()[name](made, scene)
-    if not pictures:
-        raise RangeError(
-            f"physics {result.physics.name} knows no field, so there is no plot {name!r}; take physics full or auto"
-        )
-    return pictures
+    return draw(made, scene)
 
 
 def designed(

@@ -1,0 +1,50 @@
+"""The command `uwopt explore`: a page with every control, served on this machine."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import Annotated
+
+import typer
+
+from uwopt.cli.options import QuietOption
+from uwopt.cli.status import BAD_INPUT, DONE, command, told
+
+
+@command
+def explore_command(
+    mission: Annotated[
+        str | None, typer.Argument(metavar="[MISSION]", help="Mission file (YAML); the paper's window unless given.")
+    ] = None,
+    system: Annotated[str | None, typer.Argument(metavar="[SYSTEM]", help="System file (YAML).")] = None,
+    port: Annotated[
+        int, typer.Option(metavar="N", min=0, max=65535, help="Port to listen at; 0 takes a free one.")
+    ] = 8050,
+    host: Annotated[
+        str, typer.Option(metavar="ADDRESS", help="Interface to listen at; one that others reach lets them in.")
+    ] = "127.0.0.1",
+    browser: Annotated[bool, typer.Option("--open", help="Open it in the browser.")] = False,
+    quiet: QuietOption = False,
+) -> int:
+    """Serve a page that explores the design space: every control and figure, and the certified search."""
+    if find_spec("dash") is None:
+        return told("uwopt explore needs Dash: install uwopt[explore].", BAD_INPUT)
+    from uwopt.explore.serve import opening_state, served
+
+    with served(opening_state(mission, system), host=host, port=port) as page:
+        if page.is_open_to_others:
+            told(
+                f"warning: {host} is no address of this machine alone. Whoever reaches it can use this page, load "
+                "files into it and keep this machine busy; there is no password.", DONE,
+            )  # fmt: skip
+        if not quiet:
+            told(f"uwopt explore: {page.url}  (Ctrl-C ends it)", DONE)
+        if browser:
+            import webbrowser
+
+            webbrowser.open(page.url)
+        try:
+            page.serve_forever()
+        except KeyboardInterrupt:
+            return DONE
+    return DONE
