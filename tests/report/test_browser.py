@@ -5,14 +5,12 @@ Without a browser these tests are skipped; UWOPT_REQUIRE_BROWSER=1 makes a missi
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Callable, Iterator
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import pytest
+from browser import PATIENCE_MS, only_with_browser, started_browser
 
 from uwopt.api.evaluating import evaluate
 from uwopt.bench.machine import machine
@@ -23,38 +21,19 @@ from uwopt.report.card.page import card_html, card_of
 from uwopt.report.page.page import report_html
 
 ROOT = Path(__file__).parents[2]
-REQUIRED = os.environ.get("UWOPT_REQUIRE_BROWSER") == "1"
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-ARGUMENTS = [
-    "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-    "--no-first-run", "--enable-unsafe-swiftshader",
-]  # fmt: skip
-PATIENCE_MS = 30_000  # for slow machines; what is waited for is there far sooner
 WINDOW = {"width": 1300, "height": 900}
 OWN = ("file:", "data:", "blob:", "about:")
 Make = Callable[..., Any]
 
 
-def why_not() -> str:
-    """Why no browser can be used; "" where one can."""
-    if BROWSER is None:
-        return "needs chromium (or google-chrome) on the path"
-    return "" if find_spec("playwright") else "needs playwright"
-
-
-pytestmark = pytest.mark.skipif(bool(why_not()) and not REQUIRED, reason=why_not() or "a browser is there")
+pytestmark = only_with_browser
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     """One browser for all tests."""
-    assert not why_not(), why_not()
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as player:
-        started = player.chromium.launch(executable_path=BROWSER, args=ARGUMENTS)
+    with started_browser() as started:
         yield started
-        started.close()
 
 
 @pytest.fixture(scope="module")

@@ -116,7 +116,7 @@ CONTROLS: tuple[Control, ...] = (
 BY_ID = {one.id: one for one in CONTROLS}
 GROUPS = tuple(dict.fromkeys(one.group for one in CONTROLS))
 #: Where a part is an own record for the first time, what it states.
-FIRST_RECORDS = {
+FIRST_RECORDS: dict[str, dict[str, float | str]] = {
     "camera": {"resolution_x_px": 2448, "resolution_y_px": 2048, "pixel_pitch_um": 3.45, "read_noise_e": 2.5,
                "saturation_e": 10_500, "quantum_efficiency": 0.6},
     "lens": {"focal_length_mm": 8, "f_number_min": 1.4, "f_number_max": 16, "transmission_frac": 0.9},

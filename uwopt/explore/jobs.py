@@ -97,6 +97,7 @@ def doubted(mission: Any, system: Any, vary: str, progress: Callable[[float, str
     return {"result": uwopt.evaluate(mission, system, confidence=0.9)}
 
 
+STOPPED = ("fault", "stopped before there was a result", None, "")
 Work = Callable[[Any, Any, str, Callable[[float, str], None]], dict[str, Any]]
 JOBS: Mapping[str, tuple[str, Work]] = {
     "optimise": ("Optimise the rest", optimise), "trade": ("Trade off power and cost", trade),
@@ -114,13 +115,14 @@ def run(kind: str, mission: Any, system: Any, vary: str, line: Any) -> None:
             last = time.monotonic()
             line.send(("progress", share, what))
 
+    line.send(("progress", 0.0, "begun"))
     try:
         made = JOBS[kind][1](mission, system, vary, progress)
         line.send(("done", summary(made["result"]), made.get("system"), report(made["result"])))
     except UwoptError as fault:
         line.send(("fault", str(fault), None, ""))
     except KeyboardInterrupt:
-        line.send(("fault", "stopped before there was a result", None, ""))
+        line.send(STOPPED)
 
 
 def summary(result: Any) -> list[str]:
@@ -162,6 +164,7 @@ class Job:
     share: float = 0.0
     what: str = "starting"
     done: tuple[str, Any, Any, str] | None = None
+    is_up: bool = False  # the process has begun to listen to signals
     stopped_at: float | None = None
     seen: float = field(default_factory=time.monotonic)
 
@@ -171,6 +174,7 @@ class Job:
         with contextlib.suppress(EOFError, OSError):
             while self.done is None and self.line.poll():
                 word = self.line.recv()
+                self.is_up = True
                 if word[0] == "progress":
                     self.share, self.what = word[1], word[2]
                 else:
@@ -181,10 +185,15 @@ class Job:
             self.process.kill()
 
     def stop(self) -> None:
-        """Ask it to hand over what it has found."""
-        if self.done is None and self.stopped_at is None and self.process.is_alive():
-            self.stopped_at, self.what = time.monotonic(), "stopping"
+        """Ask it to hand over what it has found; one that has not begun is ended."""
+        if self.done is not None or self.stopped_at is not None or not self.process.is_alive():
+            return
+        self.stopped_at, self.what = time.monotonic(), "stopping"
+        if self.is_up:
             os.kill(self.process.pid, signal.SIGINT)
+        else:
+            self.process.kill()
+            self.done = STOPPED
 
 
 @dataclass

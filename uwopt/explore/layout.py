@@ -12,7 +12,7 @@ from typing import Any
 from uwopt.explore.controls import CONTROLS, GROUPS, OWN, PARTS, Control
 from uwopt.explore.dash_door import dcc, html
 from uwopt.explore.jobs import JOBS, PINS
-from uwopt.explore.state import MOST_FILE_BYTES, MOST_SYSTEMS, State, text_of
+from uwopt.explore.state import MOST_FILE_BYTES, MOST_SYSTEMS, State, shown_system, text_of, yaml_text
 from uwopt.forward.assembly import load_catalog
 
 PLOTS = {
@@ -28,8 +28,8 @@ def page(state: State, host: str) -> Any:
     """The whole page with a state's values in its controls."""
     return html.Div([
         html.A("Skip to the figures", href="#figures", className="skip"),
-        dcc.Location(id="url", refresh=False),
         dcc.Store(id="state", data=state), dcc.Store(id="kick", data=0), dcc.Store(id="address"),
+        dcc.Store(id="opened"),
         dcc.Store(id="marked", data=[]), dcc.Store(id="extra", data={}), dcc.Store(id="job"), dcc.Store(id="sync"),
         dcc.Interval(id="clock", interval=500, disabled=True),
         *[dcc.Download(id=f"get-{name}") for name in ("mission", "system", "report", "made")],
@@ -41,7 +41,7 @@ def page(state: State, host: str) -> Any:
         html.Div([
             html.Section([html.H2("Controls"), system_bar(), *[group(name, state) for name in GROUPS]],
                          className="controls", **{"aria-label": "Controls"}),
-            html.Main([outputs(), plots(), decide(), files()], id="main"),
+            html.Main([outputs(), plots(), decide(), files(state)], id="main"),
         ], className="layout"),
     ])  # fmt: skip
 
@@ -193,7 +193,7 @@ def decide() -> Any:
     ], className="panel")  # fmt: skip
 
 
-def files() -> Any:
+def files(state: State) -> Any:
     """Files in and out."""
     size = f"up to {MOST_FILE_BYTES // 1_000_000} MB"
 
@@ -209,8 +209,8 @@ def files() -> Any:
                   button("get-report", "Save the report of this system")], className="buttons"),
         html.Details([
             html.Summary("The whole mission and system, as files"),
-            field("Mission", dcc.Textarea(id="mission-text", value="", rows=18)),
-            field("System", dcc.Textarea(id="system-text", value="", rows=18)),
+            field("Mission", dcc.Textarea(id="mission-text", value=yaml_text(state["mission"]), rows=18)),
+            field("System", dcc.Textarea(id="system-text", value=yaml_text(shown_system(state)), rows=18)),
             html.Div([button("apply", "Take these texts")], className="buttons"),
         ]),
     ], className="panel")  # fmt: skip

@@ -83,7 +83,9 @@ def served(opening: states.State, *, host: str = HERE, port: int = PORT) -> Iter
         server = make_server(host, port, explorer.app.server, threaded=True)
     except (OSError, SystemExit) as fault:
         explorer.close()
-        raise OutputError(f"{host}:{port}: cannot be listened at ({fault}); choose another --port.") from None
+        raise OutputError(
+            f"{host}:{port}: cannot be listened at; it is in use, or no address of this machine. Choose another --port."
+        ) from fault
     shown = f"[{host}]" if ":" in host else host
     try:
         yield Served(f"http://{shown}:{server.server_port}/", server, others)

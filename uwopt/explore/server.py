@@ -25,6 +25,7 @@ from uwopt.report.text.words import printable
 
 MOST_REQUEST_BYTES = 20_000_000
 IDS = [one.id for one in CONTROLS]
+PART_IDS = [one.id for one in CONTROLS if one.is_part]
 SLIDERS = [one for one in CONTROLS if one.low is not None]
 CLICKS = ("add", "remove", "apply")
 UPLOADS = ("mission", "system", "own")
@@ -59,8 +60,9 @@ class Explorer:
     # ------------------------------------------------------------ what answers what
 
     def _callbacks(self) -> None:
-        on, texts = self.app.callback, [Input(f"c-{name}", "value") for name in IDS]
-        moves = [Input("c-shown", "value"), Input("c-scene", "value")]
+        on, held = self.app.callback, [State(f"c-{name}", "value") for name in IDS]
+        texts = [State(f"c-{name}", "value") if name in PART_IDS else Input(f"c-{name}", "value") for name in IDS]
+        moves = [Input(name, "value") for name in ("c-shown", "c-scene", *(f"c-{name}" for name in PART_IDS))]
         clicks = [Input(f"do-{name}", "n_clicks") for name in CLICKS]
         uploads = [Input(f"put-{name}", "contents") for name in UPLOADS]
         on(
@@ -72,10 +74,10 @@ class Explorer:
         on(
             *(Output(f"c-{name}", "value") for name in IDS), Output("state", "data", allow_duplicate=True),
             Output("kick", "data"), Output("told", "children"), Output("mission-text", "value"),
-            Output("system-text", "value"), Input("url", "hash"), *moves, *clicks, *uploads,
+            Output("system-text", "value"), Input("opened", "data"), *moves, *clicks, *uploads,
             *(State(f"put-{name}", "filename") for name in UPLOADS), State("mission-text", "value"),
-            State("system-text", "value"), State("state", "data"), State("kick", "data"),
-            prevent_initial_call="initial_duplicate",
+            State("system-text", "value"), *held, State("state", "data"), State("kick", "data"),
+            prevent_initial_call=True,
         )(self.acted)  # fmt: skip
         on(Output("plots", "children"), Input("state", "data"), Input("c-plot", "value"))(self.plotted)
         for name in ("mission", "system", "report"):
@@ -114,7 +116,8 @@ class Explorer:
            *(Input(f"c-{one.id}", "value") for one in SLIDERS))  # fmt: skip
         own = [one for one in CONTROLS if one.section in PARTS]
         fold = "(...kinds) => SECTIONS.map(kind => kinds[PARTS.indexOf(kind)] !== OWN)"
-        for sign, value in (("SECTIONS", [one.section for one in own]), ("PARTS", list(PARTS)), ("OWN", OWN)):
+        sections = [one.section for one in own]
+        for sign, value in (("SECTIONS", sections), ("PARTS", list(PARTS)), ("OWN", OWN)):
             fold = fold.replace(sign, json.dumps(value))
         on(fold, *(Output(f"w-{one.id}", "hidden") for one in own), *(Input(f"c-s-{kind}", "value") for kind in PARTS))
         on("(...all) => { window.uwoptExplore && window.uwoptExplore.follow(...all); return 0; }",
@@ -163,13 +166,16 @@ class Explorer:
         }
 
     def acted(self, *given: Any) -> tuple[Any, ...]:
-        """A system was chosen, added or loaded, or an address opened: the next state, and every control anew."""
+        """A system or part was chosen, added or loaded, or an address opened: the next state, every control anew."""
         address, shown, scene, *_ = given
-        *names, mission_text, system_text, state, kick = given[3 + len(CLICKS) :]
-        contents, names = names[: len(UPLOADS)], names[len(UPLOADS) :]
+        given = given[3 + len(PART_IDS) + len(CLICKS) :]
+        contents, names = given[: len(UPLOADS)], given[len(UPLOADS) : 2 * len(UPLOADS)]
+        mission_text, system_text, *texts, state, kick = given[2 * len(UPLOADS) :]
         what = ctx.triggered_id
         files = dict(zip(UPLOADS, zip(contents, names, strict=True), strict=True))
         try:
+            if what != "opened":
+                state = states.with_texts(state, dict(zip(IDS, texts, strict=True)))
             made, told = self._act(what, state, address, (shown, scene), files, (mission_text, system_text))
         except UwoptError as fault:
             said = html.Ul([html.Li(text) for text in showing.fault_texts(fault)])
@@ -184,15 +190,12 @@ class Explorer:
         texts: tuple[Any, Any],
     ) -> tuple[states.State, str]:  # fmt: skip
         """The next state, and what is said of it."""
-        if what is None or what == "url":
-            text = str(address or "")
-            if not text.startswith("#s="):
-                if what is None:
-                    return state, ""
-                raise PreventUpdate
-            return states.unpacked(text[3:]), "Opened from the address."
+        if what == "opened":
+            return states.unpacked(str(address or "").partition(" ")[0].removeprefix("#s=")), "Opened from the address."
         if what in ("c-shown", "c-scene"):
             return moved(state, *places), ""
+        if str(what).removeprefix("c-") in PART_IDS:
+            return state, ""
         if what == "do-add":
             return states.with_copy(state), "A copy stands beside it; the controls act on the copy."
         if what == "do-remove":
@@ -290,7 +293,6 @@ class Explorer:
             "form-action 'none'", "frame-ancestors 'none'",
         ))  # fmt: skip
 
-        @server.before_request
         def only_own() -> Any:
             from flask import request
 
@@ -302,12 +304,14 @@ class Explorer:
                 return "uwopt explore: another page may not ask.\n", 403
             return None
 
-        @server.after_request
         def with_headers(response: Any) -> Any:
             response.headers["Content-Security-Policy"] = policy
             response.headers["X-Content-Type-Options"] = "nosniff"
             response.headers["Referrer-Policy"] = "no-referrer"
             return response
+
+        server.before_request(only_own)
+        server.after_request(with_headers)
 
 
 def moved(state: states.State, shown: Any, scene: Any) -> states.State:

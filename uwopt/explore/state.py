@@ -129,7 +129,7 @@ def with_texts(state: State, texts: Mapping[str, str]) -> State:
 def set_part(state: State, kind: str, text: str) -> None:
     """A part by its id, or as own numbers."""
     system = shown_system(state)
-    system[kind] = dict(FIRST_RECORDS[kind]) if text == OWN else text
+    system[kind] = {**FIRST_RECORDS[kind]} if text == OWN else text
     for key in ("complete", "housing") if kind != "light" else ():
         system.pop(key, None)
 

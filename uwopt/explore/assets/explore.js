@@ -41,7 +41,13 @@
   });
 
   /* Names for what Dash leaves without, and selects that show what their hidden inputs hold. */
+  let arrived = location.hash.startsWith("#s=") ? location.hash : "";
   function dress() {
+    if (arrived && part("do-add")) {
+      const address = arrived;
+      arrived = "";
+      setTimeout(() => set("opened", {data: address}), 0);
+    }
     for (const range of document.querySelectorAll("input[type=range]:not([aria-label])")) {
       const field = range.closest("label");
       range.setAttribute("aria-label", field.firstElementChild.textContent + ", slider");
@@ -58,6 +64,10 @@
       if (held && held.value !== select.value) choose(select, held.value);
     }
   }
+  window.addEventListener("hashchange", () => {
+    if (!location.hash.startsWith("#s=")) return;
+    if (part("do-add")) set("opened", {data: location.hash + " " + Date.now()}); else arrived = location.hash;
+  });
   new MutationObserver(dress).observe(document.documentElement, {
     subtree: true, childList: true, attributes: true, attributeFilter: ["value"],
   });

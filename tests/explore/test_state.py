@@ -1,0 +1,409 @@
+"""The page without a browser: what controls say and do, files and addresses, who may ask, work in the background."""
+
+from __future__ import annotations
+
+import base64
+import json
+import threading
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import uwopt
+from uwopt.cli.app import app
+from uwopt.errors import MissionError, OutputError, UwoptError
+from uwopt.explore import jobs, serve, showing, state
+from uwopt.explore.controls import BY_ID, CONTROLS, OWN, Control
+from uwopt.explore.outcome import SHOWN, Outcomes, shown_figures, shown_margins
+from uwopt.explore.server import IDS, Explorer, with_upload
+
+PROBLEMS = Path(__file__).parents[2] / "problems"
+#: The window of the founding paper's tool as it opens (docs/paper.md), in the digits that the page shows.
+WINDOW = {
+    "fov_x_m": "2.111 m", "fov_y_m": "1.766 m", "exposure_max_ms": "0.8625 ms", "dof_near_m": "1.253 m",
+    "dof_far_m": "4.974 m", "virtual_image_distance_m": "0.2116 m", "frame_rate_min_hz": "0.6315 Hz", "snr": "9.162",
+}  # fmt: skip
+WATER = "wavelength_nm,attenuation_per_m\n400,0.3\n500,0.2\n600,0.4\n700,0.8\n"
+
+
+@pytest.fixture(scope="module")
+def outcomes() -> Iterator[Outcomes]:
+    """Results as a server keeps them."""
+    made = Outcomes()
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def explorer() -> Iterator[Explorer]:
+    """A page's server that listens at no address."""
+    made = Explorer(state.OPENING, serve.HERE, serve.OWN_NAMES)
+    yield made
+    made.close()
+
+
+def turned(of: state.State, **texts: str) -> state.State:
+    return state.with_texts(of, {name.replace("__", "-"): text for name, text in texts.items()})
+
+
+# ---------------------------------------------------------------- controls and figures
+
+
+def test_page_opens_as_the_papers_window(outcomes: Outcomes) -> None:
+    seen = shown_figures(outcomes.result(state.OPENING, 0))
+    assert {name: seen[name] for name in WINDOW} == WINDOW
+
+
+def test_opening_is_the_published_problem(outcomes: Outcomes) -> None:
+    files = [PROBLEMS / f"paper-tool-window{end}.yaml" for end in ("", ".system")]
+    published = uwopt.evaluate(*files).design
+    own = outcomes.result(state.OPENING, 0).design
+    assert published is not None and own is not None
+    assert own.scenes[0].figures == published.scenes[0].figures
+
+
+def test_figures_are_those_of_evaluate_to_all_digits_shown(outcomes: Outcomes) -> None:
+    opened = serve.opening_state(*(str(PROBLEMS / f"mbari-lass-2013{end}.yaml") for end in ("", ".system")))
+    by_page = shown_figures(outcomes.result(opened, 0))
+    design = uwopt.evaluate(*(PROBLEMS / f"mbari-lass-2013{end}.yaml" for end in ("", ".system"))).design
+    assert design is not None
+    figures = design.scenes[0].figures
+    for name in SHOWN:
+        value = figures.get(name)
+        if isinstance(value, float) and name != "cost":
+            number = by_page[name].rstrip("°").split(" ")[0].replace(" ", "")
+            if value < 1000 and not by_page[name].startswith("once"):
+                assert float(number) == pytest.approx(value, rel=6e-4, abs=0), name
+                assert value == 0 or len(number.replace(".", "").lstrip("0")) >= 4
+
+
+#: A state in which everything matters: own parts, sun, veils.
+FULL = turned(
+    state.OPENING, **{"s-camera": OWN, "m-physics": "full", "m-scene-sun_lux": "20000", "m-scene-depth_m": "10"},
+    **{"s-light_count": "2", "m-requirements-min_snr_db": "10", "s-settings-f_number": "2"},
+)  # fmt: skip
+OTHER = {
+    "s-light": "sofirn-sd05", "s-camera": "flir-bfs-u3-51s5m", "s-lens": "kowa-lm8jc", "s-port": "",
+    "s-light_count": "3", "m-limits-cost": "900", "s-light-spectrum": "CIE FL2", "m-scene-water": "III",
+    "m-scene-seafloor": "sand", "s-orientation": "landscape",
+    "m-scene-water_table": "measured", "s-light-beam": "cosine-power", "s-port-geometry": "flat", "m-physics": "paper",
+    "m-practice": "recommended", "m-objective": "cost", "m-scene-sun_elevation_deg": "20", "s-port-thickness_mm": "20",
+    "s-settings-focus_distance_m": "1.2", "s-settings-frame_rate_hz": "7",
+}  # fmt: skip
+
+
+def other(control: Control, text: str) -> str:
+    """Another value of a control."""
+    if control.id in OTHER:
+        return OTHER[control.id]
+    if not text:
+        assert control.low is not None and control.high is not None
+        return f"{0.6 * control.low + 0.4 * control.high:.3g}"
+    return f"{0.8 * float(text):.6g}" if "." in text else str(int(0.8 * float(text)))
+
+
+@pytest.fixture(scope="module")
+def untouched(outcomes: Outcomes) -> str:
+    return everything(outcomes, FULL)
+
+
+def everything(outcomes: Outcomes, of: state.State) -> str:
+    """All that the page says of a state, as text."""
+    found = showing.results(outcomes, of)
+    return str([showing.figure_table(of, found), showing.margin_table(of, found), showing.fault_list(of, found)])
+
+
+@pytest.mark.parametrize("control", CONTROLS, ids=lambda one: one.id)
+def test_every_control_moves_something(control: Control, outcomes: Outcomes, untouched: str) -> None:
+    said = other(control, state.text_of(FULL, control))
+    moved = state.with_texts(FULL, {control.id: said})
+    assert moved != FULL
+    assert state.text_of(moved, control) == said
+    assert everything(outcomes, moved) != untouched
+
+
+def test_every_control_says_what_its_file_says() -> None:
+    assert all(len(one.meaning) > 10 for one in CONTROLS)
+    assert len(BY_ID) == len(CONTROLS)
+
+
+def test_controls_that_say_what_they_said_change_nothing() -> None:
+    opened = serve.opening_state(*(str(PROBLEMS / f"whoi-abe{end}.yaml") for end in ("", ".system")))
+    again = state.with_texts(opened, {one.id: state.text_of(opened, one) for one in CONTROLS})
+    assert again == opened
+
+
+def test_synonyms_of_a_file_stand_in_their_controls() -> None:
+    opened = serve.opening_state(*(str(PROBLEMS / f"paper-tool-window{end}.yaml") for end in ("", ".system")))
+    assert state.text_of(opened, BY_ID["s-lens-transmission_frac"]) == "0.9"  # transmission
+    assert state.text_of(opened, BY_ID["s-light-flux_lm"]) == "20000"  # luminous_flux_lm
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("m-vehicle-altitude_m", "-3"), ("m-vehicle-altitude_m", "two"), ("s-settings-f_number", "1e9"),
+     ("m-requirements-overlap", "7"), ("s-lens-focal_length_mm", "nan"), ("m-vehicle-speed_m_s", "")],
+)  # fmt: skip
+def test_values_outside_are_explained_at_their_control(name: str, text: str, outcomes: Outcomes) -> None:
+    wrong = state.with_texts(state.OPENING, {name: text})
+    found = showing.results(outcomes, wrong)
+    marks = showing.marked(wrong, found)
+    assert [one[0] for one in marks] == [name]
+    assert name.rpartition("-")[2] in marks[0][1]
+    assert "These values do not work" in str(showing.fault_list(wrong, found))
+
+
+def test_margins_tell_what_is_missed(outcomes: Outcomes) -> None:
+    missed = [one for one in shown_margins(outcomes.result(state.OPENING, 0)) if not one[4]]
+    assert [one[0] for one in missed] == ["signal to noise"]  # 19.24 dB, below the 20 dB that the problem asks for
+
+
+def test_a_copy_stands_beside_and_only_it_is_turned(outcomes: Outcomes) -> None:
+    two = state.with_copy(state.OPENING)
+    assert two["shown"] == 1
+    moved = turned(two, **{"s-lens-focal_length_mm": "16"})
+    assert moved["systems"][0] == two["systems"][0]
+    assert shown_figures(outcomes.result(moved, 0))["fov_x_m"] == WINDOW["fov_x_m"]
+    assert shown_figures(outcomes.result(moved, 1))["fov_x_m"] != WINDOW["fov_x_m"]
+    assert state.without_shown(moved) == state.OPENING
+    five = moved
+    while len(five["systems"]) < state.MOST_SYSTEMS:
+        five = state.with_copy(five)
+    with pytest.raises(MissionError, match="at most"):
+        state.with_copy(five)
+
+
+# ---------------------------------------------------------------- addresses and files
+
+
+def test_address_brings_the_state_back() -> None:
+    two = turned(state.with_copy(state.OPENING), **{"s-lens-focal_length_mm": "16"})
+    again = state.unpacked(state.packed(two))
+    assert again["mission"]["scenes"][0].pop("name") == "scene 1"  # as every mission has it
+    assert again == two
+
+
+def bomb() -> str:
+    return base64.urlsafe_b64encode(zlib.compress(b'{"mission":"' + b" " * 50_000_000)).decode()
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "x", "eJw=", state.packed(state.OPENING)[:-9], bomb(),
+     base64.urlsafe_b64encode(zlib.compress(json.dumps({"mission": {}, "systems": [], "shown": 3}).encode())).decode()],
+    ids=["empty", "letter", "cut", "shorter", "bomb", "nothing"],
+)  # fmt: skip
+def test_broken_addresses_are_refused(text: str) -> None:
+    with pytest.raises(MissionError):
+        state.unpacked(text)
+
+
+def test_own_water_is_read_and_no_path_is_told(outcomes: Outcomes, tmp_path: Path) -> None:
+    held = state.with_file(state.OPENING, "bay.csv", WATER)
+    made = turned(held, **{"m-scene-water": "bay.csv", "m-scene-water_table": ""})
+    (tmp_path / "bay.csv").write_text(WATER)
+    mission = {**made["mission"], "scenes": [{**made["mission"]["scenes"][0], "water": str(tmp_path / "bay.csv")}]}
+    beside = uwopt.evaluate(mission, made["systems"][0]).design
+    assert beside is not None
+    result = outcomes.result(made, 0)
+    assert result.design is not None
+    assert result.design.scenes[0].figures == beside.scenes[0].figures
+    wrong = state.with_file(made, "bay.csv", "wavelength_nm,attenuation_per_m\n400,x\n")
+    with pytest.raises(UwoptError) as told:
+        outcomes.result(wrong, 0)
+    assert "bay.csv" in str(told.value)
+    assert str(outcomes.folder) not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "name"),
+    [("scene", "water", "/etc/secret.csv"), ("scene", "water", "../x.csv"), ("catalog", "files", ["/etc/passwd"]),
+     ("catalog", "prices", "/etc/passwd"), ("light", "spectrum", "/etc/secret.csv")],
+)  # fmt: skip
+def test_files_of_the_server_cannot_be_named(section: str, key: str, name: Any, outcomes: Outcomes) -> None:
+    made = json.loads(json.dumps(state.OPENING))
+    place = {"scene": made["mission"]["scenes"][0], "light": made["systems"][0]["light"]}.get(section)
+    if place is None:
+        place = made["mission"].setdefault(section, {})
+    place[key] = name
+    with pytest.raises(MissionError, match="this file is not loaded"):
+        outcomes.result(made, 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "why"),
+    [("../../x.csv", WATER, "cannot be loaded"), ("x.exe", WATER, "cannot be loaded"),
+     (".csv", WATER, "cannot be loaded"), ("x.csv", "a" * 1_000_001, "larger than 1 MB"),
+     ("x.csv", "id,quantum_efficiency\na,/etc/my file.csv\n", "in a folder"),
+     ("x.yaml", "spectrum: ~/secret.csv", "in a folder")],
+)  # fmt: skip
+def test_files_that_are_unfit_are_refused_with_the_reason(name: str, text: str, why: str) -> None:
+    with pytest.raises(MissionError, match=why):
+        state.with_file(state.OPENING, name, text)
+
+
+def sent(text: bytes) -> str:
+    return "data:text/plain;base64," + base64.b64encode(text).decode()
+
+
+def test_uploads_are_taken_or_refused_with_the_reason() -> None:
+    mission = (PROBLEMS / "whoi-abe.yaml").read_bytes()
+    made, told = with_upload(state.OPENING, "mission", sent(mission), "abe.yaml")
+    assert made["mission"]["name"].startswith("WHOI ABE")
+    assert "abe.yaml is loaded" in told
+    for content, why in (
+        (sent(b"\xff\xfe\x00"), "UTF-8"), ("", "empty"), (sent(b"a" * 1_100_000), "larger"), (sent(b"[1, 2"), "line"),
+        (sent(b"- 1\n- 2\n"), "not a mapping"),
+    ):  # fmt: skip
+        with pytest.raises(MissionError, match=why):
+            with_upload(state.OPENING, "mission", content, "x.yaml")
+
+
+def test_own_camera_stands_among_the_parts(explorer: Explorer) -> None:
+    own = (b"id,kind,manufacturer,model,availability,resolution_x_px,resolution_y_px,pixel_pitch_um,read_noise_e,"
+           b"saturation_e,bit_depth,quantum_efficiency,shutter,colour,sensor_model\n"
+           b"my-camera,camera,Me,One,current,2000,1000,5,3,10000,12,imx250m,global,mono,x\n")  # fmt: skip
+    made, _ = with_upload(state.OPENING, "own", sent(own), "cameras.csv")
+    assert made["mission"]["catalog"]["files"] == ["cameras.csv"]
+    parts = explorer.own_parts(made)
+    if not parts:  # what the catalogue asks of a camera is its own business; then it must say so
+        found = showing.results(explorer.outcomes, made)
+        assert "cameras.csv" in str(showing.fault_list(made, found))
+    else:
+        assert parts["camera"] == ["my-camera"]
+
+
+# ---------------------------------------------------------------- who may ask
+
+
+def test_only_this_machine_is_answered(explorer: Explorer) -> None:
+    client = explorer.app.server.test_client()
+    own = client.get("/", headers={"Host": "127.0.0.1:8050"})
+    assert own.status_code == 200
+    assert "script-src 'self' 'sha256-" in own.headers["Content-Security-Policy"]
+    assert "unsafe-eval" not in own.headers["Content-Security-Policy"]
+    assert client.get("/", headers={"Host": "evil.example:8050"}).status_code == 403
+    address = {"Host": "127.0.0.1:8050", "Origin": "http://evil.example"}
+    assert client.post("/_dash-update-component", json={}, headers=address).status_code == 403
+
+
+def test_page_tells_no_path_of_the_server_and_debugs_nothing(explorer: Explorer) -> None:
+    client = explorer.app.server.test_client()
+    told = "".join(
+        client.get(path, headers={"Host": "localhost"}).get_data(as_text=True)
+        for path in ("/", "/_dash-layout", "/_dash-dependencies", "/nothing-here")
+    )
+    for path in (str(PROBLEMS.parent), str(Path(uwopt.__file__).parent), str(explorer.outcomes.folder)):
+        assert path not in told
+    assert not explorer.app.server.debug
+    assert "Traceback" not in told
+
+
+def test_requests_that_are_too_large_are_refused(explorer: Explorer) -> None:
+    client = explorer.app.server.test_client()
+    done = client.post("/_dash-update-component", data=b"x" * 20_000_001, headers={"Host": "localhost"},
+                       content_type="application/json")  # fmt: skip
+    assert done.status_code == 413
+
+
+def test_ten_tabs_at_once_stay_right(explorer: Explorer) -> None:
+    def of(tab: int) -> list[str]:
+        texts = {name: state.text_of(state.OPENING, BY_ID[name]) for name in IDS}
+        return [*(texts | {"m-vehicle-altitude_m": str(1 + 0.25 * tab)}).values()]
+
+    seen: dict[int, Any] = {}
+    tabs = [
+        threading.Thread(target=lambda n=n: seen.update({n: explorer.changed(*of(n), 0, state.OPENING)}))
+        for n in range(10)
+    ]
+    for tab in tabs:
+        tab.start()
+    for tab in tabs:
+        tab.join()
+    for tab in range(10):
+        alone = turned(state.OPENING, **{"m-vehicle-altitude_m": str(1 + 0.25 * tab)})
+        result = uwopt.evaluate(alone["mission"], alone["systems"][0])
+        told = str(seen[tab][1])
+        assert all(f"'{text}'" in told for text in shown_figures(result).values())
+    assert explorer.opening == state.OPENING
+
+
+@pytest.mark.parametrize(("host", "own"), [("127.0.0.1", True), ("localhost", True), ("::1", True), ("0.0.0.0", False),
+                                           ("192.168.1.7", False), ("example.org", False)])  # fmt: skip
+def test_what_others_reach_is_known(host: str, own: bool) -> None:
+    assert serve.is_loopback(host) is own
+
+
+@pytest.mark.parametrize(("host", "warned"), [("127.0.0.1", False), ("0.0.0.0", True)])
+def test_command_says_where_it_listens(
+    host: str, warned: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def ended(self: serve.Served) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(serve.Served, "serve_forever", ended)
+    with pytest.raises(SystemExit) as left:
+        app(["explore", "--port", "0", "--host", host])
+    told = capsys.readouterr().err
+    assert left.value.code == 0
+    assert f"uwopt explore: http://{host}:" in told
+    assert ("there is no password" in told) is warned
+
+
+def test_port_in_use_is_told() -> None:
+    with serve.served(state.OPENING, port=0) as page, pytest.raises(OutputError, match="in use"):  # noqa: SIM117
+        with serve.served(state.OPENING, port=page.server.server_port):
+            pass
+
+
+# ---------------------------------------------------------------- work in the background
+
+
+def test_what_is_pinned_is_the_only_choice() -> None:
+    made = jobs.pinned(state.OPENING, ["camera", "orientation", "light_count", "places"])
+    assert made["catalog"] == {"cameras": ["seed-imx250m"]}
+    assert made["vehicle"]["orientation"] == "portrait"
+    assert made["vehicle"]["light_count"] == 1
+    uwopt.load_mission(made)
+    assert "catalog" not in state.OPENING["mission"]
+    with pytest.raises(MissionError, match="pin the lens: own numbers"):
+        jobs.pinned(state.OPENING, ["camera", "lens"])
+
+
+class Line:
+    """What a job says, without a process."""
+
+    def __init__(self) -> None:
+        self.said: list[Any] = []
+
+    def send(self, word: Any) -> None:
+        self.said.append(word)
+
+
+def test_what_if_that_is_no_key_is_told() -> None:
+    line = Line()
+    jobs.run("whatif", state.OPENING["mission"], state.OPENING["systems"][0], "speed", line)
+    assert line.said[-1][0] == "fault"
+    assert "no key with values" in line.said[-1][1]
+
+
+def test_a_stopped_job_ends_and_no_more_than_two_run() -> None:
+    many = jobs.Jobs()
+    try:
+        names = [many.start("optimise", state.OPENING["mission"], {}, "") for _ in range(2)]
+        with pytest.raises(MissionError, match="run already"):
+            many.start("optimise", state.OPENING["mission"], {}, "")
+        for name in names:
+            job = many.get(name)
+            assert job is not None
+            job.stop()
+            job.process.join()
+            again = many.get(name)
+            assert again is not None and again.done is not None
+            assert "stopped" in again.done[1]
+    finally:
+        many.close()
+    assert many.get("guessed") is None
