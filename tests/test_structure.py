@@ -317,6 +317,8 @@ def mentions(pattern: re.Pattern[str]) -> list[str]:
     found = []
     for path in files_of_the_project():
         name = path.relative_to(ROOT).as_posix()
+        if path.suffix == ".png":
+            continue
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
             if pattern.search(line) and not (name.startswith(DATA) and "http" in line):
                 found.append(f"{name}:{number}")

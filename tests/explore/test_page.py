@@ -21,8 +21,8 @@ pytestmark = only_with_browser
 PROBLEMS = Path(__file__).parents[2] / "problems"
 OPENING = state.packed(state.OPENING)
 #: A mission of which the search is short: two cameras, two lenses, one port, one lamp.
-SMALL = {
-    "practice": "bare",
+SMALL: dict[str, Any] = {
+    "practice": "bare", "physics": "paper",
     "scene": {"water": "I", "seafloor": "sand", "depth_m": 20},
     "vehicle": {"altitude_m": 1.5, "speed_m_s": 0.3, "orientation": "portrait", "light_count": 1},
     "requirements": {"overlap": 0.3, "max_blur_px": 1.0, "min_snr_db": 15},

@@ -17,7 +17,7 @@ from uwopt.cli.app import app
 from uwopt.errors import MissionError, OutputError, UwoptError
 from uwopt.explore import jobs, serve, showing, state
 from uwopt.explore.controls import BY_ID, CONTROLS, OWN, Control
-from uwopt.explore.outcome import SHOWN, Outcomes, shown_figures, shown_margins
+from uwopt.explore.outcome import SHOWN, KeptResults, shown_figures, shown_margins
 from uwopt.explore.server import IDS, Explorer, with_upload
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
@@ -30,9 +30,9 @@ WATER = "wavelength_nm,attenuation_per_m\n400,0.3\n500,0.2\n600,0.4\n700,0.8\n"
 
 
 @pytest.fixture(scope="module")
-def outcomes() -> Iterator[Outcomes]:
+def outcomes() -> Iterator[KeptResults]:
     """Results as a server keeps them."""
-    made = Outcomes()
+    made = KeptResults()
     yield made
     made.close()
 
@@ -52,12 +52,12 @@ def turned(of: state.State, **texts: str) -> state.State:
 # ---------------------------------------------------------------- controls and figures
 
 
-def test_page_opens_as_the_papers_window(outcomes: Outcomes) -> None:
+def test_page_opens_as_the_papers_window(outcomes: KeptResults) -> None:
     seen = shown_figures(outcomes.result(state.OPENING, 0))
     assert {name: seen[name] for name in WINDOW} == WINDOW
 
 
-def test_opening_is_the_published_problem(outcomes: Outcomes) -> None:
+def test_opening_is_the_published_problem(outcomes: KeptResults) -> None:
     files = [PROBLEMS / f"paper-tool-window{end}.yaml" for end in ("", ".system")]
     published = uwopt.evaluate(*files).design
     own = outcomes.result(state.OPENING, 0).design
@@ -65,7 +65,7 @@ def test_opening_is_the_published_problem(outcomes: Outcomes) -> None:
     assert own.scenes[0].figures == published.scenes[0].figures
 
 
-def test_figures_are_those_of_evaluate_to_all_digits_shown(outcomes: Outcomes) -> None:
+def test_figures_are_those_of_evaluate_to_all_digits_shown(outcomes: KeptResults) -> None:
     opened = serve.opening_state(*(str(PROBLEMS / f"mbari-lass-2013{end}.yaml") for end in ("", ".system")))
     by_page = shown_figures(outcomes.result(opened, 0))
     design = uwopt.evaluate(*(PROBLEMS / f"mbari-lass-2013{end}.yaml" for end in ("", ".system"))).design
@@ -106,18 +106,18 @@ def other(control: Control, text: str) -> str:
 
 
 @pytest.fixture(scope="module")
-def untouched(outcomes: Outcomes) -> str:
+def untouched(outcomes: KeptResults) -> str:
     return everything(outcomes, FULL)
 
 
-def everything(outcomes: Outcomes, of: state.State) -> str:
+def everything(outcomes: KeptResults, of: state.State) -> str:
     """All that the page says of a state, as text."""
     found = showing.results(outcomes, of)
     return str([showing.figure_table(of, found), showing.margin_table(of, found), showing.fault_list(of, found)])
 
 
 @pytest.mark.parametrize("control", CONTROLS, ids=lambda one: one.id)
-def test_every_control_moves_something(control: Control, outcomes: Outcomes, untouched: str) -> None:
+def test_every_control_moves_something(control: Control, outcomes: KeptResults, untouched: str) -> None:
     said = other(control, state.text_of(FULL, control))
     moved = state.with_texts(FULL, {control.id: said})
     assert moved != FULL
@@ -147,7 +147,7 @@ def test_synonyms_of_a_file_stand_in_their_controls() -> None:
     [("m-vehicle-altitude_m", "-3"), ("m-vehicle-altitude_m", "two"), ("s-settings-f_number", "1e9"),
      ("m-requirements-overlap", "7"), ("s-lens-focal_length_mm", "nan"), ("m-vehicle-speed_m_s", "")],
 )  # fmt: skip
-def test_values_outside_are_explained_at_their_control(name: str, text: str, outcomes: Outcomes) -> None:
+def test_values_outside_are_explained_at_their_control(name: str, text: str, outcomes: KeptResults) -> None:
     wrong = state.with_texts(state.OPENING, {name: text})
     found = showing.results(outcomes, wrong)
     marks = showing.marked(wrong, found)
@@ -156,12 +156,12 @@ def test_values_outside_are_explained_at_their_control(name: str, text: str, out
     assert "These values do not work" in str(showing.fault_list(wrong, found))
 
 
-def test_margins_tell_what_is_missed(outcomes: Outcomes) -> None:
+def test_margins_tell_what_is_missed(outcomes: KeptResults) -> None:
     missed = [one for one in shown_margins(outcomes.result(state.OPENING, 0)) if not one[4]]
     assert [one[0] for one in missed] == ["signal to noise"]  # 19.24 dB, below the 20 dB that the problem asks for
 
 
-def test_a_copy_stands_beside_and_only_it_is_turned(outcomes: Outcomes) -> None:
+def test_a_copy_stands_beside_and_only_it_is_turned(outcomes: KeptResults) -> None:
     two = state.with_copy(state.OPENING)
     assert two["shown"] == 1
     moved = turned(two, **{"s-lens-focal_length_mm": "16"})
@@ -201,7 +201,7 @@ def test_broken_addresses_are_refused(text: str) -> None:
         state.unpacked(text)
 
 
-def test_own_water_is_read_and_no_path_is_told(outcomes: Outcomes, tmp_path: Path) -> None:
+def test_own_water_is_read_and_no_path_is_told(outcomes: KeptResults, tmp_path: Path) -> None:
     held = state.with_file(state.OPENING, "bay.csv", WATER)
     made = turned(held, **{"m-scene-water": "bay.csv", "m-scene-water_table": ""})
     (tmp_path / "bay.csv").write_text(WATER)
@@ -223,7 +223,7 @@ def test_own_water_is_read_and_no_path_is_told(outcomes: Outcomes, tmp_path: Pat
     [("scene", "water", "/etc/secret.csv"), ("scene", "water", "../x.csv"), ("catalog", "files", ["/etc/passwd"]),
      ("catalog", "prices", "/etc/passwd"), ("light", "spectrum", "/etc/secret.csv")],
 )  # fmt: skip
-def test_files_of_the_server_cannot_be_named(section: str, key: str, name: Any, outcomes: Outcomes) -> None:
+def test_files_of_the_server_cannot_be_named(section: str, key: str, name: Any, outcomes: KeptResults) -> None:
     made = json.loads(json.dumps(state.OPENING))
     place = {"scene": made["mission"]["scenes"][0], "light": made["systems"][0]["light"]}.get(section)
     if place is None:

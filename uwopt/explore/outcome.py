@@ -44,7 +44,7 @@ SHOWN: Mapping[str, str] = {
 
 
 @dataclass
-class Outcomes:
+class KeptResults:
     """Results by what they were made from, and the folder in which own files lie while they are read."""
 
     folder: Path = field(default_factory=lambda: Path(tempfile.mkdtemp(prefix="uwopt-explore-")))

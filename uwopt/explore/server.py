@@ -1,7 +1,7 @@
 """The server of the page: what a change of a control, a click or a file does.
 
 It holds no state of a tab. Each request brings the tab's state with it and gets the next one back; what is kept is what
-results are made from (`Outcomes`) and work in the background, by a name that its tab alone knows.
+results are made from (`KeptResults`) and work in the background, by a name that its tab alone knows.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from uwopt.explore.controls import CONTROLS, OWN, PARTS
 from uwopt.explore.dash_door import Dash, Input, Output, PreventUpdate, State, ctx, html, no_update
 from uwopt.explore.jobs import JOBS, PINS, Jobs, pinned
 from uwopt.explore.layout import ends, page
-from uwopt.explore.outcome import Outcomes
+from uwopt.explore.outcome import KeptResults
 from uwopt.report.page.style import LIGHT, tokens
 from uwopt.report.text.words import printable
 
@@ -40,7 +40,7 @@ class Explorer:
 
     def __init__(self, opening: states.State, host: str, hosts: frozenset[str] | None):
         """`hosts`: names under which it may be asked for; None for any."""
-        self.outcomes, self.jobs, self.hosts = Outcomes(), Jobs(), hosts
+        self.outcomes, self.jobs, self.hosts = KeptResults(), Jobs(), hosts
         self.opening = opening
         self.app = Dash(
             "uwopt.explore", assets_folder=str(ASSETS), title="uwopt explore", update_title="", serve_locally=True,

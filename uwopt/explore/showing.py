@@ -8,7 +8,7 @@ from typing import Any
 from uwopt.errors import FaultsError, UwoptError
 from uwopt.explore.controls import CONTROLS
 from uwopt.explore.dash_door import dcc, html
-from uwopt.explore.outcome import SHOWN, Outcomes, shown_figures, shown_margins
+from uwopt.explore.outcome import SHOWN, KeptResults, shown_figures, shown_margins
 from uwopt.explore.state import State
 from uwopt.report.notebook import objective_text
 from uwopt.report.pictures.design_pictures import Picture
@@ -17,7 +17,7 @@ from uwopt.results.result import Result
 PLOT_LAYOUT = {"font": {"color": "#16212b"}, "margin": {"l": 64, "r": 16, "t": 40, "b": 52}}
 
 
-def results(outcomes: Outcomes, state: State) -> list[Result | UwoptError]:
+def results(outcomes: KeptResults, state: State) -> list[Result | UwoptError]:
     """What each system does, or what is wrong with it."""
     made: list[Result | UwoptError] = []
     for index in range(len(state["systems"])):
@@ -108,7 +108,7 @@ def margin_table(state: State, found: list[Result | UwoptError]) -> Any:
 # ---------------------------------------------------------------- plots
 
 
-def plot_list(outcomes: Outcomes, state: State, name: str) -> list[Any]:
+def plot_list(outcomes: KeptResults, state: State, name: str) -> list[Any]:
     """The chosen plot of every system that can be evaluated."""
     made: list[Any] = []
     for index, (title, one) in enumerate(zip(system_names(state), results(outcomes, state), strict=True)):
