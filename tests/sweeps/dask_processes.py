@@ -1,13 +1,14 @@
 """A Dask scheduler and workers as processes of their own on loopback, forked from one that has loaded their program.
 
-`python dask_processes.py COUNT` prints the scheduler's address and the workers' process ids as JSON, and ends them when
-its input closes.
+`python dask_processes.py COUNT FOLDER` prints the scheduler's address and the workers' process ids as JSON, and ends
+them when its input closes; what they keep lies in the folder.
 """
 
 from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import os
 import signal
 import sys
@@ -19,12 +20,12 @@ from distributed import Scheduler, Worker
 
 import uwopt.sweeps.work  # noqa: F401 - loaded once for all
 
-LOOPBACK = "tcp://127.0.0.1:0"
+LOOPBACK, WEB = "tcp://127.0.0.1:0", "127.0.0.1:0"
 
 
 async def scheduler(tell: int) -> None:
     """Tell its address into a pipe, then serve."""
-    async with Scheduler(host=LOOPBACK, dashboard=False) as made:
+    async with Scheduler(host=LOOPBACK, dashboard_address=WEB) as made:
         os.write(tell, made.address.encode())
         os.close(tell)
         await made.finished()
@@ -32,7 +33,10 @@ async def scheduler(tell: int) -> None:
 
 async def worker(address: str) -> None:
     """Serve a scheduler with one thread."""
-    async with Worker(address, nthreads=1, host=LOOPBACK, dashboard=False) as made:
+    folder = sys.argv[2]
+    async with Worker(
+        address, nthreads=1, host=LOOPBACK, dashboard_address=WEB, local_directory=folder
+    ) as made:
         await made.finished()
 
 
@@ -47,7 +51,8 @@ def forked(serve: Callable[[], Coroutine[Any, Any, None]]) -> int:
 
 def main() -> None:
     """Start them, tell of them, wait, end them."""
-    dask.config.set({"distributed.admin.log-format": "%(message)s", "logging": {"distributed": "error"}})
+    dask.config.set({"temporary-directory": sys.argv[2]})
+    logging.disable(logging.WARNING)
     ear, tell = os.pipe()
     children = [forked(lambda: scheduler(tell))]
     os.close(tell)

@@ -27,17 +27,18 @@ from uwopt.sweeps.run import sweep
 ROOT = Path(__file__).parents[2]
 PROGRAM = Path(__file__).parent / "dask_processes.py"
 MISSION, SYSTEM = ROOT / "problems" / "paper-tank.yaml", ROOT / "problems" / "paper-tank.system.yaml"
-SPEEDS = {"speed_m_s": "0.001:3:16"}
+SPEEDS = {"speed_m_s": "0.001:3:10"}
 WATER = "wavelength_nm,attenuation_per_m,a_per_m\n300,0.1,0.05\n1000,0.1,0.05\n"
 Cluster = dict[str, Any]
 
 
 @pytest.fixture(scope="module")
-def cluster() -> Iterator[Cluster]:
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
     """A scheduler and two workers, as processes of their own."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    words = [sys.executable, str(PROGRAM), "2", str(tmp_path_factory.mktemp("dask"))]
     with subprocess.Popen(
-        [sys.executable, str(PROGRAM), "2"], env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        words, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as running:  # fmt: skip
         assert running.stdout is not None
         yield json.loads(running.stdout.readline())

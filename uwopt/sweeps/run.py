@@ -31,8 +31,11 @@ from uwopt.sweeps.workers import Died, Workers, local_workers
 Progress = Callable[[float, str], None]
 MOST_KITS = 8  # tried in every mission, unless said otherwise
 BATCH_S = 2.0  # of a worker's time, before what it costs to send a batch counts
-OVERHEAD_S = 0.01  # of a scheduler's time a batch, with which batches of many workers grow
+OVERHEAD_S = (
+    0.02  # a batch and worker: batches of many workers grow, so that who sends and keeps them keeps up
+)
 MOST_TASKS = 1000  # in one batch
+MOST_ROWS = 5000  # in one file of those that are done at once
 AHEAD = 2  # batches a worker: one that it works on, one that waits
 DEATHS = 3  # of a mission's processes, alone, before it is given up
 WAIT_S = 0.5  # between two looks at the time
@@ -213,6 +216,7 @@ class SweepRun:
     _suspects: deque[SweepBatch] = field(default_factory=deque)
     _deaths: dict[str, int] = field(default_factory=dict)  # of single tasks, by their keys
     _flying: int = 0
+    _stop: bool = False  # a person wants no more
     _start_s: float = 0.0
 
     def all(self, crew: Crew) -> None:
@@ -245,10 +249,10 @@ class SweepRun:
                     self._send(workers, SweepBatch(some, self.kits))
             if not self._flying and not self._suspects:
                 return
-            finished = workers.next(WAIT_S)
-            if finished is not None:
-                self._take(*finished, pace)
-            self._tell(workers)
+            self._receive(workers, pace)
+            if self._stop:
+                raise KeyboardInterrupt
+            self._tell()
 
     def _tasks(self) -> Iterator[SweepTask]:
         """Tasks that are not worked out yet, each once; of what is no mission the rows are made here."""
@@ -267,24 +271,33 @@ class SweepRun:
         workers.submit(batch)
         self._flying += 1
 
-    def _take(self, batch: SweepBatch, outcome: SweepReply | Died, pace: Pace) -> None:
-        """Keep the rows of a batch; where a process ended, look for the mission that ends it."""
+    def _receive(self, workers: Workers, pace: Pace) -> None:
+        """Wait for a batch, and keep its rows and those of all that are done by then, in one file."""
+        rows: list[Row] = []
+        try:
+            finished = workers.next(WAIT_S)
+            while finished is not None:
+                rows += self._take(*finished, pace)
+                finished = workers.next(0.0) if len(rows) < MOST_ROWS else None
+        finally:
+            self._keep(rows)
+
+    def _take(self, batch: SweepBatch, outcome: SweepReply | Died, pace: Pace) -> list[Row]:
+        """The rows of a batch; where a process ended, look for the mission that ends it."""
         alone = self._flying == 1
         self._flying -= 1
         if isinstance(outcome, Died):
-            self._died(batch, alone=alone)
-            return
+            return self._died(batch, alone=alone)
         if outcome.refusal:
             raise SchedulerError(
                 f"a worker is not the same program: {outcome.refusal}; install the same everywhere"
             )
         pace.learn(len(outcome.rows), sum(row["time_s"] for row in outcome.rows))
         self.memory_mb = max(self.memory_mb, outcome.memory_mb)
-        self._keep(outcome.rows)
-        if outcome.cut:
-            raise KeyboardInterrupt
+        self._stop = self._stop or outcome.cut
+        return outcome.rows
 
-    def _died(self, batch: SweepBatch, *, alone: bool) -> None:
+    def _died(self, batch: SweepBatch, *, alone: bool) -> list[Row]:
         """Send again what a process had that ended, in halves; give up a mission that ends each of its own."""
         first = batch.tasks[0]
         if len(batch.tasks) > 1 and alone:
@@ -292,16 +305,15 @@ class SweepRun:
             self._suspects.extend(
                 replace(batch, tasks=some) for some in (batch.tasks[:half], batch.tasks[half:])
             )
-            return
+            return []
         if alone:
             self._deaths[first.key] = self._deaths.get(first.key, 0) + 1
         if self._deaths.get(first.key, 0) < DEATHS:
             self._suspects.append(batch)
-            return
+            return []
         told = f"{DIED} {DEATHS} times, for want of memory perhaps; a run to come tries it again"
-        self._keep(
-            [failed_row(self.job.bases[first.base].name, told) | labels_of(self.job, first) | {"time_s": 0.0}]
-        )
+        base = self.job.bases[first.base].name
+        return [failed_row(base, told) | labels_of(self.job, first) | {"time_s": 0.0}]
 
     def _keep(self, rows: Sequence[Row]) -> None:
         """Rows onto the disk."""
@@ -321,7 +333,7 @@ class SweepRun:
                 if isinstance(finished[1], SweepReply):
                     self._keep(finished[1].rows)
 
-    def _tell(self, workers: Workers) -> None:
+    def _tell(self) -> None:
         """How far it is, how fast, and how long it will take."""
         if self.progress is None:
             return

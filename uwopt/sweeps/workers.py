@@ -58,8 +58,7 @@ class ThisProcess:
 
     def next(self, timeout_s: float) -> tuple[SweepBatch, Outcome] | None:
         """As `Workers`."""
-        del timeout_s
-        if not self.waiting:
+        if not self.waiting or not timeout_s:
             return None
         batch = self.waiting.pop(0)
         reply = self._worker.reply(batch)

@@ -1,0 +1,233 @@
+"""Measure sweeps over many missions and print a page; with --write into docs/sweep.md.
+
+    python docs/make_sweep.py [--write] [--missions N] [--rounds R]
+
+One worker and two take turns on the same missions, so that what else the machine does falls on both; the costs of
+sending and keeping are measured on a Dask scheduler of this machine. From these rates `sweep_model` projects larger
+clusters. No test depends on the numbers.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import pickle
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from statistics import mean, median, stdev
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "docs")]
+
+from sweep_model import Projection, Rates, projected  # noqa: E402
+
+from uwopt.bench.machine import processor  # noqa: E402
+from uwopt.mission.mission import load_mission  # noqa: E402
+from uwopt.sweeps import workers as workers_room  # noqa: E402
+from uwopt.sweeps.inputs import job_of  # noqa: E402
+from uwopt.sweeps.job import SweepBatch  # noqa: E402
+from uwopt.sweeps.run import sweep  # noqa: E402
+from uwopt.sweeps.store import SweepStore  # noqa: E402
+from uwopt.sweeps.work import SweepReply, SweepWorker  # noqa: E402
+
+PAGE = ROOT / "docs" / "sweep.md"
+CLUSTER = ROOT / "tests" / "sweeps" / "dask_processes.py"
+MISSION = ROOT / "problems" / "mbari-lass-2013.yaml"
+NO_OPS = 1000
+SIZES = ((1, 10**3), (2, 10**3), (10, 10**4), (100, 10**6), (1000, 10**7))
+
+
+def varied(missions: int) -> dict[str, str]:
+    """Speeds and heights of so many missions."""
+    return {"speed_m_s": f"0.05:0.3:{missions // 5}", "altitude_m": "3:4:5"}
+
+
+def wall_s(missions: int, workers: int) -> tuple[float, float, list[float]]:
+    """Seconds that the missions of a sweep take, the most memory of a worker [MiB], and seconds of each mission."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = sweep(MISSION, varied(missions), out=folder, workers=workers, kits=0)
+        return made.timing_s["missions"], made.memory_mb, [float(x) for x in made.frame()["time_s"]]
+
+
+def efficiency(missions: int, rounds: int) -> dict[str, Any]:
+    """Time of one worker over that of two, turn by turn."""
+    workers_room.START_S = 0.0
+    ones, twos, memory, spent = [], [], 0.0, list[float]()
+    for _ in range(rounds):
+        one, _, took = wall_s(missions, 1)
+        two, held, _ = wall_s(missions, 2)
+        ones.append(one)
+        twos.append(two)
+        memory, spent = max(memory, held), spent + took
+    ratios = [one / two for one, two in zip(ones, twos, strict=True)]
+    return {"one": ones, "two": twos, "ratio": median(ratios), "memory_mb": memory, "spent_s": spent}
+
+
+def of_scheduler() -> tuple[float, float, float]:
+    """Seconds a batch of the scheduler each way, of who asks to send one, and of a worker beside its missions.
+
+    Of the scheduler it is time of the processor; batches that hold no mission go there and back.
+    """
+    import psutil
+    from distributed import Client
+
+    folder = tempfile.mkdtemp()
+    with subprocess.Popen(
+        [sys.executable, str(CLUSTER), "2", folder], env={**os.environ, "PYTHONPATH": str(ROOT)}, stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE, text=True,
+    ) as running:  # fmt: skip
+        assert running.stdout is not None
+        known = json.loads(running.stdout.readline())
+        with Client(known["address"], set_as_default=False) as client:
+            pids = {"scheduler": client.run_on_scheduler(os.getpid), "worker": known["workers"][0]}
+            processes = {name: psutil.Process(pid) for name, pid in pids.items()}
+            client.gather([client.submit(int, pure=False) for _ in range(50)])
+            before = {name: sum(process.cpu_times()[:2]) for name, process in processes.items()}
+            start_s = time.process_time()
+            held = client.submit(pickle.loads, pickle.dumps(job_of([MISSION])), pure=False)
+            client.gather([client.submit(nothing, held, SweepBatch(()), pure=False) for _ in range(NO_OPS)])
+            sent_s = time.process_time() - start_s
+            spent = {name: sum(process.cpu_times()[:2]) - before[name] for name, process in processes.items()}
+        running.stdin.close()  # type: ignore[union-attr]
+    return spent["scheduler"] / NO_OPS / 2.0, sent_s / NO_OPS, 2.0 * spent["worker"] / NO_OPS
+
+
+def nothing(job: Any, batch: SweepBatch) -> SweepReply:
+    """A batch that asks for no work."""
+    del job, batch
+    return SweepReply([], 0.0)
+
+
+def of_asker() -> tuple[float, float]:
+    """Seconds of who asks a mission (its key, its row taken apart and kept) and a file."""
+    job = job_of([MISSION], varied(1000))
+    start_s = time.process_time()
+    tasks = list(job.tasks())
+    key_s = (time.process_time() - start_s) / len(tasks)
+    row = SweepWorker(job).row(tasks[0])
+    rows = [row | {"key": task.key} for task in tasks]
+    held = pickle.dumps(SweepReply(rows, 0.0))
+    start_s = time.process_time()
+    rows = pickle.loads(held).rows
+    row_s = (time.process_time() - start_s) / len(rows)
+    with tempfile.TemporaryDirectory() as folder, SweepStore(Path(folder)) as store:
+        store.add(rows)
+        took = []
+        for some in (rows[:1], rows):
+            spent = []
+            for _ in range(5):
+                start_s = time.perf_counter()
+                store.add(some)
+                spent.append(time.perf_counter() - start_s)
+            took.append(median(spent))
+    return 3.0 * key_s + row_s + max(took[1] - took[0], 0.0) / len(rows), took[0]
+
+
+def table(rates: Rates) -> list[tuple[int, int, Projection]]:
+    """What the model makes of the rates."""
+    return [(workers, missions, projected(rates, workers=workers, missions=missions)) for workers, missions in SIZES]
+
+
+def duration(seconds: float) -> str:
+    """Seconds, minutes or hours."""
+    for unit, length_s in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * length_s:
+            return f"{seconds / length_s:.1f} {unit}"
+    return f"{seconds:.0f} s"
+
+
+def page(missions: int, rounds: int) -> str:
+    """The page."""
+    assert load_mission(MISSION).practice == "bare"  # central numbers: no scenarios
+    found = efficiency(missions, rounds)
+    spent = found["spent_s"]
+    assign_s, send_s, batch_s = of_scheduler()
+    row_s, write_s = of_asker()
+    rates = Rates(mean(spent), stdev(spent), batch_s, assign_s, send_s, row_s, write_s)
+    lines = [
+        f"| {workers} | {missions:,} | {duration(one.seconds)} | {missions / one.seconds:.0f} | {one.batches:,} | "
+        f"{100 * one.workers_busy:.0f} % | {100 * one.scheduler_busy:.1f} % | {100 * one.asker_busy:.0f} % |".replace(
+            ",", " "
+        )
+        for workers, missions, one in table(rates)
+    ]
+    load = ", ".join(f"{value:.1f}" for value in os.getloadavg()) if hasattr(os, "getloadavg") else "unknown"
+    return TEXT.format(
+        missions=missions, rounds=rounds, machine=f"{processor()}, {os.cpu_count()} processors, load {load}",
+        no_ops=NO_OPS, one_rate=missions / median(found["one"]), two_rate=missions / median(found["two"]),
+        ratio=found["ratio"], one=median(found["one"]), two=median(found["two"]), memory=found["memory_mb"],
+        mission_ms=1e3 * rates.mission_s, spread_ms=1e3 * rates.spread_s, batch_ms=1e3 * batch_s,
+        assign_us=1e6 * assign_s, send_us=1e6 * send_s, row_us=1e6 * row_s, write_ms=1e3 * write_s,
+        lines="\n".join(lines),
+    )  # fmt: skip
+
+
+TEXT = """# How fast sweeps are
+
+Written by `python docs/make_sweep.py --write` on {machine}. Times of the clock are of a machine that others
+use as well; one worker and two take turns, so that their ratio is fair. No test depends on these numbers.
+
+## One worker and two
+
+{missions} missions of `mbari-lass-2013` (speeds, at 5 heights; central numbers, no portfolio), {rounds} rounds,
+medians:
+
+| workers | time | missions a second |
+|---|---|---|
+| 1 | {one:.1f} s | {one_rate:.2f} |
+| 2 | {two:.1f} s | {two_rate:.2f} |
+
+Two workers are **{ratio:.2f} times** as fast as one, the start of their processes included; a worker held
+{memory:.0f} MiB at most. A mission took {mission_ms:.0f} ms of a worker on the clock (standard deviation
+{spread_ms:.0f} ms).
+
+## What a batch and a mission cost beside the work
+
+Measured with {no_ops} empty batches on a Dask scheduler with two workers, all on this machine, in time of the
+processor; of writing on the clock, for it waits for the disk (`fsync` of file and folder).
+
+| who | what | cost |
+|---|---|---|
+| scheduler | a batch, each way | {assign_us:.0f} µs |
+| worker | a batch, beside its missions | {batch_ms:.2f} ms |
+| who asks | a batch, sent | {send_us:.0f} µs |
+| who asks | a mission: its key, its row taken and kept | {row_us:.0f} µs |
+| who asks | a file | {write_ms:.1f} ms |
+
+## Larger clusters, projected
+
+A discrete-event model ([sweep_model.py](sweep_model.py)) with these rates: who asks, the scheduler and each worker are
+queues with one server; batches grow with the number of workers by the rule of the program itself.
+
+| workers | missions | time | missions a second | batches | workers busy | scheduler busy | who asks busy |
+|---|---|---|---|---|---|---|---|
+{lines}
+
+Assumptions: all workers are there from the beginning, are as fast as here and have read the catalogue; none dies; a
+message takes no time on its way (each batch takes many times as long); the scheduler's cost a batch does not grow with
+the number of workers; batches differ as the sum of missions drawn apart; the disk of who asks is as fast as here. Not
+in it: the whole table at the end, which is put together in memory (some 2 kB a mission): for 10^7 missions sweep parts
+of it into folders of their own, or read `rows/` as it is.
+"""
+
+
+def main() -> None:
+    """Measure, print, write."""
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    asked.add_argument("--write", action="store_true", help="into docs/sweep.md")
+    asked.add_argument("--missions", type=int, default=200)
+    asked.add_argument("--rounds", type=int, default=3)
+    given = asked.parse_args()
+    text = page(given.missions, given.rounds)
+    print(text)
+    if given.write:
+        PAGE.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
