@@ -24,8 +24,7 @@ from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
 from uwopt.report.page.whatif import whatif_html
 from uwopt.results.whatif import WhatIf
-from uwopt.solvers.explain import sweep as sweep_room
-from uwopt.solvers.explain.sweep import Sweep
+from uwopt.solvers.warm.searches import Warm
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 #: Few parts of the reef's mission among which winners change with speed, water and budget.
@@ -67,50 +66,6 @@ def test_each_point_is_the_optimum_of_its_own_search(over_speed):
     for point in over_speed.points:
         mission = base.with_values(dict(zip(keys, point.values, strict=True)))
         assert point.objective == pytest.approx(alone(mission), rel=1e-6)  # the search's claim agrees so nearly
-
-
-@pytest.mark.parametrize(
-    ("key", "values"),
-    [
-        ("speed_m_s", "0.3,0.6,1.05,1.3,2.5"), ("min_snr_db", "24,28,31,40"), ("cost", "9000,7600,7210,5000"),
-        ("max_blur_px", "1,0.4,0.2,0.05"), ("overlap", "0.1,0.6,0.8,0.97"), ("depth_rating_m", "30,99,150,400"),
-        ("max_gsd_mm", "1.5,1,0.8,0.5"), ("reserve.snr_db", "0,1,2,9"), ("power_w", "9,3,2.7,2"),
-    ],
-)  # fmt: skip
-@pytest.mark.parametrize("most", [1, 5])
-def test_lists_hide_no_winner(key, values, most, monkeypatch):
-    """From what asks for least to what asks for most, with lists that hold little or much."""
-    monkeypatch.setattr(sweep_room, "MOST_LISTED", most)
-    base = VariedMission(reef(), {})
-    varied = base.varied(key, values)
-    sign = varied.stricter(base.base)
-    assert sign * (float(varied.values[-1]) - float(varied.values[0])) > 0.0
-    sweep, goal = Sweep(goal_of(base.base), (sign,)), goal_of(base.base)
-    for value in varied.values:
-        mission = base.with_values({varied: value})
-        found = sweep.best(mission, (value,), ahead=True).found
-        assert (None if found is None else goal.reported(found.minimised)) == (
-            None if (truth := alone(mission)) is None else pytest.approx(truth, rel=1e-6)
-        )
-
-
-def test_a_full_list_claims_no_more_than_its_last(monkeypatch):
-    monkeypatch.setattr(sweep_room, "MOST_LISTED", 1)
-    base = VariedMission(reef(), {})
-    sweep = Sweep(goal_of(base.base), (1,))
-    found = sweep.best(base.base, (0.5,), ahead=True).found
-    ((made,),) = sweep.lists.values()
-    assert found is not None
-    assert made.ceiling <= found.minimised  # what comes after the last place may be anything
-
-
-def test_a_list_serves_no_weaker_point():
-    base = VariedMission(reef(), {})
-    varied = base.varied("speed_m_s", "3,0.5")
-    sweep = Sweep(goal_of(base.base), (1,))
-    fits = [sweep.best(base.with_values({varied: value}), (value,), ahead=True).found for value in (30.0, 0.5)]
-    assert fits[0] is None
-    assert fits[1] is not None
 
 
 def test_speed_is_not_stricter_where_area_is_asked_for():
@@ -236,14 +191,14 @@ def test_command_writes_table_page_and_json(few_file, tmp_path):
 
 
 def test_interruption_keeps_what_is_solved(few_file, tmp_path, monkeypatch):
-    honest = api_varied.Sweep.best
+    honest = api_varied.Warm.best
 
-    def third_is_interrupted(sweep: Sweep, mission: Mission, at: Any, **more: Any) -> Any:
-        if at[0] > 0.7:
+    def third_is_interrupted(warm: Warm, mission: Mission, **more: Any) -> Any:
+        if mission.vehicle.speed_m_s > 0.7:
             raise KeyboardInterrupt
-        return honest(sweep, mission, at, **more)
+        return honest(warm, mission, **more)
 
-    monkeypatch.setattr(Sweep, "best", third_is_interrupted)
+    monkeypatch.setattr(Warm, "best", third_is_interrupted)
     done = run(few_file, "--vary", "speed_m_s=0.4,0.6,0.8", "--out", tmp_path / "out", "-q")
     assert done.exit_code == 130
     text = (tmp_path / "out" / "whatif.csv").read_text(encoding="utf-8")

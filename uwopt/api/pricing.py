@@ -16,7 +16,7 @@ from uwopt.objectives.goal import goal_of
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
 from uwopt.solvers.explain.prices import priced_keys
-from uwopt.solvers.explain.sweep import Sweep
+from uwopt.solvers.warm.searches import Warm
 from uwopt.units import split_unit
 
 STEPS = 4  # beyond what is asked
@@ -54,7 +54,7 @@ def range_price(base: VariedMission, key: Varied, asked: float, step: float, dea
     varied = Varied(key.key, key.section, key.name, tuple(values))
     if len(values) < 2:
         return None
-    grid = VariedGrid(base, (varied,), Systems(goal), Sweep(goal, (varied.stricter(base.base),), deadline))
+    grid = VariedGrid(base, (varied,), Systems(goal), Warm(deadline))
     points = []
     for value in values:
         if deadline.passed():

@@ -12,8 +12,9 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission
 from uwopt.objectives.objective import Objective
 from uwopt.results.whatif import Switch, WhatIfPoint, WinningSystem
-from uwopt.solvers.explain.sweep import PartIds, Sweep, SweepAnswer, ids_of, joined_ids
 from uwopt.solvers.recommend import check_claim, evaluated
+from uwopt.solvers.warm.parts import PartIds, ids_of, joined_ids
+from uwopt.solvers.warm.searches import Warm, WarmAnswer
 from uwopt.units import ratio_to_db
 
 At = tuple[Value, ...]
@@ -29,9 +30,9 @@ class Systems:
     found: list[WinningSystem] = field(default_factory=list)
     parts: list[PartIds] = field(default_factory=list)
 
-    def index(self, answer: SweepAnswer) -> int | None:
+    def index(self, answer: WarmAnswer) -> int | None:
         """Of the system that an answer has found; one that is met for the first time is evaluated and compared."""
-        if answer.found is None:
+        if answer.found is None or answer.sought is None:
             return None
         one, parts = answer.found, answer.sought.problem.parts
         camera, lens = parts.cameras[one.camera], parts.lenses[one.lens]
@@ -44,11 +45,11 @@ class Systems:
             self.parts.append(ids_of(answer.sought.problem, one))
         return self.found.index(system)
 
-    def point(self, values: Sequence[Value], answer: SweepAnswer) -> WhatIfPoint:
+    def point(self, values: Sequence[Value], answer: WarmAnswer) -> WhatIfPoint:
         """What is kept of an answer."""
         system, one = self.index(answer), answer.found
         status = "stopped" if not answer.complete else "infeasible" if one is None else "optimal"
-        if one is None:
+        if one is None or answer.sought is None:
             return WhatIfPoint(list(values), status)
         settings = one.settings[0]
         figures = {
@@ -70,22 +71,27 @@ class VariedGrid:
     base: VariedMission
     keys: tuple[Varied, ...]
     systems: Systems
-    sweep: Sweep
+    warm: Warm
     missions: dict[At, Mission] = field(default_factory=dict)
     points: dict[At, WhatIfPoint] = field(default_factory=dict)
+
+    @cached_property
+    def signs(self) -> tuple[int, ...]:
+        """Of each key 1 where more of it asks for more, -1 where less does, 0 where that is not sure."""
+        return tuple(key.stricter(self.base.base) for key in self.keys)
 
     @cached_property
     def lines(self) -> list[tuple[Value, ...]]:
         """The values of each key in the order in which they are solved: from what asks for least, else rising."""
         made = []
-        for key, sign in zip(self.keys, self.sweep.strictness, strict=True):
+        for key, sign in zip(self.keys, self.signs, strict=True):
             values = sorted(key.values, key=float) if key.is_numeric else list(key.values)
             made.append(tuple(values[::-1] if sign < 0 else values))
         return made
 
     def order(self) -> Iterator[At]:
         """All points; keys of which more is sure to ask for more change fastest, so that lists serve many."""
-        outer = sorted(range(len(self.keys)), key=lambda k: (self.sweep.strictness[k] != 0, len(self.lines[k])))
+        outer = sorted(range(len(self.keys)), key=lambda k: (self.signs[k] != 0, len(self.lines[k])))
         for values in itertools.product(*(self.lines[k] for k in outer)):
             by_key = dict(zip(outer, values, strict=True))
             yield tuple(by_key[k] for k in range(len(self.keys)))
@@ -102,9 +108,9 @@ class VariedGrid:
             on_grid = all(value in line for value, line in zip(at, self.lines, strict=True))
             ahead = on_grid and any(
                 sign and value != line[-1]
-                for value, line, sign in zip(at, self.lines, self.sweep.strictness, strict=True)
+                for value, line, sign in zip(at, self.lines, self.signs, strict=True)
             )
-            answer = self.sweep.best(self.mission(at), at, ahead=ahead)
+            answer = self.warm.best(self.mission(at), ahead=ahead)
             if answer.interrupted:
                 raise KeyboardInterrupt
             self.points[at] = self.systems.point(at, answer)
@@ -156,7 +162,7 @@ class Switches:
             self.deadline.left_out.append("how sharp all switches are")
             return [self.coarse(k, a, b)]
         low, high = self._bisected(k, a, b, sharp)
-        if not grid.sweep.strictness[k] and any(n != k and key.is_numeric for n, key in enumerate(grid.keys)):
+        if not grid.signs[k] and any(n != k and key.is_numeric for n, key in enumerate(grid.keys)):
             found = self.coarse(k, a, b)  # a map has too many to search all parts at each
             return [replace(found, low=float(low[k]), high=float(high[k]), proven=False)]
         made = []
@@ -174,7 +180,7 @@ class Switches:
         while high - low > sharp:
             middle = 0.5 * (low + high)
             at = (*a[:k], middle, *a[k + 1 :])
-            answer = grid.sweep.among(grid.mission(at), parts)
+            answer = grid.warm.among(grid.mission(at), parts)
             if answer.interrupted:
                 raise KeyboardInterrupt
             if grid.systems.index(answer) == first:

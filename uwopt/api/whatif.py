@@ -22,7 +22,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.basis import ObjectiveValue
 from uwopt.results.design import Note
 from uwopt.results.whatif import SpiderLine, Switch, VariedKey, WhatIf, WhatIfPoint
-from uwopt.solvers.explain.sweep import Sweep
+from uwopt.solvers.warm.searches import Warm
 from uwopt.units import UNIT_SUFFIXES
 from uwopt.version import __version__
 
@@ -93,7 +93,7 @@ def whatif(
         uwopt_version=__version__,
         keys=[
             VariedKey(key.key, unit_of(key, base.base), list(key.values), sign)
-            for key, sign in zip(keys, grid.sweep.strictness, strict=True)
+            for key, sign in zip(keys, grid.signs, strict=True)
         ],
         points=points,
         systems=systems.found,
@@ -120,8 +120,7 @@ class Work:
 
     def grid_of(self, keys: Sequence[Varied]) -> VariedGrid:
         """A grid over keys, with a sweep of its own."""
-        strictness = tuple(key.stricter(self.base.base) for key in keys)
-        return VariedGrid(self.base, tuple(keys), self.systems, Sweep(self.goal, strictness, self.deadline))
+        return VariedGrid(self.base, tuple(keys), self.systems, Warm(self.deadline))
 
     def say(self, share: float, what: str) -> None:
         """Tell how far it is."""
@@ -138,15 +137,15 @@ class Work:
             values = ", ".join(f"{key.name} {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
             self.say(number / len(order), f"point {number + 1} of {len(order)}: {values}")
             grid.solve(at)
-        self.n_searches += grid.sweep.n_searches
+        self.n_searches += grid.warm.n_searches
 
     def switches(self, grid: VariedGrid) -> list[Switch]:
         """Where other systems take over."""
         by_itself = math.isfinite(self.deadline.end_s)
         patience = self.deadline if by_itself else Deadline.after(SWITCHES_S, time.process_time)
-        before = grid.sweep.n_searches
+        before = grid.warm.n_searches
         made = Switches(grid, patience, self.say).all()
-        self.n_searches += grid.sweep.n_searches - before
+        self.n_searches += grid.warm.n_searches - before
         self.notes += [] if by_itself else patience_warnings(patience, SWITCHES_S)
         return made
 
@@ -154,28 +153,26 @@ class Work:
         """Each stated quantity alone, into a list that an interruption leaves as it is."""
         stated = [*self.base.stated_numbers()]
         signs = tuple(key.stricter(self.base.base) * (1 if float(key.values[0]) > 0 else -1) for key in stated)
-        sweep = Sweep(self.goal, signs, self.deadline)
-        for number, key in enumerate(stated):
+        warm = Warm(self.deadline)
+        for number, (key, sign) in enumerate(zip(stated, signs, strict=True)):
             self.say(number / len(stated), f"{key.section}.{key.name}, 20 % either way")
             if self.deadline.passed():
                 self.deadline.left_out.append(f"{len(stated) - number} of {len(stated)} quantities")
                 break
-            lines.append(self._spider_line(sweep, key, number))
-        self.n_searches += sweep.n_searches
+            lines.append(self._spider_line(warm, key, sign))
+        self.n_searches += warm.n_searches
 
-    def _spider_line(self, sweep: Sweep, key: Varied, place: int) -> SpiderLine:
+    def _spider_line(self, warm: Warm, key: Varied, sign: int) -> SpiderLine:
         """One quantity; what the mission does not allow is no point."""
-        sign = sweep.strictness[place]
         factors = sorted(SPIDER_FACTORS, reverse=sign < 0)
         points = []
         for factor in [1.0, *(factor for factor in factors if factor != 1.0)]:  # what is listed there serves all
-            at = tuple(factor if k == place else 1.0 for k in range(len(sweep.strictness)))
             try:
                 mission = self.base.base if factor == 1.0 else self.base.scaled(key, factor)
                 check_physical(mission)
             except MissionError:
                 continue
-            answer = sweep.best(mission, at, ahead=factor == 1.0 or sign * (factor - 1.0) < 0.0)
+            answer = warm.best(mission, ahead=factor == 1.0 or sign * (factor - 1.0) < 0.0)
             if answer.interrupted:
                 raise KeyboardInterrupt
             points.append(self.systems.point((factor,), answer))

@@ -20,6 +20,7 @@ from uwopt.errors import MissionError
 from uwopt.mission.checks import in_one_form
 from uwopt.mission.keys import CLARITY_KEYS, OTHER_NAMES
 from uwopt.mission.mission import Mission, load_mission, sections
+from uwopt.mission.strictness import sign_of
 
 MOST_VALUES = 1000
 DIGITS = 12  # of the values of a range: no tails of rounding
@@ -27,19 +28,6 @@ OF_SCENES = ("vehicle", "requirements")  # sections of which a scene may state k
 NOT_VARIED = ("name", "vehicle", "requirements", "time_share", "extras", "owned", "rates", "light_mounts")
 #: One way of asking for a thing replaces the others.
 ONE_OF = (("min_snr", "min_snr_db"), CLARITY_KEYS)
-#: Keys of which more asks for more of the same hardware, all else equal: what misses it at a value misses it beyond.
-#: Those of which less does are below. Of keys in neither, such as an altitude, anything may change.
-STRICTER_UP = frozenset({
-    "speed_m_s", "pitch_rate_deg_s", "roll_rate_deg_s", "subject_speed_m_s", "duration_h", "overlap", "min_snr",
-    "min_snr_db", "min_snr_red_db", "min_swath_m", "min_common_swath_m", "disparity_error_px",
-    "min_area_m2_h", "sidelap", "min_contrast", "min_uniformity", "min_mtf_half_nyquist", "depth_rating_m",
-})  # fmt: skip
-STRICTER_DOWN = frozenset({
-    "frame_interval_s", "max_blur_px", "max_skew_px", "max_gsd_mm", "max_depth_error_mm", "max_white_balance",
-    "max_airy_px", "cost", "power_w", "peak_power_w", "energy_wh", "storage_gb", "mass_kg", "mass_water_kg", "size_mm",
-    "data_rate_mb_s", "max_exposure_ms",
-})  # fmt: skip
-STRICTER_RESERVE = frozenset({"snr_db", "blur", "swath"})
 
 Value = float | int | str
 Asked = Mapping[str, Sequence[Any] | str]
@@ -62,15 +50,7 @@ class Varied:
 
     def stricter(self, mission: Mission) -> int:
         """1 where more of it asks for more, -1 where less does, 0 where neither is sure."""
-        of_water = self.section == "scene" and self.name != "subject_speed_m_s"
-        if not self.is_numeric or of_water or self.section == "catalog":
-            return 0
-        if self.section == "reserve":
-            return 1 if self.name in STRICTER_RESERVE else 0
-        by_area = any(view.asked.min_area_m2_h is not None for view in mission.views)
-        if self.name == "speed_m_s" and by_area:  # faster covers more
-            return 0
-        return 1 if self.name in STRICTER_UP else -1 if self.name in STRICTER_DOWN else 0
+        return sign_of(mission, self.section, self.name) if self.is_numeric else 0
 
 
 class VariedMission:

@@ -10,8 +10,8 @@ from uwopt.mission.mission import Mission
 from uwopt.objectives.goal import goal_of
 from uwopt.results.sweep import SweepKit
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.sweep import PartIds, only
 from uwopt.solvers.recommend import same_scenes
+from uwopt.solvers.warm.parts import PartIds, only
 
 YES, NO = "1", "0"
 

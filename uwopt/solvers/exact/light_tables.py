@@ -134,7 +134,11 @@ class FieldTables:
             contraction = self.problem.contractions[scene_index]
             spectrum = int(contraction.spectrum_of[lighting.optics])
             lamp_m, camera_m = self._shortest_m(scene_index, lighting, altitude)
-            self._losses[key] = contraction.mean_loss(spectrum, efficiency, channel, lamp_m=lamp_m, camera_m=camera_m)
+            known = self.problem.scenes[scene_index].cache
+            place = ("least loss", *contraction.key(spectrum, efficiency, channel), lamp_m, camera_m)
+            if place not in known:
+                known[place] = contraction.mean_loss(spectrum, efficiency, channel, lamp_m=lamp_m, camera_m=camera_m)
+            self._losses[key] = known[place]
         return self._losses[key]
 
     def _shortest_m(self, scene_index: int, lighting: Lighting, altitude: int) -> tuple[float, float]:
@@ -166,7 +170,7 @@ class FieldTables:
             place = (scene_index, altitude)
             if place not in self._widest:
                 self._widest[place] = self.rectangles(scene_index, altitude, np.arange(len(self.imagers)))
-            self._light_tables[key] = FloorLightBound.build(
+            self._light_tables[key] = FloorLightBound.known(
                 self.problem, scene_index, lighting, altitude, self._widest[place]
             )
         return self._light_tables[key]
@@ -266,6 +270,30 @@ class FloorLightBound:
     light: Array  # (n_along, n_across), grows with both
     peak_per_m2: float
     behind: FloorLightBound | None = None
+
+    @staticmethod
+    def known(
+        problem: Problem, scene_index: int, lighting: Lighting, altitude: int, widest: Rectangles
+    ) -> FloorLightBound:
+        """One that another search in this scene has built and that reaches as far as these rectangles, or a new one."""
+        scene, beam = problem.scenes[scene_index], problem.beam(scene_index, lighting.optics)
+        nearest_m = problem.nearest_m(scene_index, altitude)
+        place = beam, lighting.mount, altitude, widest.deepest_m, widest.path_share, nearest_m
+        built: list[FloorLightBound] = scene.cache.setdefault(("light on rectangles", *place), [])
+        for table in built:
+            if table.reaches(widest):
+                return table
+        built.append(FloorLightBound.build(problem, scene_index, lighting, altitude, widest))
+        return built[-1]
+
+    def reaches(self, widest: Rectangles) -> bool:
+        """Whether no rectangle goes beyond the table."""
+        fits = self.along_m[-1] >= widest.half_along_m.max(initial=0.0)
+        fits &= self.across_m[-1] >= widest.half_across_m.max(initial=0.0)
+        if self.behind is not None:
+            fits &= self.behind.along_m[-1] >= widest.behind_m.max(initial=0.0)
+            fits &= self.behind.across_m[-1] >= widest.across_behind_m.max(initial=0.0)
+        return bool(fits)
 
     @staticmethod
     def build(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import rows_alike
-from uwopt.forward.problem import Problem
+from uwopt.forward.problem import Parts, Problem
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.light_tables import Lighting
@@ -145,24 +145,23 @@ class Ranking:
     def _insert(self, design: Found) -> None:
         """Put a design in its place; of equal hardware only the better stays."""
         parts = self.problem.parts
-
-        def ids(f: Found) -> tuple[str, ...]:
-            return (
-                parts.cameras[f.camera].id,
-                parts.lenses[f.lens].id,
-                parts.ports[f.port].enclosure_id,
-                parts.lights[f.light].id,
-            )
-
-        def better(a: Found, b: Found) -> bool:
-            if abs(a.minimised - b.minimised) > TIE * max(abs(a.minimised), abs(b.minimised)):
-                return a.minimised < b.minimised
-            return a.tie_key(ids(a)) < b.tie_key(ids(b))
-
-        same = [f for f in self.best if ids(f) == ids(design)]
-        if same and not better(design, same[0]):
+        same = [f for f in self.best if ids_in(parts, f) == ids_in(parts, design)]
+        if same and not comes_before(design, same[0], parts):
             return
-        rest = [f for f in self.best if ids(f) != ids(design)]
-        place = next((n for n, f in enumerate(rest) if better(design, f)), len(rest))
+        rest = [f for f in self.best if ids_in(parts, f) != ids_in(parts, design)]
+        place = next((n for n, f in enumerate(rest) if comes_before(design, f, parts)), len(rest))
         rest.insert(place, design)
         self.best = rest[: self.top]
+
+
+def ids_in(parts: Parts, design: Found) -> tuple[str, ...]:
+    """Ids of a design's parts."""
+    port = parts.ports[design.port].enclosure_id
+    return parts.cameras[design.camera].id, parts.lenses[design.lens].id, port, parts.lights[design.light].id
+
+
+def comes_before(a: Found, b: Found, parts: Parts) -> bool:
+    """Whether a design of these parts has its place before another: by objective, else by its key."""
+    if abs(a.minimised - b.minimised) > TIE * max(abs(a.minimised), abs(b.minimised)):
+        return a.minimised < b.minimised
+    return a.tie_key(ids_in(parts, a)) < b.tie_key(ids_in(parts, b))

@@ -410,7 +410,7 @@ class Search:
                 self.tables.exact(s, lighting, rows, veils="none", deadline=self.deadline)
                 for s in range(len(self.problem.scenes))
             ]
-            step = max(1, MOST_ROWS_AT_ONCE // len(table.light))
+            step = max(1, MOST_ROWS_AT_ONCE // max(1, len(table.light)))
             for start in range(0, len(rows), step):
                 part = np.arange(start, min(start + step, len(rows)))
                 self._evaluate_pairs(rows[part], [light.take(part) for light in lights], lighting, table)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator
-from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -21,7 +20,6 @@ from uwopt.catalog.choose import Selection
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import Generic, build_problem, selected
 from uwopt.forward.problem import Problem
-from uwopt.forward.spectra import Contraction
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import (
@@ -31,14 +29,13 @@ from uwopt.solvers.exact.imagers import (
     fitting_pairs,
     focus_rules,
     focused_behind,
-    imagers_behind,
-    joined,
     landscapes,
     seen_behind,
     view_rules,
 )
 from uwopt.solvers.exact.search import Search, are_too_many
-from uwopt.solvers.recommend import Sought, same_scenes, seek
+from uwopt.solvers.recommend import Sought, seek
+from uwopt.solvers.warm.tables import asking, imagers_of, of_block
 
 Array = NDArray[Any]
 
@@ -157,15 +154,7 @@ class Relaxer:
 
     def asking(self, mission: Mission) -> Problem:
         """The tables for a mission that asks for less of the same parts in the same scenes."""
-        scenes = same_scenes(self.problem, mission)
-        assert scenes is not None, "a requirement changes no scene"
-        if mission.limits.cost_basis != self.mission.limits.cost_basis:
-            return build_problem(mission, self.selection, scenes=scenes)
-        made = copy(self.problem)
-        made.mission, made.scenes, made.known_models = mission, scenes, {}
-        made.__dict__.pop("duration", None)  # depends on limits of energy
-        made.contractions = [Contraction(scene, made.optics, made.efficiencies) for scene in scenes]
-        return made
+        return asking(self.problem, mission, self.selection)
 
     def effort(self, freed: Collection[str]) -> float:
         """How many imagers a search without these requirements looks at, about; inf: all there are."""
@@ -190,14 +179,9 @@ class Relaxer:
         if known is not None and OF_LIGHT.issuperset(freed):
             return known
         assert self.broken is not None
-        places, pairs = self._freed_pairs(freed), self.broken.pairs
-        discarded, blocks = dict.fromkeys(pairs.discarded, 0), list[PortBlock]()
-        for ports in problem.port_groups:
-            for landscape in landscapes(problem):
-                some = places.get((int(ports[0]), landscape), np.empty(0, int))
-                made = imagers_behind(problem, pairs.camera[some], pairs.lens[some], ports, landscape, discarded, {})
-                blocks += (in_best_housing(problem, block) if one_housing else block for block in made)
-        return joined(problem, blocks, dict.fromkeys(discarded, 0), {})
+        pairs = self.broken.pairs
+        some = {place: (pairs.camera[rows], pairs.lens[rows]) for place, rows in self._freed_pairs(freed).items()}
+        return imagers_of(problem, some, lambda block: in_best_housing(problem, block) if one_housing else block)
 
     @cached_property
     def known_imagers(self) -> Imagers | None:
@@ -223,6 +207,4 @@ def in_best_housing(problem: Problem, block: PortBlock) -> PortBlock:
     pair = np.stack([block.camera, block.lens])[:, order]
     first = np.ones(len(order), bool)
     first[1:] = (pair[:, 1:] != pair[:, :-1]).any(axis=0)
-    some = np.sort(order[first])
-    scenes = [scene.take(some) for scene in block.scenes]
-    return PortBlock(block.camera[some], block.lens[some], block.port[some], block.landscape, scenes)
+    return of_block(block, np.sort(order[first]))

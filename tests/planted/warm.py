@@ -1,0 +1,63 @@
+"""Planted defects of searches that use what is known of missions before."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+SEARCHES, KEPT = "uwopt/solvers/warm/searches.py", "uwopt/solvers/warm/kept.py"
+TESTS = "tests/solvers/test_warm.py"
+ORDER = f"{TESTS}::test_missions_in_any_order_have_the_optima_of_their_own_searches"
+
+DEFECTS = (
+    Defect(
+        name="what is found below a guess counts above it too",
+        file=SEARCHES,
+        old="if sought.outcome.complete and reached > most:",
+        new="if sought.outcome.complete and math.isinf(reached):",
+        test=f"{ORDER}[0]",
+    ),
+    Defect(
+        name="bounds serve missions that ask for less",
+        file="uwopt/mission/strictness.py",
+        old="all(mine <= its for mine, its in zip",
+        new="any(True for mine, its in zip",
+        test=f"{TESTS}::test_bounds_serve_no_mission_that_asks_for_less",
+    ),
+    Defect(
+        name="bounds made anew hold for the mission before",
+        file=SEARCHES,
+        old="family.keep(stage.asks, kept.with_some(some, made))",
+        new="family.keep(Asking(stage.asks.family, tuple(-math.inf for _ in stage.asks.amounts)), "
+        "kept.with_some(some, made))",
+        test=f"{ORDER}[2]",
+    ),
+    Defect(
+        name="bounds of a mission met are those of the next",
+        file=SEARCHES,
+        old="search = self._of_nodes(met.mission, kept, kept.node)",
+        new="search = self._of_nodes(met.mission, kept, kept.within(met.minimised))",
+        test=f"{ORDER}[1]",
+    ),
+    Defect(
+        name="nodes that were not bounded anew are forgotten",
+        file=KEPT,
+        old="node = np.concatenate([self.node[rest], made.node[new]])\n"
+        "        least = np.concatenate([self.least[rest], np.maximum(old, made.least[new])])",
+        new="node = made.node[new]\n        least = np.maximum(old, made.least[new])",
+        test=f"{TESTS}::test_bounds_made_anew_stand_in_for_those_of_their_nodes_alone",
+    ),
+    Defect(
+        name="all nodes are searched whatever their bound",
+        file=KEPT,
+        old="for value in (beyond, most))",
+        new="for value in (-np.inf, np.inf))",
+        test=f"{TESTS}::test_many_missions_look_at_a_fifth_of_the_imagers",
+    ),
+    Defect(
+        name="a housing stands for smaller ones",
+        file="uwopt/mission/strictness.py",
+        old="if name in OF_HOUSINGS and mission.catalog.housing",
+        new="if name in () and mission.catalog.housing",
+        test=f"{TESTS}::test_sizes_of_housings_are_not_compared_where_one_stands_for_others",
+    ),
+)

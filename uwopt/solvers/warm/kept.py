@@ -1,0 +1,155 @@
+"""Bounds of one mission that are kept for those that ask for more.
+
+    least(i, k; stricter) >= least(i, k; weaker) >= bound(i, k)        for every imager i under every lighting k
+
+A node that has no design within the rules of the weaker mission has none in the stricter, and none better: of the
+stricter mission only those nodes are searched whose bound is no more than what is reached there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.choose import Selection
+from uwopt.deadline import Deadline
+from uwopt.forward.problem import Problem
+from uwopt.solvers.exact.bounds import LampChoices
+from uwopt.solvers.exact.imagers import Imagers, PortBlock, limit
+from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.exact.search import MOST_ROWS_AT_ONCE, NodeDesigns, Search
+from uwopt.solvers.warm.tables import imagers_of, of_block
+from uwopt.tolerances import ROUND
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class KeptBounds:
+    """The nodes of one search of which some design may fit, by their bound, least first.
+
+    Those that are not in it have no design that fits.
+    """
+
+    selection: Selection
+    problem: Problem
+    node: Array  # imager's number (see `numbers`) times the number of light optics, plus its lighting's
+    least: Array
+    tight: bool = False  # whether the light of every design has been looked at
+
+    def __len__(self) -> int:
+        return len(self.node)
+
+    @staticmethod
+    def of(search: Search, selection: Selection, least: Array) -> KeptBounds:
+        """The bounds of a search that has its imagers, (n_lightings, n); nodes without a design are left out."""
+        lighting, imager = np.nonzero(np.isfinite(least))
+        node = numbers(search.problem, search.imagers)[imager] * len(search.problem.optics)
+        node += np.array([each.optics for each in search.tables.lightings], int)[lighting]
+        return KeptBounds(selection, search.problem, node, least[lighting, imager]).in_order()
+
+    def in_order(self) -> KeptBounds:
+        """The same, least first."""
+        order = np.argsort(self.least, kind="stable")
+        return replace(self, node=self.node[order], least=self.least[order])
+
+    def with_some(self, some: Array, made: KeptBounds) -> KeptBounds:
+        """These bounds, of some nodes those that were made for a mission that asks for no less."""
+        new = np.isin(made.node, some)
+        order = np.argsort(self.node)
+        old = self.least[order[np.searchsorted(self.node[order], made.node[new])]]
+        rest = ~np.isin(self.node, some)
+        node = np.concatenate([self.node[rest], made.node[new]])
+        least = np.concatenate([self.least[rest], np.maximum(old, made.least[new])])
+        return replace(self, node=node, least=least).in_order()
+
+    def within(self, most: float, beyond: float = -np.inf) -> Array:
+        """The nodes whose bound is no more than a value, and more than another."""
+        first, last = (np.searchsorted(self.least, value, side="right") for value in (beyond, most))
+        return self.node[first:last]
+
+
+def numbers(problem: Problem, imagers: Imagers | PortBlock) -> Array:
+    """A number of each imager that tells it from the others of the same parts, (n,)."""
+    landscape = np.broadcast_to(np.asarray(imagers.landscape, int), imagers.camera.shape)
+    return np.asarray(np.ravel_multi_index((imagers.camera, imagers.lens, imagers.port, landscape), sizes(problem)))
+
+
+def sizes(problem: Problem) -> tuple[int, int, int, int]:
+    """How many cameras, lenses, ports and orientations there are."""
+    parts = problem.parts
+    return len(parts.cameras), len(parts.lenses), len(parts.ports), 2
+
+
+def some_nodes(problem: Problem, node: Array) -> tuple[Imagers, Array]:
+    """The imagers of some nodes that pass the rules of a problem, and which lights shine in those nodes."""
+    imager, optics = np.divmod(node, len(problem.optics))
+    lights = np.isin(problem.lights.optics_index, np.unique(optics))
+    return imagers_by_number(problem, np.unique(imager)), lights
+
+
+def imagers_by_number(problem: Problem, wanted: Array) -> Imagers:
+    """Those of some imagers that pass the rules of a problem."""
+    camera, lens, port, landscape = np.unravel_index(wanted, sizes(problem))
+    n_lens = len(problem.parts.lenses)
+    like, pairs = problem.like_port[port], dict[tuple[int, bool], tuple[Array, Array]]()
+    place = 2 * like + landscape
+    for one in np.unique(place):
+        mine = place == one
+        both = np.unique(camera[mine] * n_lens + lens[mine])
+        pairs[int(one) // 2, bool(one % 2)] = both // n_lens, both % n_lens
+
+    def kept(block: PortBlock) -> PortBlock:
+        return of_block(block, np.flatnonzero(np.isin(numbers(problem, block), wanted)))
+
+    return imagers_of(problem, pairs, kept)
+
+
+def least_of_nodes(search: Search, deadline: Deadline) -> Array:
+    """Lower bounds on the objective of any design of each node, inf where none fits, (n_lightings, n)."""
+    rows, made = np.arange(len(search.imagers)), list[Array]()
+    for k in range(len(search.tables.lightings)):
+        deadline.check()
+        bounds = search.bounds.of_nodes(k, rows)
+        made.append(np.where(bounds.rule < 0, bounds.value, np.inf))
+    return np.stack(made) if made else np.empty((0, len(rows)))
+
+
+def least_of_designs(search: Search, deadline: Deadline) -> Array:
+    """The same, dearer and tighter: every design in the light that it has, as if there were no veil."""
+    least = least_of_nodes(search, deadline)
+    for k, (lighting, table) in enumerate(zip(search.tables.lightings, search.bounds.light_tables, strict=True)):
+        some = np.flatnonzero(np.isfinite(least[k]))
+        step = max(1, MOST_ROWS_AT_ONCE // max(1, len(table.light)))
+        for start in range(0, len(some), step):
+            deadline.check()
+            part = some[start : start + step]
+            least[k, part] = np.maximum(least[k, part], least_under(search, part, lighting, table))
+    return least
+
+
+def least_under(search: Search, imager: Array, lighting: Lighting, table: LampChoices) -> Array:
+    """The least that a design of each imager can have under one lighting without a veil, (n,)."""
+    imagers, limits, n_light = search.imagers, search.limits, len(table.light)
+    node, item = np.divmod(np.arange(len(imager) * n_light), n_light)
+    cost = imagers.limit_cost[imager[node]] + table.limit_cost[item]
+    mass = imagers.mass_kg[imager[node]] + table.mass_kg[item]
+    fits = (cost <= limit(limits.cost) * ROUND) & (mass <= limit(limits.mass_kg) * ROUND)
+    node, item = node[fits], item[fits]
+    least = np.full(len(imager), np.inf)
+    if len(node):
+        lights = [
+            search.tables.exact(index, lighting, imager, veils="none") for index in range(len(search.problem.scenes))
+        ]
+        designs = NodeDesigns(
+            imager, node, table.light[item], table.count[item],
+            imagers.cost[imager[node]] + table.cost[item], mass[fits],
+        )  # fmt: skip
+        own = [light.take(node) for light in lights]
+        np.minimum.at(least, node, search.solve(designs, own, lighting, optimistic=True, stage="none")[0])
+    return least
+
+

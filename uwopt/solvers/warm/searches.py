@@ -1,0 +1,380 @@
+"""The certified optimum of many missions that differ in some keys, each search helped by those before it.
+
+Missions of one family differ in keys of which more is sure to ask for more (a speed, a least SNR, a budget that
+shrinks). Of the first of them every imager is bounded; a stricter one is searched among the imagers whose bound is no
+more than what is reached there, which are few: what it finds is the optimum over the whole catalogue. Missions in other
+water or at another height start anew, with what the last winners reach there as a ceiling.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
+
+from uwopt.catalog.choose import Selection
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
+from uwopt.forward.problem import Problem
+from uwopt.forward.scene import SceneOptics
+from uwopt.mission.mission import Mission
+from uwopt.mission.strictness import Asking
+from uwopt.objectives.goal import goal_of
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs
+from uwopt.solvers.exact.ranking import Found, comes_before
+from uwopt.solvers.exact.search import Search, are_too_many
+from uwopt.solvers.recommend import Sought, same_scenes
+from uwopt.solvers.settings.best import scenes_need_cells
+from uwopt.solvers.warm.kept import KeptBounds, least_of_designs, least_of_nodes, some_nodes
+from uwopt.solvers.warm.parts import PartIds, ids_of, joined_ids, only
+from uwopt.solvers.warm.tables import asking
+from uwopt.tolerances import AGREES_REL
+
+LEAST_GUESS, MOST_GUESS = 0.02, 0.15  # by which share the optimum is worse than that of a weaker mission, it is guessed
+FIRST = 500  # nodes that are searched first where no weaker mission is known to be met
+MANY = 50_000  # nodes to search where nothing is known to fit: worth a closer look at the last mission that was met
+WORTH_BOUNDING = 1000  # nodes that had to be searched: few of them are left once they are bounded at this mission
+MOST_FAMILIES = 6  # whose bounds are kept: up to 10 MB each
+MOST_BOUNDS = 12  # of one family
+MOST_SCENES = 8  # problems that are remembered for the light of their scenes
+
+
+@dataclass(frozen=True)
+class WarmAnswer:
+    """The optimum of one mission."""
+
+    sought: Sought | None  # None: known to fit nowhere without a search
+    found: Found | None
+    complete: bool
+    lower_bound: float
+    generic: bool  # whether parts to be made were needed
+    capped: bool  # whether the gain cap of the mission's reserve holds
+    kept: bool  # proven by bounds of another mission
+    interrupted: bool = False
+
+
+@dataclass(frozen=True)
+class WarmStage:
+    """One of the searches of a mission, of which the first that finds something counts."""
+
+    mission: Mission
+    asks: Asking
+    generic: Generic
+    capped: bool
+    selection: Selection
+
+    def answer(self, sought: Sought | None, *, kept: bool) -> WarmAnswer:
+        """What a search in this stage has found."""
+        by = self.generic == "allow", self.capped, kept
+        if sought is None:
+            return WarmAnswer(None, None, True, math.inf, *by)
+        outcome = sought.outcome
+        found = outcome.best[0] if outcome.best else None
+        return WarmAnswer(sought, found, outcome.complete, outcome.lower_bound, *by, outcome.interrupted)
+
+
+class Met(NamedTuple):
+    """A mission that something meets."""
+
+    asks: Asking
+    mission: Mission
+    minimised: float  # the optimum
+
+
+@dataclass
+class Family:
+    """What is known of missions that differ in what is sure to ask for more, of the same parts."""
+
+    bounds: list[tuple[Asking, KeptBounds]] = field(default_factory=list)
+    met: list[Met] = field(default_factory=list)
+    missed: list[Asking] = field(default_factory=list)  # by everything
+    waiting: tuple[Asking, Sought] | None = None  # a search whose bounds are not taken yet
+    share: float = MOST_GUESS  # by which the next optimum is guessed to be worse than that of a weaker mission
+
+    def learn(self, goal: Objective, weaker: Met, reached: float) -> None:
+        """Guess the next step as twice the last."""
+        seen = goal.share(max(reached - weaker.minimised, 0.0), weaker.minimised)
+        self.share = min(max(2.0 * seen, LEAST_GUESS), MOST_GUESS)
+
+    def nearest_met(self, asks: Asking) -> Met | None:
+        """Of the missions that ask for no more the one whose optimum is the worst."""
+        weaker = [one for one in self.met if one.asks.asks_no_more(asks)]
+        return max(weaker, key=lambda one: one.minimised, default=None)
+
+    def keep(self, asks: Asking, kept: KeptBounds) -> None:
+        """Further bounds; of many the first and the last few stay."""
+        self.bounds.append((asks, kept))
+        if len(self.bounds) > MOST_BOUNDS:
+            del self.bounds[1]
+
+
+class Warm:
+    """Searches of missions, one after another; those that ask for least are best given first (`weakest_first`)."""
+
+    def __init__(self, deadline: Deadline = NEVER):
+        self.deadline = deadline
+        self.families: dict[tuple[str, Generic], Family] = {}
+        self.asked: dict[str, list[tuple[Asking, Mission]]] = {}
+        self.selections: dict[Any, Selection] = {}
+        self.winners: list[PartIds] = []
+        self.known: list[Problem] = []
+        self.n_searches = 0
+
+    # ------------------------------------------------------------ one mission
+
+    def best(self, mission: Mission, *, ahead: bool = True) -> WarmAnswer:
+        """The optimum of a mission: of parts on sale, else with parts to be made, as `solve` has it.
+
+        ahead : missions that ask for more will follow, so that bounds pay
+        """
+        return self._first_stage(mission, lambda stage: self._in_stage(stage, ahead=ahead))
+
+    def among(self, mission: Mission, parts: PartIds) -> WarmAnswer:
+        """The same among a few parts."""
+
+        def searched(stage: WarmStage) -> WarmAnswer:
+            return stage.answer(self._few(stage, parts), kept=False)
+
+        return self._first_stage(mission, searched)
+
+    def _first_stage(self, mission: Mission, search: Callable[[WarmStage], WarmAnswer]) -> WarmAnswer:
+        """The answer of the first stage in which something fits, or in which that is not known."""
+        policy, answer = mission.catalog.generic, None
+        stages: list[Generic] = ["never", "allow"] if policy == "fallback" else [policy]
+        lifted = mission.without_gain_cap
+        for wanted in (mission,) if lifted is mission else (mission, lifted):
+            asks = Asking.of(wanted)
+            for generic in stages:
+                stage = WarmStage(wanted, asks, generic, wanted is mission, self._selected(wanted, asks, generic))
+                answer = search(stage)
+                if answer.found is not None or not answer.complete:
+                    return answer
+        assert answer is not None
+        return answer
+
+    def _in_stage(self, stage: WarmStage, *, ahead: bool) -> WarmAnswer:
+        """The optimum with parts to be made or without, with the cap of gain or without."""
+        asks, family = stage.asks, self._family(stage)
+        before = self.asked.setdefault(asks.family, [])
+        try:
+            if any(one.asks_no_more(asks) for one in family.missed):
+                return stage.answer(None, kept=True)
+            sought = self._warm(stage, family, ahead)
+            kept = sought is not None
+            if sought is None:
+                sought = self._cold(stage, family, ahead)
+        finally:
+            if not any(asks == other for other, _ in before):
+                before.append((asks, stage.mission))
+        best, complete = sought.outcome.best, sought.outcome.complete
+        if best:
+            self._remember(sought)
+        if best and complete:
+            family.met.append(Met(asks, stage.mission, best[0].minimised))
+        elif complete:
+            family.missed.append(asks)
+        return stage.answer(sought, kept=kept)
+
+    # ------------------------------------------------------------ with what is known
+
+    def _warm(self, stage: WarmStage, family: Family, ahead: bool) -> Sought | None:
+        """The optimum by bounds of a mission that asks for no more; None where there are none."""
+        weaker = family.nearest_met(stage.asks)
+        goal, most = goal_of(stage.mission), math.nan
+        if weaker is not None:
+            most = weaker.minimised + goal.step(family.share, weaker.minimised)
+        try:
+            kept = self._bounds(stage, family, most)
+            if kept is None or not len(kept):
+                return None
+            if weaker is None:
+                most = float(kept.least[min(FIRST, len(kept)) - 1])
+            sought = self._within(stage, kept, most)
+            reached = reached_by(sought)
+            if sought.outcome.complete and reached > most:
+                if math.isinf(reached) and weaker is not None:
+                    kept = self._closer(family, kept, weaker)
+                sought, most = self._beyond(stage, kept, most, sought)
+            if weaker is not None and sought.outcome.best:
+                family.learn(goal, weaker, reached_by(sought))
+            if ahead and sought.outcome.best and sought.outcome.complete:
+                self._refresh(stage, family, kept, min(most, reached_by(sought)))
+        except OutOfTimeError:
+            return None
+        return sought
+
+    def _bounds(self, stage: WarmStage, family: Family, most: float) -> KeptBounds | None:
+        """The bounds of a mission that asks for no more by which least is to be searched; None where there are none."""
+        if family.waiting is not None and family.waiting[0].asks_no_more(stage.asks):
+            (asks, sought), family.waiting = family.waiting, None
+            family.keep(asks, KeptBounds.of(sought.search, sought.selection, self._least(sought.search)))
+        if not any(asks.asks_no_more(stage.asks) for asks, _ in family.bounds):
+            self._anchor(stage, family)
+        holding = [kept for asks, kept in family.bounds if asks.asks_no_more(stage.asks)]
+        holding = [kept for kept in holding if kept.selection.indices == stage.selection.indices]
+        return min(holding, key=lambda kept: len(kept.within(most)), default=None)
+
+    def _anchor(self, stage: WarmStage, family: Family) -> None:
+        """Bounds of the strictest mission known that asks for less, of which only other stages were searched."""
+        asked = self.asked[stage.asks.family]
+        weaker = [one for one in asked if one[0].asks_no_more(stage.asks) and one[0] != stage.asks]
+        if not weaker:
+            return
+        asks, mission = max(weaker, key=lambda one: one[0].amounts)
+        selection = self._selected(mission, asks, stage.generic)
+        problem = build_problem(mission, selection, scenes=self._scenes(mission))
+        if not are_too_many(problem, fitting_pairs(problem)):
+            search = self._search(problem, goal_of(mission))
+            search.prepare()
+            family.keep(asks, KeptBounds.of(search, selection, self._least(search)))
+
+    def _closer(self, family: Family, kept: KeptBounds, met: Met) -> KeptBounds:
+        """Bounds by the light of every design, where very many nodes would have to be searched otherwise."""
+        if kept.tight or len(kept) < MANY or self._is_slow(kept.problem, goal_of(met.mission)):
+            return kept
+        search = self._of_nodes(met.mission, kept, kept.node)
+        search.prepare()
+        made = replace(KeptBounds.of(search, kept.selection, least_of_designs(search, self.deadline)), tight=True)
+        family.keep(met.asks, made)
+        return made
+
+    def _refresh(self, stage: WarmStage, family: Family, kept: KeptBounds, most: float) -> None:
+        """Bounds of this mission for those to come, where many nodes had to be searched by older ones."""
+        some = kept.within(most)
+        if len(some) > WORTH_BOUNDING:
+            search = self._of_nodes(stage.mission, kept, some)
+            search.prepare()
+            made = KeptBounds.of(search, kept.selection, self._least(search, tight=True))
+            family.keep(stage.asks, kept.with_some(some, made))
+
+    def _least(self, search: Search, *, tight: bool = False) -> NDArray[Any]:
+        """Bounds of the nodes of a search."""
+        slow = not tight or self._is_slow(search.problem, search.objective)
+        return (least_of_nodes if slow else least_of_designs)(search, self.deadline)
+
+    @staticmethod
+    def _is_slow(problem: Problem, goal: Objective) -> bool:
+        """Whether settings have no closed form, so that no design is looked at for its bound alone."""
+        return scenes_need_cells(problem.scenes, goal)
+
+    def _within(self, stage: WarmStage, kept: KeptBounds, most: float) -> Sought:
+        """A search of the nodes whose bound is no more than a value."""
+        return self._run(stage.selection, self._of_nodes(stage.mission, kept, kept.within(most)))
+
+    def _beyond(self, stage: WarmStage, kept: KeptBounds, most: float, first: Sought) -> tuple[Sought, float]:
+        """The better of what is found and of nodes whose bound is more than a value, and up to where these count."""
+        reached = reached_by(first)
+        ceiling = reached + AGREES_REL * abs(reached) if math.isfinite(reached) else math.inf
+        rest = kept.within(ceiling, beyond=most if math.isfinite(reached) else -math.inf)
+        other = self._run(stage.selection, self._of_nodes(stage.mission, kept, rest, ceiling))
+        best = other if not first.outcome.best or is_better(other, first) else first
+        if not other.outcome.complete:
+            best = replace(best, outcome=replace(best.outcome, complete=False, lower_bound=other.outcome.lower_bound))
+        return best, ceiling
+
+    def _of_nodes(
+        self, mission: Mission, kept: KeptBounds, some: NDArray[Any], ceiling: float = math.inf
+    ) -> Search:
+        """A search of some nodes for a mission."""
+        problem = asking(kept.problem, mission, kept.selection)
+        imagers, lights = some_nodes(problem, some)
+        return self._search(problem, goal_of(mission), ceiling=ceiling, imagers=imagers, lights=lights)
+
+    # ------------------------------------------------------------ anew
+
+    def _cold(self, stage: WarmStage, family: Family, ahead: bool) -> Sought:
+        """A search over all parts, below what the last winners reach; its bounds are taken once they are asked for."""
+        mission, selection, goal = stage.mission, stage.selection, goal_of(stage.mission)
+        reached = self._reached(stage)
+        ceiling = reached + AGREES_REL * abs(reached) if math.isfinite(reached) else math.inf
+        problem = build_problem(mission, selection, scenes=self._scenes(mission))
+        imagers: Imagers | None = None
+        if ahead and not are_too_many(problem, fitting_pairs(problem)):
+            imagers = enumerate_imagers(problem)  # those too that are beyond the ceiling here
+        sought = self._run(selection, self._search(problem, goal, ceiling=ceiling, imagers=imagers))
+        if not sought.outcome.best and sought.outcome.complete and math.isfinite(ceiling):
+            sought = self._run(selection, self._search(problem, goal, imagers=imagers))  # reached by rounding alone
+        if imagers is not None and sought.outcome.complete:
+            family.waiting = stage.asks, sought
+        return sought
+
+    def _reached(self, stage: WarmStage) -> float:
+        """What the parts of the last winners reach here; inf where they do not fit."""
+        if not self.winners:
+            return math.inf
+        return reached_by(self._few(stage, joined_ids(self.winners)))
+
+    def _few(self, stage: WarmStage, parts: PartIds) -> Sought:
+        """A search among a few parts."""
+        few = only(stage.selection, parts)
+        problem = build_problem(stage.mission, few, scenes=self._scenes(stage.mission))
+        return self._run(few, self._search(problem, goal_of(stage.mission)))
+
+    # ------------------------------------------------------------ what all share
+
+    def _search(
+        self, problem: Problem, goal: Objective, *, ceiling: float = math.inf, imagers: Imagers | None = None,
+        lights: NDArray[Any] | None = None,
+    ) -> Search:  # fmt: skip
+        """One certified search, of some imagers and lights or of all."""
+        only = {} if lights is None else {"light": lights}
+        return Search(problem, goal, top=1, ceiling=ceiling, deadline=self.deadline, imagers=imagers, only=only)
+
+    def _run(self, selection: Selection, search: Search) -> Sought:
+        """What a search finds."""
+        self.n_searches += 1
+        return Sought(selection, search.problem, search, search.run())
+
+    def _family(self, stage: WarmStage) -> Family:
+        """What is known of missions like this; of the families the last few are kept."""
+        key = stage.asks.family, stage.generic
+        made = self.families.pop(key, None) or Family()
+        self.families[key] = made
+        while len(self.families) > MOST_FAMILIES:
+            del self.families[next(iter(self.families))]
+        return made
+
+    def _selected(self, mission: Mission, asks: Asking, generic: Generic) -> Selection:
+        """The parts that a mission allows, chosen once for missions that ask for the same of parts alone."""
+        key = asks.family, generic, mission.required_depth_m, mission.vehicle.duration_h
+        if key not in self.selections:
+            self.selections[key] = selected(mission, load_catalog(mission), generic=generic)
+        return self.selections[key]
+
+    def _scenes(self, mission: Mission) -> list[SceneOptics] | None:
+        """The scenes with the light that an earlier search in them has worked out; None where they are new."""
+        for problem in reversed(self.known):
+            scenes = same_scenes(problem, mission)
+            if scenes is not None:
+                return scenes
+        return None
+
+    def _remember(self, sought: Sought) -> None:
+        """The winner's parts, and its scenes."""
+        ids = ids_of(sought.problem, sought.outcome.best[0])
+        self.winners = [ids, *(one for one in self.winners if one != ids)][:2]
+        if self._scenes(sought.problem.mission) is None:
+            self.known = [*self.known[1 - MOST_SCENES :], sought.problem]
+
+
+def reached_by(sought: Sought) -> float:
+    """The best value that a search has found; inf of none."""
+    best = sought.outcome.best
+    return best[0].minimised if best else math.inf
+
+
+def is_better(other: Sought, first: Sought) -> bool:
+    """Whether a search of further nodes of the same parts has found what comes before what is known."""
+    found = other.outcome.best
+    return bool(found) and comes_before(found[0], first.outcome.best[0], first.problem.parts)
+
+
+def weakest_first(missions: Sequence[Mission]) -> list[int]:
+    """The order in which missions are best solved: families together, and in each what asks for less first."""
+    asks = [Asking.of(mission) for mission in missions]
+    place = {family: n for n, family in enumerate(dict.fromkeys(one.family for one in asks))}
+    return sorted(range(len(missions)), key=lambda n: (place[asks[n].family], asks[n].amounts))
