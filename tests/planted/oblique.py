@@ -190,8 +190,8 @@ DEFECTS = (
     Defect(
         name="light behind the axis of an oblique image does not count",
         file="uwopt/solvers/exact/light_tables.py",
-        old="if self.behind is not None:",
-        new="if False:",
+        old="if self.behind is not None:\n            light",
+        new="if False:\n            light",
         test=f"{SEARCHED}::test_no_oblique_image_gets_more_light_than_its_bounds",
     ),
     Defect(

@@ -438,7 +438,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="one hardware may be listed twice",
         file="uwopt/solvers/exact/ranking.py",
-        old="rest = [f for f in self.best if ids(f) != ids(design)]",
+        old="rest = [f for f in self.best if ids_in(parts, f) != ids_in(parts, design)]",
         new="rest = list(self.best)",
         test=f"{CERTIFICATE}test_runners_up_have_other_hardware",
     ),
@@ -613,7 +613,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a relaxed search asks for what the mission asked for",
-        file="uwopt/solvers/explain/relaxed.py",
+        file="uwopt/solvers/warm/tables.py",
         old="made.mission, made.scenes, made.known_models = mission, scenes, {}",
         new="made.known_models = {}",
         test=f"{RELAXED}::test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it",

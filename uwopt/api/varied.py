@@ -14,7 +14,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.whatif import Switch, WhatIfPoint, WinningSystem
 from uwopt.solvers.recommend import check_claim, evaluated
 from uwopt.solvers.warm.parts import PartIds, ids_of, joined_ids
-from uwopt.solvers.warm.searches import Warm, WarmAnswer
+from uwopt.solvers.warm.searches import Warm, WarmAnswer, weakest_first
 from uwopt.units import ratio_to_db
 
 At = tuple[Value, ...]
@@ -89,12 +89,15 @@ class VariedGrid:
             made.append(tuple(values[::-1] if sign < 0 else values))
         return made
 
-    def order(self) -> Iterator[At]:
-        """All points; keys of which more is sure to ask for more change fastest, so that lists serve many."""
-        outer = sorted(range(len(self.keys)), key=lambda k: (self.signs[k] != 0, len(self.lines[k])))
-        for values in itertools.product(*(self.lines[k] for k in outer)):
-            by_key = dict(zip(outer, values, strict=True))
-            yield tuple(by_key[k] for k in range(len(self.keys)))
+    @property
+    def every(self) -> list[At]:
+        """All points."""
+        return [*itertools.product(*self.lines)]
+
+    def order(self) -> list[At]:
+        """All points in the order in which they are solved: of those alike in all else what asks for less first."""
+        every = self.every
+        return [every[place] for place in weakest_first([self.mission(at) for at in every])]
 
     def mission(self, at: At) -> Mission:
         """The mission at a point; raises MissionError where its keys contradict each other."""

@@ -129,7 +129,7 @@ class Work:
 
     def solve_all(self, grid: VariedGrid) -> None:
         """Every point of a grid, until the time is over."""
-        order = [*grid.order()]
+        order = grid.order()
         for number, at in enumerate(order):
             if self.deadline.passed():
                 self.deadline.left_out.append(f"{len(order) - number} of {len(order)} points")
@@ -199,8 +199,8 @@ def check_keys(keys: Sequence[Varied], *, spider: bool) -> None:
 def check_points(grid: VariedGrid) -> None:
     """Raise one message where values contradict each other or the rest of the mission."""
     faults: list[tuple[At, str]] = []
-    order = [*grid.order()]
-    for at in order:
+    every = grid.every
+    for at in every:
         try:
             check_physical(grid.mission(at))
         except MissionError as fault:
@@ -208,7 +208,7 @@ def check_points(grid: VariedGrid) -> None:
     if faults:
         at, why = faults[0]
         values = ", ".join(f"{key.key} = {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
-        more = f" ({len(faults)} of {len(order)} points are like that)" if len(faults) > 1 else ""
+        more = f" ({len(faults)} of {len(every)} points are like that)" if len(faults) > 1 else ""
         raise MissionError(f"whatif: at {values} the mission contradicts itself{more}: {why}")
 
 
