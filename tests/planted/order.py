@@ -216,4 +216,18 @@ DEFECTS = (
         new="meant: dict[str, str] = {}",
         test=f"{OFFERS}::test_a_class_to_be_made_becomes_the_maker_s_part_even_where_he_says_it_is_the_named_one",
     ),
+    Defect(
+        name="of a number with two ends one is sought",
+        file="uwopt/solvers/explain/specification.py",
+        old="signs = (1, -1) if field.name in BOTH_ENDS",
+        new="signs = (1,) if field.name in BOTH_ENDS",
+        test="tests/solvers/test_specification.py::test_a_focal_length_has_two_ends",
+    ),
+    Defect(
+        name="numbers with two ends are tried at one of them together",
+        file="uwopt/solvers/explain/specification.py",
+        old="for choice in product(*ends.values())]",
+        new="for choice in zip(*ends.values())]",
+        test="tests/solvers/test_specification.py::test_every_end_is_tried_with_every_other",
+    ),
 )

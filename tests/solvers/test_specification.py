@@ -13,7 +13,15 @@ from uwopt.api.evaluating import evaluate
 from uwopt.deadline import NEVER
 from uwopt.evaluation.recompute import Replay, replay
 from uwopt.objectives.goal import goal_of
-from uwopt.solvers.explain.specification import Asked, PartTrial, PropertyLimit, holds, specification, worse
+from uwopt.solvers.explain.specification import (
+    Asked,
+    PartTrial,
+    PropertyLimit,
+    corners,
+    holds,
+    specification,
+    worse,
+)
 
 NEEDS = {"overlap": 0.6, "max_blur_px": 1.0, "min_snr_db": 26.5}
 MISSION: dict[str, Any] = {
@@ -102,3 +110,33 @@ def test_a_rival_that_is_as_good_ends_the_claim() -> None:
     assert not holds(math.inf, math.inf)
     assert not holds(4.0, 4.0)
     assert holds(4.0, 4.1)
+
+
+# ---------------------------------------------------------------- both ends
+
+
+BOTH = MISSION | {"requirements": NEEDS | {"max_gsd_mm": 0.9, "min_swath_m": 1.3}}
+
+
+def test_a_focal_length_has_two_ends() -> None:
+    # by hand: pixels of 2 m x 5 um / (1.33 f) are 0.9 mm at 8.354 mm, and 2000 of them 1.3 m wide at 11.567 mm
+    result = evaluate(BOTH, SYSTEM)
+    assert result.status == "feasible"
+    again = replay(result.mission, result.best, physics=result.physics, system=result.system)
+    problem, hardware = again.model.problem, again.model.hardware
+    found = specification(problem, hardware, goal_of(problem.mission), rival=math.inf, kinds=("lens",))["lens"]
+    low, high = (one for one in found if one.name == "focal_length_mm")
+    assert low.more_is_better and not high.more_is_better
+    assert low.feasible == pytest.approx(2.0 * 5e-3 / (1.33 * 0.9e-3), rel=2e-3)
+    assert high.feasible == pytest.approx(2000 * 2.0 * 5e-3 / (1.33 * 1.3), rel=2e-3)
+    assert low.feasible <= low.together <= 10.0 <= high.together <= high.feasible
+    trial = PartTrial(problem, hardware, goal_of(problem.mission), "lens", deadline=NEVER)
+    others = {one.name: one.together for one in found if one.name != "focal_length_mm"}
+    for end in (low.together, 10.0, high.together):
+        assert math.isfinite(trial.values([others | {"focal_length_mm": end}])[0])
+
+
+def test_every_end_is_tried_with_every_other() -> None:
+    asked = [Asked("a", 1.0, 1), Asked("b", 2.0, 1), Asked("b", 2.0, -1), Asked("c", 3.0, 1), Asked("c", 3.0, -1)]
+    made = corners(asked, [0.5, 1.5, 2.5, 2.0, 4.0])
+    assert made == [{"a": 0.5, "b": b, "c": c} for b in (1.5, 2.5) for c in (2.0, 4.0)]

@@ -127,6 +127,16 @@ def test_limits_are_rounded_to_the_safe_side() -> None:
     assert end_text(7.899, less, COLUMNS["light"]["power_w"]) == "at most 7.89 W"
 
 
+def test_two_ends_of_a_number_stand_in_one_cell(result: Result) -> None:
+    ends = [PropertyLimit("light", "beam_angle_deg", 65.0, more, value, None, 65.0 + (value - 65.0) / 2)
+            for more, value in ((True, 51.26), (False, 80.77))]  # fmt: skip
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tender_lines, "specification", lambda *_, kinds, **__: dict.fromkeys(kinds, ends))
+        light = next(line for line in lines_of(result, "r") if line.kind == "light")
+    fact = next(fact for fact in light.facts if fact.key == "beam_angle_deg")
+    assert (fact.needed, fact.stays_best) == ("at least 51.3 deg and at most 80.7 deg", "")
+
+
 def test_the_whole_loop_ends_in_an_order(book: bytes, tmp_path: Path) -> None:
     file = filled(book, tmp_path, ("light", 1, QUOTED), ("light", 2, BETTER))
     made = with_quotes(small(FEW), file, today=TODAY)

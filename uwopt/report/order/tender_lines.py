@@ -123,7 +123,9 @@ def line_of(
 
 def facts_of(result: Result, kind: Kind, part_id: str, limits: Sequence[PropertyLimit]) -> Iterator[AskedFact]:
     """What a maker is asked of a part: what limits it, what every part must say, what is not known of this one."""
-    by_key = {OF_FIELDS.get(limit.name, limit.name): limit for limit in limits}
+    by_key: dict[str, list[PropertyLimit]] = {}
+    for limit in limits:
+        by_key.setdefault(OF_FIELDS.get(limit.name, limit.name), []).append(limit)
     doubted = {a.path.rpartition(".")[2]: a for a in result.assumptions if a.part == part_id}
     published = cells_of(part_id)
     wanted = [*by_key, *REQUIRED[kind], *(name for name in doubted if name in COLUMNS[kind])]
@@ -136,12 +138,15 @@ def facts_of(result: Result, kind: Kind, part_id: str, limits: Sequence[Property
         value = published.get(key, "")
         if not value and key in doubted and isinstance(doubted[key].value, (int, float)):
             value = format_number(float(doubted[key].value), 3)
-        limit = by_key.get(key)
-        needed, best, together = limit_texts(limit, column) if limit is not None else ("", "", "")
+        ends = by_key.get(key, [])
+        told = [limit_texts(limit, column) for limit in ends]
+        needed, best, together = (" and ".join(filter(None, texts)) for texts in zip(*told, strict=True)) if told else (
+            "", "", ""
+        )  # fmt: skip
         if key == "depth_rating_m" and (deep := depth_m(result)) is not None:
             needed = together = f"at least {format_number(deep)} m"
         meaning = column.meaning or key.replace("_", " ")
-        loose = limit is not None and abs(math.log(limit.together / limit.value)) > math.log(LOOSE)
+        loose = bool(ends) and all(abs(math.log(one.together / one.value)) > math.log(LOOSE) for one in ends)
         yield AskedFact(key, meaning, unit_of(column), needed, best, together, value, known, loose)
 
 

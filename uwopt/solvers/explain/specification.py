@@ -3,8 +3,10 @@ how the camera is turned where the mission leaves that open.
 
 From the optimum each number of a part of which more or less favours a design is made worse in steps, many at once,
 until no settings meet the mission (limit of feasibility) or until the system is no better than the best other one
-(limit of staying best); then bisected. What holds one by one need not hold together: all numbers of a part are moved
-towards their limits of feasibility by a common share, and the largest share at which settings are found is told beside.
+(limit of staying best); then bisected. Of a number of which neither end is the better one, such as a focal length, both
+ends are sought. What holds one by one need not hold together: all numbers of a part are moved
+towards their limits of feasibility by a common share, and the largest share at which settings are found is told beside;
+numbers with two ends are tried at each of them with each of the others'.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -27,15 +30,19 @@ from uwopt.solvers.explain.one_hardware import KINDS, best_of_each
 FARTHEST, STEPS = 100.0, 7  # how much worse is tried: a factor; a share comes down to a hundredth
 HALVINGS = 10  # of a step: a limit to a thousandth
 FINER = 1e-9  # relative: what is better by less is not
+#: Numbers of which a mission needs enough and bears only so much: fine and wide, bright and even.
+BOTH_ENDS = frozenset({
+    "pixel_pitch_um", "resolution_x_px", "resolution_y_px", "focal_length_mm", "outer_radius_mm", "beam_angle_deg",
+})  # fmt: skip
 GIVEN = ("refractive_index",)  # by the material
 INSIDE = 0.01  # of a range whose end is not of it
-RANGES = {field.name: field.cell.within for field in ALL_FIELDS if field.name in FAVOURED}
+RANGES = {field.name: field.cell.within for field in ALL_FIELDS if field.name in {*FAVOURED, *BOTH_ENDS}}
 SHARES = 8  # halvings of the common share
 
 
 @dataclass(frozen=True)
 class PropertyLimit:
-    """One number of a part: what it is, which way is worse, and how bad it may become.
+    """One number of a part: what it is, which way is worse, and how bad it may become; of two ends, one of them.
 
     `feasible`, `best` : the last value at which settings meet the mission, and at which the system stays the best; None
     where as bad as was tried still does. `together` : a value that all numbers of the part may have at once.
@@ -86,13 +93,15 @@ def limits_of_part(
 
 
 def properties(part: Part) -> list[Asked]:
-    """Numbers of a part of which one end favours a design; what is 0, not known, or no maker's to choose apart."""
+    """Numbers of a part that a design depends on, twice where both ends matter; what is 0, not known, or no maker's to
+    choose apart."""
     found = []
     for field in fields(part):
-        value, sign = getattr(part, field.name), FAVOURED.get(field.name, 0)
+        value = getattr(part, field.name)
+        signs = (1, -1) if field.name in BOTH_ENDS else (FAVOURED.get(field.name, 0),)
         number = value.value if isinstance(value, Quantity) else value
-        if sign and field.name not in GIVEN and isinstance(number, (int, float)) and number > 0.0:
-            found.append(Asked(field.name, float(number), sign))
+        if any(signs) and field.name not in GIVEN and isinstance(number, (int, float)) and number > 0.0:
+            found += [Asked(field.name, float(number), sign) for sign in signs]
     return found
 
 
@@ -152,20 +161,28 @@ class PartTrial:
     def together(self, asked: Sequence[Asked], limits: Sequence[float | None]) -> list[float]:
         """Values that all numbers may have at once: a common share of the way to each one's limit."""
 
-        def at(share: float) -> dict[str, float]:
+        def at(share: float) -> list[float]:
             ends = [one.value if end is None else end for one, end in zip(asked, limits, strict=True)]
-            return {
-                one.name: one.value * (end / one.value) ** share for one, end in zip(asked, ends, strict=True)
-            }
+            return [one.value * (end / one.value) ** share for one, end in zip(asked, ends, strict=True)]
+
+        def all_hold(share: float) -> bool:
+            return all(holds(value, math.inf) for value in self.values(corners(asked, at(share))))
 
         low, high = 0.0, 1.0
-        if holds(self.values([at(1.0)])[0], math.inf):
+        if all_hold(1.0):
             low = 1.0
         for _ in range(SHARES if low < high else 0):
             middle = 0.5 * (low + high)
-            fits = holds(self.values([at(middle)])[0], math.inf)
-            low, high = (middle, high) if fits else (low, middle)
-        return list(at(low).values())
+            low, high = (middle, high) if all_hold(middle) else (low, middle)
+        return at(low)
+
+
+def corners(asked: Sequence[Asked], values: Sequence[float]) -> list[dict[str, float]]:
+    """Every choice of an end of each number, where it has two, with all others."""
+    ends: dict[str, list[float]] = {}
+    for one, value in zip(asked, values, strict=True):
+        ends.setdefault(one.name, []).append(value)
+    return [dict(zip(ends, choice, strict=True)) for choice in product(*ends.values())]
 
 
 def worse(one: Asked, step: float) -> float:
