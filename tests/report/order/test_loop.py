@@ -32,9 +32,9 @@ TODAY = "2026-11-23"
 FACTS = (
     "kind", "flux_lm", "beam_angle_deg", "beam_medium", "depth_rating_m", "spectrum", "supply", "trigger",
     "min_pulse_us", "max_pulse_us", "max_rate_hz", "max_duty_frac", "flash_energy_j", "flash_duration_us", "recycle_s",
-    "dim_min_frac",
+    "dim_min_frac", "output_factor", "flash_efficacy_lm_s_per_j", "charging_efficiency_frac", "power_w",
 )  # fmt: skip
-BETTER = 0.8  # of the power that the named lamp draws
+BETTER = 0.8  # of the power for the same light
 
 
 def mission_of(name: str) -> Mission:
@@ -54,12 +54,15 @@ def filled(result: Result, book: bytes, folder: Path) -> tuple[Path, str]:
     """
     lamp = result.best.hardware.light
     known = {key: value for key, value in cells_of(lamp.id).items() if key in FACTS}
-    power_w = next(row for row in result.best.bom if row.kind == "light").power_w
-    watts = float(cells_of(lamp.id).get("power_w") or told_power(result, lamp.id) or power_w)
+    if known["kind"] == "flash":
+        key = "flash_efficacy_lm_s_per_j"
+        better = {key: float(known.get(key) or assumed(result, lamp.id, key)) / BETTER}
+    else:
+        better = {"power_w": float(known.get("power_w") or assumed(result, lamp.id, "power_w")) * BETTER}
     quote = {"currency": "USD", "price_date": "2026-11-20", "valid_until": "2027-03-31", "lead_time_weeks": 8}
     first = {"manufacturer": "Maker", "model": "as named", "named_part": "yes", "price": 2500, "mass_g": "3 s", **quote}
     second = {"manufacturer": "Acme", "model": "Bolt", "named_part": "no", "price": 900, "mass_g": 500,
-              "availability": "current", **known, "power_w": BETTER * watts, **quote}  # fmt: skip
+              "availability": "current", **known, **better, **quote}  # fmt: skip
     opened = openpyxl.load_workbook(io.BytesIO(book))
     sheet = opened["light"]
     for maker, answers in enumerate((first, second)):
@@ -72,10 +75,9 @@ def filled(result: Result, book: bytes, folder: Path) -> tuple[Path, str]:
     return folder / "answers.xlsx", "acme-bolt"
 
 
-def told_power(result: Result, part_id: str) -> float | None:
-    """What is assumed of a lamp's power."""
-    found = (a.value for a in result.assumptions if a.part == part_id and a.path.endswith(".power_w"))
-    return next((float(value) for value in found if isinstance(value, (int, float))), None)
+def assumed(result: Result, part_id: str, key: str) -> float:
+    """What is assumed of a number of a lamp."""
+    return next(float(a.value) for a in result.assumptions if a.part == part_id and a.path.endswith(f".{key}"))
 
 
 def recalculated(result: Result, folder: Path) -> tuple[Any, dict[str, Any]]:

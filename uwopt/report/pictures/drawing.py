@@ -98,13 +98,10 @@ def view_from_behind(rig: RigMeasures, *, title: str, description: str) -> str:
     parts.append(
         upright_dimension(right_x + 14, frame.y(0), floor_y, f"altitude {metres(floor_m)}{spread}", right_x)
     )
+    half_seen_m = max(0.0, min(end for _, _, end in cameras))  # by both cameras of a pair
+    below, told = max(floor_y, frame.y(floor_m + tolerance_m)) + 20, "by both" if rig.pair_m else "across"
     parts.append(
-        level_dimension(
-            frame.x(-edge),
-            frame.x(edge),
-            max(floor_y, frame.y(floor_m + tolerance_m)) + 20,
-            f"{metres(2 * edge)} across",
-        )
+        level_dimension(frame.x(-half_seen_m), frame.x(half_seen_m), below, f"{metres(2 * half_seen_m)} {told}")
     )
     for side, name in ((ends[0], "left"), (ends[1], "right")):
         if abs(side) * frame.scale_px_per_m > 24.0 and (name == "right" or abs(side + ends[1]) > 1e-6):
