@@ -133,6 +133,24 @@ def test_points_that_cannot_be_are_gaps_with_their_reason(mapped: DesignPlot) ->
     assert "Gaps, 2" in mapped.pictures[0].caption
 
 
+SMALL = {
+    "practice": "bare", "physics": "paper", "scene": {"water": "I", "seafloor": "sand", "depth_m": 20},
+    "vehicle": {"altitude_m": 1.5, "speed_m_s": 0.3, "light_count": [1, 2]},
+    "requirements": {"overlap": 0.3, "max_blur_px": 1.0, "min_snr_db": 15},
+    "catalog": {"cameras": ["avt-alvium-1800-c-234m"], "lenses": ["thorlabs-mvl16m1", "computar-m1214-mp2"],
+                "ports": ["blue-robotics-4-in"], "lights": ["arctic-rays-dragonfish-mini-strobe-65deg"]},
+}  # fmt: skip
+
+
+def test_without_a_system_what_is_recommended_is_drawn() -> None:
+    made = plot("map", SMALL, inputs={"speed_m_s": [0.2, 0.3], "altitude_m": [1.5, 1.6]}, figure="power_w")
+    best = uwopt.solve(SMALL, quick=True).best
+    assert best is not None
+    own = next(row for row in made.rows() if (row["speed_m_s"], row["altitude_m"]) == (0.3, 1.5))
+    assert own["power_w"] == pytest.approx(best.objective_value, rel=1e-6)  # settings go through milliseconds and back
+    assert own["met"]
+
+
 @pytest.mark.parametrize(
     ("given", "told"),
     [

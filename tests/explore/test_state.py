@@ -17,6 +17,7 @@ from uwopt.cli.app import app
 from uwopt.errors import MissionError, OutputError, UwoptError
 from uwopt.explore import jobs, serve, showing, state
 from uwopt.explore.controls import BY_ID, CONTROLS, OWN, Control
+from uwopt.explore.dash_door import PreventUpdate
 from uwopt.explore.outcome import SHOWN, KeptResults, shown_figures, shown_margins
 from uwopt.explore.server import IDS, Explorer, with_upload
 
@@ -55,6 +56,12 @@ def turned(of: state.State, **texts: str) -> state.State:
 def test_page_opens_as_the_papers_window(outcomes: KeptResults) -> None:
     seen = shown_figures(outcomes.result(state.OPENING, 0))
     assert {name: seen[name] for name in WINDOW} == WINDOW
+
+
+def test_angles_are_those_of_the_footprint(outcomes: KeptResults) -> None:
+    seen = shown_figures(outcomes.result(state.OPENING, 0))
+    # by hand: 2 atan(2.1114 / 4) = 55.65 degrees, 2 atan(1.7664 / 4) = 47.65 degrees
+    assert (seen["fov_x_deg"], seen["fov_y_deg"]) == ("55.65°", "47.65°")
 
 
 def test_opening_is_the_published_problem(outcomes: KeptResults) -> None:
@@ -174,6 +181,28 @@ def test_a_copy_stands_beside_and_only_it_is_turned(outcomes: KeptResults) -> No
         five = state.with_copy(five)
     with pytest.raises(MissionError, match="at most"):
         state.with_copy(five)
+
+
+TWO_SCENES = {
+    **state.OPENING["mission"],
+    "scenes": [
+        {"name": "reef", "water": "I", "seafloor": "coral", "depth_m": 20},
+        {"name": "bay", "water": "III", "seafloor": "sand", "depth_m": 10, "vehicle": {"altitude_m": 1.0}},
+    ],
+}
+
+
+def test_controls_act_on_the_scene_that_is_shown(outcomes: KeptResults) -> None:
+    of = {**state.with_mission(state.OPENING, TWO_SCENES), "scene": 1}
+    assert state.text_of(of, BY_ID["m-vehicle-altitude_m"]) == "1"
+    moved = turned(of, **{"m-vehicle-altitude_m": "1.5", "m-scene-water": "II"})
+    assert moved["mission"]["vehicle"]["altitude_m"] == 2.0
+    assert moved["mission"]["scenes"][0] == TWO_SCENES["scenes"][0]
+    assert moved["mission"]["scenes"][1] == {**TWO_SCENES["scenes"][1], "water": "II", "vehicle": {"altitude_m": 1.5}}
+    seen = [shown_figures(outcomes.result(moved, 0), scene) for scene in (0, 1)]
+    assert seen[0]["fov_x_m"] == WINDOW["fov_x_m"]
+    assert seen[1]["fov_x_m"] == "1.584 m"  # 2.1114 m x 1.5 / 2: physics paper has the pinhole at the vertex
+    assert seen[1]["fov_x_deg"] == seen[0]["fov_x_deg"]
 
 
 # ---------------------------------------------------------------- addresses and files
@@ -371,6 +400,24 @@ def test_what_is_pinned_is_the_only_choice() -> None:
     assert "catalog" not in state.OPENING["mission"]
     with pytest.raises(MissionError, match="pin the lens: own numbers"):
         jobs.pinned(state.OPENING, ["camera", "lens"])
+
+
+def test_what_was_found_is_handed_over_once(explorer: Explorer) -> None:
+    best = {**state.OPENING["systems"][0], "orientation": "landscape"}
+    job = jobs.Job("optimise", None, None, done=("done", ["found"], best, "<html>"))
+    job.listen = lambda: None  # type: ignore[method-assign]
+    explorer.jobs.known["known"] = job
+    *values, made, kick, _told, _bar, is_over, _cancel, no_report, _lines = explorer.polled(
+        1, "known", state.OPENING, 4
+    )
+    assert made["systems"][0] == state.OPENING["systems"][0]
+    assert made["systems"][1] == {**best, "name": "recommended"}
+    assert dict(zip(IDS, values, strict=True))["s-orientation"] == "landscape"
+    assert (kick, is_over, no_report) == (5, True, False)
+    with pytest.raises(PreventUpdate):
+        explorer.polled(2, "known", made, 5)
+    assert explorer.made_report(1, "known")["content"] == "<html>"
+    del explorer.jobs.known["known"]
 
 
 class Line:

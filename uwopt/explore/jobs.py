@@ -164,6 +164,7 @@ class Job:
     share: float = 0.0
     what: str = "starting"
     done: tuple[str, Any, Any, str] | None = None
+    is_handed_over: bool = False  # its tab has what it found
     is_up: bool = False  # the process has begun to listen to signals
     stopped_at: float | None = None
     seen: float = field(default_factory=time.monotonic)

@@ -132,8 +132,9 @@ def shown_figures(result: Result, scene: int = 0) -> dict[str, str]:
     design = result.best
     assert design is not None  # an evaluation has one
     figures = dict(design.scenes[scene].figures)
-    altitude = result.mission["vehicle"]["altitude_m"]
-    for side in ("x", "y"):
+    own = result.mission["scenes"][scene].get("vehicle") or {}
+    altitude = own.get("altitude_m") or result.mission["vehicle"]["altitude_m"]
+    for side in ("x", "y") if "range_centre_m" not in figures else ():  # not of a view that looks ahead
         figures[f"fov_{side}_deg"] = 2.0 * math.degrees(math.atan(0.5 * figures[f"fov_{side}_m"] / altitude))
     made = {}
     for name in SHOWN:

@@ -86,7 +86,8 @@ class Explorer:
         on(
             Output("job", "data"), Output("job-text", "children", allow_duplicate=True), Output("clock", "disabled"),
             *(Input(f"do-job-{name}", "n_clicks") for name in JOBS), State("vary", "value"),
-            *(State(f"c-pin-{name}", "value") for name in PINS), State("state", "data"), prevent_initial_call=True,
+            *(State(f"c-pin-{name}", "value") for name in PINS), State("job", "data"), State("state", "data"),
+            prevent_initial_call=True,
         )(self.started)  # fmt: skip
         on(
             *(Output(f"c-{name}", "value", allow_duplicate=True) for name in IDS),
@@ -233,10 +234,12 @@ class Explorer:
 
     def started(self, *given: Any) -> tuple[Any, ...]:
         """Begin work in the background."""
-        *_, state = given
-        vary, *pins = given[len(JOBS) : -1]
+        vary, *pins, running, state = given[len(JOBS) :]
         kind = str(ctx.triggered_id).removeprefix("do-job-")
+        before = self.jobs.get(running)
         try:
+            if before is not None and before.done is None:
+                raise MissionError("this tab has work running already; wait for it, or cancel it.")
             wanted = pinned(state, [name for name, on in zip(PINS, pins, strict=True) if on == "on"])
             mission = self.outcomes.with_files(state, wanted)
             system = self.outcomes.with_files(state, states.shown_system(state))
@@ -253,6 +256,9 @@ class Explorer:
         if job.done is None:
             share = f"{100 * job.share:.0f} %" if job.share else ""
             return (*still, f"{job.what} {share}".strip(), str(job.share), False, job.stopped_at is not None, True, [])
+        if job.is_handed_over:  # the clock had ticked once more
+            raise PreventUpdate
+        job.is_handed_over = True
         word, said, system, _text = job.done
         if word == "fault":
             return (*still, self.outcomes.plain(str(said)), "0", True, True, True, [])
@@ -260,7 +266,7 @@ class Explorer:
         if system is None:
             return (*still, "Done.", "1", True, True, False, lines)
         made = states.with_copy(state) if len(state["systems"]) < states.MOST_SYSTEMS else state
-        made = states.with_system(made, {"name": "recommended", **system})
+        made = states.with_system(made, {**system, "name": "recommended"})
         values = [states.text_of(made, one) for one in CONTROLS]
         told = "Done: what is recommended stands beside your system, and the controls act on it."
         return (*values, made, kick + 1, told, "1", True, True, False, lines)

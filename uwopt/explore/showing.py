@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 from typing import Any
 
+from uwopt.api.comparing import apart
 from uwopt.errors import FaultsError, UwoptError
 from uwopt.explore.controls import CONTROLS
 from uwopt.explore.dash_door import dcc, html
@@ -29,8 +30,8 @@ def results(outcomes: KeptResults, state: State) -> list[Result | UwoptError]:
 
 
 def system_names(state: State) -> list[str]:
-    """Names of the systems, by number where they have none."""
-    return [str(system.get("name") or f"system {n}") for n, system in enumerate(state["systems"], 1)]
+    """Names of the systems, by number where they have none, told apart."""
+    return apart([str(system.get("name") or f"system {n}") for n, system in enumerate(state["systems"], 1)])
 
 
 def fault_texts(fault: UwoptError) -> list[str]:
