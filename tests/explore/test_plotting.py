@@ -149,6 +149,10 @@ def test_without_a_system_what_is_recommended_is_drawn() -> None:
     own = next(row for row in made.rows() if (row["speed_m_s"], row["altitude_m"]) == (0.3, 1.5))
     assert own["power_w"] == pytest.approx(best.objective_value, rel=1e-6)  # settings go through milliseconds and back
     assert own["met"]
+    again = uwopt.evaluate(SMALL, best.as_system()).best
+    assert again is not None
+    for name, value in best.scenes[0].settings.items():  # gain and level too, which power does not tell
+        assert again.scenes[0].settings[name] == (value if value is None else pytest.approx(value, rel=1e-6)), name
 
 
 @pytest.mark.parametrize(

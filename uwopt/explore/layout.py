@@ -6,6 +6,7 @@ is chosen to Dash.
 
 from __future__ import annotations
 
+import json
 import math
 from typing import Any
 
@@ -129,13 +130,13 @@ def part_options(kind: str) -> list[tuple[str, str]]:
 
 
 def select(name: str, options: list[Any], value: str = "") -> Any:
-    """A native select, and the hidden input that holds its value for Dash."""
+    """A native select, and the hidden input that holds its value for Dash.
+
+    Its options are data that `explore.js` makes elements of: a thousand more components would slow every change.
+    """
     pairs = [option if isinstance(option, tuple) else (option, option) for option in options]
-    known = [value] if value not in [key for key, _ in pairs] else []
     return html.Div([
-        html.Select([html.Option(text or "as the file leaves it", value=key)
-                     for key, text in [*((one, one) for one in known), *pairs]],
-                    id=f"s-{name}", **{"data-for": name, "data-value": value}),
+        html.Select(id=f"s-{name}", **{"data-for": name, "data-options": json.dumps(pairs)}),
         dcc.Input(id=name, type="hidden", value=value),
     ], className="select")  # fmt: skip
 

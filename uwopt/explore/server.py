@@ -106,12 +106,15 @@ class Explorer:
 
     def _in_browser(self) -> None:
         """What the browser does alone: sliders follow numbers, parts fold, the address follows the state."""
-        spans = {one.id: [*ends(one), one.log] for one in SLIDERS}
+        spans = [[one.id, *ends(one), one.log] for one in SLIDERS]
         follow = """(...texts) => texts.map((text, i) => {
-            const [low, high, log] = Object.values(SPANS)[i]; let x = parseFloat(text);
+            const [name, low, high, log] = SPANS[i]; let x = parseFloat(text);
             if (!isFinite(x)) return dash_clientside.no_update;
             if (log) x = x > 0 ? Math.log10(x) : low;
-            return Math.min(Math.max(x, low), high); })""".replace("SPANS", json.dumps(spans))
+            x = Math.min(Math.max(x, low), high);
+            const range = document.getElementById('r-' + name);
+            return range && Math.abs(range.value - x) <= range.step / 2 ? dash_clientside.no_update : x; })"""
+        follow = follow.replace("SPANS", json.dumps(spans))
         on = self.app.clientside_callback
         on(follow, *(Output(f"r-{one.id}", "value") for one in SLIDERS),
            *(Input(f"c-{one.id}", "value") for one in SLIDERS))  # fmt: skip

@@ -59,6 +59,11 @@
     for (const file of document.querySelectorAll(".upload input[type=file]:not([aria-label])")) {
       file.setAttribute("aria-label", file.parentElement.textContent);
     }
+    for (const select of document.querySelectorAll("select[data-options]")) {
+      const pairs = JSON.parse(select.dataset.options);
+      delete select.dataset.options;
+      select.replaceChildren(...pairs.map(([key, text]) => new Option(text, key)));
+    }
     for (const select of document.querySelectorAll("select[data-for]")) {
       const held = part(select.dataset.for);
       if (held && held.value !== select.value) choose(select, held.value);
