@@ -144,6 +144,37 @@ def _to_first_null(ratio: Numeric, coefficients: tuple[float, ...]) -> Numeric:
     return (1.0 - u) * value
 
 
+def sinc_and_slope(cycles: Array) -> tuple[Array, Array]:
+    """`sinc_mtf` and the slope of its logarithm in ln of its argument; (0, some number) from the first null on.
+
+    cycles : (...,) nu w, frequency times width, >= 0. Returns (...,), (...,). Physics page, section 8.
+    """
+    return _with_slope(cycles, _SINC)
+
+
+def jinc_and_slope(cycles: Array) -> tuple[Array, Array]:
+    """`defocus_mtf` and the slope of its logarithm in ln of its argument; (0, some number) from the first null on.
+
+    cycles : (...,) nu c, frequency times diameter, >= 0. Returns (...,), (...,). Physics page, section 8.
+    """
+    return _with_slope(cycles * (np.pi / J1_ZERO), _JINC)
+
+
+def _with_slope(ratio: Array, coefficients: tuple[float, ...]) -> tuple[Array, Array]:
+    """`_to_first_null` of a ratio >= 0 with d ln value / d ln ratio: (1 - u) g(u), by Horner's rule for g and g'."""
+    u = np.square(np.minimum(ratio, 1.0))
+    value = np.full_like(u, coefficients[-1])
+    rising = np.zeros_like(u)
+    for coefficient in coefficients[-2::-1]:
+        rising *= u
+        rising += value
+        value *= u
+        value += coefficient
+    left = 1.0 - u
+    slope = 2.0 * u * (rising / value - 1.0 / np.maximum(left, 1e-300))
+    return left * value, slope
+
+
 # ---------------------------------------------------------------- product
 
 

@@ -1,34 +1,45 @@
 """Information over a cell of settings: values on fixed nodes, and upper bounds that are tight to second order.
 
 In the logarithms of f-number and time, ln MTF at any frequency is concave (so are ln of a sinc, of a jinc and
-of the pupil's transfer, each falling from 1), and so is ln SNR in ln light. Information is the mean of
-(1/2) log2(1 + e^(2z)), convex and rising in z = ln(C_t SNR MTF): with tangents in place of z the mean is convex,
-and over a polytope its greatest value is at a vertex.
+of the pupil's transfer, each falling from 1), and so is ln SNR in ln light. Information is an integral of
+(1/2) log2(1 + e^(2z)), z = ln(C_t SNR MTF), over frequency. The integrand's logarithm is concave in z and rises
+with it, and z is concave in the settings and the logarithms of the frequencies together, whose volume element is
+itself the exponential of a linear function: so the logarithm of the integral is concave in the settings
+(Prekopa 1973), and its tangent lies above it. What is bounded is the exponential of that tangent: convex, with its
+greatest value over a polytope at a vertex.
 
-The nodes do not move with the settings, unlike those of `model.sharpness`, so that a bound of the sum is a
-bound of every term; both rules agree to `RULE_ERROR` where the images are worth taking.
+Lateral colour falls along every ray from the centre, but not along both frequencies at once: there the rays are
+integrals of their own. Where it comes back after a null, every node is.
+
+The nodes do not move with the settings, unlike those of `model.sharpness`; both rules agree to `RULE_ERROR` where
+the images are worth taking.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.sharpness import SharpRows
-from uwopt.model.lateral import spread_mtf
-from uwopt.model.sharpness import J1_ZERO, ORDERS, TEXTURE_CONTRAST, sinc_mtf
+from uwopt.model.lateral import SpreadTable, spread_mtf
+from uwopt.model.sharpness import J1_ZERO, ORDERS, TEXTURE_CONTRAST, jinc_and_slope, sinc_and_slope, sinc_mtf
 
 Array = NDArray[Any]
 RULE_ERROR = 3e-5  # relative, between these nodes and those of the model (measured at each answer as well)
-MOST_NUMBERS = 1_500_000  # cells x vertices x nodes held at once
+MOST_NUMBERS = 60_000  # cells x nodes held at once, so that arrays stay in the cache
 SMEARED_PX, SMEARED_RMS_PX = (
     2.0,
     1.0,
 )  # motion that ends inside the square is given finer nodes, those of this colour
+SHARP_PX = 1.5  # of motion and of defocus: tangents are taken where the image is no worse, for the nodes' sake
 NULL = 1e-9  # of a transfer: below it a tangent says nothing
+DARK_BIT = 1e-12  # of an integral: below it a tangent says nothing
+LATERAL_FROM, LATERAL_STEP = 0.1, 0.02  # of colour's phase: a bell below it; steps of its logarithm
+BENDS = 1e-4  # of a slope in logarithms: the table is piecewise linear
+Joined = Literal["all", "rays", "none"]  # which nodes are one integral whose logarithm is concave
 
 
 @dataclass(frozen=True)
@@ -65,7 +76,21 @@ class TransferGroup:
     """Designs that share a rule, with what no setting changes of their transfer."""
 
     nodes: Nodes
-    log_still: Array  # (n, n_nodes)
+    n_radial: int
+    joined: Joined
+    still2: Array  # (n, n_nodes) squared
+
+    @property
+    def folds(self) -> int:
+        """Octants."""
+        return len(self.nodes.along) // len(self.nodes.radius_cyc_per_px)
+
+    def sums(self, by_node: Array) -> Array:
+        """Nodes (m, n_nodes), weighed, as integrals (m, n_integrals)."""
+        weighed = by_node * self.nodes.weight
+        if self.joined == "all":
+            return np.asarray(weighed.sum(axis=1, keepdims=True))
+        return weighed if self.joined == "none" else weighed.reshape(len(by_node), -1, self.n_radial).sum(axis=2)
 
 
 def log_pupil(s: Array) -> tuple[Array, Array]:
@@ -117,74 +142,137 @@ def summed(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array,
     return log, np.where(np.isfinite(log), one[1] + other[1], 0.0)
 
 
+def bell_until(table: SpreadTable) -> float:
+    """The k to which ln |Phi| of lateral colour falls and is concave in ln k."""
+    if table.index_rms == 0.0:
+        return float(np.inf)
+    end = 0.999 * (table.magnitude.size - 1) * table.step
+    k = np.exp(np.arange(np.log(LATERAL_FROM / table.index_rms), np.log(end), LATERAL_STEP))
+    slope = np.diff(np.log(np.maximum(spread_mtf(k, table=table), NULL))) / LATERAL_STEP
+    bent = np.nonzero((np.diff(slope) > BENDS) | (slope[1:] > 0.0))[0]
+    return float(k[bent[0]] if len(bent) else k[-1])
+
+
+@dataclass(frozen=True)
+class Tangents:
+    """Integrals (m, n_integrals) [bit per px] at a point, and the slopes of their logarithms."""
+
+    bits: Array
+    by_snr: Array
+    by_n: Array
+    by_blur: Array
+
+
 class Information:
     """Information per pixel of designs in one scene, at settings and over cells."""
 
     def __init__(self, sharp: SharpRows, longest_s: Array):
         self.sharp = sharp
-        smears = sharp.blur_px_per_s[:, 1] * longest_s > SMEARED_PX
         n = len(sharp.wavelength_nm)
-        self.group, self.place = np.zeros(n, int), np.zeros(n, int)
         self.groups: list[TransferGroup] = []
+        self.group, self.place = np.zeros((2, n), int), np.zeros((2, n), int)  # of sharp images, and of smeared ones
+        smears = np.nonzero(sharp.blur_px_per_s[:, 1] * longest_s > SMEARED_PX)[0]
         for rows, spread in sharp.groups("rms"):
             k = np.hypot(sharp.rms_k_along[rows], sharp.rms_k_across[rows])
             rms_px = np.zeros(len(rows)) if spread is None else k * spread.index_rms / (2.0 * np.pi)
-            rms_px = np.where(smears[rows], np.maximum(rms_px, SMEARED_RMS_PX), rms_px)
-            lowest = -1.0
-            for highest, *orders in ORDERS:
-                mine = np.nonzero((rms_px > lowest) & (rms_px <= highest))[0]
-                lowest = highest
-                if len(mine) == 0:
-                    continue
-                some = rows[mine]
-                nodes = Nodes.of((orders[0], orders[1]), both_signs=spread is not None)
-                still = sinc_mtf(nodes.along) * sinc_mtf(nodes.across)
-                transfer = np.broadcast_to(still, (len(some), len(still)))
-                if spread is not None:
-                    k_al, k_ac = sharp.rms_k_along[some][:, None], sharp.rms_k_across[some][:, None]
-                    transfer = transfer * spread_mtf(k_al * nodes.along + k_ac * nodes.across, table=spread)
-                self.group[some], self.place[some] = len(self.groups), np.arange(len(some))
-                with np.errstate(divide="ignore"):
-                    self.groups.append(TransferGroup(nodes, np.log(np.maximum(transfer, 1e-300))))
+            self._grouped(0, rows, rms_px, spread)
+            mine = np.isin(rows, smears)
+            self._grouped(1, rows[mine], np.maximum(rms_px[mine], SMEARED_RMS_PX), spread)
+
+    def _grouped(self, smeared: int, rows: Array, rms_px: Array, spread: SpreadTable | None) -> None:
+        """Give designs the rule that serves so wide a colour."""
+        sharp = self.sharp
+        lowest = -1.0
+        for highest, *orders in ORDERS:
+            some = rows[(rms_px > lowest) & (rms_px <= highest)]
+            lowest = highest
+            if len(some) == 0:
+                continue
+            nodes = Nodes.of((orders[0], orders[1]), both_signs=spread is not None)
+            still = sinc_mtf(nodes.along) * sinc_mtf(nodes.across)
+            if spread is None:
+                self._add(smeared, some, TransferGroup(nodes, orders[0], "all", np.square(still)[None, :]))
+                continue
+            k_al, k_ac = sharp.rms_k_along[some][:, None], sharp.rms_k_across[some][:, None]
+            seen = still * spread_mtf(k_al * nodes.along + k_ac * nodes.across, table=spread)
+            falls = np.hypot(k_al, k_ac)[:, 0] * np.sqrt(0.5) <= bell_until(spread)
+            for joined, which in (("rays", falls), ("none", ~falls)):
+                if which.any():
+                    group = TransferGroup(nodes, orders[0], joined, np.square(seen[which]))  # type: ignore[arg-type]
+                    self._add(smeared, some[which], group)
+
+    def _add(self, smeared: int, rows: Array, group: TransferGroup) -> None:
+        self.group[smeared, rows] = len(self.groups)
+        self.place[smeared, rows] = np.arange(len(rows)) if len(group.still2) > 1 else 0
+        self.groups.append(group)
 
     def blur_px(self, design: Array, time_s: Array) -> Array:
         """Motion in a time, nominal altitude."""
         return np.asarray(self.sharp.blur_px_per_s[design, 1] * time_s)
 
-    def _parts(
-        self, group: TransferGroup, design: Array, f_number: Array, working: Array, blur: Array
-    ) -> list[Any]:
-        """Pupil by radius, disc and lens by radius, motion by node: (ln, slope) each.
+    # ------------------------------------------------------------ one rule
 
-        (n, n_base), (n, n_base), (n, n_nodes); the slopes in ln N_w, ln 1/N and ln time.
+    def _transfer(
+        self, group: TransferGroup, design: Array, f_numbers: tuple[Array, Array], blur: Array
+    ) -> tuple[Array, Array, Array, Array, Array]:
+        """Transfer of the lens by radius with its slope in ln N, that of motion by node and its slope in ln blur.
+
+        f_numbers : as engraved and working, those that defocus and diffraction go with; and whether it moves
         """
         sharp, nodes = self.sharp, group.nodes
+        f_number, working = f_numbers
         cycle = working * sharp.wavelength_nm[design] * 1e-9 / sharp.pixel_pitch_m[design]
-        disc = np.pi * sharp.rms_disc_px[design, 1] / f_number
-        return [
-            log_pupil(cycle[:, None] * nodes.radius_cyc_per_px),
-            summed(
-                log_disc(disc[:, None] * nodes.radius_cyc_per_px),
-                log_lens(sharp, design, f_number, nodes.radius_cyc_per_px),
-            ),
-            log_box(blur[:, None] * nodes.along),
-        ]
+        inside = np.minimum(cycle[:, None] * nodes.radius_cyc_per_px, 1.0 - 1e-12)
+        root = np.sqrt(1.0 - inside**2)
+        pupil = (2.0 / np.pi) * (np.arccos(inside) - inside * root)
+        by_n = (-4.0 / np.pi) * inside * root / np.maximum(pupil, NULL)
+        disc = sharp.rms_disc_px[design, 1] / f_number
+        defocus, by_disc = jinc_and_slope(disc[:, None] * nodes.radius_cyc_per_px)
+        lens, by_lens = log_lens(sharp, design, f_number, nodes.radius_cyc_per_px)
+        still = pupil * defocus * np.exp(lens)
+        twice = 2 * len(nodes.radius_cyc_per_px)  # the other octants move as these do
+        moving, by_blur = sinc_and_slope(blur[:, None] * nodes.along[:twice])
+        return still, by_n - by_disc - by_lens, moving, by_blur, disc
+
+    def _power(self, group: TransferGroup, place: Array, still: Array, moving: Array, snr: Array) -> Array:
+        """(C_t SNR MTF)^2 by node."""
+        power = np.tile(np.square(still), (1, group.folds))
+        power *= np.tile(np.square(moving), (1, group.folds // 2))
+        power *= group.still2[place]
+        power *= np.square(TEXTURE_CONTRAST * snr)[:, None]
+        return power
 
     def value(self, design: Array, snr: Array, *, f_number: Array, working: Array, blur_s: Array) -> Array:
         """Bit per pixel at these settings, (n,)."""
         out = np.zeros(len(design))
-        for group, mine in self._chunks(design, 1):
-            d = design[mine]
-            parts = self._parts(group, d, f_number[mine], working[mine], self.blur_px(d, blur_s[mine]))
-            folds = len(group.nodes.along) // len(group.nodes.radius_cyc_per_px)
-            log = np.tile(parts[0][0] + parts[1][0], folds) + parts[2][0] + group.log_still[self.place[d]]
-            z = log + np.log(np.maximum(TEXTURE_CONTRAST * snr[mine], 1e-300))[:, None]
-            out[mine] = bits(z) @ group.nodes.weight
+        blur_px = self.blur_px(design, blur_s)
+        for group, place, mine in self._chunks(design, blur_px):
+            still, _, moving, *_ = self._transfer(
+                group, design[mine], (f_number[mine], working[mine]), blur_px[mine]
+            )
+            out[mine] = np.log1p(self._power(group, place, still, moving, snr[mine])) @ group.nodes.weight
         return out
 
+    def _tangents(
+        self, group: TransferGroup, design: Array, place: Array, snr: Array, f_number: Array, working: Array,
+        blur: Array,
+    ) -> Tangents:  # fmt: skip
+        """Integrals at these settings with the slopes of their logarithms."""
+        still, by_n, moving, by_blur, _ = self._transfer(group, design, (f_number, working), blur)
+        power = self._power(group, place, still, moving, snr)
+        bits = group.sums(np.log1p(power))
+        rising = np.divide(power, 1.0 + power, out=power)  # half the slope of the integrand in ln MTF
+        scale = 2.0 / np.maximum(bits, 1e-300)
+        return Tangents(
+            bits, group.sums(rising) * scale, group.sums(rising * np.tile(by_n, (1, group.folds))) * scale,
+            group.sums(rising * np.tile(by_blur, (1, group.folds // 2))) * scale,
+        )  # fmt: skip
+
+    # ------------------------------------------------------------ cells
+
     def bound(
-        self, design: Array, log_snr: Array, shift_n: Array, shift_t: Array, *, f_number: tuple[Array, Array, Array],
-        factor: Array, blur_s: tuple[Array, Array], wanted: Array | None = None,
+        self, design: Array, log_snr: Array, shift_n: Array, shift_t: Array, *, centre_log_snr: Array,
+        f_number: tuple[Array, Array, Array], factor: Array, blur_s: tuple[Array, Array], wanted: Array | None = None,
     ) -> Array:  # fmt: skip
         """Bit per pixel at most, at vertices of cells (n, n_vertices): least convex majorant at hand.
 
@@ -192,46 +280,47 @@ class Information:
         the centre; f_number : least, centre, most; blur_s : least and centre; wanted : which vertices count.
         """
         out = np.zeros(log_snr.shape)
-        for group, mine in self._chunks(design, log_snr.shape[1] + 4):
+        low, centre, high = f_number
+        least, middle = (self.blur_px(design, b) for b in blur_s)
+        blur = np.minimum(middle, np.maximum(least, SHARP_PX))
+        sharp_n = self.sharp.rms_disc_px[design, 1] / SHARP_PX
+        at_n = np.clip(sharp_n, centre, high)
+        shift_n = shift_n + np.log(centre / at_n)[:, None]
+        shift_t = shift_t + np.log(np.where(blur > 0.0, middle / np.maximum(blur, 1e-300), 1.0))[:, None]
+        shift_snr = log_snr - centre_log_snr[:, None]
+        snr = np.exp(np.clip(centre_log_snr, -600.0, 300.0))
+        for group, place, mine in self._chunks(design, blur):
             d = design[mine]
-            low, centre, high = (f[mine] for f in f_number)
-            folds = len(group.nodes.along) // len(group.nodes.radius_cyc_per_px)
-            least, middle = (self.blur_px(d, b[mine]) for b in blur_s)
-            at = self._parts(group, d, centre, centre * factor[mine], middle)
-            sharpest = self._parts(group, d, high, low * factor[mine], least)
-            still = group.log_still[self.place[d]]
-            best = np.tile(sharpest[0][0] + sharpest[1][0], folds) + sharpest[2][0] + still
-            log = np.tile(at[0][0] + at[1][0], folds) + at[2][0] + still
-            by_n, by_t = np.tile(at[0][1] - at[1][1], folds), at[2][1]
-            live = np.isfinite(log)
-            log = np.where(live, log, 0.0)
-            n_shift, t_shift = shift_n[mine], shift_t[mine]
-            most = (
-                log
-                + np.maximum(by_n * n_shift.max(axis=1)[:, None], by_n * n_shift.min(axis=1)[:, None])
-                + np.maximum(by_t * t_shift.max(axis=1)[:, None], by_t * t_shift.min(axis=1)[:, None])
-            )
-            # Both are bounds: the tangent unless it is further off at its worst than the other is in the middle.
-            tangent = live & (most - best <= best - log)
-            base = np.where(tangent, log, best)
-            by_n, by_t = np.where(tangent, by_n, 0.0), np.where(tangent, by_t, 0.0)
-            snr = log_snr[mine] + np.log(TEXTURE_CONTRAST)
+            at = self._tangents(group, d, place, snr[mine], at_n[mine], at_n[mine] * factor[mine], blur[mine])
+            dark = at.bits < DARK_BIT
+            rest = np.zeros_like(at.bits)
+            if dark.any():
+                rows = np.nonzero(dark.any(axis=1))[0]
+                some = mine[rows]
+                still, _, moving, *_ = self._transfer(
+                    group, d[rows], (high[some], low[some] * factor[some]), least[some]
+                )
+                most = np.exp(np.clip(log_snr[some].max(axis=1), -600.0, 300.0))
+                power = self._power(group, place[rows], still, moving, most)
+                rest[rows] = np.where(dark[rows], group.sums(np.log1p(power)), 0.0)
             for v in range(log_snr.shape[1]):
-                on = slice(None) if wanted is None else np.nonzero(wanted[mine, v])[0]
-                z = base[on] + by_n[on] * n_shift[on, v, None] + by_t[on] * t_shift[on, v, None]
-                out[mine[on], v] = bits(z + snr[on, v, None]) @ group.nodes.weight
+                on = np.arange(len(mine)) if wanted is None else np.nonzero(wanted[mine, v])[0]
+                here = mine[on]
+                rise = at.by_snr[on] * shift_snr[here, v, None] + at.by_n[on] * shift_n[here, v, None]
+                rise += at.by_blur[on] * shift_t[here, v, None]
+                grown = np.where(dark[on], rest[on], at.bits[on] * np.exp(np.minimum(rise, 600.0)))
+                out[here, v] = grown.sum(axis=1)
         return out
 
-    def _chunks(self, design: Array, copies: int) -> list[tuple[TransferGroup, Array]]:
-        """Cells by group, few enough at a time."""
+    def _chunks(self, design: Array, blur_px: Array) -> list[tuple[TransferGroup, Array, Array]]:
+        """Cells or points by group, few enough at a time: the group, the design's places in it, and which."""
         chunks = []
+        smeared = (blur_px > SMEARED_PX).astype(int)
+        of, places = self.group[smeared, design], self.place[smeared, design]
         for index, group in enumerate(self.groups):
-            mine = np.nonzero(self.group[design] == index)[0]
-            step = max(1, MOST_NUMBERS // (len(group.nodes.along) * copies))
-            chunks += [(group, mine[start : start + step]) for start in range(0, len(mine), step)]
+            mine = np.nonzero(of == index)[0]
+            step = max(1, MOST_NUMBERS // len(group.nodes.along))
+            for start in range(0, len(mine), step):
+                some = mine[start : start + step]
+                chunks.append((group, places[some], some))
         return chunks
-
-
-def bits(z: Array) -> Array:
-    """ln(1 + e^(2z)); the weights hold the half and the unit."""
-    return np.asarray(np.log1p(np.exp(np.minimum(2.0 * z, 600.0))))

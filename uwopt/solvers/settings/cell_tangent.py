@@ -66,7 +66,9 @@ def quality_bound(
         shift_n = (ends[1] - ends[0])[:, None] * (corners[:, 0] - 0.5)
         shift_t = (ends[3] - ends[2])[:, None] * (corners[:, 1] - 0.5)
         log_snr = np.broadcast_to(np.log(np.maximum(reach.snr, 1e-300))[:, None], shift_n.shape)
-        most = _information(scene, information, d, box, log_snr, shift_n, shift_t).max(axis=1) / area
+        most = _information(
+            scene, information, d, box, log_snr, shift_n, shift_t, centre_log_snr=log_snr[:, 0]
+        ).max(axis=1) / area  # fmt: skip
         return most, np.full(len(d), -np.inf)
     shift, x, inside, x_centre, centre = vertices(scene, d, box, reach, mixed=mixed)
     rows = scene.rows.take(d)
@@ -76,7 +78,9 @@ def quality_bound(
     at = np.minimum(at, 700.0)
     bits = np.zeros_like(at)
     if information is not None:
-        bits = _information(scene, information, d, box, at, shift[:, :, 0], shift[:, :, 1], inside)
+        bits = _information(
+            scene, information, d, box, at, shift[:, :, 0], shift[:, :, 1], inside, centre_log_snr=log_snr
+        )  # fmt: skip
         bits = bits / area[:, None]
     joint = -weight["snr_db"] * DB * at
     if mixed and weight["power"]:
@@ -109,6 +113,8 @@ def _information(
     shift_n: Array,
     shift_t: Array,
     wanted: Array | None = None,
+    *,
+    centre_log_snr: Array,
 ) -> Array:
     """Bit per px at vertices.
 
@@ -121,7 +127,7 @@ def _information(
         shift_t = shift_t * scene.flash.take(d).blur_elasticity(middle)[:, None]
         least, middle = scene.blurred_s(d, least), scene.blurred_s(d, middle)
     return information.bound(
-        d, log_snr, shift_n, shift_t, f_number=(box.n_lo, np.sqrt(box.n_lo * box.n_hi), box.n_hi),
+        d, log_snr, shift_n, shift_t, centre_log_snr=centre_log_snr, f_number=(box.n_lo, np.sqrt(box.n_lo * box.n_hi), box.n_hi),
         factor=scene.rows.working_factor[d], blur_s=(least, middle),
         wanted=wanted,
     )  # fmt: skip
