@@ -273,18 +273,21 @@ class Information:
     def bound(
         self, design: Array, log_snr: Array, shift_n: Array, shift_t: Array, *, centre_log_snr: Array,
         f_number: tuple[Array, Array, Array], factor: Array, blur_s: tuple[Array, Array], wanted: Array | None = None,
+        surely: Array | None = None,
     ) -> Array:  # fmt: skip
         """Bit per pixel at most, at vertices of cells (n, n_vertices): least convex majorant at hand.
 
         log_snr : at the vertices, of an affine bound; shift_n, shift_t : ln N and ln time at the vertices from
-        the centre; f_number : least, centre, most; blur_s : least and centre; wanted : which vertices count.
+        the centre; f_number : least, centre, most; blur_s : least and centre; wanted : which vertices count;
+        surely : where the tangent is taken at the centre, else where the image is no worse than `SHARP_PX`.
         """
         out = np.zeros(log_snr.shape)
         low, centre, high = f_number
         least, middle = (self.blur_px(design, b) for b in blur_s)
         blur = np.minimum(middle, np.maximum(least, SHARP_PX))
-        sharp_n = self.sharp.rms_disc_px[design, 1] / SHARP_PX
-        at_n = np.clip(sharp_n, centre, high)
+        at_n = np.clip(self.sharp.rms_disc_px[design, 1] / SHARP_PX, centre, high)
+        if surely is not None:
+            blur, at_n = np.where(surely, middle, blur), np.where(surely, centre, at_n)
         shift_n = shift_n + np.log(centre / at_n)[:, None]
         shift_t = shift_t + np.log(np.where(blur > 0.0, middle / np.maximum(blur, 1e-300), 1.0))[:, None]
         shift_snr = log_snr - centre_log_snr[:, None]

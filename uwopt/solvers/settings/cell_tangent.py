@@ -50,11 +50,13 @@ def typical_bit_per_px(
 
 def quality_bound(
     scene: SceneCells, information: Information | None, d: Array, box: Box, reach: Reach, weight: dict[str, float],
-    *, mixed: bool, by_ratio: bool = False,
+    *, mixed: bool, by_ratio: bool = False, near: Array | None = None,
 ) -> tuple[Array, Array]:  # fmt: skip
     """Information [bit/m2] at most, and the least of power, SNR and information weighed together.
 
     Returns (m,), (m,); the second is -inf where only the sum of the separate bounds is known (sunlight).
+    `near` : (m, 2) ln f-number and ln time near which the best is thought to be, nan: not known. Tangents are taken
+    at the point of the cell nearest to it: what is best from there on is best at once.
     Where information counts `by_ratio`, its logarithm lies below each of its tangents, ln I <= ln I_0 + I / I_0 - 1,
     in whose place I is convex as before; I_0 is the most of the cell, then what it has at the vertex that was least.
     """
@@ -66,11 +68,12 @@ def quality_bound(
         shift_n = (ends[1] - ends[0])[:, None] * (corners[:, 0] - 0.5)
         shift_t = (ends[3] - ends[2])[:, None] * (corners[:, 1] - 0.5)
         log_snr = np.broadcast_to(np.log(np.maximum(reach.snr, 1e-300))[:, None], shift_n.shape)
+        centre = 0.5 * np.stack([ends[0] + ends[1], ends[2] + ends[3]], axis=1)
         most = _information(
-            scene, information, d, box, log_snr, shift_n, shift_t, centre_log_snr=log_snr[:, 0]
+            scene, information, d, box, log_snr, shift_n, shift_t, centre_log_snr=log_snr[:, 0], centre=centre
         ).max(axis=1) / area  # fmt: skip
         return most, np.full(len(d), -np.inf)
-    shift, x, inside, x_centre, centre = vertices(scene, d, box, reach, mixed=mixed)
+    shift, x, inside, x_centre, centre = vertices(scene, d, box, reach, mixed=mixed, near=near)
     rows = scene.rows.take(d)
     dark_rows = replace(rows, dark_time_s=np.maximum(rows.exposure_s(box.t_lo), 0.0))
     log_snr, slope = log_snr_and_slope(dark_rows, x_centre)
@@ -79,7 +82,8 @@ def quality_bound(
     bits = np.zeros_like(at)
     if information is not None:
         bits = _information(
-            scene, information, d, box, at, shift[:, :, 0], shift[:, :, 1], inside, centre_log_snr=log_snr
+            scene, information, d, box, at, shift[:, :, 0], shift[:, :, 1], inside, centre_log_snr=log_snr,
+            centre=centre, surely=None if near is None else np.isfinite(near).all(axis=1),
         )  # fmt: skip
         bits = bits / area[:, None]
     joint = -weight["snr_db"] * DB * at
@@ -115,21 +119,22 @@ def _information(
     wanted: Array | None = None,
     *,
     centre_log_snr: Array,
+    centre: Array,
+    surely: Array | None = None,
 ) -> Array:
-    """Bit per px at vertices.
+    """Bit per px at vertices; `surely`: where the tangent is taken at the centre even of a smeared image.
 
     The blur of a flash that fades is a curve of its light, ln b convex in ln t: ln MTF, which falls with ln b and is
     concave in it, is concave in ln t too, with the slope of both.
     """
-    least, most = (box.open_lo, box.open_hi) if scene.sunlit else (box.t_lo, box.t_hi)
-    middle = np.sqrt(least * most)
+    least = box.open_lo if scene.sunlit else box.t_lo
+    f_number, middle = np.exp(centre[:, 0]), np.exp(centre[:, 1])
     if not scene.sunlit and scene.flash.fade:
         shift_t = shift_t * scene.flash.take(d).blur_elasticity(middle)[:, None]
         least, middle = scene.blurred_s(d, least), scene.blurred_s(d, middle)
     return information.bound(
-        d, log_snr, shift_n, shift_t, centre_log_snr=centre_log_snr, f_number=(box.n_lo, np.sqrt(box.n_lo * box.n_hi), box.n_hi),
-        factor=scene.rows.working_factor[d], blur_s=(least, middle),
-        wanted=wanted,
+        d, log_snr, shift_n, shift_t, centre_log_snr=centre_log_snr, f_number=(box.n_lo, f_number, box.n_hi),
+        factor=scene.rows.working_factor[d], blur_s=(least, middle), wanted=wanted, surely=surely,
     )  # fmt: skip
 
 
@@ -152,10 +157,10 @@ def level_range(scene: SceneCells, d: Array, box: Box, reach: Reach, *, mixed: b
 
 
 def vertices(
-    scene: SceneCells, d: Array, box: Box, reach: Reach, *, mixed: bool
+    scene: SceneCells, d: Array, box: Box, reach: Reach, *, mixed: bool, near: Array | None = None
 ) -> tuple[Array, Array, Array, Array, Array]:
     """Shifts from the centre (m, n_vertices, 3) in (n, t, u), light x there, and which are vertices of the part
-    of the cell whose light is allowed; light at the centre, the centre."""
+    of the cell whose light is allowed; light at the centre, the centre: of the cell, or its point nearest to `near`."""
     rows = scene.rows
     u_lo, u_hi = level_range(scene, d, box, reach, mixed=mixed)
     low = np.stack([np.log(box.n_lo), np.log(box.t_lo), u_lo], axis=1)
@@ -197,6 +202,8 @@ def vertices(
         inside &= light <= cap[:, None] + 1e-9
     light = np.minimum(light, cap[:, None])
     centre = 0.5 * (low + high)
+    if near is not None:
+        centre[:, :2] = np.where(np.isfinite(near), np.clip(near, low[:, :2], high[:, :2]), centre[:, :2])
     x_centre = np.minimum(constant + (centre * by).sum(axis=1), cap)
     return every - centre[:, None, :], light, inside, x_centre, centre
 

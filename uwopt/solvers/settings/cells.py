@@ -334,8 +334,8 @@ class CellSearch:
             found = [
                 quality_bound(
                     self.scenes[s], info[s], d, box, reach, self.weight, mixed=self.mixed,
-                    by_ratio=self.objective.by_ratio,
-                )
+                    by_ratio=self.objective.by_ratio, near=self._near(s, d),
+                )  # fmt: skip
                 for s, (box, reach) in enumerate(seen)
             ]
             if self.weight["information"]:
@@ -343,6 +343,12 @@ class CellSearch:
             joint = np.max([f[1] for f in found], axis=0) - self.weight["contrast"] * contrast
         bound = np.maximum(self._value(power, snr, contrast, information), joint)
         return replace(pool, bound=np.maximum(pool.bound, bound + self.offset[d])), seen
+
+    def _near(self, s: int, design: Array) -> Array:
+        """Ln f-number and ln time of the best settings so far, (m, 2); nan where there are none."""
+        kept = self.kept[s]
+        with np.errstate(divide="ignore"):
+            return np.log(np.stack([kept["f_number"][design], kept["time_s"][design]], axis=1))
 
     # ------------------------------------------------------------ points
 
