@@ -209,12 +209,13 @@ class SharpRows(Columns):
         return found
 
     def information_bit_per_m2(
-        self, snr: Array, *, f_number: Array, working_f_number: Array, blur_s: Array
-    ) -> Array:
-        """Information at the nominal altitude, (n,)."""
+        self, snr: Array, *, f_number: Array, working_f_number: Array, blur_s: Array,
+        orders: tuple[int, int] | None = None,
+    ) -> Array:  # fmt: skip
+        """Information at the nominal altitude, (n,); `orders` as in the model, the usual ones unless given."""
         per_px = self.each(
             lambda at, rows: sharpness.information_bit_per_px(
-                snr[rows], sharpness=at, fineness=self.fineness
+                snr[rows], sharpness=at, fineness=self.fineness, orders=orders
             ), field="rms", f_number=f_number, working_f_number=working_f_number, blur_s=blur_s,
         )  # fmt: skip
         return np.asarray(sharpness.information_bit_per_m2(per_px, pixel_area_m2=self.pixel_area_m2))

@@ -29,7 +29,7 @@ from uwopt.solvers.exact.bounds import NODE_RULES
 from uwopt.solvers.exact.imagers import limit
 from uwopt.solvers.exact.light_tables import Lighting
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.front.trade_curves import Answers, Curves, Hopeful, Trade
+from uwopt.solvers.front.trade_curves import FINELY, ROUGHLY, Answers, Curves, Hopeful, Trade
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.tolerances import ROUND
@@ -327,13 +327,14 @@ class FrontSearch:
             curves = replace(curves, answers=answers)
         self.curves.append(curves)
         self._add(curves, curves.answers)
-        if self._trades_power():
-            curves.tried = self.trade.tried(curves.some)
+        if self.quality is not None and self._trades_power():
+            for drawing in (ROUGHLY, FINELY):
+                upper = curves.segments()[1][self._open_segments(curves, ROUGH_SEGMENT)[0]]
+                curves.answers = self.trade.drawn_in(curves.some, curves.answers, upper, drawing)
+            upper = curves.segments()[1][self._open_segments(curves, ROUGH_SEGMENT)[0]]
+            curves.tried = self.trade.tried(curves.some, np.unique(curves.answers.design[upper]))
             for answers in curves.tried:
                 self._add(curves, answers)
-        if self.quality is not None and self._trades_power():
-            upper = curves.segments()[1][self._open_segments(curves, ROUGH_SEGMENT)[0]]
-            curves.answers = self.trade.drawn_in(curves.some, curves.answers, upper)
             in_time = self._ask(curves, ROUGH_SEGMENT, WAVE_ROUNDS)
             self._forget()
         return in_time
