@@ -28,15 +28,16 @@ from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.units import db_to_ratio
 
 Array = NDArray[Any]
-Drawing = tuple[int, "tuple[int, int] | None", float]
+Drawing = tuple[int, "tuple[int, int] | None"]
 ABOVE = 1.0 + 1e-9  # a limit that equals the least power must admit it
 CURVE_GAP = 5e-4  # relative, of qualities without a closed form
 DIMMEST = 1e-4  # of the power at the far end: where a curve that begins without light is first asked
-#: Bounds of information, drawn in twice: pieces of the range of f-numbers, nodes over frequencies (None: the model's
-#: own) and what the quadrature may lack. Few nodes miss at most 7 % where lateral colour is wide, and such designs are
-#: many, dear and seldom good.
-ROUGHLY: Drawing = (3, (13, 8), 0.1)
-FINELY: Drawing = (8, None, 1e-4)
+#: Bounds of information, drawn in twice: pieces of the range of f-numbers, and nodes over frequencies (None: the
+#: model's own). Few nodes serve little colour; where it is wide such designs are many, dear and seldom good.
+ROUGHLY: Drawing = (3, (13, 8))
+FINELY: Drawing = (8, None)
+RULE_SLACK, WIDE_SLACK = 1e-4, 0.3  # of the quadrature over frequencies; what few nodes miss of wide colour
+WIDE_PX = 0.7  # rms
 LIMITS = 7  # power limits that a curve is first known at
 TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES = (0.0, 0.35, 0.7), (0.0, 0.4, 0.7, 1.0), (1.0, 0.4)
 
@@ -316,7 +317,7 @@ class Trade:
         """
         if self.quality != "information" or any(r.sunlit for r in some.rows):
             return bounds
-        pieces, orders, slack = drawing
+        pieces, orders = drawing
         asked = which[np.isfinite(bounds.bound[which]) & (bounds.bound[which] > 0)]
         designs = some.take(bounds.design[asked])
         free = replace(designs, rows=unhindered(designs.rows))
@@ -329,6 +330,7 @@ class Trade:
             ends = [low * (np.maximum(high, low) / low) ** (end / pieces) for end in (piece, piece + 1)]
             best = np.maximum(best, self._piece_bound(free, bounds.limit_w[asked] * ABOVE, ends, orders))
         bound = bounds.bound.copy()
+        slack = RULE_SLACK if orders is None else np.max([quadrature_slack(r) for r in designs.rows], axis=0)
         bound[asked] = np.minimum(bound[asked], best * (1.0 + slack))
         return replace(bounds, bound=bound).drawn_in()
 
@@ -359,6 +361,14 @@ class Trade:
                 ))  # fmt: skip
             out[reached] = np.min(bits, axis=0)
         return out
+
+
+def quadrature_slack(rows: SceneRows) -> Array:
+    """What few nodes over frequencies miss of information, relative, (n,)."""
+    assert rows.sharp is not None
+    along, across = rows.sharp.colour("rms")
+    widest = max((spread.index_rms for spread in rows.sharp.spreads), default=0.0)
+    return np.where(np.hypot(along, across) * widest / (2.0 * np.pi) > WIDE_PX, WIDE_SLACK, RULE_SLACK)
 
 
 def first_limits_w(some: Hopeful, least_w: Array) -> Array:

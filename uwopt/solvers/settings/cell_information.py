@@ -9,7 +9,8 @@ itself the exponential of a linear function: so the logarithm of the integral is
 greatest value over a polytope at a vertex.
 
 Lateral colour falls along every ray from the centre, but not along both frequencies at once: there the rays are
-integrals of their own. Where it comes back after a null, every node is.
+integrals of their own. Where it comes back after a null, every node is. So is it where the transfer ends well inside
+the Nyquist square: the sum over the nodes, which is what is bounded, is no longer the integral to `RULE_ERROR`.
 
 The nodes do not move with the settings, unlike those of `model.sharpness`; both rules agree to `RULE_ERROR` where
 the images are worth taking.
@@ -35,6 +36,7 @@ SMEARED_PX, SMEARED_RMS_PX = (
     1.0,
 )  # motion that ends inside the square is given finer nodes, those of this colour
 SHARP_PX = 1.5  # of motion and of defocus: tangents are taken where the image is no worse, for the nodes' sake
+KINK_PX = 2.0  # period of the frequency at which pupil or disc end the transfer: from here on nodes are told apart
 NULL = 1e-9  # of a transfer: below it a tangent says nothing
 DARK_BIT = 1e-12  # of an integral: below it a tangent says nothing
 LATERAL_FROM, LATERAL_STEP = 0.1, 0.02  # of colour's phase: a bell below it; steps of its logarithm
@@ -85,12 +87,12 @@ class TransferGroup:
         """Octants."""
         return len(self.nodes.along) // len(self.nodes.radius_cyc_per_px)
 
-    def sums(self, by_node: Array) -> Array:
+    def sums(self, by_node: Array, joined: Joined) -> Array:
         """Nodes (m, n_nodes), weighed, as integrals (m, n_integrals)."""
         weighed = by_node * self.nodes.weight
-        if self.joined == "all":
+        if joined == "all":
             return np.asarray(weighed.sum(axis=1, keepdims=True))
-        return weighed if self.joined == "none" else weighed.reshape(len(by_node), -1, self.n_radial).sum(axis=2)
+        return weighed if joined == "none" else weighed.reshape(len(by_node), -1, self.n_radial).sum(axis=2)
 
 
 def log_pupil(s: Array) -> tuple[Array, Array]:
@@ -255,17 +257,18 @@ class Information:
 
     def _tangents(
         self, group: TransferGroup, design: Array, place: Array, snr: Array, f_number: Array, working: Array,
-        blur: Array,
+        blur: Array, joined: Joined,
     ) -> Tangents:  # fmt: skip
         """Integrals at these settings with the slopes of their logarithms."""
         still, by_n, moving, by_blur, _ = self._transfer(group, design, (f_number, working), blur)
         power = self._power(group, place, still, moving, snr)
-        bits = group.sums(np.log1p(power))
+        bits = group.sums(np.log1p(power), joined)
         rising = np.divide(power, 1.0 + power, out=power)  # half the slope of the integrand in ln MTF
         scale = 2.0 / np.maximum(bits, 1e-300)
         return Tangents(
-            bits, group.sums(rising) * scale, group.sums(rising * np.tile(by_n, (1, group.folds))) * scale,
-            group.sums(rising * np.tile(by_blur, (1, group.folds // 2))) * scale,
+            bits, group.sums(rising, joined) * scale,
+            group.sums(rising * np.tile(by_n, (1, group.folds)), joined) * scale,
+            group.sums(rising * np.tile(by_blur, (1, group.folds // 2)), joined) * scale,
         )  # fmt: skip
 
     # ------------------------------------------------------------ cells
@@ -292,9 +295,14 @@ class Information:
         shift_t = shift_t + np.log(np.where(blur > 0.0, middle / np.maximum(blur, 1e-300), 1.0))[:, None]
         shift_snr = log_snr - centre_log_snr[:, None]
         snr = np.exp(np.clip(centre_log_snr, -600.0, 300.0))
-        for group, place, mine in self._chunks(design, blur):
-            d = design[mine]
-            at = self._tangents(group, d, place, snr[mine], at_n[mine], at_n[mine] * factor[mine], blur[mine])
+        pupil_px = at_n * factor * self.sharp.wavelength_nm[design] * 1e-9 / self.sharp.pixel_pitch_m[design]
+        disc_px = np.pi / J1_ZERO * self.sharp.rms_disc_px[design, 1] / at_n
+        kinked = (np.maximum(pupil_px, disc_px) >= KINK_PX) | (blur > SMEARED_PX)
+        for group, place, mine in self._chunks(design, blur, kinked):
+            d, joined = design[mine], "none" if kinked[mine[0]] else group.joined
+            at = self._tangents(
+                group, d, place, snr[mine], at_n[mine], at_n[mine] * factor[mine], blur[mine], joined
+            )
             dark = at.bits < DARK_BIT
             rest = np.zeros_like(at.bits)
             if dark.any():
@@ -305,7 +313,7 @@ class Information:
                 )
                 most = np.exp(np.clip(log_snr[some].max(axis=1), -600.0, 300.0))
                 power = self._power(group, place[rows], still, moving, most)
-                rest[rows] = np.where(dark[rows], group.sums(np.log1p(power)), 0.0)
+                rest[rows] = np.where(dark[rows], group.sums(np.log1p(power), joined), 0.0)
             for v in range(log_snr.shape[1]):
                 on = np.arange(len(mine)) if wanted is None else np.nonzero(wanted[mine, v])[0]
                 here = mine[on]
@@ -315,15 +323,22 @@ class Information:
                 out[here, v] = grown.sum(axis=1)
         return out
 
-    def _chunks(self, design: Array, blur_px: Array) -> list[tuple[TransferGroup, Array, Array]]:
-        """Cells or points by group, few enough at a time: the group, the design's places in it, and which."""
+    def _chunks(
+        self, design: Array, blur_px: Array, apart: Array | None = None
+    ) -> list[tuple[TransferGroup, Array, Array]]:
+        """Cells or points by group, few enough at a time: the group, the design's places in it, and which.
+
+        None holds both some that are taken `apart` and others.
+        """
         chunks = []
         smeared = (blur_px > SMEARED_PX).astype(int)
         of, places = self.group[smeared, design], self.place[smeared, design]
         for index, group in enumerate(self.groups):
-            mine = np.nonzero(of == index)[0]
             step = max(1, MOST_NUMBERS // len(group.nodes.along))
-            for start in range(0, len(mine), step):
-                some = mine[start : start + step]
-                chunks.append((group, places[some], some))
+            ours = of == index
+            for part in (ours,) if apart is None else (ours & ~apart, ours & apart):
+                mine = np.nonzero(part)[0]
+                for start in range(0, len(mine), step):
+                    some = mine[start : start + step]
+                    chunks.append((group, places[some], some))
         return chunks

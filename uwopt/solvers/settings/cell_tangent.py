@@ -83,7 +83,7 @@ def quality_bound(
     if information is not None:
         bits = _information(
             scene, information, d, box, at, shift[:, :, 0], shift[:, :, 1], inside, centre_log_snr=log_snr,
-            centre=centre, surely=None if near is None else np.isfinite(near).all(axis=1),
+            centre=centre, surely=None if near is None else np.asarray(np.isfinite(near).all(axis=1)),
         )  # fmt: skip
         bits = bits / area[:, None]
     joint = -weight["snr_db"] * DB * at

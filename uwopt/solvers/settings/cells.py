@@ -47,6 +47,10 @@ TELLS = 0.02  # of the most that halving some side lifts the bounds
 THINNEST = 8.0  # times as wide as the widest side that tells: halved all the same
 LEAST_SCALE = 0.1  # of the terms' sum: a sum near 0 has no relative gap
 NEAR = 1e-9  # relative, of ties
+#: Directions in ln f-number and ln time in which settings are polished: both alone, and with the same light.
+TOWARDS = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 2.0]])
+WIDEST, NARROWER, MOST_STEP = 0.3, 0.2, 2.0  # steps: at first, how much shorter at a time, and towards a parabola's top
+POLISHED, LATER = 4, 2  # rounds after which settings are polished no more, and that of designs not known to be wanted
 
 
 @dataclass(frozen=True)
@@ -165,6 +169,7 @@ class CellSearch:
             ]  # fmt: skip
         self._dimensions(own_f_number)
         self.best = np.full(self.n, np.inf)
+        self.near_by = np.full(self.n, WIDEST)  # steps that are tried beside the best settings
         self.scale = np.zeros(self.n)  # what the gap is relative to
         self.closed = np.full(self.n, np.inf)
         self.dropped = np.zeros(self.n, bool)
@@ -223,6 +228,7 @@ class CellSearch:
                 alive &= scene.u_max > 0
                 floor = np.maximum(scene.u_min, DIMMEST * scene.u_max)
                 lo[:, self.u_dim[s]], hi[:, self.u_dim[s]] = _logs(floor, scene.u_max)
+        self.range = lo, hi
         index = np.nonzero(alive)[0]
         pool = Pool(index, lo[index], hi[index], np.full(len(index), -np.inf))
         for s, rows in enumerate(self.rows):
@@ -284,6 +290,8 @@ class CellSearch:
             box, fits = scene.tightened(pool.design, self._box(pool, s))
             reach = scene.reach(pool.design, box)
             alive &= fits & reach.alive
+            if not self.sunlit[s]:
+                box = self._opened(pool, s, box, reach)
             pool.lo[:, self.t_dim[s]], pool.hi[:, self.t_dim[s]] = np.log(box.t_lo), np.log(box.t_hi)
             if self.open_dim[s] >= 0:
                 pool.lo[:, self.open_dim[s]] = np.log(box.open_lo)
@@ -304,6 +312,16 @@ class CellSearch:
             (box.take(index), Reach(**{f.name: getattr(r, f.name)[index] for f in fields(Reach)}))
             for box, r in seen
         ]
+
+    def _opened(self, pool: Pool, s: int, box: Box, reach: Reach) -> Box:
+        """The box without f-numbers that leave too little of the lamps' light."""
+        rows, d, dim = self.rows[s], pool.design, self.n_dim[s]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            light = rows.light_lm[d] * reach.u_hi * box.t_hi / np.square(rows.working_factor[d])
+            most = np.sqrt(light / reach.x_lo) * (1.0 + 1e-12)
+        most = np.where(np.isfinite(most), np.clip(most, box.n_lo, box.n_hi), box.n_hi)
+        pool.hi[:, dim] = np.clip(np.log(most), pool.lo[:, dim], pool.hi[:, dim])
+        return replace(box, n_hi=most)
 
     def _value(self, power: Array, snr: Array, contrast: Array, information: Array | float) -> Array:
         """The settings' part of the objective."""
@@ -335,7 +353,7 @@ class CellSearch:
                 quality_bound(
                     self.scenes[s], info[s], d, box, reach, self.weight, mixed=self.mixed,
                     by_ratio=self.objective.by_ratio, near=self._near(s, d),
-                )  # fmt: skip
+                )
                 for s, (box, reach) in enumerate(seen)
             ]
             if self.weight["information"]:
@@ -391,14 +409,54 @@ class CellSearch:
             open_s = np.where(free, np.maximum(wanted, least), scene.opened_s(d, time))
         return scene.points(d, f_number, time, open_s, box.u_lo, box.u_hi, share)
 
-    def _keep(self, design: Array, points: list[Points]) -> None:
-        """Remember the points that beat what their designs had."""
+    def _polish(self, design: Array) -> None:
+        """Move these designs' best settings to the tops of parabolas through points on both sides, in every direction.
+
+        Halving alone doubles what is known of the best settings by two rounds each; a parabola by one.
+        """
+        low, high = (side[design, :2] for side in self.range)
+        start, before, width = self._near(0, design), self.best[design], self.near_by[design]
+
+        def tried(steps: Array) -> tuple[Array, Array]:
+            """Values (k, m) at steps (k, m, 2) from the best settings, and how much of each step the range allows."""
+            place = np.clip(start + steps, low, high)
+            some, ends = np.tile(design, len(steps)), place.reshape(-1, 2)
+            pool = Pool(some, ends, ends, np.zeros(len(some)))
+            point = self._points_in(pool, 0, self._box(pool, 0), np.exp(ends[:, 0]), np.zeros(len(some)), np.ones(1))
+            share = np.abs(place - start).max(axis=2) / np.abs(steps).max(axis=2)
+            return self._keep(some, [point]).reshape(len(steps), -1), share
+
+        sides = TOWARDS[:, None, :] * width[:, None]
+        value, share = tried(np.concatenate([sides, -sides]))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            a, b = np.split(share, 2)
+            up, down = ((end - before) / length for end, length in zip(np.split(value, 2), (a, b), strict=True))
+            bend = (up + down) / (a + b)
+            top = (bend * a - up) / (2.0 * bend)
+        top = np.where(np.isfinite(top) & (bend > 0.0), np.clip(top, -MOST_STEP, MOST_STEP), 0.0)
+        tried(np.where(top == 0.0, 1e-9, top)[:, :, None] * sides)
+        rose = np.abs(self._near(0, design) - start).max(axis=1)
+        self.near_by[design] = np.clip(rose, NARROWER * width, width)
+
+    def _polish_open(self, pool: Pool, turn: int) -> None:
+        """Polish the designs with open cells that may be wanted: a few times, where settings are two numbers."""
+        if not self.information or self.n_dims != 2 or any(self.sunlit) or turn > POLISHED:
+            return
+        design = np.unique(pool.design)
+        best = self.best[design]
+        likely = best < self._threshold()[design] if turn < LATER else np.isfinite(best)
+        if likely.any():
+            self._polish(design[likely])
+
+    def _keep(self, design: Array, points: list[Points]) -> Array:
+        """Remember the points that beat what their designs had; their values, inf of those that were not looked at."""
+        values = np.full(len(design), np.inf)
         fits = np.logical_and.reduce([p.fits for p in points])
         if self.mean_limit is not None:
             fits &= self.mean_limit.met_by([p.chosen for p in points], self.camera_power_w[design])
         index = np.nonzero(fits)[0]
         if len(index) == 0:
-            return
+            return values
         d = design[index]
         power = np.max([p.chosen.light_power_w[index] for p in points], axis=0)
         snr = np.min([p.snr[index] for p in points], axis=0)
@@ -410,6 +468,7 @@ class CellSearch:
             index, d, power, snr, contrast = index[few], d[few], power[few], snr[few], contrast[few]
             information = np.min([self._information(s, d, index, p) for s, p in enumerate(points)], axis=0)
         value = self._value(power, snr, contrast, information) + self.offset[d]
+        values[index] = value
         order = np.lexsort((points[0].chosen.f_number[index], value, d))
         first = np.unique(d[order], return_index=True)[1]
         pick = order[first]
@@ -424,6 +483,7 @@ class CellSearch:
         self.figures["contrast"][d[pick]] = contrast[pick]
         if self.information:
             self.figures["information"][d[pick]] = np.asarray(information)[pick]
+        return values
 
     def _scale(
         self, d: Array, value: Array, power: Array, snr: Array, contrast: Array, information: Array | float
@@ -467,6 +527,7 @@ class CellSearch:
         open_ = np.nonzero(self._open(pool))[0]
         self._try_points(pool.take(open_), [(b.take(open_), r) for b, r in seen], list(PATTERNS))
         pool, spent, turn = self._prune(pool), len(pool.design), 0
+        self._polish_open(pool, turn)
         budget = max(self.budget, FEWEST * min(self.n, 50))
         while len(pool.design) and spent < budget:
             if len(pool.design) > BATCH:
@@ -482,6 +543,7 @@ class CellSearch:
             self._try_points(children.take(open_), boxes, some)
             pool = self._prune(Pool.joined([children, rest]))
             turn += 1
+            self._polish_open(pool, turn)
         np.minimum.at(self.closed, pool.design, pool.bound)
         return self._result()
 
