@@ -403,8 +403,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the tangent of information knows no motion",
         file="uwopt/solvers/settings/cell_information.py",
-        old="rise += at.by_blur[on] * shift_t[here, v, None]",
-        new="rise += 0.0 * shift_t[here, v, None]",
+        old="rise += self.by_blur[on] * shift_blur[:, None]",
+        new="rise += 0.0 * shift_blur[:, None]",
         test="tests/solvers/test_cell_information.py::test_no_image_has_more_than_the_tangent_at_another",
     ),
     Defect(
@@ -417,8 +417,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="transfers that end inside the Nyquist square are bounded as if their nodes saw them whole",
         file="uwopt/solvers/settings/cell_information.py",
-        old="KINK_PX = 2.0",
-        new="KINK_PX = 200.0",
+        old="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.5, 4.5, 4.0",
+        new="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 250.0, 450.0, 400.0",
         test="tests/solvers/test_cell_information.py::test_no_image_has_more_than_the_tangent_at_another",
     ),
     Defect(

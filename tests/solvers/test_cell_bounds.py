@@ -127,7 +127,7 @@ CELLS_ENOUGH = {  # halved until a gap of 1e-4 closes, a quarter more than it ta
     "information of a bright image": 83, "signal under the sun": 190, "pulses under the sun": 500,
     "signal against power": 1370, "hardly sharp by steps of light": 25,
 }  # fmt: skip
-#: Sharpness alone tells f-numbers apart under a faint sun: cells that are halved in time only see it after 8700 of them.
+#: Sharpness alone tells f-numbers apart under a faint sun: cells halved in time only see it after 8700 of them.
 HARDLY_SHARP: tuple[dict[str, Any], str] = (
     dict(sharpness=sharp(blur=7316.83, place=5.65095, aberration=2.3535), min_mtf=0.390503317, min_snr=3.70629033,
          kind=PULSED, dims_freely=False, levels=[1.0, np.nan], light_lm=14411.757, full_power_w=600.0,

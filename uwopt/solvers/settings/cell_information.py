@@ -18,7 +18,7 @@ the images are worth taking.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -36,7 +36,9 @@ SMEARED_PX, SMEARED_RMS_PX = (
     1.0,
 )  # motion that ends inside the square is given finer nodes, those of this colour
 SHARP_PX = 1.5  # of motion and of defocus: tangents are taken where the image is no worse, for the nodes' sake
-KINK_PX = 2.0  # period of the frequency at which pupil or disc end the transfer: from here on nodes are told apart
+#: Period of the frequency at which pupil or disc end the transfer, and motion, to which the usual nodes and those of
+#: smeared images give the integral to `RULE_ERROR` in its curvature, too; beyond, nodes are told apart.
+KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.5, 4.5, 4.0
 NULL = 1e-9  # of a transfer: below it a tangent says nothing
 DARK_BIT = 1e-12  # of an integral: below it a tangent says nothing
 LATERAL_FROM, LATERAL_STEP = 0.1, 0.02  # of colour's phase: a bell below it; steps of its logarithm
@@ -105,43 +107,12 @@ def log_pupil(s: Array) -> tuple[Array, Array]:
     return np.where(dead, -np.inf, np.log(safe)), np.where(dead, 0.0, -4.0 / np.pi * inside * root / safe)
 
 
-def log_disc(a: Array) -> tuple[Array, Array]:
-    """Ln of 2 J1(a) / a and its slope in ln a; -inf and 0 from the first null on."""
-    from scipy.special import j0, j1  # 0.4 s to import: only information needs it
-
-    small = a < 1e-4
-    inside = np.where(small | (a >= J1_ZERO), 1.0, a)
-    first = j1(inside)
-    value, slope = 2.0 * first / inside, inside * j0(inside) / first - 2.0
-    dead = (a >= J1_ZERO) | (value < NULL)
-    log = np.where(small, -(a**2) / 8.0, np.log(np.where(dead, 1.0, value)))
-    return np.where(dead, -np.inf, log), np.where(dead, 0.0, np.where(small, -(a**2) / 4.0, slope))
-
-
-def log_box(a: Array) -> tuple[Array, Array]:
-    """Ln of sin(pi a) / (pi a) and its slope in ln a; -inf and 0 from the first null on."""
-    x = np.pi * np.abs(a)
-    small = x < 1e-4
-    inside = np.where(small | (x >= np.pi), 1.0, x)
-    value = np.sin(inside) / inside
-    dead = (x >= np.pi) | (value < NULL)
-    log = np.where(small, -(x**2) / 6.0, np.log(np.where(dead, 1.0, value)))
-    slope = np.where(small, -(x**2) / 3.0, inside / np.tan(inside) - 1.0)
-    return np.where(dead, -np.inf, log), np.where(dead, 0.0, slope)
-
-
 def log_lens(sharp: SharpRows, design: Array, f_number: Array, radius_cyc_per_px: Array) -> tuple[Array, Array]:
     """Ln of the lens's transfer by radius and its slope in ln 1/N, (n, n_base); both fall with 1/N."""
     scale = -np.log(2.0) * (2.0 * radius_cyc_per_px) ** 2
     pitch2 = np.square(sharp.lens_pitch_px("rms", f_number=f_number, rows=design))
     closed2 = np.square(sharp.lens_blur("rms") * sharp.rated_pitch_px[design])
     return scale * pitch2[:, None], scale * (sharp.aberration_exponent[design] * (pitch2 - closed2))[:, None]
-
-
-def summed(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Logarithms and slopes of a product; where one is null the product has no slope."""
-    log = one[0] + other[0]
-    return log, np.where(np.isfinite(log), one[1] + other[1], 0.0)
 
 
 def bell_until(table: SpreadTable) -> float:
@@ -157,12 +128,46 @@ def bell_until(table: SpreadTable) -> float:
 
 @dataclass(frozen=True)
 class Tangents:
-    """Integrals (m, n_integrals) [bit per px] at a point, and the slopes of their logarithms."""
+    """Integrals (m, n_integrals) [bit per px] at a point, and the slopes of their logarithms.
 
+    Of nodes told apart: their powers (C_t SNR MTF)^2 in place of integrals, and the slopes of ln MTF.
+    """
+
+    nodes: Array | None  # weights, where they are told apart
     bits: Array
-    by_snr: Array
+    by_snr: Array | float
     by_n: Array
     by_blur: Array
+
+    def at(self, on: Array, shift_snr: Array, shift_n: Array, shift_blur: Array, dark_bits: Array) -> Array:
+        """Bit per px on the tangents, (k,), at shifts (k,) of some rows; `dark_bits` for what was dark."""
+        by_snr = self.by_snr if isinstance(self.by_snr, float) else self.by_snr[on]
+        rise = by_snr * shift_snr[:, None] + self.by_n[on] * shift_n[:, None]
+        rise += self.by_blur[on] * shift_blur[:, None]
+        grown = self.bits[on] * np.exp(np.minimum(rise, 600.0))
+        if self.nodes is not None:
+            grown = np.log1p(grown) * self.nodes
+        return np.asarray(np.where(self.dark[on], dark_bits[on], grown).sum(axis=1))
+
+    def or_flat(self, sharpest: Array, shift_n: Array, shift_blur: Array) -> Tangents:
+        """Of nodes told apart: their power at the sharpest of the cell, where tangents would be further off.
+
+        Both are bounds: the tangent unless it is further off at its worst than the other is at the point.
+        """
+        with np.errstate(divide="ignore", invalid="ignore"):
+            over = np.log(sharpest / self.bits)
+        most = sum(
+            np.maximum(slope * shift.max(axis=1)[:, None], slope * shift.min(axis=1)[:, None])
+            for slope, shift in ((self.by_n, shift_n), (self.by_blur, shift_blur))
+        )
+        flat = self.dark | ~(most - over <= over)
+        by_n, by_blur = (np.where(flat, 0.0, slope) for slope in (self.by_n, self.by_blur))
+        return replace(self, bits=np.where(flat, np.maximum(sharpest, DARK_BIT), self.bits), by_n=by_n, by_blur=by_blur)
+
+    @property
+    def dark(self) -> Array:
+        """Where a tangent says nothing."""
+        return np.asarray(self.bits < DARK_BIT)
 
 
 class Information:
@@ -173,12 +178,14 @@ class Information:
         n = len(sharp.wavelength_nm)
         self.groups: list[TransferGroup] = []
         self.group, self.place = np.zeros((2, n), int), np.zeros((2, n), int)  # of sharp images, and of smeared ones
-        smears = np.nonzero(sharp.blur_px_per_s[:, 1] * longest_s > SMEARED_PX)[0]
+        smears = sharp.blur_px_per_s[:, 1] * longest_s > SMEARED_PX
+        self.has_fine = np.zeros(n, bool)
         for rows, spread in sharp.groups("rms"):
             k = np.hypot(sharp.rms_k_along[rows], sharp.rms_k_across[rows])
             rms_px = np.zeros(len(rows)) if spread is None else k * spread.index_rms / (2.0 * np.pi)
             self._grouped(0, rows, rms_px, spread)
-            mine = np.isin(rows, smears)
+            mine = smears[rows] | (spread is None)
+            self.has_fine[rows[mine]] = True
             self._grouped(1, rows[mine], np.maximum(rms_px[mine], SMEARED_RMS_PX), spread)
 
     def _grouped(self, smeared: int, rows: Array, rms_px: Array, spread: SpreadTable | None) -> None:
@@ -248,7 +255,7 @@ class Information:
         """Bit per pixel at these settings, (n,)."""
         out = np.zeros(len(design))
         blur_px = self.blur_px(design, blur_s)
-        for group, place, mine in self._chunks(design, blur_px):
+        for group, place, mine, _ in self._chunks(design, self._rule(design, f_number, working, blur_px)):
             still, _, moving, *_ = self._transfer(
                 group, design[mine], (f_number[mine], working[mine]), blur_px[mine]
             )
@@ -262,13 +269,15 @@ class Information:
         """Integrals at these settings with the slopes of their logarithms."""
         still, by_n, moving, by_blur, _ = self._transfer(group, design, (f_number, working), blur)
         power = self._power(group, place, still, moving, snr)
+        n_slope, blur_slope = np.tile(by_n, (1, group.folds)), np.tile(by_blur, (1, group.folds // 2))
+        if joined == "none":
+            return Tangents(group.nodes.weight, power, 2.0, 2.0 * n_slope, 2.0 * blur_slope)
         bits = group.sums(np.log1p(power), joined)
         rising = np.divide(power, 1.0 + power, out=power)  # half the slope of the integrand in ln MTF
         scale = 2.0 / np.maximum(bits, 1e-300)
         return Tangents(
-            bits, group.sums(rising, joined) * scale,
-            group.sums(rising * np.tile(by_n, (1, group.folds)), joined) * scale,
-            group.sums(rising * np.tile(by_blur, (1, group.folds // 2)), joined) * scale,
+            None, bits, group.sums(rising, joined) * scale, group.sums(rising * n_slope, joined) * scale,
+            group.sums(rising * blur_slope, joined) * scale,
         )  # fmt: skip
 
     # ------------------------------------------------------------ cells
@@ -295,50 +304,50 @@ class Information:
         shift_t = shift_t + np.log(np.where(blur > 0.0, middle / np.maximum(blur, 1e-300), 1.0))[:, None]
         shift_snr = log_snr - centre_log_snr[:, None]
         snr = np.exp(np.clip(centre_log_snr, -600.0, 300.0))
-        pupil_px = at_n * factor * self.sharp.wavelength_nm[design] * 1e-9 / self.sharp.pixel_pitch_m[design]
-        disc_px = np.pi / J1_ZERO * self.sharp.rms_disc_px[design, 1] / at_n
-        kinked = (np.maximum(pupil_px, disc_px) >= KINK_PX) | (blur > SMEARED_PX)
-        for group, place, mine in self._chunks(design, blur, kinked):
-            d, joined = design[mine], "none" if kinked[mine[0]] else group.joined
+        for group, place, mine, apart in self._chunks(design, self._rule(design, at_n, at_n * factor, blur)):
+            d, joined = design[mine], "none" if apart else group.joined
             at = self._tangents(
                 group, d, place, snr[mine], at_n[mine], at_n[mine] * factor[mine], blur[mine], joined
             )
-            dark = at.bits < DARK_BIT
             rest = np.zeros_like(at.bits)
-            if dark.any():
-                rows = np.nonzero(dark.any(axis=1))[0]
+            rows = np.arange(len(mine)) if apart else np.nonzero(at.dark.any(axis=1))[0]
+            if len(rows):
                 some = mine[rows]
                 still, _, moving, *_ = self._transfer(
                     group, d[rows], (high[some], low[some] * factor[some]), least[some]
                 )
-                most = np.exp(np.clip(log_snr[some].max(axis=1), -600.0, 300.0))
+                most = snr[some] if apart else np.exp(np.clip(log_snr[some].max(axis=1), -600.0, 300.0))
                 power = self._power(group, place[rows], still, moving, most)
-                rest[rows] = np.where(dark[rows], group.sums(np.log1p(power), joined), 0.0)
+                if apart:
+                    at = at.or_flat(power, shift_n[some], shift_t[some])
+                else:
+                    rest[rows] = group.sums(np.log1p(power), joined)
             for v in range(log_snr.shape[1]):
                 on = np.arange(len(mine)) if wanted is None else np.nonzero(wanted[mine, v])[0]
                 here = mine[on]
-                rise = at.by_snr[on] * shift_snr[here, v, None] + at.by_n[on] * shift_n[here, v, None]
-                rise += at.by_blur[on] * shift_t[here, v, None]
-                grown = np.where(dark[on], rest[on], at.bits[on] * np.exp(np.minimum(rise, 600.0)))
-                out[here, v] = grown.sum(axis=1)
+                out[here, v] = at.at(on, shift_snr[here, v], shift_n[here, v], shift_t[here, v], rest)
         return out
 
-    def _chunks(
-        self, design: Array, blur_px: Array, apart: Array | None = None
-    ) -> list[tuple[TransferGroup, Array, Array]]:
-        """Cells or points by group, few enough at a time: the group, the design's places in it, and which.
+    def _rule(self, design: Array, f_number: Array, working: Array, blur_px: Array) -> Array:
+        """Which nodes serve images: 0 the usual ones, 1 those of smeared images, 2 these told apart."""
+        sharp = self.sharp
+        pupil_px = working * sharp.wavelength_nm[design] * 1e-9 / sharp.pixel_pitch_m[design]
+        ends_px = np.maximum(pupil_px, np.pi / J1_ZERO * sharp.rms_disc_px[design, 1] / f_number)
+        fine = (ends_px >= KINK_PX) | (blur_px > SMEARED_PX)
+        apart = (ends_px >= FINE_KINK_PX) | (blur_px > FINE_SMEARED_PX) | ~self.has_fine[design]
+        return np.where(fine, np.where(apart, 2, 1), 0)
 
-        None holds both some that are taken `apart` and others.
-        """
+    def _chunks(self, design: Array, rule: Array) -> list[tuple[TransferGroup, Array, Array, bool]]:
+        """Cells or points by group, few at a time: the group, places in it, which they are, whether told apart."""
         chunks = []
-        smeared = (blur_px > SMEARED_PX).astype(int)
-        of, places = self.group[smeared, design], self.place[smeared, design]
+        fine = ((rule > 0) & self.has_fine[design]).astype(int)
+        of, places = self.group[fine, design], self.place[fine, design]
         for index, group in enumerate(self.groups):
             step = max(1, MOST_NUMBERS // len(group.nodes.along))
             ours = of == index
-            for part in (ours,) if apart is None else (ours & ~apart, ours & apart):
-                mine = np.nonzero(part)[0]
+            for apart in (False, True):
+                mine = np.nonzero(ours & ((rule == 2) == apart))[0]
                 for start in range(0, len(mine), step):
                     some = mine[start : start + step]
-                    chunks.append((group, places[some], some))
+                    chunks.append((group, places[some], some, apart))
         return chunks
