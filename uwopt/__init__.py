@@ -2,7 +2,7 @@
 
 `solve` finds the best system of a catalogue, `pareto` the trade-off between objectives, `evaluate` says what a
 given system would do, `compare` puts systems side by side, `whatif` tells how the optimum changes with the mission,
-`sweep` works out many missions.
+`sweep` works out many missions, `calibrate` fits test shots.
 Heavy imports wait until they are needed.
 """
 
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from uwopt.version import __version__
 
 if TYPE_CHECKING:
+    from uwopt.api.calibrating import calibrate as calibrate
     from uwopt.api.comparing import compare as compare
     from uwopt.api.evaluating import evaluate as evaluate
     from uwopt.api.solving import solve as solve
@@ -44,6 +45,7 @@ _WHERE = {
     "pareto": "uwopt.api.trading",
     "FrontResult": "uwopt.results.front",
     "compare": "uwopt.api.comparing",
+    "calibrate": "uwopt.api.calibrating",
     "plot": "uwopt.explore.plotting",
     "whatif": "uwopt.api.whatif",
     "WhatIf": "uwopt.results.whatif",

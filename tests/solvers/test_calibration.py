@@ -163,6 +163,15 @@ def test_a_shot_that_does_not_fit_is_told_and_not_taken(tmp_path: Path) -> None:
     assert made.fit.factors["water"].value == pytest.approx(C_TRUE / C_TOLD, rel=0.03)
 
 
+def test_of_few_shots_none_is_called_wrong(tmp_path: Path) -> None:
+    """Five shots and two factors: a shadow on one of them is told by the scatter and a wide interval alone."""
+    made = fit_of(tmp_path, 1)
+    some = np.array([0, 5, 8, 12, 15])
+    net = hand_dn(DISTANCES, EXPOSURES, GAINS)[some] * np.array([1.0, 1.0, 0.7, 1.0, 1.0])
+    found = fitted(light_of(made).take(some), net, distances_m=DISTANCES[some])
+    assert not found.outlier.any() and found.rms_frac > 0.05
+
+
 def test_saturated_and_dark_shots_are_left_out_by_name(tmp_path: Path) -> None:
     net = hand_dn(DISTANCES, EXPOSURES, GAINS)
     level, dark = net + 64.0, 0 * net + 64.0

@@ -37,7 +37,7 @@ LEAST_NET_DN = 0.5  # above the dark level: half a number
 LEAST_TOLD_DN = 1e-9  # by the model: it has no light there
 MISSION_FILE = "calibrated.yaml"
 GRID_NM = np.arange(380.0, 781.0)
-Keep = Callable[[Mapping[str, str]], Path]  # writes files into a folder and gives its path
+Keep = Callable[[Mapping[str, str]], object]  # writes files where they stay
 
 
 def calibrate(
@@ -215,7 +215,8 @@ def written(
 
 def story(made: Calibrated, put_to: str) -> list[str]:
     """Where a calibrated mission comes from."""
-    told = [f"{made.mission.name}, with what {len(made.shots)} test shots tell.".replace("\n", " ")]
+    name = " ".join(made.mission.name.split())  # no line of it may leave the comment
+    told = [f"{name}, with what {len(made.shots)} test shots tell."]
     for one in made.fit.factors.values():
         what = f"held as it was ({one.held})" if one.held else f"times {one.value:.4g}"
         light = f"light times reflectance, put to the {put_to}"
@@ -287,15 +288,13 @@ def lamp_written(
 
 
 def solved(made: Calibrated, keep: Keep | None, name: str, *, again: bool, progress: Progress | None) -> Calibrated:
-    """The mission solved before and after, its new files written where they stay, or for as long as it takes."""
+    """The mission solved before and after; its new files are tried aside before they are written where they stay."""
     with tempfile.TemporaryDirectory() as scratch:
-        folder = Path(scratch)
-        if keep is None:
-            for file, text in made.files.items():
-                (folder / file).write_text(text, encoding="utf-8")
-        else:
-            folder = keep(made.files)
-        after = prepared(folder / f"{Path(name).stem}.yaml", None, None)  # it must load, searched or not
+        for file, text in made.files.items():
+            (Path(scratch) / file).write_text(text, encoding="utf-8")
+        after = prepared(Path(scratch) / f"{Path(name).stem}.yaml", None, None)
+        if keep is not None:
+            keep(made.files)
         if not (again and made.searched):
             return made
         before = solve(made.mission, quick=True, progress=progress)

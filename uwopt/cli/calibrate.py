@@ -63,11 +63,9 @@ def calibrate_command(
     with ProgressBar(quiet=quiet) as bar:
         from uwopt.api.calibrating import MISSION_FILE, calibrate
 
-        def keep(files: Mapping[str, str]) -> Path:
+        def keep(files: Mapping[str, str]) -> None:
             assert target is not None
-            folder = made_folder(target.parent)
-            written.extend(write_files(folder, files))
-            return folder
+            written.extend(write_files(made_folder(target.parent), files))
 
         made = calibrate(
             mission, system, shots, card=card, at=None if at is None else at.value, scene=scene,

@@ -33,7 +33,7 @@ LEAST_VEIL = 1e-4  # of the light: less backscatter shows in no level
 READ_DN, RELATIVE = 0.5, 0.01  # what a reading errs by: half a number, and a share that is found from the residuals
 OUTLIER, NEVER_BELOW = 5.0, 0.03  # times the residuals' usual size, and a share that any shot may be off
 MOST_OUTLIERS = 0.25  # of all shots; more of them, and the model is wrong rather than they
-LEAST_FOR_OUTLIERS = 5
+SPARE_FOR_OUTLIERS = 4  # shots more than factors: with fewer, which of them is off is not told
 TO_SIGMA = 1.4826  # of the median of sizes to a standard deviation
 
 
@@ -156,7 +156,7 @@ def half_widths(jacobian: Array, residuals: Array, net_dn: Array) -> Array:
 def outliers(light: ShotLight, net_dn: Array, free: list[Name]) -> Array:
     """Shots that a robust fit of all leaves far off; none where they are too many to be errors of single shots."""
     none = np.zeros(len(net_dn), bool)
-    if len(net_dn) < LEAST_FOR_OUTLIERS:
+    if len(net_dn) < len(free) + SPARE_FOR_OUTLIERS:
         return none
     found = solve(light, net_dn, free, robust=True)
     predicted = light.net_dn(**{name: float(np.exp(x)) for name, x in zip(free, found.x, strict=True)})
