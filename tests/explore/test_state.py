@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from thorough import drawn
 
 import uwopt
 from uwopt.cli.app import app
@@ -291,18 +292,29 @@ def test_uploads_are_taken_or_refused_with_the_reason() -> None:
             with_upload(state.OPENING, "mission", content, "x.yaml")
 
 
+OWN_CAMERA = (
+    "id,manufacturer,model,availability,chip,colour,resolution_x_px,resolution_y_px,pixel_pitch_um,shutter,mounts,"
+    "bit_depth,read_noise_e,saturation_e\nmy-camera,Me,One,current,IMX250,mono,2448,2048,3.45,global,C,12,2.4,10500\n"
+)
+
+
 def test_own_camera_stands_among_the_parts(explorer: Explorer) -> None:
-    own = (b"id,kind,manufacturer,model,availability,resolution_x_px,resolution_y_px,pixel_pitch_um,read_noise_e,"
-           b"saturation_e,bit_depth,quantum_efficiency,shutter,colour,sensor_model\n"
-           b"my-camera,camera,Me,One,current,2000,1000,5,3,10000,12,imx250m,global,mono,x\n")  # fmt: skip
-    made, _ = with_upload(state.OPENING, "own", sent(own), "cameras.csv")
+    made, _ = with_upload(state.OPENING, "own", sent(OWN_CAMERA.encode()), "cameras.csv")
     assert made["mission"]["catalog"]["files"] == ["cameras.csv"]
-    parts = explorer.own_parts(made)
-    if not parts:  # what the catalogue asks of a camera is its own business; then it must say so
-        found = showing.results(explorer.outcomes, made)
-        assert "cameras.csv" in str(showing.fault_list(made, found))
-    else:
-        assert parts["camera"] == ["my-camera"]
+    assert explorer.own_parts(made) == {"camera": ["my-camera"], "lens": [], "port": [], "light": []}
+    chosen = turned(made, **{"s-camera": "my-camera"})
+    seen = shown_figures(explorer.outcomes.result(chosen, 0))
+    assert seen["fov_x_m"] == WINDOW["fov_x_m"]  # as many pixels of the same pitch
+    assert seen["snr"] != WINDOW["snr"]
+    assert explorer.own_parts(state.OPENING) == {}
+
+
+def test_faults_of_an_own_file_are_told(explorer: Explorer) -> None:
+    wrong = OWN_CAMERA.replace("chip", "chp").encode()
+    made, _ = with_upload(state.OPENING, "own", sent(wrong), "cameras.csv")
+    told = str(showing.fault_list(made, showing.results(explorer.outcomes, made)))
+    assert "cameras.csv: column 'chp' is unknown; did you mean 'chip'?" in told
+    assert str(explorer.outcomes.folder) not in told
 
 
 # ---------------------------------------------------------------- who may ask
@@ -420,6 +432,15 @@ def test_what_was_found_is_handed_over_once(explorer: Explorer) -> None:
     del explorer.jobs.known["known"]
 
 
+SMALL: dict[str, Any] = {
+    "practice": "bare", "physics": "paper", "scene": {"water": "I", "seafloor": "sand", "depth_m": 20},
+    "vehicle": {"altitude_m": 1.5, "speed_m_s": 0.3, "light_count": 1},
+    "requirements": {"overlap": 0.3, "max_blur_px": 1.0, "min_snr_db": 15},
+    "catalog": {"cameras": ["avt-alvium-1800-c-234m"], "lenses": ["computar-m1214-mp2"],
+                "ports": ["blue-robotics-4-in"], "lights": ["arctic-rays-dragonfish-mini-strobe-65deg"]},
+}  # fmt: skip
+
+
 class Line:
     """What a job says, without a process."""
 
@@ -435,6 +456,20 @@ def test_what_if_that_is_no_key_is_told() -> None:
     jobs.run("whatif", state.OPENING["mission"], state.OPENING["systems"][0], "speed", line)
     assert line.said[-1][0] == "fault"
     assert "no key with values" in line.said[-1][1]
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [("whatif", "2 points over speed_m_s"),
+     *drawn([], [("doubt", "scenarios of what is uncertain"), ("trade", "systems")])],
+)
+def test_work_ends_in_words_and_a_report(kind: str, said: str) -> None:
+    line = Line()
+    jobs.run(kind, SMALL, state.OPENING["systems"][0], "speed_m_s=0.2:0.3:2", line)
+    word, told, system, report = line.said[-1]
+    assert (word, system) == ("done", None)
+    assert said in " ".join(told)
+    assert report.startswith("<!doctype html>")
 
 
 def test_a_stopped_job_ends_and_no_more_than_two_run() -> None:

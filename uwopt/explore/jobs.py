@@ -75,7 +75,7 @@ def trade(mission: Any, system: Any, vary: str, progress: Callable[[float, str],
     """The front."""
     import uwopt
 
-    return {"result": uwopt.pareto(mission, progress=progress)}
+    return {"result": uwopt.pareto(mission, objectives=["power", "cost"], progress=progress)}
 
 
 def vary_keys(mission: Any, system: Any, vary: str, progress: Callable[[float, str], None]) -> dict[str, Any]:
