@@ -39,6 +39,13 @@ DEFECTS = (
         test=f"{PRICED}::test_prices_over_a_range_are_those_of_searches_of_their_own",
     ),
     Defect(
+        name="changes are told together that are no smaller",
+        file="uwopt/solvers/explain/infeasible.py",
+        old="low, high, found = (low, share, others) if others.outcome.best",
+        new="low, high, found = (low, share, others) if True",
+        test="tests/solvers/test_least_change.py::test_smaller_changes_are_told_that_help_together",
+    ),
+    Defect(
         name="a move is as far as it was tried",
         file=MOVES,
         old="rounded(change.limit), unit_of",

@@ -13,6 +13,7 @@ import pytest
 from uwopt.api.risks import with_risks
 from uwopt.report.page.page import report_html
 from uwopt.report.text.console import print_blocks
+from uwopt.report.text.doubts import helpful_lines
 from uwopt.report.text.short import short_text_blocks
 from uwopt.report.text.tables import result_blocks
 from uwopt.results.basis import Risk
@@ -234,6 +235,16 @@ def test_changes_that_help_together_alone_are_told_on_the_page(make_result: Make
     why = {"requirements": [], "relaxations": [], "nearest_miss": None, "together": changes}
     text = text_of(make_result(infeasible=why, **nothing))
     assert "these together would let a system through" in text and "42.9" in text and "1.42" in text
+
+
+def test_smaller_changes_together_stand_below_those_that_help_alone(make_result: Make) -> None:
+    nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None, "status": "infeasible"}
+    snr, blur = ({"name": name, "limit": 1.0, "needed": 2.0, "miss_rel": 1.0} for name in ("min_snr", "max_blur_px"))
+    alone = {"requirements": [], "relaxations": [snr], "nearest_miss": None}
+    for together in ([], [snr, blur]):
+        made = make_result(infeasible=alone | {"together": together}, **nothing)
+        shown = "".join(str(line) for line in helpful_lines(made))
+        assert ("Or these together" in shown) == bool(together)
 
 
 def test_where_no_change_helps_the_rules_that_exclude_most_are_told(make_result: Make) -> None:

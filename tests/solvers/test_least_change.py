@@ -200,6 +200,21 @@ def test_changes_told_together_are_enough_and_all_of_them_are_needed(parts, cata
     assert possible["min_snr"] == pytest.approx(alone["min_snr"], rel=0.01)  # no more can be had of that lens
 
 
+def test_smaller_changes_are_told_that_help_together(parts, catalog):
+    """Less blur and less SNR share what the lamp lacks: each gives less than it would have to alone."""
+    asked = dict(max_blur_px=0.1, min_snr_db=30.0)
+    why = explained(mission(parts, **asked), catalog)
+    alone = {one.name: one.miss_rel for one in why.relaxations}
+    assert {"max_blur_px", "min_snr"} <= alone.keys()
+    together = {one.name: one for one in why.together}
+    assert set(together) == {"max_blur_px", "min_snr"}
+    assert max(one.miss_rel for one in together.values()) < min(alone.values())
+    both = dict(max_blur_px=together["max_blur_px"].needed, min_snr_db=together["min_snr"].needed)
+    assert fits(mission(parts, **both), catalog)
+    for name in both:
+        assert not fits(mission(parts, **{**both, name: asked[name]}), catalog)
+
+
 @pytest.mark.parametrize(
     ("value", "asked", "rounded"),
     [(2.7134, 1.0, 2.72), (2.71, 1.0, 2.71), (0.061239, 0.5, 0.0612), (1234.5, 0.0, 1240.0), (-3.217, 1.0, -3.22)],

@@ -184,7 +184,9 @@ class WhyNothing(Record):
         description="the design of the smallest change, by the mission as it stands"
     )
     together: list[Relaxed] = Field(
-        default_factory=list, description="where no change alone helps: changes of which all are needed at once"
+        default_factory=list,
+        description="changes that help together: where none does alone those of which all are needed at once, else "
+        "each a smaller share of what is asked than any that does",
     )
     nearest_fit: NearestFit | None = Field(
         default=None,

@@ -23,6 +23,7 @@ AT_CENTRAL_PRICES = (
     "(limits.cost_basis: high, the default). Ask for quotes, or hold their middle against it (cost_basis: central)."
 )
 HELPFUL = "Each of these changes alone would let a system through:"
+SMALLER = "Or these together, each a smaller share of what is asked than any of those:"
 TOGETHER = "No change alone is known to help; these together would let a system through:"
 
 
@@ -95,6 +96,8 @@ def helpful_lines(result: Result | FrontResult) -> list[Line]:
     lines: list[Line] = [sentence(said), relaxation_table(result, helpful)] if helpful else []
     if any(item.fits_at_central_prices for item in helpful):
         lines.append(sentence(AT_CENTRAL_PRICES))
+    if relaxations_of(result) and (smaller := together_of(result)):
+        lines += [sentence(SMALLER), relaxation_table(result, smaller)]
     return [*lines, *move_lines(result), *contradiction_lines(result)]
 
 
@@ -172,7 +175,7 @@ def relaxations_of(result: Result | FrontResult) -> list[Relaxed]:
 
 
 def together_of(result: Result | FrontResult) -> list[Relaxed]:
-    """Changes that help together where none does alone."""
+    """Changes that help together."""
     return result.infeasible.together if result.infeasible is not None else []
 
 

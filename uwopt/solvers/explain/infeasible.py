@@ -8,7 +8,7 @@ smallest relaxation that makes the mission feasible.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -29,6 +29,7 @@ from uwopt.solvers.explain.least_change import (
     Change,
     least_change,
     rounded_away,
+    same_hardware,
     with_its_hardware,
 )
 from uwopt.solvers.explain.moves import Mover
@@ -100,6 +101,9 @@ BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost"
 LEAST_SNR_DB = 0.0  # below which noise is more than signal, and no image is of use
 TURN = 0.25  # of the time left: what one requirement may take of it
 MOVES_SHARE = 0.35  # of the time, for speed, water and altitude
+UNKNOWN = 1e9  # how far a limit is missed, where that cannot be said
+KEPT = frozenset({"mean_level", "lens_stop_down"})  # neither more nor less of these is weaker by a share
+SHARES = 5  # by which all limits together are tried to give
 ROUNDS = 4  # of the time that is left, as long as nothing helps
 LONG_TURN = 0.5  # the same of the question whether all would fit at central prices
 
@@ -143,6 +147,8 @@ class Explanation:
         else:
             together, nearest = self._together()
         clash = self._contradiction({r.name for r in relaxations})
+        if relaxations:
+            together = self._smaller_together(relaxations[0].miss_rel)
         return WhyNothing(requirements, helpful, nearest, together, fit, moves, clash)
 
     def _moves(self) -> list[Moved]:
@@ -189,6 +195,54 @@ class Explanation:
                 needed.add(name)
         return self._drawn_in({name: limits[name] for name in limits if name in given}, found)
 
+    def _smaller_together(self, alone: float) -> list[Relaxed]:
+        """Changes that help together, each a smaller share of what is asked than any that helps alone.
+
+        All limits give by the same share, which is halved as long as something fits; of the hardware that is left
+        each limit is drawn in as far as it can be. What is told has been solved; nothing where no less than the
+        share that helps `alone` is known to do.
+        """
+        asked = self._asked().items()
+        limits = {name: limit for name, limit in asked if name in MAY_PASS and limit and name not in KEPT}
+        if self.interrupted or len(limits) < 2 or not math.isfinite(alone) or alone >= UNKNOWN:
+            return []
+        self._say(0.97, "smaller changes together")
+        low, high, found = 0.0, alone, None
+        for _ in range(SHARES):
+            share, others = 0.5 * (low + high), None
+            if not self.deadline.passed():
+                others = self._seek_weaker(limits, share)
+            if others is None:
+                self.deadline.left_out.append("whether smaller changes together would do")
+                break
+            low, high, found = (low, share, others) if others.outcome.best else (share, high, found)
+        if found is None or self.interrupted:
+            return []
+        made = self._no_more_than(limits, weaker_by(high, limits), found)
+        return made if len(made) > 1 and max(one.miss_rel for one in made) < alone else []
+
+    def _no_more_than(self, asked: dict[str, float], weaker: Mapping[str, float], found: Sought) -> list[Relaxed]:
+        """What a design's hardware needs of limits that all give by a share: of each in turn as little as will do."""
+        kept: dict[str, float | None] = dict(weaker)
+        for name, limit in asked.items():
+            wanted = partial(self._with_limits, asked, kept, name)
+            as_asked = same_hardware(found, wanted(limit))
+            if as_asked.outcome.best:
+                kept[name], found = limit, as_asked
+            else:
+                change = with_its_hardware(limit, Change(weaker[name], found), wanted, self.deadline)
+                kept[name], found = change.limit, change.found
+        return [Relaxed(name, asked[name], kept[name], miss(asked[name], kept[name])) for name in asked
+                if kept[name] != asked[name]]  # fmt: skip
+
+    def _seek_weaker(self, limits: dict[str, float], share: float) -> Sought | None:
+        """A search with every limit weaker by a share of itself; None where it ends before it knows."""
+        (name, value), *_ = weaker = [*weaker_by(share, limits).items()]
+        mission = self._with_limits(limits, dict(weaker), name, value)
+        found = self.relaxer.seek(mission, ANY, set(limits), deadline=self._turn(), enough=True)
+        self.interrupted |= found.outcome.interrupted
+        return found if found.outcome.best or found.outcome.complete else None
+
     def _drawn_in(self, asked: dict[str, float], found: Sought) -> tuple[list[Relaxed], Design]:
         """What a design's hardware can keep of limits that give together: of each in turn as much as can be."""
         design = judged_by(self.mission, found, self.objective)
@@ -205,11 +259,11 @@ class Explanation:
         return told, judged_by(self.mission, found, self.objective)
 
     def _with_limits(
-        self, asked: dict[str, float], kept: dict[str, float | None], name: str, value: float
+        self, asked: Mapping[str, float], kept: Mapping[str, float | None], name: str, value: float
     ) -> Mission:
         """The mission with other limits, one of them this; those that are not known yet are left out."""
         mission = self.mission
-        for one, limit in (kept | {name: value}).items():
+        for one, limit in ({**kept, name: value}).items():
             section, key, _ = RELAXABLE[one]
             weaker = without(mission, section, key) if limit is None else None
             if limit is not None:
@@ -454,6 +508,16 @@ def words_of(key: str) -> list[str]:
     return [word for word, (held, _) in REFUSED.items() if held == key]
 
 
+def weaker_by(share: float, limits: Mapping[str, float]) -> dict[str, float]:
+    """Limits that ask for less, each by a share of itself."""
+    made = {}
+    for name, limit in limits.items():
+        section, key, _ = RELAXABLE[name]
+        from_above = section == "limits" or key.startswith("max_") or key == "resolve_mm"
+        made[name] = rounded_away(limit + share * abs(limit) * (1.0 if from_above else -1.0), limit)
+    return made
+
+
 def with_limit(mission: Mission, section: str, key: str, asked: float, value: float) -> Mission:
     """The mission with another limit in all scenes; one that already asks for less stays as it is."""
     data = mission.to_dict()
@@ -499,5 +563,5 @@ def reached_value(design: Design, key: str) -> float | None:
 def miss(limit: float | None, needed: float | None) -> float:
     """How far a limit is missed, relative; large when it cannot be said."""
     if limit is None or needed is None:
-        return 1e9
+        return UNKNOWN
     return abs(needed - limit) / max(abs(limit), 1e-12)
