@@ -24,6 +24,7 @@ from uwopt.sweeps import store as store_room
 from uwopt.sweeps import summary as summary_room
 from uwopt.sweeps.inputs import job_of
 from uwopt.sweeps.job import SweepBatch
+from uwopt.sweeps.rows import Row, row_of
 from uwopt.sweeps.run import DEATHS, Pace, SweepRun, sweep
 from uwopt.sweeps.store import SweepStore
 from uwopt.sweeps.work import SweepReply, SweepWorker
@@ -77,12 +78,12 @@ def stub(monkeypatch: pytest.MonkeyPatch, tank: Result) -> Stub:
     def prepare(fault: Callable[[int], None] = lambda count: None) -> list[tuple[Any, ...]]:
         worked: list[tuple[Any, ...]] = []
 
-        def result(self: SweepWorker, task: Any) -> Result:
+        def worked_out(self: SweepWorker, task: Any) -> Row:
             fault(len(worked))
             worked.append(task.values)
-            return tank
+            return row_of(tank)
 
-        monkeypatch.setattr(SweepWorker, "_result", result)
+        monkeypatch.setattr(SweepWorker, "_worked_out", worked_out)
         return worked
 
     return prepare
@@ -90,7 +91,7 @@ def stub(monkeypatch: pytest.MonkeyPatch, tank: Result) -> Stub:
 
 def rows_in(folder: Path) -> pd.DataFrame:
     """The table without what differs from run to run."""
-    return pd.read_parquet(folder / "sweep.parquet").drop(columns="time_s")
+    return pd.read_parquet(folder / "sweep.parquet").drop(columns=["time_s", "processor_s"])
 
 
 def assert_same(one: Path, other: Path) -> None:

@@ -14,6 +14,7 @@ from uwopt.results.result import Result
 Row = dict[str, Any]
 SETTING, EXACT = "set_", "exact_"  # before settings to type in, and before those of the exact optimum
 FAILED = "failed"  # status of a mission that could not be worked out
+NOTHING_FITS = "nothing fits"
 DIED = "the process that worked on this mission ended"  # begins the message of such a row
 #: Columns of text, whole numbers and flags; all others are numbers with a point.
 TEXTS = frozenset({
@@ -30,7 +31,7 @@ FIRST = (
     "objective_as_set", "objective_unit", "lower_bound", "gap_rel", "confidence_asked", "confidence", "settable",
     "beyond_gain_cap", "missed", "warnings", "cost", "cost_low", "cost_high", "currency", "power_w", "mass_kg",
 )  # fmt: skip
-LAST = ("scenes", "time_s", "version", "input_hash", "catalogue_hash")
+LAST = ("scenes", "time_s", "processor_s", "version", "input_hash", "catalogue_hash")
 #: Columns that a result always has, so that an input of the same name gets its section before it.
 OUTPUTS = frozenset({*FIRST, *LAST, "n"})
 
@@ -41,7 +42,7 @@ def row_of(result: Result) -> Row:
     row: Row = {
         "mission": str(result.mission.get("name") or "mission"),
         "status": result.status,
-        "message": "nothing fits" if result.status == "infeasible" else "",
+        "message": NOTHING_FITS if result.status == "infeasible" else "",
         "objective_name": goal.name,
         "objective_unit": goal.unit,
         "lower_bound": None if proof is None else proof.lower_bound,

@@ -20,11 +20,12 @@ from uwopt.api.solving import interrupted, solve
 from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission
-from uwopt.results.result import Result
 from uwopt.results.sweep import SweepKit
+from uwopt.solvers.warm.searches import Warm
 from uwopt.sweeps.identity import differences, program_identity
 from uwopt.sweeps.job import LABEL, SweepBatch, SweepJob, SweepTask
 from uwopt.sweeps.kits import served_by
+from uwopt.sweeps.neighbours import warm_row
 from uwopt.sweeps.rows import Row, failed_row, row_of
 
 MOST_BASES = 64  # missions of files that are kept read
@@ -46,6 +47,7 @@ class SweepWorker:
     def __init__(self, job: SweepJob):
         self.job = job
         self._bases: OrderedDict[int, tuple[VariedMission, tuple[Varied | None, ...]]] = OrderedDict()
+        self._warm = Warm()
         self._unpacked = None if not job.files else UnpackedFiles(job.files)
         self.refusal = "; ".join(differences(job.identity, program_identity()))
 
@@ -62,16 +64,19 @@ class SweepWorker:
 
     def row(self, task: SweepTask, kits: Sequence[SweepKit] = ()) -> Row:
         """One mission worked out, or kits tried in it; what goes wrong is its row's message."""
-        start = time.perf_counter()
+        start_s, busy_s = time.perf_counter(), time.process_time()
         name = self.job.bases[task.base].name
         try:
-            row = self._served(task, kits) if kits else row_of(self._result(task))
+            row = self._served(task, kits) if kits else self._worked_out(task)
         except UwoptError as fault:
             row = failed_row(name, str(fault))
         except Exception as fault:  # one mission must not stop the others
             what = " ".join(str(fault).split())[:300]
             row = failed_row(name, f"a defect of uwopt: {type(fault).__name__}: {what}")
-        return row | labels_of(self.job, task) | {"time_s": time.perf_counter() - start}
+        return row | labels_of(self.job, task) | {
+            "time_s": time.perf_counter() - start_s,
+            "processor_s": time.process_time() - busy_s,
+        }
 
     def mission(self, task: SweepTask) -> Mission:
         """The mission of a task; raises MissionError where its values cannot stand together."""
@@ -83,18 +88,21 @@ class SweepWorker:
         mission = self.mission(task)
         return {"mission": mission.name, "served": served_by(mission, kits)}
 
-    def _result(self, task: SweepTask) -> Result:
-        ways = self.job.ways
+    def _worked_out(self, task: SweepTask) -> Row:
+        ways, mission = self.job.ways, self.mission(task)
         if ways.command == "evaluate":
             from uwopt.api.evaluating import evaluate
 
             assert ways.system is not None
             system = ways.system if self._unpacked is None else self._unpacked.at_home(ways.system)
-            return evaluate(self.mission(task), system, confidence=ways.confidence)
-        result = solve(self.mission(task), top=TOP, quick=True, explain=False)
+            return row_of(evaluate(mission, system, confidence=ways.confidence))
+        row = warm_row(mission, self._warm)
+        if row is not None:
+            return row
+        result = solve(mission, top=TOP, quick=True, explain=False)
         if interrupted(result):
             raise KeyboardInterrupt
-        return result
+        return row_of(result)
 
     def _base(self, index: int) -> tuple[VariedMission, tuple[Varied | None, ...]]:
         """A base and its keys; read again where it was long ago."""
