@@ -113,6 +113,20 @@ DEFECTS = (
         test="tests/sweeps/test_portfolio.py::test_choices_are_those_that_trying_all_finds[0]",
     ),
     Defect(
+        name="neighbours answer where scenarios are to be counted",
+        file="uwopt/sweeps/neighbours.py",
+        old="if wanted.confidence != CENTRAL:",
+        new="if wanted.confidence is None:",
+        test=f"{TESTS}::test_neighbours_do_not_answer_where_scenarios_are_to_be_counted",
+    ),
+    Defect(
+        name="the best by exact numbers is recommended though it cannot be set",
+        file="uwopt/sweeps/neighbours.py",
+        old="if best.minimised < value_as_set(winner, goal) - goal",
+        new="if best.minimised < best.minimised - goal",
+        test=f"{TESTS}::test_neighbours_do_not_answer_where_what_can_be_set_costs_the_best_much",
+    ),
+    Defect(
         name="the best as listed is not what stands in the row",
         file="uwopt/sweeps/rows.py",
         old='"objective": best.objective_value,',

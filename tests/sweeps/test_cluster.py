@@ -79,9 +79,8 @@ def test_rows_are_those_of_one_process_though_a_worker_is_killed(
     )
     assert killed
     assert (made.status, made.counts) == ("complete", alone.counts)
-    one, other = (
-        pd.read_parquet(tmp_path / n / "sweep.parquet").drop(columns=["time_s", "processor_s"]) for n in ("alone", "cluster")
-    )
+    tables = [pd.read_parquet(tmp_path / name / "sweep.parquet") for name in ("alone", "cluster")]
+    one, other = (table.drop(columns=["time_s", "processor_s"]) for table in tables)
     pd.testing.assert_frame_equal(one, other, check_exact=True)
     assert set(one["status"]) <= {"feasible", "violated"}
 

@@ -66,6 +66,7 @@ def test_a_run_that_is_killed_with_all_its_processes_loses_nothing_that_is_done(
     keys = rows_on_disk(cut)
     assert len(keys) == len(set(keys)) == COUNT  # nothing lost, nothing twice
     sweep(MISSION, {"speed_m_s": SPEEDS}, system=SYSTEM, out=whole)
-    one, other = (pd.read_parquet(folder / "sweep.parquet").drop(columns=["time_s", "processor_s"]) for folder in (cut, whole))
+    tables = [pd.read_parquet(folder / "sweep.parquet") for folder in (cut, whole)]
+    one, other = (table.drop(columns=["time_s", "processor_s"]) for table in tables)
     pd.testing.assert_frame_equal(one, other, check_exact=True)
     assert json.loads((cut / "sweep.json").read_text(encoding="utf-8"))["counts"] == again.counts

@@ -19,11 +19,14 @@ import uwopt
 from uwopt.cli.app import app
 from uwopt.errors import MissionError, OutputError
 from uwopt.results.result import Result
+from uwopt.solvers.warm.searches import Warm
 from uwopt.sweeps import inputs as inputs_room
+from uwopt.sweeps import neighbours as neighbours_room
 from uwopt.sweeps import store as store_room
 from uwopt.sweeps import summary as summary_room
 from uwopt.sweeps.inputs import job_of
 from uwopt.sweeps.job import SweepBatch
+from uwopt.sweeps.neighbours import warm_row
 from uwopt.sweeps.rows import Row, row_of
 from uwopt.sweeps.run import DEATHS, Pace, SweepRun, sweep
 from uwopt.sweeps.store import SweepStore
@@ -120,6 +123,19 @@ def test_each_row_is_what_solve_says(done: uwopt.SweepSummary):
         assert row["set_exposure_ms"] == best.scenes[0].settings_to_set["exposure_ms"]
         assert row["snr_db"] == best.scenes[0].figures["snr_db"]
         assert row["gap_rel"] == 0.0
+
+
+def test_neighbours_do_not_answer_where_scenarios_are_to_be_counted():
+    mission = uwopt.load_mission(FEW)
+    assert warm_row(mission.with_changes(confidence=0.9), Warm()) is None
+
+
+def test_neighbours_do_not_answer_where_what_can_be_set_costs_the_best_much(monkeypatch: pytest.MonkeyPatch):
+    mission, warm = uwopt.load_mission(FEW | {"vehicle": FEW["vehicle"] | {"altitude_m": 1.5}}), Warm()
+    row = warm_row(mission, warm)
+    assert row is not None and row["objective_as_set"] > row["objective"]
+    monkeypatch.setattr(neighbours_room, "WORTH_REL", 0.0)
+    assert warm_row(mission, warm) is None
 
 
 def test_missions_that_fail_or_that_nothing_meets_are_rows(done: uwopt.SweepSummary):
