@@ -202,8 +202,8 @@ Others use the machine as well: what is compared is time of the processor; the c
 
 ## One worker and two
 
-{missions} missions of `mbari-lass-2013` (speeds, at 5 heights; central numbers, no portfolio), {rounds} rounds of one
-worker and two by turns, medians:
+{missions} missions of `mbari-lass-2013` (speeds, at 5 heights; central numbers, no portfolio), one worker and two by
+turns (medians of turns: {rounds}):
 
 | what | time of the processor |
 |---|---|
@@ -214,8 +214,10 @@ worker and two by turns, medians:
 | who asks, a mission (keys, rows, files) | {asker_ms:.2f} ms |
 
 So two processors of which nobody else takes time work out 1000 missions {ratio:.2f} times as fast as one, {rate:.1f} a
-second: the start of the workers and who asks are counted, the table and the page at the end are not. On the clock
-of this run, loaded as it was and with {missions} missions alone, they were {clock:.2f} times as fast. A worker held {memory:.0f} MiB at most.
+second: the start of the workers and who asks are counted, the table and the page at the end are not. On the clock of
+this run, loaded as it was and with {missions} missions alone, they were {clock:.2f} times as fast. A worker held
+{memory:.0f} MiB at most. Most of a mission among its neighbours is the evaluation of the best and the rounding of its
+settings, not the search.
 
 ## What a batch and a mission cost beside the work
 
@@ -233,8 +235,8 @@ processor; of writing on the clock, for it waits for the disk (`fsync` of file a
 ## Larger clusters, projected
 
 A discrete-event model ([sweep_model.py](sweep_model.py)) with these rates (a mission {mission_ms:.0f} ms, standard
-deviation {spread_ms:.0f} ms): who asks, the scheduler and each worker are
-queues with one server; batches grow with the number of workers by the rule of the program itself.
+deviation {spread_ms:.0f} ms): who asks, the scheduler and each worker are queues with one server; batches grow with the
+number of workers by the rule of the program itself.
 
 | workers | missions | time | missions a second | batches | workers busy | scheduler busy | who asks busy |
 |---|---|---|---|---|---|---|---|
