@@ -113,7 +113,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the search lets lamps stand in the view",
-        file="uwopt/solvers/exact/search.py",
+        file="uwopt/solvers/exact/design_rows.py",
         old="if lamps_refused(self.problem, scene_index):\n",
         new="if not fine.all():\n",
         test="tests/solvers/test_reserves.py::test_a_lamp_in_the_view_is_refused[vehicle1-refuse1-False]",

@@ -74,7 +74,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="evenness of a lamp that is not there refuses the sun",
-        file="uwopt/solvers/exact/search.py",
+        file="uwopt/solvers/exact/design_rows.py",
         old="kept = np.array([self.problem.unlit(one) for one in range(len(self.problem.parts.lights))])[light]",
         new="kept = np.array([False for one in range(len(self.problem.parts.lights))])[light]",
         test="tests/api/test_without_lamps.py::test_lamps_evenness_is_nothing_to_the_sun",

@@ -17,6 +17,7 @@ from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.audit import audit
 from uwopt.solvers.exact.bounds import Corner
+from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.imagers import enumerate_imagers
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineScene, port_tree
 from uwopt.solvers.exact.search import Search
@@ -157,15 +158,15 @@ def test_interrupted_once_no_pair_is_left(monkeypatch: pytest.MonkeyPatch) -> No
     )  # fmt: skip
     case_ = replace(made, parts=replace(made.parts, cameras=cameras))
     full, search = case_.solve(top=1)[1], case_.searcher(top=1)
-    honest, searched = large.LargeSearch._search_imagers, []
+    honest, searched = large.PairTree.candidates, []
 
-    def stopping(self: large.LargeSearch, rows: OutlineRows) -> bool:
+    def stopping(self: large.PairTree, rows: OutlineRows) -> Candidates:
         searched.append(1)
         if len(searched) == 2:
             raise KeyboardInterrupt
         return honest(self, rows)
 
-    monkeypatch.setattr(large.LargeSearch, "_search_imagers", stopping)
+    monkeypatch.setattr(large.PairTree, "candidates", stopping)
     outcome = search.run()
     assert outcome.interrupted and not outcome.complete and outcome.account.adds_up()
     assert outcome.account.discarded["bound"] > 0, "some pair was closed before"

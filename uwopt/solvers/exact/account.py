@@ -14,6 +14,7 @@ from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.ranking import Found
 
 RULES = (*IMAGER_RULES, *(rule for rule in NODE_RULES if rule not in IMAGER_RULES))
+NOT_REACHED = "not_reached"
 Sample = tuple[int, int, int, bool, int | None]  # camera, lens, port, landscape, lighting or None for any
 
 
@@ -24,6 +25,23 @@ class Account:
     total: int = 0
     evaluated: int = 0
     discarded: dict[str, int] = field(default_factory=lambda: dict.fromkeys(RULES, 0))
+
+    def charge(self, rule: str, count: int) -> None:
+        """So many more that a rule discards; fewer where the count is below 0."""
+        self.discarded[rule] = self.discarded.get(rule, 0) + int(count)
+
+    def snapshot(self) -> Account:
+        """The account as it is now, to be restored when what follows is cut short."""
+        return Account(self.total, self.evaluated, dict(self.discarded))
+
+    def restore(self, snapshot: Account) -> None:
+        """As it was: what was counted since counts no more."""
+        self.total, self.evaluated, self.discarded = snapshot.total, snapshot.evaluated, dict(snapshot.discarded)
+
+    def leave_the_rest(self) -> None:
+        """Count all that is not accounted for as not reached."""
+        self.discarded.pop(NOT_REACHED, None)
+        self.charge(NOT_REACHED, self.total - self.evaluated - sum(self.discarded.values()))
 
     def adds_up(self) -> bool:
         """Whether every combination is accounted for once."""

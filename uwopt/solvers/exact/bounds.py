@@ -105,6 +105,7 @@ class NodeBounds:
     snr_db: Array
     rule: Array
     information: Array | float = np.inf  # bit/m2, worst scene
+    contrast: Array | float = 1.0
 
     @staticmethod
     def none(n: int) -> NodeBounds:
@@ -118,7 +119,7 @@ class NodeBounds:
         inf = np.full(n, np.inf)
         lowest = np.full(n, -np.inf)
         power, mean_power, cost, mass = (inf.copy() for _ in range(4))
-        return NodeBounds(inf, power, mean_power, cost, mass, lowest, np.zeros(n, int), lowest.copy())
+        return NodeBounds(inf, power, mean_power, cost, mass, lowest, np.zeros(n, int), lowest.copy(), np.zeros(n))
 
     def with_rows(self, index: Array, other: NodeBounds) -> NodeBounds:
         """With the bounds of others in these rows."""
@@ -142,6 +143,16 @@ class NodeBounds:
             np.maximum(self.snr_db, other.snr_db),
             rule,
             np.maximum(self.information, other.information),
+            np.maximum(self.contrast, other.contrast),
+        )
+
+    def terms(self, rows: Array, gsd_mm: Array) -> Terms:
+        """The best of each term at some rows, of which the pixels are these."""
+        information, contrast = (
+            np.broadcast_to(each, len(self.value))[rows] for each in (self.information, self.contrast)
+        )
+        return Terms(
+            self.power[rows], self.cost[rows], self.mass[rows], self.snr_db[rows], gsd_mm, contrast, information
         )
 
 
@@ -530,7 +541,7 @@ class Bounds:
         if self.coupled:  # no light keeps within both budgets
             rule = np.where((rule < 0) & ~np.isfinite(value), NODE_RULES.index("power_w"), rule)
         value = np.where(rule >= 0, np.inf, value)
-        return replace(bounds, value=value, rule=rule)
+        return replace(bounds, value=value, rule=rule, contrast=contrast)
 
     def _signal_bound(self, scene_index: int, lighting: Lighting, rows: Array) -> Array:
         """Upper bounds of electrons per lm s at the farthest and the nominal altitude, (n, 2)."""

@@ -1,27 +1,30 @@
-"""The exact search of a large catalogue: pairs of camera and lens are bounded before their ports are tried.
+"""The tree above the imagers of a large catalogue: pairs of camera and lens, behind groups of ports.
 
-Pairs are taken in order of what they cost without any port or light. Each is bounded behind groups of ports,
-the groups are split where the bound does not settle them, and the imagers that are left are searched as those
-of a small catalogue, best bound first. Every combination is still counted once, by the rule that discards it.
+Pairs are taken in order of what they are at best without any port or light. Each is bounded behind groups of ports,
+the groups are split where the bound does not settle them, and the imagers that are left are handed to whoever
+searches, best bound first. Every combination is counted once, by the rule that discards it. What can matter is for a
+`Goal` to say: a search for one optimum and one for a front take the same way.
 """
 
 from __future__ import annotations
 
 import time
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import Deadline
+from uwopt.forward.problem import Problem
 from uwopt.forward.views import CORNERS_REACH, edge_m
 from uwopt.model.imaging import FARTHEST
-from uwopt.objectives.objective import Terms
+from uwopt.objectives.objective import Objective, Terms
+from uwopt.solvers.exact.account import Account, snr_ceiling
 from uwopt.solvers.exact.bounds import NODE_RULES, Bounds
+from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.imagers import (
     SAMPLES,
     FittingPairs,
-    Imagers,
     PortBlock,
     imagers_behind,
     joined,
@@ -31,88 +34,72 @@ from uwopt.solvers.exact.imagers import (
 from uwopt.solvers.exact.light_tables import FieldTables, Rectangles
 from uwopt.solvers.exact.oblique import PlaneReach, deepest_m
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables, port_tree
-from uwopt.solvers.exact.ranking import Found, Ranking
-from uwopt.solvers.exact.screen import pair_rules
-from uwopt.solvers.exact.signals import SignalTables
 from uwopt.tolerances import COARSE_ROUND
-
-if TYPE_CHECKING:
-    from uwopt.solvers.exact.account import Outcome
-    from uwopt.solvers.exact.search import Search
 
 Array = NDArray[Any]
 FIRST_PAIRS, LARGEST_PAIRS = 512, 32768  # that are bounded together
 MOST_ROWS = 65536  # rows of an outline that are bounded together
 MOST_PENDING = 50_000  # imagers that wait for their search
 FIRST_LEAVES, LARGEST_LEAVES = 256, 16384  # imagers that are searched together
-FIRST_NODES, LARGEST_NODES = 8, 2048  # that are evaluated together once their light is known
-MOST_PAIRS = 500_000  # imagers times lights that are bounded together
 MOST_SAMPLES = 1024  # discarded imagers remembered per rule, for an audit
-TAKEN = 1.0 + 1e-12  # of a threshold: outlines are summed in another order
 
 
-class LargeSearch:
-    """State of one search of a large catalogue, on top of the search that evaluates."""
+class Goal(Protocol):
+    """What a search of a large catalogue looks for."""
 
-    def __init__(self, search: Search, pairs: FittingPairs):
-        from uwopt.solvers.exact.account import snr_ceiling
+    def ideals(self, terms: Terms) -> Array:
+        """What designs are at best, by the best of each term, (n, n_objectives); less is better."""
 
-        self.search, self.problem, self.pairs = search, search.problem, pairs
-        self.snr_ceiling = snr_ceiling(search.objective)
-        self.levels = [Level(self.problem, groups) for groups in port_tree(self.problem)]
-        self.n_port, self.orientations = len(self.problem.parts.ports), landscapes(self.problem)
-        low, high = self.problem.count_range
-        self.every = len(self.problem.parts.lights) * (high - low + 1) * len(self.problem.mounts)
-        self.pending: list[tuple[OutlineRows, Array]] = []  # imagers with their bounds
+    def beaten(self, ideals: Array) -> Array:
+        """Which of them cannot matter any more, (n,)."""
+
+    def order(self, ideals: Array) -> Array:
+        """Their places, those to look at first before the others."""
+
+    def search(self, candidates: Candidates) -> bool:
+        """Search among imagers; False when time ran out."""
+
+
+class PairTree:
+    """Pairs of camera and lens behind groups of ports, and how far they are searched."""
+
+    def __init__(
+        self, problem: Problem, objective: Objective, pairs: FittingPairs, goal: Goal, account: Account, *,
+        lights: Array | None = None,
+    ):  # fmt: skip
+        """`account` is charged with what is discarded here; `lights` marks those that are searched."""
+        self.problem, self.objective, self.pairs, self.goal, self.account = problem, objective, pairs, goal, account
+        self.levels = [Level(problem, groups) for groups in port_tree(problem)]
+        self.n_port, self.orientations = len(problem.parts.ports), landscapes(problem)
+        low, high = problem.count_range
+        self.every = len(problem.parts.lights) * (high - low + 1) * len(problem.mounts)
         self.samples = pairs.samples
+        self.pending: list[tuple[OutlineRows, Array]] = []  # imagers with their ideals
+        self.left = np.arange(len(pairs.camera))  # pairs that are not taken yet, in their order
         self.outline_s = 0.0
-
-    # ------------------------------------------------------------ run
-
-    def run(self) -> Outcome:
-        """Bound, split, search; see the module's docstring."""
-        from uwopt.solvers.exact.account import Outcome
-
-        search, start = self.search, time.perf_counter()
-        search.sift = self._sift
-        self._start_account()
-        self._tabulate()
-        lower, complete = self._by_pairs()
-        self._keep_winners()
-        search.progress(1.0, "done")
-        timing = {
-            "imagers": self.outline_s, "bounds": search.bounds_s,
-            "evaluation": time.perf_counter() - start - self.outline_s - search.bounds_s,
-        }  # fmt: skip
-        return Outcome(
-            search.ranking.best, search.account, lower, complete, search.imagers, search.tables, timing,
-            search.interrupted,
-        )  # fmt: skip
-
-    def _start_account(self) -> None:
-        """Every combination of the parts, and the pairs that do not fit."""
-        account, parts = self.search.account, self.problem.parts
-        account.total = (
-            len(parts.cameras) * len(parts.lenses) * self.n_port * len(self.orientations)
-            * len(self.problem.parts.lights) * (self.problem.count_range[1] - self.problem.count_range[0] + 1)
-            * len(self.problem.mounts)
-        )  # fmt: skip
-        for rule, count in self.pairs.discarded.items():
-            account.discarded[rule] += count * self.every
-
-    def _tabulate(self) -> None:
-        """Tables that reach as far as any image; the lights' tables serve all that is bounded."""
-        search, problem = self.search, self.problem
         none = joined(problem, [], {}, self.samples)
-        self.like = FieldTables(
+        tables = FieldTables(
             problem, none, widest_m=[CORNERS_REACH * self._farthest_m(i) for i in range(len(problem.scenes))]
         )
         for index, scene in enumerate(problem.scenes):
             for altitude in {scene.nominal, len(scene.range_m) - 1}:
-                self.like.set_widest(index, altitude, self._widest(index, altitude))
-        self.bounds = Bounds(search.objective, none, self.like, lights=search.only.get("light"), coupled=True)
-        search.ranking = Ranking(problem, none, top=search.top, ceiling=search.ceiling)
-        self._hand_over(none)
+                tables.set_widest(index, altitude, self._widest(index, altitude))
+        bounds = Bounds(objective, none, tables, lights=lights, coupled=True)
+        self.none = Candidates(none, tables, bounds, np.empty(0, bool))  # its tables of lights serve all others
+        self.floors = goal.ideals(self.floor_terms())
+
+    @property
+    def _sizes(self) -> int:
+        """How many lights, numbers and mounts an imager comes with."""
+        return sum(len(table.light) for table in self.none.bounds.light_tables)
+
+    def open_account(self) -> None:
+        """Every combination of the parts, and the pairs that do not fit."""
+        parts = self.problem.parts
+        pairs = len(parts.cameras) * len(parts.lenses)
+        self.account.total = pairs * self.n_port * len(self.orientations) * self.every
+        for rule, count in self.pairs.discarded.items():
+            self.account.charge(rule, count * self.every)
 
     def _farthest_m(self, scene_index: int) -> float:
         """No such image reaches farther from the axis; of a tilted plane from the port."""
@@ -171,110 +158,64 @@ class LargeSearch:
             self.pairs.camera[pairs], self.pairs.lens[pairs], np.full(n, landscape), np.full(n, group)
         )
 
-    def _hand_over(self, imagers: Imagers) -> None:
-        """Make these the imagers that the search evaluates."""
-        search, problem = self.search, self.problem
-        search.imagers = search.ranking.imagers = imagers
-        search.tables = FieldTables(problem, imagers, like=self.like)
-        search.bounds = Bounds(
-            search.objective, imagers, search.tables, lights=search.only.get("light"), coupled=True,
-            like=self.bounds,
-        )  # fmt: skip
-        search.motorised = problem.lenses.motorised[imagers.lens]
-        self.signal_bounds = Bounds(
-            search.objective, imagers, SignalTables(problem, imagers, like=self.like),
-            lights=search.only.get("light"), coupled=True, like=self.bounds,
-        )  # fmt: skip
-
     # ------------------------------------------------------------ pairs
 
-    def _by_pairs(self) -> tuple[float, bool]:
-        """Take pairs in order of what they cost without light, until none can beat the best."""
-        search, floor = self.search, self._floors()
-        order = np.argsort(floor, kind="stable")
-        position, chunk = 0, FIRST_PAIRS
-        while position < len(order):
-            pairs = order[position : position + chunk]
-            if floor[pairs[0]] > search.ranking.threshold() * TAKEN:
+    def search(self, deadline: Deadline) -> bool:
+        """Take all pairs that may matter; False when time ran out. Interrupted, it stays as it was before the step."""
+        self.left, chunk = self.goal.order(self.floors), FIRST_PAIRS
+        while len(self.left):
+            self._close_beaten()
+            pairs, rest = self.left[:chunk], self.left[chunk:]
+            if len(pairs) == 0:
                 break
-            before, waiting = self._snapshot(), list(self.pending)
+            if deadline.passed():
+                return False
+            before, waiting = self.account.snapshot(), list(self.pending)
             try:
-                if search.deadline.passed():
-                    return self._cut_short(float(floor[pairs[0]]))
                 self._outline(pairs)
-                position += len(pairs)
-                full = sum(len(rows) for rows, _ in self.pending) > MOST_PENDING
-                if chunk == FIRST_PAIRS or full or position >= len(order):
-                    before, waiting = self._snapshot(), []
-                    if not self._search_pending():
-                        return self._cut_short(float(floor[order[position:]].min(initial=np.inf)))
             except KeyboardInterrupt:
-                search.interrupted = True
-                self._restore(before)
-                self.pending = waiting or self.pending
-                return self._cut_short(float(floor[pairs[0]]))
+                self.account.restore(before)
+                self.pending = waiting
+                raise
+            self.left = rest
+            full = sum(len(rows) for rows, _ in self.pending) > MOST_PENDING
+            if (chunk == FIRST_PAIRS or full or not len(rest)) and not self._search_pending():
+                return False
             chunk = min(2 * chunk, LARGEST_PAIRS)
-            search.progress(0.1 + 0.9 * position / len(order), "search")
-        self._close_pairs(order[position:])
-        before = self._snapshot()
-        try:
-            finished = self._search_pending()
-        except KeyboardInterrupt:
-            search.interrupted, finished = True, False
-            self._restore(before)
-        if not finished:
-            return self._cut_short(np.inf)
-        best = search.ranking.best[0].minimised if search.ranking.best else search.ceiling
-        return min(best, search.open_gap_bound), True
+        return self._search_pending()
 
-    def _snapshot(self) -> tuple[int, dict[str, int]]:
-        return self.search.account.evaluated, dict(self.search.account.discarded)
+    def open_ideals(self) -> Array:
+        """What is not searched yet could be at best, (n, n_objectives)."""
+        return np.concatenate([self.floors[self.left], *(ideals for _, ideals in self.pending)])
 
-    def _restore(self, snapshot: tuple[int, dict[str, int]]) -> None:
-        self.search.account.evaluated, self.search.account.discarded = snapshot
-
-    def _cut_short(self, lowest: float) -> tuple[float, bool]:
-        """Account for what was not reached when time ran out, and the bound that is left."""
-        search, account = self.search, self.search.account
-        account.discarded.pop("not_reached", None)
-        left = account.total - account.evaluated - sum(account.discarded.values())
-        account.discarded["not_reached"] = left
-        lowest = min([lowest, *(float(value.min(initial=np.inf)) for _, value in self.pending)])
-        best = search.ranking.best[0].minimised if search.ranking.best else np.inf
-        return min(lowest, best, search.open_gap_bound), False
-
-    def _floors(self) -> Array:
-        """What each pair costs at least: no light, the cheapest port, the smallest pixel."""
+    def floor_terms(self) -> Terms:
+        """What each pair is at best: no light, the cheapest port, the smallest pixel."""
         problem, pairs, level = self.problem, self.pairs, self.levels[0]
         cameras, lenses, ports = problem.cameras, problem.lenses, problem.ports
         count, (extra_cost, extra_mass, _) = problem.mission.vehicle.camera_count, problem.extras
-        gsd_mm = np.full(len(pairs.camera), np.inf)
+        every, gsd_mm = np.arange(len(pairs.camera)), np.full(len(pairs.camera), np.inf)
         for group in range(len(level.groups.start)):
-            rows = self._rows(np.arange(len(pairs.camera)), group, landscape=True)
-            turned = self._rows(np.arange(len(pairs.camera)), group, landscape=False)
+            turned = [self._rows(every, group, landscape=landscape) for landscape in (True, False)]
             worst_m = np.max([
-                np.minimum(*(level.gsd_m(index, one)[:, 1] for one in (rows, turned)))
-                for index in range(len(problem.scenes))
+                np.minimum(*(level.gsd_m(index, one)[:, 1] for one in turned)) for index in range(len(problem.scenes))
             ], axis=0)  # fmt: skip
             gsd_mm = np.minimum(gsd_mm, worst_m * 1e3)
         cost = cameras.price[pairs.camera] + lenses.price[pairs.lens] + ports.price.min()
         mass = cameras.mass_kg[pairs.camera] + lenses.mass_kg[pairs.lens] + ports.mass_kg.min()
-        information = np.inf if self.search.objective.weight("information") else 0.0
-        return self.search.objective.cost_to_minimise(
-            Terms(
-                problem.least_camera_power_w(cameras)[pairs.camera], count * cost + extra_cost,
-                count * mass + extra_mass, np.full(len(pairs.camera), self.snr_ceiling), gsd_mm, 1.0, information,
-            )
+        information = np.full(len(every), np.inf if self.objective.weight("information") else 0.0)
+        return Terms(
+            problem.least_camera_power_w(cameras)[pairs.camera], count * cost + extra_cost, count * mass + extra_mass,
+            np.full(len(every), snr_ceiling(self.objective)), gsd_mm, np.ones(len(every)), information,
         )  # fmt: skip
 
-    def _close_pairs(self, pairs: Array) -> None:
-        """Pairs that cannot beat the best."""
-        if len(pairs) == 0:
-            return
-        sizes = sum(len(table.light) for table in self.bounds.light_tables)
-        self.search.account.discarded["bound"] += len(pairs) * self.n_port * len(self.orientations) * sizes
-        rows = self._rows(pairs, 0, landscape=self.orientations[0])
-        self._remember("bound", self.levels[0], rows, np.arange(len(rows)))
+    def _close_beaten(self) -> None:
+        """Pairs that cannot matter."""
+        beaten = self.goal.beaten(self.floors[self.left])
+        pairs, self.left = self.left[beaten], self.left[~beaten]
+        if len(pairs):
+            self.account.charge("bound", len(pairs) * self.n_port * len(self.orientations) * self._sizes)
+            rows = self._rows(pairs, 0, landscape=self.orientations[0])
+            self._remember("bound", self.levels[0], rows, np.arange(len(rows)))
 
     def _remember(self, rule: str, level: Level, rows: OutlineRows, discarded: Array) -> None:
         """Some of what a rule discards, for an audit: the first port of each group."""
@@ -307,13 +248,13 @@ class LargeSearch:
         level = self.levels[depth]
         for begin in range(0, len(rows), MOST_ROWS):
             some = rows.take(np.arange(begin, min(begin + MOST_ROWS, len(rows))))
-            left, value = self._bounded(level, some)
+            left, ideals = self._bounded(level, some)
             if len(left) == 0:
                 continue
             if depth + 1 < len(self.levels):
                 self._descend(depth + 1, self._split(depth, left))
             else:
-                self.pending.append((left, value))
+                self.pending.append((left, ideals))
 
     def _split(self, depth: int, rows: OutlineRows) -> OutlineRows:
         """The same rows behind the parts of their groups."""
@@ -326,82 +267,78 @@ class LargeSearch:
         return OutlineRows(children.camera, children.lens, children.landscape, first[children.group] + within)
 
     def _bounded(self, level: Level, rows: OutlineRows) -> tuple[OutlineRows, Array]:
-        """The rows that may hold the best, with their bounds; the others are counted by what discards them."""
-        account, objective = self.search.account, self.search.objective
-        imagers, size = level.imagers(rows), level.groups.size[rows.group]
+        """The rows that may matter, with their ideals; the others are counted by what discards them."""
+        account, imagers, size = self.account, level.imagers(rows), level.groups.size[rows.group]
         alive = np.ones(len(rows), bool)
         for rule, passes in level.rules(rows, imagers):
             failed = np.nonzero(alive & ~passes)[0]
-            account.discarded[rule] += int(size[failed].sum()) * self.every
+            account.charge(rule, int(size[failed].sum()) * self.every)
             self._remember(rule, level, rows, failed)
             alive &= passes
         index = np.nonzero(alive)[0]
         if len(index) == 0:
-            return rows.take(index), np.empty(0)
-        tables = OutlineTables(level, rows, imagers, self.like)
-        bounds = Bounds(
-            objective, imagers, tables, lights=self.search.only.get("light"), coupled=True,
-            like=self.bounds,
-        )  # fmt: skip
-        value, rules = np.full(len(index), np.inf), []
+            return rows.take(index), self.floors[:0]
+        own = self.none.bounds
+        tables = OutlineTables(level, rows, imagers, self.none.tables)
+        bounds = Bounds(self.objective, imagers, tables, lights=own.searched, coupled=True, like=own)
+        best, rules = np.full((len(index), self.floors.shape[1]), np.inf), []
+        open_ = np.zeros(len(index), bool)
         for k in range(len(tables.lightings)):
             node = bounds.of_nodes(k, index)
-            value = np.minimum(value, np.where(node.rule >= 0, np.inf, node.value))
+            able = np.flatnonzero((node.rule < 0) & np.isfinite(node.value))
+            ideals = self.goal.ideals(node.terms(able, imagers.gsd_mm[index[able]]))
+            matters = ~self.goal.beaten(ideals)
+            open_[able[matters]] = True
+            best[able[matters]] = np.minimum(best[able[matters]], ideals[matters])
             rules.append(node.rule.astype(np.int8))
-        open_ = np.isfinite(value) & (value <= self.search.ranking.threshold() * TAKEN)
         closed = np.nonzero(~open_)[0]
         for k, found in enumerate(rules):
-            lights = len(self.bounds.light_tables[k].light)
-            weights = size[index[closed]] * lights
+            weights = size[index[closed]] * len(own.light_tables[k].light)
             for number, name in enumerate(NODE_RULES):
                 mine = found[closed] == number
-                account.discarded[name] += int(weights[mine].sum())
+                account.charge(name, int(weights[mine].sum()))
                 if k == 0:
                     self._remember(name, level, rows, index[closed[mine]])
-            account.discarded["bound"] += int(weights[found[closed] < 0].sum())
-        return rows.take(index[open_]), value[open_]
+            account.charge("bound", int(weights[found[closed] < 0].sum()))
+        return rows.take(index[open_]), best[open_]
 
     # ------------------------------------------------------------ imagers
 
     def _search_pending(self) -> bool:
-        """Search the imagers that wait, best bound first; False when time ran out before the end."""
+        """Search the imagers that wait, best first; False when time ran out before the end."""
         if not self.pending:
             return True
-        search, level = self.search, self.levels[-1]
-        rows = OutlineRows.joined([rows for rows, _ in self.pending])
-        value = np.concatenate([value for _, value in self.pending])
-        order = np.argsort(value, kind="stable")
-        rows, value = rows.take(order), value[order]
-        sizes = sum(len(table.light) for table in self.bounds.light_tables)
-        position, batch = 0, FIRST_LEAVES
-        each = max(1, int(level.groups.size.mean()))  # ports behind a row
-        while position < len(rows):
-            self.pending = [(rows.take(np.arange(position, len(rows))), value[position:])]
-            ahead = np.arange(position, min(position + max(1, batch // each), len(rows)))
-            if value[position] > search.ranking.threshold() * TAKEN:
-                rest = np.arange(position, len(rows))
-                search.account.discarded["bound"] += int(level.groups.size[rows.group[rest]].sum()) * sizes
-                self._remember("bound", level, rows, rest)
-                break
-            before = self._snapshot()
+        level = self.levels[-1]
+        rows = OutlineRows.joined([waiting for waiting, _ in self.pending])
+        ideals = np.concatenate([each for _, each in self.pending])
+        batch, each = FIRST_LEAVES, max(1, int(level.groups.size.mean()))  # ports behind a row
+        order = self.goal.order(ideals)
+        rows, ideals = rows.take(order), ideals[order]
+        while True:
+            beaten = self.goal.beaten(ideals)
+            lost = np.flatnonzero(beaten)
+            self.account.charge("bound", int(level.groups.size[rows.group[lost]].sum()) * self._sizes)
+            self._remember("bound", level, rows, lost)
+            rows, ideals = rows.take(~beaten), ideals[~beaten]
+            self.pending = [(rows, ideals)] if len(rows) else []
+            if len(rows) == 0:
+                return True
+            ahead = slice(max(1, batch // each))
+            before = self.account.snapshot()
             try:
-                finished = self._search_imagers(rows.take(ahead))
+                candidates = self.candidates(rows.take(ahead))
+                if len(candidates.imagers) and not self.goal.search(candidates):
+                    return False
             except KeyboardInterrupt:
-                self._restore(before)
+                self.account.restore(before)
                 raise
-            if not finished:
-                return False
-            position += len(ahead)
+            rows, ideals = rows.take(slice(ahead.stop, None)), ideals[ahead.stop :]
             batch = min(4 * batch, LARGEST_LEAVES)
-        self.pending = []
-        return True
 
-    def _search_imagers(self, rows: OutlineRows) -> bool:
-        """Search these imagers as those of a small catalogue; False when time ran out."""
-        search = self.search
+    def candidates(self, rows: OutlineRows) -> Candidates:
+        """The imagers behind the ports of these rows that pass all rules."""
         blocks: list[PortBlock] = []
-        groups = self.levels[-1].groups
-        discarded = dict.fromkeys(search.account.discarded, 0)
+        groups, discarded = self.levels[-1].groups, dict.fromkeys(self.account.discarded, 0)
         for number in np.unique(rows.group):
             alike = groups.order[groups.start[number] : groups.stop[number]]
             for landscape in self.orientations:
@@ -410,56 +347,5 @@ class LargeSearch:
                     self.problem, rows.camera[mine], rows.lens[mine], alike, landscape, discarded, self.samples
                 ))  # fmt: skip
         for rule, count in discarded.items():
-            search.account.discarded[rule] += count * self.every
-        imagers = joined(self.problem, blocks, {}, self.samples)
-        if len(imagers) == 0:
-            return True
-        self._hand_over(imagers)
-        left = search._best_first(np.arange(len(imagers)))
-        return left is None
-
-    def _sift(self, lighting_index: Array, imager: Array) -> None:
-        """Evaluate the nodes that may still be best when their light is known, best first; count the others."""
-        search, account = self.search, self.search.account
-        value = np.full(len(imager), np.inf)
-        for k in np.unique(lighting_index):
-            every = np.nonzero(lighting_index == k)[0]
-            step = max(1, MOST_PAIRS // len(self.bounds.light_tables[k].light))
-            for mine in (every[start : start + step] for start in range(0, len(every), step)):
-                node = self.signal_bounds.of_nodes(int(k), imager[mine])
-                limit_value = search.ranking.threshold() * TAKEN
-                rule, value[mine] = pair_rules(self.signal_bounds, int(k), imager[mine], node, limit_value)
-                closed = ~np.isfinite(value[mine])
-                lost, rows = rule[closed], imager[mine[closed]]
-                for number, name in enumerate(NODE_RULES):
-                    account.discarded[name] += int((lost == number).sum())
-                    nodes = np.nonzero((lost == number).any(axis=1))[0]
-                    search._sample(name, int(k) * len(rows) + nodes, rows)
-                account.discarded["bound"] += int((lost < 0).sum())  # what the node's own bound discards
-        sizes = np.array([len(table.light) for table in self.bounds.light_tables])
-        order = np.argsort(value, kind="stable")
-        order = order[np.isfinite(value[order])]
-        position, batch = 0, FIRST_NODES
-        while position < len(order):
-            ahead = order[position : position + batch]
-            useful = ahead[value[ahead] <= search.ranking.threshold() * TAKEN]
-            account.discarded["bound"] += int(sizes[lighting_index[ahead]].sum())
-            account.discarded["bound"] -= int(sizes[lighting_index[useful]].sum())
-            search.evaluate_nodes(lighting_index[useful], imager[useful])
-            position += len(ahead)
-            batch = min(4 * batch, LARGEST_NODES)
-
-    def _keep_winners(self) -> None:
-        """Leave the search with the imagers of the best designs alone."""
-        search = self.search
-        blocks: list[PortBlock] = []
-        places: list[Found] = []
-        for found in search.ranking.best:
-            one = imagers_behind(
-                self.problem, np.array([found.camera]), np.array([found.lens]), np.array([found.port]), found.landscape,
-                dict.fromkeys(search.account.discarded, 0), {},
-            )  # fmt: skip
-            places.append(replace(found, imager=len(blocks)))
-            blocks += list(one)
-        search.ranking.best = places
-        self._hand_over(joined(self.problem, blocks, {}, self.samples))
+            self.account.charge(rule, count * self.every)
+        return self.none.others(joined(self.problem, blocks, {}, self.samples))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +58,12 @@ class Ranking:
     def __init__(self, problem: Problem, imagers: Imagers, *, top: int, ceiling: float):
         self.problem, self.imagers, self.top, self.ceiling = problem, imagers, top, ceiling
         self.best: list[Found] = []
+
+    def among(self, imagers: Imagers) -> Self:
+        """The same, for designs of other imagers to enter; what was found stays."""
+        made = copy(self)
+        made.imagers = imagers
+        return made
 
     def threshold(self) -> float:
         """The objective that a design must not exceed to matter: that of the last place, ties included."""

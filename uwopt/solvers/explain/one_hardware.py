@@ -14,8 +14,9 @@ from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import Imagers, limit
+from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.exact.search import NodeDesigns, Search
+from uwopt.solvers.exact.search import Search
 from uwopt.tolerances import ROUND
 
 KINDS = ("camera", "lens", "port", "light")

@@ -1,0 +1,51 @@
+"""What a search chooses from at a time: imagers with the tables and bounds of their light, as one value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.problem import Problem
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.bounds import Bounds
+from uwopt.solvers.exact.imagers import Imagers
+from uwopt.solvers.exact.light_tables import FieldTables
+from uwopt.solvers.exact.signals import SignalTables
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """Imagers under all lightings; of a large catalogue some of many, whose tables of lights are common to all."""
+
+    imagers: Imagers
+    tables: FieldTables
+    bounds: Bounds
+    motorised: Array  # whether the lens is
+    signal_bounds: Bounds | None = None  # with the light of each node integrated, where there are many more
+
+    @staticmethod
+    def of(problem: Problem, objective: Objective, imagers: Imagers, *, lights: Array | None = None) -> Candidates:
+        """All imagers of a small catalogue. `lights` marks those that are searched."""
+        tables = FieldTables(problem, imagers)
+        bounds = Bounds(objective, imagers, tables, lights=lights)
+        return Candidates(imagers, tables, bounds, motorised(problem, imagers))
+
+    def others(self, imagers: Imagers) -> Candidates:
+        """Other imagers of the same catalogue; their lights must meet what is left of the budgets together."""
+        problem, own = self.tables.problem, self.bounds
+        tables, signals = (kind(problem, imagers, like=self.tables) for kind in (FieldTables, SignalTables))
+        bounds, signal_bounds = (
+            Bounds(own.objective, imagers, made, lights=own.searched, coupled=True, like=own)
+            for made in (tables, signals)
+        )
+        return Candidates(imagers, tables, bounds, motorised(problem, imagers), signal_bounds)
+
+
+def motorised(problem: Problem, imagers: Imagers) -> Array:
+    """Whether each imager's lens is motorised."""
+    return problem.lenses.motorised[imagers.lens] if len(imagers) else np.empty(0, bool)

@@ -1,0 +1,200 @@
+"""Designs as rows of settings: what a search knows of the light and the limits of imagers under lights.
+
+Bounds look at the pixels that are likely to decide, without veils; what is solved, at all that count.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.deadline import Deadline
+from uwopt.forward.columns import rows_alike
+from uwopt.forward.floor_light import even_enough
+from uwopt.forward.lamp_light import LIKELY_PLACES, ImageLight, SunLight, Veils
+from uwopt.forward.lamp_views import keeps_clear, lamps_refused
+from uwopt.forward.problem import Problem
+from uwopt.forward.remembered import RememberedSunField
+from uwopt.forward.scene import Pixels
+from uwopt.forward.setting_rows import SceneRows, of_darkest_pixels, setting_rows
+from uwopt.forward.sharpness import SharpRows, sharpness_of
+from uwopt.forward.sun_light import sun_light
+from uwopt.model.image_mean import FRAME_MAY_MISS
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.candidates import Candidates
+from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.exact.node_designs import NodeDesigns
+
+Array = NDArray[Any]
+
+
+class DesignRows:
+    """The rows of designs of some candidates."""
+
+    def __init__(self, problem: Problem, objective: Objective, candidates: Candidates, deadline: Deadline):
+        self.problem, self.objective, self.deadline = problem, objective, deadline
+        self.imagers, self.tables, self.bounds = candidates.imagers, candidates.tables, candidates.bounds
+
+    def rows(
+        self, imager: Array, lights: list[ImageLight], light: Array, count: Array, lighting: Lighting, *,
+        optimistic: bool = False, stage: Veils = "none", with_rules: bool = True,
+    ) -> list[SceneRows]:  # fmt: skip
+        """The settings' view of these designs, by scene; `with_rules`: none for what no setting mends."""
+        result = []
+        for index, seen in enumerate(lights):
+            pixels = self.problem.scenes[index].pixels
+            unlit = optimistic and pixels == "frame" and self.bounds.is_sunlit(index) and self._are_unlit(light)
+            if unlit:  # the sun alone says which pixels are dark
+                likely = np.repeat(seen.signal_e[:, :, None], LIKELY_PLACES, axis=2)
+                seen = seen.with_pixels(ImageLight(seen.signal_e, worst_e=likely, may_miss=FRAME_MAY_MISS))
+            elif pixels is not None:
+                veils: Veils = "none" if optimistic else "all"
+                with_pixels = self._with_pixels
+                if optimistic and not self.bounds.is_sunlit(index):
+                    veils = stage
+                    with_pixels = self._with_pixels if stage == "likely" else self._with_likely_pixel
+                seen = with_pixels(index, imager, count, lighting, seen, veils=veils)
+            rows = setting_rows(
+                self.problem, index, camera=self.imagers.camera[imager], light=light, count=count,
+                focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
+                sun=self._sun(index, imager, count, lighting, pixels=pixels, few=unlit),
+                sharp=self._sharp(index, imager, lighting),
+            )  # fmt: skip
+            if optimistic:
+                rows = of_darkest_pixels(rows, LIKELY_PLACES)
+            if with_rules and not optimistic and self.has_rules(index):
+                kept = self.keep_rules_in(index, imager, light, count, lighting)
+                rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, -1.0))
+            result.append(replace(rows, optimistic=optimistic))
+        return result
+
+    def _are_unlit(self, light: Array) -> bool:
+        """Whether all of these lights stand for no lamp."""
+        return all(self.problem.unlit(int(one)) for one in np.unique(light))
+
+    def _sharp(self, scene_index: int, imager: Array, lighting: Lighting) -> SharpRows | None:
+        """What MTF and information depend on, where either is asked for."""
+        needs = self.problem.scenes[scene_index].view.requirements
+        if not needs.asks_sharpness and not self.objective.weight("information"):
+            return None
+        unique, back = np.unique(imager, return_inverse=True)
+        imagers, seen = self.imagers, self.imagers.scenes[scene_index]
+        return sharpness_of(
+            self.problem, scene_index, seen.view.take(unique), camera=imagers.camera[unique], lens=imagers.lens[unique],
+            port=imagers.port[unique], optics=lighting.optics,
+            dioptre_per_m=seen.focused.dioptre_per_m[unique],
+        ).take(back)  # fmt: skip
+
+    def _sun(
+        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, *, pixels: Pixels | None, few: bool
+    ) -> SunLight | None:
+        """The sun's light in these images; the pixels looked at depend on the number of lamps."""
+        parts = []
+        for number in np.unique(count) if pixels else [int(count.max(initial=1))]:
+            mine = np.nonzero(count == number)[0] if pixels else np.arange(len(count))
+            unique, back = np.unique(imager[mine], return_inverse=True)
+            sun = sun_light(
+                self.problem,
+                scene_index,
+                self.imagers.scenes[scene_index].view.take(unique),
+                self.imagers.camera[unique],
+                port_index=self.imagers.port[unique],
+                mount=lighting.mount,
+                count=int(number),
+                pixels=pixels,
+                few=few,
+                field_type=RememberedSunField,
+            )
+            if sun is None:
+                return None
+            alike = len(unique) == len(back) and bool((back == np.arange(len(back))).all())
+            parts.append((mine, sun if alike else sun.take(back)))
+        return parts[0][1] if len(parts) == 1 else SunLight.in_places(parts, len(count))
+
+    def has_rules(self, scene_index: int) -> bool:
+        """Whether one scene asks for even light, or for lamps out of the view."""
+        needs = self.problem.scenes[scene_index].view.requirements
+        return needs.min_uniformity is not None or lamps_refused(self.problem, scene_index)
+
+    def asks_of_image(self, scene_index: int) -> bool:
+        """Whether one scene asks for what takes integrals over the image beside its mean."""
+        return self.problem.scenes[scene_index].at_worst or self.has_rules(scene_index)
+
+    def keep_rules(self, pairs: NodeDesigns, lighting: Lighting) -> Array:
+        """Whether designs keep in all scenes the rules that no setting can mend: even light, no lamp in the view."""
+        kept, imager = np.ones(len(pairs.node), bool), pairs.imager[pairs.node]
+        for index in range(len(self.problem.scenes)):
+            if self.has_rules(index):
+                self.deadline.check()
+                kept &= self.keep_rules_in(index, imager, pairs.light, pairs.count, lighting)
+        return kept
+
+    def keep_rules_in(
+        self, scene_index: int, imager: Array, light: Array, count: Array, lighting: Lighting
+    ) -> Array:
+        """The same in one scene; no lamp is none in the view, and its light is even."""
+        wanted = self.problem.scenes[scene_index].view.requirements.min_uniformity
+        kept = np.array([self.problem.unlit(one) for one in range(len(self.problem.parts.lights))])[light]
+        for number in np.unique(count):
+            mine = np.nonzero((count == number) & ~kept)[0]
+            view = self.imagers.scenes[scene_index].view.take(imager[mine])
+            port = self.imagers.port[imager[mine]]
+            fine = np.ones(len(mine), bool)
+            lamps: dict[str, Any] = dict(mount=lighting.mount, count=int(number))
+            if lamps_refused(self.problem, scene_index):
+                fine = keeps_clear(self.problem, scene_index, view, port=port, **lamps)
+            if wanted is not None and fine.any():
+                fine[fine] = even_enough(
+                    self.problem, scene_index, view.take(fine), port=port[fine], optics=lighting.optics,
+                    wanted=wanted, deadline=self.deadline, **lamps,
+                )  # fmt: skip
+            kept[mine] = fine
+        return kept
+
+    def _with_likely_pixel(
+        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, seen: ImageLight, *, veils: Veils
+    ) -> ImageLight:  # fmt: skip
+        """With no less than the light at the pixel that decides, at all altitudes as at the farthest: for bounds."""
+        del veils
+        pixels = self.problem.scenes[scene_index].pixels
+        assert pixels is not None
+        most_e = np.empty(len(imager))
+        for number in np.unique(count):
+            mine = np.nonzero(count == number)[0]
+            unique, back = np.unique(imager[mine], return_inverse=True)
+            most_e[mine] = self.tables.likely_pixel(
+                scene_index, lighting, unique, count=int(number), pixels=pixels
+            )[back]
+        worst_e = np.broadcast_to(most_e[:, None, None], (*seen.signal_e.shape, 1))
+        return seen.with_pixels(ImageLight(seen.signal_e, worst_e=worst_e))
+
+    def _with_pixels(
+        self,
+        scene_index: int,
+        imager: Array,
+        count: Array,
+        lighting: Lighting,
+        seen: ImageLight,
+        *,
+        veils: Veils,
+    ) -> ImageLight:
+        """With the light at the pixels that the SNR is asked of: their share of each lamp depends on the number."""
+        first, back = rows_alike(imager, count)
+        parts = []
+        for number in np.unique(count):
+            mine = np.nonzero(count[first] == number)[0]
+            at = self.tables.exact(
+                scene_index,
+                lighting,
+                imager[first[mine]],
+                count=int(number),
+                pixels=self.problem.scenes[scene_index].pixels,
+                means=False,
+                veils=veils,
+                deadline=self.deadline,
+            )
+            parts.append((mine, at))
+        return seen.with_pixels(ImageLight.in_places(parts, len(first)).take(back))

@@ -1,0 +1,334 @@
+"""What a search does with nodes: their light, then their designs, bounded by what is known of it and solved.
+
+Veils, pixels and other integrals over the image are worked out for those that may still win, best bound first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.deadline import Deadline, UntilFound
+from uwopt.forward.columns import rows_alike
+from uwopt.forward.lamp_light import ImageLight, Veils
+from uwopt.forward.problem import Problem
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.objectives.objective import Objective, Terms
+from uwopt.solvers.exact.account import NOT_REACHED, Account, snr_ceiling
+from uwopt.solvers.exact.bounds import NODE_RULES, Bounds, LampChoices
+from uwopt.solvers.exact.candidates import Candidates
+from uwopt.solvers.exact.design_rows import DesignRows
+from uwopt.solvers.exact.imagers import Imagers, joined, limit
+from uwopt.solvers.exact.light_tables import FieldTables, Lighting
+from uwopt.solvers.exact.node_designs import FIRST_VEILS, LARGEST_VEILS, NodeDesigns, Waiting
+from uwopt.solvers.exact.ranking import Ranking
+from uwopt.solvers.settings.best import GAP, best_settings
+from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.solvers.settings.mean_limit import MeanLimit
+from uwopt.tolerances import ROUND, SLACK
+
+Array = NDArray[Any]
+MOST_ROWS_AT_ONCE = 60_000
+ROUGH_GAP = 1e-2  # of bounds over settings that are searched cell by cell
+
+
+class Evaluation:
+    """Nodes of some candidates, evaluated; and the best of all that were."""
+
+    def __init__(
+        self, problem: Problem, objective: Objective, *, top: int, deadline: Deadline, ceiling: float,
+        only: Mapping[str, Array] | None = None, enough: bool = False,
+    ):  # fmt: skip
+        """The keywords are those of `Search`."""
+        self.problem, self.objective, self.top, self.ceiling = problem, objective, max(1, top), ceiling
+        self.only, self.enough = only or {}, enough
+        self.deadline = UntilFound.of(deadline, lambda: bool(self.ranking.best)) if enough else deadline
+        self.ranking = Ranking(problem, joined(problem, [], {}, {}), top=self.top, ceiling=ceiling)
+        self.account = Account()
+        self.limits = problem.mission.limits
+        self.open_gap_bound = np.inf  # below which no settings get, where they are not optimal to rounding
+        self._waiting: list[Waiting] = []
+        self._patient = False  # designs wait while others have lower bounds
+
+    # ------------------------------------------------------------ candidates
+
+    def take_up(self, candidates: Candidates) -> None:
+        """Make these the candidates whose nodes are evaluated; the best that were found stay."""
+        self.candidates = candidates
+        self.design_rows = DesignRows(self.problem, self.objective, candidates, self.deadline)
+        self.ranking = self.ranking.among(candidates.imagers)
+
+    @property
+    def imagers(self) -> Imagers:
+        """Those of the candidates."""
+        return self.candidates.imagers
+
+    @property
+    def tables(self) -> FieldTables:
+        """Those of the candidates."""
+        return self.candidates.tables
+
+    @property
+    def bounds(self) -> Bounds:
+        """Those of the candidates."""
+        return self.candidates.bounds
+
+    @property
+    def motorised(self) -> Array:
+        """Whether each imager's lens is."""
+        return self.candidates.motorised
+
+    @property
+    def rows(self) -> Callable[..., list[SceneRows]]:
+        """Designs of the candidates as rows of settings; see `DesignRows.rows`."""
+        return self.design_rows.rows
+
+    # ------------------------------------------------------------ nodes
+
+    def evaluate_nodes(self, lighting_index: Array, imager: Array) -> None:
+        """Exact signal of these nodes, then all their lights and counts; the lighting of the first node first."""
+        keys, first = np.unique(lighting_index, return_index=True)
+        for k in keys[np.argsort(first)]:
+            rows = imager[lighting_index == k]
+            lighting, table = self.tables.lightings[k], self.bounds.light_tables[k]
+            lights = [
+                self.tables.exact(s, lighting, rows, veils="none", deadline=self.deadline)
+                for s in range(len(self.problem.scenes))
+            ]
+            step = max(1, MOST_ROWS_AT_ONCE // max(1, len(table.light)))
+            for start in range(0, len(rows), step):
+                part = np.arange(start, min(start + step, len(rows)))
+                self._evaluate_pairs(rows[part], [light.take(part) for light in lights], lighting, table)
+
+    def _evaluate_pairs(
+        self, imager: Array, lights: list[ImageLight], lighting: Lighting, table: LampChoices
+    ) -> None:
+        """Every (imager, light, count): drop what misses a limit or cannot win, solve the rest."""
+        n_light = len(table.light)
+        node = np.repeat(np.arange(len(imager)), n_light)
+        item = np.tile(np.arange(n_light), len(imager))
+        imagers, limits = self.imagers, self.limits
+        cost = imagers.cost[imager[node]] + table.cost[item]
+        mass = imagers.mass_kg[imager[node]] + table.mass_kg[item]
+        rule = np.full(len(node), -1)
+        limit_cost = imagers.limit_cost[imager[node]] + table.limit_cost[item]
+        rule = np.where(limit_cost > limit(limits.cost) * ROUND, NODE_RULES.index("cost"), rule)
+        rule = np.where(
+            (rule < 0) & (mass > limit(limits.mass_kg) * ROUND), NODE_RULES.index("mass_kg"), rule
+        )
+        floor = self.objective.cost_to_minimise(
+            Terms(
+                imagers.camera_power_w[imager[node]], cost, mass, np.full(len(node), snr_ceiling(self.objective)),
+                imagers.gsd_mm[imager[node]], 1.0, self.bounds.information_ceiling(imager)[node],
+            )
+        )  # fmt: skip
+        beaten = self.ranking.shut_out(floor, imagers.camera_power_w[imager[node]], cost, mass)
+        rule = np.where((rule < 0) & beaten, NODE_RULES.index("bound"), rule)
+        for index, name in enumerate(NODE_RULES):
+            self.account.charge(name, int((rule == index).sum()))
+        keep = np.nonzero(rule < 0)[0]
+        self.account.evaluated += len(keep)
+        if len(keep):
+            pairs = NodeDesigns(
+                imager, node[keep], table.light[item[keep]], table.count[item[keep]], cost[keep], mass[keep]
+            )
+            self._solve_pairs(pairs, lights, lighting)
+
+    def _solve_pairs(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
+        """Settings of these designs, and their place among the best.
+
+        Where there are veils, pixels or other integrals over the image, designs are bounded first as if there were
+        no veil and as if few pixels counted; the integrals are worked out for those that may still win, best bound
+        first.
+        """
+        veiled = self.problem.effects.veils
+        if not veiled and not any(self.design_rows.asks_of_image(index) for index in range(len(lights))):
+            self._rank(pairs, [light.take(pairs.node) for light in lights], lighting)
+            return
+        if any(self.bounds.is_sunlit(index) for index in range(len(lights))):  # bounds of settings cost more than rules
+            pairs = pairs.take(np.nonzero(self.design_rows.keep_rules(pairs, lighting))[0])
+            if len(pairs.node) == 0:
+                return
+        found, bound = 0, np.full(len(pairs.node), -np.inf)
+        stages = self._stages()
+        for stage in stages:
+            if stage in ("forward", "coarse"):
+                lights = self._with_veils(pairs.imager, lights, lighting, stage)
+            bound = np.maximum(bound, self._bound(pairs, lights, lighting, stage, closed_alone=stage != stages[-1]))
+            found = found or int(np.isfinite(bound).sum())
+            kept = np.nonzero(np.isfinite(bound) & ~self._beaten(pairs, bound))[0]
+            if len(kept) == 0:
+                break
+            used, back = np.unique(pairs.node[kept], return_inverse=True)
+            lights = [light.take(used) for light in lights]
+            pairs = replace(pairs.take(kept), imager=pairs.imager[used], node=back.reshape(-1))
+            bound = bound[kept]
+        solved = 0
+        if self._patient and len(kept):  # other nodes may hold better bounds
+            self._waiting.append(Waiting.of(pairs, bound, lights, lighting))
+        elif len(kept):
+            solved = self._solve_best_first(pairs, bound, lights, lighting)
+        self.account.evaluated -= found - solved
+        self.account.charge("bound", found - solved)
+
+    def _beaten(self, pairs: NodeDesigns, bound: Array) -> Array:
+        """Which of these designs, by lower bounds of their objective, get no place among the best."""
+        power, weight = self.imagers.camera_power_w[pairs.imager[pairs.node]], self.objective.weight("power")
+        if self.objective.single == "power" and weight:
+            power = np.maximum(power, bound / weight * (1.0 - 10.0 * SLACK))
+        return self.ranking.shut_out(bound, power, pairs.cost, pairs.mass_kg)
+
+    def _stages(self) -> tuple[Veils, ...]:
+        """What designs are bounded by, in turn; each costs more than the one before."""
+        if not self.problem.effects.veils:
+            return ("none",)
+        scenes = enumerate(self.problem.scenes)
+        veiled = any(s.pixels is not None and s.scatters and not self.bounds.is_sunlit(i) for i, s in scenes)
+        return ("none", "forward", "coarse", "likely") if veiled else ("none", "forward", "coarse")
+
+    def _bound(
+        self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting, stage: Veils, *, closed_alone: bool
+    ) -> Array:
+        """Lower bounds on the objective from the light known so far; inf: infeasible with any veil."""
+        seen = [light.take(pairs.node) for light in lights]
+        return self.solve(pairs, seen, lighting, optimistic=True, stage=stage, closed_alone=closed_alone)[0]
+
+    def _with_veils(
+        self, imager: Array, lights: list[ImageLight], lighting: Lighting, veils: Veils
+    ) -> list[ImageLight]:
+        """Further veils beside the light that is known, by scene; raises OutOfTimeError past the deadline."""
+        self.deadline.check()
+        return [
+            self.tables.exact(s, lighting, imager, known=light, veils=veils, deadline=self.deadline)
+            for s, light in enumerate(lights)
+        ]
+
+    def _solve_best_first(
+        self, pairs: NodeDesigns, bound: Array, lights: list[ImageLight], lighting: Lighting
+    ) -> int:
+        """Designs that may win, best bound first, with all their veils; how many were solved."""
+        order = np.lexsort((pairs.cost, bound))
+        nodes, first = np.unique(pairs.node[order], return_index=True)
+        order = nodes[np.argsort(first)]  # nodes by the best of their designs
+        batch, solved = FIRST_VEILS, 0
+        while len(order):
+            left = ~self._beaten(pairs, bound)
+            order = order[np.isin(order, pairs.node[left])]
+            nodes, order = order[:batch], order[batch:]
+            some = pairs.take(np.flatnonzero(left & np.isin(pairs.node, nodes)))
+            solved += len(some.node)
+            some = some.take(np.nonzero(self.design_rows.keep_rules(some, lighting))[0])
+            if len(some.node):
+                nodes, place = np.unique(some.node, return_inverse=True)
+                full = self._with_veils(
+                    pairs.imager[nodes], [light.take(nodes) for light in lights], lighting, "all"
+                )
+                self._rank(some, [light.take(place) for light in full], lighting)
+            batch = min(2 * batch, LARGEST_VEILS)
+        return solved
+
+    def _solve_waiting(self, until: float = np.inf) -> None:
+        """Solve what waits with all its veils, best bound first, as far as it may win and nothing else has less."""
+        while self._waiting:
+            first = min(self._waiting, key=lambda group: group.lowest)
+            most = min(until, self.ranking.threshold())
+            if first.lowest > most:
+                break
+            self.deadline.check()
+            nodes, group = first.taken(most)
+            some = first.pairs.take(np.isin(first.pairs.node, nodes) & (first.bound <= self.ranking.threshold()))
+            n_solved = len(some.node)
+            some = some.take(np.nonzero(self.design_rows.keep_rules(some, first.lighting))[0])
+            if n_solved and len(some.node):
+                used, place = np.unique(some.node, return_inverse=True)
+                lights = [light.take(used) for light in first.lights]
+                full = self._with_veils(first.pairs.imager[used], lights, first.lighting, "all")
+                self._rank(some, [light.take(place) for light in full], first.lighting)
+            self.account.evaluated += n_solved
+            self.account.charge("bound", -n_solved)
+            rest = [other for other in self._waiting if other is not first]
+            self._waiting = [*rest, *([group] if np.isfinite(group.lowest) else [])]
+        threshold = self.ranking.threshold()
+        self._waiting = [group for group in self._waiting if group.lowest <= threshold]
+
+    def _not_reached(self) -> float:
+        """Count what waits as not reached, as time is over; the least of its bounds."""
+        lowest, threshold = np.inf, self.ranking.threshold()
+        for group in self._waiting:
+            left = group.left() & (group.bound <= threshold)
+            self.account.charge("bound", -int(left.sum()))
+            self.account.charge(NOT_REACHED, int(left.sum()))
+            lowest = min(lowest, group.lowest)
+        self._waiting = []
+        return lowest
+
+    def _rank(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
+        """Solve these designs and put them in their place among the best."""
+        solved = self.solve(pairs, lights, lighting)
+        self.ranking.add(pairs.imager[pairs.node], pairs.light, pairs.count, lighting, *solved)
+
+    def solve(
+        self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting, *, optimistic: bool = False,
+        stage: Veils = "none", closed_alone: bool = False,
+    ) -> tuple[Array, Terms, list[Chosen], list[Array]]:  # fmt: skip
+        """Objective (inf where infeasible), its terms, settings and exposures of these designs.
+
+        `optimistic`: lower bounds for any veil that the lights may have, at this stage; `closed_alone` as in
+        `best_settings`. Raises OutOfTimeError past the deadline.
+        """
+        self.deadline.check()
+        imager, cost, mass = pairs.imager[pairs.node], pairs.cost, pairs.mass_kg
+        rows = self.rows(imager, lights, pairs.light, pairs.count, lighting, optimistic=optimistic, stage=stage)
+        motorised = self.motorised[imager]
+        camera_power = self.imagers.camera_power_w[imager]
+        fixed = Terms(camera_power, cost, mass, np.zeros(len(imager)), self.imagers.gsd_mm[imager])
+        hardware = rows_alike(imager, pairs.light)[1]
+        best = best_settings(
+            rows, motorised, self.objective, camera_power, self.problem.scene_power_limit_w,
+            gap_rel=ROUGH_GAP if optimistic else GAP, constant=self.objective.constant(fixed),
+            cutoff=self.ranking.threshold(), hardware=hardware, top=None if optimistic else self.top,
+            mean_limit=MeanLimit.of(self.problem), closed_alone=closed_alone,
+        )  # fmt: skip
+        chosen = best.chosen
+        power = camera_power + np.max([c.light_power_w for c in chosen], axis=0)
+        feasible = best.feasible & (power <= self.problem.scene_power_limit_w * ROUND)
+        if best.lower_bound is not None and not optimistic:
+            open_ = np.isfinite(best.lower_bound) & ~feasible & (best.lower_bound <= self.ranking.threshold())
+            hopeless = self._draw_too_much(rows, motorised, camera_power, np.flatnonzero(open_))
+            best = replace(best, lower_bound=np.where(hopeless, np.inf, best.lower_bound))
+        terms = Terms(
+            power, cost, mass, best.snr_db, self.imagers.gsd_mm[imager], best.contrast, best.information
+        )
+        with np.errstate(invalid="ignore"):
+            value = self.objective.cost_to_minimise(terms)
+        value = np.where(feasible & np.isfinite(value), value, np.inf)
+        exposure = [
+            r.exposure_s(c.time_s) if c.exposure_s is None else c.exposure_s
+            for r, c in zip(rows, chosen, strict=True)
+        ]
+        if best.lower_bound is not None:
+            if optimistic:
+                return best.lower_bound, terms, chosen, exposure
+            self.open_gap_bound = min(self.open_gap_bound, float(best.lower_bound.min(initial=np.inf)))
+        return value, terms, chosen, exposure
+
+    def _draw_too_much(
+        self, rows: list[SceneRows], motorised: Array, camera_power_w: Array, which: Array
+    ) -> Array:
+        """Which of some designs draw more than the limit at any settings, by a bound of their power alone, (n,)."""
+        hopeless, limit_w = np.zeros(len(motorised), bool), self.problem.scene_power_limit_w
+        if len(which) and np.isfinite(limit_w):
+            least = best_settings(
+                [r.take(which) for r in rows], motorised[which], Objective.of("power"), camera_power_w[which], limit_w,
+                constant=camera_power_w[which], cutoff=limit_w * ROUND, mean_limit=MeanLimit.of(self.problem),
+            )  # fmt: skip
+            if least.lower_bound is None:  # the least itself
+                least_w = camera_power_w[which] + np.max([c.light_power_w for c in least.chosen], axis=0)
+                hopeless[which] = least.feasible & (least_w > limit_w * ROUND)
+            else:
+                hopeless[which] = least.lower_bound > limit_w * ROUND
+        return hopeless
