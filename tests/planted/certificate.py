@@ -74,6 +74,20 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{CERTIFICATE}test_a_design_that_draws_too_much_leaves_no_gap",
     ),
     Defect(
+        name="points of a large front are designs of other imagers",
+        file="uwopt/solvers/front/search.py",
+        old="at = begin + np.searchsorted(used, curves.some.imager)",
+        new="at = np.searchsorted(used, curves.some.imager)",
+        test="tests/solvers/test_large.py::test_the_front_of_a_large_catalogue_is_that_of_a_small_one",
+    ),
+    Defect(
+        name="pairs are left out of a front that are cheap or thrifty alone",
+        file="uwopt/solvers/front/large.py",
+        old="return self.archive.beats(ideals)",
+        new="return self.archive.beats(ideals * np.where(ideals > 0.0, 1.3, 1.0))",
+        test="tests/solvers/test_large.py::test_the_front_of_a_large_catalogue_is_that_of_a_small_one",
+    ),
+    Defect(
         name="a search out of time has no bound",
         file="uwopt/solvers/exact/search.py",
         old="return float(value[rest].min(initial=np.inf))",

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
+import front_cases
 import numpy as np
 import pytest
 from random_cases import CHOSEN, FEW, Case, case, lamp, planted
@@ -12,6 +14,7 @@ from thorough import drawn
 from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
+from uwopt.objectives.dominance import hypervolume
 from uwopt.solvers.exact import bounds, large, outline
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
@@ -21,6 +24,8 @@ from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.imagers import enumerate_imagers
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineScene, port_tree
 from uwopt.solvers.exact.search import Search
+from uwopt.solvers.front.designs import found_of
+from uwopt.solvers.front.search import Front, FrontSearch
 
 
 @pytest.fixture(autouse=True)
@@ -108,6 +113,64 @@ def test_account_adds_up_when_interrupted(seed: int, calls: int, monkeypatch: py
     if full.best:
         best = full.best[0].minimised
         assert outcome.lower_bound <= best + 1e-9 * abs(best)
+
+
+# ---------------------------------------------------------------- fronts
+
+FRONTS = (
+    (3, ("power", "cost")), (7, ("power", "mass", "gsd_mm")), (22, ("power", "cost")), (24, ("cost", "snr_db")),
+    ("steps", ("power", "cost", "snr_db")), ("counts and mounts", ("power", "cost", "snr_db")),
+    (7, ("power", "contrast", "cost")),
+)  # fmt: skip
+
+
+def small_front(case_: Any, names: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> Front:
+    """The same front by the search of small catalogues."""
+    with monkeypatch.context() as small:
+        small.setattr(exact_search, "MOST_IMAGERS", 10**9)
+        return front_cases.searched(case_, names)[1]
+
+
+@pytest.mark.parametrize(("key", "names"), FRONTS)
+def test_the_front_of_a_large_catalogue_is_that_of_a_small_one(
+    key: int | str, names: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Point by point, every combination counted once, and each point a design with those values."""
+    case_ = front_cases.case_of(key)
+    small = small_front(case_, names, monkeypatch)
+    search, front = front_cases.searched(case_, names)
+    assert front.complete and sum(front.account.values()) == front_cases.combinations(search.problem)
+    one, other = (found.values[np.lexsort(found.values.T[::-1])] for found in (front, small))
+    assert len(one) and one == pytest.approx(other, rel=1e-9)
+    for place, values in enumerate(front.values):
+        found = found_of(search.search, front, place)
+        own = {"power": found.power_w, "cost": found.cost, "mass": found.mass_kg}
+        for name, value in zip(names, values, strict=True):
+            assert own.get(name, value) == pytest.approx(value, rel=1e-9)
+
+
+@pytest.mark.parametrize("calls", [0, 1, 3])
+def test_a_large_front_that_is_interrupted_leaves_what_it_may_miss(
+    calls: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C before a wave: nothing is counted twice, and what is left keeps the bound of the volume above it all."""
+    case_, names = front_cases.case_of("counts and mounts"), ("power", "cost")
+    honest, made = FrontSearch._take, []
+
+    def stopping(self: FrontSearch, *given: Any) -> bool:
+        if len(made) == calls:
+            raise KeyboardInterrupt
+        made.append(1)
+        return honest(self, *given)
+
+    small = small_front(case_, names, monkeypatch)
+    monkeypatch.setattr(FrontSearch, "_take", stopping)
+    search, front = front_cases.searched(case_, names)
+    assert front.interrupted == (not front.complete)
+    assert sum(front.account.values()) == front_cases.combinations(search.problem)
+    if front.interrupted and len(front.values):
+        assert front.frame is not None
+        assert front.hypervolume_bound >= hypervolume(small.values, front.frame) - 1e-9
 
 
 # ---------------------------------------------------------------- what was wrong once

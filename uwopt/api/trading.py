@@ -184,6 +184,7 @@ class ParetoCall:
             else list(axes.names)
         )
         self.deadline, self.seed, self.left_out = deadline, seed, ""
+        self.alone = False  # of a catalogue too large for solvers that choose among all of its imagers
         self.figures_s = min(FIGURES_SHARE * deadline.left_s, FIGURES_S)
         self.progress = progress or (lambda share, what: None)
 
@@ -212,13 +213,13 @@ class ParetoCall:
                     progress=lambda share, what: self.progress(0.5 * share, what),
                 )  # fmt: skip
                 front = made.run()
-            search = made.search
+            search, self.alone = made.search, bool(made.kept)
         peers: list[Any] = []
         if search is None:
             search = Search(problem, self.builtin, top=1)
             with timed(timing, "tables"):
                 search.prepare()
-        halted = front is not None and (front.interrupted or not len(front.values))
+        halted = self.alone or (front is not None and (front.interrupted or not len(front.values)))
         waiting = [] if halted else [name for name in solvers if name != EXACT]
         cut = ""
         for place, name in enumerate(waiting):
@@ -447,6 +448,8 @@ class ParetoCall:
             [("no_exact", f"searched by population solvers alone: {self.left_out}")] if self.left_out else []
         )
         front = sought.front
+        if self.alone and len(self.solvers) > 1:
+            out.append(("exact_alone", "so large a catalogue is searched by the exact solver alone"))
         if front is not None and not front.complete:
             what = "interrupted" if front.interrupted else "stopped"
             out.append((what, "the exact front was not finished; its certificate says what it may miss"))

@@ -7,8 +7,8 @@ counts what it discards first.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -42,6 +42,9 @@ IMAGER_RULES = (
 )  # fmt: skip
 
 
+NOT_COLUMNS = ("scenes", "discarded", "samples")  # of `Imagers`
+
+
 @dataclass(frozen=True)
 class SceneImagers(Columns):
     """Columns of all imagers in one scene."""
@@ -71,6 +74,19 @@ class Imagers:
 
     def __len__(self) -> int:
         return len(self.camera)
+
+    def take(self, index: Array) -> Imagers:
+        """These rows only, without the account of what was discarded."""
+        columns = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name not in NOT_COLUMNS}
+        return Imagers(**columns, scenes=[scene.take(index) for scene in self.scenes], discarded={}, samples={})
+
+    @staticmethod
+    def together(parts: Sequence[Imagers]) -> Imagers:
+        """The rows of several lists, one after another."""
+        names = [f.name for f in fields(Imagers) if f.name not in NOT_COLUMNS]
+        columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+        scenes = [SceneImagers.joined(list(same)) for same in zip(*(part.scenes for part in parts), strict=True)]
+        return Imagers(**columns, scenes=scenes, discarded={}, samples={})
 
     def sample(self, row: int, lighting: int | None) -> tuple[int, int, int, bool, int | None]:
         """One imager under one lighting, or any, for an audit."""

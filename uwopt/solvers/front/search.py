@@ -22,13 +22,16 @@ from uwopt.errors import MissionError
 from uwopt.forward.lamp_light import ImageLight, Veils
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
-from uwopt.objectives.dominance import BestPoints, clearly, hypervolume, nondominated
+from uwopt.objectives.dominance import BestPoints, clearly, hypervolume
 from uwopt.objectives.objective import Terms
-from uwopt.solvers.exact.account import RULES
+from uwopt.solvers.exact.account import NOT_REACHED, RULES, Account
 from uwopt.solvers.exact.bounds import NODE_RULES
-from uwopt.solvers.exact.imagers import limit
+from uwopt.solvers.exact.candidates import Candidates
+from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs, limit
+from uwopt.solvers.exact.large import PairTree
 from uwopt.solvers.exact.light_tables import Lighting
-from uwopt.solvers.exact.search import Search
+from uwopt.solvers.exact.search import Search, are_too_many
+from uwopt.solvers.front.large import Undominated, in_layers
 from uwopt.solvers.front.trade_curves import FINELY, ROUGHLY, Answers, Curves, Hopeful, Trade
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.mean_limit import MeanLimit
@@ -88,6 +91,7 @@ class FrontSearch:
         self.search = Search(problem, axes.objective, top=1)
         self.archive = BestPoints(len(axes))
         self.curves: list[Curves] = []
+        self.kept: list[Imagers] = []  # of a large catalogue, those that the curves are about
         self.account: dict[str, int] = dict.fromkeys(FRONT_RULES, 0) | {"evaluated": 0}
         self.history: list[tuple[float, Array]] = []
 
@@ -95,8 +99,10 @@ class FrontSearch:
 
     def run(self) -> Front:
         """Bound all nodes, take them layer by layer, refine the curves."""
-        search = self.search
-        imagers = search.prepare()
+        pairs = fitting_pairs(self.problem)
+        if are_too_many(self.problem, pairs):
+            return self._run_large(pairs)
+        imagers = self.search.prepare()
         self._count_imagers()
         complete, interrupted = True, False
         open_ideals = np.empty((0, len(self.axes)))
@@ -113,17 +119,61 @@ class FrontSearch:
             open_ideals = ideal[left]
         return self._front(complete, interrupted, open_ideals)
 
+    def _run_large(self, pairs: FittingPairs) -> Front:
+        """The same of the imagers that the tree of pairs leaves, some at a time."""
+        charged, objective = Account(), self.axes.objective
+        tree = PairTree(self.problem, objective, pairs, Undominated(self.axes, self.archive, self.among), charged)
+        tree.open_account()
+        interrupted = False
+        try:
+            complete = tree.search(self.deadline) and self._refine()
+        except KeyboardInterrupt:
+            complete, interrupted = False, True
+        for rule, count in charged.discarded.items():
+            self._charge(rule, count)
+        open_ideals = tree.open_ideals()
+        if len(open_ideals):
+            self.account[NOT_REACHED] = charged.total - sum(self.account.values())
+        self.search.take_up(tree.none.others(Imagers.together(self.kept or [tree.none.imagers])))
+        return self._front(complete, interrupted, open_ideals)
+
+    def among(self, candidates: Candidates) -> bool:
+        """Nodes of these layer by layer; False when time ran out: then they count as not reached, and points stay."""
+        self.search.take_up(candidates)
+        before, first, complete = dict(self.account), len(self.curves), False
+        try:
+            ideal, lighting, imager = self._units()
+            complete = self._layers(ideal, lighting, imager, np.ones(len(ideal), bool))
+        finally:
+            if not complete:
+                self.account = before
+            self._keep(first)
+        return complete
+
+    def _keep(self, first: int) -> None:
+        """Keep the imagers that the curves from a place on are about, as others are taken up."""
+        used = np.unique(np.concatenate([np.empty(0, int), *(c.some.imager for c in self.curves[first:])]))
+        begin = sum(len(part) for part in self.kept)
+        self.kept.append(self.search.imagers.take(used))
+        for place, curves in enumerate(self.curves[first:], first):
+            at = begin + np.searchsorted(used, curves.some.imager)
+            self.curves[place] = replace(curves, some=replace(curves.some, imager=at))
+
+    def _charge(self, rule: str, count: int) -> None:
+        """So many more that a rule of the search discards: what its bound does is dominated."""
+        self.account["dominated" if rule == "bound" else rule] += count
+
     def _count_imagers(self) -> None:
         """What the imagers' rules discard, in combinations."""
         low, high = self.problem.count_range
         illuminators = len(self.problem.parts.lights) * (high - low + 1) * len(self.problem.mounts)
         for rule, count in self.search.imagers.discarded.items():
-            self.account["dominated" if rule == "bound" else rule] += count * illuminators
+            self._charge(rule, count * illuminators)
 
     def _count_left(self, lighting: Array) -> None:
         """Nodes that were not reached."""
         if len(lighting):
-            self.account["not_reached"] = int(self._sizes()[lighting].sum())
+            self.account[NOT_REACHED] = int(self._sizes()[lighting].sum())
 
     def _sizes(self) -> Array:
         return np.array([len(t.light) for t in self.search.bounds.light_tables])
@@ -133,23 +183,13 @@ class FrontSearch:
         bounds, imagers = self.search.bounds, self.search.imagers
         every = np.arange(len(imagers))
         ideals, lightings, rows = [np.empty((0, len(self.axes)))], [np.empty(0, int)], [np.empty(0, int)]  # no lamps
-        for k, lighting in enumerate(self.search.tables.lightings):
+        for k in range(len(self.search.tables.lightings)):
             seen = bounds.of_nodes(k, every)
             size = len(bounds.light_tables[k].light)
             for index, name in enumerate(NODE_RULES):
-                self.account["dominated" if name == "bound" else name] += (
-                    int((seen.rule == index).sum()) * size
-                )
+                self._charge(name, int((seen.rule == index).sum()) * size)
             alive = np.nonzero((seen.rule < 0) & np.isfinite(seen.value))[0]
-            contrast: Array | float = 1.0
-            if "contrast" in self.axes.names:
-                contrast = np.broadcast_to(bounds._contrast_bound(lighting, every)[0], len(every))[alive]
-            information = np.broadcast_to(seen.information, len(every))[alive]
-            terms = Terms(
-                seen.power[alive], seen.cost[alive], seen.mass[alive], seen.snr_db[alive], imagers.gsd_mm[alive],
-                contrast, information,
-            )  # fmt: skip
-            ideals.append(self.axes.minimised(terms))
+            ideals.append(self.axes.minimised(seen.terms(alive, imagers.gsd_mm[alive])))
             lightings.append(np.full(len(alive), k))
             rows.append(alive)
         return np.concatenate(ideals), np.concatenate(lightings), np.concatenate(rows)
@@ -203,15 +243,7 @@ class FrontSearch:
 
     def _next(self, ideal: Array, batch: int) -> Array:
         """Places of the nodes to take: ideals that no other dominates, then those next to them."""
-        first = nondominated(ideal)
-        if first.sum() >= batch:
-            return np.nonzero(first)[0][:batch]
-        order = np.argsort(ideal, axis=0, kind="stable")
-        rank = np.empty_like(order)
-        for column in range(ideal.shape[1]):
-            rank[order[:, column], column] = np.arange(len(ideal))
-        merit = np.where(first, -1.0, rank.max(axis=1))
-        return np.argsort(merit, kind="stable")[:batch]
+        return in_layers(ideal)[:batch]
 
     def _late(self) -> bool:
         return self.deadline.passed()
