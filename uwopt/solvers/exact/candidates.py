@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,6 @@ class Candidates:
     imagers: Imagers
     tables: FieldTables
     bounds: Bounds
-    motorised: Array  # whether the lens is
     signal_bounds: Bounds | None = None  # with the light of each node integrated, where there are many more
 
     @staticmethod
@@ -33,7 +33,7 @@ class Candidates:
         """All imagers of a small catalogue. `lights` marks those that are searched."""
         tables = FieldTables(problem, imagers)
         bounds = Bounds(objective, imagers, tables, lights=lights)
-        return Candidates(imagers, tables, bounds, motorised(problem, imagers))
+        return Candidates(imagers, tables, bounds)
 
     def others(self, imagers: Imagers) -> Candidates:
         """Other imagers of the same catalogue; their lights must meet what is left of the budgets together."""
@@ -43,9 +43,10 @@ class Candidates:
             Bounds(own.objective, imagers, made, lights=own.searched, coupled=True, like=own)
             for made in (tables, signals)
         )
-        return Candidates(imagers, tables, bounds, motorised(problem, imagers), signal_bounds)
+        return Candidates(imagers, tables, bounds, signal_bounds)
 
-
-def motorised(problem: Problem, imagers: Imagers) -> Array:
-    """Whether each imager's lens is motorised."""
-    return problem.lenses.motorised[imagers.lens] if len(imagers) else np.empty(0, bool)
+    @cached_property
+    def motorised(self) -> Array:
+        """Whether each imager's lens is motorised."""
+        lenses = self.tables.problem.lenses
+        return lenses.motorised[self.imagers.lens] if len(self.imagers) else np.empty(0, bool)

@@ -31,7 +31,7 @@ from uwopt.solvers.exact.node_designs import NodeDesigns
 Array = NDArray[Any]
 
 
-class DesignRows:
+class NodeRows:
     """The rows of designs of some candidates."""
 
     def __init__(self, problem: Problem, objective: Objective, candidates: Candidates, deadline: Deadline):

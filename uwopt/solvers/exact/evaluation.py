@@ -21,7 +21,7 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import NOT_REACHED, Account, snr_ceiling
 from uwopt.solvers.exact.bounds import NODE_RULES, Bounds, LampChoices
 from uwopt.solvers.exact.candidates import Candidates
-from uwopt.solvers.exact.design_rows import DesignRows
+from uwopt.solvers.exact.design_rows import NodeRows
 from uwopt.solvers.exact.imagers import Imagers, joined, limit
 from uwopt.solvers.exact.light_tables import FieldTables, Lighting
 from uwopt.solvers.exact.node_designs import FIRST_VEILS, LARGEST_VEILS, NodeDesigns, Waiting
@@ -59,7 +59,7 @@ class Evaluation:
     def take_up(self, candidates: Candidates) -> None:
         """Make these the candidates whose nodes are evaluated; the best that were found stay."""
         self.candidates = candidates
-        self.design_rows = DesignRows(self.problem, self.objective, candidates, self.deadline)
+        self.design_rows = NodeRows(self.problem, self.objective, candidates, self.deadline)
         self.ranking = self.ranking.among(candidates.imagers)
 
     @property
@@ -84,7 +84,7 @@ class Evaluation:
 
     @property
     def rows(self) -> Callable[..., list[SceneRows]]:
-        """Designs of the candidates as rows of settings; see `DesignRows.rows`."""
+        """Designs of the candidates as rows of settings; see `NodeRows.rows`."""
         return self.design_rows.rows
 
     # ------------------------------------------------------------ nodes

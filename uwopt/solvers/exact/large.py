@@ -85,7 +85,7 @@ class PairTree:
             for altitude in {scene.nominal, len(scene.range_m) - 1}:
                 tables.set_widest(index, altitude, self._widest(index, altitude))
         bounds = Bounds(objective, none, tables, lights=lights, coupled=True)
-        self.none = Candidates(none, tables, bounds, np.empty(0, bool))  # its tables of lights serve all others
+        self.none = Candidates(none, tables, bounds)  # its tables of lights serve all others
         self.floors = goal.ideals(self.floor_terms())
 
     @property

@@ -18,9 +18,11 @@ from uwopt.catalog.choose import Selection
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.solvers.exact.bounds import LampChoices
+from uwopt.solvers.exact.evaluation import MOST_ROWS_AT_ONCE
 from uwopt.solvers.exact.imagers import Imagers, PortBlock, limit
 from uwopt.solvers.exact.light_tables import Lighting
-from uwopt.solvers.exact.search import MOST_ROWS_AT_ONCE, NodeDesigns, Search
+from uwopt.solvers.exact.node_designs import NodeDesigns
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.warm.tables import imagers_of, of_block
 from uwopt.tolerances import ROUND
 
