@@ -40,14 +40,14 @@ DEFECTS = (
         file="uwopt/sweeps/run.py",
         old="self._suspects.append(batch)",
         new="self.done += len(batch.tasks)",
-        test=f"{TESTS}::test_what_dies_once_is_worked_out_all_the_same",
+        test=f"{TESTS}::test_what_dies_twice_is_worked_out_all_the_same",
     ),
     Defect(
         name="a mission whose process ends once is given up",
         file="uwopt/sweeps/run.py",
         old="DEATHS = 3 ",
         new="DEATHS = 1 ",
-        test=f"{TESTS}::test_what_dies_once_is_worked_out_all_the_same",
+        test=f"{TESTS}::test_what_dies_twice_is_worked_out_all_the_same",
     ),
     Defect(
         name="a mission whose worker died is done for ever",
@@ -103,7 +103,7 @@ DEFECTS = (
         file="uwopt/sweeps/portfolio.py",
         old="np.asarray(prices, dtype=float)",
         new="np.ones(len(prices))",
-        test="tests/sweeps/test_portfolio.py::test_choices_are_those_that_trying_all_finds[0]",
+        test="tests/sweeps/test_portfolio.py::test_choices_are_those_that_trying_all_finds[2]",
     ),
     Defect(
         name="missions of one pattern count once",

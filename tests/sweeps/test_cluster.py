@@ -91,7 +91,7 @@ def test_workers_with_another_program_are_refused(
     known = program_identity() | {"catalogue": "another"}
     monkeypatch.setattr(inputs_room, "program_identity", lambda: known)
     with pytest.raises(
-        SchedulerError, match=r"the catalogue's tables \w+ instead of another; install the same"
+        SchedulerError, match=r"worker tcp\S+ has the catalogue's tables \w+ instead of another; install the same"
     ):
         sweep(MISSION, SPEEDS, system=SYSTEM, out=tmp_path, scheduler=cluster["address"])
 

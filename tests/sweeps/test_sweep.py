@@ -346,15 +346,15 @@ def test_only_a_mission_that_ends_each_process_is_given_up(tmp_path: Path):
         assert len(store.keys) == 39  # a run to come tries it again
 
 
-def test_what_dies_once_is_worked_out_all_the_same(tmp_path: Path):
+def test_what_dies_twice_is_worked_out_all_the_same(tmp_path: Path):
     job, met = job_of([FEW], {"speed_m_s": "0.1:4:40"}), []
 
-    def once(values: tuple[Any, ...]) -> bool:
+    def twice(values: tuple[Any, ...]) -> bool:
         met.append(values)
-        return values == (2.0,) and met.count(values) == 1
+        return values == (0.1,) and met.count(values) <= 2
 
     with SweepStore(tmp_path) as store:
-        SweepRun(job, store).all(crew_of(DyingWorkers(once)))
+        SweepRun(job, store).all(crew_of(DyingWorkers(twice)))
         table = store.table().to_pylist()
     assert len(table) == 40
     assert {row["status"] for row in table} == {"optimal"}

@@ -63,4 +63,5 @@ def portfolio_plot(made: SweepSummary) -> Plot:
         "line": {"color": BLUE},
         "hovertemplate": "%{x} kits serve %{y}: %{text}<extra></extra>",
     }
-    return {"data": [line], "layout": layout(xaxis=axis("kits"), yaxis=axis("missions served"))}
+    served = axis("missions served", rangemode="tozero")
+    return {"data": [line], "layout": layout(xaxis=axis("kits", dtick=1), yaxis=served)}
