@@ -153,7 +153,8 @@ def test_calls_that_make_no_sense_are_refused(tmp_path: Path, words: list[str], 
 )  # fmt: skip
 def test_shots_that_tell_nothing_are_refused_by_name(tmp_path: Path, rows: str, message: str) -> None:
     (tmp_path / "few.csv").write_text(f"{HEAD}\n{rows}\n", "utf-8")
-    done = run("calibrate", TANK, TANK_SYSTEM, tmp_path / "few.csv", "--fit-only", "--out", tmp_path / "new.yaml")
+    words = ("--fit-only", "--at", "middle", "--out", tmp_path / "new.yaml")
+    done = run("calibrate", TANK, TANK_SYSTEM, tmp_path / "few.csv", *words)
     assert done.exit_code == (2 if message else 0), done.output
     assert message in " ".join(done.output.split()) and "Traceback" not in done.output
     assert (tmp_path / "new.yaml").exists() is not bool(message)

@@ -135,7 +135,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(tmp_path: Path) -> None:
     light = light_of(made)
     held = {"light": 0, "water": 0}
     truth = {"light": LIGHT_TRUE, "water": C_TRUE / C_TOLD}
-    times = drawn(100, 2000)
+    times = drawn(60, 2000)
     for _ in range(times):
         net = hand_dn(DISTANCES, EXPOSURES, GAINS) * np.exp(rng.normal(0.0, 0.02, len(DISTANCES)))
         found: Fit = fitted(light, net, distances_m=DISTANCES)

@@ -74,23 +74,26 @@ def shot_light(
     in_middle : the levels are of a patch in the middle of the image, not of all of it
     """
     made: dict[int, list[DesignModel]] = {}
-    signal, back = np.zeros((len(NODES), len(shots))), np.zeros((len(NODES), len(shots)))
+    middle = len(NODES) // 2
+    one_distance = len({shot.distance_m for shot in shots}) == 1  # which tells nothing of the water
+    nodes = NODES[middle - 1 : middle + 2] if one_distance else NODES
+    signal, back = np.zeros((len(nodes), len(shots))), np.zeros((len(nodes), len(shots)))
     sun, per_e, full = np.zeros(len(shots)), np.zeros(len(shots)), np.zeros(len(shots))
     for n, (shot, (problem, hardware, given)) in enumerate(zip(shots, at_distance, strict=True)):
         if id(problem) not in made:
             base = patched(problem) if in_middle else problem
-            made[id(problem)] = [DesignModel(in_water(base, float(factor)), hardware) for factor in NODES]
+            made[id(problem)] = [DesignModel(in_water(base, float(factor)), hardware) for factor in nodes]
         for k, model in enumerate(made[id(problem)]):
             settings = settings_of(model, shot, given)
             figures, at = model.figures(0, settings), model.problem.scenes[0].nominal
             signal[k, n] = figures.electrons_signal[0, at] + part(figures.electrons_forward, at)
             back[k, n] = part(figures.electrons_backscatter, at)
-            if k == len(NODES) // 2:  # the sun through the water as the mission has it
+            if k == len(nodes) // 2:  # the sun through the water as the mission has it
                 sun[n] = part(figures.electrons_sun, at)
         cameras = made[id(problem)][0].cameras
         per_e[n] = float(cameras.gain_dn_per_e[0]) * shot.gain
         full[n] = min(2.0 ** float(cameras.bits[0]) - 1.0, float(cameras.saturation_e[0]) * per_e[n])
-    where = np.log(NODES)
+    where = np.log(nodes)
     return ShotLight(
         CubicSpline(where, np.log(np.maximum(signal, TINY))), CubicSpline(where, np.log(np.maximum(back, TINY))),
         sun, per_e, full, bool((back > 0.0).all()),
