@@ -2,8 +2,8 @@
 
     PYTHONPATH=. python docs/make_validation.py
 
-All sections, about four minutes; needs matplotlib. With names of sections (`tank`, `sun` ...) only these are
-computed again, the others stay as they are on the page.
+All sections, about six minutes; needs matplotlib, and numba for `multiple`. With names of sections (`tank`,
+`sun` ...) only these are computed again, the others stay as they are on the page.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ SECTIONS = {  # module in docs/validation: heading
     "water": "Attenuation against the source tables",
     "sun": "Sunlight in lamps",
     "auto": "What physics `auto` leaves out",
+    "multiple": "Light scattered more than once",
 }
 
 HEAD = """\

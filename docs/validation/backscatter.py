@@ -302,10 +302,9 @@ turns forward right before the port, so that ± is rather a lower estimate. Besi
 
 {common.table(head, rows)}
 
-The model's veil, as the physics page defines it, is {common.percent(min(off), 0)} to {common.percent(max(off), 0)} off: light that is
+Single scattering (`multiple_scattering: false`) is {common.percent(min(off), 0)} to {common.percent(max(off), 0)} off: light that is
 scattered forward on its way back still arrives, and c counts it as lost. With K on both legs the veil would be
-{common.percent(min(diffuse), 0)} to {common.percent(max(diffuse), 0)} off in these cases. Results state "light scattered more than once" under
-`not_modelled`.
+{common.percent(min(diffuse), 0)} to {common.percent(max(diffuse), 0)} off in these cases. What is counted by default is in section 10.
 """
 
 

@@ -40,6 +40,7 @@ class Setting:
         """For uwopt."""
         scene: dict[str, Any] = {
             "water": self.water, "water_table": "solonenko-mobley", "seafloor": 0.2, "depth_m": 50,
+            "multiple_scattering": False,
         }  # fmt: skip
         if self.petzold:
             scene["phase_function"] = f"petzold-{self.petzold.casefold().replace(' ', '-')}"

@@ -14,11 +14,12 @@ from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, minimize_scalar
 
@@ -78,6 +79,7 @@ class Case:
     needs: tuple[tuple[str, Any], ...] = ()
     tolerance: float = 0.0
     focus: float | None = None  # altitude in focus; the case's own unless given
+    orders: bool = False  # light scattered more than once counts
 
     @property
     def camera_keys(self) -> dict[str, Any]:
@@ -94,7 +96,7 @@ class Case:
         return {
             "practice": "bare", "name": "full", "physics": "full",
             "scene": {
-                "water": self.water, "seafloor": self.floor, "depth_m": 50,
+                "water": self.water, "seafloor": self.floor, "depth_m": 50, "multiple_scattering": self.orders,
                 **({} if self.water.endswith(".csv") else {"water_table": self.table}),
                 "temperature_c": self.temperature, "salinity_psu": self.salinity,
             },
@@ -200,6 +202,49 @@ def scattering(case: Case) -> tuple[Array, Array]:
     )
     molecules = np.minimum(fresh + (sea - fresh) * case.salinity / 35.0, every)
     return every - molecules, molecules
+
+
+class Legs(NamedTuple):
+    """Attenuations by wavelength [1/m]."""
+
+    c: Array  # of what forms the image, floor to camera
+    lamp: Array
+    floor: Array  # floor to camera, of all light
+    back: tuple[Array, Array]  # of backscatter, from the lamp and to the camera
+
+
+def legs(case: Case) -> Legs:
+    """By the page's rules: single scattering, or a + s b with s from shares scattered by more than an angle."""
+    c, k = water_loss(case.water, case.table)
+    if not case.orders:
+        return Legs(c, k, k, (k, c))
+    b = scattering(case)
+
+    def lost(particles: float, molecules: float) -> Array:
+        return np.asarray(c - b[0] * (1.0 - particles) - b[1] * (1.0 - molecules))
+
+    def beyond(degrees: float) -> tuple[float, float]:
+        return particles_beyond(math.radians(degrees)), molecules_beyond(math.radians(degrees))
+
+    wide, half = beyond(56.3), beyond(90.0)
+    share = 2.82 - 2.79 * math.radians(case.half_angle)
+    back = np.maximum(lost(share * half[0], share * half[1]), 0.5 * lost(0.0, 0.0))
+    lamp = lost(*beyond(20.2 + 0.86 * case.half_angle))
+    return Legs(c, lamp, lost(0.027 + wide[0], 0.027 + wide[1]), (back, back))
+
+
+def particles_beyond(psi: float) -> float:
+    """Share of Fournier-Forand scattered by more than an angle, in closed form (Fournier and Jonasz 1999)."""
+    nu, square = fournier_forand()
+    sin2 = math.sin(psi / 2) ** 2
+    d, d180 = 4.0 * sin2 / (3.0 * square), 4.0 / (3.0 * square)
+    within = ((1 - d ** (nu + 1)) - (1 - d**nu) * sin2) / ((1 - d) * d**nu)
+    within += (1 - d180**nu) / (8 * (d180 - 1) * d180**nu) * math.cos(psi) * math.sin(psi) ** 2
+    return 1.0 - within
+
+
+def molecules_beyond(psi: float) -> float:
+    return quad(lambda t: 2 * math.pi * math.sin(t) * float(molecule_phase(np.cos(t))), psi, math.pi)[0]
 
 
 @cache
@@ -428,8 +473,8 @@ def electrons_at(
     """
     rays = Rays(case)
     x, y, path, _ = rays.floor(u, v)
-    weight, (c, k) = spectral_weight(case, time_s), water_loss(case.water, case.table)
-    c = k if diffuse else c
+    weight, (c, k, all_light, _) = spectral_weight(case, time_s), legs(case)
+    c = all_light if diffuse else c
     total = np.zeros(np.broadcast(u, v).shape)
     for number, at in enumerate(case.lamps):
         if only not in (None, number):
@@ -454,7 +499,7 @@ def backscatter_at(case: Case, u: Array, v: Array) -> Array:
 
     Gauss-Legendre along the lit part of each ray, in front of the lamp's front plane; every other wavelength.
     """
-    rays, (c, k) = Rays(case), (loss[::2] for loss in water_loss(case.water, case.table))
+    rays, (k, c) = Rays(case), (loss[::2] for loss in legs(case).back)
     scale = spectral_weight(case, 1e-3, np.ones(WAVES_NM.size))
     halved = np.where(np.arange(0, WAVES_NM.size, 2) % (WAVES_NM.size - 1) == 0, 1.5, 2.0)
     weights = np.stack([scale[::2] * b[::2] * halved for b in scattering(case)], axis=-1)
@@ -603,6 +648,10 @@ SMOOTH_CASES = {
     "colour, spectrum of sand": Case(
         floor="sand_coralreef_asu", camera=(("quantum_efficiency", "seed-imx250c"), ("colour", "colour"))
     ),
+    "all orders, dome": Case(orders=True, lamps=pair(0.5)),
+    "all orders, flat port, narrow lobes, turbid": replace(
+        FLAT, orders=True, water="5C", table="measured", altitude=1.0, half_angle=15.0, lamps=pair(0.3, -5)
+    ),
     "glass of the water's index": Case(n_glass=1.34),  # a dome that is not there: faces pass, air face loses
 }
 
@@ -748,7 +797,7 @@ def floor_area(case: Case, u: Array, v: Array) -> Array:
 
 def lux_at(case: Case, u: Array, v: Array, only: int | None = None) -> Array:
     """Illuminance of the floor where the pixels u, v look; edges of beams not yet cut."""
-    rays, (_, k) = Rays(case), water_loss(case.water, case.table)
+    rays, k = Rays(case), legs(case).lamp
     share = resampled(*column("photopic_v.csv", "V"), outside=0.0) * led() * STEPS_NM * LUMENS_PER_W
     x, y, _, _ = rays.floor(u, v)
     total = np.zeros(np.broadcast(u, v).shape)

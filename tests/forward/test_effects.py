@@ -17,7 +17,7 @@ from uwopt.results.result import Result
 
 CASES_A_CHUNK, CHUNKS = drawn((8, 1), (25, 20))  # 500 random scenes and systems before a release
 #: Of these 500 those in which bounds are nearest to what the effects change, and what can be left out of each.
-VEILS = frozenset({"forward_veil", "backscatter"})
+VEILS = frozenset({"forward_veil", "backscatter", "multiple_scattering"})
 SHARP: dict[tuple[int, int], Set[str]] = {
     (8, 5): {"window_angle"},
     (11, 18): {"window_angle", "forward_veil"}, (13, 22): {"window_angle", "backscatter"},

@@ -55,8 +55,8 @@ DEFECTS = (
     Defect(
         name="K on the lamps' way is known",
         file=f"{ROOM}/waters.py",
-        old="lamp = geometric(central[1], low[1] if state.lamp_leg < 0 else high[1], abs(state.lamp_leg))",
-        new="lamp = central[1]",
+        old="lamp_end=(end, abs(state.lamp_leg)),",
+        new="lamp_end=None,",
         test=f"{TESTS}::test_a_murkier_water_takes_more_power_and_a_brighter_floor_less",
     ),
     Defect(

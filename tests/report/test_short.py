@@ -31,7 +31,7 @@ KEY = re.compile(r"\b[a-z]+_[a-z_]+\b")  # of a file, such as min_snr_db
 WATERS = [
     {"case": {"water_table": "measured", "lamp_attenuation": "a + b_b, the least"}, "objective_value": 41.0},
     {"case": {"water_table": "measured", "lamp_attenuation": "c, the most"}, "objective_value": None, "changes": True},
-    {"case": {"water_table": "other", "lamp_attenuation": "K_d, within a + b_b and c"}, "objective_value": None},
+    {"case": {"water_table": "other", "lamp_attenuation": "as the model has it"}, "objective_value": None},
 ]  # fmt: skip
 TILT = {
     "held_outward_deg": 0.0, "held_inward_deg": 0.3, "readjusted_outward_deg": 2.5, "readjusted_inward_deg": 16.0,
@@ -154,7 +154,7 @@ def test_all_words_of_the_search_are_gone_from_doubts_too(doubtful: Result) -> N
     ):
         assert word not in text
     assert "any that fits: with its estimates at their bad ends this system misses a requirement" in text
-    assert "other table, lamp light lost as daylight is: this system misses a requirement" in text
+    assert "other table, lamp light lost as modelled: this system misses a requirement" in text
 
 
 def test_missed_requirement_of_a_given_system_is_the_greatest_risk(

@@ -44,7 +44,8 @@ def test_the_airy_disc_ends_the_f_numbers():
     rows = scene_rows_of(search, outcome.best[0])[0]
     scene = search.problem.scenes[0]
     weight = search.problem.contractions[0].weight(0, 0)  # electrons by colour that the lamp and the sensor give
-    loss = np.exp(-2.0 * (scene.attenuation_per_m + scene.lamp_attenuation_per_m))  # 2 m down, 2 m up
+    lamp_leg = search.problem.lamp_leg_per_m(0, 0)
+    loss = np.exp(-2.0 * (scene.attenuation_per_m + lamp_leg))  # 2 m down, 2 m up
     wave_m = float((weight * loss * scene.wavelength_nm).sum() / (weight * loss).sum()) * 1e-9
     dioptre = outcome.best[0].settings[0]["dioptre_per_m"]
     factor = 1.0 / (1.0 - 8e-3 * dioptre)  # thin lens: 1 + m

@@ -26,7 +26,8 @@ from uwopt.version import __version__
 Source = str | Path | Mapping[str, Any]
 Progress = Callable[[float, str], None]
 NOT_MODELLED = (
-    "light scattered more than once towards the camera", "shadows and relief of the floor", "ripples of sunlight",
+    "where in the image light falls that is scattered more than once", "shadows and relief of the floor",
+    "ripples of sunlight",
     "reflections between port and lens", "lens distortion and vignetting beyond cos^4",
 )  # fmt: skip
 

@@ -20,6 +20,7 @@ from uwopt.evaluation.figures_by_name import (
     plain_figures,
     plain_settings,
     stop_notes,
+    thick_notes,
     uneven_notes,
 )
 from uwopt.evaluation.pair_light import pair_notes
@@ -100,8 +101,8 @@ def evaluate_design(
         scenes=scenes,
         bom=bill,
         warnings=[
-            *light_notes(model), *pair_notes(model, each), *housing_notes(model), *uneven_notes(scenes),
-            *stop_notes(model),
+            *light_notes(model), *pair_notes(model, each), *thick_notes(model), *housing_notes(model),
+            *uneven_notes(scenes), *stop_notes(model),
         ],
     )  # fmt: skip
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -120,10 +119,13 @@ def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dic
         head_on = port.normal_port_transmittance(n_water=shape.n_water, n_glass=shape.n_glass)
         found["window_angle"] = (float(np.max(1.0 - oblique / head_on)), 0.0)
     start = time.perf_counter()
-    field = partial(
-        LampField, problem, group.scene_index, port_index=group.port, optics=group.optics, mount=group.mount,
-        count=int(group.count.max()), efficiency=int(problem.cameras.qe_index[group.camera[0]]),
-    )  # fmt: skip
+
+    def field(of: Problem = problem, channel: str | None = None) -> LampField:
+        return LampField(
+            of, group.scene_index, port_index=group.port, optics=group.optics, mount=group.mount,
+            count=int(group.count.max()), efficiency=int(problem.cameras.qe_index[group.camera[0]]), channel=channel,
+        )  # fmt: skip
+
     signal = group.signal_e
     if signal is None:
         signal = field().light(view, veils="none").signal_e
@@ -140,6 +142,12 @@ def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dic
         forward, back = worst_pixel_shares(field(), view)
         found["forward_veil"] = (max(found["forward_veil"][0], forward), found["forward_veil"][1])
         found["backscatter"] = (max(found["backscatter"][0], back), found["backscatter"][1])
+    if field().contraction.multiple:
+        once = problem.with_effects(problem.effects.without(["multiple_scattering"]))
+        bound = max(
+            orders_bound(field(channel=one), field(once, channel=one), view, light) for one, light in lights.items()
+        )
+        found["multiple_scattering"] = (bound + found["forward_veil"][0] + found["backscatter"][0], 0.0)
     if scene.sunlit:
         sun = max(
             sun_bound(problem, group, light, information=information, channel=one) for one, light in lights.items()
@@ -154,28 +162,50 @@ def channels_of(problem: Problem, group: ImagerGroup) -> tuple[str, ...]:
     return problem.scenes[group.scene_index].channels if sees_colours(curves) else ()
 
 
+def orders_bound(many: LampField, once: LampField, view: Views, signal: Array) -> float:
+    """Most that single scattering changes of the image-forming light, with the veils that it has itself.
+
+    What the veils of all orders are is bounded apart: two positive numbers differ by no more than the greater.
+    """
+    weight = many.contraction.weight(many.spectrum, many.efficiency, many.channel)
+    legs = [field.contraction.lamp_leg_per_m(field.spectrum) for field in (many, once)]
+    apart = np.abs(legs[0] - legs[1])[weight > 0]
+    if not apart.size:  # a black floor
+        return 0.0
+    longest = max(lamp_ways_m(many, view, float(many.scene.range_m[-1])))
+    changed = float(np.expm1(min(float(apart.max()) * longest, LARGEST_EXPONENT)))
+    return changed + forward_bound(once, view) + backscatter_bound(once, view, signal) * (1.0 + changed)
+
+
 def forward_bound(field: LampField, view: Views) -> float:
     """Most that exp(-K r) - exp(-c r) can be of exp(-c r) over the detected spectrum, on the longest ray."""
     scene, contraction = field.scene, field.contraction
     weight = contraction.weight(field.spectrum, field.efficiency, field.channel)
-    excess = scene.attenuation_per_m - scene.lamp_attenuation_per_m
+    excess = scene.attenuation_per_m - contraction.veil_leg_per_m()
+    lamp_leg = contraction.lamp_leg_per_m(field.spectrum)
     lit = weight > 0
     if not lit.any():  # a black floor
         return 0.0
     most = 0.0
     for range_m in (float(scene.range_m[0]), float(scene.range_m[-1])):
-        x_m, y_m, path_m = floor_point(view.tan_along, view.tan_across, shape=field.shape, range_m=range_m)
+        _, _, path_m = floor_point(view.tan_along, view.tan_across, shape=field.shape, range_m=range_m)
         longest = float(path_m.max())
-        height = min(range_m - z for z in field.lamps.z_m)
-        aside = float(np.hypot(x_m, y_m).max()) + max(
-            float(np.hypot(x, y)) for x, y in zip(field.lamps.x_m, field.lamps.y_m, strict=True)
-        )
-        for lamp_m in (height, float(np.hypot(height, aside))):
-            optical = scene.lamp_attenuation_per_m * lamp_m + scene.attenuation_per_m * longest
+        for lamp_m in lamp_ways_m(field, view, range_m):
+            optical = lamp_leg * lamp_m + scene.attenuation_per_m * longest
             seen = weight[lit] * np.exp(-(optical[lit] - optical[lit].min()))
             veil = np.expm1(np.minimum(excess[lit] * longest, LARGEST_EXPONENT))
             most = max(most, float((seen * veil).sum() / seen.sum()))
     return most * FORWARD_MARGIN
+
+
+def lamp_ways_m(field: LampField, view: Views, range_m: float) -> tuple[float, float]:
+    """No lamp's way to a place in the image is shorter, and none longer [m]."""
+    x_m, y_m, _ = floor_point(view.tan_along, view.tan_across, shape=field.shape, range_m=range_m)
+    height = min(range_m - z for z in field.lamps.z_m)
+    aside = float(np.hypot(x_m, y_m).max()) + max(
+        float(np.hypot(x, y)) for x, y in zip(field.lamps.x_m, field.lamps.y_m, strict=True)
+    )
+    return height, float(np.hypot(height, aside))
 
 
 def margin(field: LampField) -> float:

@@ -28,15 +28,15 @@ def footprint_light(
     """Mean and least floor illuminance per lumen over one imager's footprint [1/m^2]."""
     scene, beam = problem.scenes[scene_index], problem.beam(scene_index, optics)
     range_m = float(scene.range_m[altitude])
-    weight = luminous_weight(scene, problem.optics[optics])
+    weight, lamp_leg = luminous_weight(scene, problem.optics[optics]), problem.lamp_leg_per_m(scene_index, optics)
     if problem.paper:
         axis = float(on_axis_gain(beam, np.array([range_m]))[0])
-        loss = float((weight * np.exp(-scene.lamp_attenuation_per_m * range_m)).sum() / weight.sum())
+        loss = float((weight * np.exp(-lamp_leg * range_m)).sum() / weight.sum())
         return axis * loss, axis * loss
     return footprint_illuminance_per_lm(
         float(view.tan_along[0]), float(view.tan_across[0]), shape=problem.shape(port_index, scene_index),
         range_m=range_m, lamps=mount.lamps(count), beam=beam, weight=weight,
-        attenuation_per_m=scene.lamp_attenuation_per_m, fineness=scene.fineness,
+        attenuation_per_m=lamp_leg, fineness=scene.fineness,
     )  # fmt: skip
 
 
@@ -64,7 +64,7 @@ def most_uniformities(
             view.tan_along, view.tan_across, shape=problem.shape(port_index, scene_index), range_m=float(range_m),
             lamps=mount.lamps(count), beam=problem.beam(scene_index, optics),
             weight=luminous_weight(scene, problem.optics[optics]),
-            attenuation_per_m=scene.lamp_attenuation_per_m, fineness=scene.fineness,
+            attenuation_per_m=problem.lamp_leg_per_m(scene_index, optics), fineness=scene.fineness,
         )
         for range_m in {float(scene.range_m[0]), float(scene.range_m[-1])}
     ]  # fmt: skip
@@ -87,7 +87,7 @@ def even_enough(
     for one in np.unique(port):
         mine = np.nonzero(port == one)[0]
         shape = problem.shape(int(one), scene_index)
-        key = ("even", beam, item.spectrum_id, item.spectrum, lamps, shape, least)
+        key = ("even", problem.effects.multiple_scattering, beam, item.spectrum_id, item.spectrum, lamps, shape, least)
 
         def judged(new: Views, one: int = int(one)) -> Array:
             hardware: dict[str, Any] = dict(port_index=one, optics=optics, mount=mount, count=count)

@@ -152,12 +152,21 @@ class Problem:
         if self.rest:
             self._add_rest(high)
         self.fineness = self.scenes[0].fineness
-        self.contractions = [Contraction(scene, self.optics, self.efficiencies) for scene in self.scenes]
+        self.contractions = self.contracted(self.scenes)
+
+    def contracted(self, scenes: Sequence[SceneOptics]) -> list[Contraction]:
+        """The spectra of this problem's lamps and sensors in these scenes."""
+        multiple = self.effects.multiple_scattering
+        return [
+            Contraction(scene, self.optics, self.efficiencies, scene_index=index, multiple=multiple)
+            for index, scene in enumerate(scenes)
+        ]
 
     def with_effects(self, effects: Effects) -> Problem:
         """The same tables in a model that keeps these effects."""
         changed = copy(self)
         changed.effects, changed.known_models = PAPER if self.paper else effects, {}
+        changed.contractions = [one.counting(changed.effects.multiple_scattering) for one in self.contractions]
         return changed
 
     def with_mission(self, mission: Mission) -> Problem:
@@ -170,7 +179,7 @@ class Problem:
         """The same parts in other water or over another floor; heights and indices of refraction must be the same."""
         changed = copy(self)
         changed.scenes, changed.known_models = scenes, {}
-        changed.contractions = [Contraction(scene, self.optics, self.efficiencies) for scene in scenes]
+        changed.contractions = self.contracted(scenes)
         return changed
 
     def at_f_number(self, f_number: float) -> Problem:
@@ -358,6 +367,11 @@ class Problem:
     def beam(self, scene_index: int, optics: int) -> Beam:
         """The beam of one light optics in one scene's water."""
         return self.optics[optics].beams[scene_index]
+
+    def lamp_leg_per_m(self, scene_index: int, optics: int) -> Array:
+        """K on the way from lamps of one light optics to the floor of one scene, by wavelength."""
+        contraction = self.contractions[scene_index]
+        return contraction.lamp_leg_per_m(int(contraction.spectrum_of[optics]))
 
     def table(
         self, scene_index: int, spectrum: int, efficiency: int, channel: str | None = None, *,

@@ -21,8 +21,8 @@ from uwopt.errors import RangeError
 from uwopt.mission.mission import SceneView
 from uwopt.mission.sections import Scene
 from uwopt.model import fineness as fine
-from uwopt.model import water
-from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr
+from uwopt.model import multiple, water
+from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr, share_beyond
 from uwopt.model.spectrum import resample, wavelength_grid_nm
 from uwopt.units import db_to_ratio
 
@@ -38,6 +38,7 @@ PAPER_ALTITUDES = 3
 FULL_ALTITUDES = 5
 FAINTEST_SUN_LX = 1e-6  # a billionth of what lamps give; starlight on the sea is a thousand times more
 STEEPEST_SUN_PATH = 0.85  # way of light straight down over that of the sun at 60 deg, with room
+FAINT = 1e-12  # 1/m, below which no coefficient counts
 LEAST_SHARE = 1e-3  # of a step: a kink nearer to a point of the grid lies on it
 GRID_SPAN_NM = 400.0  # of `wavelength_grid_nm`
 GRID_STEP_NM = 0.5  # 1 nm would err by up to 2e-4 where turbid water leaves little light, 5 nm by 2e-3
@@ -56,6 +57,10 @@ class Scattering:
         """Phase function of the cosine of the scattering angle, 1 over the sphere [1/sr]."""
         return molecular_per_sr if self.table is None else partial(look_up, table=self.table)
 
+    def share_beyond(self, angle_rad: float) -> float:
+        """What of it is scattered by more than an angle."""
+        return share_beyond(angle_rad, self.table)
+
 
 @dataclass(frozen=True)
 class SceneOptics:
@@ -68,7 +73,7 @@ class SceneOptics:
     wavelength_nm: Array
     photopic: Array
     attenuation_per_m: Array  # c: camera leg
-    lamp_attenuation_per_m: Array  # K: lamp leg
+    lamp_attenuation_per_m: Array  # K: lamp leg, of single scattering and of daylight's veil
     reflectance: Array
     n_water: float  # at the design wavelength
     n_water_spectrum: Array
@@ -77,6 +82,7 @@ class SceneOptics:
     notes: tuple[str, ...] = field(default=())
     scattering: tuple[Scattering, ...] = ()  # none in physics `paper`, or where the water's b is unknown
     diffuse_attenuation_per_m: Array | None = None  # K_d, of daylight
+    lamp_end: tuple[Array, float] | None = None  # another K of all orders on the lamp leg, and how far it holds, 0 to 1
     fineness: fine.Fineness = fine.DEFAULT  # of all integrals in this scene
     pitch_rad: float = 0.0  # of the optical axis from the normal of the target's plane
     # Weights and loss tables by light spectrum and efficiency curve, shared by all problems in this scene.
@@ -108,6 +114,37 @@ class SceneOptics:
         return bool(self.scattering) or not np.array_equal(
             self.attenuation_per_m, self.lamp_attenuation_per_m
         )
+
+    @property
+    def counts_orders(self) -> bool:
+        """Whether light scattered more than once can be counted: where the water's b and phase function are known."""
+        return bool(self.scattering) and self.view.scene.multiple_scattering
+
+    def lamp_leg_per_m(self, half_power_angle_rad: float) -> Array:
+        """K of all orders of scattering on the way from lamps of this lobe to the floor."""
+        angle = float(multiple.lamp_angle_rad(half_power_angle_rad))
+        k = self._effective_per_m(lambda one: one.share_beyond(angle))
+        return k if self.lamp_end is None else geometric(k, *self.lamp_end)
+
+    def veil_leg_per_m(self) -> Array:
+        """K of all light that comes from the floor to the camera, whether it forms an image or not."""
+        angle = float(np.deg2rad(multiple.VEIL_DEG))
+        return self._effective_per_m(lambda one: min(multiple.VEIL_SHARE + one.share_beyond(angle), 1.0))
+
+    def back_leg_per_m(self, half_power_angle_rad: float) -> Array:
+        """K of light that the water sends back, from lamps of this lobe and to the camera."""
+        share = float(multiple.back_share(half_power_angle_rad))
+        k = self._effective_per_m(lambda one: min(share * one.share_beyond(np.pi / 2), 1.0))
+        absorbed = self._effective_per_m(lambda one: 0.0)
+        return np.maximum(k, multiple.LEAST_OF_ABSORPTION * absorbed)
+
+    def _effective_per_m(self, lost_share: Callable[[Scattering], float]) -> Array:
+        left = self.attenuation_per_m
+        for one in self.scattering:
+            left = multiple.effective_attenuation_per_m(
+                left, scattering_per_m=one.scattering_per_m, lost_share=lost_share(one)
+            )
+        return left
 
     @property
     def pixels(self) -> Pixels | None:
@@ -177,6 +214,7 @@ def scene_optics(
     known = clarity_of(scene, table)
     profile = known.profiles[water_end] if known else water_of(scene, table, base_dir)
     scattering: tuple[Scattering, ...] = ()
+    lamp_end: tuple[Array, float] | None = None
     if not paper:
         grid = np.union1d(grid, kinks_nm(profile, grid, scene.backscatter_ratio))
     if profile.a_per_m is not None and profile.b_per_m is not None:
@@ -186,6 +224,7 @@ def scene_optics(
         )
         c = water.beam_attenuation_per_m(a, b)
         lamp = c if paper else lamp_attenuation(profile, grid, a, b, scene.backscatter_ratio, lamp_leg)
+        lamp_end = None if lamp_leg == "diffuse" else (lamp, 1.0)
         scattering = () if paper else scatterers_of(grid, b, scene, base_dir)
     else:
         c = resample(
@@ -224,6 +263,7 @@ def scene_optics(
         notes=profile.notes + floor.notes,
         scattering=scattering,
         diffuse_attenuation_per_m=daylight_attenuation(profile, grid, c),
+        lamp_end=lamp_end,
         fineness=fineness,
         pitch_rad=pitch_rad,
     )
@@ -342,6 +382,12 @@ def lamp_attenuation(
     return np.asarray(
         water.illumination_attenuation_per_m(a, b_per_m=b, kd_per_m=kd, backscatter_ratio=backscatter_ratio)
     )
+
+
+def geometric(central: Array, end: Array, share: float) -> Array:
+    """Between two spectra: the central one at 0, the end at 1, even in their logarithms."""
+    low, high = np.maximum(central, FAINT), np.maximum(end, FAINT)
+    return np.asarray(low * (high / low) ** share)
 
 
 def index_of_water(grid: Array, scene: Any) -> Array:

@@ -297,7 +297,8 @@ def arriving(scene: SceneOptics, contraction: Contraction, spectrum: int, effici
     key = ("arriving", *contraction.key(spectrum, efficiency, None))
     if key not in scene.cache:
         weight = contraction.weight(spectrum, efficiency)
-        loss = (scene.attenuation_per_m + scene.lamp_attenuation_per_m) * float(scene.range_m[scene.nominal])
+        both = scene.attenuation_per_m + contraction.lamp_leg_per_m(spectrum)
+        loss = both * float(scene.range_m[scene.nominal])
         seen = weight > 0
         least = float(loss[seen].min()) if seen.any() else 0.0
         scene.cache[key] = weight * np.exp(-np.maximum(loss - least, 0.0))

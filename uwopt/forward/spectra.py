@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from typing import Any
 
@@ -13,6 +13,7 @@ from uwopt.catalog.records import Curve
 from uwopt.forward.lamps import LAMP_FRONT_M, LightOptics, relative_spectrum
 from uwopt.forward.scene import COLOURS, SceneOptics
 from uwopt.model import sensor
+from uwopt.model.beam import half_power_angle_rad
 from uwopt.model.fineness import scaled
 from uwopt.model.imaging import scatter_weight, signal_weight
 from uwopt.model.path_table import PathTable, build_path_table
@@ -20,6 +21,7 @@ from uwopt.model.spectrum import resample, resample_power
 from uwopt.model.veil.geometry import OPTICAL_REACH, Scatterer
 
 Array = NDArray[Any]
+SpectrumKind = tuple[tuple[str, Curve | None], float | None]  # light's spectrum; its lobe, where K depends on it
 
 REACH_STEP = 1.3
 ENDLESS = 16.0  # c + K times the path that stands for all of the water
@@ -72,27 +74,74 @@ class Contraction:
     """
 
     def __init__(
-        self, scene: SceneOptics, optics: Sequence[LightOptics], efficiencies: Sequence[dict[str, Curve]]
-    ):
-        self.scene = scene
-        self.spectrum_names: list[tuple[str, Curve | None]] = []
+        self, scene: SceneOptics, optics: Sequence[LightOptics], efficiencies: Sequence[dict[str, Curve]], *,
+        scene_index: int = 0, multiple: bool = False,
+    ):  # fmt: skip
+        """Of the lamps' beams in the scene of that index; `multiple`: light scattered more than once counts."""
+        self.scene, self.optics, self.scene_index = scene, optics, scene_index
+        self.multiple = multiple and scene.counts_orders
+        kinds: dict[SpectrumKind, int] = {}
         self.spectrum_of = np.empty(len(optics), int)
         for index, item in enumerate(optics):
-            key = (item.spectrum_id, item.spectrum)
-            if key not in self.spectrum_names:
-                self.spectrum_names.append(key)
-            self.spectrum_of[index] = self.spectrum_names.index(key)
+            kind = ((item.spectrum_id, item.spectrum), self._lobe_rad(item))
+            self.spectrum_of[index] = kinds.setdefault(kind, len(kinds))
+        self.spectrum_names = [name for name, _ in kinds]
+        self._lobes_rad = [lobe for _, lobe in kinds]
         self.efficiencies = list(efficiencies)
         self._curve_keys = [tuple(sorted(curves.items())) for curves in efficiencies]
         self._reach_m: tuple[float, float] | None = None  # until `reaching` says how far tables must go
 
+    def counting(self, multiple: bool) -> Contraction:
+        """The same with light scattered more than once, or without."""
+        if self.multiple == (multiple and self.scene.counts_orders):
+            return self
+        changed = Contraction(
+            self.scene, self.optics, self.efficiencies, scene_index=self.scene_index, multiple=multiple
+        )
+        changed._reach_m = self._reach_m
+        return changed
+
+    def _lobe_rad(self, item: LightOptics) -> float | None:
+        """Half angle of a lamp's lobe, where K depends on it."""
+        return half_power_angle_rad(item.beams[self.scene_index]) if self.multiple else None
+
+    def lamp_leg_per_m(self, spectrum: int) -> Array:
+        """K on the way from these lamps to the floor, by wavelength."""
+        lobe = self._lobes_rad[spectrum]
+        if lobe is None:
+            return self.scene.lamp_attenuation_per_m
+        return self._kept(("lamp leg", lobe), lambda: self.scene.lamp_leg_per_m(lobe))
+
+    def veil_leg_per_m(self) -> Array:
+        """Attenuation of all light that comes from the floor to the camera, whether it forms an image or not."""
+        if not self.multiple:
+            return self.scene.lamp_attenuation_per_m
+        return self._kept("veil leg", self.scene.veil_leg_per_m)
+
+    def back_legs_per_m(self, spectrum: int) -> tuple[Array, Array]:
+        """Attenuation of light that the water sends back: from these lamps, and to the camera."""
+        lobe = self._lobes_rad[spectrum]
+        if lobe is None:
+            return self.scene.lamp_attenuation_per_m, self.scene.attenuation_per_m
+        both = self._kept(("back leg", lobe), lambda: self.scene.back_leg_per_m(lobe))
+        return both, both
+
+    def _kept(self, key: Any, make: Callable[[], Array]) -> Array:
+        """From the scene's cache, or made."""
+        if key not in self.scene.cache:
+            self.scene.cache[key] = make()
+        return np.asarray(self.scene.cache[key])
+
     def key(self, spectrum: int, efficiency: int, channel: str | None) -> tuple[Any, ...]:
-        """What a weight depends on, in the scene's cache."""
+        """What light depends on, in the scene's cache."""
+        return (*self._weight_key(spectrum, efficiency, channel), self._lobes_rad[spectrum])
+
+    def _weight_key(self, spectrum: int, efficiency: int, channel: str | None) -> tuple[Any, ...]:
         return (self.spectrum_names[spectrum], self._curve_keys[efficiency], channel)
 
     def weight(self, spectrum: int, efficiency: int, channel: str | None = None) -> Array:
         """Signal weight by wavelength; see `signal_weight`."""
-        key = ("weight", *self.key(spectrum, efficiency, channel))
+        key = ("weight", *self._weight_key(spectrum, efficiency, channel))
         scene = self.scene
         if key not in scene.cache:
             scene.cache[key] = signal_weight(
@@ -115,7 +164,7 @@ class Contraction:
         """Water's loss straight down and up, by altitude: the paper's equation (1) on the axis."""
         scene = self.scene
         weight = self.weight(spectrum, efficiency, channel)
-        optical = (scene.attenuation_per_m + scene.lamp_attenuation_per_m) * scene.range_m[:, None]
+        optical = (scene.attenuation_per_m + self.lamp_leg_per_m(spectrum)) * scene.range_m[:, None]
         least = optical.min(axis=1, keepdims=True)
         loss = (weight * np.exp(-(optical - least))).sum(axis=1) / max(float(weight.sum()), TINY)
         return np.asarray(loss * np.exp(-least[:, 0]))
@@ -126,7 +175,7 @@ class Contraction:
         """Water's loss over one pair of paths, integrated directly."""
         scene = self.scene
         weight = self.weight(spectrum, efficiency, channel)
-        optical = scene.lamp_attenuation_per_m * lamp_m + scene.attenuation_per_m * camera_m
+        optical = self.lamp_leg_per_m(spectrum) * lamp_m + scene.attenuation_per_m * camera_m
         least = float(optical.min())
         return float((weight * np.exp(-(optical - least))).sum() / max(weight.sum(), TINY) * np.exp(-least))
 
@@ -144,14 +193,14 @@ class Contraction:
     def _most_contrast(self, spectrum: int, efficiency: int, near: float) -> float:
         scene = self.scene
         weight = self.weight(spectrum, efficiency)
-        excess = scene.attenuation_per_m - scene.lamp_attenuation_per_m
+        excess, lamp_leg = scene.attenuation_per_m - self.veil_leg_per_m(), self.lamp_leg_per_m(spectrum)
         lit = weight > 0
         if not lit.any():  # a black floor or a blind sensor
             return 1.0
         least = np.inf
         for camera_m in np.linspace(near, max(self.reach_m[1], near), 4):
             for lamp_m in np.linspace(0.5 * near, max(self.reach_m[0], near), 4):
-                optical = scene.lamp_attenuation_per_m[lit] * lamp_m + scene.attenuation_per_m[lit] * camera_m
+                optical = lamp_leg[lit] * lamp_m + scene.attenuation_per_m[lit] * camera_m
                 seen = weight[lit] * np.exp(-(optical - optical.min()))
                 veil = np.expm1(np.minimum(excess[lit] * camera_m, LARGEST_EXPONENT))
                 least = min(least, float((seen * veil).sum() / seen.sum()))
@@ -187,9 +236,9 @@ class Contraction:
             scene.cache[key] = build_path_table(
                 self.weight(spectrum, efficiency, channel),
                 wavelength_nm=None,  # the weight holds the trapezoid's steps
-                k_lamp_per_m=scene.lamp_attenuation_per_m,
+                k_lamp_per_m=self.lamp_leg_per_m(spectrum),
                 c_camera_per_m=scene.attenuation_per_m,
-                k_camera_per_m=scene.lamp_attenuation_per_m if forward else None,
+                k_camera_per_m=self.veil_leg_per_m() if forward else None,
                 lamp_range_m=(lowest, self.reach_m[0]),
                 camera_range_m=(nearest_m * 0.999, self.reach_m[1]),
                 **self.table_settings(),
@@ -210,11 +259,10 @@ class Contraction:
         scene = self.scene
         key = ("scatter", *self.key(spectrum, efficiency, channel), self.reach_m)
         if key not in scene.cache:
+            legs = self.back_legs_per_m(spectrum)
             lamp_end, camera_end = (
                 min(reach, LAMP_FRONT_M + OPTICAL_REACH / max(float(least.min()), TINY))
-                for reach, least in zip(
-                    self.reach_m, (scene.lamp_attenuation_per_m, scene.attenuation_per_m), strict=True
-                )
+                for reach, least in zip(self.reach_m, legs, strict=True)
             )
             scene.cache[key] = tuple(
                 Scatterer(
@@ -222,8 +270,8 @@ class Contraction:
                     table=build_path_table(
                         self.scatter_weight(part.scattering_per_m, spectrum, efficiency, channel),
                         wavelength_nm=None,
-                        k_lamp_per_m=scene.lamp_attenuation_per_m,
-                        c_camera_per_m=scene.attenuation_per_m,
+                        k_lamp_per_m=legs[0],
+                        c_camera_per_m=legs[1],
                         lamp_range_m=(LAMP_FRONT_M, max(lamp_end, 2 * LAMP_FRONT_M)),
                         camera_range_m=(0.0, camera_end),
                         **self.table_settings(),
@@ -241,8 +289,7 @@ class Contraction:
 
         From beyond a path of c + K = 16 comes less than e^-16 of what a lamp at the camera sends back.
         """
-        scene = self.scene
-        both = scene.attenuation_per_m + scene.lamp_attenuation_per_m
+        both = np.sum(self.back_legs_per_m(spectrum), axis=0)
         seen = self.weight(spectrum, efficiency, channel) > 0.0
         end_m = ENDLESS / max(float(both[seen].min()) if seen.any() else float(both.min()), TINY)
         return self.reaching(end_m, end_m).scatterers(spectrum, efficiency, channel), end_m

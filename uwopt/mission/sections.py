@@ -544,6 +544,11 @@ class Scene(Section):
         description="how particles scatter: fournier-forand or henyey-greenstein for the backscatter_ratio, "
         "petzold-<station> as measured, or the name of a CSV file (angle_deg, phase_per_sr)",
     )
+    multiple_scattering: bool = Field(
+        default=True,
+        description="whether light that is scattered more than once counts; false: single scattering, as the equations "
+        "of Jaffe and McGlamery have it",
+    )
     sun_lux: Annotated[float, Field(ge=0, le=200_000), NUMBER] = Field(
         default=0.0, description="sunlight at the surface in lux, 0 for night"
     )

@@ -36,6 +36,7 @@ scene:
   # temperature_c: 10
   # salinity_psu: 35           # 0 for fresh water
   # backscatter_ratio: 0.0183  # share of the scattering that goes backward
+  # multiple_scattering: true  # false: count light that is scattered twice as lost
   # phase_function: fournier-forand  # henyey-greenstein | petzold-<station> | a CSV (angle_deg, phase_per_sr)
   # sun_lux: 0                 # sunlight at the surface; 100000 on a bright day, 0 at night
   # sun_elevation_deg: 60

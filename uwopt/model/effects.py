@@ -16,6 +16,7 @@ class Effects:
 
     forward_veil: bool = True  # lamp light that is scattered a little on its way from floor to camera
     backscatter: bool = True  # lamp light that the water between returns
+    multiple_scattering: bool = True  # light that is scattered more than once, on all its ways
     sunlight: bool = True  # what the sun adds to the image, and its veil
     window_angle: bool = True  # a flat window's loss grows off its axis
     image_curvature: bool = True  # a dome bends the image of a flat floor

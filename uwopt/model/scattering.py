@@ -355,7 +355,19 @@ def look_up(cos_angle: ArrayLike, table: PhaseTable) -> Any:
 
 def backscatter_ratio(table: PhaseTable) -> float:
     """Share of a table scattered beyond 90 degrees: b_b/b [1]."""
-    return _moment(table, np.sqrt(0.5), cosine_power=0)
+    return share_beyond(np.pi / 2, table)
+
+
+def share_beyond(angle_rad: float, table: PhaseTable | None) -> float:
+    """Share scattered by more than an angle [1], 0 to pi; without a table, of the molecules' own function.
+
+    Molecules: 3 / (2 (3 + f)) (1 + cos psi + f (1 + cos^3 psi) / 3).
+    """
+    if table is not None:
+        return _moment(table, float(np.sin(angle_rad / 2)), cosine_power=0)
+    f = (1 - SEA_WATER_DEPOLARISATION) / (1 + SEA_WATER_DEPOLARISATION)
+    cos = float(np.cos(angle_rad))
+    return 1.5 / (3 + f) * (1 + cos + f * (1 + cos**3) / 3)
 
 
 def _sample_x() -> FloatArray:

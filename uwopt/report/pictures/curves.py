@@ -144,7 +144,8 @@ def spectrum_way(design: Replay, scene_index: int = 0) -> SpectrumWay:
         lumens, relative_spectrum=relative_spectrum((item.spectrum_id, item.spectrum), grid), wavelength_nm=grid,
         photopic=scene.photopic,
     )  # fmt: skip
-    per_flux = axis_gain_per_m2(scene, item.beams[scene_index], hw.mount.lamps(hw.count), range_m)
+    lamp_leg = problem.lamp_leg_per_m(scene_index, int(model.lights.optics_index[0]))
+    per_flux = axis_gain_per_m2(scene, lamp_leg, item.beams[scene_index], hw.mount.lamps(hw.count), range_m)
     irradiance = flux * per_flux
     radiance = seafloor.lambertian_radiance(irradiance, reflectance=scene.reflectance)
     passes = float(model.lenses.transmission[0]) * (1.0 if scene.paper else port_transmission(shape))
@@ -175,18 +176,20 @@ def spectrum_way(design: Replay, scene_index: int = 0) -> SpectrumWay:
     )
 
 
-def axis_gain_per_m2(scene: SceneOptics, beam: beams.Beam, lamps: Lamps, range_m: float) -> Array:
+def axis_gain_per_m2(
+    scene: SceneOptics, lamp_leg_per_m: Array, beam: beams.Beam, lamps: Lamps, range_m: float
+) -> Array:
     """Irradiance over flux where the camera's axis meets the floor, water's loss included, by wavelength [1/m^2]."""
     if scene.paper:
         gain = float(on_axis_gain(beam, np.array([range_m]))[0])
-        return np.asarray(gain * np.exp(-scene.lamp_attenuation_per_m * range_m))
+        return np.asarray(gain * np.exp(-lamp_leg_per_m * range_m))
     total = np.zeros_like(scene.wavelength_nm)
     origin = np.zeros(1)
     for index, share in enumerate(lamps.share):
         vacuum, lamp_m, _ = lamp_light(
             origin, origin, lamps=lamps, index=index, beam=beam, range_m=range_m, slope=scene.slope
         )
-        total += share * float(vacuum[0]) * np.exp(-scene.lamp_attenuation_per_m * float(lamp_m[0]))
+        total += share * float(vacuum[0]) * np.exp(-lamp_leg_per_m * float(lamp_m[0]))
     return total
 
 

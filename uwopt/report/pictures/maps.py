@@ -174,7 +174,7 @@ def floor_map(
             along_m / secant, y_m, slope=shape.slope, range_m=range_m, lamps=hw.mount.lamps(hw.count),
             beam=item.beams[scene_index],
             weight=luminous_weight(scene, item),
-            attenuation_per_m=scene.lamp_attenuation_per_m,
+            attenuation_per_m=problem.lamp_leg_per_m(scene_index, int(model.lights.optics_index[0])),
         )  # fmt: skip
 
     def traced(along: Array, across: Array) -> tuple[Array, Array]:

@@ -299,7 +299,7 @@ NUMBERS = {"qe_scale": "quantum efficiency (as a factor)", "output_factor": "sha
 PRICES = ("price", "host price")
 #: What is taken for the loss of light between lamp and floor, by the name in a result.
 LAMP_LOSSES = {
-    "K_d, within a + b_b and c": "lamp light lost as daylight is",
+    "as the model has it": "lamp light lost as modelled",
     "a + b_b, the least": "as little lamp light lost as can be",
     "c, the most": "as much lamp light lost as can be",
 }

@@ -93,7 +93,7 @@ def drawn(doubt: Doubt, problem: Problem) -> Iterator[str]:
         if doubt.clarity and any(scene.clarity for scene in problem.scenes):
             yield "the water's clarity, within what the reading leaves open"
         if doubt.lamp_leg and any(scene.scattering for scene in problem.scenes):
-            yield "K on the lamps' way, between a + b_b and c about K_d"
+            yield "K on the lamps' way, between a + b_b and c"
         if doubt.other_water_table > 0.0:
             share = 100.0 * doubt.other_water_table
             yield f"the other table of the Jerlov types, where it has the water, in {share:g} % of all"

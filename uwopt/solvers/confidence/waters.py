@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.curves.clarity import ClarityEnd
 from uwopt.catalog.curves.spectra import water_types
-from uwopt.forward.scene import LampLeg, Scattering, SceneOptics, scene_optics
+from uwopt.forward.scene import LampLeg, Scattering, SceneOptics, geometric, scene_optics
 from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission, SceneView
 from uwopt.solvers.confidence.draws import even_points, triangular
@@ -24,7 +24,6 @@ from uwopt.solvers.explain.waters import OTHER
 
 Array = NDArray[Any]
 ENDS: tuple[LampLeg, LampLeg, LampLeg] = ("least", "diffuse", "most")
-FAINT = 1e-12  # 1/m, below which no coefficient counts
 
 
 @dataclass(frozen=True)
@@ -89,7 +88,8 @@ class KnownWaters:
             return replace(scene, reflectance=reflectance, cache={})
         other = state.other_table and self.other_table() is not None
         low, central, high = (self.between(other, leg, state.clarity) for leg in ENDS)
-        lamp = geometric(central[1], low[1] if state.lamp_leg < 0 else high[1], abs(state.lamp_leg))
+        end = low[1] if state.lamp_leg < 0 else high[1]
+        lamp = geometric(central[1], end, abs(state.lamp_leg))
         attenuation, _, daylight, *b = central
         scattering = tuple(
             Scattering(one.name, own, one.table) for one, own in zip(scene.scattering, b, strict=True)
@@ -97,7 +97,7 @@ class KnownWaters:
         return replace(
             scene, attenuation_per_m=attenuation, lamp_attenuation_per_m=np.minimum(lamp, attenuation),
             diffuse_attenuation_per_m=None if scene.diffuse_attenuation_per_m is None else daylight,
-            scattering=scattering, reflectance=reflectance, cache={},
+            lamp_end=(end, abs(state.lamp_leg)), scattering=scattering, reflectance=reflectance, cache={},
         )  # fmt: skip
 
     def between(self, other: bool, leg: LampLeg, clarity: float) -> list[Array]:
@@ -139,9 +139,3 @@ class KnownWaters:
 def own_table(scene: SceneOptics) -> str | None:
     """The table that a scene's water is from, where it is one of the two."""
     return scene.water_table if scene.water_table in OTHER else None
-
-
-def geometric(central: Array, end: Array, share: float) -> Array:
-    """Between two spectra: the central one at 0, the end at 1, even in their logarithms."""
-    low, high = np.maximum(central, FAINT), np.maximum(end, FAINT)
-    return np.asarray(low * (high / low) ** share)

@@ -43,7 +43,7 @@ def least_white_balance(
         return 1.0
     lost_lamp, lost_camera = (
         np.exp(-np.outer(path, loss[lit] - loss[lit].min()))  # what all lose alike changes no ratio
-        for path, loss in ((lamp, scene.lamp_attenuation_per_m), (camera, scene.attenuation_per_m))
+        for path, loss in ((lamp, contraction.lamp_leg_per_m(spectrum)), (camera, scene.attenuation_per_m))
     )
     seen = {name: (lost_lamp * weight[lit]) @ lost_camera.T for name, weight in weights.items()}
     return max(1.0, SUMS_DIFFER * max(least_ratio(seen[a], seen[b]) for a, b in permutations(COLOURS, 2)))

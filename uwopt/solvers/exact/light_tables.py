@@ -309,7 +309,7 @@ class FloorLightBound:
         along = edges_to(float(widest.half_along_m.max(initial=1e-6)))
         across = edges_to(float(widest.half_across_m.max(initial=1e-6)))
         cells = most_in_cells(beam, lamps, along, across, range_m,
-                              float(scene.lamp_attenuation_per_m.min()))  # fmt: skip
+                              float(problem.lamp_leg_per_m(scene_index, lighting.optics).min()))  # fmt: skip
         radius = np.square(along[:-1, None]) + np.square(across[None, :-1])  # of the corner next to the axis
         depth = range_m + widest.deepest_m
         least_c = float(scene.attenuation_per_m.min())
@@ -328,7 +328,8 @@ class FloorLightBound:
         lamps, port_m = levelled(one_side(lighting.mount.lamps(2)), scene.slope, range_m)
         peak = beams.peak_intensity_per_sr(beam) / min(port_m - z for z in lamps.z_m) ** 2
         least_k, least_c = (
-            float(least.min()) for least in (scene.lamp_attenuation_per_m, scene.attenuation_per_m)
+            float(least.min())
+            for least in (problem.lamp_leg_per_m(scene_index, lighting.optics), scene.attenuation_per_m)
         )
         plane: dict[str, Any] = dict(slope=scene.slope, range_m=range_m, deepest_m=widest.deepest_m)
         halves = []

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from uwopt.catalog.choose import Selection
 from uwopt.forward.assembly import build_problem
 from uwopt.forward.problem import Problem
-from uwopt.forward.spectra import Contraction
 from uwopt.mission.mission import Mission
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, PortBlock, imagers_behind, joined, landscapes
 from uwopt.solvers.recommend import same_scenes
@@ -30,7 +29,7 @@ def asking(problem: Problem, mission: Mission, selection: Selection) -> Problem:
     made = copy(problem)
     made.mission, made.scenes, made.known_models = mission, scenes, {}
     made.__dict__.pop("duration", None)  # depends on limits of energy
-    made.contractions = [Contraction(scene, made.optics, made.efficiencies) for scene in scenes]
+    made.contractions = made.contracted(scenes)
     return made
 
 

@@ -1,0 +1,91 @@
+"""Effective attenuations that stand for all orders of scattering: fitted on half of the table, judged on the other.
+
+The forms are those of `uwopt.model.multiple`, whose constants were fitted here and rounded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from uwopt.model import multiple, scattering
+
+from .cases import TALLIES, Case, Light, read
+from .model import Legs, phase_table, uwopt_light
+
+SCALE = 0.05  # error from which a case counts less in the fit: no single one may bend it
+
+
+class Constants(NamedTuple):
+    """As in `uwopt.model.multiple`: angles in degrees, `back_by_lobe` by radian of the lobe."""
+
+    lamp: float
+    lamp_by_lobe: float
+    veil_share: float
+    veil: float
+    back: float
+    back_by_lobe: float
+
+
+USED = Constants(
+    multiple.LAMP_DEG, multiple.LAMP_BY_LOBE, multiple.VEIL_SHARE, multiple.VEIL_DEG, multiple.BACK,
+    multiple.BACK_BY_LOBE,
+)  # fmt: skip
+BY_TALLY = {"signal": ("lamp", "lamp_by_lobe"), "veil": ("veil_share", "veil"), "backscatter": ("back", "back_by_lobe")}
+
+
+def effective(case: Case, constants: Constants = USED) -> Legs:
+    """The attenuations of a case."""
+    now, b, lobe = constants, case.c_per_m * case.albedo, case.lobe_half_deg
+
+    def leg(lost: float) -> float:
+        return float(multiple.effective_attenuation_per_m(case.c_per_m, scattering_per_m=b, lost_share=lost))
+
+    def beyond(angle_deg: float) -> float:
+        return scattering.share_beyond(float(np.deg2rad(np.clip(angle_deg, 1.0, 180.0))), phase_table(case.phase))
+
+    back = leg((now.back - now.back_by_lobe * np.deg2rad(lobe)) * beyond(90.0))
+    least = multiple.LEAST_OF_ABSORPTION * (case.c_per_m - b)
+    lamp, veil = leg(beyond(now.lamp + now.lamp_by_lobe * lobe)), leg(now.veil_share + beyond(now.veil))
+    return Legs(lamp, veil, max(back, least), max(back, least))
+
+
+def means(use: str, *, thin: bool = True) -> list[Light]:
+    """Image means of one half of the table, up to c d = 4 or beyond."""
+    return [
+        row for row in read()
+        if row.place == "mean" and row.case.use == use and (row.case.thickness <= multiple.TESTED_THICKNESS) == thin
+    ]  # fmt: skip
+
+
+@cache
+def fitted() -> Constants:
+    """The constants, from `fit` cases up to c d = 4: one tally after the other, each with its own two."""
+    rows, found = means("fit"), USED
+    for tally, names in BY_TALLY.items():
+
+        def off(x: np.ndarray, tally: str = tally, known: Constants = found) -> list[float]:
+            now = known._replace(**dict(zip(BY_TALLY[tally], map(float, x), strict=True)))
+            return [error(row, effective(row.case, now), tally) for row in rows]
+
+        start = [getattr(found, name) for name in names]
+        best = least_squares(off, start, x_scale=np.abs(start), diff_step=0.02, loss="soft_l1", f_scale=SCALE)
+        found = found._replace(**dict(zip(names, map(float, best.x), strict=True)))
+    return found
+
+
+def error(row: Light, legs: Legs, tally: str) -> float:
+    """Relative error of one tally."""
+    return uwopt_light(row.case, row.place, legs)[tally] / row.value[tally] - 1.0
+
+
+def errors(row: Light, legs_of: Callable[[Case], Legs]) -> dict[str, float]:
+    """Relative errors of all tallies and of contrast."""
+    found = uwopt_light(row.case, row.place, legs_of(row.case))
+    off = {tally: found[tally] / row.value[tally] - 1.0 for tally in TALLIES}
+    contrast = [light["signal"] / sum(light[tally] for tally in TALLIES) for light in (found, row.value)]
+    return off | {"contrast": contrast[0] / contrast[1] - 1.0}

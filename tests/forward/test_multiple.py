@@ -1,0 +1,90 @@
+"""Light scattered more than once in a scene: K by lobe, tables apart, and what a result says of thick water."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import uwopt
+from uwopt.catalog.records import Curve
+from uwopt.forward.lamps import LightOptics
+from uwopt.forward.scene import SceneOptics, scene_optics
+from uwopt.forward.spectra import Contraction
+from uwopt.mission.mission import load_mission
+from uwopt.model.beam import cosine_power_beam
+from uwopt.model.path_table import log_mean_transmission
+
+CURVES = [{"mono": Curve((400.0, 700.0), (0.5, 0.5))}]
+
+
+def scene_of(**scene: Any) -> SceneOptics:
+    keys = {"water": "3C", "seafloor": 0.2, "depth_m": 50} | scene
+    mission = load_mission(
+        {
+            "name": "m", "scene": keys, "vehicle": {"altitude_m": 2.0, "speed_m_s": 0},
+            "requirements": {"frame_interval_s": 1.0},
+        }
+    )
+    return scene_optics(mission.scene_view(0), paper=False, base_dir=Path())
+
+
+def contraction_of(scene: SceneOptics, *half_angles_deg: float, multiple: bool = True) -> Contraction:
+    optics = [LightOptics((cosine_power_beam(np.deg2rad(2 * half)),), "generic-led", None) for half in half_angles_deg]
+    return Contraction(scene, optics, CURVES, multiple=multiple).reaching(4.0, 4.0)
+
+
+def test_lamps_of_unlike_lobes_have_tables_of_their_own() -> None:
+    scene = scene_of()
+    both = contraction_of(scene, 15.0, 60.0, 15.0)
+    assert both.spectrum_of.tolist() == [0, 1, 0]
+    narrow, wide = (log_mean_transmission(both.table(n, 0, nearest_m=2.0), 2.0, 2.0) for n in (0, 1))
+    alone = contraction_of(scene_of(), 60.0)
+    assert wide == pytest.approx(log_mean_transmission(alone.table(0, 0, nearest_m=2.0), 2.0, 2.0), rel=1e-6)
+    assert narrow < wide - 0.05
+
+
+def test_attenuations_lie_between_absorption_and_c_and_grow_with_what_is_lost() -> None:
+    scene = scene_of()
+    made = contraction_of(scene, 10.0, 40.0, 70.0)
+    a = scene.attenuation_per_m - sum(one.scattering_per_m for one in scene.scattering)
+    k = np.stack([made.lamp_leg_per_m(n) for n in range(3)])
+    assert np.all(a < k) and np.all(k < scene.attenuation_per_m) and np.all(np.diff(k, axis=0) < 0)
+    assert np.all(made.veil_leg_per_m() > a)
+    for n in range(3):
+        lamp, camera = made.back_legs_per_m(n)
+        assert np.all(lamp >= 0.49 * a) and np.all(camera < scene.attenuation_per_m)
+
+
+def test_single_scattering_is_what_the_scene_or_the_model_asks_for() -> None:
+    for scene, multiple in ((scene_of(multiple_scattering=False), True), (scene_of(), False)):
+        made = contraction_of(scene, 40.0, 60.0, multiple=multiple)
+        assert made.spectrum_of.tolist() == [0, 0]
+        assert made.lamp_leg_per_m(0) is scene.lamp_attenuation_per_m
+        assert made.back_legs_per_m(0)[1] is scene.attenuation_per_m
+        assert made.counting(False) is made
+
+
+def system() -> dict[str, Any]:
+    return {
+        "camera": {"resolution_x_px": 2448, "resolution_y_px": 2048, "pixel_pitch_um": 3.45, "read_noise_e": 2.4,
+                   "quantum_efficiency": 0.6, "gain_dn_per_e": 0.35, "bit_depth": 12},
+        "lens": {"focal_length_mm": 8, "transmission": 0.9},
+        "port": {"thickness_mm": 5, "refractive_index": 1.5, "geometry": "dome", "outer_radius_mm": 70},
+        "light": {"flux_lm": 10_000, "power_w": 100, "spectrum": "generic-led", "beam": "cosine-power",
+                  "beam_half_angle_deg": 40},
+        "light_mounts": [{"y_m": 0.5}],
+        "settings": {"f_number": 4.0, "exposure_ms": 10.0, "gain": 1.0, "flux_lm": 10_000},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(("water", "orders", "warned"), [("9C", True, True), ("9C", False, False), ("II", True, False)])
+def test_a_result_says_that_it_leaves_the_tested_range(water: str, orders: bool, warned: bool) -> None:
+    # c at 550 nm of 9C is 3.4 1/m: 6.8 lengths at 2 m; of II 0.45: 0.9
+    scene = {"water": water, "seafloor": 0.2, "depth_m": 50, "multiple_scattering": orders}
+    mission = {"name": "t", "physics": "full", "practice": "bare", "scene": scene,
+               "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0}, "requirements": {"frame_interval_s": 1.0}}  # fmt: skip
+    notes = uwopt.evaluate(mission, system()).to_dict()
+    assert ("thick_water" in str(notes)) is warned

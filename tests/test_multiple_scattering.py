@@ -1,0 +1,117 @@
+"""The Monte Carlo of all orders in docs/validation/orders, and the table that it made.
+
+Walks are followed here without numba, few of each: a wrong weight or angle shows in hundreds. `UWOPT_THOROUGH=1` makes
+rows of the table again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+import pytest
+from thorough import THOROUGH, drawn
+
+
+@pytest.fixture(scope="module")
+def orders() -> Iterator[Any]:
+    """Modules of docs/validation/orders by name, not compiled in a plain run."""
+    with pytest.MonkeyPatch.context() as patch:
+        if not THOROUGH:
+            patch.setenv("NUMBA_DISABLE_JIT", "1")
+        yield lambda name: import_module(f"validation.orders.{name}")
+
+
+def test_h_functions_have_the_integral_that_chandrasekhar_proves(orders: Any) -> None:
+    # Radiative Transfer, section 38: integral of H over mu = (2/w) (1 - sqrt(1 - w))
+    nodes, weights = np.polynomial.legendre.leggauss(16)
+    for albedo in (0.3, 0.9):
+        h = [orders("slabs").h_function(0.5 * (x + 1), albedo) for x in nodes]
+        found = 0.5 * float(np.dot(weights, h))
+        assert found == pytest.approx(2 / albedo * (1 - np.sqrt(1 - albedo)), rel=1e-4)  # 16 nodes near mu = 0
+
+
+def test_an_isotropic_half_space_reflects_what_h_functions_say(orders: Any) -> None:
+    slabs, walk = orders("slabs"), orders("walk")
+    seen = slabs.fate(walk.water_of(1.0, 0.8, walk.phase_of("isotropic")), slabs.ENDLESS, 0.6, drawn(1500, 200_000), 3)
+    assert abs(seen.reflected - slabs.plane_albedo(0.6, 0.8)) < 4 * seen.error
+    assert seen.reflected + seen.transmitted + seen.absorbed == pytest.approx(1.0, abs=drawn(0.02, 1e-3))  # roulette
+
+
+def test_a_slab_reflects_what_van_de_hulst_found(orders: Any) -> None:
+    slabs, walk = orders("slabs"), orders("walk")
+    known = slabs.HULST
+    water = walk.water_of(1.0, known["albedo"], walk.phase_of(known["phase"]))
+    seen = slabs.fate(water, known["thickness"], 1.0, drawn(1500, 200_000), 4)
+    assert abs(seen.reflected - known["reflected"]) < 4 * seen.error
+    assert abs(seen.transmitted - known["transmitted"]) < 8 * seen.error
+
+
+@pytest.mark.parametrize("name", ["ff 0.005", "ff 0.03", "hg 0.95", "petzold HAOCE 11"])
+def test_phase_functions_are_drawn_as_uwopt_holds_them(orders: Any, name: str) -> None:
+    # shares scattered beyond some angles; 1 %: chords of the table near its forward peak
+    from uwopt.model.scattering import _moment
+
+    walk, table = orders("walk"), orders("model").phase_table(name)
+    water = walk.water_of(1.0, 1.0, walk.phase_of(name))
+    for degrees in (2.0, 40.0, 90.0, 150.0):
+        beyond = _moment(table, np.sin(np.deg2rad(degrees) / 2), cosine_power=0)
+        assert 1 - np.interp(np.deg2rad(degrees), water.angle, water.share) == pytest.approx(beyond, rel=0.01)
+
+
+def test_walks_of_one_order_are_the_single_scattering_of_the_quadrature(orders: Any) -> None:
+    cases, model, camera = orders("cases"), orders("model"), orders("camera")
+    case = cases.drawn_cases()[50]
+    water, lamp, view = cases.setting(case)
+    rng, path = np.random.default_rng(5), np.empty((camera.MOST_STEPS, 3))
+    total = [
+        camera.backscatter_of(rng, water, lamp, view, 0.0, 0.0, 1.0, path, 1, 2.0, 1.0)
+        for _ in range(drawn(2000, 200_000))
+    ]
+    known = model.uwopt_light(case, "centre", model.lost(case))["backscatter"]
+    assert abs(np.mean(total) - known) < 4 * np.std(total) / np.sqrt(len(total))
+
+
+@pytest.mark.parametrize("number", [23, 55])
+def test_rows_of_the_table_are_found_again(orders: Any, number: int) -> None:
+    cases, camera = orders("cases"), orders("camera")
+    row = next(r for r in cases.read() if r.case.number == number and r.place == "mean")
+    seen = camera.seen(*cases.setting(row.case), drawn(8 * camera.BATCHES, 100_000), 77)
+    for k, tally in enumerate(cases.TALLIES):  # batches of 8 know their scatter poorly: 5 sigma
+        assert abs(seen.mean[k] - row.value[tally]) < 5 * np.hypot(seen.error[k], row.error[tally])
+        assert seen.error[k] < 0.5 * row.value[tally]
+
+
+def test_table_holds_the_cases_that_are_drawn(orders: Any) -> None:
+    cases = orders("cases")
+    rows, wanted = cases.read(), cases.drawn_cases()
+    assert {(row.case, row.place) for row in rows} == {(case, place) for case in wanted for place in cases.PLACES}
+    assert len(rows) == len(wanted) * len(cases.PLACES)
+    thin = [case for case in wanted if case.thickness <= 4.0]
+    assert len(thin) >= 60 and abs(sum(case.use == "fit" for case in thin) - len(thin) / 2) <= 1
+    assert len({case.phase for case in wanted}) == len(cases.PHASES)
+
+
+def test_standard_errors_of_the_means_are_a_fraction_of_the_marks(orders: Any) -> None:
+    # marks are 5 %; thin water
+    for row in orders("cases").read():
+        if row.place == "mean" and row.case.thickness <= 4.0:
+            assert max(row.error[k] / row.value[k] for k in row.value) < 0.015
+
+
+def test_held_out_image_means_are_those_of_all_orders(orders: Any) -> None:
+    # the marks: 85 % within 5 %, all within 10 %, up to c d = 4; one forward veil in Henyey-Greenstein 0.8 is outside
+    forms = orders("forms")
+    off = [forms.errors(row, forms.effective) for row in forms.means("held out")]
+    assert len(off) >= 30
+    for name in ("signal", "veil", "backscatter", "contrast"):
+        errors = np.abs([one[name] for one in off])
+        assert np.mean(errors <= 0.05) >= 0.85, name
+        assert np.sum(errors > 0.10) <= (name == "veil"), name
+
+
+@pytest.mark.skipif(not THOROUGH, reason="a fit takes ten seconds")
+def test_constants_are_those_of_the_fit(orders: Any) -> None:
+    assert orders("forms").fitted() == pytest.approx(orders("forms").USED, rel=0.01)
