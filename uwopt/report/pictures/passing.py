@@ -71,14 +71,15 @@ class SensorCurves:
 
 def water_curves(design: Replay, scene_index: int = 0) -> WaterCurves:
     """The water of one scene as the model takes it."""
-    scene = design.model.problem.scenes[scene_index]
+    model = design.model
+    scene = model.problem.scenes[scene_index]
     scattered = [part.scattering_per_m for part in scene.scattering]
     of_scene = scene.view.scene
     reading = of_scene.clarity
     return WaterCurves(
         wavelength_nm=scene.wavelength_nm,
         camera_leg_per_m=scene.attenuation_per_m,
-        lamp_leg_per_m=scene.lamp_attenuation_per_m,
+        lamp_leg_per_m=model.problem.lamp_leg_per_m(scene_index, int(model.lights.optics_index[0])),
         scattering_per_m=np.sum(scattered, axis=0) if scattered else None,
         daylight_per_m=scene.diffuse_attenuation_per_m,
         water=f"{reading[0]} {reading[1]:g}" if reading else f"water {of_scene.water}, table {scene.water_table}",
