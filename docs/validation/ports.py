@@ -51,7 +51,7 @@ def flat_case(
     """Mission and system."""
     mission = {
         "name": "port", "physics": "full",
-        "scene": {"water": "II", "water_table": "solonenko-mobley", "seafloor": 0.2, "depth_m": 50},
+        "scene": {"water": "II", "water_table": "solonenko-mobley", "seafloor": 0.2, "depth_m": 50, "multiple_scattering": False},
         "vehicle": {"altitude_m": range_m, "speed_m_s": 0.0}, "requirements": {"frame_interval_s": 1.0},
     }  # fmt: skip
     system = {

@@ -53,7 +53,7 @@ def rig(folder: Path, target: str, **scene: Any) -> tuple[dict[str, Any], dict[s
         "physics": "full", "practice": "bare",
         "scene": {
             "water": str(water), "seafloor": 0.05, "depth_m": 30, "target": target, "backscatter_ratio": BACKWARD,
-            "phase_function": "henyey-greenstein", **scene,
+            "phase_function": "henyey-greenstein", "multiple_scattering": False, **scene,
         },
         "vehicle": {"distance_m": DISTANCE_M, "speed_m_s": 0.0, "light_count": 1},
         "requirements": {"frame_interval_s": 1.0},
