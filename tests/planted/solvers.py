@@ -419,7 +419,8 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/solvers/settings/cell_information.py",
         old="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.5, 4.5, 4.0",
         new="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 250.0, 450.0, 400.0",
-        test="tests/solvers/test_cell_information.py::test_no_image_has_more_than_the_tangent_at_another",
+        test="tests/solvers/test_cell_information.py"
+        "::test_discs_that_end_the_transfer_early_are_bounded_node_by_node",
     ),
     Defect(
         name="the tangent goes with the logarithm of another f-number than that of its point",
@@ -433,7 +434,7 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/solvers/settings/cells.py",
         old="most = np.sqrt(light / reach.x_lo) * (1.0 + 1e-12)",
         new="most = np.sqrt(light / reach.x_lo) * 0.97",
-        test=f"{CELLS}test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[information under lamps]",
+        test="tests/solvers/test_cells.py::test_flash_and_lamp_with_steps",
     ),
     Defect(
         name="bounds drawn in roughly have no room for what few nodes miss",

@@ -82,6 +82,25 @@ def test_no_image_has_more_than_the_tangent_at_another(colour: str, far: float) 
         assert np.median(bound / truth) < 1.05, "a tangent lies near what it touches"
 
 
+def test_discs_that_end_the_transfer_early_are_bounded_node_by_node() -> None:
+    """Few nodes see a transfer that ends well inside the Nyquist square: their sum bends where the integral does not."""
+    rng = np.random.default_rng(4)
+    f_number, time_s, _ = drawn(rng)
+    ends_px, snr, none = 3.0 + 3.0 * rng.random(DRAWN), 60.0 + 90.0 * rng.random(DRAWN), np.zeros((DRAWN, 1))
+    some = rows(0.0)
+    some = replace(some, rms_disc_px=np.outer(1.2197 * ends_px * f_number, [1.0, 1.0, 1.0]))
+    to_n = f_number * np.exp(0.2 * rng.random(DRAWN) - 0.1)
+    still = 1e-3 * time_s
+    information = Information(some, 2e-3 * np.ones(DRAWN))
+    bound = information.bound(
+        np.arange(DRAWN), np.log(snr)[:, None], np.log(to_n / f_number)[:, None], none, centre_log_snr=np.log(snr),
+        f_number=(np.minimum(f_number, to_n), f_number, np.maximum(f_number, to_n)), factor=np.full(DRAWN, 1.1),
+        blur_s=(still, still), surely=np.ones(DRAWN, bool),
+    )[:, 0]  # fmt: skip
+    truth = information.value(np.arange(DRAWN), snr, f_number=to_n, working=1.1 * to_n, blur_s=still)
+    assert (truth <= bound * (1.0 + 1e-3)).all()
+
+
 def test_what_lateral_colour_joins() -> None:
     """All of the image where no colour is spread, rays where it falls along them, nodes where it comes back."""
     joined = {

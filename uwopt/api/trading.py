@@ -46,7 +46,7 @@ Array = NDArray[Any]
 Progress = Callable[[float, str], None]
 EXACT, PEER = "exact", "nsga2"
 EXACT_S = 120.0  # for the exact front, unless the call says otherwise
-PEER_S, PEER_ALONE_S = 10.0, 30.0  # for a population solver, beside the exact front and without it
+PEER_S, PEER_ALONE_S = 2.0, 30.0  # for a population solver: a look beside the exact front, or the search itself
 FIGURES_SHARE, FIGURES_S = 0.3, 8.0  # of a time that is set, and at most [s]: for the figures of a front's points
 VEILED_REL = 1e-4  # veils are integrated for many images at once and for one, on grids that differ
 VEILED = ("contrast", "information", "snr_db")
@@ -85,7 +85,7 @@ def pareto(
         own (see `objectives.own.OwnObjective`), which population solvers alone can search
     solver : exact, and names of pymoo's algorithms such as nsga2 or nsga3, one or several
     seconds : for all of it, shared by the solvers; unless told the exact search stops after 120 s, population
-        solvers after 10 s each, or 30 s where there is no exact front
+        solvers after 2 s each, or 30 s where there is no exact front
     seed : of the population solvers; the mission's unless given
     alternatives : also say why systems of other makers are not on the front
     """
