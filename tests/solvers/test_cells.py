@@ -189,7 +189,7 @@ def test_flash_and_lamp_with_steps() -> None:
 
 @pytest.mark.parametrize(("wanted", "more"), [
     ("power", dict(min_mtf=0.45)),
-    ("snr_db", dict(min_mtf=0.45, light_lm=2e4)),
+    ("snr_db", dict(min_mtf=0.5, light_lm=2e4)),
     ("information", dict(dims_freely=False, levels=[0.1])),
     ("snr_db", dict(sun=(3e5, 1e5), veil=10.0, open_max_s=5e-3)),
 ])  # fmt: skip
