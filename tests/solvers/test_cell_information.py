@@ -83,7 +83,7 @@ def test_no_image_has_more_than_the_tangent_at_another(colour: str, far: float) 
 
 
 def test_discs_that_end_the_transfer_early_are_bounded_node_by_node() -> None:
-    """Few nodes see a transfer that ends well inside the Nyquist square: their sum bends where the integral does not."""
+    """Few nodes see a transfer that ends well inside the Nyquist square: their sum bends, the integral does not."""
     rng = np.random.default_rng(4)
     f_number, time_s, _ = drawn(rng)
     ends_px, snr, none = 3.0 + 3.0 * rng.random(DRAWN), 60.0 + 90.0 * rng.random(DRAWN), np.zeros((DRAWN, 1))
