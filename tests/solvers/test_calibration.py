@@ -233,7 +233,8 @@ def turbid_system() -> Any:
 
 def test_backscatter_is_told_where_it_shows(tmp_path: Path) -> None:
     """Levels of the forward model in water that sends back twice as much, 1 % of scatter drawn on them."""
-    told = mission(tmp_path, **TURBID) | {"physics": "full"}
+    # single scattering: else a ratio changes K on every leg, not backscatter alone
+    told = mission(tmp_path, **TURBID, multiple_scattering=False) | {"physics": "full"}
     distances_m, truth = [0.3, 0.7, 1.4, 2.3], load_mission(told)
     rng, rows = np.random.default_rng(6), []
     for distance_m in distances_m:
