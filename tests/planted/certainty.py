@@ -76,8 +76,8 @@ DEFECTS = (
     Defect(
         name="what does not focus holds",
         file=f"{ROOM}/outcomes.py",
-        old="    value[:, imagers.camera], short = values_at(",
-        new="    value[:] = 0.0\n    value[:, imagers.camera], short = values_at(",
+        old="filled = np.full((len(own), count), np.inf)",
+        new="filled = np.zeros((len(own), count))",
         test=f"{TESTS}::test_it_holds_as_often_as_the_lens_focuses_so_near",
     ),
     Defect(

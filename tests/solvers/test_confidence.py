@@ -17,9 +17,9 @@ from uwopt.catalog.parts.quantity import Quantity
 from uwopt.deadline import Deadline
 from uwopt.mission.doubt import Doubt
 from uwopt.solvers.confidence import search as search_module
-from uwopt.solvers.confidence.outcomes import imagers_of, outcomes
+from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.search import Certain, Counted, at_its_stop, most_certain, rank
+from uwopt.solvers.confidence.search import Certain, Counted, at_its_stop, imagers_of, most_certain, rank
 from uwopt.solvers.confidence.summary import told
 from uwopt.solvers.confidence.worth import gained, worth_of_knowing
 from uwopt.solvers.exact.search import Search
@@ -123,7 +123,7 @@ def worked_out(sought: Sought, scenarios: Scenarios, index: int, f_number: float
     }  # fmt: skip
     scenes = scenarios.waters.at(scenarios.states[index])
     problem = problem_of(base, found, lists=lists, scenes=scenes).at_f_number(f_number)
-    imagers, _ = imagers_of(problem, np.array([0]), np.array([0]), found.landscape)
+    imagers = imagers_of(problem, found.landscape)
     best = Search(problem, sought.search.objective, top=1, imagers=imagers).run().best if len(imagers) else []
     return best[0].minimised if best else np.inf
 

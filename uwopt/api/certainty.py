@@ -17,15 +17,8 @@ from uwopt.mission.doubt import CENTRAL, ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design, Note
-from uwopt.solvers.confidence.search import (
-    Certain,
-    Counted,
-    at_its_stop,
-    most_certain,
-    rank,
-    scenarios_of,
-    with_stop,
-)
+from uwopt.solvers.confidence.counted import Counted, rank
+from uwopt.solvers.confidence.search import Certain, at_its_stop, most_certain, scenarios_of, with_stop
 from uwopt.solvers.exact.light_tables import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import Sought, design_of
@@ -40,16 +33,16 @@ AS_CENTRAL = "certainty_left_out"  # that there was no time for it
 def with_confidence(
     sought: Sought, winner: Design, goal: Objective, deadline: Deadline, progress: Progress | None,
     timing: dict[str, float],
-) -> tuple[Sought, Design, Confidence | None]:  # fmt: skip
+) -> tuple[Sought, Design, Confidence | None, bool]:  # fmt: skip
     """What is recommended at the mission's confidence: the search with it at its head, its design, what was counted.
 
-    Where numbers are taken as central, the central optimum.
+    And whether it is proven best. Where numbers are taken as central, the central optimum.
     """
     from uwopt.solvers.confidence.summary import told
 
     asked, problem = sought.problem.mission.confidence, sought.problem
     if asked == CENTRAL or not sought.outcome.best:
-        return sought, winner, None
+        return sought, winner, None, True
     patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(CERTAINTY_S, time.process_time)
     with timed(timing, "certainty", progress):
         certain = patience.within(
@@ -60,18 +53,19 @@ def with_confidence(
         why = "no time was left to count scenarios" if patience.left_out else "no stop that was counted fits by them"
         text = f"this is the best by central numbers, which alone are held: {why}"
         note = Note(AS_CENTRAL, "confidence", text)
-        return sought, replace(winner, warnings=[note, *winner.warnings]), None
+        return sought, replace(winner, warnings=[note, *winner.warnings]), None, False
     with timed(timing, "certainty", progress):
         certain, design = as_settable(sought, certain, goal, deadline)
         counted = told(problem, goal, certain, first, ends=asked == ENDS)
     found = certain.central
     if not certain.enough:
         share = "every end" if asked == ENDS else f"{100.0 * certain.asked:g} % of the scenarios"
-        text = f"nothing that was counted holds in {share}; this does in {100.0 * counted.held_in_choice:.0f} %"
+        none = "nothing in the catalogue" if certain.proven else "nothing that was counted"
+        text = f"{none} holds in {share}; this does in {100.0 * counted.held_in_choice:.0f} %"
         design = replace(design, warnings=[Note(NOT_CERTAIN, "confidence", text), *design.warnings])
     others = [one for one in sought.outcome.best if not same_hardware(one, found)]
     outcome = replace(sought.outcome, best=[found, *others])
-    return replace(sought, outcome=outcome), design, counted
+    return replace(sought, outcome=outcome), design, counted, certain.enough and certain.proven
 
 
 def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Deadline) -> tuple[Certain, Design]:

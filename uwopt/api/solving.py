@@ -261,10 +261,10 @@ def found_result(
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
             cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
     best = sought.outcome.best[0]
-    certain, proven_outcome = None, sought.outcome  # of central numbers
+    certain, surely_best, proven_outcome = None, True, sought.outcome  # of central numbers
     if not cut and sought.outcome.best:
         try:
-            sought, winner, certain = with_confidence(sought, winner, goal, deadline, progress, timing)
+            sought, winner, certain, surely_best = with_confidence(sought, winner, goal, deadline, progress, timing)
         except KeyboardInterrupt:
             cut = True
     cut_short = cut_short or cut
@@ -282,7 +282,7 @@ def found_result(
         result,
         physics=replace(result.physics, effects=[item.used() for item in proven_in_full(influences)]),
         confidence=certain,
-        status=status_of(proven=proven, exact=winner.is_settable and not wide and certain is None),
+        status=status_of(proven=proven, exact=winner.is_settable and not wide and surely_best),
         recommendation=winner,
         runners_up=others,
         generic_alternative=generic,
@@ -309,7 +309,7 @@ def found_result(
 
 
 def status_of(*, proven: bool, exact: bool) -> str:
-    """The status of a result with a recommendation; what holds in most scenarios is counted, not proven best."""
+    """The status of a result with a recommendation."""
     if not proven:
         return "stopped"
     return "optimal" if exact else "feasible"

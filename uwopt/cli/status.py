@@ -23,7 +23,8 @@ Exit status:
   0    done
   1    a defect of uwopt
   2    bad input or usage, or an output that cannot be written
-  3    no feasible system, or evaluate --check: a requirement is missed
+  3    no feasible system, or none at the confidence asked for (the most certain is shown);
+       evaluate --check: a requirement is missed, or the confidence
   4    stopped by a limit; the gap in the certificate is valid
   130  interrupted
 """
@@ -105,6 +106,9 @@ def result_status(result: Result, *, check: bool = False) -> int:
         )
     if result.status == "violated":
         return NOT_FEASIBLE if check else DONE
+    known = result.confidence
+    if known is not None and not known.enough and result.status != "stopped" and (check or result.command == "solve"):
+        return NOT_FEASIBLE
     return {"infeasible": NOT_FEASIBLE, "stopped": LIMIT_REACHED}.get(result.status, DONE)
 
 

@@ -426,6 +426,12 @@ class Problem:
         changed.mounts, changed.known_models = (mount,), {}
         return changed
 
+    def with_count(self, count: int) -> Problem:
+        """The same tables with so many lamps."""
+        changed = copy(self)
+        changed.count_range, changed.known_models = (count, count), {}
+        return changed
+
     def reaching(self, widest_m: Sequence[float]) -> Problem:
         """The same tables for images that reach no farther from the axis than this, by scene."""
         changed = copy(self)

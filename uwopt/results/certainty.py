@@ -35,6 +35,25 @@ class WorthKnowing(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class CertaintyProof(Record):
+    """Where all hardware went, of which none holds as often as asked and is better in half of the scenarios."""
+
+    best_possible: Number | None = Field(
+        description="no hardware that holds as often has a better median than this; null: none holds as often"
+    )
+    complete: Flag = Field(description="whether all hardware that may hold and be better was counted")
+    combinations: Whole = Field(description="of all parts in the search")
+    by_panel: Whole = Field(description="discarded: fail, or no better, where nothing is worse than in most of them")
+    by_bounds: Whole = Field(description="discarded likewise by bounds in groups of scenarios of like water")
+    counted: Whole = Field(description="counted in every scenario")
+    left: Whole = Field(description="of which nothing is known but best_possible")
+
+    def adds_up(self) -> bool:
+        """Whether every combination is accounted for once."""
+        return self.combinations == self.by_panel + self.by_bounds + self.counted + self.left
+
+
+@dataclass(frozen=True, config=RECORD)
 class Confidence(Record):
     """In how many scenarios of what is uncertain a system holds, and with which objective."""
 
@@ -59,6 +78,9 @@ class Confidence(Record):
     counted: Whole = Field(default=1, description="hardware whose outcomes were counted in every scenario")
     fresh: Flag = Field(default=True, description="whether the choice has not seen these scenarios")
     complete: Flag = Field(default=True, description="whether there was time for all of it")
+    proof: CertaintyProof | None = Field(
+        default=None, description="that no other hardware holds as often and is better; null: not proven"
+    )
     curve: list[CertaintyPoint] = Field(default_factory=list, description="what confidence costs, from 0.5 to 0.99")
     ask_first: list[WorthKnowing] = Field(
         default_factory=list, description="what would be worth knowing before buying, the most first"

@@ -8,7 +8,7 @@ from uwopt.report.text import words
 from uwopt.report.text.doubts import number_name
 from uwopt.report.text.layout import Block, Line, block, columns, fact_lines
 from uwopt.report.text.layout import Text as Cell
-from uwopt.results.certainty import Confidence, WorthKnowing
+from uwopt.results.certainty import CertaintyProof, Confidence, WorthKnowing
 from uwopt.results.result import Result
 
 LOST_TO = {
@@ -39,9 +39,11 @@ def held_text(known: Confidence) -> str:
     )
 
 
-def status_text(known: Confidence) -> str:
-    """The same as the first thing that is said of an answer."""
-    return held_text(known) if known.enough else f"not certain enough: {held_text(known)}"
+def status_text(known: Confidence, status: str) -> str:
+    """The same as the first thing that is said of an answer; `status` is that of the result."""
+    if not known.enough:
+        return f"not certain enough: {held_text(known)}"
+    return f"proven best; {held_text(known)}" if status == "optimal" else held_text(known)
 
 
 def certainty_block(result: Result) -> Iterator[Block]:
@@ -74,6 +76,8 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
         if known.central_p50 is not None:
             text += f", in half of them with {words.objective_text(result, known.central_p50)}"
         yield "by central numbers", text
+    if known.proof is not None:
+        yield "proven", proof_text(result, known.proof)
     short = [] if known.complete else ["not all hardware with room was looked for"]
     short += [] if known.fresh else ["the scenarios are those that the choice was made on, so the share flatters it"]
     if short:
@@ -83,6 +87,19 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
             f"exposure, gain and light level, once the water is seen; the iris stays at f/{known.f_number:.3g}"
         )
     yield "drawn", "; ".join(map(words.one_line, known.drawn)) or "nothing"
+
+
+def proof_text(result: Result, proof: CertaintyProof) -> str:
+    """What is proven of all other hardware, and where it went."""
+    what = "no hardware holds so often"
+    if proof.best_possible is not None:
+        best = words.objective_text(result, proof.best_possible)
+        what = f"no hardware that holds so often does better than {best} in half of the scenarios"
+    gone = [f"{words.count_text(proof.by_panel)} fail or are no better where nothing is worse than in most of them"]
+    gone += [f"{words.count_text(proof.by_bounds)} by bounds in groups of them"] if proof.by_bounds else []
+    gone += [f"{words.count_text(proof.counted)} counted in all of them"]
+    gone += [f"{words.count_text(proof.left)} not looked at further"] if proof.left else []
+    return f"{what}; of {words.count_text(proof.combinations)} combinations " + ", ".join(gone)
 
 
 def lost_text(requirement: str) -> str:

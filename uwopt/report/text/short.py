@@ -116,7 +116,7 @@ def title_line(result: Result) -> Joined:
 
 def how_far(result: Result) -> str:
     """How far the answer may be believed: in how many scenarios it holds, where that was counted."""
-    return words.status_sentence(result) if result.confidence is None else status_text(result.confidence)
+    return words.status_sentence(result) if result.confidence is None else status_text(result.confidence, result.status)
 
 
 def verdict_lines(result: Result) -> list[Line]:

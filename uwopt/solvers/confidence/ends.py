@@ -51,3 +51,16 @@ class EndScenarios(Scenarios):
     def lights(self, part: Light) -> list[Light]:
         """A light at its bad end, and as faint as lamps are."""
         return [brighter(one, self.doubt.lamp_output[0]) for one in self.each(part)]
+
+    @property
+    def is_drawn(self) -> bool:
+        """As of scenarios; here all have the same ends."""
+        return False
+
+    def favoured(self, part: Any) -> Any:
+        """A part at its bad end: it is there in all of them."""
+        return at_end(part, "bad") if self.doubt.parts else part
+
+    def favoured_light(self, part: Light) -> Light:
+        """A light likewise."""
+        return brighter(self.favoured(part), self.doubt.lamp_output[0])

@@ -7,26 +7,22 @@ sealed port is not, so that each stop of its ring is tried in all scenarios. Foc
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.catalog.records import Light
 from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.part_columns import Lenses
 from uwopt.forward.problem import Problem
-from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.solvers.confidence.response import WaterResponse
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, imagers_behind, joined, limit
-from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.confidence.together import Together
+from uwopt.solvers.exact.imagers import Imagers, limit
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.one_hardware import parts_of, problem_of
 from uwopt.solvers.settable.steps import stops
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.mean_limit import MeanLimit
@@ -35,7 +31,7 @@ from uwopt.tolerances import ROUND
 Array = NDArray[Any]
 STOPS_ON = (0.0, 1 / 3, 2 / 3, 4 / 3)  # from the widest stop that most scenarios allow: those that are looked at
 GAP = 1e-2  # of a scenario's objective where settings have no closed form: far less than scenarios differ
-SAME_FIELD = 0.02  # of the logarithm of a field's tangent
+MOST_TOGETHER = 48  # hardware whose rows are in memory at once
 MOST = 0.9  # of the scenarios: a stop that as many allow is not too wide
 
 
@@ -82,109 +78,86 @@ def outcomes(
     f_numbers: Sequence[float] | None = None,
 ) -> Outcomes:  # fmt: skip
     """How one hardware does in all scenarios, at the stops of its ring or at these."""
-    own = dict(parts_of(base, found))
-    light = own["light"]
-    assert isinstance(light, Light)
-    lists = {
-        "camera": scenarios.each(own["camera"]), "lens": scenarios.each(own["lens"]),
-        "port": scenarios.ports(own["port"]), "light": scenarios.lights(light),
-    }  # fmt: skip
-    problem = problem_of(base, found, lists=lists)
-    imagers, lost = imagers_of(problem, scenarios.port, np.arange(scenarios.count), found.landscape)
-    count = scenarios.count
-    nothing = Outcomes(np.array([np.nan]), np.full((1, count), np.inf), lost)
-    if len(imagers) == 0:
-        return nothing
-    marks = [np.nan] if bool(problem.lenses.motorised[0]) else list(f_numbers or wanted_stops(problem, imagers))
-    if not marks:
-        return nothing
-    value = np.full((len(marks), count), np.inf)
-    rows = rows_of(problem, objective, scenarios, imagers, found, deadline)
-    value[:, imagers.camera], short = values_at(problem, objective, imagers, rows, marks, found)
-    return Outcomes(np.array(marks), value, lost, short)
+    return outcomes_of_each(base, [found], objective, scenarios, deadline, f_numbers=f_numbers)[0]
 
 
-def imagers_of(problem: Problem, port: Array, which: Array, landscape: bool) -> tuple[Imagers, dict[str, int]]:
-    """The imagers of these scenarios, told by their cameras; and what rules discard of them.
+def outcomes_of_each(
+    base: Problem, found: Sequence[Found], objective: Objective, scenarios: Scenarios, deadline: Deadline = NEVER, *,
+    f_numbers: Sequence[float] | None = None, every_stop: bool = False,
+) -> list[Outcomes]:  # fmt: skip
+    """How each hardware does in all scenarios; hardware that shares light, mount and orientation together.
 
-    port : state of the port in each scenario
+    f_numbers : nan: wherever the iris may stand best in each scenario, which no stop of a ring betters
+    every_stop : at each stop that any scenario allows, not at likely ones alone
     """
-    discarded, blocks = dict.fromkeys(IMAGER_RULES, 0), []
-    for state in np.unique(port[which]):
-        mine = which[port[which] == state]
-        blocks += list(imagers_behind(problem, mine, mine, np.array([state]), landscape, discarded, {}))
-    lost = Counter({rule: number for rule, number in discarded.items() if number})
-    return joined(problem, blocks, discarded, {}), dict(lost.most_common())
+    made: dict[int, Outcomes] = {}
+    for places in by_shared(found):
+        group = Together.of(base, [found[k] for k in places], scenarios)
+        made |= zip(places, outcomes_together(base, group, objective, deadline, f_numbers, every_stop), strict=True)
+    return [made[k] for k in range(len(found))]
 
 
-def rows_of(
-    problem: Problem, objective: Objective, scenarios: Scenarios, imagers: Imagers, found: Found, deadline: Deadline
-) -> list[SceneRows]:
-    """The settings' view of all scenarios, by scene of the mission, a row an imager.
-
-    The light of each is worked out in the water as it is known, and scaled as one of them changes with the water.
-    """
-    search = Search(problem, objective, top=1, imagers=imagers, deadline=deadline)
-    search.prepare()
-    who = imagers.camera
-    optics = problem.lights.optics_index[who]
-    parts = []
-    for lighting in search.tables.lightings:
-        mine = np.flatnonzero(optics == lighting.optics)
-        if len(mine):
-            parts.append((mine, rows_under(search, mine, who[mine], lighting, found.count)))
-    states = [scenarios.states[k] for k in who]
-    lighting = search.tables.lightings[int(optics[0])]
-    alone = imagers_of(problem, scenarios.port, who[:1], found.landscape)[0]
-
-    def reference(scenes: list[SceneOptics]) -> list[SceneRows]:
-        deadline.check()
-        other = Search(problem.in_scenes(scenes), objective, top=1, imagers=alone, deadline=deadline)
-        other.prepare()
-        return rows_under(other, np.array([0]), who[:1], lighting, found.count, with_rules=False)
-
-    key = image_key(problem, alone, lighting, found)
-    if key not in scenarios.known:
-        scenarios.known[key] = WaterResponse.of(scenarios.waters, states, reference)
-    response = scenarios.known[key]
-    every = range(len(problem.scenes))
-    known = [SceneRows.in_places([(mine, rows[k]) for mine, rows in parts], len(who)) for k in every]
-    return [response.seen_in(index, rows, states) for index, rows in enumerate(known)]
+def by_shared(found: Sequence[Found]) -> Iterator[list[int]]:
+    """Places of hardware that is counted together: of one light, so many lamps, one mount and orientation."""
+    groups: dict[Any, list[int]] = {}
+    for place, one in enumerate(found):
+        groups.setdefault((one.light, one.count, one.landscape, one.lighting.mount), []).append(place)
+    for group in groups.values():
+        for first in range(0, len(group), MOST_TOGETHER):
+            yield group[first : first + MOST_TOGETHER]
 
 
-def rows_under(
-    search: Search, rows: Array, light: Array, lighting: Lighting, count: int, *, with_rules: bool = True
-) -> list[SceneRows]:
-    """The settings' view of these imagers, each under its own light of one optics."""
-    lights = [search.tables.exact(s, lighting, rows) for s in range(len(search.problem.scenes))]
-    return search.rows(rows, lights, light, np.full(len(rows), count), lighting, with_rules=with_rules)
+def outcomes_together(
+    base: Problem, group: Together, objective: Objective, deadline: Deadline, f_numbers: Sequence[float] | None,
+    every_stop: bool,
+) -> list[Outcomes]:  # fmt: skip
+    """How each of a group does."""
+    count = group.scenarios.count
+    made = [Outcomes(np.array([np.nan]), np.full((1, count), np.inf), lost) for lost in group.lost]
+    marks = [marks_of(base, group, hardware, f_numbers, every_stop) for hardware in range(len(made))]
+    if not any(marks):
+        return made
+    rows = group.rows(objective, deadline)
+    imager = [np.tile(np.flatnonzero(group.hardware == h), len(own)) for h, own in enumerate(marks)]
+    stop = [np.repeat(own, len(mine) // max(len(own), 1)) for own, mine in zip(marks, imager, strict=True)]
+    every = values_at(group, objective, rows, np.concatenate(imager), np.concatenate(stop))
+    ends = np.cumsum([0, *map(len, imager)])
+    for h, own in enumerate(marks):
+        if own:
+            mine = slice(ends[h], ends[h + 1])
+            value, first = every[0][mine].reshape(len(own), -1), every[1][mine].reshape(len(own), -1)
+            filled = np.full((len(own), count), np.inf)
+            filled[:, group.scenario[imager[h][: value.shape[1]]]] = value
+            short = [{name: n for name, n in Counter(row.tolist()).items() if name} for row in first]
+            made[h] = Outcomes(np.array(own), filled, group.lost[h], short)
+    return made
 
 
-def image_key(problem: Problem, imagers: Imagers, lighting: Lighting, found: Found) -> tuple[Any, ...]:
-    """What tells images apart whose light changes differently with the water: fields that differ by more than 2 %."""
-    fields = [
-        round(float(np.log(tangent[0])) / SAME_FIELD)
-        for seen in imagers.scenes
-        for tangent in (seen.view.tan_along, seen.view.tan_across)
-    ]
-    camera, light = problem.parts.cameras[imagers.camera[0]], problem.parts.lights[0]
-    port = problem.parts.ports[0]
-    ends = (port.geometry, found.lighting.mount, found.count, light.id, tuple(sorted(camera.qe_curves)))
-    return (*ends, tuple(camera.qe_curves.values()), *fields)
+def marks_of(
+    base: Problem, group: Together, hardware: int, f_numbers: Sequence[float] | None, every_stop: bool
+) -> list[float]:
+    """Where the iris of one hardware is tried: nan where it is moved at sea; nowhere where nothing is seen."""
+    mine = np.flatnonzero(group.hardware == hardware)
+    if len(mine) == 0:
+        return []
+    lens = base.lenses.take(np.array([group.found[hardware].lens]))
+    if bool(lens.motorised[0]):
+        return [np.nan]
+    return [float(n) for n in f_numbers] if f_numbers else wanted_stops(lens, group.imagers, mine, every_stop)
 
 
-def wanted_stops(problem: Problem, imagers: Imagers) -> list[float]:
-    """Stops of the lens's ring, and halfway between them, that most scenarios allow.
+def wanted_stops(lens: Lenses, imagers: Imagers, rows: Array, every: bool) -> list[float]:
+    """Stops of the lens's ring, and halfway between them, that any scenario allows, or those that most do.
 
     What is sharp in few scenarios is not looked at. Of the others the widest, which asks for the least light, some that
     are closed a little more, and one in the middle.
     """
-    low = np.max([seen.focused.n_low for seen in imagers.scenes], axis=0) / ROUND
-    high = np.min([seen.focused.n_high for seen in imagers.scenes], axis=0) * ROUND
-    marks = stops(problem.lenses.take(np.array([0])), between=True)
+    low = np.max([seen.focused.n_low[rows] for seen in imagers.scenes], axis=0) / ROUND
+    high = np.min([seen.focused.n_high[rows] for seen in imagers.scenes], axis=0) * ROUND
+    marks = stops(lens, between=True)
     allowed = ((marks[:, None] >= low) & (marks[:, None] <= high)).mean(axis=1)
     useful, share = marks[allowed > 0.0], allowed[allowed > 0.0]
-    if len(useful) > len(STOPS_ON):
+    if len(useful) > len(STOPS_ON) and not every:
         most = useful[share >= min(float(share.max()), MOST)]
         wanted = most[0] * 2.0 ** (np.array(STOPS_ON) / 2.0)
         useful = np.unique([*most[np.abs(most[:, None] - wanted).argmin(axis=0)], most[len(most) // 2]])
@@ -192,16 +165,13 @@ def wanted_stops(problem: Problem, imagers: Imagers) -> list[float]:
 
 
 def values_at(
-    problem: Problem, objective: Objective, imagers: Imagers, rows: list[SceneRows], marks: Sequence[float],
-    found: Found,
-) -> tuple[Array, list[dict[str, int]]]:  # fmt: skip
-    """Minimised objective of every imager at each stop, (n_stops, n_imagers); and what is missed at each."""
-    each, n = len(marks), len(imagers)
-    stop = np.repeat(np.array(marks), n)
-    imager = np.tile(np.arange(n), each)
+    group: Together, objective: Objective, rows: list[SceneRows], imager: Array, stop: Array
+) -> tuple[Array, Array]:
+    """Minimised objective of these imagers, each with its iris at its own stop; and what is missed first, by name."""
+    problem, imagers = group.problem, group.imagers
     tried = [at_stop(r.take(imager), stop) for r in rows]
-    light = imagers.camera[imager]
-    number = np.full(len(imager), found.count)
+    light = group.scenario[imager]
+    number = np.full(len(imager), group.found[0].count)
     to_buy = problem.lamps_to_buy(light, number)
     cost = imagers.cost[imager] + to_buy * problem.lights.price[light]
     limit_cost = imagers.limit_cost[imager] + to_buy * problem.lights.limit_price[light]
@@ -227,9 +197,8 @@ def values_at(
     terms = Terms(power, cost, mass, best.snr_db, imagers.gsd_mm[imager], best.contrast, best.information)
     with np.errstate(invalid="ignore"):
         value = objective.cost_to_minimise(terms)
-    first = np.select(list(misses.values()), list(misses), "").reshape(each, n)
-    short = [{name: int(number) for name, number in Counter(row.tolist()).items() if name} for row in first]
-    return np.where(feasible & np.isfinite(value), value, np.inf).reshape(each, n), short
+    first = np.select(list(misses.values()), list(misses), "")
+    return np.where(feasible & np.isfinite(value), value, np.inf), first
 
 
 def may_stand_at(rows: SceneRows, f_number: Array) -> Array:

@@ -8,7 +8,7 @@ forward veil, not what the water sends back.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -49,6 +49,17 @@ class TableResponse:
     centre: Array
     corners: dict[tuple[float, float], Array]
 
+    @staticmethod
+    def of(nodes: Mapping[tuple[float, float], SceneRows], base: SceneRows, name: str, row: int) -> TableResponse:
+        """From the rows at each node, (clarity, leg), and in the water as it is known."""
+        lowest = np.maximum(level(base, name, row), TINY)
+        logs = {at: np.log(np.maximum(level(rows, name, row), TINY) / lowest) for at, rows in nodes.items()}
+        centre = logs[0.0, 0.0]
+        beyond = {(c, k): both - logs[c, 0.0] - logs[0.0, k] + centre for (c, k), both in logs.items() if c and k}
+        clarity, leg = sorted({c for c, _ in logs}), sorted({k for _, k in logs})
+        across, along = (np.array([logs[c, 0.0] for c in clarity]), np.array([logs[0.0, k] for k in leg]))
+        return TableResponse(across, along, centre, beyond)
+
     def at(self, clarity: Array, leg: Array, across: Array, along: Array) -> Array:
         """At these states, (n, *shape)."""
         made = np.einsum("nc,c...->n...", across, self.clarity) + np.einsum("nl,l...->n...", along, self.leg)
@@ -70,40 +81,39 @@ class WaterResponse:
     from_floor: list[dict[str, Array]]  # by scene: share of a veil that the floor sends, by column
 
     @staticmethod
-    def of(waters: Waters, states: Sequence[WaterState], reference: Reference) -> WaterResponse:
-        """Work out the nodes that these states need."""
+    def of_each(
+        waters: Waters, states: Sequence[WaterState], reference: Reference, count: int
+    ) -> list[WaterResponse]:
+        """Of so many imagers: work out the nodes that these states need."""
         clarity = nodes_for([state.clarity for state in states])
         leg = nodes_for([state.lamp_leg for state in states])
 
         def seen(table: bool, c: float, k: float, floor: float = 1.0) -> list[SceneRows]:
             return reference(waters.kept(WaterState(table, c, k, floor)))
 
-        known, brighter = seen(False, 0.0, 0.0), seen(False, 0.0, 0.0, BRIGHTER)
         corners = list(product(SIDES, SIDES)) if len(clarity) > 1 and len(leg) > 1 else []
-        columns: list[dict[str, dict[bool, TableResponse]]] = [{} for _ in known]
-        for table in sorted({state.other_table for state in states}):
-            nodes = {(c, k): seen(table, c, k) for c, k in [*product(clarity, (0.0,)), *product((0.0,), leg), *corners]}
+        places = [*product(clarity, (0.0,)), *product((0.0,), leg), *corners]
+        nodes = {
+            table: {at: seen(table, *at) for at in places} for table in sorted({state.other_table for state in states})
+        }
+        known, brighter = seen(False, 0.0, 0.0), seen(False, 0.0, 0.0, BRIGHTER)
+        made = []
+        for row in range(count):
+            columns: list[dict[str, dict[bool, TableResponse]]] = []
             for index, base in enumerate(known):
-                for name in COLUMNS:
-                    if getattr(base, name) is None:
-                        continue
-                    lowest = np.maximum(level(base, name), TINY)
-                    logs = {
-                        at: np.log(np.maximum(level(rows[index], name), TINY) / lowest) for at, rows in nodes.items()
+                columns.append({
+                    name: {
+                        table: TableResponse.of({at: rows[index] for at, rows in seen_at.items()}, base, name, row)
+                        for table, seen_at in nodes.items()
                     }
-                    beyond = {
-                        (c, k): logs[c, k] - logs[c, 0.0] - logs[0.0, k] + logs[0.0, 0.0] for c, k in corners
-                    }
-                    columns[index].setdefault(name, {})[table] = TableResponse(
-                        np.array([logs[c, 0.0] for c in clarity]), np.array([logs[0.0, k] for k in leg]),
-                        logs[0.0, 0.0], beyond,
-                    )  # fmt: skip
-        shares = [floor_shares(base, lit) for base, lit in zip(known, brighter, strict=True)]
-        return WaterResponse(clarity, leg, columns, shares)
+                    for name in COLUMNS if getattr(base, name) is not None
+                })  # fmt: skip
+            shares = [floor_shares(base, lit, row) for base, lit in zip(known, brighter, strict=True)]
+            made.append(WaterResponse(clarity, leg, columns, shares))
+        return made
 
     def seen_in(self, index: int, rows: SceneRows, states: Sequence[WaterState]) -> SceneRows:
         """Rows of one scene as they are in the water and over the floor of each state."""
-        rows = of_deciding_pixels(rows)
         other = np.array([state.other_table for state in states])
         clarity, leg = (np.array([getattr(state, name) for state in states]) for name in ("clarity", "lamp_leg"))
         across, along = weights(self.clarity, clarity), weights(self.leg, leg)
@@ -125,12 +135,12 @@ class WaterResponse:
         return balanced(replace(rows, **changes))
 
 
-def level(rows: SceneRows, name: str) -> Array:
-    """A light column of the first row; of pixels what all but those that may miss it reach, the veil's mean there.
+def level(rows: SceneRows, name: str, row: int) -> Array:
+    """A light column of one row; of pixels what all but those that may miss it reach, the veil's mean there.
 
     Which pixels may decide differs between waters; as a group they darken alike.
     """
-    column = np.asarray(getattr(rows, name)[0])
+    column = np.asarray(getattr(rows, name)[row])
     if name not in AT_PIXELS:
         return column
     if name in LIT:
@@ -143,13 +153,13 @@ def nodes_for(values: Sequence[float]) -> tuple[float, ...]:
     return NODES if any(values) else (0.0,)
 
 
-def floor_shares(known: SceneRows, brighter: SceneRows) -> dict[str, Array]:
+def floor_shares(known: SceneRows, brighter: SceneRows, row: int) -> dict[str, Array]:
     """Which share of each veil grows with the floor's reflectance."""
     shares = {}
     for name in VEILED:
         column = getattr(known, name)
         if column is not None:
-            grown = level(brighter, name) / np.maximum(level(known, name), TINY)
+            grown = level(brighter, name, row) / np.maximum(level(known, name, row), TINY)
             shares[name] = np.clip((grown - 1.0) / (BRIGHTER - 1.0), 0.0, 1.0)
     return shares
 
@@ -168,22 +178,26 @@ def weights(nodes: tuple[float, ...], at: Array) -> Array:
     return made
 
 
-def of_deciding_pixels(rows: SceneRows) -> SceneRows:
+def of_deciding_pixels(rows: SceneRows, image: Array) -> SceneRows:
     """Rows whose SNR is asked of two pixels instead of hundreds: those that all but the pixels that may miss it reach.
 
     One by the signal, which decides where the camera's own noise counts, one by s^2 / (s + v), where that of the light
     does; both must reach the SNR. Under the sun, which mixes with the lamps, all stay.
+
+    image : of each row, (n,): in rows of one image the light of all pixels is the same but for a factor
     """
     signal, veil = rows.worst_e, rows.worst_veil_e
     if signal is None or rows.sunlit or signal.shape[2] <= 2:
         return rows
-    over = np.zeros_like(signal) if veil is None else np.broadcast_to(veil, signal.shape)
+    _, first, of = np.unique(image, return_index=True, return_inverse=True)
+    some = signal[first]
+    over = np.zeros_like(some) if veil is None else np.broadcast_to(veil[first], some.shape)
     place = min(rows.may_miss, signal.shape[2] - 1)
-    by_light = signal**2 / np.maximum(signal + over, TINY)
-    picks = np.stack([np.argpartition(key, place, axis=2)[:, :, place] for key in (signal, by_light)], axis=2)
+    by_light = some**2 / np.maximum(some + over, TINY)
+    picks = np.stack([np.argpartition(key, place, axis=2)[:, :, place] for key in (some, by_light)], axis=2)[of]
     changes: dict[str, Any] = {"worst_e": np.take_along_axis(signal, picks, axis=2), "may_miss": 0}
     if veil is not None:
-        changes["worst_veil_e"] = np.take_along_axis(over, picks, axis=2)
+        changes["worst_veil_e"] = np.take_along_axis(np.broadcast_to(veil, signal.shape), picks, axis=2)
     return replace(rows, **changes)
 
 

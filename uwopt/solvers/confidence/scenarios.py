@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission
 from uwopt.solvers.confidence.draws import drawn_parts, probabilities, shuffled, triangular
 from uwopt.solvers.confidence.waters import Waters, WaterState, drawn_states
+from uwopt.solvers.explain.robustness import at_end
 
 Array = NDArray[Any]
 PORTS, BEAMS = 8, 8  # states of the optics of a port and of a beam, whose integrals over the image are dear
@@ -45,11 +47,33 @@ class Scenarios:
         states = drawn_states(doubt, seed, count)
         return Scenarios(doubt, seed, count, states, Waters.of(mission, scenes), port)
 
+    @property
+    def is_drawn(self) -> bool:
+        """Whether numbers of parts differ between scenarios."""
+        return True
+
+    @cached_property
+    def scenes(self) -> list[list[SceneOptics]]:
+        """The scenes of the mission in each scenario."""
+        return [self.waters.at(state) for state in self.states]
+
+    @cached_property
+    def by_loss(self) -> Array:
+        """Scenarios in the order of what their water takes of the light."""
+        return np.argsort([sum(loss(scene) for scene in scenes) for scenes in self.scenes], kind="stable")
+
     def scenes_at(self, share: float) -> list[SceneOptics]:
         """The scenes in water that takes more of the light than in so large a share of the scenarios."""
-        taken = [sum(loss(scene) for scene in self.waters.at(state)) for state in self.states]
-        order = np.argsort(taken, kind="stable")
-        return self.waters.at(self.states[int(order[min(int(share * len(order)), len(order) - 1)])])
+        place = min(int(share * self.count), self.count - 1)
+        return self.waters.at(self.states[int(self.by_loss[place])])
+
+    def favoured(self, part: Any) -> Any:
+        """A part that is in no scenario more favourable."""
+        return at_end(part, "good") if self.doubt.parts else part
+
+    def favoured_light(self, part: Light) -> Light:
+        """A light that is in no scenario brighter, nor draws less."""
+        return brighter(self.favoured(part), self.doubt.lamp_output[1])
 
     def ports(self, part: Part) -> list[Any]:
         """A port in each of its states."""

@@ -1,8 +1,8 @@
 """The hardware that holds in most scenarios with the least median objective.
 
 Hardware with room is looked for by searches in which parts and water are worse than in most scenarios, best first; how
-often each holds, and with which objective, is counted in all scenarios. That count is exact for the scenarios drawn; of
-hardware that no search brought up nothing is claimed but the bound of the central search.
+often each holds, and with which objective, is counted in all scenarios. That no other holds as often and is better is
+then proven (`proof`), but for the sun's light and for objectives whose settings have no closed form.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -19,15 +18,19 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.candidates import worse_problem
+from uwopt.solvers.confidence.counted import Counted, names, rank
 from uwopt.solvers.confidence.ends import EndScenarios
-from uwopt.solvers.confidence.outcomes import Outcomes, outcomes
+from uwopt.solvers.confidence.outcomes import outcomes
+from uwopt.solvers.confidence.proof import Proof, Prover
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.exact.imagers import IMAGER_RULES, imagers_behind, joined
+from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, imagers_behind, joined
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.one_hardware import KINDS, parts_of, problem_of
+from uwopt.solvers.explain.one_hardware import KINDS, problem_of
 from uwopt.solvers.explain.robustness import among
 from uwopt.solvers.recommend import Sought
+from uwopt.solvers.settings.best import scenes_need_cells
+from uwopt.tolerances import TIE
 
 WORSE = (0.75, 0.9)  # than this share of the scenarios: what searches for hardware with room start from
 A_SEARCH = 4  # hardware that each brings up
@@ -35,30 +38,6 @@ OF_CENTRAL = 2  # of the central search
 ENOUGH = 3  # hardware that holds: no further search is made
 FRESH = 1024  # scenarios that the choice has not seen
 FRESH_SEED = 1_000_003
-
-
-@dataclass(frozen=True)
-class Counted:
-    """One hardware with its outcomes, at the stop that is best for the confidence asked for."""
-
-    found: Found
-    outcomes: Outcomes
-    stop: int
-
-    @property
-    def held(self) -> float:
-        """Share of the scenarios in which it holds."""
-        return float(self.outcomes.held[self.stop])
-
-    @property
-    def f_number(self) -> float | None:
-        """Where the iris stands; None where it is moved at sea."""
-        number = float(self.outcomes.f_numbers[self.stop])
-        return number if np.isfinite(number) else None
-
-    def quantile(self, share: float) -> float:
-        """Minimised objective that it keeps or betters in so many scenarios; inf where it does not hold in as many."""
-        return float(self.outcomes.quantile(share)[self.stop])
 
 
 @dataclass(frozen=True)
@@ -72,6 +51,16 @@ class Certain:
     tried: list[Counted]
     complete: bool  # whether there was time for every search
     fresh: Counted | None = None
+    proof: Proof | None = None
+
+    @property
+    def proven(self) -> bool:
+        """Whether no other hardware holds as often with a better median, or none as often at all."""
+        if self.proof is None or self.proof.left:
+            return False
+        return not np.isfinite(self.proof.lower_bound) or (
+            self.enough and self.best.quantile(0.5) <= self.proof.lower_bound * (1.0 + TIE)
+        )
 
     @property
     def enough(self) -> bool:
@@ -99,7 +88,7 @@ def most_certain(
     scenarios = scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios)
     share = 1.0 if asked == ENDS else float(asked)
     tried: list[Counted] = []
-    complete = True
+    complete, report = True, progress or (lambda done, what: None)
     try:
         hold = partial(holding, tried, share)
         for found in candidates(
@@ -107,17 +96,24 @@ def most_certain(
         ):
             made = outcomes(problem, found, objective, scenarios, deadline)
             tried.append(Counted(found, made, made.best(share)))
-            if progress is not None:
-                progress(min(len(tried) / (A_SEARCH * len(WORSE)), 0.99), "certainty")
+            report(min(0.5 * len(tried) / A_SEARCH, 0.5), "certainty")
     except OutOfTimeError:
         complete = False
         if not tried:
             raise
+    proof = None
+    if complete and can_be_proven(problem, objective):
+        proof = Prover(problem, objective, scenarios, share, tried, deadline, report).run()
     best, central = first_that_fits(problem, objective, sorted(tried, key=lambda one: rank(one, share)), deadline)
     if best is None or central is None:
         return None
-    certain = Certain(share, scenarios, best, central, tried, complete)
+    certain = Certain(share, scenarios, best, central, tried, complete, proof=proof)
     return certain if asked == ENDS else judged_anew(problem, objective, certain, deadline)
+
+
+def can_be_proven(problem: Problem, objective: Objective) -> bool:
+    """Whether panels bound every scenario: not under the sun, nor where settings have no closed form."""
+    return not any(scene.sunlit for scene in problem.scenes) and not scenes_need_cells(problem.scenes, objective)
 
 
 def first_that_fits(
@@ -135,26 +131,23 @@ def holding(tried: Sequence[Counted], share: float) -> int:
     return sum(one.held >= share for one in tried)
 
 
-def rank(one: Counted, share: float) -> tuple[Any, ...]:
-    """Hardware that holds by its median; behind it, what holds most often."""
-    holds = one.held >= share
-    return (not holds, one.quantile(0.5) if holds else -one.held, one.quantile(0.9), one.found.cost)
-
-
 def candidates(
     sought: Sought, objective: Objective, scenarios: Scenarios, deadline: Deadline, *, done: Callable[[], bool],
     hopeful: Callable[[], bool],
 ) -> Iterator[Found]:  # fmt: skip
     """Hardware worth counting: the best of the central search, then of those with room.
 
-    Where none of these holds, the brightest is looked at too.
+    What is proven besides brings up all other hardware; else worse numbers are tried, and, where none of these holds,
+    the brightest.
     """
     problem, known = sought.problem, set()
-    wants_light = any(scene.view.requirements.min_snr for scene in problem.scenes) and objective.single != "snr_db"
+    rungs = WORSE[:1] if can_be_proven(problem, objective) else WORSE
+    wants_light = rungs is WORSE and objective.single != "snr_db"
+    wants_light &= any(scene.view.requirements.min_snr for scene in problem.scenes)
     for found in sought.outcome.best[:OF_CENTRAL]:
         known.add(names(problem, found))
         yield found
-    for worse in WORSE:
+    for worse in rungs:
         if done():
             return
         changed = worse_problem(problem, scenarios, worse)
@@ -168,12 +161,6 @@ def candidates(
                 if (name := names(problem, here)) not in known:
                     known.add(name)
                     yield here
-
-
-def names(problem: Problem, found: Found) -> tuple[Any, ...]:
-    """What tells one hardware from another."""
-    ids = [getattr(part, "enclosure_id", part.id) for _, part in parts_of(problem, found)]
-    return (*ids, found.count, found.landscape, found.lighting.mount)
 
 
 def judged_anew(problem: Problem, objective: Objective, certain: Certain, deadline: Deadline) -> Certain:
@@ -199,16 +186,19 @@ def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:
 
 def at_its_stop(problem: Problem, objective: Objective, one: Counted, deadline: Deadline = NEVER) -> Found | None:
     """The same hardware by central numbers, with the iris where scenarios want it; None where nothing fits."""
-    alone, only = problem_of(problem, one.found), np.array([0])
+    alone = problem_of(problem, one.found)
     if one.f_number is not None:
         alone = alone.at_f_number(one.f_number)
-    discarded = dict.fromkeys(IMAGER_RULES, 0)
-    blocks = list(imagers_behind(alone, only, only, only, one.found.landscape, discarded, {}))
-    if not blocks:
-        return None
-    imagers = joined(alone, blocks, discarded, {})
-    best = Search(alone, objective, top=1, imagers=imagers, deadline=deadline).run().best
+    imagers = imagers_of(alone, one.found.landscape)
+    best = Search(alone, objective, top=1, imagers=imagers, deadline=deadline).run().best if len(imagers) else []
     if not best:
         return None
     places = {kind: getattr(one.found, kind) for kind in KINDS}
     return replace(best[0], **places, imager=one.found.imager, lighting=one.found.lighting)
+
+
+def imagers_of(problem: Problem, landscape: bool) -> Imagers:
+    """The imager of a problem of one part of each kind in one orientation, or none."""
+    only, discarded = np.array([0]), dict.fromkeys(IMAGER_RULES, 0)
+    blocks = list(imagers_behind(problem, only, only, only, landscape, discarded, {}))
+    return joined(problem, blocks, discarded, {})

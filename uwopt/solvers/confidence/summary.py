@@ -10,8 +10,10 @@ import numpy as np
 from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import Doubt
 from uwopt.objectives.objective import Objective
-from uwopt.results.certainty import CertaintyPoint, Confidence, LostTo, WorthKnowing
-from uwopt.solvers.confidence.search import Certain, Counted, rank
+from uwopt.results.certainty import CertaintyPoint, CertaintyProof, Confidence, LostTo, WorthKnowing
+from uwopt.solvers.confidence.counted import Counted, rank
+from uwopt.solvers.confidence.proof import Proof
+from uwopt.solvers.confidence.search import Certain
 from uwopt.solvers.confidence.worth import worth_of_knowing
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.one_hardware import pieces_of
@@ -40,11 +42,20 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
         central_objective=objective.reported(central.minimised), central_hardware=ids(problem, central),
         central_held=first.held, central_p50=reported(objective, first.quantile(0.5)),
         counted=len(certain.tried), complete=certain.complete, fresh=ends or certain.fresh is not None,
+        proof=None if certain.proof is None else proof_told(objective, certain.proof),
         curve=[] if ends else list(curve(problem, objective, certain)),
         ask_first=[] if ends else [
             WorthKnowing(one.what, one.part, objective.amount(one.worth, certain.best.quantile(0.5)))
             for one in worth_of_knowing(problem, objective, certain)[:MOST_ASKED]
         ],
+    )  # fmt: skip
+
+
+def proof_told(objective: Objective, proof: Proof) -> CertaintyProof:
+    """A proof as a result tells it."""
+    return CertaintyProof(
+        best_possible=reported(objective, proof.lower_bound), complete=proof.left == 0, combinations=proof.total,
+        by_panel=proof.by_panel, by_bounds=proof.by_bounds, counted=proof.counted, left=proof.left,
     )  # fmt: skip
 
 

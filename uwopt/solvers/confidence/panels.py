@@ -1,0 +1,264 @@
+"""A panel: one problem that is no harder than most scenarios, searched once for all hardware.
+
+Hardware is better than the best known one only if its objective is less in half of the scenarios. In the scenarios in
+which the water is no clearer than a panel's, and no number of its parts more favourable than there, its objective is no
+less than in the panel. Where those are too many to leave half of all, the panel's value bounds its median. Likewise,
+what fails in a panel as favourable as the worst tenth of the scenarios does not hold in nine of ten.
+
+Of a set of scenarios the panel's water has the least attenuation and scattering of all, at each wavelength, and the
+brightest floor. Parts are at the favourable ends of what is uncertain, both ends where that depends on the design;
+what a camera draws, costs or weighs is at a quantile of its own, as adverse as the count of its scenarios allows. A
+light that is brighter than in a scenario must not be too bright: exposures may be as short as is wanted there, the iris
+as far closed or flashes as faint, and colours as unlike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.catalog.parts.doubts import doubtful
+from uwopt.catalog.records import Camera, Lens, Light, exact
+from uwopt.forward.part_columns import FAVOURED
+from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.scene import SceneOptics
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.confidence.draws import drawn_facts
+from uwopt.solvers.confidence.scenarios import Scenarios, loss
+from uwopt.solvers.explain.robustness import with_either_end
+
+Array = NDArray[Any]
+STEEP = {
+    "power": ("power_w", "host_power_w", "wake_up_s", "standby_w", "output_factor", "flux_lm"),
+    "cost": ("price", "host_price"), "mass": ("mass_g",),
+}  # fmt: skip
+OF_WATER, OF_LIGHT = 0.8, 0.61  # of the scenarios, where numbers of lights and cameras take the rest
+BANDS = 2  # of K and of what the water takes, among scenarios that share one water in bounds
+QUANTILES = np.linspace(0.5, 1.0, 26)
+SHORTER = 1e-3  # exposures than the shortest that may be set
+CLOSED = 4.0  # f-numbers beyond the ring's last
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A problem that is no harder than `covered` of the scenarios at least, whatever the hardware."""
+
+    problem: Problem
+    covered: int
+
+
+def least_covered(count: int, share: float) -> int:
+    """Of so many scenarios, how many must be lost so that fewer than a share of them is left."""
+    return count - int(np.ceil(share * count - 1e-9)) + 1
+
+
+def panel_of(base: Problem, scenarios: Scenarios, objective: Objective, covered: int) -> Panel:
+    """The panel that is no harder than so many of the scenarios."""
+    names = steep_of(objective) if scenarios.doubt.parts and scenarios.is_drawn else ()
+    names = names if covered > scenarios.count // 3 else ()  # of few, the water takes all
+    count, parts = scenarios.count, base.parts
+    known = [{name for part in some for name, _ in doubtful(part)} for some in (parts.lights, parts.cameras)]
+    of_lights, of_cameras = (not one.isdisjoint(names) for one in known)
+    water = most_adverse(scenarios, max(covered, int(OF_WATER * count) if of_lights or of_cameras else 0))
+    lights, seen_by, iris = [], [], may_close(base)
+    for light in parts.lights:
+        most = max(covered, int(OF_LIGHT * count) if of_cameras else 0)
+        made, mask = adverse(light, scenarios, names, water[None, :], most)
+        lights.append(eased_light(scenarios.favoured_light(made), iris=iris))
+        seen_by.append(water & mask)
+    beside = np.unique(np.array(seen_by), axis=0)
+    cameras, least = [], count
+    for camera in parts.cameras:
+        made, mask = adverse(camera, scenarios, names, beside, covered)
+        cameras.append(eased_camera(scenarios.favoured(made)))
+        least = min(least, int((beside & mask).sum(axis=1).min()))
+    made_parts = Parts(
+        tuple(cameras),
+        tuple(eased_lens(scenarios.favoured(part), iris=iris) for part in parts.lenses),
+        tuple(one for part in parts.ports for one in with_either_end(scenarios.favoured(part))),
+        tuple(lights),
+    )
+    scenes = [scenarios.scenes[int(k)] for k in np.flatnonzero(water)]
+    problem = Problem(
+        base.mission, made_parts, paper=base.paper, owned_lights=base.owned_lights, counts=base.count_range,
+        mounts=base.mounts, scenes=best_scenes(scenes), effects=base.effects,
+    )  # fmt: skip
+    return Panel(problem, least)
+
+
+def steep_of(objective: Objective) -> tuple[str, ...]:
+    """Numbers of a camera or a light on which the objective depends most."""
+    return tuple(name for figure, names in STEEP.items() if objective.weight(figure) for name in names)
+
+
+def adverse(
+    part: Any, scenarios: Scenarios, names: Sequence[str], beside: Array, covered: int
+) -> tuple[Any, Array]:  # fmt: skip
+    """A part whose numbers of these names are known to be as adverse as may be; and the scenarios that are no better.
+
+    They stand at the least favourable quantile, the same of each, that leaves so many scenarios of each set beside.
+    """
+    facts = drawn_facts(part, scenarios.seed, scenarios.count) if names else {}
+    mine = {name: FAVOURED[name] * values for name, values in facts.items() if name in names}
+    if not mine:
+        return part, np.ones(scenarios.count, bool)
+    for share in QUANTILES:
+        ends = {name: np.quantile(values, share, method="higher") for name, values in mine.items()}
+        mask = np.logical_and.reduce([values <= ends[name] for name, values in mine.items()])
+        if (beside & mask).sum(axis=1).min() >= covered:
+            break
+    known = dict(doubtful(part))
+    numbers = {
+        name: exact(float(FAVOURED[name] * end), known[name].status, known[name].source) for name, end in ends.items()
+    }
+    return replace(part, **numbers), np.asarray(mask)
+
+
+def eased_camera(camera: Camera) -> Camera:
+    """A camera that is never too slow to close."""
+    shortest = camera.min_exposure_us
+    if shortest is None:
+        return camera
+    return replace(camera, min_exposure_us=exact(shortest.value * SHORTER, shortest.status, shortest.source))
+
+
+def may_close(problem: Problem) -> bool:
+    """Whether an iris that is closed too far costs nothing but light: no sharpness is asked for."""
+    return not any(scene.view.requirements.asks_sharpness for scene in problem.scenes)
+
+
+def eased_lens(lens: Lens, *, iris: bool) -> Lens:
+    """A lens that can be closed as far as is wanted, where that takes too bright a flash back."""
+    most = lens.f_number_max
+    return lens if most is None or not iris else replace(lens, f_number_max=exact(most.value * CLOSED, most.status))
+
+
+def eased_light(light: Light, *, iris: bool) -> Light:
+    """A lamp that is never too bright: its pulses as short as is wanted, a flash as faint unless the iris may close."""
+    if light.kind == "flash":
+        return light if iris else replace(light, dim_levels=None, dim_min_frac=0.0)
+    shortest = light.min_pulse_us
+    if shortest is None:
+        return light
+    return replace(light, min_pulse_us=exact(shortest.value * SHORTER, shortest.status, shortest.source))
+
+
+def best_scenes(states: Sequence[Sequence[SceneOptics]]) -> list[SceneOptics]:
+    """Of each scene of a mission one that is no harder than in any of these states; no rule on colours holds there.
+
+    Attenuation is the least of each leg by K and by what c has beyond K, which is what forward scattering sends to the
+    camera beside the image: signal is no less than in any of them, and no veil is more, in relation to it.
+    """
+    return [best_scene(scenes) for scenes in zip(*states, strict=True)]
+
+
+def best_scene(scenes: Sequence[SceneOptics]) -> SceneOptics:
+    """The same of one scene."""
+    first = scenes[0]
+
+    def least(columns: Sequence[Array]) -> Array:
+        return np.asarray(np.min(columns, axis=0))
+
+    lamp = least([one.lamp_attenuation_per_m for one in scenes])
+    beyond = least([one.attenuation_per_m - one.lamp_attenuation_per_m for one in scenes])
+    daylight = first.diffuse_attenuation_per_m
+    if daylight is not None:
+        daylight = least([np.asarray(one.diffuse_attenuation_per_m) for one in scenes])
+    scattering = tuple(
+        replace(kind, scattering_per_m=least([one.scattering[k].scattering_per_m for one in scenes]))
+        for k, kind in enumerate(first.scattering)
+    )
+    needs = first.view.requirements.model_copy(update={"max_white_balance": None})
+    return replace(
+        first, attenuation_per_m=lamp + beyond, lamp_attenuation_per_m=lamp, diffuse_attenuation_per_m=daylight,
+        scattering=scattering, reflectance=np.max([one.reflectance for one in scenes], axis=0),
+        view=replace(first.view, requirements=needs), cache={},
+    )  # fmt: skip
+
+
+def most_adverse(scenarios: Scenarios, count: int) -> Array:
+    """So many scenarios, as a mask, of which the best water takes much of the light.
+
+    Looked for among those of one table or any, within bands of K, which differ least from each other.
+    """
+    taken = np.array([sum(map(loss, scenes)) for scenes in scenarios.scenes])
+    leg = np.array([state.lamp_leg for state in scenarios.states])
+    table = np.array([state.other_table for state in scenarios.states])
+    rank = np.argsort(np.argsort(leg, kind="stable")) / scenarios.count
+    best, most = np.argsort(taken, kind="stable")[-count:], -np.inf
+    for within in (table | True, table, ~table):
+        for low, high in product((0.0, 0.1, 0.25, 0.5, 0.75), (0.25, 0.5, 0.75, 0.9, 1.0)):
+            mine = np.flatnonzero(within & (rank >= low) & (rank < high))
+            if len(mine) < count:
+                continue
+            mine = mine[np.argsort(taken[mine], kind="stable")[-count:]]
+            if (value := sum(map(loss, best_scenes([scenarios.scenes[int(k)] for k in mine])))) > most:
+                best, most = mine, value
+    return np.isin(np.arange(scenarios.count), best)
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """Scenarios of like water, one water that is no harder than any of them, and how much less light they see at most.
+
+    `share` : by scene, of the light in that water, (n_scenarios, n_altitudes)
+    """
+
+    scenarios: Array  # their places
+    scenes: list[SceneOptics]
+    share: list[Array]
+
+
+def anchors_of(base: Problem, scenarios: Scenarios) -> list[Anchor]:
+    """All scenarios in groups of like water, the worst first: one table, one band of K, one of what the water takes."""
+    states = scenarios.states
+    taken = np.array([sum(map(loss, scenes)) for scenes in scenarios.scenes])
+    groups = [np.arange(scenarios.count)]
+    if not base.paper:
+        groups = split(groups, np.array([float(state.other_table) for state in states]), 2)
+        groups = split(groups, np.array([state.lamp_leg for state in states]), BANDS)
+        if any(state.clarity for state in states):
+            groups = split(groups, taken, BANDS)
+    groups.sort(key=lambda mine: -float(taken[mine].mean()))
+    return [anchored(base, scenarios, np.sort(mine)) for mine in groups]
+
+
+def split(groups: list[Array], number: Array, most: int) -> list[Array]:
+    """Each group in so many by a number, of as many each; what is equal stays together."""
+    made = []
+    for mine in groups:
+        values = number[mine]
+        edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, most + 1)[1:-1], method="higher"))
+        place = np.searchsorted(edges, values, side="right" if len(np.unique(values)) <= most else "left")
+        made += [mine[place == one] for one in np.unique(place)]
+    return made
+
+
+def anchored(base: Problem, scenarios: Scenarios, mine: Array) -> Anchor:
+    """The anchor of some scenarios."""
+    scenes = best_scenes([scenarios.scenes[int(k)] for k in mine])
+    share = []
+    for index, best in enumerate(scenes):
+        camera_m = np.array([base.nearest_m(index, altitude) for altitude in range(len(best.range_m))])
+        lamp_m = base.lowest_m(index) + best.altitude_m - best.altitude_m[0]
+        own = [scenarios.scenes[int(k)][index] for k in mine]
+        share.append(np.array([most_light(one, best, camera_m, lamp_m) for one in own]))
+    return Anchor(mine, scenes, share)
+
+
+def most_light(scene: SceneOptics, best: SceneOptics, camera_m: Array, lamp_m: Array) -> Array:
+    """How much of the light that a clearer water lets through arrives at most, by altitude.
+
+        max over lambda of R / R_best exp(-(c - c_best) d - (K - K_best) l)
+
+    d, l : no way to the camera and none from a lamp is shorter
+    """
+    fall = np.outer(camera_m, scene.attenuation_per_m - best.attenuation_per_m)
+    fall = fall + np.outer(lamp_m, scene.lamp_attenuation_per_m - best.lamp_attenuation_per_m)
+    share = np.exp(-fall) * scene.reflectance / np.maximum(best.reflectance, 1e-12)
+    return np.asarray(np.minimum(share.max(axis=1), 1.0))

@@ -1,0 +1,162 @@
+"""That no other hardware holds as often as asked with a better median: panels, bounds, and counts of what they leave.
+
+A panel (`panels`) is searched for all hardware at once; what it leaves is bounded in groups of scenarios (`screen`);
+what these leave is counted in every scenario, at every stop of its ring. Each combination is accounted for once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from uwopt.deadline import Deadline, OutOfTimeError
+from uwopt.forward.problem import Problem
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.confidence.counted import Counted, best_of, names
+from uwopt.solvers.confidence.outcomes import outcomes_of_each
+from uwopt.solvers.confidence.panels import anchors_of, least_covered, panel_of
+from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.screen import may_be_better
+from uwopt.solvers.confidence.together import imagers_among
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain.robustness import among
+from uwopt.tolerances import TIE
+
+Progress = Callable[[float, str], None]
+MOST_LISTED = 400  # hardware that a panel leaves: of more the best by its values
+MOST_VARIANTS = 64  # numbers, mounts and orientations
+A_BATCH = 16  # hardware that is counted before the best known is asked for again
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Where all combinations went, and what no hardware betters.
+
+    `lower_bound` : minimised median of whatever holds as often as asked; inf where nothing does
+    """
+
+    total: int
+    by_panel: int  # that miss a requirement in the panel, or are no better in it
+    by_bounds: int  # likewise, by bounds in too many scenarios
+    counted: int
+    lower_bound: float
+
+    @property
+    def left(self) -> int:
+        """Combinations of which nothing but the bound is known."""
+        return self.total - self.by_panel - self.by_bounds - self.counted
+
+
+@dataclass
+class Prover:
+    """The hardware that has been counted, and what may still be better."""
+
+    problem: Problem
+    objective: Objective
+    scenarios: Scenarios
+    share: float
+    tried: list[Counted]
+    deadline: Deadline
+    progress: Progress
+
+    @property
+    def ceiling(self) -> float:
+        """The least median of what holds; inf where nothing does."""
+        best = best_of(self.tried, self.share)
+        return best.quantile(0.5) if best is not None and best.held >= self.share else np.inf
+
+    def run(self) -> Proof | None:
+        """Prove what can be proven in time; None: nothing."""
+        proof, out = None, set[Any]()
+        for _ in range(2):  # once more where the first pass found the first that holds, and had to leave some
+            before = self.ceiling
+            try:
+                proof = self._passed(before, out)
+            except OutOfTimeError:
+                return proof
+            if proof is None or not proof.left or self.ceiling >= before:
+                break
+        return proof
+
+    def _passed(self, ceiling: float, out: set[Any]) -> Proof | None:
+        """Search the panel, bound and count what it leaves."""
+        covered = least_covered(self.scenarios.count, 0.5 if np.isfinite(ceiling) else self.share)
+        panel = panel_of(self.problem, self.scenarios, self.objective, covered)
+        search = Search(
+            panel.problem, self.objective, top=MOST_LISTED, ceiling=below(ceiling), deadline=self.deadline
+        )  # fmt: skip
+        outcome = search.run()
+        if not outcome.complete or panel.covered < covered:
+            return None
+        cut = len(outcome.best) >= MOST_LISTED
+        beyond = outcome.best[-1].minimised if cut else ceiling
+        listed = list(self._variants(panel.problem, outcome.best, min(beyond, below(ceiling))))
+        account = outcome.account
+        excluded = account.total - len(listed)
+        if cut:  # of the others some are better in the panel than the best known
+            excluded = sum(number for rule, number in account.discarded.items() if rule != "bound")
+        counted, dropped = self._counted(listed, ceiling, out)
+        return Proof(account.total, excluded, dropped, counted, min(self.ceiling, beyond))
+
+    def _variants(self, problem: Problem, best: Sequence[Found], ceiling: float) -> Iterator[Found]:
+        """The same parts in every number, mount and orientation that is better in the panel; a search lists one."""
+        low, high = problem.count_range
+        kinds = list(product(range(low, high + 1), problem.mounts, self._orientations()))
+        if len(kinds) == 1 or not best:
+            yield from (among(self.problem, found, problem) for found in best)
+            return
+        if len(kinds) > MOST_VARIANTS:
+            raise OutOfTimeError
+        lights = np.isin(np.arange(len(problem.parts.lights)), [found.light for found in best])
+        for count, mount, landscape in kinds:
+            alone = problem.standing_at(mount).with_count(count)
+            imagers = imagers_among(alone, best, landscape)
+            if len(imagers):
+                search = Search(
+                    alone, self.objective, top=len(lights) * len(imagers), imagers=imagers, only={"light": lights},
+                    ceiling=ceiling, deadline=self.deadline,
+                )  # fmt: skip
+                outcome = search.run()
+                if not outcome.complete:
+                    raise OutOfTimeError
+                yield from (among(self.problem, found, problem) for found in outcome.best)
+
+    def _orientations(self) -> list[bool]:
+        return [one == "landscape" for one in self.problem.mission.vehicle.orientations]
+
+    def _counted(self, listed: list[Found], ceiling: float, out: set[Any]) -> tuple[int, int]:
+        """Bound and count hardware; how many were counted, and how many the bounds discard."""
+        fresh = [found for found in listed if names(self.problem, found) not in out]
+        left = may_be_better(
+            self.problem, fresh, self.objective, self.scenarios, anchors_of(self.problem, self.scenarios),
+            share=self.share, ceiling=below(ceiling), deadline=self.deadline,
+        )  # fmt: skip
+        out.update(names(self.problem, found) for found, may in zip(fresh, left, strict=True) if not may)
+        hopeful = [found for found, may in zip(fresh, left, strict=True) if may]
+        for first in range(0, len(hopeful), A_BATCH):
+            self._count(hopeful[first : first + A_BATCH])
+            self.progress(min(0.5 + 0.5 * first / len(hopeful), 0.99), "certainty")
+        return len(hopeful), len(listed) - len(hopeful)
+
+    def _count(self, some: Sequence[Found]) -> None:
+        """Count hardware with its iris where that is best in each scenario; what may be better, at every stop."""
+        free = outcomes_of_each(self.problem, some, self.objective, self.scenarios, self.deadline, f_numbers=[np.nan])
+        may = [
+            found for found, one in zip(some, free, strict=True)
+            if one.held[0] >= self.share and one.quantile(0.5)[0] <= self.ceiling
+        ]  # fmt: skip
+        made = outcomes_of_each(self.problem, may, self.objective, self.scenarios, self.deadline, every_stop=True)
+        for found, one in zip(may, made, strict=True):
+            name = names(self.problem, found)
+            self.tried[:] = [known for known in self.tried if names(self.problem, known.found) != name]
+            self.tried.append(Counted(found, one, one.best(self.share)))
+
+
+def below(ceiling: float) -> float:
+    """What is better than a value by more than rounding."""
+    return ceiling - TIE * abs(ceiling) if np.isfinite(ceiling) else ceiling

@@ -1,0 +1,69 @@
+"""Which hardware may hold often enough and be better than the best known: by waters that are no harder, worst first.
+
+Each group of scenarios of like water lends its bounds to those in it. What they discard is lost in too many scenarios
+whatever the others would say, so that most hardware is looked at in few of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.deadline import Deadline
+from uwopt.forward.problem import Problem
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.confidence.outcomes import by_shared, values_at
+from uwopt.solvers.confidence.panels import Anchor, least_covered
+from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.together import Together
+from uwopt.solvers.exact.ranking import Found
+
+Array = NDArray[Any]
+
+
+def may_be_better(
+    base: Problem, found: Sequence[Found], objective: Objective, scenarios: Scenarios, anchors: Sequence[Anchor], *,
+    share: float, ceiling: float, deadline: Deadline,
+) -> Array:  # fmt: skip
+    """Of each hardware whether it may hold in so large a share of the scenarios with a median below the ceiling."""
+    left = np.ones(len(found), bool)
+    for places in by_shared(found):
+        group = Together.of(base, [found[k] for k in places], scenarios)
+        left[places] = group_may(group, objective, anchors, share, ceiling, deadline)
+    return left
+
+
+def group_may(
+    group: Together, objective: Objective, anchors: Sequence[Anchor], share: float, ceiling: float, deadline: Deadline
+) -> Array:
+    """The same of hardware in one group."""
+    count = group.scenarios.count
+    lost_at_most, worse_at_most = least_covered(count, share), least_covered(count, 0.5)
+    value = bounds_before_light(group)
+    for anchor in anchors:
+        left = passes(value, ceiling, lost_at_most, worse_at_most)
+        ours = np.flatnonzero(left[group.hardware] & np.isin(group.scenario, anchor.scenarios))
+        if len(ours):
+            deadline.check()
+            some = group.only(ours)
+            rows = some.bounded_rows(objective, anchor, deadline)
+            every = np.arange(len(ours))
+            seen = values_at(some, objective, rows, every, np.full(len(ours), np.nan))[0]
+            value[some.hardware, some.scenario] = seen
+    return passes(value, ceiling, lost_at_most, worse_at_most)
+
+
+def bounds_before_light(group: Together) -> Array:
+    """Bounds of the objective by hardware and scenario: inf where a rule that knows no light discards it."""
+    value = np.full((len(group.found), group.scenarios.count), np.inf)
+    value[group.hardware, group.scenario] = -np.inf
+    return value
+
+
+def passes(value: Array, ceiling: float, lost_at_most: int, worse_at_most: int) -> Array:
+    """Which rows are lost in few scenarios, and no better than the ceiling in few."""
+    lost, worse = np.isinf(value) & (value > 0.0), value >= ceiling
+    return np.asarray((lost.sum(axis=1) < lost_at_most) & (worse.sum(axis=1) < worse_at_most))
