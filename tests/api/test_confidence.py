@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import uwopt
+from uwopt.api import certainty
+from uwopt.cli.status import result_status
 from uwopt.errors import MissionError
 from uwopt.mission.mission import load_mission
 from uwopt.report.text.certainty import percent
@@ -29,6 +32,7 @@ def certain() -> Result:
     catalog = mission.to_dict()["catalog"] | FEW
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(search, "FRESH", 256)
+        patch.setattr(certainty, "CERTAINTY_S", 1e6)  # by no clock
         return uwopt.solve(mission.with_changes(catalog=catalog, doubt={"scenarios": 64}), confidence=0.9, quick=True)
 
 
@@ -47,7 +51,9 @@ def test_beside_it_stands_the_central_optimum_with_its_proof(certain: Result) ->
     known, proof = certain.confidence, certain.certificate
     assert known is not None and proof is not None and proof.adds_up()
     assert known.central_objective == pytest.approx(proof.best_value)
-    assert certain.status == "feasible"  # counted, not proven best
+    assert known.proof is not None and known.proof.complete and known.proof.adds_up()
+    assert certain.status == "optimal" and known.proof.best_possible is not None
+    assert known.objective_p50 == pytest.approx(known.proof.best_possible, rel=0.02)  # of other scenarios
     assert known.central_held is not None and 0.0 <= known.central_held <= 1.0
     assert known.central_p50 is not None and known.objective_p50 is not None
     assert known.objective_p50 <= known.central_p50 * 1.02  # of other scenarios
@@ -60,6 +66,17 @@ def test_it_is_told_first_and_survives_its_file(certain: Result) -> None:
     assert "holds in" in text.splitlines()[0] and "of 256 scenarios" in " ".join(text.split())
     assert "How certain" in text
     assert Result.from_dict(certain.to_dict()).confidence == certain.confidence
+
+
+def test_what_is_not_certain_enough_is_told_by_the_exit_status(certain: Result) -> None:
+    """3 where nothing holds as often as asked, though the most certain is shown; 4 where time cut that short."""
+    known = certain.confidence
+    assert known is not None and result_status(certain) == 0
+    short = replace(certain, confidence=replace(known, enough=False))
+    assert result_status(short) == 3
+    assert result_status(replace(short, status="stopped")) == 4
+    given = replace(short, command="evaluate", recommendation=None, design=short.recommendation)
+    assert result_status(given) == 0 and result_status(given, check=True) == 3
 
 
 def test_central_is_as_without_doubt() -> None:

@@ -8,6 +8,7 @@ ROOM = "uwopt/solvers/confidence"
 DRAWS = "tests/solvers/test_confidence_draws.py"
 TESTS = "tests/solvers/test_confidence.py"
 API = "tests/api/test_confidence.py"
+PROOF = "tests/solvers/test_confidence_proof.py"
 
 DEFECTS = (
     Defect(
@@ -82,7 +83,7 @@ DEFECTS = (
     ),
     Defect(
         name="hardware is ranked by its median alone",
-        file=f"{ROOM}/search.py",
+        file=f"{ROOM}/counted.py",
         old="    return (not holds, one.quantile(0.5) if holds else -one.held,",
         new="    return (False, one.quantile(0.5),",
         test=f"{TESTS}::test_a_sure_camera_is_bought_where_the_other_holds_too_seldom",
@@ -90,8 +91,8 @@ DEFECTS = (
     Defect(
         name="no hardware with room is looked for",
         file=f"{ROOM}/search.py",
-        old="    for worse in WORSE:\n",
-        new="    for worse in WORSE[:0]:\n",
+        old="    for worse in rungs:\n",
+        new="    for worse in rungs[:0]:\n",
         test=f"{TESTS}::test_a_sure_camera_is_bought_where_the_other_holds_too_seldom",
     ),
     Defect(
@@ -135,5 +136,47 @@ DEFECTS = (
         old="    if LEAST_CONFIDENCE <= share <= MOST_CONFIDENCE:",
         new="    if LEAST_CONFIDENCE <= share <= 100.0:",
         test=f"{API}::test_what_is_no_confidence_is_told_in_one_message[90-for 90 % write 0.9]",
+    ),
+    Defect(
+        name="numbers of a panel are at the quantile of the wrong side",
+        file=f"{ROOM}/panels.py",
+        old="ends = {name: np.quantile(values, share, method=",
+        new="ends = {name: np.quantile(values, 1.0 - share, method=",
+        test=f"{PROOF}::test_what_is_proven_best_is_the_best_of_every_hardware",
+    ),
+    Defect(
+        name="the water of a panel is the murkiest",
+        file=f"{ROOM}/panels.py",
+        old="return np.asarray(np.min(columns, axis=0))",
+        new="return np.asarray(np.max(columns, axis=0))",
+        test=f"{PROOF}::test_no_bound_is_above_what_is_counted",
+    ),
+    Defect(
+        name="a panel forgets what forward scattering sends to the camera",
+        file=f"{ROOM}/panels.py",
+        old="first, attenuation_per_m=lamp + beyond,",
+        new="first, attenuation_per_m=least([one.attenuation_per_m for one in scenes]),",
+        test=f"{PROOF}::test_the_best_of_waters_is_no_worse_than_each_in_any_leg",
+    ),
+    Defect(
+        name="half of the scenarios less one are taken for too many",
+        file=f"{ROOM}/panels.py",
+        old="return count - int(np.ceil(share * count - 1e-9)) + 1",
+        new="return count - int(np.ceil(share * count - 1e-9))",
+        test=f"{PROOF}::test_a_panel_is_no_harder_than_as_many_scenarios_as_it_says",
+    ),
+    Defect(
+        name="of numbers of lamps one is looked at",
+        file=f"{ROOM}/proof.py",
+        old="kinds = list(product(range(low, high + 1),",
+        new="kinds = list(product(range(low, low + 1),",
+        test=f"{PROOF}::test_what_is_proven_best_is_the_best_of_every_hardware",
+    ),
+    Defect(
+        name="a system that is not certain enough is one to buy",
+        file="uwopt/cli/status.py",
+        old="    if known is not None and not known.enough and",
+        new="    if known is not None and not known.held and",
+        test=f"{API}::test_what_is_not_certain_enough_is_told_by_the_exit_status",
     ),
 )

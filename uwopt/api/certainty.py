@@ -24,7 +24,7 @@ from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import Sought, design_of
 
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
-CERTAINTY_S = 20.0  # of the processor, where no time is given
+CERTAINTY_S = 15.0  # of the processor, where no time is given
 MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
 OF_A_SYSTEM = 2048  # scenarios in which a given system is counted
 AS_CENTRAL = "certainty_left_out"  # that there was no time for it

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -30,11 +31,12 @@ from uwopt.tolerances import TIE
 Progress = Callable[[float, str], None]
 MOST_LISTED = 400  # hardware that a panel leaves: of more the best by its values
 MOST_VARIANTS = 64  # numbers, mounts and orientations
+A_SCREEN = 160  # hardware that is bounded before what is left of it is counted
 A_BATCH = 16  # hardware that is counted before the best known is asked for again
 
 
 @dataclass(frozen=True)
-class Proof:
+class NoneBetter:
     """Where all combinations went, and what no hardware betters.
 
     `lower_bound` : minimised median of whatever holds as often as asked; inf where nothing does
@@ -70,7 +72,7 @@ class Prover:
         best = best_of(self.tried, self.share)
         return best.quantile(0.5) if best is not None and best.held >= self.share else np.inf
 
-    def run(self) -> Proof | None:
+    def run(self) -> NoneBetter | None:
         """Prove what can be proven in time; None: nothing."""
         proof, out = None, set[Any]()
         for _ in range(2):  # once more where the first pass found the first that holds, and had to leave some
@@ -83,7 +85,7 @@ class Prover:
                 break
         return proof
 
-    def _passed(self, ceiling: float, out: set[Any]) -> Proof | None:
+    def _passed(self, ceiling: float, out: set[Any]) -> NoneBetter | None:
         """Search the panel, bound and count what it leaves."""
         covered = least_covered(self.scenarios.count, 0.5 if np.isfinite(ceiling) else self.share)
         panel = panel_of(self.problem, self.scenarios, self.objective, covered)
@@ -96,12 +98,16 @@ class Prover:
         cut = len(outcome.best) >= MOST_LISTED
         beyond = outcome.best[-1].minimised if cut else ceiling
         listed = list(self._variants(panel.problem, outcome.best, min(beyond, below(ceiling))))
-        account = outcome.account
-        excluded = account.total - len(listed)
-        if cut:  # of the others some are better in the panel than the best known
-            excluded = sum(number for rule, number in account.discarded.items() if rule != "bound")
-        counted, dropped = self._counted(listed, ceiling, out)
-        return Proof(account.total, excluded, dropped, counted, min(self.ceiling, beyond))
+        excluded = 0 if cut else self._total - len(listed)
+        counted, dropped, waits = self._counted(sorted(listed, key=lambda one: one.minimised), ceiling, out)
+        return NoneBetter(self._total, excluded, dropped, counted, min(self.ceiling, beyond, waits))
+
+    @property
+    def _total(self) -> int:
+        """All combinations."""
+        parts, (low, high) = self.problem.parts, self.problem.count_range
+        each = [len(one) for one in (parts.cameras, parts.lenses, parts.ports, parts.lights, self.problem.mounts)]
+        return prod(each) * (high - low + 1) * len(self._orientations())
 
     def _variants(self, problem: Problem, best: Sequence[Found], ceiling: float) -> Iterator[Found]:
         """The same parts in every number, mount and orientation that is better in the panel; a search lists one."""
@@ -112,15 +118,14 @@ class Prover:
             return
         if len(kinds) > MOST_VARIANTS:
             raise OutOfTimeError
-        lights = np.isin(np.arange(len(problem.parts.lights)), [found.light for found in best])
         for count, mount, landscape in kinds:
             alone = problem.standing_at(mount).with_count(count)
             imagers = imagers_among(alone, best, landscape)
             if len(imagers):
+                top = len(problem.parts.lights) * len(imagers)
                 search = Search(
-                    alone, self.objective, top=len(lights) * len(imagers), imagers=imagers, only={"light": lights},
-                    ceiling=ceiling, deadline=self.deadline,
-                )  # fmt: skip
+                    alone, self.objective, top=top, imagers=imagers, ceiling=ceiling, deadline=self.deadline
+                )
                 outcome = search.run()
                 if not outcome.complete:
                     raise OutOfTimeError
@@ -129,19 +134,31 @@ class Prover:
     def _orientations(self) -> list[bool]:
         return [one == "landscape" for one in self.problem.mission.vehicle.orientations]
 
-    def _counted(self, listed: list[Found], ceiling: float, out: set[Any]) -> tuple[int, int]:
-        """Bound and count hardware; how many were counted, and how many the bounds discard."""
-        fresh = [found for found in listed if names(self.problem, found) not in out]
-        left = may_be_better(
-            self.problem, fresh, self.objective, self.scenarios, anchors_of(self.problem, self.scenarios),
-            share=self.share, ceiling=below(ceiling), deadline=self.deadline,
-        )  # fmt: skip
-        out.update(names(self.problem, found) for found, may in zip(fresh, left, strict=True) if not may)
-        hopeful = [found for found, may in zip(fresh, left, strict=True) if may]
-        for first in range(0, len(hopeful), A_BATCH):
-            self._count(hopeful[first : first + A_BATCH])
-            self.progress(min(0.5 + 0.5 * first / len(hopeful), 0.99), "certainty")
-        return len(hopeful), len(listed) - len(hopeful)
+    def _counted(self, listed: list[Found], ceiling: float, out: set[Any]) -> tuple[int, int, float]:
+        """Bound and count hardware, best value in the panel first, as far as there is time.
+
+        How many were counted, how many the bounds discard, and the value of the first that nobody looked at.
+        """
+        counted = dropped = 0
+        anchors = anchors_of(self.problem, self.scenarios)
+        for first in range(0, len(listed), A_SCREEN):
+            some = listed[first : first + A_SCREEN]
+            try:
+                fresh = [found for found in some if names(self.problem, found) not in out]
+                left = may_be_better(
+                    self.problem, fresh, self.objective, self.scenarios, anchors,
+                    share=self.share, ceiling=below(min(ceiling, self.ceiling)), deadline=self.deadline,
+                )  # fmt: skip
+                out.update(names(self.problem, found) for found, may in zip(fresh, left, strict=True) if not may)
+                hopeful = [found for found, may in zip(fresh, left, strict=True) if may]
+                for batch in range(0, len(hopeful), A_BATCH):
+                    self.deadline.check()
+                    self._count(hopeful[batch : batch + A_BATCH])
+            except OutOfTimeError:
+                return counted, dropped, some[0].minimised
+            counted, dropped = counted + len(hopeful), dropped + len(some) - len(hopeful)
+            self.progress(min(0.5 + 0.5 * first / len(listed), 0.99), "certainty")
+        return counted, dropped, np.inf
 
     def _count(self, some: Sequence[Found]) -> None:
         """Count hardware with its iris where that is best in each scenario; what may be better, at every stop."""

@@ -6,7 +6,8 @@ whatever the others would say, so that most hardware is looked at in few of them
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,31 +30,29 @@ def may_be_better(
     share: float, ceiling: float, deadline: Deadline,
 ) -> Array:  # fmt: skip
     """Of each hardware whether it may hold in so large a share of the scenarios with a median below the ceiling."""
-    left = np.ones(len(found), bool)
+    lost, worse = least_covered(scenarios.count, share), least_covered(scenarios.count, 0.5)
+    rule, left = partial(passes, ceiling=ceiling, lost_at_most=lost, worse_at_most=worse), np.ones(len(found), bool)
     for places in by_shared(found):
         group = Together.of(base, [found[k] for k in places], scenarios)
-        left[places] = group_may(group, objective, anchors, share, ceiling, deadline)
+        left[places] = rule(bounds_of(group, objective, anchors, deadline, rule))
     return left
 
 
-def group_may(
-    group: Together, objective: Objective, anchors: Sequence[Anchor], share: float, ceiling: float, deadline: Deadline
-) -> Array:
-    """The same of hardware in one group."""
-    count = group.scenarios.count
-    lost_at_most, worse_at_most = least_covered(count, share), least_covered(count, 0.5)
+def bounds_of(
+    group: Together, objective: Objective, anchors: Sequence[Anchor], deadline: Deadline,
+    wanted: Callable[[Array], Array],
+) -> Array:  # fmt: skip
+    """Lower bounds of the objective by hardware and scenario, as far as they are wanted of the bounds so far."""
     value = bounds_before_light(group)
     for anchor in anchors:
-        left = passes(value, ceiling, lost_at_most, worse_at_most)
-        ours = np.flatnonzero(left[group.hardware] & np.isin(group.scenario, anchor.scenarios))
+        ours = np.flatnonzero(wanted(value)[group.hardware] & np.isin(group.scenario, anchor.scenarios))
         if len(ours):
             deadline.check()
             some = group.only(ours)
             rows = some.bounded_rows(objective, anchor, deadline)
-            every = np.arange(len(ours))
-            seen = values_at(some, objective, rows, every, np.full(len(ours), np.nan))[0]
+            seen = values_at(some, objective, rows, np.arange(len(ours)), np.full(len(ours), np.nan))[0]
             value[some.hardware, some.scenario] = seen
-    return passes(value, ceiling, lost_at_most, worse_at_most)
+    return value
 
 
 def bounds_before_light(group: Together) -> Array:
@@ -63,7 +62,7 @@ def bounds_before_light(group: Together) -> Array:
     return value
 
 
-def passes(value: Array, ceiling: float, lost_at_most: int, worse_at_most: int) -> Array:
+def passes(value: Array, *, ceiling: float, lost_at_most: int, worse_at_most: int) -> Array:
     """Which rows are lost in few scenarios, and no better than the ceiling in few."""
     lost, worse = np.isinf(value) & (value > 0.0), value >= ceiling
     return np.asarray((lost.sum(axis=1) < lost_at_most) & (worse.sum(axis=1) < worse_at_most))

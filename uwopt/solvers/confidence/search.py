@@ -21,7 +21,7 @@ from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.counted import Counted, names, rank
 from uwopt.solvers.confidence.ends import EndScenarios
 from uwopt.solvers.confidence.outcomes import outcomes
-from uwopt.solvers.confidence.proof import Proof, Prover
+from uwopt.solvers.confidence.proof import NoneBetter, Prover
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, imagers_behind, joined
 from uwopt.solvers.exact.ranking import Found
@@ -36,6 +36,7 @@ WORSE = (0.75, 0.9)  # than this share of the scenarios: what searches for hardw
 A_SEARCH = 4  # hardware that each brings up
 OF_CENTRAL = 2  # of the central search
 ENOUGH = 3  # hardware that holds: no further search is made
+PROOF_SHARE = 0.6  # of the time that is left: the rest is for what is told of the choice
 FRESH = 1024  # scenarios that the choice has not seen
 FRESH_SEED = 1_000_003
 
@@ -51,16 +52,15 @@ class Certain:
     tried: list[Counted]
     complete: bool  # whether there was time for every search
     fresh: Counted | None = None
-    proof: Proof | None = None
+    proof: NoneBetter | None = None
 
     @property
     def proven(self) -> bool:
         """Whether no other hardware holds as often with a better median, or none as often at all."""
         if self.proof is None or self.proof.left:
             return False
-        return not np.isfinite(self.proof.lower_bound) or (
-            self.enough and self.best.quantile(0.5) <= self.proof.lower_bound * (1.0 + TIE)
-        )
+        least, ours = self.proof.lower_bound, self.best.quantile(0.5)
+        return not np.isfinite(least) or (self.enough and ours <= least + TIE * abs(least))
 
     @property
     def enough(self) -> bool:
@@ -103,8 +103,9 @@ def most_certain(
             raise
     proof = None
     if complete and can_be_proven(problem, objective):
-        proof = Prover(problem, objective, scenarios, share, tried, deadline, report).run()
-    best, central = first_that_fits(problem, objective, sorted(tried, key=lambda one: rank(one, share)), deadline)
+        patience = deadline.at_most(PROOF_SHARE * deadline.left_s)
+        proof = Prover(problem, objective, scenarios, share, tried, patience, report).run()
+    best, central = first_that_fits(problem, objective, sorted(tried, key=lambda one: rank(one, share)))
     if best is None or central is None:
         return None
     certain = Certain(share, scenarios, best, central, tried, complete, proof=proof)
@@ -117,11 +118,11 @@ def can_be_proven(problem: Problem, objective: Objective) -> bool:
 
 
 def first_that_fits(
-    problem: Problem, objective: Objective, ranked: Sequence[Counted], deadline: Deadline
+    problem: Problem, objective: Objective, ranked: Sequence[Counted]
 ) -> tuple[Counted | None, Found | None]:
-    """The first of these that is feasible with every number at its central value too."""
+    """The first of these that is feasible with every number at its central value too; found at once."""
     for one in ranked:
-        if (found := at_its_stop(problem, objective, one, deadline)) is not None:
+        if (found := at_its_stop(problem, objective, one)) is not None:
             return one, found
     return None, None
 

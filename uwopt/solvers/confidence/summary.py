@@ -12,7 +12,7 @@ from uwopt.mission.doubt import Doubt
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import CertaintyPoint, CertaintyProof, Confidence, LostTo, WorthKnowing
 from uwopt.solvers.confidence.counted import Counted, rank
-from uwopt.solvers.confidence.proof import Proof
+from uwopt.solvers.confidence.proof import NoneBetter
 from uwopt.solvers.confidence.search import Certain
 from uwopt.solvers.confidence.worth import worth_of_knowing
 from uwopt.solvers.exact.ranking import Found
@@ -51,7 +51,7 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
     )  # fmt: skip
 
 
-def proof_told(objective: Objective, proof: Proof) -> CertaintyProof:
+def proof_told(objective: Objective, proof: NoneBetter) -> CertaintyProof:
     """A proof as a result tells it."""
     return CertaintyProof(
         best_possible=reported(objective, proof.lower_bound), complete=proof.left == 0, combinations=proof.total,

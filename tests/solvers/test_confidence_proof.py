@@ -1,0 +1,194 @@
+"""That nothing else holds and is better: against every hardware of small catalogues, counted in all scenarios."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from functools import cache
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+from one_of_each import one, with_parts
+from random_cases import Case, case
+from thorough import drawn
+
+from uwopt.catalog.parts.quantity import Quantity
+from uwopt.deadline import NEVER
+from uwopt.forward.part_columns import FAVOURED
+from uwopt.forward.problem import Parts, Problem
+from uwopt.solvers.confidence import search as search_module
+from uwopt.solvers.confidence.counted import Counted, best_of
+from uwopt.solvers.confidence.outcomes import by_shared, outcomes_of_each
+from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covered, panel_of
+from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.screen import bounds_of
+from uwopt.solvers.confidence.search import Certain, can_be_proven, most_certain
+from uwopt.solvers.confidence.together import Together
+from uwopt.solvers.exact.imagers import fitting_pairs
+from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.recommend import Sought
+
+SHARE = 0.8
+WIDE = {"clarity": True, "lamp_leg": True, "other_water_table": 0.5, "floor": [0.7, 1.4], "lamp_output": [0.8, 1.1]}
+RANDOM = drawn((17,), tuple(range(60)))
+INTERPOLATED = 0.02  # of a value: light in other water is interpolated, bounds are not
+
+
+def between(low: float, value: float, high: float) -> Quantity:
+    """A number that is estimated."""
+    return Quantity(value, low, high, "estimated")
+
+
+def rivals() -> Case:
+    """Two cameras, lenses and lamps in one to two numbers; a camera of 3 W that draws 2.5 to 9, one of 4 W for sure."""
+    unsure = {"power_w": between(2.5, 3.0, 9.0), "read_noise_e": between(1.0, 2.0, 8.0)}
+    return with_parts(
+        one(scenes=({"visibility_m": 12.0, "water": None},), wanted={"max_blur_px": 1.0, "min_snr_db": 25.0},
+            camera=unsure, light={"flux_lm": between(1.5e4, 3e4, 4e4)}, vehicle={"light_count": [1, 2]}),
+        cameras=[{"power_w": 4.0, "read_noise_e": 2.0}],
+        lenses=[{"f_number_min": 1.4, "price": 700.0}],
+        lights=[{"flux_lm": 3.4e4, "power_w": 330.0}],
+    )  # fmt: skip
+
+
+def sought_of(case_: Case) -> Sought:
+    """The central search of a case, in doubt of everything."""
+    case_ = replace(case_, mission=case_.mission.with_changes(doubt=WIDE | {"scenarios": 48}))
+    search, outcome = case_.solve(top=5)
+    return Sought(None, search.problem, search, outcome)  # type: ignore[arg-type]
+
+
+@cache
+def known() -> tuple[Sought, Certain]:
+    """The rivals, and what is recommended of them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search_module, "FRESH", 32)
+        sought = sought_of(rivals())
+        certain = most_certain(sought, sought.search.objective, SHARE)
+    assert certain is not None
+    return sought, certain
+
+
+def every_hardware(problem: Problem, like: Found) -> list[Found]:
+    """All combinations whose camera and lens fit."""
+    parts, pairs, (low, high) = problem.parts, fitting_pairs(problem), problem.count_range
+    rest = product(range(len(parts.ports)), range(len(parts.lights)), range(low, high + 1), enumerate(problem.mounts))
+    return [
+        replace(
+            like, camera=camera, lens=lens, port=port, light=light, count=count, landscape=orientation == "landscape",
+            lighting=Lighting(int(problem.lights.optics_index[light]), *mount),
+        )
+        for (port, light, count, mount), (camera, lens), orientation in product(
+            rest, zip(pairs.camera.tolist(), pairs.lens.tolist(), strict=True), problem.mission.vehicle.orientations
+        )
+    ]  # fmt: skip
+
+
+def by_brute_force(sought: Sought, scenarios: Scenarios, share: float) -> Counted | None:
+    """The best of all hardware, each counted at every stop in every scenario."""
+    every = every_hardware(sought.problem, sought.outcome.best[0])
+    made = outcomes_of_each(sought.problem, every, sought.search.objective, scenarios, every_stop=True)
+    return best_of([Counted(found, one_, one_.best(share)) for found, one_ in zip(every, made, strict=True)], share)
+
+
+def test_what_is_proven_best_is_the_best_of_every_hardware() -> None:
+    """The central optimum loses: its camera draws more than the other's 4 W in half of the scenarios."""
+    sought, certain = known()
+    assert certain.proven and certain.enough and certain.proof is not None
+    proof = certain.proof
+    assert proof.total == 2 * 2 * 1 * 2 * 2 == proof.by_panel + proof.by_bounds + proof.counted
+    best = by_brute_force(sought, certain.scenarios, SHARE)
+    assert best is not None and certain.best.quantile(0.5) == pytest.approx(best.quantile(0.5), rel=1e-9)
+    first = sought.outcome.best[0]
+    assert certain.best.found.camera != first.camera
+    assert certain.best.quantile(0.5) < 0.98 * certain.tried[0].quantile(0.5)
+
+
+def test_no_bound_is_above_what_is_counted() -> None:
+    """Of every hardware in every scenario, by groups of like water; and each is of some use."""
+    sought, certain = known()
+    problem, objective, scenarios = sought.problem, sought.search.objective, certain.scenarios
+    every, anchors = every_hardware(problem, sought.outcome.best[0]), anchors_of(problem, scenarios)
+    made = outcomes_of_each(problem, every, objective, scenarios, every_stop=True)
+    assert sorted(np.concatenate([anchor.scenarios for anchor in anchors])) == list(range(48))
+    tight = []
+    for places in by_shared(every):
+        group = Together.of(problem, [every[k] for k in places], scenarios)
+        bounds = bounds_of(group, objective, anchors, NEVER, lambda value: np.ones(len(value), bool))
+        for own, k in zip(bounds, places, strict=True):
+            value = made[k].value.min(axis=0)
+            held = np.isfinite(value)
+            assert np.all(own[held] <= value[held] * (1.0 + INTERPOLATED))
+            tight += (own[held] / value[held]).tolist()
+    assert np.median(tight) > 0.75
+
+
+def test_a_panel_is_no_harder_than_as_many_scenarios_as_it_says() -> None:
+    """Of every hardware, the objective in the panel against that in all scenarios."""
+    sought, certain = known()
+    problem, objective, scenarios = sought.problem, sought.search.objective, certain.scenarios
+    covered = least_covered(scenarios.count, 0.5)
+    assert covered == 25 and least_covered(48, 0.9) == 5 and least_covered(10, 1.0) == 1
+    panel = panel_of(problem, scenarios, objective, covered)
+    assert panel.covered >= covered
+    every = every_hardware(problem, sought.outcome.best[0])
+    made = outcomes_of_each(problem, every, objective, scenarios, every_stop=True)
+    for found, one_ in zip(every, made, strict=True):
+        alone = panel.problem.with_count(found.count)
+        ours = [
+            each.minimised for each in case_values(alone, objective)
+            if (each.camera, each.lens, each.light) == (found.camera, found.lens, found.light)
+        ]  # fmt: skip
+        value = one_.value.min(axis=0)
+        no_better = int((value >= min(ours, default=np.inf) * (1.0 - INTERPOLATED)).sum())
+        assert no_better >= covered
+
+
+def case_values(problem: Problem, objective: Any) -> list[Found]:
+    """Every hardware that fits, by a search."""
+    return Search(problem, objective, top=1000).run().best
+
+
+def test_the_best_of_waters_is_no_worse_than_each_in_any_leg() -> None:
+    """Attenuation of each leg, what forward scattering adds, scattering and floor."""
+    _, certain = known()
+    scenes = [scenes[0] for scenes in certain.scenarios.scenes]
+    best = best_scene(scenes)
+    for one_ in scenes:
+        beyond, least = (s.attenuation_per_m - s.lamp_attenuation_per_m for s in (one_, best))
+        assert np.all(best.lamp_attenuation_per_m <= one_.lamp_attenuation_per_m) and np.all(least <= beyond + 1e-15)
+        assert np.all(best.reflectance >= one_.reflectance)
+
+
+def in_doubt(part: Any, rng: np.random.Generator) -> Any:
+    """A part of whose numbers most are estimates."""
+    changes = {}
+    for field in fields(part):
+        value = getattr(part, field.name)
+        doubted = isinstance(value, Quantity) and field.name in FAVOURED and field.name != "f_number_min"
+        if doubted and rng.random() < 0.6:
+            most = min(1.8 * value.value, 1.0) if field.name.endswith(("_frac", "_factor")) else 1.8 * value.value
+            low, high = value.value * rng.uniform(0.5, 1.0), rng.uniform(value.value, max(most, value.value))
+            changes[field.name] = between(low, value.value, high)
+    return replace(part, **changes)
+
+
+@pytest.mark.parametrize("seed", RANDOM)
+def test_of_random_catalogues_too(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search_module, "FRESH", 32)
+    case_, rng = case(seed), np.random.default_rng(seed + 999)
+    kinds = (case_.parts.cameras, case_.parts.lenses, case_.parts.ports, case_.parts.lights)
+    parts = Parts(*(tuple(in_doubt(part, rng) for part in some) for some in kinds))
+    sought = sought_of(replace(case_, parts=parts))
+    if not sought.outcome.best or not can_be_proven(sought.problem, sought.search.objective):
+        pytest.skip("nothing fits, or nothing is proven of it")
+    certain = most_certain(sought, sought.search.objective, SHARE)
+    if certain is None or not certain.proven:
+        pytest.skip("not proven")
+    best = by_brute_force(sought, certain.scenarios, SHARE)
+    assert best is not None and (best.held >= SHARE) == certain.enough
+    if certain.enough:
+        assert certain.best.quantile(0.5) == pytest.approx(best.quantile(0.5), rel=0.005)
