@@ -140,7 +140,7 @@ def summary(result: Any) -> list[str]:
     if counted is not None:
         from uwopt.report.text.certainty import status_text
 
-        lines.append(status_text(counted))
+        lines.append(status_text(counted, result.status))
     return lines
 
 
