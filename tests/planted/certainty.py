@@ -166,13 +166,6 @@ DEFECTS = (
         test=f"{PROOF}::test_a_panel_is_no_harder_than_as_many_scenarios_as_it_says",
     ),
     Defect(
-        name="of numbers of lamps one is looked at",
-        file=f"{ROOM}/proof.py",
-        old="kinds = list(product(range(low, high + 1),",
-        new="kinds = list(product(range(low, low + 1),",
-        test=f"{PROOF}::test_what_is_proven_best_is_the_best_of_every_hardware",
-    ),
-    Defect(
         name="a system that is not certain enough is one to buy",
         file="uwopt/cli/status.py",
         old="    if known is not None and not known.enough and",
