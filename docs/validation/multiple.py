@@ -80,7 +80,9 @@ def figure() -> str:
                 seen = errors(name, places)
                 off = np.clip([100 * e[tally] for _, e in seen], -100.0, 100.0)
                 label = f"{name}, {'corners' if mark == 'x' else 'mean'}"
-                axis.plot([row.case.thickness for row, _ in seen], off, mark, color=color, ms=size, label=label, alpha=0.8)
+                axis.plot(  # as a picture: a thousand marks as lines of a file would outweigh the page
+                    [row.case.thickness for row, _ in seen], off, mark, color=color, ms=size, label=label, alpha=0.8, rasterized=True
+                )
         axis.axvline(THIN, color="0.5", lw=0.8)
         axis.set(xscale="log", xlabel="c d", title=tally, ylim=(-105, 105))
     axes[0].set_ylabel("model over Monte Carlo − 1 [%]")

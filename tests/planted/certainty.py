@@ -152,10 +152,17 @@ DEFECTS = (
         test=f"{PROOF}::test_no_bound_is_above_what_is_counted",
     ),
     Defect(
+        name="a panel's backscatter leaves no more than states by one leg alone",
+        file=f"{ROOM}/panels.py",
+        old="return np.maximum(self.attenuation_per_m - camera,",
+        new="return np.minimum(self.attenuation_per_m - camera,",
+        test=f"{PROOF}::test_the_best_of_waters_is_no_worse_where_light_is_scattered_more_than_once",
+    ),
+    Defect(
         name="a panel forgets what forward scattering sends to the camera",
         file=f"{ROOM}/panels.py",
-        old="first, attenuation_per_m=lamp + beyond,",
-        new="first, attenuation_per_m=least([one.attenuation_per_m for one in scenes]),",
+        old="attenuation_per_m=lamp + beyond,",
+        new="attenuation_per_m=least([one.attenuation_per_m for one in scenes]),",
         test=f"{PROOF}::test_the_best_of_waters_is_no_worse_than_each_in_any_leg",
     ),
     Defect(

@@ -163,6 +163,22 @@ def test_the_best_of_waters_is_no_worse_than_each_in_any_leg() -> None:
         assert np.all(best.reflectance >= one_.reflectance)
 
 
+@pytest.mark.parametrize("lobe_rad", [0.2, 0.7, 1.2])
+def test_the_best_of_waters_is_no_worse_where_light_is_scattered_more_than_once(lobe_rad: float) -> None:
+    """K of the lamps' way, and veils beside the signal by either leg; K alone is no bound of them, as b differs too."""
+    _, certain = known()
+    scenes = [scenes[0] for scenes in certain.scenarios.scenes]
+    best = best_scene(scenes)
+    assert best.counts_orders
+
+    def beside(scene: Any) -> list[Any]:
+        c, lamp, back = scene.attenuation_per_m, scene.lamp_leg_per_m(lobe_rad), scene.back_leg_per_m(lobe_rad)
+        return [c, lamp, c - scene.veil_leg_per_m(), c - back, lamp - back]
+
+    for one_ in scenes:
+        assert all(np.all(ours <= own + 1e-12) for ours, own in zip(beside(best), beside(one_), strict=True))
+
+
 def in_doubt(part: Any, rng: np.random.Generator) -> Any:
     """A part of whose numbers most are estimates."""
     changes = {}

@@ -8,7 +8,7 @@ times: `PhaseTable` answers with one square root, one multiplication and one lin
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,7 @@ class PhaseTable:
     """A phase function at equal steps of sin(psi/2), from 0 to 1; the last value stands twice."""
 
     phase_per_sr: FloatArray  # (n_cell + 2,); linear between the nodes
+    shares: dict[float, float] = field(default_factory=dict, repr=False, compare=False)  # by angle, once asked for
 
     @property
     def n_cell(self) -> int:
@@ -364,7 +365,9 @@ def share_beyond(angle_rad: float, table: PhaseTable | None) -> float:
     Molecules: 3 / (2 (3 + f)) (1 + cos psi + f (1 + cos^3 psi) / 3).
     """
     if table is not None:
-        return _moment(table, float(np.sin(angle_rad / 2)), cosine_power=0)
+        if angle_rad not in table.shares:
+            table.shares[angle_rad] = _moment(table, float(np.sin(angle_rad / 2)), cosine_power=0)
+        return table.shares[angle_rad]
     f = (1 - SEA_WATER_DEPOLARISATION) / (1 + SEA_WATER_DEPOLARISATION)
     cos = float(np.cos(angle_rad))
     return 1.5 / (3 + f) * (1 + cos + f * (1 + cos**3) / 3)

@@ -15,7 +15,7 @@ as far closed or flashes as faint, and colours as unlike.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import product
 from typing import Any
 
@@ -149,21 +149,51 @@ def eased_light(light: Light, *, iris: bool) -> Light:
 
 
 def best_scenes(states: Sequence[Sequence[SceneOptics]]) -> list[SceneOptics]:
-    """Of each scene of a mission one that is no harder than in any of these states; no rule on colours holds there.
+    """Of each scene of a mission one that is no harder than in any of these states; no rule on colours holds there."""
+    return [best_scene(scenes) for scenes in zip(*states, strict=True)]
+
+
+@dataclass(frozen=True)
+class EasiestScene(SceneOptics):
+    """Water that is no harder than in any of some states, light that is scattered more than once included.
+
+    K of the lamps' way is the least of all. Veils count by what they are beside the signal, which by the way to the
+    camera grows as exp((c - K_veil) d): K_veil leaves the least c - K_veil of all. What the water sends back goes by
+    exp((c - K_back) d + (K_lamp - K_back) l): K_back leaves no more of either than any state.
+    """
+
+    states: tuple[SceneOptics, ...] = ()
+
+    def lamp_leg_per_m(self, half_power_angle_rad: float) -> Array:
+        """The least of all states."""
+        return least([one.lamp_leg_per_m(half_power_angle_rad) for one in self.states])
+
+    def veil_leg_per_m(self) -> Array:
+        """What leaves the least veil beside the image."""
+        return self.attenuation_per_m - least([one.attenuation_per_m - one.veil_leg_per_m() for one in self.states])
+
+    def back_leg_per_m(self, half_power_angle_rad: float) -> Array:
+        """What leaves the least backscatter beside the image, by either leg."""
+        back = [one.back_leg_per_m(half_power_angle_rad) for one in self.states]
+        camera = least([one.attenuation_per_m - k for one, k in zip(self.states, back, strict=True)])
+        lamp = least([
+            one.lamp_leg_per_m(half_power_angle_rad) - k for one, k in zip(self.states, back, strict=True)
+        ])
+        return np.maximum(self.attenuation_per_m - camera, self.lamp_leg_per_m(half_power_angle_rad) - lamp)
+
+
+def least(columns: Sequence[Array]) -> Array:
+    """The least of some spectra, wavelength by wavelength."""
+    return np.asarray(np.min(columns, axis=0))
+
+
+def best_scene(scenes: Sequence[SceneOptics]) -> SceneOptics:
+    """The same of one scene.
 
     Attenuation is the least of each leg by K and by what c has beyond K, which is what forward scattering sends to the
     camera beside the image: signal is no less than in any of them, and no veil is more, in relation to it.
     """
-    return [best_scene(scenes) for scenes in zip(*states, strict=True)]
-
-
-def best_scene(scenes: Sequence[SceneOptics]) -> SceneOptics:
-    """The same of one scene."""
     first = scenes[0]
-
-    def least(columns: Sequence[Array]) -> Array:
-        return np.asarray(np.min(columns, axis=0))
-
     lamp = least([one.lamp_attenuation_per_m for one in scenes])
     beyond = least([one.attenuation_per_m - one.lamp_attenuation_per_m for one in scenes])
     daylight = first.diffuse_attenuation_per_m
@@ -174,11 +204,12 @@ def best_scene(scenes: Sequence[SceneOptics]) -> SceneOptics:
         for k, kind in enumerate(first.scattering)
     )
     needs = first.view.requirements.model_copy(update={"max_white_balance": None})
-    return replace(
-        first, attenuation_per_m=lamp + beyond, lamp_attenuation_per_m=lamp, diffuse_attenuation_per_m=daylight,
+    of_first = {one.name: getattr(first, one.name) for one in fields(SceneOptics)}
+    return EasiestScene(**of_first | dict(
+        attenuation_per_m=lamp + beyond, lamp_attenuation_per_m=lamp, diffuse_attenuation_per_m=daylight,
         scattering=scattering, reflectance=np.max([one.reflectance for one in scenes], axis=0),
-        view=replace(first.view, requirements=needs), cache={},
-    )  # fmt: skip
+        view=replace(first.view, requirements=needs), cache={}, states=tuple(scenes),
+    ))  # fmt: skip
 
 
 def most_adverse(scenarios: Scenarios, count: int) -> Array:
@@ -256,9 +287,11 @@ def most_light(scene: SceneOptics, best: SceneOptics, camera_m: Array, lamp_m: A
 
         max over lambda of R / R_best exp(-(c - c_best) d - (K - K_best) l)
 
-    d, l : no way to the camera and none from a lamp is shorter
+    d, l : no way to the camera and none from a lamp is shorter; where light scattered more than once counts, K depends
+    on the lobe and is left out: it is no less than K_best
     """
     fall = np.outer(camera_m, scene.attenuation_per_m - best.attenuation_per_m)
-    fall = fall + np.outer(lamp_m, scene.lamp_attenuation_per_m - best.lamp_attenuation_per_m)
+    if not scene.counts_orders:
+        fall = fall + np.outer(lamp_m, scene.lamp_attenuation_per_m - best.lamp_attenuation_per_m)
     share = np.exp(-fall) * scene.reflectance / np.maximum(best.reflectance, 1e-12)
     return np.asarray(np.minimum(share.max(axis=1), 1.0))

@@ -105,7 +105,8 @@ def _price(
     def least(values: Array) -> Array:
         return np.append(np.fmin.accumulate(values[own][order][::-1])[::-1], np.inf)[at]
 
-    used = light_time * need.rate_hz[:, None, None]
+    with np.errstate(invalid="ignore"):  # light that no lamp gives, at no rate: inf by what is wanted
+        used = light_time * need.rate_hz[:, None, None]
     if kind == CONTINUOUS:
         used = wanted * bounds.on_share(k, own, need.rate_hz, need.longest_s)[:, None, None]
     with np.errstate(invalid="ignore"):

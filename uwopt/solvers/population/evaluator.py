@@ -286,6 +286,8 @@ class Evaluator:
             "light_count": built.count.astype(float),
             "frame_rate_hz": worst(lambda k, r, t, f: t.rate_hz, most=True),
             "swath_m": worst(swath, most=False),
+            "common_swath_m": worst(common, most=False),
+            "depth_error_mm": worst(lambda k, r, t, f: r.view.depth_error_m[:, 1] * 1e3, most=True),
             "line_spacing_m": worst(common, most=False, times=kept),
             "area_m2_h": worst(common, most=False, times=per_hour),
             "blur_px": worst(lambda k, r, t, f: f.blur_px.max(axis=1), most=True),
