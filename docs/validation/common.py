@@ -185,6 +185,6 @@ def save(figure: Any, name: str, caption: str) -> str:
     import matplotlib.pyplot as plt
 
     FIGURES.mkdir(exist_ok=True)
-    figure.savefig(FIGURES / f"{name}.svg", metadata={"Date": None}, dpi=150)
+    figure.savefig(FIGURES / f"{name}.svg", metadata={"Date": None}, dpi=110)
     plt.close(figure)
     return f"![{caption}](figures/{name}.svg)"
