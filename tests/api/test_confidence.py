@@ -118,7 +118,8 @@ def test_what_is_no_doubt_is_told_in_one_message(doubt: dict[str, Any], mend: st
 
 @pytest.mark.parametrize(
     ("share", "text"),
-    [(0.9, "90 %"), (1.0, "100 %"), (0.0, "0 %"), (0.9996, "99.9 %"), (0.0004, "0.1 %"), (0.005, "0.5 %")],
-)
+    [(0.9, "90 %"), (1.0, "100 %"), (1.0 - 1e-16, "100 %"), (0.0, "0 %"), (0.9996, "99.9 %"), (0.0004, "0.1 %"),
+     (0.005, "0.5 %")],
+)  # fmt: skip
 def test_a_share_is_never_all_where_some_were_lost(share: float, text: str) -> None:
     assert percent(share) == text
