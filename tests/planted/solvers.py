@@ -417,7 +417,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="transfers that end inside the Nyquist square are bounded as if their nodes saw them whole",
         file="uwopt/solvers/settings/cell_information.py",
-        old="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.5, 4.5, 4.0",
+        old="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.0, 4.5, 4.0",
         new="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 250.0, 450.0, 400.0",
         test="tests/solvers/test_cell_information.py"
         "::test_discs_that_end_the_transfer_early_are_bounded_node_by_node",
