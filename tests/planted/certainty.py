@@ -173,6 +173,13 @@ DEFECTS = (
         test=f"{PROOF}::test_a_panel_is_no_harder_than_as_many_scenarios_as_it_says",
     ),
     Defect(
+        name="a budget counts a price as it is drawn",
+        file="uwopt/catalog/parts/doubts.py",
+        old="    if name in PRICES:",
+        new="    if not name:",
+        test=f"{DRAWS}::test_a_budget_counts_what_may_have_to_be_paid[high]",
+    ),
+    Defect(
         name="a system that is not certain enough is one to buy",
         file="uwopt/cli/status.py",
         old="    if known is not None and not known.enough and",

@@ -495,8 +495,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the bad end is the good one",
         file="uwopt/solvers/explain/robustness.py",
-        old='exact(best if end == "good" else worst,',
-        new='exact(best if end == "bad" else worst,',
+        old='taken_as(name, value, best if end == "good" else worst)',
+        new='taken_as(name, value, best if end == "bad" else worst)',
         test=f"{DOUBT}test_the_bad_end_of_a_camera_harms[price-3.0-1.0]",
     ),
     Defect(

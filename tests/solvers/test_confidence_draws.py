@@ -11,7 +11,11 @@ from one_of_each import one
 
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.mission.doubt import Doubt
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.draws import drawn_parts, even_points, probabilities, triangular
+from uwopt.solvers.confidence.panels import panel_of
+from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.summary import wilson
 from uwopt.solvers.confidence.waters import drawn_states
 
@@ -62,6 +66,23 @@ def test_a_part_is_drawn_alike_in_every_design_and_others_apart() -> None:
     assert all(2.0 < p.power_w.value < 6.0 and p.power_w.low == p.power_w.high for p in first)
     other = drawn_parts(replace(camera, id="other"), 5, 32)
     assert [p.power_w.value for p in other] != [p.power_w.value for p in first]
+
+
+@pytest.mark.parametrize("basis", ["high", "central"])
+def test_a_budget_counts_what_may_have_to_be_paid(basis: str) -> None:
+    """A camera of 600 to 900 USD: drawn, in a panel, or where parts are worse; and its computer of 1000 to 1300."""
+    host = Quantity(1100.0, 1000.0, 1300.0, "estimated")
+    doubted = {"price": Quantity(700.0, 600.0, 900.0, "estimated"), "host_price": host}
+    case_ = one("cost", camera=doubted, limits={"cost": 9e3, "cost_basis": basis}, catalog={"host": "estimate"})
+    problem = case_.problem()
+    scenarios = Scenarios.drawn(problem.mission, problem.scenes, Doubt(), seed=0, count=32)
+    drawn = case_.problem(replace(problem.parts, cameras=tuple(scenarios.each(problem.parts.cameras[0]))))
+    panel = panel_of(problem, scenarios, Objective.of("cost"), 17).problem
+    worse = worse_problem(problem, scenarios, 0.75)
+    for cameras in (drawn.cameras, panel.cameras, worse.cameras):
+        assert cameras.price.max() < 2200.0
+        expected = cameras.price if basis == "central" else np.full(len(cameras.price), 2200.0)
+        assert cameras.limit_price.tolist() == expected.tolist()
 
 
 def test_states_of_the_water_keep_to_what_is_in_doubt() -> None:

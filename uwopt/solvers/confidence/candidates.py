@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.catalog.parts.doubts import doubtful
-from uwopt.catalog.records import Port, exact
+from uwopt.catalog.parts.doubts import doubtful, taken_as
+from uwopt.catalog.records import Port
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.problem import Parts, Problem
 from uwopt.solvers.confidence.draws import triangular
@@ -28,7 +28,7 @@ def worse_part(part: Any, share: float, *, drawn: bool = True) -> Any:
         if sign := FAVOURED.get(name, 0):
             probability = np.array(1.0 - share if sign > 0 else share)
             value = float(triangular(probability, known.low, known.value, known.high))
-            changes[name] = exact(value, known.status, known.source)
+            changes[name] = taken_as(name, known, value)
     if isinstance(part, Port) and part.housing is not None:
         changes["housing"] = worse_part(part.housing, share)
     return replace(part, **changes) if changes else part

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.catalog.parts.doubts import doubtful
-from uwopt.catalog.records import Part, Port, exact
+from uwopt.catalog.parts.doubts import doubtful, taken_as
+from uwopt.catalog.records import Part, Port
 
 Array = NDArray[np.float64]
 PRIMES = (2, 3, 5, 7, 11)
@@ -87,7 +87,7 @@ def drawn_parts(part: Any, seed: int, states: int) -> list[Any]:
     made = []
     for state in range(states):
         changes: dict[str, Any] = {
-            name: exact(float(values[state]), known.status, known.source) for name, (values, known) in facts.items()
+            name: taken_as(name, known, float(values[state])) for name, (values, known) in facts.items()
         }
         if hull is not None:
             changes["housing"] = housings[state]

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.catalog.parts.doubts import doubtful
+from uwopt.catalog.parts.doubts import doubtful, taken_as
 from uwopt.catalog.records import Camera, Lens, Light, exact
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.problem import Parts, Problem
@@ -113,9 +113,7 @@ def adverse(
         if (beside & mask).sum(axis=1).min() >= covered:
             break
     known = dict(doubtful(part))
-    numbers = {
-        name: exact(float(FAVOURED[name] * end), known[name].status, known[name].source) for name, end in ends.items()
-    }
+    numbers = {name: taken_as(name, known[name], float(FAVOURED[name] * end)) for name, end in ends.items()}
     return replace(part, **numbers), np.asarray(mask)
 
 

@@ -16,7 +16,7 @@ from dataclasses import replace
 from typing import Any
 
 from uwopt.catalog.curves.clarity import Clarity
-from uwopt.catalog.parts.doubts import doubtful
+from uwopt.catalog.parts.doubts import doubtful, taken_as
 from uwopt.catalog.parts.kinds import EITHER
 from uwopt.catalog.records import Part, Port, Quantity, exact
 from uwopt.deadline import NEVER, Deadline
@@ -125,7 +125,7 @@ def at_end(part: Any, end: str, only: str | None = None) -> Any:
         if sign:
             best = value.high if sign > 0 else value.low
             worst = value.low if sign > 0 else value.high
-            changes[name] = exact(best if end == "good" else worst, value.status, value.source)
+            changes[name] = taken_as(name, value, best if end == "good" else worst)
     if only is None and getattr(part, "housing", None) is not None:
         changes["housing"] = at_end(part.housing, end)
     return replace(part, **changes) if changes else part
