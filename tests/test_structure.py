@@ -110,12 +110,20 @@ SELDOM = (
     "openpyxl", "dash", "matplotlib", "pyarrow", "distributed", "uwopt.report", "uwopt.bench", "uwopt.explore",
     "uwopt.sweeps",
 )  # fmt: skip
+#: What `solve` makes and prints has none of these, but for the scenarios of a mission that asks for confidence.
+OF_OTHER_ANSWERS = (
+    "uwopt.results.front", "uwopt.results.whatif", "uwopt.results.sweep", "uwopt.solvers.front",
+    "uwopt.solvers.population", "uwopt.solvers.confidence",
+)  # fmt: skip
 NOT_LOADED_BY = {
     "uwopt": (*SELDOM, "numpy", "yaml", "pydantic"),
     "uwopt.cli.app": (*SELDOM, "numpy", "yaml", "pydantic"),
     "uwopt.mission.mission": (*SELDOM, "numpy"),
     "uwopt.api.evaluating": (*SELDOM, "uwopt.solvers"),
-    "uwopt.api.solving": SELDOM,
+    "uwopt.api.solving": (*SELDOM, *OF_OTHER_ANSWERS),
+    "uwopt.report.write": OF_OTHER_ANSWERS,
+    "uwopt.report.text.short": OF_OTHER_ANSWERS,
+    "uwopt.report.text.tables": OF_OTHER_ANSWERS,
 }
 
 

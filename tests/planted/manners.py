@@ -9,6 +9,13 @@ SEARCH_DEADLINE = "tests/solvers/test_search_deadline.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="who solves waits for the records of fronts to load",
+        file="uwopt/report/text/words.py",
+        old="if TYPE_CHECKING:",
+        new="if True:",
+        test="tests/test_structure.py::test_import_loads_nothing_heavy[uwopt.report.text.short]",
+    ),
+    Defect(
         name="who evaluates a given system waits for the search to load",
         file="uwopt/api/accuracy.py",
         old="if TYPE_CHECKING:",

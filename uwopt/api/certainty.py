@@ -13,7 +13,7 @@ from uwopt.api.timing import STAGES, timed
 from uwopt.deadline import Deadline
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
-from uwopt.mission.doubt import CENTRAL, ENDS
+from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design, Note
@@ -36,13 +36,11 @@ def with_confidence(
 ) -> tuple[Sought, Design, Confidence | None, bool]:  # fmt: skip
     """What is recommended at the mission's confidence: the search with it at its head, its design, what was counted.
 
-    And whether it is proven best. Where numbers are taken as central, the central optimum.
+    And whether it is proven best. There must be a design, and a mission that does not take every number as central.
     """
     from uwopt.solvers.confidence.summary import told
 
     asked, problem = sought.problem.mission.confidence, sought.problem
-    if asked == CENTRAL or not sought.outcome.best:
-        return sought, winner, None, True
     patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(CERTAINTY_S, time.process_time)
     with timed(timing, "certainty", progress):
         certain = patience.within(

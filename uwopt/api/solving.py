@@ -16,7 +16,6 @@ from uwopt.api.accuracy import (
     plain_accuracy,
     search_within,
 )
-from uwopt.api.certainty import with_confidence
 from uwopt.api.common import (
     Progress,
     Source,
@@ -35,6 +34,7 @@ from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
 from uwopt.forward.problem import Problem
+from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.goal import goal_of, taken_instead
@@ -262,7 +262,9 @@ def found_result(
             cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
     best = sought.outcome.best[0]
     certain, surely_best, proven_outcome = None, True, sought.outcome  # of central numbers
-    if not cut and sought.outcome.best:
+    if not cut and sought.outcome.best and sought.problem.mission.confidence != CENTRAL:
+        from uwopt.api.certainty import with_confidence
+
         try:
             sought, winner, certain, surely_best = with_confidence(sought, winner, goal, deadline, progress, timing)
         except KeyboardInterrupt:

@@ -38,7 +38,7 @@ def hand_over(
     from uwopt.report.text.console import ProgressBar, print_blocks, print_text
     from uwopt.report.text.looked_at import wording
     from uwopt.report.write import json_text, write_front, write_results
-    from uwopt.results.front import FrontResult
+    from uwopt.results.result import Result
 
     written, refused = [], None
     try:
@@ -47,15 +47,15 @@ def hand_over(
                 bar.report(0.1, "writing the report")
             if out is None:
                 pass
-            elif isinstance(result, FrontResult):
-                written = write_front(result, out)
-            else:
+            elif isinstance(result, Result):
                 written = write_results(result, out)
+            else:
+                written = write_front(result, out)
     except OutputError as fault:
         refused = fault
     if as_json:
         print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))
-    elif isinstance(result, FrontResult):
+    elif not isinstance(result, Result):
         from uwopt.report.text.front_tables import front_blocks
 
         print_blocks(front_blocks(result), said=wording(result.mission))

@@ -15,21 +15,24 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from uwopt.errors import OutputError
 from uwopt.report.text.cells import defused, to_pay
 from uwopt.results.design import BillRow
-from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
-from uwopt.results.sweep import SweepSummary
-from uwopt.results.whatif import WhatIf
+
+if TYPE_CHECKING:
+    from uwopt.results.front import FrontResult
+    from uwopt.results.sweep import SweepSummary
+    from uwopt.results.whatif import WhatIf
+
+    AnyResult = Result | FrontResult | WhatIf | SweepSummary
 
 RESULT_FILE, BOM_FILE, PAGE_FILE = "result.json", "bom.csv", "report.html"
 BOOK_FILE = "bom.xlsx"
 FRONT_FILE, FRONT_TABLE = "front.json", "front.csv"
 WHATIF_FILE, WHATIF_TABLE, WHATIF_PARQUET = "whatif.json", "whatif.csv", "whatif.parquet"
-AnyResult = Result | FrontResult | WhatIf | SweepSummary
 BOM_COLUMNS = (
     "kind", "id", "manufacturer", "model", "count", "owned", "unit_price", "unit_price_low", "unit_price_high",
     "to_pay", "to_pay_low", "to_pay_high", "currency", "price_status", "price_date", "generic", "source", "price_basis",
@@ -91,6 +94,9 @@ def write_text(text: str, file: str | Path) -> Path:
 
 def page_text(result: AnyResult) -> str:
     """The page of a result; the template engine is loaded only when a page is made."""
+    from uwopt.results.sweep import SweepSummary
+    from uwopt.results.whatif import WhatIf
+
     if isinstance(result, WhatIf):
         from uwopt.report.page.whatif import whatif_html
 

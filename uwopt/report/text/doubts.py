@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from uwopt.mission.reserves import REFUSED
 from uwopt.report.text import words
 from uwopt.report.text.helps import contradiction_lines, move_lines
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
 from uwopt.results.basis import Assumption, Excluded, Relaxed
-from uwopt.results.front import FrontResult
 from uwopt.results.result import Certificate, Result
 from uwopt.units import format_within, split_unit
+
+if TYPE_CHECKING:
+    from uwopt.results.front import FrontResult
 
 MOST_ASSUMPTIONS = 12
 LONGEST_REASON = 80

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from uwopt.report.text import words
 from uwopt.report.text.layout import Line, sentence
 from uwopt.results.basis import Moved
-from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
+
+if TYPE_CHECKING:
+    from uwopt.results.front import FrontResult
 
 
 def move_lines(result: Result | FrontResult) -> list[Line]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from uwopt.report.text import words
 from uwopt.report.text.doubts import (
@@ -25,8 +26,10 @@ from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
 from uwopt.report.text.prices import price_blocks
 from uwopt.results.design import BillRow, Cost, Design, Margin, Note, SceneResult
-from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
+
+if TYPE_CHECKING:
+    from uwopt.results.front import FrontResult
 
 ONE_COLUMN_A_SCENE = 3  # more scenes are shown one a row
 
@@ -193,7 +196,7 @@ def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
             )
         ]
     value, exact = rounded.objective_value, design.objective_value
-    if value is None or exact is None or isinstance(result, FrontResult):
+    if value is None or exact is None or not isinstance(result, Result):
         return [sentence("Rounded as shown and checked again: every requirement still holds.")]
     unit = result.objective.unit
     moved = words.change(value - exact, unit, exact)

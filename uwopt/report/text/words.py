@@ -6,9 +6,9 @@ import unicodedata
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from uwopt.results.design import BillRow, Cost, Design, LampPlace, Margin, Totals, UsedHardware, UsedPart
-from uwopt.results.front import FrontObjective, FrontPoint
 from uwopt.results.result import Certificate, Result
 from uwopt.units import (
     SLOW_HZ,
@@ -25,6 +25,9 @@ from uwopt.units import (
     texts_apart,
     without_zeros,
 )
+
+if TYPE_CHECKING:
+    from uwopt.results.front import FrontObjective, FrontPoint
 
 STATUS_SENTENCES: Mapping[str, str] = {
     "optimal": "best of the catalogue under these assumptions, proven",

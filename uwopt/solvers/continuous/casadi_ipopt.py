@@ -10,14 +10,16 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stdout
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi
 import numpy as np
 
-from uwopt.solvers.continuous.mixed import Answer, MixedProgram
 from uwopt.solvers.continuous.optimality import Array, Attempt, Derivatives, derivatives, kkt_residual
 from uwopt.solvers.continuous.program import Program
+
+if TYPE_CHECKING:
+    from uwopt.solvers.continuous.mixed import Answer, MixedProgram
 
 if hasattr(casadi.GlobalOptions, "setNumpyMode"):
     # From 3.8: NumPy's functions return symbols, without a warning.
@@ -124,6 +126,8 @@ def solve(program: Program, start: Array, *, max_seconds: float | None = None) -
 
 def solve_mixed(program: MixedProgram, *, max_seconds: float) -> Answer:
     """Hardware and settings by Bonmin, which is exact for convex programs only and else a heuristic."""
+    from uwopt.solvers.continuous.mixed import Answer
+
     low, high = program.bounds
     n, n_binary = len(low), len(program.options)
     x = casadi.SX.sym("x", n)
