@@ -1,8 +1,8 @@
-"""Write the output that the README shows: a fresh run's page, and some lines of its full text.
+"""Write the output that README and guide show: a fresh run's page, and some lines of its full text.
 
     python docs/make_readme_output.py
 
-A test compares the README with a fresh run; when results have changed for a reason, run this and read the
+A test compares them with a fresh run; when results have changed for a reason, run this and read the
 difference before committing it.
 """
 
@@ -18,13 +18,14 @@ from typing import TYPE_CHECKING, Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
-README = ROOT / "README.md"
 
 if TYPE_CHECKING:
     from uwopt.results.result import Result
 
 #: What stands between the marks of this name: the page that `solve` prints, and lines of what `--full` prints.
 PAGE, FULL = "output", "full output"
+#: Where it stands.
+SHOWN_IN = {PAGE: ROOT / "README.md", FULL: ROOT / "docs" / "guide" / "answer.md"}
 CUT = "  [...]"
 
 #: What is shown of a section of the full text: None for all of it, else lines that contain one of these.
@@ -98,27 +99,32 @@ def marks(name: str) -> tuple[str, str]:
     return f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
 
 
-def pasted(readme: str, name: str) -> str:
-    """The output that the README shows."""
+def parts_of(name: str) -> tuple[str, str, str]:
+    """The page that shows an output: what stands before it, the output, what stands behind it."""
     begin, end = marks(name)
-    block = readme.split(begin)[1].split(end)[0]
-    return block.split("```text\n")[1].split("\n```")[0]
+    before, rest = SHOWN_IN[name].read_text(encoding="utf-8").split(begin)
+    block, after = rest.split(end)
+    return before + begin, block.split("```text\n")[1].split("\n```")[0], end + after
 
 
-def with_output(readme: str, name: str, output: str) -> str:
-    """The README with another output."""
-    begin, end = marks(name)
-    before, rest = readme.split(begin)
-    return f"{before}{begin}\n```text\n{output}\n```\n{end}{rest.split(end)[1]}"
+def pasted(name: str) -> str:
+    """The output that is shown."""
+    return parts_of(name)[1]
+
+
+def paste(name: str, output: str) -> None:
+    """Show another output."""
+    before, _, after = parts_of(name)
+    SHOWN_IN[name].write_text(f"{before}\n```text\n{output}\n```\n{after}", encoding="utf-8")
 
 
 def main() -> None:
-    """Replace both outputs in the README."""
+    """Replace both outputs."""
     from uwopt.api.solving import solve
 
     result = solve(ROOT / "problems" / "reef-mosaic.yaml", alternatives=True)
-    text = with_output(README.read_text(encoding="utf-8"), PAGE, page_of(result))
-    README.write_text(with_output(text, FULL, full_of(result)), encoding="utf-8")
+    paste(PAGE, page_of(result))
+    paste(FULL, full_of(result))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What the README promises: its commands and snippets run, and its output is that of a run."""
+"""What README and guide promise: their commands and snippets run, and their output is that of a run."""
 
 from __future__ import annotations
 
@@ -31,12 +31,18 @@ from uwopt.solvers.front import search as front_search
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+GUIDE = ROOT / "docs" / "guide"
+#: The pages whose commands are run, in the order in which they are read.
+CHAPTERS = ("answer", "order", "mission", "choices", "doubt", "python", "physics")
+PAGES = ("README.md", *(f"docs/guide/{name}.md" for name in CHAPTERS), "docs/explore.md")
 AS_PROCESS = "uwopt solve problems/reef-mosaic.yaml --out reef"
 SOME_SUITES = ("quadrature", "physics")
 BENCH_S = 1.0  # for all suites together; they end when it is spent, whatever they have measured
 AGAIN = re.compile(r"^uwopt solve (problems/reef-mosaic.yaml --(audit|solver|tolerance)|my-survey.yaml)")
 INIT = "uwopt init my-survey.yaml"
-UNSURE = "uwopt solve my-survey.yaml --out my-result"  # of few parts none may hold as often as good practice asks
+UNSURE = (
+    "uwopt solve my-survey.yaml --out my-result"  # of few parts none may hold as often as good practice asks
+)
 SOME_LENSES = "  lenses: [kowa-lm6, kowa-lm8, thorlabs]\n"
 NARROWED = {  # a file that chooses from few cameras and lenses once a command has run, its choice and the new one
     AS_PROCESS: (
@@ -49,20 +55,24 @@ NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
 def blocks(language: str) -> list[str]:
-    """The README's code blocks in a language."""
-    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+    """The code blocks of all pages in a language."""
+    pages = "\n".join((ROOT / page).read_text(encoding="utf-8") for page in PAGES)
+    return re.findall(rf"```{language}\n(.*?)```", pages, re.DOTALL)
 
 
 def commands() -> list[str]:
-    """All lines of shell blocks."""
-    return [line for block in blocks("sh") for line in block.splitlines() if line.strip()]
+    """All lines of shell blocks, each once."""
+    return list(dict.fromkeys(line for block in blocks("sh") for line in block.splitlines() if line.strip()))
 
 
 @pytest.fixture(scope="module")
 def outputs(done: dict[str, Done], folder: Path) -> tuple[str, str]:
-    """The page and the lines of the full text that the README shows, and those of the run."""
-    shown = [page_maker.pasted(README, name) for name in (page_maker.PAGE, page_maker.FULL)]
-    fresh = [done[AS_PROCESS].out.rstrip("\n"), page_maker.full_of(read_result(folder / "reef" / "result.json"))]
+    """The page and the lines of the full text that are shown, and those of the run."""
+    shown = [page_maker.pasted(name) for name in (page_maker.PAGE, page_maker.FULL)]
+    fresh = [
+        done[AS_PROCESS].out.rstrip("\n"),
+        page_maker.full_of(read_result(folder / "reef" / "result.json")),
+    ]
     return "\n".join(shown), "\n".join(fresh)
 
 
@@ -128,7 +138,7 @@ def within_tests(arguments: list[str]) -> Done:
 
 @pytest.fixture(scope="module")
 def done(folder: Path, unhurried: None) -> dict[str, Done]:
-    """All commands of the README, run in the order in which they stand.
+    """All commands of the pages, run in the order in which they stand.
 
     One is a process of its own, all of them are before a release; a benchmark takes the time that it is given. By
     default the mission that `init` writes chooses from some makers, so does the reef's once it was solved as it is,
@@ -148,7 +158,9 @@ def done(folder: Path, unhurried: None) -> dict[str, Done]:
         for line in lines:
             text, _, target = line.partition(" > ")
             program, *arguments = shlex.split(text)
-            if not THOROUGH and AGAIN.search(line):  # the same answer by other means: its doubts are known by then
+            if not THOROUGH and AGAIN.search(
+                line
+            ):  # the same answer by other means: its doubts are known by then
                 patch.setattr(solving, "doubts", lambda *given: None)
             apart = THOROUGH or program != "uwopt" or line == AS_PROCESS
             found[line] = as_process(program, arguments, folder) if apart else within_tests(arguments)
@@ -175,20 +187,20 @@ def test_python_snippet_runs(
     folder: Path, monkeypatch: pytest.MonkeyPatch, undoubted: None, capsys, index: int
 ):
     monkeypatch.chdir(folder)
-    exec(compile(blocks("python")[index], f"README.md, snippet {index + 1}", "exec"), {})
+    exec(compile(blocks("python")[index], f"snippet {index + 1}", "exec"), {})
     assert capsys.readouterr().out.strip()
 
 
 def test_output_shown_has_the_lines_of_a_fresh_run(outputs: tuple[str, str]):
     shown, fresh = outputs
     assert [words(line) for line in shown.splitlines()] == [words(line) for line in fresh.splitlines()], (
-        "the README's output is out of date: python docs/make_readme_output.py"
+        "the output shown is out of date: python docs/make_readme_output.py"
     )
 
 
 def test_output_shown_has_the_numbers_of_a_fresh_run(outputs: tuple[str, str]):
     # 1e-3: the last printed digit may differ between machines. Lines that begin with a number count what the
-    # search looked at; how it divides its work is no claim of the README, see the next test.
+    # search looked at; how it divides its work is no claim of the page, see the next test.
     shown, fresh = outputs
     for old, new in zip(shown.splitlines(), fresh.splitlines(), strict=True):
         if old.strip()[:1].isdigit():
@@ -217,23 +229,34 @@ def test_output_shown_names_the_parts_and_the_objective_of_a_fresh_run(outputs: 
 
 
 def test_mission_shown_is_the_one_that_is_solved():
-    (text,) = blocks("yaml")
+    text = re.findall(r"```yaml\n(.*?)```", README, re.DOTALL)[0]
     shown = load_mission(yaml.safe_load(text)).to_dict()
     assert shown == load_mission(ROOT / "problems" / "reef-mosaic.yaml").to_dict()
 
 
 def test_what_is_not_modelled_is_told_in_full():
-    section = README.split("Not modelled yet")[1].split("\n\n")[1]
+    section = (GUIDE / "physics.md").read_text(encoding="utf-8").split("Not modelled yet")[1].split("\n\n")[1]
     assert section.splitlines() == [f"- {name}" for name in NOT_MODELLED]
 
 
 def test_exit_statuses_are_those_of_the_program():
-    told = [int(number) for number in re.findall(r"^\| (\d+) \|", README, re.MULTILINE)]
+    told = [
+        int(number)
+        for number in re.findall(
+            r"^\| (\d+) \|", (GUIDE / "answer.md").read_text(encoding="utf-8"), re.MULTILINE
+        )
+    ]
     names = ("DONE", "DEFECT", "BAD_INPUT", "NOT_FEASIBLE", "LIMIT_REACHED", "INTERRUPTED")
     assert told == [getattr(cli_status, name) for name in names]
 
 
-@pytest.mark.parametrize("page", ["README.md", "CHANGELOG.md", "docs/README.md", "problems/README.md"])
+def test_every_page_of_the_guide_is_read():
+    assert {page for page in PAGES if "guide" in page} == {
+        f"docs/guide/{path.name}" for path in GUIDE.glob("*.md")
+    }
+
+
+@pytest.mark.parametrize("page", [*PAGES, "CHANGELOG.md", "docs/README.md", "problems/README.md"])
 def test_links_lead_to_files_that_exist(page: str):
     text = (ROOT / page).read_text(encoding="utf-8")
     for target in re.findall(r"\]\(([^)#]+)\)", text):
