@@ -46,6 +46,13 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{PIXELS}test_few_pixels_ask_for_what_all_but_k_of_all_do",
     ),
     Defect(
+        name="cells of settings leave pixels out under the sun, whose light they do not have",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="        if not self.sunlit:  # then",
+        new="        if True:  # then",
+        test=f"{PIXELS}test_cells_of_settings_look_at_few_pixels_but_under_the_sun",
+    ),
+    Defect(
         name="the lower bound is the best value itself",
         file="uwopt/solvers/exact/certificate.py",
         old="lower = outcome.lower_bound if math.isfinite(outcome.lower_bound) else None",

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from hand_made_rows import scene
+from settings_attack import lit
 
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings import closed_form, dark
+from uwopt.solvers.settings.cell_bounds import SceneCells
 from uwopt.solvers.settings.few_pixels import deciding_pixels
 
 PIXELS = 60
@@ -65,3 +67,14 @@ def test_designs_of_different_pixels_keep_their_own() -> None:
     for time_s in (1e-3, 0.02, 0.25):
         full, less = (dark.at_time(rows, np.array([time_s, time_s])) for rows in (both, few))
         assert (closed_form.light_asked_for(less, 1) == closed_form.light_asked_for(full, 1)).all()
+
+
+@pytest.mark.parametrize("more", [{}, {"resolve_m": 2.2e-3}], ids=["no bars", "bars behind the veil"])
+def test_cells_of_settings_look_at_few_pixels_but_under_the_sun(more: dict[str, Any]) -> None:
+    given = dict(may_miss=3, veil=4.0, dark_current_e_s=50.0, **more)
+    lamps, sun = (lit(**given, **beside) for beside in ({}, {"sun": (3e3, 4e3), "open_max_s": 5e-3}))
+    sun = replace(sun, worst_sun_signal_e_s=None, worst_sun_veil_e_s=None)  # as bright at every pixel as in the mean
+    no_limit = np.array([np.inf])
+    few, every = (SceneCells(rows, no_limit).rows.worst_e for rows in (lamps, sun))
+    assert lamps.worst_e is not None and few is not None and every is not None
+    assert few.shape[2] < lamps.worst_e.shape[2] == every.shape[2]

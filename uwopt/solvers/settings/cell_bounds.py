@@ -31,6 +31,7 @@ from uwopt.model.sharpness import (
 )
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.closed_form import Sun
+from uwopt.solvers.settings.few_pixels import deciding_pixels
 from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
@@ -108,8 +109,10 @@ class SceneCells:
 
     def __init__(self, rows: SceneRows, light_limit_w: Array):
         self.sharp = rows.sharp
-        self.rows = replace(rows, sharp=None)
         self.sunlit = rows.sunlit
+        self.rows = replace(rows, sharp=None)
+        if not self.sunlit:  # then no setting changes what bars keep, which is told of all pixels below
+            self.rows = deciding_pixels(replace(self.rows, resolve_m=0.0))
         self.flash, self.flash_full_s = rows.flash, rows.flash.full_s
         with np.errstate(divide="ignore", invalid="ignore"):
             drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
@@ -409,7 +412,7 @@ class SceneCells:
         )  # a flash that never fires draws nothing
         fits &= holds & (power - rows.idle <= drawn_most * (1 + 2e-9))
         if self.bars:
-            seen = bars_contrast(rows, light_x, sun)[:, rows.three]
+            seen = bars_contrast(rows, light_x, sun)[:, rows.three] if self.sunlit else self.most_contrast[d]
             fits &= self.sharp_enough(d, f_number, f_number, blur_s, seen, MEETS)
         chosen = closed_form.Chosen(f_number, level, time_s, gain, light_x, power, peak, exposure)
         return Points(chosen, fits, snr, contrast, blur_s)
