@@ -102,14 +102,23 @@ def test_standard_errors_of_the_means_are_a_fraction_of_the_marks(orders: Any) -
 
 
 def test_held_out_image_means_are_those_of_all_orders(orders: Any) -> None:
-    # the marks: 85 % within 5 %, all within 10 %, up to c d = 4; one forward veil in Henyey-Greenstein 0.8 is outside
+    # the marks: 85 % within 5 %, all within 10 %, up to c d = 4
     forms = orders("forms")
     off = [forms.errors(row, forms.effective) for row in forms.means("held out")]
     assert len(off) >= 30
     for name in ("signal", "veil", "backscatter", "contrast"):
         errors = np.abs([one[name] for one in off])
         assert np.mean(errors <= 0.05) >= 0.85, name
-        assert np.sum(errors > 0.10) <= (name == "veil"), name
+        assert np.all(errors <= 0.10), name
+
+
+def test_held_out_corners_have_the_veil_of_all_orders(orders: Any) -> None:
+    # the mark, 15 % in all, is missed where lobes of 10 to 30 deg leave a corner less than a fifth of the mean
+    forms = orders("forms")
+    corners = [row for row in forms.rows_of("held out") if "corner" in row.place]
+    off = np.array([forms.error(row, forms.effective(row.case), "veil") for row in corners])
+    assert len(off) >= 60 and np.mean(np.abs(off) <= 0.15) >= 0.88
+    assert np.all(np.abs(off[[row.case.lobe_half_deg > 30.0 for row in corners]]) <= 0.17)
 
 
 @pytest.mark.skipif(not THOROUGH, reason="a fit takes ten seconds")

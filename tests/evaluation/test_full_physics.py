@@ -209,6 +209,7 @@ class Legs(NamedTuple):
 
     c: Array  # of what forms the image, floor to camera
     lamp: Array
+    near: Array  # floor to camera, of what comes near its straight way
     floor: Array  # floor to camera, of all light
     back: tuple[Array, Array]  # of backscatter, from the lamp and to the camera
 
@@ -217,7 +218,7 @@ def legs(case: Case) -> Legs:
     """By the page's rules: single scattering, or a + s b with s from shares scattered by more than an angle."""
     c, k = water_loss(case.water, case.table)
     if not case.orders:
-        return Legs(c, k, k, (k, c))
+        return Legs(c, k, k, k, (k, c))
     b = scattering(case)
 
     def lost(particles: float, molecules: float) -> Array:
@@ -226,11 +227,11 @@ def legs(case: Case) -> Legs:
     def beyond(degrees: float) -> tuple[float, float]:
         return particles_beyond(math.radians(degrees)), molecules_beyond(math.radians(degrees))
 
-    wide, half = beyond(56.3), beyond(90.0)
+    half = beyond(90.0)
     share = 2.82 - 2.79 * math.radians(case.half_angle)
     back = np.maximum(lost(share * half[0], share * half[1]), 0.5 * lost(0.0, 0.0))
     lamp = lost(*beyond(20.2 + 0.86 * case.half_angle))
-    return Legs(c, lamp, lost(0.027 + wide[0], 0.027 + wide[1]), (back, back))
+    return Legs(c, lamp, lost(*beyond(15.2)), lost(*beyond(72.3)), (back, back))
 
 
 def particles_beyond(psi: float) -> float:
@@ -469,12 +470,12 @@ def electrons_at(
 ) -> Array:
     """Electrons of the pixels at u, v, every wavelength on its own; edges of beams not yet cut.
 
-    `diffuse`: all light from the floor, forward veil included, with exp(-K r) on the camera's leg too.
+    `diffuse`: with the forward veil that comes near its straight way, exp(-K r) on the camera's leg too.
     """
     rays = Rays(case)
     x, y, path, _ = rays.floor(u, v)
-    weight, (c, k, all_light, _) = spectral_weight(case, time_s), legs(case)
-    c = all_light if diffuse else c
+    weight, (c, k, near, _, _) = spectral_weight(case, time_s), legs(case)
+    c = near if diffuse else c
     total = np.zeros(np.broadcast(u, v).shape)
     for number, at in enumerate(case.lamps):
         if only not in (None, number):
@@ -489,6 +490,36 @@ def electrons_at(
 def forward_at(case: Case, u: Array, v: Array) -> Array:
     """Light of the floor that water scatters on its way to the camera: exp(-K r) - exp(-c r)."""
     return electrons_at(case, u, v, diffuse=True) - electrons_at(case, u, v)
+
+
+def elsewhere_at(case: Case, u: Array, v: Array, rings: int = 40, azimuths: int = 48) -> Array:
+    """Light of the floor that water turns into pixels from all about: 9 / (2 pi) cos^8 of the angle to the pixel's ray.
+
+    By directions from the camera, ring by ring about straight down.
+    """
+    rays, (_, k, near, every, _) = Rays(case), legs(case)
+    theta, weight = gauss(0.0, math.radians(84.0), rings)
+    phi = 2 * math.pi * (np.arange(azimuths) + 0.5) / azimuths
+    angle, turn = np.broadcast_arrays(theta[:, None], phi)
+    solid = (weight[:, None] * np.sin(angle) * 2 * math.pi / azimuths).ravel()
+    ways = np.stack([np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), np.cos(angle)], axis=-1).reshape(-1, 3)
+    behind = case.radius if case.dome else 0.0
+    length = (case.altitude + behind) / ways[:, 2]
+    x, y, path = length * ways[:, 0], length * ways[:, 1], length - behind
+    left = np.exp(-every * path[:, None]) - np.exp(-near * path[:, None])
+    amount = np.zeros(len(solid))
+    for at in case.lamps:
+        lamp_m, cos_beam, cos_floor = rays.lamp(x, y, at)
+        lux = case.flux_lm / len(case.lamps) * intensity(case, cos_beam) * cos_floor / lamp_m**2
+        amount += lux * ((left * np.exp(-k * lamp_m[:, None])) @ spectral_weight(case, 1e-3)) * solid
+    toward = np.stack(np.broadcast_arrays(*rays.floor(u, v)[:2], case.altitude), axis=-1) - rays.start(u, v)
+    cosine = toward / np.linalg.norm(toward, axis=-1, keepdims=True) @ ways.T
+    return np.asarray(9 / (2 * math.pi) * np.maximum(cosine, 0.0) ** 8 @ amount * rays.off_axis(u, v))
+
+
+def floor_veil_at(case: Case, u: Array, v: Array) -> Array:
+    """All light of the floor that forms no image."""
+    return forward_at(case, u, v) + (elsewhere_at(case, u, v) if case.orders else 0.0)
 
 
 RAY_NODES = 32  # 48 change the backscatter of these cases by 2e-7 or less
@@ -549,7 +580,10 @@ def smooth_mean(
 @cache
 def veil_means(case: Case) -> tuple[float, float]:
     """Mean forward veil and mean backscatter; the latter on 12 x 12 points (24 x 24 change it by 1e-7 or less)."""
-    return smooth_mean(case, values_at=forward_at), smooth_mean(case, order=12, values_at=backscatter_at)
+    forward = smooth_mean(case, values_at=forward_at)
+    if case.orders:
+        forward += smooth_mean(case, order=8, values_at=elsewhere_at)
+    return forward, smooth_mean(case, order=12, values_at=backscatter_at)
 
 
 def lit_pieces(case: Case, lamp: Lamp, v: float) -> list[tuple[float, float]]:
@@ -720,7 +754,7 @@ def test_darkest_pixel(name: str) -> None:
     case = SMOOTH_CASES[name]
     border = np.linspace(-1.0, 1.0, 41)
     at = (case, border[:, None], border[None, :])
-    signal, veil = electrons_at(*at), forward_at(*at) + backscatter_at(*at)
+    signal, veil = electrons_at(*at), floor_veil_at(*at) + backscatter_at(*at)
     least = float((signal / np.sqrt(noise_variance(signal + veil))).min())
     assert figures(case)["snr_db_min"] == pytest.approx(20 * math.log10(least), abs=0.002)
 
@@ -734,7 +768,7 @@ OVER_FRAME_DB = {  # reached: light falls to a corner by up to 20 dB, and shares
 def test_snr_that_95_percent_of_the_image_reach(name: str) -> None:
     case, cells = SMOOTH_CASES[name], (np.arange(65) + 0.5) * 2.0 / 65 - 1.0
     at = (case, cells[:, None], cells[None, :])
-    signal, veil = electrons_at(*at), forward_at(*at) + backscatter_at(*at)
+    signal, veil = electrons_at(*at), floor_veil_at(*at) + backscatter_at(*at)
     counted = np.sort((signal / np.sqrt(noise_variance(signal + veil))).ravel())
     twentieth = 20 * math.log10(float(counted[int(0.05 * counted.size)]))
     assert figures(case)["snr_db_p05"] == pytest.approx(twentieth, abs=OVER_FRAME_DB[name])

@@ -22,14 +22,15 @@ SHARP: dict[tuple[int, int], Set[str]] = {
     (8, 5): {"window_angle"},
     (11, 18): {"window_angle", "forward_veil"}, (13, 22): {"window_angle", "backscatter"},
     (10, 10): {"window_angle", "sunlight"}, (16, 18): {"window_angle", *VEILS},
-    **dict.fromkeys([(1, 19), (12, 6), (13, 9), (13, 10)], VEILS),
+    (12, 6): {"backscatter"}, **dict.fromkeys([(1, 19), (13, 9), (13, 10)], VEILS),
     **dict.fromkeys([(3, 3), (10, 22)], VEILS | {"sunlight"}),
 }  # fmt: skip
 if THOROUGH:
     SHARP |= {
-        (12, 5): {"window_angle"},
-        **dict.fromkeys([(6, 6), (6, 9), (7, 7), (11, 23), (15, 5), (17, 12)], VEILS),
-        **dict.fromkeys([(9, 19), (13, 18), (17, 18)], VEILS | {"sunlight"}),
+        (12, 5): {"window_angle"}, (15, 5): {"backscatter"},
+        **dict.fromkeys([(6, 6), (6, 9), (7, 7), (11, 23), (17, 12)], VEILS),
+        (9, 19): {"backscatter", "sunlight"}, (17, 18): {"backscatter", "forward_veil", "sunlight"},
+        (13, 18): VEILS | {"sunlight"},
     }
 MOST_TOLERANCE = 0.5  # the most that a mission may allow
 RATIOS = (

@@ -20,9 +20,45 @@ DEFECTS = (
     Defect(
         name="the forward veil loses on its way what the lamps' light does",
         file=SPECTRA,
-        old="k_camera_per_m=self.veil_leg_per_m() if forward else None,",
-        new="k_camera_per_m=self.lamp_leg_per_m(spectrum) if forward else None,",
+        old='{"near": self.near_leg_per_m(), "wide"',
+        new='{"near": self.lamp_leg_per_m(0), "wide"',
         test=f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, dome]",
+    ),
+    Defect(
+        name="the veil from elsewhere on the floor loses only what is absorbed",
+        file=SPECTRA,
+        old='"wide": self.veil_leg_per_m()}',
+        new='"wide": 0.98 * self.veil_leg_per_m()}',
+        test=f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, dome]",
+    ),
+    Defect(
+        name="pixels see no veil from elsewhere on the floor",
+        file="uwopt/forward/lamp_light.py",
+        old="veil = veil + wide_gain(along, across, **seen)",
+        new="veil = veil + 0.0 * wide_gain(along, across, **seen)",
+        test=f"{FULL}::test_darkest_pixel[all orders, dome]",
+    ),
+    Defect(
+        name="a spot of the floor counts alike from wherever it is seen",
+        file="uwopt/model/veil/wide.py",
+        old="seen = share * flux[meets] * cosine / np.square(far_m)",
+        new="seen = share * flux[meets] / np.square(far_m)",
+        test=f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, dome]",
+    ),
+    Defect(
+        name="the bound of the forward veil forgets what comes from elsewhere",
+        file="uwopt/forward/effects.py",
+        old="most += min(float(np.max(wide / np.maximum(signal, TINY))), MOST_SHARE)",
+        new="most += 0.0 * min(float(np.max(wide / np.maximum(signal, TINY))), MOST_SHARE)",
+        test="tests/forward/test_effects.py::test_no_effect_changes_more_than_its_bound[(13, 9)]",
+    ),
+    Defect(
+        name="the easiest water sends a veil from elsewhere",
+        file="uwopt/solvers/confidence/panels.py",
+        old="return self.near_leg_per_m()",
+        new="return 0.9 * self.near_leg_per_m()",
+        test="tests/solvers/test_confidence_proof.py::"
+        "test_the_best_of_waters_is_no_worse_where_light_is_scattered_more_than_once[0.7]",
     ),
     Defect(
         name="backscatter that is scattered again on its way to the camera is lost",

@@ -173,7 +173,8 @@ def test_the_best_of_waters_is_no_worse_where_light_is_scattered_more_than_once(
 
     def beside(scene: Any) -> list[Any]:
         c, lamp, back = scene.attenuation_per_m, scene.lamp_leg_per_m(lobe_rad), scene.back_leg_per_m(lobe_rad)
-        return [c, lamp, c - scene.veil_leg_per_m(), c - back, lamp - back]
+        wide = scene.near_leg_per_m() - scene.veil_leg_per_m()
+        return [c, lamp, c - scene.near_leg_per_m(), wide, c - back, lamp - back]
 
     for one_ in scenes:
         assert all(np.all(ours <= own + 1e-12) for ours, own in zip(beside(best), beside(one_), strict=True))

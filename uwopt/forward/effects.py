@@ -38,6 +38,7 @@ EDGE_MARGIN = 3.0  # where the beam ends sharply
 FORWARD_MARGIN = 1.05  # the spectrum at the ends of the lamp's ranges bounds what lies between
 PIXELS = 5  # a side, where the worst pixel counts
 FULL_OVER_COARSE = 12.0  # nodes of the full backscatter integral over the coarse one, as measured
+MOST_SHARE = 1e200  # of a veil over what it veils: sums of such are finite
 KEPT = float("inf")
 
 
@@ -134,7 +135,8 @@ def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dic
         name: field(channel=name).light(view, veils="none").signal_e for name in channels_of(problem, group)
     }
     if scene.scatters:
-        found["forward_veil"] = (max(forward_bound(field(channel=one), view) for one in lights), signal_s)
+        bound = max(forward_bound(field(channel=one), view, light) for one, light in lights.items())
+        found["forward_veil"] = (bound, signal_s)
         start = time.perf_counter()
         bound = max(backscatter_bound(field(channel=one), view, light) for one, light in lights.items())
         found["backscatter"] = (bound, FULL_OVER_COARSE * (time.perf_counter() - start))
@@ -174,14 +176,15 @@ def orders_bound(many: LampField, once: LampField, view: Views, signal: Array) -
         return 0.0
     longest = max(lamp_ways_m(many, view, float(many.scene.range_m[-1])))
     changed = float(np.expm1(min(float(apart.max()) * longest, LARGEST_EXPONENT)))
-    return changed + forward_bound(once, view) + backscatter_bound(once, view, signal) * (1.0 + changed)
+    return changed + forward_bound(once, view, signal) + backscatter_bound(once, view, signal) * (1.0 + changed)
 
 
-def forward_bound(field: LampField, view: Views) -> float:
-    """Most that exp(-K r) - exp(-c r) can be of exp(-c r) over the detected spectrum, on the longest ray."""
+def forward_bound(field: LampField, view: Views, signal: Array) -> float:
+    """Most that exp(-K r) - exp(-c r) can be of exp(-c r) over the detected spectrum, on the longest ray; and the mean
+    of what comes from elsewhere on the floor over the image-forming light."""
     scene, contraction = field.scene, field.contraction
     weight = contraction.weight(field.spectrum, field.efficiency, field.channel)
-    excess = scene.attenuation_per_m - contraction.veil_leg_per_m()
+    excess = scene.attenuation_per_m - contraction.near_leg_per_m()
     lamp_leg = contraction.lamp_leg_per_m(field.spectrum)
     lit = weight > 0
     if not lit.any():  # a black floor
@@ -195,6 +198,10 @@ def forward_bound(field: LampField, view: Views) -> float:
             seen = weight[lit] * np.exp(-(optical[lit] - optical[lit].min()))
             veil = np.expm1(np.minimum(excess[lit] * longest, LARGEST_EXPONENT))
             most = max(most, float((seen * veil).sum() / seen.sum()))
+    if contraction.multiple:
+        response = contraction.response(field.spectrum, field.efficiency, field.channel)
+        wide = response * view.collecting_m2[:, None] * field.mean_wide(view)
+        most += min(float(np.max(wide / np.maximum(signal, TINY))), MOST_SHARE)
     return most * FORWARD_MARGIN
 
 
@@ -236,7 +243,8 @@ def worst_pixel_shares(field: LampField, view: Views) -> tuple[float, float]:
     """Most that each veil can be of the image-forming light in any pixel."""
     along, across = pixel_grid(view.tan_along, view.tan_across, n_points=PIXELS)
     forward, back = field.veils_at_pixels(along, across)
-    return float(forward.max()) * FORWARD_MARGIN, float(back.max()) * margin(field)
+    shares = float(forward.max()) * FORWARD_MARGIN, float(back.max()) * margin(field)
+    return min(shares[0], MOST_SHARE), min(shares[1], MOST_SHARE)
 
 
 def sun_bound(

@@ -22,7 +22,7 @@ from uwopt.forward.lamps import (
 )
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
-from uwopt.forward.spectra import sees_colours
+from uwopt.forward.spectra import LightPart, sees_colours
 from uwopt.forward.views import Views
 from uwopt.model import beam as beams
 from uwopt.model.image_mean import (
@@ -37,6 +37,7 @@ from uwopt.model.image_mean import (
 from uwopt.model.imaging import Lamps, local_gain, local_gains
 from uwopt.model.veil.mean import mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain
+from uwopt.model.veil.wide import Spots, floor_spots, mean_wide_gain, wide_gain
 from uwopt.tolerances import ROUND
 
 if TYPE_CHECKING:
@@ -173,18 +174,43 @@ class LampField:
         """What all field functions take."""
         return dict(shape=self.shape, range_m=range_m, beam=self.beam)
 
-    def loss_table(self, *, forward: bool = False) -> Any:
+    def loss_table(self, part: LightPart = "image") -> Any:
         """Water's loss on both legs; see `Contraction.table`."""
-        return self.problem.table(
-            self.scene_index, self.spectrum, self.efficiency, self.channel, forward=forward
-        )
+        return self.problem.table(self.scene_index, self.spectrum, self.efficiency, self.channel, part=part)
 
     def mean_gain(self, view: Views, *, forward: bool) -> Array:
-        """Mean of `local_gain` over the image, (n, n_altitudes) [1/m^2]."""
-        return field_means(
+        """Mean over the image of the light that forms it, or of the forward veil, (n, n_altitudes) [1/m^2]."""
+        near = field_means(
             view.tan_along, view.tan_across, ranges_m=self.scene.range_m, shape=self.shape, lamps=one_side(self.lamps),
-            beam=self.beam, table=self.loss_table(forward=forward), fineness=self.fineness.image,
+            beam=self.beam, table=self.loss_table("near" if forward else "image"), fineness=self.fineness.image,
         )  # fmt: skip
+        return near + self.mean_wide(view) if forward and self.contraction.multiple else near
+
+    def mean_wide(self, view: Views) -> Array:
+        """Mean over the image of the forward veil from elsewhere on the floor, (n, n_altitudes) [1/m^2]."""
+        seen = dict(shape=self.shape, table=self.loss_table("wide"), fineness=self.fineness.image)
+        return np.stack(
+            [
+                mean_wide_gain(
+                    view.tan_along, view.tan_across, spots=self.spots(float(r), one_side(self.lamps)), **seen
+                )
+                for r in self.scene.range_m
+            ],
+            axis=1,
+        )  # fmt: skip
+
+    def spots(self, range_m: float, lamps: Lamps) -> Spots:
+        """The lit floor as cameras behind this port see it."""
+        return floor_spots(lamps=lamps, fineness=self.fineness.image, **self.common(range_m))
+
+    def forward_at(self, along: Array, across: Array, range_m: float) -> tuple[Array, Array]:
+        """Gains of the light that forms the image and of the forward veil at field points [1/m^2]."""
+        tables = self.loss_table(), self.loss_table("near")
+        image, veil = local_gains(along, across, tables=tables, lamps=self.lamps, **self.common(range_m))
+        if self.contraction.multiple:
+            seen = dict(spots=self.spots(range_m, self.lamps), shape=self.shape, table=self.loss_table("wide"))
+            veil = veil + wide_gain(along, across, **seen)
+        return image, veil
 
     def scatterers(self) -> Any:
         """Particles and molecules with their loss tables."""
@@ -336,11 +362,13 @@ class LampField:
         signals, veil_sum = [], []
         scatters = veils and self.scene.scatters
         forward = scatters and self.effects.forward_veil
-        tables = (self.loss_table(), self.loss_table(forward=True)) if forward else (self.loss_table(),)
         for range_m in self.scene.range_m if ranges_m is None else ranges_m:
             common = dict(lamps=self.lamps, **self.common(float(range_m)))
-            signal, *veil = (response * gain for gain in local_gains(along, across, tables=tables, **common))
-            over = veil[0] if veil else np.zeros_like(signal)
+            if forward:
+                signal, over = (response * gain for gain in self.forward_at(along, across, float(range_m)))
+            else:
+                signal = response * local_gain(along, across, table=self.loss_table(), **common)
+                over = np.zeros_like(signal)
             if scatters and self.effects.backscatter:
                 over = over + backscatter_gain(
                     along, across, scatterers=self.scatterers(), fineness=self.fineness.veil, **common
@@ -358,10 +386,10 @@ class LampField:
         shares: list[tuple[Array, Array]] = []
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
         for range_m in (float(self.scene.range_m[0]), float(self.scene.range_m[-1])):
-            common = dict(lamps=self.lamps, **self.common(range_m))
-            tables = self.loss_table(), self.loss_table(forward=True)
-            signal, over = (gain * response for gain in local_gains(along, across, tables=tables, **common))
-            back = backscatter_gain(along, across, scatterers=self.scatterers(), **common)
+            signal, over = (gain * response for gain in self.forward_at(along, across, range_m))
+            back = backscatter_gain(
+                along, across, scatterers=self.scatterers(), lamps=self.lamps, **self.common(range_m)
+            )
             lit = np.maximum(signal, 1e-300)
             with np.errstate(over="ignore"):
                 shares.append((over / lit, back / lit))

@@ -46,7 +46,7 @@ from uwopt.forward.part_columns import (
 )
 from uwopt.forward.scene import SceneOptics, glass_index, scene_optics
 from uwopt.forward.spacers import lens_with_spacers, without_spacers
-from uwopt.forward.spectra import Contraction
+from uwopt.forward.spectra import Contraction, LightPart
 from uwopt.forward.views import port_shape, port_shapes
 from uwopt.mission.duration import Duration
 from uwopt.mission.mission import Mission
@@ -375,12 +375,12 @@ class Problem:
 
     def table(
         self, scene_index: int, spectrum: int, efficiency: int, channel: str | None = None, *,
-        forward: bool = False,
+        part: LightPart = "image",
     ) -> Any:  # fmt: skip
         """Water's loss table of one scene, light spectrum and efficiency curve."""
         return self.contractions[scene_index].table(
             spectrum, efficiency, channel, lowest_m=self.lowest_m(scene_index),
-            nearest_m=self.nearest_m(scene_index, 0), forward=forward,
+            nearest_m=self.nearest_m(scene_index, 0), part=part,
         )  # fmt: skip
 
     def lowest_m(self, scene_index: int) -> float:

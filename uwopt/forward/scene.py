@@ -126,10 +126,15 @@ class SceneOptics:
         k = self._effective_per_m(lambda one: one.share_beyond(angle))
         return k if self.lamp_end is None else geometric(k, *self.lamp_end)
 
+    def near_leg_per_m(self) -> Array:
+        """K of light that comes from the floor to the camera near its straight way, image or veil."""
+        angle = float(np.deg2rad(multiple.NEAR_DEG))
+        return self._effective_per_m(lambda one: one.share_beyond(angle))
+
     def veil_leg_per_m(self) -> Array:
-        """K of all light that comes from the floor to the camera, whether it forms an image or not."""
+        """K of all light that comes from the floor to the camera."""
         angle = float(np.deg2rad(multiple.VEIL_DEG))
-        return self._effective_per_m(lambda one: min(multiple.VEIL_SHARE + one.share_beyond(angle), 1.0))
+        return self._effective_per_m(lambda one: one.share_beyond(angle))
 
     def back_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """K of light that the water sends back, from lamps of this lobe and to the camera."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +19,11 @@ from uwopt.model.imaging import scatter_weight, signal_weight
 from uwopt.model.path_table import PathTable, build_path_table
 from uwopt.model.spectrum import resample, resample_power
 from uwopt.model.veil.geometry import OPTICAL_REACH, Scatterer
+from uwopt.model.veil.wide import REACH as WIDE_REACH
 
 Array = NDArray[Any]
 SpectrumKind = tuple[tuple[str, Curve | None], float | None]  # light's spectrum; its lobe, where K depends on it
+LightPart = Literal["image", "near", "wide"]  # of floor light: what forms the image, and the forward veil's two parts
 
 REACH_STEP = 1.3
 ENDLESS = 16.0  # c + K times the path that stands for all of the water
@@ -112,8 +114,14 @@ class Contraction:
             return self.scene.lamp_attenuation_per_m
         return self._kept(("lamp leg", lobe), lambda: self.scene.lamp_leg_per_m(lobe))
 
+    def near_leg_per_m(self) -> Array:
+        """Attenuation of light that comes from the floor to the camera near its straight way, image or veil."""
+        if not self.multiple:
+            return self.scene.lamp_attenuation_per_m
+        return self._kept("near leg", self.scene.near_leg_per_m)
+
     def veil_leg_per_m(self) -> Array:
-        """Attenuation of all light that comes from the floor to the camera, whether it forms an image or not."""
+        """Attenuation of all light that comes from the floor to the camera, by whatever way."""
         if not self.multiple:
             return self.scene.lamp_attenuation_per_m
         return self._kept("veil leg", self.scene.veil_leg_per_m)
@@ -182,7 +190,8 @@ class Contraction:
     def most_contrast(self, spectrum: int, efficiency: int, altitude: int, nearest_m: float) -> float:
         """Upper bound of the image-forming share at one altitude: the forward veil on the shortest rays, `nearest_m`.
 
-        The veil grows with both paths but for the spectrum's shift along them, so several are tried.
+        The veil grows with both paths but for the spectrum's shift along them, so several are tried. What comes from
+        elsewhere on the floor is left out.
         """
         scene = self.scene
         key = ("most contrast", *self.key(spectrum, efficiency, None), altitude, self.reach_m, nearest_m)
@@ -193,7 +202,7 @@ class Contraction:
     def _most_contrast(self, spectrum: int, efficiency: int, near: float) -> float:
         scene = self.scene
         weight = self.weight(spectrum, efficiency)
-        excess, lamp_leg = scene.attenuation_per_m - self.veil_leg_per_m(), self.lamp_leg_per_m(spectrum)
+        excess, lamp_leg = scene.attenuation_per_m - self.near_leg_per_m(), self.lamp_leg_per_m(spectrum)
         lit = weight > 0
         if not lit.any():  # a black floor or a blind sensor
             return 1.0
@@ -222,29 +231,34 @@ class Contraction:
 
     def table(
         self, spectrum: int, efficiency: int, channel: str | None = None, *, nearest_m: float, lowest_m: float = 0.0,
-        forward: bool = False,
+        part: LightPart = "image",
     ) -> PathTable:  # fmt: skip
         """Loss over lamp leg and camera leg, as a table over both lengths; the least are `lowest_m` and `nearest_m`.
 
-        `forward`: of the forward veil, exp(-K r) - exp(-c r) on the camera leg: what reaches the camera, but
-        forms no image.
+        `part`: of what forms the image, or of the forward veil: `near` its straight way, exp(-K_near r) - exp(-c r) on
+        the camera leg, or from elsewhere (`wide`), exp(-K_all r) - exp(-K_near r).
         """
         scene = self.scene
         lowest = min(lowest_m, nearest_m) * 0.999
-        key = ("table", *self.key(spectrum, efficiency, channel), self.reach_m, lowest, nearest_m, forward)
+        reach_m = self.reach_m if part != "wide" else (WIDE_REACH * float(scene.range_m[-1]),) * 2
+        key = ("table", *self.key(spectrum, efficiency, channel), reach_m, lowest, nearest_m, part)
         if key not in scene.cache:
             scene.cache[key] = build_path_table(
                 self.weight(spectrum, efficiency, channel),
                 wavelength_nm=None,  # the weight holds the trapezoid's steps
                 k_lamp_per_m=self.lamp_leg_per_m(spectrum),
-                c_camera_per_m=scene.attenuation_per_m,
-                k_camera_per_m=self.veil_leg_per_m() if forward else None,
-                lamp_range_m=(lowest, self.reach_m[0]),
-                camera_range_m=(nearest_m * 0.999, self.reach_m[1]),
+                c_camera_per_m=self.near_leg_per_m() if part == "wide" else scene.attenuation_per_m,
+                k_camera_per_m=None if part == "image" else self._veil_legs_per_m()[part],
+                lamp_range_m=(lowest, reach_m[0]),
+                camera_range_m=(nearest_m * 0.999, reach_m[1]),
                 **self.table_settings(),
             )
         table: PathTable = scene.cache[key]
         return table
+
+    def _veil_legs_per_m(self) -> dict[LightPart, Array]:
+        """The lesser attenuation of each part of the forward veil."""
+        return {"near": self.near_leg_per_m(), "wide": self.veil_leg_per_m()}
 
     def table_settings(self) -> dict[str, Any]:
         """Order and tolerance of the loss tables."""

@@ -9,13 +9,16 @@ share s of what is scattered,
 with s from the phase function, for each purpose its own; S(psi) is the share scattered by more than psi, beta the
 lobe's half angle at half power in water. Only c counts for what forms the image.
 
-    lamp to floor             s = S(20.2 deg + 0.86 beta)
-    floor to camera, all      s = 0.027 + S(56.3 deg)
-    backscatter, both legs    s = (2.82 - 2.79 beta / rad) S(90 deg)
+    lamp to floor                  s = S(20.2 deg + 0.86 beta)
+    floor to camera, near its way  s = S(15.2 deg)
+    floor to camera, all           s = S(72.3 deg)
+    backscatter, both legs         s = (2.82 - 2.79 beta / rad) S(90 deg)
+
+What the third leg lets through and the second does not comes from elsewhere on the floor: `veil.wide` says from where.
 
 The constants are fitted to a Monte Carlo of all orders on half of its cases up to c d = 4, and judged on the other
-half: docs/validation.md, section 10. Image means follow it there; corners that a narrow lobe leaves dark stay too dark,
-for nothing moves light sideways.
+half: docs/validation.md, section 10. Image means follow it there, and the forward veil at single places; corners that a
+narrow lobe leaves dark stay too dark, for nothing moves the lamps' own light sideways.
 """
 
 from __future__ import annotations
@@ -28,7 +31,7 @@ from numpy.typing import ArrayLike
 from uwopt.model.spectrum import FloatArray
 
 LAMP_DEG, LAMP_BY_LOBE = 20.2, 0.86
-VEIL_SHARE, VEIL_DEG = 0.027, 56.3
+NEAR_DEG, VEIL_DEG = 15.2, 72.3
 BACK, BACK_BY_LOBE = 2.82, 2.79
 LEAST_OF_ABSORPTION = 0.5  # K of backscatter over a, no less: wide lobes get some back that was lost beside them
 TESTED_THICKNESS = 4.0  # c times the altitude up to which the constants were fitted and judged

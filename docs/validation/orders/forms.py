@@ -17,6 +17,7 @@ from uwopt.model import multiple, scattering
 from .cases import TALLIES, Case, Light, read
 from .model import Legs, phase_table, uwopt_light
 
+PLACE_SHARE, LEAST_RATIO = 1.0 / 3.0, 1e-3
 SCALE = 0.05  # error from which a case counts less in the fit: no single one may bend it
 
 
@@ -25,17 +26,17 @@ class Constants(NamedTuple):
 
     lamp: float
     lamp_by_lobe: float
-    veil_share: float
+    near: float
     veil: float
     back: float
     back_by_lobe: float
 
 
 USED = Constants(
-    multiple.LAMP_DEG, multiple.LAMP_BY_LOBE, multiple.VEIL_SHARE, multiple.VEIL_DEG, multiple.BACK,
+    multiple.LAMP_DEG, multiple.LAMP_BY_LOBE, multiple.NEAR_DEG, multiple.VEIL_DEG, multiple.BACK,
     multiple.BACK_BY_LOBE,
 )  # fmt: skip
-BY_TALLY = {"signal": ("lamp", "lamp_by_lobe"), "veil": ("veil_share", "veil"), "backscatter": ("back", "back_by_lobe")}
+BY_TALLY = {"signal": ("lamp", "lamp_by_lobe"), "veil": ("near", "veil"), "backscatter": ("back", "back_by_lobe")}
 
 
 def effective(case: Case, constants: Constants = USED) -> Legs:
@@ -50,27 +51,41 @@ def effective(case: Case, constants: Constants = USED) -> Legs:
 
     back = leg((now.back - now.back_by_lobe * np.deg2rad(lobe)) * beyond(90.0))
     least = multiple.LEAST_OF_ABSORPTION * (case.c_per_m - b)
-    lamp, veil = leg(beyond(now.lamp + now.lamp_by_lobe * lobe)), leg(now.veil_share + beyond(now.veil))
-    return Legs(lamp, veil, max(back, least), max(back, least))
+    lamp, near, veil = (leg(beyond(angle)) for angle in (now.lamp + now.lamp_by_lobe * lobe, now.near, now.veil))
+    return Legs(lamp, near, veil, max(back, least), max(back, least))
+
+
+def rows_of(use: str, *, thin: bool = True) -> list[Light]:
+    """All places of one half of the table, up to c d = 4 or beyond."""
+    return [
+        row for row in read()
+        if row.case.use == use and (row.case.thickness <= multiple.TESTED_THICKNESS) == thin
+    ]  # fmt: skip
 
 
 def means(use: str, *, thin: bool = True) -> list[Light]:
-    """Image means of one half of the table, up to c d = 4 or beyond."""
-    return [
-        row for row in read()
-        if row.place == "mean" and row.case.use == use and (row.case.thickness <= multiple.TESTED_THICKNESS) == thin
-    ]  # fmt: skip
+    """Image means of one half of the table."""
+    return [row for row in rows_of(use, thin=thin) if row.place == "mean"]
 
 
 @cache
 def fitted() -> Constants:
-    """The constants, from `fit` cases up to c d = 4: one tally after the other, each with its own two."""
-    rows, found = means("fit"), USED
-    for tally, names in BY_TALLY.items():
+    """The constants, from `fit` cases up to c d = 4: one tally after the other, each with its own two.
 
-        def off(x: np.ndarray, tally: str = tally, known: Constants = found) -> list[float]:
+    Of the forward veil single places count beside the means, each a third.
+    """
+    found = USED
+    for tally, names in BY_TALLY.items():
+        rows = rows_of("fit") if tally == "veil" else means("fit")
+        share = [1.0 if row.place == "mean" else PLACE_SHARE for row in rows]
+
+        def off(
+            x: np.ndarray, tally: str = tally, known: Constants = found, rows: list[Light] = rows,
+            share: list[float] = share,
+        ) -> np.ndarray:  # fmt: skip
             now = known._replace(**dict(zip(BY_TALLY[tally], map(float, x), strict=True)))
-            return [error(row, effective(row.case, now), tally) for row in rows]
+            errors = np.array([error(row, effective(row.case, now), tally) for row in rows])
+            return np.log(np.maximum(1.0 + errors, LEAST_RATIO)) * share if tally == "veil" else errors
 
         start = [getattr(found, name) for name in names]
         best = least_squares(off, start, x_scale=np.abs(start), diff_step=0.02, loss="soft_l1", f_scale=SCALE)

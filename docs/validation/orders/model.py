@@ -18,6 +18,7 @@ from uwopt.model.path_table import PathTable, build_path_table
 from uwopt.model.veil.geometry import Scatterer
 from uwopt.model.veil.mean import mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain
+from uwopt.model.veil.wide import floor_spots, mean_wide_gain, wide_gain
 from uwopt.model.water import illumination_attenuation_per_m
 
 from .cases import PLACES, TALLIES, Case
@@ -59,7 +60,8 @@ class Legs(NamedTuple):
     """Attenuations of a model [1/m]; c is left to light that is not scattered on its way to the camera."""
 
     lamp: float  # from the lamp to the floor
-    veil: float  # from the floor to the camera, of signal and forward veil together
+    near: float  # from the floor to the camera, of what comes near its straight way, image or veil
+    veil: float  # and of all; what lies between comes from elsewhere on the floor
     back_lamp: float  # of backscatter: from the lamp to where it is sent back
     back_camera: float  # and from there to the camera
 
@@ -69,12 +71,12 @@ def single(case: Case) -> Legs:
     b = case.c_per_m * case.albedo
     a, ratio = case.c_per_m - b, scattering.backscatter_ratio(phase_table(case.phase))
     k = illumination_attenuation_per_m(a, b_per_m=b, kd_per_m=kd_per_m(a, b), backscatter_ratio=ratio)
-    return Legs(float(k), float(k), float(k), case.c_per_m)
+    return Legs(float(k), float(k), float(k), float(k), case.c_per_m)
 
 
 def lost(case: Case) -> Legs:
     """Single scattering to the letter: what is scattered is lost on every leg."""
-    return Legs(*[case.c_per_m] * 4)
+    return Legs(*[case.c_per_m] * 5)
 
 
 def uwopt_light(case: Case, place: str, legs: Legs) -> dict[str, float]:
@@ -84,28 +86,32 @@ def uwopt_light(case: Case, place: str, legs: Legs) -> dict[str, float]:
     beam = beams.cosine_power_beam(np.deg2rad(2 * case.lobe_half_deg))
     common: dict[str, Any] = dict(shape=PINHOLE, range_m=case.altitude_m, lamps=lamps, beam=beam)
 
-    def table(lamp: float, camera: float, least_m: tuple[float, float], veil: float | None = None) -> PathTable:
+    def table(lamp: float, camera: float, least_m: tuple[float, float], less: float | None = None) -> PathTable:
         longest = 20.0 * case.altitude_m
         return build_path_table(
             np.ones(1), wavelength_nm=None, k_lamp_per_m=np.array([lamp]), c_camera_per_m=np.array([camera]),
-            k_camera_per_m=None if veil is None else np.array([veil]), lamp_range_m=(least_m[0], longest),
+            k_camera_per_m=None if less is None else np.array([less]), lamp_range_m=(least_m[0], longest),
             camera_range_m=(least_m[1], longest),
         )  # fmt: skip
 
     near = (0.999 * case.altitude_m,) * 2
     floor, phase = case.reflectance / np.pi, phase_table(case.phase)
     signal = table(legs.lamp, case.c_per_m, near)
-    forward = table(legs.lamp, case.c_per_m, near, min(legs.veil, case.c_per_m))
+    forward = table(legs.lamp, case.c_per_m, near, min(legs.near, case.c_per_m))
+    elsewhere = table(legs.lamp, legs.near, near, min(legs.veil, legs.near))
+    wide: dict[str, Any] = dict(table=elsewhere, spots=floor_spots(**common), shape=PINHOLE)
     back_table = table(legs.back_lamp, legs.back_camera, (1e-3, 0.0))
     scatterers = (Scatterer(lambda cos: scattering.look_up(cos, phase), back_table),)
     half = np.array([case.tangent])
     if place == "mean":
         gains = [field_mean(half, half, table=loss, **common)[0] for loss in (signal, forward)]
+        gains[1] += mean_wide_gain(half, half, **wide)[0]
         back = mean_backscatter(half, half, scatterers=scatterers, **common)[0]
     else:
         u, v = PLACES[place] or (0.0, 0.0)
         at = u * half, v * half
         gains = [local_gain(*at, table=loss, **common)[0] for loss in (signal, forward)]
+        gains[1] += wide_gain(*at, **wide)[0]
         back = backscatter_gain(*at, scatterers=scatterers, **common)[0]
     shares = (floor, floor, case.c_per_m * case.albedo)
     values = (float(gain) * share for gain, share in zip((*gains, back), shares, strict=True))

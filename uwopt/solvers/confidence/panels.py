@@ -156,7 +156,8 @@ class EasiestScene(SceneOptics):
     """Water that is no harder than in any of some states, light that is scattered more than once included.
 
     K of the lamps' way is the least of all. Veils count by what they are beside the signal, which by the way to the
-    camera grows as exp((c - K_veil) d): K_veil leaves the least c - K_veil of all. What the water sends back goes by
+    camera grows as exp((c - K_near) d): K_near leaves the least c - K_near of all, and nothing comes from elsewhere on
+    the floor. What the water sends back goes by
     exp((c - K_back) d + (K_lamp - K_back) l): K_back leaves no more of either than any state.
     """
 
@@ -166,9 +167,13 @@ class EasiestScene(SceneOptics):
         """The least of all states."""
         return least([one.lamp_leg_per_m(half_power_angle_rad) for one in self.states])
 
-    def veil_leg_per_m(self) -> Array:
+    def near_leg_per_m(self) -> Array:
         """What leaves the least veil beside the image."""
-        return self.attenuation_per_m - least([one.attenuation_per_m - one.veil_leg_per_m() for one in self.states])
+        return self.attenuation_per_m - least([one.attenuation_per_m - one.near_leg_per_m() for one in self.states])
+
+    def veil_leg_per_m(self) -> Array:
+        """No veil from elsewhere."""
+        return self.near_leg_per_m()
 
     def back_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """What leaves the least backscatter beside the image, by either leg."""
