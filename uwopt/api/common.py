@@ -26,8 +26,8 @@ from uwopt.version import __version__
 Source = str | Path | Mapping[str, Any]
 Progress = Callable[[float, str], None]
 NOT_MODELLED = (
-    "where in the image light falls that is scattered more than once", "shadows and relief of the floor",
-    "ripples of sunlight",
+    "where in the image the lamps' light falls that is scattered on its way to the floor",
+    "shadows and relief of the floor", "ripples of sunlight",
     "reflections between port and lens", "lens distortion and vignetting beyond cos^4",
 )  # fmt: skip
 
