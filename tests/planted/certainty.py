@@ -173,6 +173,27 @@ DEFECTS = (
         test=f"{PROOF}::test_a_panel_is_no_harder_than_as_many_scenarios_as_it_says",
     ),
     Defect(
+        name="a lens stands where it is meant to",
+        file="uwopt/solvers/exact/imagers.py",
+        old="dioptre / problem.focus_share[camera]",
+        new="dioptre",
+        test=f"{TESTS}::test_it_holds_as_often_as_its_iris_forgives_the_focus",
+    ),
+    Defect(
+        name="beyond its band it is as bright as at its ends",
+        file=f"{ROOM}/together.py",
+        old="changes[name] = np.where(seen, beyond_it, column)",
+        new="changes[name] = column",
+        test=f"{TESTS}::test_light_in_other_water_is_that_of_the_model",
+    ),
+    Defect(
+        name="a panel leaves the band of altitudes as its first scenario does",
+        file=f"{ROOM}/panels.py",
+        old="first = min(scenes, key=lambda one: float(np.ptp(one.range_m)))",
+        new="first = max(scenes, key=lambda one: float(np.ptp(one.range_m)))",
+        test=f"{PROOF}::test_the_best_of_waters_is_no_worse_than_each_in_any_leg",
+    ),
+    Defect(
         name="a budget counts a price as it is drawn",
         file="uwopt/catalog/parts/doubts.py",
         old="    if name in PRICES:",

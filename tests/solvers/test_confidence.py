@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from one_of_each import one, with_parts
+from one_of_each import CAMERA, one, with_parts
 from random_cases import Case
 
 from uwopt.api.certainty import as_settable
@@ -27,7 +27,8 @@ from uwopt.solvers.explain.one_hardware import parts_of, problem_of
 from uwopt.solvers.recommend import Sought
 
 NOTHING: dict[str, Any] = {
-    "clarity": False, "lamp_leg": False, "other_water_table": 0.0, "floor": [1, 1], "lamp_output": [1, 1]
+    "clarity": False, "lamp_leg": False, "other_water_table": 0.0, "floor": [1, 1], "lamp_output": [1, 1],
+    "beyond_band": 0, "focus": [1, 1],
 }  # fmt: skip
 KNOWN = Doubt.model_validate(NOTHING)
 FAST = {"max_blur_px": 1.0, "min_snr_db": 20.0}
@@ -84,6 +85,25 @@ def test_it_holds_as_often_as_the_lens_focuses_so_near() -> None:
     assert made.lost["focus"] == pytest.approx(200 * (1.0 - expected), abs=2.2)
 
 
+def test_it_holds_as_often_as_its_iris_forgives_the_focus() -> None:
+    """An iris that stands at 4: N >= f^2 / c |D_set - D| / (1 - f D_set), over which a triangle has its share.
+
+    Conrad 2006, Depth of Field in Depth, eq. 16, in dioptres: a blur of c at the film of a thin lens.
+    """
+    wanted = FAST | {"circle_of_confusion_px": 1.0}
+    sought = sought_of(one(wanted=wanted, lens={"f_number_min": 4.0, "f_number_max": 4.0}), focus=[0.5, 1.5])
+    meant = sought.outcome.best[0].settings[0]["dioptre_per_m"]
+    focal_m, coc_m = 1e-3 * sought.problem.parts.lenses[0].focal_length_mm, 1e-6 * CAMERA.pixel_pitch_um
+    x = np.linspace(0.5, 1.5, 100001)
+    sharp = focal_m**2 / coc_m * np.abs(meant / x - meant) / (1.0 - focal_m * meant / x) <= 4.0
+    density = np.where(x < 1.0, (x - 0.5) * 4.0, (1.5 - x) * 4.0)
+    share = float(np.mean(density[sharp]) * sharp.mean())
+    assert 0.2 < share < 0.8
+    made = counted(sought, Doubt.model_validate(NOTHING | {"focus": [0.5, 1.5]}))
+    assert made.held.max() == pytest.approx(share, abs=0.011)
+    assert made.lost["min_dof_m"] == pytest.approx(200 * (1.0 - share), abs=2.2)
+
+
 def test_what_is_missed_is_told_and_adds_up() -> None:
     """A budget that the camera's price may exceed."""
     sought = sought_of(
@@ -107,10 +127,10 @@ def murky() -> Sought:
     """A design whose water is a visibility, with camera and lamp in doubt."""
     case_ = one(
         **WATERS, camera={"read_noise_e": between(1.0, 2.0, 6.0)}, light={"flux_lm": between(2e4, 3e4, 4e4)},
-        port={"thickness_mm": between(8.0, 10.0, 12.0)},
+        port={"thickness_mm": between(8.0, 10.0, 12.0)}, vehicle={"altitude_tolerance_m": 0.2},
     )  # fmt: skip
     doubt = {"clarity": True, "lamp_leg": True, "other_water_table": 0.5, "floor": [0.8, 1.25]}
-    return sought_of(case_, **doubt, lamp_output=[0.85, 1.07])
+    return sought_of(case_, **doubt, lamp_output=[0.85, 1.07], beyond_band=0.5, focus=[0.9, 1.1])
 
 
 def worked_out(sought: Sought, scenarios: Scenarios, index: int, f_number: float) -> float:
@@ -123,6 +143,7 @@ def worked_out(sought: Sought, scenarios: Scenarios, index: int, f_number: float
     }  # fmt: skip
     scenes = scenarios.waters.at(scenarios.states[index])
     problem = problem_of(base, found, lists=lists, scenes=scenes).at_f_number(f_number)
+    problem = problem.focused_at(scenarios.focus[[index]])
     imagers = imagers_of(problem, found.landscape)
     best = Search(problem, sought.search.objective, top=1, imagers=imagers).run().best if len(imagers) else []
     return best[0].minimised if best else np.inf

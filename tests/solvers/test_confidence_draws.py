@@ -87,8 +87,11 @@ def test_a_budget_counts_what_may_have_to_be_paid(basis: str) -> None:
 
 def test_states_of_the_water_keep_to_what_is_in_doubt() -> None:
     """A quarter in the other table; nothing of K or clarity where they are known; a floor about 1."""
-    known = Doubt(clarity=False, lamp_leg=False, other_water_table=0.25, floor=(0.5, 2.0))
+    known = Doubt(clarity=False, lamp_leg=False, other_water_table=0.25, floor=(0.5, 2.0), beyond_band=0.4)
     states = drawn_states(known, 3, 400)
+    assert {state.beyond for state in states} == {0.0}  # there is no band
+    beyond = [state.beyond for state in drawn_states(known, 3, 400, has_band=True)]
+    assert len(set(beyond)) == 4 and 0.0 <= min(beyond) < 0.06 and 0.2 < max(beyond) < 0.4  # quarters of a triangle
     assert sum(state.other_table for state in states) == pytest.approx(100, abs=4)
     assert {(state.clarity, state.lamp_leg) for state in states} == {(0.0, 0.0)}
     floors = np.array([state.floor for state in states])

@@ -47,7 +47,8 @@ def rivals() -> Case:
     unsure = {"power_w": between(2.5, 3.0, 9.0), "read_noise_e": between(1.0, 2.0, 8.0)}
     return with_parts(
         one(scenes=({"visibility_m": 12.0, "water": None},), wanted={"max_blur_px": 1.0, "min_snr_db": 25.0},
-            camera=unsure, light={"flux_lm": between(1.5e4, 3e4, 4e4)}, vehicle={"light_count": [1, 2]}),
+            camera=unsure, light={"flux_lm": between(1.5e4, 3e4, 4e4)},
+            vehicle={"light_count": [1, 2], "altitude_tolerance_m": 0.1}),
         cameras=[{"power_w": 4.0, "read_noise_e": 2.0}],
         lenses=[{"f_number_min": 1.4, "price": 700.0}],
         lights=[{"flux_lm": 3.4e4, "power_w": 330.0}],
@@ -161,6 +162,7 @@ def test_the_best_of_waters_is_no_worse_than_each_in_any_leg() -> None:
         beyond, least = (s.attenuation_per_m - s.lamp_attenuation_per_m for s in (one_, best))
         assert np.all(best.lamp_attenuation_per_m <= one_.lamp_attenuation_per_m) and np.all(least <= beyond + 1e-15)
         assert np.all(best.reflectance >= one_.reflectance)
+        assert best.range_m[0] >= one_.range_m[0] and best.range_m[-1] <= one_.range_m[-1]
 
 
 @pytest.mark.parametrize("lobe_rad", [0.2, 0.7, 1.2])

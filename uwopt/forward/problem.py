@@ -118,6 +118,7 @@ class Problem:
         parts = self.parts
         self.known_models: dict[Any, Any] = {}  # by hardware; see `design_model.design_model`
         self.f_number: float | None = None  # at which every iris stands; None: where it is best
+        self.focus_share: Array | None = None  # of the distance meant at which lenses stand, by camera; None: 1
         self.effects = PAPER if paper else effects
         self.owned_lights = owned_lights or {}
         self.count_range = counts or light_counts(mission)
@@ -180,6 +181,18 @@ class Problem:
         changed = copy(self)
         changed.scenes, changed.known_models = scenes, {}
         changed.contractions = self.contracted(scenes)
+        return changed
+
+    def over_bands(self, scenes: list[SceneOptics]) -> Problem:
+        """The same parts and light, seen over other bands of altitudes."""
+        changed = copy(self)
+        changed.scenes, changed.known_models = scenes, {}
+        return changed
+
+    def focused_at(self, share: Array) -> Problem:
+        """The same problem with lenses that stand at so much of the distance meant, by camera."""
+        changed = copy(self)
+        changed.focus_share, changed.known_models = share, {}
         return changed
 
     def at_f_number(self, f_number: float) -> Problem:

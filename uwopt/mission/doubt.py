@@ -13,6 +13,8 @@ CENTRAL, ENDS = "central", "ends"
 LEAST_CONFIDENCE, MOST_CONFIDENCE = 0.5, 0.99
 OUTPUT = (0.85, 1.07)  # makers of LEDs state 7 % either way; warm and used they give less
 FLOOR = (0.8, 1.25)
+BEYOND_BAND = 0.25
+FOCUS = (0.95, 1.05)  # marks of a ring, and what is meant by sharp on a screen
 
 
 def to_confidence(value: Any) -> Any:
@@ -68,6 +70,16 @@ class Doubt(Section):
     lamp_output: Factors = Field(
         default=OUTPUT,
         description="[least, most] factor on the light of a lamp as its maker states it, about 1; [1, 1]: it is known",
+    )
+    beyond_band: Share = Field(
+        default=BEYOND_BAND,
+        description="how far the vehicle leaves its band of altitudes at most, as a share of altitude_tolerance_m; "
+        "0: never",
+    )
+    focus: Factors = Field(
+        default=FOCUS,
+        description="[least, most] factor on the distance at which the lens is focused before the port is sealed, "
+        "about 1; [1, 1]: it is known",
     )
     scenarios: Annotated[int, Field(ge=32, le=4096), WHOLE] = Field(
         default=256, description="number of scenarios that the search draws"

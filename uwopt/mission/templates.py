@@ -123,6 +123,8 @@ requirements:
 #   other_water_table: 0.5     # probability that the other published table of the Jerlov types holds
 #   floor: [0.8, 1.25]         # factor on its reflectance; [1, 1]: it is known
 #   lamp_output: [0.85, 1.07]  # factor on the lumens that makers state
+#   beyond_band: 0.25          # how far the vehicle leaves its band, as a share of altitude_tolerance_m; 0: never
+#   focus: [0.95, 1.05]        # factor on the distance to which a lens is focused before its port is sealed
 #   scenarios: 256
 
 # What the system may cost, draw and weigh. A limit that is left out limits nothing.

@@ -23,7 +23,10 @@ PORT_VARIANTS = 3  # of a dome whose radius is in doubt: as it is, and both ends
 
 @dataclass(frozen=True)
 class EndScenarios(Scenarios):
-    """Every combination of the ends of water and floor with the ends of a dome's radius; parts at their bad ends."""
+    """Every combination of the ends of water, floor and focus with those of a dome's radius; parts at their bad ends.
+
+    The vehicle leaves its band as far as it may.
+    """
 
     @staticmethod
     def of(mission: Mission, scenes: Sequence[SceneOptics], doubt: Doubt) -> EndScenarios:
@@ -32,10 +35,11 @@ class EndScenarios(Scenarios):
         clarity = ENDS if doubt.clarity and any(scene.clarity for scene in scenes) else (0.0,)
         legs = ENDS if doubt.lamp_leg and any(scene.scattering for scene in scenes) else (0.0,)
         floors = tuple(dict.fromkeys(doubt.floor))
-        rows = list(product(product(tables, clarity, legs, floors), range(PORT_VARIANTS)))
-        states = [WaterState(*water) for water, _ in rows]
-        port = np.array([variant for _, variant in rows])
-        return EndScenarios(doubt, 0, len(rows), states, Waters.of(mission, scenes), port)
+        foci = tuple(dict.fromkeys(doubt.focus))
+        rows = list(product(product(tables, clarity, legs, floors), range(PORT_VARIANTS), foci))
+        states = [WaterState(*water, doubt.beyond_band) for water, _, _ in rows]
+        port, focus = np.array([variant for _, variant, _ in rows]), np.array([share for _, _, share in rows])
+        return EndScenarios(doubt, 0, len(rows), states, Waters.of(mission, scenes), port, focus)
 
     def ports(self, part: Part) -> list[Any]:
         """A port at its bad end, with each end of its radius."""

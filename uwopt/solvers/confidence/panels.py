@@ -196,7 +196,7 @@ def best_scene(scenes: Sequence[SceneOptics]) -> SceneOptics:
     Attenuation is the least of each leg by K and by what c has beyond K, which is what forward scattering sends to the
     camera beside the image: signal is no less than in any of them, and no veil is more, in relation to it.
     """
-    first = scenes[0]
+    first = min(scenes, key=lambda one: float(np.ptp(one.range_m)))  # what holds beyond a band holds within
     lamp = least([one.lamp_attenuation_per_m for one in scenes])
     beyond = least([one.attenuation_per_m - one.lamp_attenuation_per_m for one in scenes])
     daylight = first.diffuse_attenuation_per_m

@@ -30,7 +30,7 @@ BEAM_FACTS = frozenset({"beam_angle_deg"})
 
 @dataclass(frozen=True)
 class Scenarios:
-    """So many scenarios of one mission, each with a state of the water, and of the port, (count,)."""
+    """So many scenarios of one mission, each with a state of water and altitude, of port and of focus, (count,)."""
 
     doubt: Doubt
     seed: int
@@ -38,14 +38,16 @@ class Scenarios:
     states: list[WaterState]
     waters: Waters
     port: Array
+    focus: Array  # of the distance meant at which lenses stand
     known: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)  # parts drawn, light in other water
 
     @staticmethod
     def drawn(mission: Mission, scenes: Sequence[SceneOptics], doubt: Doubt, *, seed: int, count: int) -> Scenarios:
         """Draw them."""
         port = shuffled(seed, "port", count) * PORTS // count
-        states = drawn_states(doubt, seed, count)
-        return Scenarios(doubt, seed, count, states, Waters.of(mission, scenes), port)
+        states = drawn_states(doubt, seed, count, has_band=any(len(scene.range_m) > 1 for scene in scenes))
+        focus = triangular(probabilities(seed, "focus", count), doubt.focus[0], 1.0, doubt.focus[1])
+        return Scenarios(doubt, seed, count, states, Waters.of(mission, scenes), port, focus)
 
     @property
     def is_drawn(self) -> bool:

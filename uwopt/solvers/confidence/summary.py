@@ -108,6 +108,12 @@ def drawn(doubt: Doubt, problem: Problem) -> Iterator[str]:
         if doubt.other_water_table > 0.0:
             share = 100.0 * doubt.other_water_table
             yield f"the other table of the Jerlov types, where it has the water, in {share:g} % of all"
-    for name, (low, high) in (("reflectance of the floor", doubt.floor), ("lumens of the lamps", doubt.lamp_output)):
+    if doubt.beyond_band > 0.0 and any(len(scene.range_m) > 1 for scene in problem.scenes):
+        yield f"altitude beyond its band, by up to {100.0 * doubt.beyond_band:g} % of the tolerance"
+    for name, (low, high), than in (
+        ("reflectance of the floor", doubt.floor, "what is stated"),
+        ("lumens of the lamps", doubt.lamp_output, "what is stated"),
+        ("distance at which the lens is focused before its port is sealed", doubt.focus, "what is meant"),
+    ):
         if high > low:
-            yield f"{name}, {low:g} to {high:g} times what is stated"
+            yield f"{name}, {low:g} to {high:g} times {than}"

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,10 +21,12 @@ from uwopt.forward.part_columns import FLASH
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.sharpness import SharpRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.panels import CLOSED, SHORTER, Anchor, may_close
 from uwopt.solvers.confidence.response import LIT, VEILED, WaterResponse, of_deciding_pixels
 from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.waters import over_band
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, imagers_behind, joined
 from uwopt.solvers.exact.light_tables import Lighting, lightings
 from uwopt.solvers.exact.ranking import Found
@@ -80,15 +83,16 @@ class Together:
         assert isinstance(light, Light)
         lists = {"camera": cameras.parts, "lens": lenses.parts, "port": ports.parts, "light": scenarios.lights(light)}
         problem = problem_of(base, found[0], lists=lists)
+        problem = problem.focused_at(np.tile(scenarios.focus, len(cameras.parts) // scenarios.count))
         lost: list[dict[str, int]] = [{} for _ in found]
         blocks, begin = [], (cameras.begin, lenses.begin, ports.begin)
         for port in np.unique(ports.begin):
             mine = np.flatnonzero(ports.begin == port)
             discarded = dict.fromkeys(IMAGER_RULES, 0)
-            for state, which in different(scenarios, ports.parts, int(port)):
+            for state, band, which in different(scenarios, ports.parts, int(port)):
                 camera, lens = (np.add.outer(one[mine], which).ravel() for one in begin[:2])
-                behind = np.array([state])
-                blocks += list(imagers_behind(problem, camera, lens, behind, found[0].landscape, discarded, {}))
+                seen, behind = over_band_of(problem, band), np.array([state])
+                blocks += list(imagers_behind(seen, camera, lens, behind, found[0].landscape, discarded, {}))
             if len(mine) == 1:
                 lost[mine[0]] = dict(Counter({rule: n for rule, n in discarded.items() if n}).most_common())
         imagers = joined(problem, blocks, {}, {})
@@ -101,7 +105,7 @@ class Together:
         The light of each is worked out in the water as it is known, and scaled as one of its image changes with the
         water.
         """
-        known = self._lit(self.problem, objective, deadline)
+        known = self._beyond(self._lit(self.problem, objective, deadline), objective)
         states = [self.scenarios.states[k] for k in self.scenario]
         responses = self._responses(objective, deadline)
         made = []
@@ -139,6 +143,28 @@ class Together:
                 parts.append((mine, [of_deciding_pixels(one, image[mine]) for one in rows]))
         every = range(len(problem.scenes))
         return [SceneRows.in_places([(mine, rows[k]) for mine, rows in parts], len(self.scenario)) for k in every]
+
+    def _beyond(self, known: list[SceneRows], objective: Objective) -> list[SceneRows]:
+        """Rows as the altitudes of each scenario have them, by the light over the band as it is asked."""
+        beyond = np.array([state.beyond for state in self.scenarios.states])[self.scenario]
+        if not beyond.any():
+            return known
+        made = [over_wider_band(rows, beyond) for rows in known]
+        if all(rows.sharp is None for rows in known):
+            return made
+        sharp: list[list[tuple[Array, Any]]] = [[] for _ in known]
+        optics = self.problem.lights.optics_index[self.scenario]
+        for band, lighting in product(np.unique(beyond), lightings(self.problem)):
+            mine = np.flatnonzero((beyond == band) & (optics == lighting.optics))
+            if len(mine):
+                search = Search(over_band_of(self.problem, float(band)), objective, top=1, imagers=self.imagers)
+                search.prepare()
+                for index, places in enumerate(sharp):
+                    places.append((mine, search.design_rows.sharp(index, mine, lighting)))
+        return [
+            replace(rows, sharp=None if rows.sharp is None else SharpRows.in_places(places, len(beyond)))
+            for rows, places in zip(made, sharp, strict=True)
+        ]
 
     def _responses(self, objective: Objective, deadline: Deadline) -> dict[int, WaterResponse]:
         """How the light of each hardware's image changes with the water; those not known yet are worked out together.
@@ -189,12 +215,44 @@ def imagers_among(problem: Problem, found: Sequence[Found], landscape: bool) -> 
     return joined(problem, blocks, discarded, {})
 
 
-def different(scenarios: Scenarios, parts: Sequence[Any], begin: int) -> list[tuple[int, Array]]:
-    """The states of a port that differ, by their places, each with its scenarios."""
+def different(scenarios: Scenarios, parts: Sequence[Any], begin: int) -> list[tuple[int, float, Array]]:
+    """The states of a port that differ, by their places, and of the band of altitudes, each with its scenarios."""
     states = [parts[begin + state] for state in range(int(scenarios.port.max()) + 1)]
     first = {id(part): begin + state for state, part in reversed(list(enumerate(states)))}
     of = np.array([first[id(part)] for part in states])[scenarios.port]
-    return [(int(state), np.flatnonzero(of == state)) for state in np.unique(of)]
+    beyond = np.array([state.beyond for state in scenarios.states])
+    found = []
+    for state, band in product(np.unique(of), np.unique(beyond)):
+        which = np.flatnonzero((of == state) & (beyond == band))
+        if len(which):
+            found.append((int(state), float(band), which))
+    return found
+
+
+def over_band_of(problem: Problem, beyond: float) -> Problem:
+    """A problem whose vehicle leaves its band of altitudes so far in every scene."""
+    return problem.over_bands([over_band(scene, beyond) for scene in problem.scenes]) if beyond else problem
+
+
+def over_wider_band(rows: SceneRows, beyond: Array) -> SceneRows:
+    """Rows whose light is that at altitudes beyond the band, each by its own share of the tolerance, (n,).
+
+    Logarithms of the light over the altitudes of the band go on as the polynomial through all of them.
+    """
+    nodes = np.linspace(-1.0, 1.0, rows.signal_e.shape[1])
+    if len(nodes) == 1:
+        return rows
+    at = (1.0 + beyond)[:, None] * nodes
+    shares = [np.prod([(at - b) / (a - b) for b in nodes if b != a], axis=0) for a in nodes]
+    weight = np.stack(shares, axis=2)  # (n, altitude, node)
+    changes = {}
+    for name in (*LIT, *VEILED):
+        column = getattr(rows, name)
+        if column is not None and column.shape[1] == len(nodes):
+            seen = (column > 0.0).all(axis=1, keepdims=True)
+            beyond_it = np.exp(np.einsum("nak,nk...->na...", weight, np.log(np.where(seen, column, 1.0))))
+            changes[name] = np.where(seen, beyond_it, column)
+    return replace(rows, **changes)
 
 
 def whose(imagers: Imagers, begin: tuple[Array, Array, Array], count: int) -> Array:

@@ -19,11 +19,12 @@ from uwopt.catalog.curves.spectra import water_types
 from uwopt.forward.scene import LampLeg, Scattering, SceneOptics, geometric, scene_optics
 from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission, SceneView
-from uwopt.solvers.confidence.draws import even_points, triangular
+from uwopt.solvers.confidence.draws import even_points, probabilities, shuffled, triangular
 from uwopt.solvers.explain.waters import OTHER
 
 Array = NDArray[Any]
 ENDS: tuple[LampLeg, LampLeg, LampLeg] = ("least", "diffuse", "most")
+BANDS = 4  # states of the band of altitudes, over each of which all that is geometric is worked out
 
 
 @dataclass(frozen=True)
@@ -34,18 +35,20 @@ class WaterState:
     clarity: float
     lamp_leg: float
     floor: float  # factor on its reflectance
+    beyond: float = 0.0  # how far the vehicle leaves its band of altitudes, as a share of the tolerance
 
 
-def drawn_states(doubt: Doubt, seed: int, count: int) -> list[WaterState]:
-    """Evenly spread states; those of all scenes of a mission are drawn together."""
+def drawn_states(doubt: Doubt, seed: int, count: int, *, has_band: bool = False) -> list[WaterState]:
+    """Evenly spread states; those of all scenes of a mission are drawn together. `has_band`: of altitudes, not one."""
     at = even_points(seed, "water", count, 4).T
 
     def between(probability: Array, asked: bool) -> Array:
         return triangular(probability, -1.0, 0.0, 1.0) if asked else np.zeros(count)
 
+    band = triangular(probabilities(seed, "altitude", BANDS), 0.0, 0.0, doubt.beyond_band if has_band else 0.0)
     columns = (
         at[0] < doubt.other_water_table, between(at[1], doubt.clarity), between(at[2], doubt.lamp_leg),
-        triangular(at[3], doubt.floor[0], 1.0, doubt.floor[1]),
+        triangular(at[3], doubt.floor[0], 1.0, doubt.floor[1]), band[shuffled(seed, "band", count) * BANDS // count],
     )  # fmt: skip
     return [WaterState(*row) for row in zip(*(column.tolist() for column in columns), strict=True)]
 
@@ -82,7 +85,7 @@ class KnownWaters:
 
     def at(self, state: WaterState) -> SceneOptics:
         """The scene in one state."""
-        scene = self.scene
+        scene = over_band(self.scene, state.beyond)
         reflectance = np.minimum(scene.reflectance * state.floor, 1.0)
         if scene.paper:
             return replace(scene, reflectance=reflectance, cache={})
@@ -134,6 +137,15 @@ class KnownWaters:
             return None
         of_no_type = scene.clarity is not None and water is None
         return other if of_no_type or water in water_types(other) else None
+
+
+def over_band(scene: SceneOptics, beyond: float) -> SceneOptics:
+    """A scene whose altitudes go beyond their band by a share of the tolerance; never to the floor itself."""
+    if beyond == 0.0 or len(scene.range_m) == 1:
+        return scene
+    nominal = float(scene.range_m[scene.nominal])
+    most = 0.5 * (1.0 + nominal / (nominal - float(scene.range_m[0])))
+    return replace(scene, range_m=nominal + (scene.range_m - nominal) * min(1.0 + beyond, most), cache={})
 
 
 def own_table(scene: SceneOptics) -> str | None:

@@ -81,11 +81,13 @@ def numbers_of(problem: Problem, objective: Objective, certain: Certain) -> Iter
     states = scenarios.states
     for name, text in (
         ("clarity", "clarity of the water"), ("lamp_leg", "K of the lamps' way"), ("floor", "reflectance of the floor"),
-        ("other_table", "which table of the Jerlov types holds"),
+        ("other_table", "which table of the Jerlov types holds"), ("beyond", "altitude beyond its band"),
     ):  # fmt: skip
         column = np.array([float(getattr(state, name)) for state in states])
         if np.ptp(column) > 0.0:
             yield text, "", column
+    if np.ptp(scenarios.focus) > 0.0:
+        yield "distance at which the lens stands", "", np.abs(scenarios.focus - 1.0)
     if not scenarios.doubt.parts:
         return
     for kind, part in pieces_of(problem, certain.best.found):

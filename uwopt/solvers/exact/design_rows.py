@@ -61,7 +61,7 @@ class NodeRows:
                 self.problem, index, camera=self.imagers.camera[imager], light=light, count=count,
                 focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
                 sun=self._sun(index, imager, count, lighting, pixels=pixels, few=unlit),
-                sharp=self._sharp(index, imager, lighting),
+                sharp=self.sharp(index, imager, lighting),
             )  # fmt: skip
             if optimistic:
                 rows = of_darkest_pixels(rows, LIKELY_PLACES)
@@ -75,7 +75,7 @@ class NodeRows:
         """Whether all of these lights stand for no lamp."""
         return all(self.problem.unlit(int(one)) for one in np.unique(light))
 
-    def _sharp(self, scene_index: int, imager: Array, lighting: Lighting) -> SharpRows | None:
+    def sharp(self, scene_index: int, imager: Array, lighting: Lighting) -> SharpRows | None:
         """What MTF and information depend on, where either is asked for."""
         needs = self.problem.scenes[scene_index].view.requirements
         if not needs.asks_sharpness and not self.objective.weight("information"):

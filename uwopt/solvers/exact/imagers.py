@@ -218,7 +218,8 @@ def imagers_behind(
     if len(left) < len(camera):
         camera, lens, dioptre, spacers_m = camera[left], lens[left], dioptre[left], spacers_m[left]
         seen = [view.take(left) for view in seen]
-    focused = focused_behind(problem, camera, lens, port, seen, dioptre, spacers_m)
+    set_at = dioptre if problem.focus_share is None else dioptre / problem.focus_share[camera]
+    focused = focused_behind(problem, camera, lens, port, seen, set_at, spacers_m)
     left = tally.passing(focus_rules(problem, camera, lens, focused), camera, lens, ports)
     if len(left) == 0:
         return
