@@ -19,7 +19,7 @@ from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.problem import Parts, Problem
 from uwopt.solvers.confidence import search as search_module
 from uwopt.solvers.confidence.counted import Counted, best_of
-from uwopt.solvers.confidence.outcomes import by_shared, outcomes_of_each
+from uwopt.solvers.confidence.outcomes import groups_of, outcomes_of_each
 from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covered, panel_of
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.screen import bounds_of
@@ -116,7 +116,7 @@ def test_no_bound_is_above_what_is_counted() -> None:
     made = outcomes_of_each(problem, every, objective, scenarios, every_stop=True)
     assert sorted(np.concatenate([anchor.scenarios for anchor in anchors])) == list(range(48))
     tight = []
-    for places in by_shared(every):
+    for places in groups_of(every):
         group = Together.of(problem, [every[k] for k in places], scenarios)
         bounds = bounds_of(group, objective, anchors, NEVER, lambda value: np.ones(len(value), bool))
         for own, k in zip(bounds, places, strict=True):

@@ -7,7 +7,7 @@ sealed port is not, so that each stop of its ring is tried in all scenarios. Foc
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -85,39 +85,63 @@ def outcomes_of_each(
     base: Problem, found: Sequence[Found], objective: Objective, scenarios: Scenarios, deadline: Deadline = NEVER, *,
     f_numbers: Sequence[float] | None = None, every_stop: bool = False,
 ) -> list[Outcomes]:  # fmt: skip
-    """How each hardware does in all scenarios; hardware that shares light, mount and orientation together.
+    """How each hardware does in all scenarios.
 
     f_numbers : nan: wherever the iris may stand best in each scenario, which no stop of a ring betters
     every_stop : at each stop that any scenario allows, not at likely ones alone
     """
     made: dict[int, Outcomes] = {}
-    for places in by_shared(found):
+    for places in groups_of(found):
         group = Together.of(base, [found[k] for k in places], scenarios)
-        made |= zip(places, outcomes_together(base, group, objective, deadline, f_numbers, every_stop), strict=True)
+        marks = [marks_of(base, group, hardware, f_numbers, every_stop) for hardware in range(len(places))]
+        rows = group.rows(objective, deadline) if any(marks) else []
+        made |= zip(places, outcomes_together(group, objective, rows, marks), strict=True)
     return [made[k] for k in range(len(found))]
 
 
-def by_shared(found: Sequence[Found]) -> Iterator[list[int]]:
-    """Places of hardware that is counted together: of one light, so many lamps, one mount and orientation."""
-    groups: dict[Any, list[int]] = {}
-    for place, one in enumerate(found):
-        groups.setdefault((one.light, one.count, one.landscape, one.lighting.mount), []).append(place)
-    for group in groups.values():
-        for first in range(0, len(group), MOST_TOGETHER):
-            yield group[first : first + MOST_TOGETHER]
+def outcomes_where(
+    base: Problem, found: Sequence[Found], objective: Objective, scenarios: Scenarios, deadline: Deadline, *,
+    wanted: Callable[[Outcomes], bool],
+) -> dict[int, Outcomes]:  # fmt: skip
+    """The outcomes, at every stop that any scenario allows, of hardware that is wanted even with its iris free.
+
+    The iris then stands in each scenario where it is best, which no stop of a ring betters.
+    """
+    made: dict[int, Outcomes] = {}
+    for places in groups_of(found):
+        deadline.check()
+        group = Together.of(base, [found[k] for k in places], scenarios)
+        free = [marks_of(base, group, hardware, [np.nan]) for hardware in range(len(places))]
+        if not any(free):
+            continue
+        rows = group.rows(objective, deadline)
+        may = [wanted(one) for one in outcomes_together(group, objective, rows, free)]
+        marks = [marks_of(base, group, h, None, every=True) if own else [] for h, own in enumerate(may)]
+        every = outcomes_together(group, objective, rows, marks)
+        made |= {place: one for place, one, own in zip(places, every, may, strict=True) if own}
+    return made
+
+
+def groups_of(found: Sequence[Found]) -> Iterator[list[int]]:
+    """Places of hardware that is counted together: what sees through one port side by side."""
+
+    def views(place: int) -> tuple[Any, ...]:
+        one = found[place]
+        return one.landscape, one.port, one.camera, one.lens, one.light
+
+    order = sorted(range(len(found)), key=views)
+    for first in range(0, len(order), MOST_TOGETHER):
+        yield order[first : first + MOST_TOGETHER]
 
 
 def outcomes_together(
-    base: Problem, group: Together, objective: Objective, deadline: Deadline, f_numbers: Sequence[float] | None,
-    every_stop: bool,
-) -> list[Outcomes]:  # fmt: skip
-    """How each of a group does."""
+    group: Together, objective: Objective, rows: list[SceneRows], marks: Sequence[list[float]]
+) -> list[Outcomes]:
+    """How each of a group does with its iris at these marks."""
     count = group.scenarios.count
     made = [Outcomes(np.array([np.nan]), np.full((1, count), np.inf), lost) for lost in group.lost]
-    marks = [marks_of(base, group, hardware, f_numbers, every_stop) for hardware in range(len(made))]
     if not any(marks):
         return made
-    rows = group.rows(objective, deadline)
     imager = [np.tile(np.flatnonzero(group.hardware == h), len(own)) for h, own in enumerate(marks)]
     stop = [np.repeat(own, len(mine) // max(len(own), 1)) for own, mine in zip(marks, imager, strict=True)]
     every = values_at(group, objective, rows, np.concatenate(imager), np.concatenate(stop))
@@ -134,7 +158,7 @@ def outcomes_together(
 
 
 def marks_of(
-    base: Problem, group: Together, hardware: int, f_numbers: Sequence[float] | None, every_stop: bool
+    base: Problem, group: Together, hardware: int, f_numbers: Sequence[float] | None, every: bool = False
 ) -> list[float]:
     """Where the iris of one hardware is tried: nan where it is moved at sea; nowhere where nothing is seen."""
     mine = np.flatnonzero(group.hardware == hardware)
@@ -143,7 +167,7 @@ def marks_of(
     lens = base.lenses.take(np.array([group.found[hardware].lens]))
     if bool(lens.motorised[0]):
         return [np.nan]
-    return [float(n) for n in f_numbers] if f_numbers else wanted_stops(lens, group.imagers, mine, every_stop)
+    return [float(n) for n in f_numbers] if f_numbers else wanted_stops(lens, group.imagers, mine, every)
 
 
 def wanted_stops(lens: Lenses, imagers: Imagers, rows: Array, every: bool) -> list[float]:
@@ -170,8 +194,7 @@ def values_at(
     """Minimised objective of these imagers, each with its iris at its own stop; and what is missed first, by name."""
     problem, imagers = group.problem, group.imagers
     tried = [at_stop(r.take(imager), stop) for r in rows]
-    light = group.scenario[imager]
-    number = np.full(len(imager), group.found[0].count)
+    light, number = group.light[imager], group.count[imager]
     to_buy = problem.lamps_to_buy(light, number)
     cost = imagers.cost[imager] + to_buy * problem.lights.price[light]
     limit_cost = imagers.limit_cost[imager] + to_buy * problem.lights.limit_price[light]

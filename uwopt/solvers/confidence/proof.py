@@ -18,7 +18,7 @@ from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.counted import Counted, best_of, names
-from uwopt.solvers.confidence.outcomes import outcomes_of_each
+from uwopt.solvers.confidence.outcomes import Outcomes, outcomes_where
 from uwopt.solvers.confidence.panels import anchors_of, least_covered, panel_of
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.screen import may_be_better
@@ -32,7 +32,7 @@ Progress = Callable[[float, str], None]
 MOST_LISTED = 400  # hardware that a panel leaves: of more the best by its values
 MOST_VARIANTS = 64  # numbers, mounts and orientations
 A_SCREEN = 160  # hardware that is bounded before what is left of it is counted
-A_BATCH = 16  # hardware that is counted before the best known is asked for again
+A_BATCH = 48  # hardware that is counted before the best known is asked for again
 
 
 @dataclass(frozen=True)
@@ -162,13 +162,12 @@ class Prover:
 
     def _count(self, some: Sequence[Found]) -> None:
         """Count hardware with its iris where that is best in each scenario; what may be better, at every stop."""
-        free = outcomes_of_each(self.problem, some, self.objective, self.scenarios, self.deadline, f_numbers=[np.nan])
-        may = [
-            found for found, one in zip(some, free, strict=True)
-            if one.held[0] >= self.share and one.quantile(0.5)[0] <= self.ceiling
-        ]  # fmt: skip
-        made = outcomes_of_each(self.problem, may, self.objective, self.scenarios, self.deadline, every_stop=True)
-        for found, one in zip(may, made, strict=True):
+
+        def may(one: Outcomes) -> bool:
+            return bool(one.held[0] >= self.share and one.quantile(0.5)[0] <= self.ceiling)
+
+        made = outcomes_where(self.problem, some, self.objective, self.scenarios, self.deadline, wanted=may)
+        for found, one in ((some[place], one) for place, one in made.items()):
             name = names(self.problem, found)
             self.tried[:] = [known for known in self.tried if names(self.problem, known.found) != name]
             self.tried.append(Counted(found, one, one.best(self.share)))

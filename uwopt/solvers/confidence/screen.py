@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.confidence.outcomes import by_shared, values_at
+from uwopt.solvers.confidence.outcomes import groups_of, values_at
 from uwopt.solvers.confidence.panels import Anchor, least_covered
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.together import Together
@@ -32,7 +32,7 @@ def may_be_better(
     """Of each hardware whether it may hold in so large a share of the scenarios with a median below the ceiling."""
     lost, worse = least_covered(scenarios.count, share), least_covered(scenarios.count, 0.5)
     rule, left = partial(passes, ceiling=ceiling, lost_at_most=lost, worse_at_most=worse), np.ones(len(found), bool)
-    for places in by_shared(found):
+    for places in groups_of(found):
         group = Together.of(base, [found[k] for k in places], scenarios)
         left[places] = rule(bounds_of(group, objective, anchors, deadline, rule))
     return left

@@ -1,13 +1,13 @@
-"""Hardware of one light in all scenarios at once: all states of its parts as one small catalogue.
+"""Hardware in all scenarios at once: all states of its parts as one small catalogue.
 
-Hardware that differs in camera, lens or port alone, with as many lamps of one light at one mount, shares most of what
-is dear: parts are drawn once each, light is integrated once an image, and settings are solved row by row.
+What is dear is shared: parts are drawn once each, what cameras see through a port is worked out once whatever lights
+stand beside, light is integrated once an image, and settings are solved row by row.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import product
 from typing import Any
@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.catalog.records import Light, Part
-from uwopt.deadline import Deadline
+from uwopt.catalog.records import Part
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FLASH
-from uwopt.forward.problem import Problem
+from uwopt.forward.problem import Parts, Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
@@ -27,11 +27,12 @@ from uwopt.solvers.confidence.panels import CLOSED, SHORTER, Anchor, may_close
 from uwopt.solvers.confidence.response import LIT, VEILED, WaterResponse, of_deciding_pixels
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.waters import over_band
-from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, imagers_behind, joined
-from uwopt.solvers.exact.light_tables import Lighting, lightings
+from uwopt.solvers.exact.candidates import Candidates
+from uwopt.solvers.exact.design_rows import NodeRows
+from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, PortBlock, imagers_behind, joined
+from uwopt.solvers.exact.light_tables import Lighting
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.one_hardware import parts_of, problem_of
+from uwopt.solvers.explain.one_hardware import parts_of
 
 Array = NDArray[Any]
 SAME_FIELD = 0.02  # of the logarithm of a field's tangent
@@ -60,9 +61,10 @@ class States:
 class Together:
     """Hardware in scenarios, as imagers that pass the rules without light.
 
-    `hardware`, `scenario` : of each imager, (n,)
+    `hardware`, `scenario`, `light`, `count`, `mount` : of each imager, (n,): the place of the light among those of all
+        scenarios, the number of lamps and the place of their mount
     `lost` : by hardware, rules that no setting can mend, with how many scenarios each is the first to discard; empty
-        where ports are shared
+        where several views share a port
     """
 
     problem: Problem
@@ -71,33 +73,50 @@ class Together:
     imagers: Imagers
     hardware: Array
     scenario: Array
+    light: Array
+    count: Array
+    mount: Array
     lost: list[dict[str, int]]
 
     @staticmethod
     def of(base: Problem, found: Sequence[Found], scenarios: Scenarios) -> Together:
-        """All states of the parts of hardware that has one light, so many lamps, one mount and orientation."""
+        """All states of the parts of hardware."""
         own = [dict(parts_of(base, one)) for one in found]
         cameras, lenses = (States.of([one[kind] for one in own], scenarios.each) for kind in ("camera", "lens"))
         ports = States.of([one["port"] for one in own], scenarios.ports)
-        light = own[0]["light"]
-        assert isinstance(light, Light)
-        lists = {"camera": cameras.parts, "lens": lenses.parts, "port": ports.parts, "light": scenarios.lights(light)}
-        problem = problem_of(base, found[0], lists=lists)
-        problem = problem.focused_at(np.tile(scenarios.focus, len(cameras.parts) // scenarios.count))
-        lost: list[dict[str, int]] = [{} for _ in found]
-        blocks, begin = [], (cameras.begin, lenses.begin, ports.begin)
-        for port in np.unique(ports.begin):
-            mine = np.flatnonzero(ports.begin == port)
+        lights = States.of([one["light"] for one in own], scenarios.lights)
+        mounts = list(dict.fromkeys(one.lighting.mount for one in found))
+        counts = np.array([one.count for one in found])
+        problem = Problem(
+            base.mission, Parts(tuple(cameras.parts), tuple(lenses.parts), tuple(ports.parts), tuple(lights.parts)),
+            paper=base.paper, owned_lights=base.owned_lights, counts=(int(counts.min()), int(counts.max())),
+            mounts=mounts, scenes=base.scenes, effects=base.effects,
+        ).focused_at(np.tile(scenarios.focus, len(cameras.parts) // scenarios.count))  # fmt: skip
+        landscape = np.array([one.landscape for one in found], int)
+        views, view_of = np.unique(
+            np.stack([landscape, ports.begin, cameras.begin, lenses.begin], axis=1), axis=0, return_inverse=True
+        )
+        view_of = view_of.ravel()
+        blocks: list[PortBlock] = []
+        lost: list[dict[str, int]] = [{} for _ in views]
+        for orientation, port in np.unique(views[:, :2], axis=0):
+            mine = np.flatnonzero((views[:, 0] == orientation) & (views[:, 1] == port))
             discarded = dict.fromkeys(IMAGER_RULES, 0)
             for state, band, which in different(scenarios, ports.parts, int(port)):
-                camera, lens = (np.add.outer(one[mine], which).ravel() for one in begin[:2])
-                seen, behind = over_band_of(problem, band), np.array([state])
-                blocks += list(imagers_behind(seen, camera, lens, behind, found[0].landscape, discarded, {}))
+                camera, lens = (np.add.outer(views[mine, k], which).ravel() for k in (2, 3))
+                seen = over_band_of(problem, band)
+                blocks += imagers_behind(seen, camera, lens, np.array([state]), bool(orientation), discarded, {})
             if len(mine) == 1:
                 lost[mine[0]] = dict(Counter({rule: n for rule, n in discarded.items() if n}).most_common())
         imagers = joined(problem, blocks, {}, {})
-        hardware = whose(imagers, begin, scenarios.count)
-        return Together(problem, scenarios, found, imagers, hardware, imagers.camera % scenarios.count, lost)
+        rows, hardware = each_with_its_view(whose(imagers, views, scenarios.count), view_of)
+        imagers = some_of(imagers, rows)
+        scenario = imagers.camera % scenarios.count
+        mount = np.array([mounts.index(one.lighting.mount) for one in found])
+        return Together(
+            problem, scenarios, found, imagers, hardware, scenario, lights.begin[hardware] + scenario,
+            counts[hardware], mount[hardware], [lost[view] for view in view_of],
+        )  # fmt: skip
 
     def rows(self, objective: Objective, deadline: Deadline) -> list[SceneRows]:
         """The settings' view of all imagers, by scene of the mission.
@@ -111,8 +130,8 @@ class Together:
         made = []
         for index, rows in enumerate(known):
             seen = []
-            for hardware, response in responses.items():
-                mine = np.flatnonzero(self.hardware == hardware)
+            for response, hardware in responses:
+                mine = np.flatnonzero(np.isin(self.hardware, hardware))
                 seen.append((mine, response.seen_in(index, rows.take(mine), [states[k] for k in mine])))
             made.append(seen[0][1] if len(seen) == 1 else SceneRows.in_places(seen, len(self.scenario)))
         return made
@@ -120,8 +139,9 @@ class Together:
     def only(self, rows: Array) -> Together:
         """These imagers alone."""
         return replace(
-            self, imagers=some_of(self.imagers, rows), hardware=self.hardware[rows], scenario=self.scenario[rows]
-        )
+            self, imagers=some_of(self.imagers, rows), hardware=self.hardware[rows], scenario=self.scenario[rows],
+            light=self.light[rows], count=self.count[rows], mount=self.mount[rows],
+        )  # fmt: skip
 
     def bounded_rows(self, objective: Objective, anchor: Anchor, deadline: Deadline) -> list[SceneRows]:
         """Rows with no less light than in each scenario, by a water that is no harder; none is too bright there."""
@@ -132,17 +152,21 @@ class Together:
 
     def _lit(self, problem: Problem, objective: Objective, deadline: Deadline) -> list[SceneRows]:
         """Rows in the light of some water, by scene, each under its own light."""
-        search = Search(problem, objective, top=1, imagers=self.imagers, deadline=deadline)
-        search.prepare()
-        optics, image = problem.lights.optics_index[self.scenario], search.tables.images[1]
-        parts = []
-        for lighting in search.tables.lightings:
-            mine = np.flatnonzero(optics == lighting.optics)
-            if len(mine):
-                rows = rows_under(search, mine, self.scenario[mine], lighting, self.found[0].count)
-                parts.append((mine, [of_deciding_pixels(one, image[mine]) for one in rows]))
+        made = node_rows(problem, self.imagers, objective, deadline)
+        image, parts = made.tables.images[1], []
+        for lighting, mine in self._under_each(made.tables.lightings):
+            rows = rows_under(made, mine, self.light[mine], self.count[mine], lighting)
+            parts.append((mine, [of_deciding_pixels(one, image[mine]) for one in rows]))
         every = range(len(problem.scenes))
         return [SceneRows.in_places([(mine, rows[k]) for mine, rows in parts], len(self.scenario)) for k in every]
+
+    def _under_each(self, every: Sequence[Lighting]) -> Iterator[tuple[Lighting, Array]]:
+        """Each lighting that serves, with its rows."""
+        optics = self.problem.lights.optics_index[self.light]
+        for lighting in every:
+            mine = np.flatnonzero((optics == lighting.optics) & (self.mount == lighting.mount_index))
+            if len(mine):
+                yield lighting, mine
 
     def _beyond(self, known: list[SceneRows], objective: Objective) -> list[SceneRows]:
         """Rows as the altitudes of each scenario have them, by the light over the band as it is asked."""
@@ -153,49 +177,52 @@ class Together:
         if all(rows.sharp is None for rows in known):
             return made
         sharp: list[list[tuple[Array, Any]]] = [[] for _ in known]
-        optics = self.problem.lights.optics_index[self.scenario]
-        for band, lighting in product(np.unique(beyond), lightings(self.problem)):
-            mine = np.flatnonzero((beyond == band) & (optics == lighting.optics))
-            if len(mine):
-                search = Search(over_band_of(self.problem, float(band)), objective, top=1, imagers=self.imagers)
-                search.prepare()
-                for index, places in enumerate(sharp):
-                    places.append((mine, search.design_rows.sharp(index, mine, lighting)))
+        for band in np.unique(beyond):
+            over = node_rows(over_band_of(self.problem, float(band)), self.imagers, objective, NEVER)
+            for lighting, under in self._under_each(over.tables.lightings):
+                mine = under[beyond[under] == band]
+                for index, places in enumerate(sharp if len(mine) else ()):
+                    places.append((mine, over.sharp(index, mine, lighting)))
         return [
             replace(rows, sharp=None if rows.sharp is None else SharpRows.in_places(places, len(beyond)))
             for rows, places in zip(made, sharp, strict=True)
         ]
 
-    def _responses(self, objective: Objective, deadline: Deadline) -> dict[int, WaterResponse]:
-        """How the light of each hardware's image changes with the water; those not known yet are worked out together.
+    def _responses(self, objective: Objective, deadline: Deadline) -> list[tuple[WaterResponse, list[int]]]:
+        """How the light of images changes with the water, each with its hardware.
 
-        The first state of its parts stands for all.
+        The first state of parts stands for all. Those not known yet are worked out together.
         """
         known = self.scenarios.known
         hardware, first = np.unique(self.hardware, return_index=True)
-        keys = {int(h): self._image_key(int(row)) for h, row in zip(hardware, first, strict=True)}
-        missing = {keys[int(h)]: int(row) for h, row in reversed([*zip(hardware, first, strict=True)])}
-        missing = {key: row for key, row in missing.items() if key not in known}
-        light = int(self.scenario[0])
-        optics = self.problem.lights.optics_index[light]
-        lighting = next(one for one in lightings(self.problem) if one.optics == optics)
-        alone = some_of(self.imagers, np.array(list(missing.values()), int))
+        of: dict[Any, list[int]] = {}
+        row_of: dict[Any, int] = {}
+        for h, row in zip(hardware.tolist(), first.tolist(), strict=True):
+            key = self._image_key(row)
+            of.setdefault(key, []).append(h)
+            row_of.setdefault(key, row)
+        missing = [key for key in of if key not in known]
+        alone = self.only(np.array([row_of[key] for key in missing], int))
 
         def reference(scenes: list[SceneOptics]) -> list[SceneRows]:
             deadline.check()
-            other = Search(self.problem.in_scenes(scenes), objective, top=1, imagers=alone, deadline=deadline)
-            other.prepare()
-            every = np.arange(len(alone))
-            return rows_under(other, every, np.full(len(alone), light), lighting, self.found[0].count, with_rules=False)
+            made = node_rows(self.problem.in_scenes(scenes), alone.imagers, objective, deadline)
+            parts = [
+                (mine, rows_under(made, mine, alone.light[mine], alone.count[mine], lighting, with_rules=False))
+                for lighting, mine in alone._under_each(made.tables.lightings)
+            ]
+            return [
+                SceneRows.in_places([(mine, rows[k]) for mine, rows in parts], len(missing)) for k in range(len(scenes))
+            ]
 
         if missing:
-            made = WaterResponse.of_each(self.scenarios.waters, self.scenarios.states, reference, len(alone))
+            made = WaterResponse.of_each(self.scenarios.waters, self.scenarios.states, reference, len(missing))
             known.update(zip(missing, made, strict=True))
-        return {h: known[key] for h, key in keys.items()}
+        return [(known[key], own) for key, own in of.items()]
 
     def _image_key(self, row: int) -> tuple[Any, ...]:
         """What tells images apart whose light changes differently with the water: fields more than 2 % apart."""
-        problem, found = self.problem, self.found[0]
+        problem, found = self.problem, self.found[self.hardware[row]]
         fields_seen = [
             round(float(np.log(tangent[row])) / SAME_FIELD)
             for seen in self.imagers.scenes
@@ -255,18 +282,26 @@ def over_wider_band(rows: SceneRows, beyond: Array) -> SceneRows:
     return replace(rows, **changes)
 
 
-def whose(imagers: Imagers, begin: tuple[Array, Array, Array], count: int) -> Array:
-    """Which hardware each imager is of, by the states of camera, lens and port."""
-    camera, lens, port = begin
-    starts = np.unique(port)
-    own = starts[np.searchsorted(starts, imagers.port, side="right") - 1] if len(imagers) else imagers.port
-    columns = [(imagers.camera // count, camera // count), (imagers.lens // count, lens // count), (own, port)]
-    seen, wanted = np.zeros(len(imagers), int), np.zeros(len(camera), int)
-    for ours, theirs in columns:
-        size = int(theirs.max()) + 1
-        seen, wanted = seen * size + ours, wanted * size + theirs
+def whose(imagers: Imagers, views: Array, count: int) -> Array:
+    """Which view each imager is of, by its orientation and the states of port, camera and lens, (n_views, 4)."""
+    starts = np.unique(views[:, 1])
+    port = starts[np.searchsorted(starts, imagers.port, side="right") - 1] if len(imagers) else imagers.port
+    own = (imagers.landscape, port, imagers.camera // count, imagers.lens // count)
+    theirs = (views[:, 0], views[:, 1], views[:, 2] // count, views[:, 3] // count)
+    seen, wanted = np.zeros(len(imagers), int), np.zeros(len(views), int)
+    for ours, their in zip(own, theirs, strict=True):
+        size = int(their.max()) + 1
+        seen, wanted = seen * size + ours, wanted * size + their
     order = np.argsort(wanted)
     return np.asarray(order[np.searchsorted(wanted[order], seen)])
+
+
+def each_with_its_view(view: Array, view_of: Array) -> tuple[Array, Array]:
+    """The rows of each hardware's view, one hardware after another, and whose each is."""
+    order = np.argsort(view, kind="stable")
+    begin, end = (np.searchsorted(view[order], view_of, side=side) for side in ("left", "right"))
+    rows = [order[low:high] for low, high in zip(begin, end, strict=True)]
+    return np.concatenate(rows), np.repeat(np.arange(len(view_of)), end - begin)
 
 
 def some_of(imagers: Imagers, rows: Array) -> Imagers:
@@ -298,9 +333,15 @@ def eased(rows: SceneRows, *, iris: bool) -> SceneRows:
     return replace(made, dims_freely=rows.dims_freely | flash, min_level=np.where(flash, 0.0, rows.min_level))
 
 
+def node_rows(problem: Problem, imagers: Imagers, objective: Objective, deadline: Deadline) -> NodeRows:
+    """What makes rows of these imagers under any lighting."""
+    none = np.zeros(len(problem.parts.lights), bool)  # bounds of lights are not asked for
+    return NodeRows(problem, objective, Candidates.of(problem, objective, imagers, lights=none), deadline)
+
+
 def rows_under(
-    search: Search, rows: Array, light: Array, lighting: Lighting, count: int, *, with_rules: bool = True
+    made: NodeRows, rows: Array, light: Array, count: Array, lighting: Lighting, *, with_rules: bool = True
 ) -> list[SceneRows]:
     """The settings' view of these imagers, each under its own light of one optics."""
-    lights = [search.tables.exact(s, lighting, rows) for s in range(len(search.problem.scenes))]
-    return search.rows(rows, lights, light, np.full(len(rows), count), lighting, with_rules=with_rules)
+    lights = [made.tables.exact(s, lighting, rows) for s in range(len(made.problem.scenes))]
+    return made.rows(rows, lights, light, count, lighting, with_rules=with_rules)
