@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from copy import copy
 from dataclasses import dataclass
 from typing import Any, Self
@@ -58,6 +59,7 @@ class Ranking:
     def __init__(self, problem: Problem, imagers: Imagers, *, top: int, ceiling: float):
         self.problem, self.imagers, self.top, self.ceiling = problem, imagers, top, ceiling
         self.best: list[Found] = []
+        self.known_ids: dict[tuple[int, int, int, int], tuple[str, ...]] = {}
 
     def among(self, imagers: Imagers) -> Self:
         """The same, for designs of other imagers to enter; what was found stays."""
@@ -151,14 +153,23 @@ class Ranking:
 
     def _insert(self, design: Found) -> None:
         """Put a design in its place; of equal hardware only the better stays."""
-        parts = self.problem.parts
-        same = [f for f in self.best if ids_in(parts, f) == ids_in(parts, design)]
+        parts, own = self.problem.parts, self._ids(design)
+        same = [f for f in self.best if self._ids(f) == own]
         if same and not comes_before(design, same[0], parts):
             return
-        rest = [f for f in self.best if ids_in(parts, f) != ids_in(parts, design)]
-        place = next((n for n, f in enumerate(rest) if comes_before(design, f, parts)), len(rest))
+        rest = [f for f in self.best if self._ids(f) != own] if same else list(self.best)
+        ahead = design.minimised - 4.0 * TIE * abs(design.minimised)  # none of these is passed
+        first = bisect_left(rest, ahead, key=lambda f: f.minimised)
+        place = next((n for n in range(first, len(rest)) if comes_before(design, rest[n], parts)), len(rest))
         rest.insert(place, design)
         self.best = rest[: self.top]
+
+    def _ids(self, design: Found) -> tuple[str, ...]:
+        """Ids of a design's parts, kept: long lists ask for them often."""
+        place = design.camera, design.lens, design.port, design.light
+        if place not in self.known_ids:
+            self.known_ids[place] = ids_in(self.problem.parts, design)
+        return self.known_ids[place]
 
 
 def ids_in(parts: Parts, design: Found) -> tuple[str, ...]:
