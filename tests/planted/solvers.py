@@ -481,7 +481,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="one hardware may be listed twice",
         file="uwopt/solvers/exact/ranking.py",
-        old="rest = [f for f in self.best if ids_in(parts, f) != ids_in(parts, design)]",
+        old="rest = [f for f in self.best if self._ids(f) != own] if same else list(self.best)",
         new="rest = list(self.best)",
         test=f"{CERTIFICATE}test_runners_up_have_other_hardware",
     ),
