@@ -174,13 +174,6 @@ DEFECTS = (
         test=f"{SEARCHED}::test_traced_rays_stay_within_what_is_said_of_oblique_images",
     ),
     Defect(
-        name="the part behind the axis of an oblique image ends where the flattest ray would",
-        file=BOUNDS,
-        old="/ (1.0 + slope * u * per_c)",
-        new="/ (1.0 + slope * u * per_u)",
-        test=f"{SEARCHED}::test_traced_rays_stay_within_what_is_said_of_oblique_images",
-    ),
-    Defect(
         name="oblique rays are thought to be as long as from an axis without a port",
         file=BOUNDS,
         old="field2 = aside2 / np.square(high_m + deepest_m)",
