@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,13 @@ import pytest
 import uwopt
 from uwopt.catalog.records import Curve
 from uwopt.forward.lamps import LightOptics
-from uwopt.forward.scene import SceneOptics, scene_optics
+from uwopt.forward.scene import SceneOptics, scatterers_of, scene_optics
 from uwopt.forward.spectra import Contraction
 from uwopt.mission.mission import load_mission
 from uwopt.model.beam import cosine_power_beam
+from uwopt.model.multiple import LOST_FACTORS, lamp_angle_rad
 from uwopt.model.path_table import log_mean_transmission
+from uwopt.model.scattering import share_beyond
 
 CURVES = [{"mono": Curve((400.0, 700.0), (0.5, 0.5))}]
 
@@ -65,6 +68,37 @@ def test_single_scattering_is_what_the_scene_or_the_model_asks_for() -> None:
         assert made.lamp_leg_per_m(0) is scene.lamp_attenuation_per_m
         assert made.back_legs_per_m(0)[1] is scene.attenuation_per_m
         assert made.counting(False) is made
+
+
+@pytest.mark.parametrize("water", ["IB", "II", "III", "1C", "3C", "5C"])
+def test_the_page_on_water_has_the_attenuations_of_the_model(water: str) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "water.md").read_text(encoding="utf-8")
+    row = next(line for line in page.splitlines() if line.startswith(f"| {water} | 0."))
+    shown = [float(number) for number in row.replace(" to ", " | ").split("|")[2:-1]]
+    scene = scene_of(water=water)
+    least, most = (replace(scene, lamp_lost=factor, cache={}) for factor in LOST_FACTORS)
+    a = scene.attenuation_per_m - sum(one.scattering_per_m for one in scene.scattering)
+    backward = sum(one.scattering_per_m * one.share_beyond(np.pi / 2) for one in scene.scattering)
+    lobes = [scene.lamp_leg_per_m(float(np.deg2rad(half))) for half in (20, 40, 60)]
+    doubt = [one.lamp_leg_per_m(float(np.deg2rad(40))) for one in (least, most)]
+    spectra = [a + backward, *lobes, *doubt, scene.diffuse_attenuation_per_m, scene.attenuation_per_m]
+    found = [np.interp(530.0, scene.wavelength_nm, spectrum) for spectrum in spectra]
+    assert shown == pytest.approx(found, abs=6e-4)  # rounded to 0.001 1/m
+
+
+@pytest.mark.parametrize("half_deg", [10.0, 25.0, 40.0])
+def test_doubt_of_what_is_lost_covers_the_phase_functions_of_the_sea(half_deg: float) -> None:
+    # Fournier-Forand of b_b/b 0.005 to 0.03, over the default's 0.0183
+    angle = float(lamp_angle_rad(np.deg2rad(half_deg)))
+    low, usual, high = (
+        share_beyond(angle, scatterers_of(np.array([530.0]), np.ones(1), load_scene(ratio), Path())[0].table)
+        for ratio in (0.005, 0.0183, 0.03)
+    )
+    assert LOST_FACTORS[0] * 0.9 <= low / usual and high / usual <= LOST_FACTORS[1]
+
+
+def load_scene(ratio: float) -> Any:
+    return scene_of(backscatter_ratio=ratio).view.scene
 
 
 def system() -> dict[str, Any]:

@@ -56,8 +56,8 @@ DEFECTS = (
     Defect(
         name="K on the lamps' way is known",
         file=f"{ROOM}/waters.py",
-        old="lamp_end=(end, abs(state.lamp_leg)),",
-        new="lamp_end=None,",
+        old='lamp_lost=LOST["least" if state.lamp_leg < 0 else "most"] ** abs(state.lamp_leg),',
+        new="lamp_lost=1.0,",
         test=f"{TESTS}::test_a_murkier_water_takes_more_power_and_a_brighter_floor_less",
     ),
     Defect(

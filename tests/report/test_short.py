@@ -29,8 +29,8 @@ NOT_FOR_BUYERS = (
 )  # fmt: skip
 KEY = re.compile(r"\b[a-z]+_[a-z_]+\b")  # of a file, such as min_snr_db
 WATERS = [
-    {"case": {"water_table": "measured", "lamp_attenuation": "a + b_b, the least"}, "objective_value": 41.0},
-    {"case": {"water_table": "measured", "lamp_attenuation": "c, the most"}, "objective_value": None, "changes": True},
+    {"case": {"water_table": "measured", "lamp_attenuation": "the least"}, "objective_value": 41.0},
+    {"case": {"water_table": "measured", "lamp_attenuation": "the most"}, "objective_value": None, "changes": True},
     {"case": {"water_table": "other", "lamp_attenuation": "as the model has it"}, "objective_value": None},
 ]  # fmt: skip
 TILT = {

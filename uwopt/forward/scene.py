@@ -29,6 +29,7 @@ from uwopt.units import db_to_ratio
 Array = NDArray[Any]
 LampLeg = Literal["diffuse", "least", "most"]
 Pixels = Literal["darkest", "frame"]  # which an SNR may be asked of: the darkest one, or all but a share of the image
+LOST: dict[LampLeg, float] = {"diffuse": 1.0, "least": multiple.LOST_FACTORS[0], "most": multiple.LOST_FACTORS[1]}
 COLOURS = ("red", "green", "blue")  # channels of a colour sensor
 SNR_PIXELS: dict[str, Pixels | None] = {"mean": None, "worst": "frame", "worst_px": "darkest"}
 
@@ -82,7 +83,7 @@ class SceneOptics:
     notes: tuple[str, ...] = field(default=())
     scattering: tuple[Scattering, ...] = ()  # none in physics `paper`, or where the water's b is unknown
     diffuse_attenuation_per_m: Array | None = None  # K_d, of daylight
-    lamp_end: tuple[Array, float] | None = None  # another K of all orders on the lamp leg, and how far it holds, 0 to 1
+    lamp_lost: float = 1.0  # factor on the share of what is scattered that lamp light loses, all orders counted
     fineness: fine.Fineness = fine.DEFAULT  # of all integrals in this scene
     pitch_rad: float = 0.0  # of the optical axis from the normal of the target's plane
     # Weights and loss tables by light spectrum and efficiency curve, shared by all problems in this scene.
@@ -123,8 +124,7 @@ class SceneOptics:
     def lamp_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """K of all orders of scattering on the way from lamps of this lobe to the floor."""
         angle = float(multiple.lamp_angle_rad(half_power_angle_rad))
-        k = self._effective_per_m(lambda one: one.share_beyond(angle))
-        return k if self.lamp_end is None else geometric(k, *self.lamp_end)
+        return self._effective_per_m(lambda one: min(self.lamp_lost * one.share_beyond(angle), 1.0))
 
     def near_leg_per_m(self) -> Array:
         """K of light that comes from the floor to the camera near its straight way, image or veil."""
@@ -209,7 +209,8 @@ def scene_optics(
     """Tabulate one scene.
 
     `water_table` and `lamp_leg` override the scene's table and K on the way from lamp to floor, to test a
-    decision against them: K_d where it lies between a + b_b (`least`) and c (`most`), or one of these ends.
+    decision against them. All orders counted, K = a + s b with another share s lost (`multiple.LOST_FACTORS`); else K_d
+    where it lies between a + b_b (`least`) and c (`most`), or one of these ends.
     `water_end` takes the clearest or the murkiest water that a reading such as a visibility leaves open.
     `fineness` sets the step of the spectral grid, and goes with the scene to all other integrals.
     """
@@ -219,7 +220,6 @@ def scene_optics(
     known = clarity_of(scene, table)
     profile = known.profiles[water_end] if known else water_of(scene, table, base_dir)
     scattering: tuple[Scattering, ...] = ()
-    lamp_end: tuple[Array, float] | None = None
     if not paper:
         grid = np.union1d(grid, kinks_nm(profile, grid, scene.backscatter_ratio))
     if profile.a_per_m is not None and profile.b_per_m is not None:
@@ -229,7 +229,6 @@ def scene_optics(
         )
         c = water.beam_attenuation_per_m(a, b)
         lamp = c if paper else lamp_attenuation(profile, grid, a, b, scene.backscatter_ratio, lamp_leg)
-        lamp_end = None if lamp_leg == "diffuse" else (lamp, 1.0)
         scattering = () if paper else scatterers_of(grid, b, scene, base_dir)
     else:
         c = resample(
@@ -268,7 +267,7 @@ def scene_optics(
         notes=profile.notes + floor.notes,
         scattering=scattering,
         diffuse_attenuation_per_m=daylight_attenuation(profile, grid, c),
-        lamp_end=lamp_end,
+        lamp_lost=LOST[lamp_leg],
         fineness=fineness,
         pitch_rad=pitch_rad,
     )

@@ -59,7 +59,7 @@ class Doubt(Section):
     )
     lamp_leg: bool = Field(
         default=True,
-        description="whether K on the way from lamp to floor is drawn between a + b_b and c: yes or no",
+        description="whether K from lamp to floor is drawn, by the share of scattered light that is lost: yes or no",
     )
     other_water_table: Share = Field(
         default=0.5, description="probability 0..1 that the other published table of the Jerlov types holds"

@@ -119,7 +119,7 @@ requirements:
 # doubt:                       # what the scenarios draw beside the numbers of parts that are estimates
 #   parts: yes                 # those
 #   clarity: yes               # what a reading such as visibility_m leaves open
-#   lamp_leg: yes              # K on the way from lamp to floor, between a + b_b and c
+#   lamp_leg: yes              # K on the way from lamp to floor, by what is lost of scattered light
 #   other_water_table: 0.5     # probability that the other published table of the Jerlov types holds
 #   floor: [0.8, 1.25]         # factor on its reflectance; [1, 1]: it is known
 #   lamp_output: [0.85, 1.07]  # factor on the lumens that makers state

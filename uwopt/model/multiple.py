@@ -34,6 +34,9 @@ LAMP_DEG, LAMP_BY_LOBE = 20.2, 0.86
 NEAR_DEG, VEIL_DEG = 15.2, 72.3
 BACK, BACK_BY_LOBE = 2.82, 2.79
 LEAST_OF_ABSORPTION = 0.5  # K of backscatter over a, no less: wide lobes get some back that was lost beside them
+#: Factor on the share that lamp light loses of what is scattered, where the phase function is not known: that of
+#: Fournier-Forand functions of b_b/b 0.005 to 0.03 and Petzold's over 0.0183's is 0.3 to 1.8 for lobes up to 40 deg.
+LOST_FACTORS = (0.3, 1.8)
 TESTED_THICKNESS = 4.0  # c times the altitude up to which the constants were fitted and judged
 
 

@@ -302,8 +302,8 @@ PRICES = ("price", "host price")
 #: What is taken for the loss of light between lamp and floor, by the name in a result.
 LAMP_LOSSES = {
     "as the model has it": "lamp light lost as modelled",
-    "a + b_b, the least": "as little lamp light lost as can be",
-    "c, the most": "as much lamp light lost as can be",
+    "the least": "as little lamp light lost as can be",
+    "the most": "as much lamp light lost as can be",
 }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import Doubt
+from uwopt.model.multiple import LOST_FACTORS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import CertaintyPoint, CertaintyProof, Confidence, LostTo, WorthKnowing
 from uwopt.solvers.confidence.counted import Counted, rank
@@ -104,7 +105,11 @@ def drawn(doubt: Doubt, problem: Problem) -> Iterator[str]:
         if doubt.clarity and any(scene.clarity for scene in problem.scenes):
             yield "the water's clarity, within what the reading leaves open"
         if doubt.lamp_leg and any(scene.scattering for scene in problem.scenes):
-            yield "K on the lamps' way, between a + b_b and c"
+            if all(scene.counts_orders for scene in problem.scenes):
+                low, high = LOST_FACTORS
+                yield f"K on the lamps' way, by a factor of {low:g} to {high:g} on the scattered light that is lost"
+            else:
+                yield "K on the lamps' way, between a + b_b and c"
         if doubt.other_water_table > 0.0:
             share = 100.0 * doubt.other_water_table
             yield f"the other table of the Jerlov types, where it has the water, in {share:g} % of all"

@@ -1,8 +1,9 @@
 """The states of water and floor that scenarios draw from.
 
 A water is uncertain in which published table of its Jerlov type holds, in what its reading (a visibility, a Secchi
-depth) leaves open, and in K on the way from lamp to floor, which lies between a + b_b and c. A state lies between known
-spectra: each of its coefficients is their geometric mean, weighted by how far it is from the central one.
+depth) leaves open, and in K on the way from lamp to floor, by the share of scattered light that is lost there. A state
+lies between known spectra: each of its coefficients is their geometric mean, weighted by how far it is from the central
+one.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.curves.clarity import ClarityEnd
 from uwopt.catalog.curves.spectra import water_types
-from uwopt.forward.scene import LampLeg, Scattering, SceneOptics, geometric, scene_optics
+from uwopt.forward.scene import LOST, LampLeg, Scattering, SceneOptics, geometric, scene_optics
 from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission, SceneView
 from uwopt.solvers.confidence.draws import even_points, probabilities, shuffled, triangular
@@ -100,7 +101,8 @@ class KnownWaters:
         return replace(
             scene, attenuation_per_m=attenuation, lamp_attenuation_per_m=np.minimum(lamp, attenuation),
             diffuse_attenuation_per_m=None if scene.diffuse_attenuation_per_m is None else daylight,
-            lamp_end=(end, abs(state.lamp_leg)), scattering=scattering, reflectance=reflectance, cache={},
+            lamp_lost=LOST["least" if state.lamp_leg < 0 else "most"] ** abs(state.lamp_leg),
+            scattering=scattering, reflectance=reflectance, cache={},
         )  # fmt: skip
 
     def between(self, other: bool, leg: LampLeg, clarity: float) -> list[Array]:

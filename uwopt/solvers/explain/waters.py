@@ -26,7 +26,7 @@ from uwopt.solvers.settings.best import scenes_need_cells
 
 MOST_SHOWN = 3  # systems that are solved again in each water
 LAMP_LEGS: dict[LampLeg, str] = {
-    "diffuse": "as the model has it", "least": "a + b_b, the least", "most": "c, the most",
+    "diffuse": "as the model has it", "least": "the least", "most": "the most",
 }  # fmt: skip
 READING_ENDS: dict[ClarityEnd, str] = {"low": "clearest", "high": "murkiest"}
 OTHER: dict[str, Literal["measured", "solonenko-mobley"]] = {
