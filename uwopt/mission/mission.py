@@ -17,6 +17,7 @@ from pydantic_core import PydanticCustomError
 from uwopt.documents.key_types import CHOICE, NUMBER, WHOLE, Section, Text, all_optional, given_values
 from uwopt.documents.reading import Document, read_document
 from uwopt.documents.validation import validated
+from uwopt.documents.whole_file import WholeFile, placed
 from uwopt.mission import checks
 from uwopt.mission.best_image import NAME, BestImageGoal, to_goal
 from uwopt.mission.doubt import Confidence, Doubt
@@ -58,7 +59,7 @@ class SceneView:
         return kept_of(self.asked, self.requirements, key)
 
 
-class Mission(Section):
+class Mission(WholeFile):
     """Everything that is wanted of a system."""
 
     name: Text = Field(default="mission", description="name of the mission")
@@ -107,9 +108,7 @@ class Mission(Section):
         default_factory=lambda: CatalogChoice(), description="section of which parts may be used"
     )
 
-    _base_dir: Path | None = PrivateAttr(default=None)
     _source_name: str = PrivateAttr(default="mission")
-    _source_text: str | None = PrivateAttr(default=None)
 
     @model_validator(mode="before")
     @classmethod
@@ -134,16 +133,6 @@ class Mission(Section):
         if faults:
             raise PydanticCustomError("cross_check", "{what}", {"what": faults[0][1]})
         return self
-
-    @property
-    def base_dir(self) -> Path | None:
-        """Folder of the mission file; None when it came from Python."""
-        return self._base_dir
-
-    @property
-    def source_name(self) -> str:
-        """Name of the mission file, for messages."""
-        return self._source_name
 
     @property
     def source_file(self) -> dict[str, str] | None:
@@ -195,19 +184,16 @@ class Mission(Section):
             index, scene, carried, held_of(asked, self.reserve), self.time_shares[index], asked
         )
 
-    def resolve_path(self, text: str | Path) -> Path:
-        """A path that the mission names; relative ones start at the mission file."""
-        return resolve_path(text, self._base_dir)
-
     def with_changes(self, **changes: Any) -> Mission:
         """The same mission with other top-level values, checked: `with_changes(physics="paper")`.
 
         `practice="recommended"` fills what was left out; what it has filled in stays with `practice="bare"`.
         """
         given = self._as_given(unset="practice" not in changes)
-        made = _checked(Document(self._source_name, {**given, **changes}, base_dir=self._base_dir))
-        made._base_dir, made._source_name = self._base_dir, self._source_name
-        made._source_text = self._source_text
+        document = Document(
+            self._source_name, {**given, **changes}, base_dir=self._base_dir, text=self._source_text
+        )
+        made = placed(_checked(document), document)
         if not {"vehicle", "practice"} & changes.keys():  # what its file states binds a system, defaults do not
             made.__dict__["vehicle"] = self.vehicle
         return made
@@ -254,17 +240,7 @@ def load_mission(
     if isinstance(source, Mission):
         return source
     document = read_document(source, "mission")
-    made = _checked(document)
-    made._base_dir, made._source_name = document.base_dir or base_dir, document.name
-    made._source_text = document.text
-    return made
-
-
-def resolve_path(text: str | Path, base_dir: Path | None) -> Path:
-    """A path as files of a mission mean it: relative to the folder of the file that names it."""
-    path = Path(text)
-    path = path.expanduser() if str(text).startswith("~") else path
-    return path if path.is_absolute() or base_dir is None else base_dir / path
+    return placed(_checked(document), document, base_dir)
 
 
 def sections() -> dict[str, type[Section]]:

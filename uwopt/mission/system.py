@@ -39,9 +39,10 @@ from uwopt.documents.key_types import (
 )
 from uwopt.documents.reading import read_document
 from uwopt.documents.validation import validated
+from uwopt.documents.whole_file import WholeFile, placed
 from uwopt.errors import MissionError
 from uwopt.mission.checks import Fault, valid_values
-from uwopt.mission.mission import Mission, resolve_path
+from uwopt.mission.mission import Mission
 from uwopt.mission.sections import MAX_LIGHTS, LightMount
 
 PART_KINDS = ("camera", "lens", "port", "light", "housing")  # the last may be left out
@@ -112,7 +113,7 @@ class Settings(Section):
     )
 
 
-class System(Section):
+class System(WholeFile):
     """Hardware and settings of one system."""
 
     name: Text = Field(default="system", description="name of the system")
@@ -165,7 +166,6 @@ class System(Section):
         default_factory=dict, description="settings that differ in a scene, by the scene's name"
     )
 
-    _base_dir: Path | None = PrivateAttr(default=None)
     _source_name: str = PrivateAttr(default="system")
 
     @model_validator(mode="before")
@@ -185,16 +185,6 @@ class System(Section):
         if faults:
             raise PydanticCustomError("cross_check", "{what}", {"what": faults[0][1]})
         return self
-
-    @property
-    def base_dir(self) -> Path | None:
-        """Folder of the system file; None when it came from Python."""
-        return self._base_dir
-
-    @property
-    def source_name(self) -> str:
-        """Name of the system file, for messages."""
-        return self._source_name
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -225,10 +215,6 @@ class System(Section):
         if faults:
             raise MissionError(faults)
 
-    def resolve_path(self, text: str | Path) -> Path:
-        """A path that the system names; relative ones start at the system file."""
-        return resolve_path(text, self._base_dir)
-
     def to_dict(self, absolute_paths: bool = False) -> dict[str, Any]:
         """Plain values with defaults filled in (inline parts as given); `load_system` takes them again.
 
@@ -258,8 +244,7 @@ def load_system(source: str | Path | Mapping[str, Any] | System) -> System:
         origin=_origins,
         cross_faults=lambda raw: _cross_faults(_valid_parts(raw)),
     )
-    made._base_dir, made._source_name = document.base_dir, document.name
-    return made
+    return placed(made, document)
 
 
 def sections() -> dict[str, type[Section]]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from uwopt.documents.files import UnfitFileError, content
-from uwopt.mission.mission import resolve_path
+from uwopt.documents.whole_file import resolve_path
 from uwopt.sweeps.job import hash_of
 
 DEEPEST = 3  # files named by files that files name
