@@ -17,7 +17,9 @@ from uwopt.cli.status import result_status
 from uwopt.deadline import Deadline, OutOfTimeError, UntilFound
 from uwopt.results.result import Result
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain import infeasible, robustness
+from uwopt.solvers.explain import robustness
+from uwopt.solvers.explain.relaxed import Relaxer
+from uwopt.solvers.explain.trials import Trials
 
 ROOT = Path(__file__).parents[1]
 TANK = ROOT / "problems" / "paper-tank.yaml"
@@ -160,22 +162,22 @@ def test_wherever_time_ends_the_result_is_sound(readings: int, limited: Callable
 
 
 def test_an_interrupted_explanation_keeps_what_helps(monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = infeasible.seek
+    honest = Relaxer.any_design
 
-    def seek(*args: Any, depth_m: float | None = None, **more: Any) -> Any:
+    def any_design(*args: Any, depth_m: float | None = None) -> Any:
         if depth_m == 0.0:  # the last requirement that is dropped
             raise KeyboardInterrupt
-        return honest(*args, depth_m=depth_m, **more)
+        return honest(*args, depth_m=depth_m)
 
-    monkeypatch.setattr(infeasible, "seek", seek)
+    monkeypatch.setattr(Relaxer, "any_design", any_design)
     result = api.solve(mission(catalog={**FEW_PARTS, "generic": "never"}, limits={"power_w": 0.001}))
     assert result.status == "infeasible" and result_status(result) == 130
     assert [item["name"] for item in result.infeasible["relaxations"]] == ["power_w"]
 
 
 def test_one_requirement_takes_a_quarter_of_the_time_to_explain() -> None:
-    work = infeasible.Explanation(mission(), None, None, "never", Deadline.after(40.0, Clock()))  # type: ignore[arg-type]
-    assert work._turn().left_s == 10.0
+    work = Trials(mission(), None, None, "never", Deadline.after(40.0, Clock()))  # type: ignore[arg-type]
+    assert work.turn().left_s == 10.0
 
 
 def test_doubts_that_are_known_when_time_ends_are_told(

@@ -80,9 +80,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="explanations know no time limit",
-        file="uwopt/solvers/explain/infeasible.py",
-        old="                if self.deadline.passed():",
-        new="                if False:",
+        file="uwopt/solvers/explain/singles.py",
+        old="            if phase.passed() or trials.interrupted:",
+        new="            if False:",
         test=f"{DEADLINE}::test_time_that_ends_with_the_search_leaves_infeasibility_unexplained",
     ),
     Defect(

@@ -631,8 +631,8 @@ DEFECTS = (
     ),
     Defect(
         name="nobody asks whether central prices would fit",
-        file="uwopt/solvers/explain/infeasible.py",
-        old='if name == "cost" and self.mission.limits.cost_basis == "high":',
+        file="uwopt/solvers/explain/singles.py",
+        old='if name == "cost" and trials.mission.limits.cost_basis == "high":',
         new="if False:",
         test="tests/solvers/test_least_change.py::test_a_limit_of_cost_that_only_high_prices_break_is_told[3000.0-True]",
     ),
@@ -645,7 +645,7 @@ DEFECTS = (
     ),
     Defect(
         name="the high end of the cheapest is the least of the high ends",
-        file="uwopt/solvers/explain/infeasible.py",
+        file="uwopt/solvers/explain/singles.py",
         old="by_figure = best is not None and not one.at_central_prices",
         new="by_figure = best is not None",
         test="tests/solvers/test_least_change.py::test_the_least_limit_of_cost_is_proven_for_high_prices",

@@ -136,7 +136,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="of parts not rated deep enough the first is named",
-        file="uwopt/solvers/explain/infeasible.py",
+        file="uwopt/solvers/explain/reached.py",
         old="        found = deeper\n",
         new="        break\n",
         test="tests/solvers/test_least_change.py::test_least_change_of_depth_is_that_of_the_part_rated_deepest",
@@ -621,8 +621,8 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="of limits that give together the first that was found is told",
-        file="uwopt/solvers/explain/infeasible.py",
-        old="change = with_its_hardware(limit, Change(far, found), wanted, self.deadline)",
+        file="uwopt/solvers/explain/together.py",
+        old="change = with_its_hardware(limit, Change(far, found), wanted, trials.deadline)",
         new="change = Change(far, found)",
         test=f"{LEAST}::test_changes_told_together_are_enough_and_all_of_them_are_needed",
     ),
@@ -636,8 +636,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="nobody tells what must give together",
         file="uwopt/solvers/explain/infeasible.py",
-        old="        if relaxations or self.interrupted:",
-        new="        if True:",
+        old="    if not made and not moved:\n",
+        new="    if False:\n",
         test=f"{LEAST}::test_changes_told_together_are_enough_and_all_of_them_are_needed",
     ),
     Defect(
@@ -670,7 +670,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="without its SNR a mission asks for no light at all",
-        file="uwopt/solvers/explain/infeasible.py",
+        file="uwopt/solvers/explain/weakened.py",
         old="if value_db is not None and value_db > LEAST_SNR_DB:",
         new="if False:",
         test=f"{RELAXED}::test_without_its_snr_a_mission_still_asks_to_see_something",
@@ -691,21 +691,23 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="an interruption loses what would help",
-        file="uwopt/solvers/explain/infeasible.py",
-        old="        except KeyboardInterrupt:\n            self.interrupted = True\n        made = []",
-        new="        except KeyboardInterrupt:\n            self.interrupted, helpful = True, []\n        made = []",
+        file="uwopt/solvers/explain/singles.py",
+        old="                    known.append(name)\n            except KeyboardInterrupt:\n"
+        "                trials.interrupted = True\n",
+        new="                    known.append(name)\n            except KeyboardInterrupt:\n"
+        "                trials.interrupted, self.helpful = True, []\n",
         test="tests/test_deadline.py::test_an_interrupted_explanation_keeps_what_helps",
     ),
     Defect(
         name="without its SNR a mission looks for the least power first",
-        file="uwopt/solvers/explain/infeasible.py",
+        file="uwopt/solvers/explain/singles.py",
         old='BRIGHT if name == "min_snr" else ANY',
         new="ANY",
         test="tests/solvers/test_least_change.py::test_without_its_snr_a_mission_looks_for_the_brightest_first",
     ),
     Defect(
         name="the first requirement that is dropped takes all the time",
-        file="uwopt/solvers/explain/infeasible.py",
+        file="uwopt/solvers/explain/trials.py",
         old="self.deadline.at_most(TURN * self.deadline.left_s)",
         new="self.deadline.at_most(self.deadline.left_s)",
         test="tests/test_deadline.py::test_one_requirement_takes_a_quarter_of_the_time_to_explain",

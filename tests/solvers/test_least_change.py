@@ -8,14 +8,18 @@ from typing import Any
 import pytest
 
 from uwopt.catalog.catalogue import Catalog
+from uwopt.deadline import NEVER
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import WhyNothing
 from uwopt.solvers.exact.certificate import certificate
-from uwopt.solvers.explain.infeasible import Explanation
+from uwopt.solvers.explain import singles
+from uwopt.solvers.explain.infeasible import why_nothing
 from uwopt.solvers.explain.least_change import rounded_away
 from uwopt.solvers.explain.relaxed import Relaxer
+from uwopt.solvers.explain.together import Together
+from uwopt.solvers.explain.trials import Trials
 from uwopt.solvers.recommend import seek
 
 POWER = Objective.of("power")
@@ -81,7 +85,7 @@ def explained(wanted: Mission, catalog: Catalog) -> WhyNothing:
     found = seek(wanted, catalog, POWER, generic="never", top=1)
     assert not found.outcome.best
     proof = certificate(found.selection, found.problem, found.outcome, POWER)
-    return Explanation(wanted, catalog, POWER, "never").told(proof)
+    return why_nothing(Trials(wanted, catalog, POWER, "never"), proof)
 
 
 def told(wanted: Mission, catalog: Catalog) -> dict[str, float]:
@@ -213,6 +217,45 @@ def test_smaller_changes_are_told_that_help_together(parts, catalog):
     assert fits(mission(parts, **both), catalog)
     for name in both:
         assert not fits(mission(parts, **{**both, name: asked[name]}), catalog)
+
+
+def test_dropped_at_once_no_requirement_is_lost_that_helps(parts, catalog, monkeypatch):
+    base = mission(parts, max_blur_px=1.0, max_gain_db=30.0, max_airy_px=9.0)
+    wanted = base.with_changes(limits={"power_w": 3.05, "peak_power_w": 900.0})
+    at_once = set(told(wanted, catalog))
+    monkeypatch.setattr(singles, "FEW", 99)
+    assert at_once == set(told(wanted, catalog)) >= {"power_w"}
+
+
+def test_a_budget_that_is_missed_by_far_weakens_no_limit_to_less_than_nothing(parts, catalog):
+    """Parts cost 1700 USD, 5.8 times what is asked; five times less of a swath would be a negative one."""
+    wanted = mission(parts, min_swath_m=0.5).with_changes(limits={"cost": 250.0})
+    why = explained(wanted, catalog)
+    assert [one.name for one in why.relaxations] == ["cost"] and why.relaxations[0].miss_rel > 5.0
+
+
+def test_limits_speed_and_height_told_together_are_enough(parts, catalog):
+    asked = dict(max_blur_px=0.1, min_snr_db=30.0)
+    wanted = mission(parts, **asked)
+    found = seek(wanted, catalog, POWER, generic="never", top=1)
+    both = Together(Trials(wanted, catalog, POWER, "never", like=found), NEVER)
+    both.moved = both.vehicle
+    known = both._halved(0.0, 0.9, None)
+    assert known is not None
+    possible = {one.name: one.needed for one in both._drawn_back(*known)[0]}
+    assert {"speed_m_s", "altitude_m"} & possible.keys()
+    limits = {"max_blur_px": possible.get("max_blur_px", 0.1), "min_snr_db": possible.get("min_snr", 30.0)}
+    moved = mission(parts, **limits).to_dict()["vehicle"] | {
+        name: value for name, value in possible.items() if name in both.vehicle
+    }
+    assert fits(mission(parts, **limits).with_changes(vehicle=moved), catalog)
+    assert not fits(mission(parts, **limits), catalog)
+
+
+@pytest.mark.parametrize(("asked", "is_told"), [(0.1, True), (0.001, False)])
+def test_an_image_of_no_use_is_no_way_out(parts, catalog, asked, is_told):
+    """The lamp at full level blurs more than 1 px: thirty times what is asked is the most that is told."""
+    assert ("max_blur_px" in told(mission(parts, max_blur_px=asked, min_snr_db=30.0), catalog)) == is_told
 
 
 @pytest.mark.parametrize(

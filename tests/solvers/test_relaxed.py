@@ -15,8 +15,8 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs, imagers_behind
-from uwopt.solvers.explain.infeasible import RELAXABLE, asked_value, without
 from uwopt.solvers.explain.relaxed import MAY_PASS, OF_IMAGERS, Relaxer, in_best_housing
+from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, without
 from uwopt.solvers.recommend import Sought
 
 ANY = Objective.of("power")

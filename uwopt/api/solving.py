@@ -33,7 +33,6 @@ from uwopt.errors import MissionError
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
-from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
@@ -43,6 +42,8 @@ from uwopt.results.basis import Knee, Price
 from uwopt.results.design import Design, Note
 from uwopt.results.result import Certificate, Result
 from uwopt.solvers.exact.certificate import certificate
+from uwopt.solvers.exact.imagers import Imagers, fitting_pairs
+from uwopt.solvers.exact.search import are_too_many
 from uwopt.solvers.explain.robustness import SLOW_S
 from uwopt.solvers.recommend import (
     BETTER_UNSETTABLE,
@@ -59,7 +60,10 @@ from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import PROVEN_GAP_REL
 from uwopt.units import format_quantity
 
-EXPLAIN_S = 10.0  # of the processor, for what would help a mission that nothing meets, where no time is given
+EXPLAIN_S = (
+    8.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
+)
+LEAST_EXPLAIN_S = 4.0  # of it for what would help, however long the search took
 DOUBTS_S = 6.0  # of the processor, for how firm a proven answer is, likewise
 SEARCH_SHARE = 0.9  # of the time that is given: the rest is for settings that can be set
 SOLVERS = ("exact", "casadi", "nlopt", "bonmin")
@@ -104,7 +108,7 @@ def solve(
     first : called with the result as soon as its recommendation is proven, before all that is told beyond the proof
     explain : where nothing fits, also say why and what would help
     """
-    start, deadline = time.perf_counter(), Deadline.after(seconds)
+    start, since_s, deadline = time.perf_counter(), time.process_time(), Deadline.after(seconds)
     for_search = deadline if seconds is None else deadline.at_most(SEARCH_SHARE * seconds)
     if solver not in SOLVERS:
         raise MissionError(f"solver {solver!r} is not one of {', '.join(SOLVERS)}")
@@ -130,7 +134,7 @@ def solve(
     if not sought.outcome.best:
         result = infeasible_result(
             result, wanted.without_gain_cap, catalog, goal, sought, alternative, timing, deadline, progress,
-            explain=explain,
+            explain=explain, since_s=since_s,
         )  # fmt: skip
     else:
         result, sought = found_result(
@@ -178,18 +182,19 @@ def solve(
 
 def searched(
     mission: Mission, catalog: Catalog, goal: Objective, top: int, deadline: Deadline,
-    progress: Progress | None, timing: dict[str, float], fineness: Fineness, like: Problem | None = None,
+    progress: Progress | None, timing: dict[str, float], fineness: Fineness, like: Sought | None = None,
 ) -> Searched:  # fmt: skip
     """The search over parts that are sold, and with parts to be made where they could matter.
 
-    `like` is a problem in the same scenes whose light is known.
+    `like` is a search of the same parts in the same scenes that differs in the cap of gain alone.
     """
     policy = mission.catalog.generic
     first: Generic = "allow" if policy == "allow" else "never"
     with timed(timing, "search"):
         sought = seek(
             mission, catalog, goal, generic=first, top=top, deadline=deadline, progress=progress,
-            fineness=fineness, like=like,
+            fineness=fineness, like=None if like is None else like.problem,
+            imagers=None if like is None else every_imager(like),
         )  # fmt: skip
     alternative: Sought | None = None
     if policy == "fallback" and sought.outcome.complete:
@@ -201,9 +206,15 @@ def searched(
             sought, alternative = alternative, None
     if not sought.outcome.best and sought.outcome.complete and mission.without_gain_cap is not mission:
         return searched(  # light is out of reach
-            mission.without_gain_cap, catalog, goal, top, deadline, progress, timing, fineness, sought.problem
+            mission.without_gain_cap, catalog, goal, top, deadline, progress, timing, fineness, sought
         )
     return sought, alternative
+
+
+def every_imager(sought: Sought) -> Imagers | None:
+    """The imagers of a search without a ceiling; None of a catalogue too large to look at every imager."""
+    problem = sought.problem
+    return None if are_too_many(problem, fitting_pairs(problem)) else sought.outcome.imagers
 
 
 def gain_warnings(mission: Mission, sought: Sought, winner: Design) -> list[Note]:
@@ -401,10 +412,11 @@ def second_opinions(sought: Sought, goal: Objective, solver: str, deadline: Dead
 def infeasible_result(
     result: Result, mission: Mission, catalog: Catalog, goal: Objective, sought: Sought,
     alternative: Sought | None, timing: dict[str, float], deadline: Deadline, progress: Progress | None,
-    *, explain: bool = True,
+    *, explain: bool = True, since_s: float = 0.0,
 ) -> Result:  # fmt: skip
-    """A result without a recommendation: why, and what would help."""
-    from uwopt.solvers.explain.infeasible import Explanation
+    """A result without a recommendation: why, and what would help; `since_s`: of the processor, when it was asked."""
+    from uwopt.solvers.explain.infeasible import why_nothing
+    from uwopt.solvers.explain.trials import Trials
 
     used = alternative or sought
     proof = certificate(used.selection, used.problem, used.outcome, goal)
@@ -412,14 +424,15 @@ def infeasible_result(
     generic: Generic = "allow" if with_generic else "never"
     why, notes = None, interruption_warnings(used)
     if used.outcome.complete and explain:
-        patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(EXPLAIN_S, time.process_time)
-        work = Explanation(mission, catalog, goal, generic, patience, progress, used)
+        left_s = max(EXPLAIN_S - (time.process_time() - since_s), LEAST_EXPLAIN_S)
+        patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(left_s, time.process_time)
+        trials = Trials(mission, catalog, goal, generic, patience, progress, used)
         with timed(timing, "explanation"):
-            why = work.told(proof)
-        if work.interrupted:
+            why = why_nothing(trials, proof)
+        if trials.interrupted:
             notes = cut_warnings("that nothing fits is proven, but not all that may help was tried")
         if patience is not deadline:
-            notes += patience_warnings(patience, EXPLAIN_S)
+            notes += patience_warnings(patience, left_s)
     status = "infeasible" if used.outcome.complete else "stopped"
     return replace(
         result,
@@ -491,7 +504,7 @@ def patience_warnings(patience: Deadline, seconds: float) -> list[Note]:
     """What an explanation left out that nobody gave a time."""
     if not patience.left_out:
         return []
-    text = f"not worked out in {seconds:g} s; --seconds gives more: "
+    text = f"not worked out in {seconds:.2g} s; --seconds gives more: "
     return [Note("time", "", text + "; ".join(dict.fromkeys(patience.left_out)))]
 
 

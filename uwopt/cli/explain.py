@@ -36,7 +36,10 @@ def explain_command(
         from uwopt.api.pricing import range_prices
         from uwopt.api.solving import solve
 
-        result = solve(mission, physics=physics and physics.value, seconds=limit_s, quick=True, progress=bar.report)
+        result = solve(
+            mission, physics=physics and physics.value, confidence="central", seconds=limit_s, quick=True,
+            progress=bar.report,
+        )  # fmt: skip
         result = replace(result, prices=range_prices(mission, result, seconds=limit_s, progress=bar.report))
     if as_json:
         print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))

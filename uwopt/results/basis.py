@@ -200,6 +200,9 @@ class WhyNothing(Record):
         description="requirements that contradict each other: nothing fits where these alone are asked, and something "
         "does without any of them; empty where that is not known",
     )
+    contradiction_is_least: Flag = Field(
+        default=False, description="whether that something fits without any one of those is known of each"
+    )
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -29,6 +29,7 @@ from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import COLOUR_LEFT_OPEN, NOT_SETTABLE, Design, Note, SettableCheck
 from uwopt.solvers.exact.account import Outcome
+from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.settable.rounding import given_of, rounded_design
@@ -57,13 +58,19 @@ def seek(
     mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic, top: int,
     deadline: Deadline = NEVER, progress: Progress | None = None, ceiling: float = math.inf,
     depth_m: float | None = None, fineness: Fineness = DEFAULT, like: Problem | None = None,
-    enough: bool = False,
+    enough: bool = False, imagers: Imagers | None = None,
 ) -> Sought:  # fmt: skip
-    """Select, tabulate and search; light that another search in these scenes has worked out is not worked out again."""
+    """Select, tabulate and search; light that another search in these scenes has worked out is not worked out again.
+
+    imagers : all that pass their rules, where another search has enumerated them
+    """
     selection = selected(mission, catalog, generic=generic, depth_m=depth_m)
     scenes = None if like is None or like.fineness != fineness else same_scenes(like, mission)
     problem = build_problem(mission, selection, fineness=fineness, scenes=scenes)
-    search = Search(problem, objective, top=top, deadline=deadline, progress=progress, ceiling=ceiling, enough=enough)
+    search = Search(
+        problem, objective, top=top, deadline=deadline, progress=progress, ceiling=ceiling, enough=enough,
+        imagers=imagers,
+    )  # fmt: skip
     return Sought(selection, problem, search, search.run())
 
 

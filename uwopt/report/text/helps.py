@@ -42,4 +42,7 @@ def contradiction_lines(result: Result | FrontResult) -> list[Line]:
     told = words.listed([f"{words.requirement_name(name)} ({words.one_line(name)})" for name in names])
     if len(names) == 1:
         return [sentence(f"No parts meet this alone, whatever else is asked: {told}.")]
+    assert result.infeasible is not None
+    if not result.infeasible.contradiction_is_least:
+        return [sentence(f"These contradict each other, and fewer of them may do so already: {told}.")]
     return [sentence(f"These contradict each other; any one of them left out, the rest of them can be met: {told}.")]

@@ -20,6 +20,7 @@ from uwopt.catalog.compatibility import (
     mount_compatible,
     rated_pitch_um,
 )
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.columns import Columns
 from uwopt.forward.enclosures import beaten, fits_inside, housing_size_mm, mass_in_water_kg
 from uwopt.forward.focus import Focused, common_dioptre, depth_f_number, working_factor
@@ -99,21 +100,21 @@ class Imagers:
         )
 
 
-def enumerate_imagers(problem: Problem, *, cameras: Array | None = None) -> Imagers:
+def enumerate_imagers(
+    problem: Problem, *, cameras: Array | None = None, deadline: Deadline = NEVER
+) -> Imagers:
     """Every imager of the problem's parts; see the module's docstring.
 
-    `cameras` marks those worth a look; the others are counted under the rule `bound`.
+    `cameras` marks those worth a look; the others are counted under the rule `bound`. Raises OutOfTimeError.
     """
     pairs = fitting_pairs(problem, cameras=cameras)
-    samples = pairs.samples
-    blocks = [
-        block
-        for ports in problem.port_groups
-        for landscape in landscapes(problem)
-        for block in imagers_behind(
-            problem, pairs.camera, pairs.lens, ports, landscape, pairs.discarded, samples
-        )
-    ]
+    samples, blocks = pairs.samples, list[PortBlock]()
+    for ports in problem.port_groups:
+        for landscape in landscapes(problem):
+            deadline.check()
+            blocks += imagers_behind(
+                problem, pairs.camera, pairs.lens, ports, landscape, pairs.discarded, samples
+            )
     return joined(problem, blocks, pairs.discarded, samples)
 
 

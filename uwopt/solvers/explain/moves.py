@@ -1,4 +1,4 @@
-"""Keys of a mission that nothing meets which a person would move: how fast, how high, in what water.
+"""Keys of a mission that nothing meets which a person would move: how high, how fast, how often, in what water.
 
 They are no requirements that could be dropped; each is tried far from where it stands, and where something fits there,
 drawn back as near as something still fits (`least_change`). Whatever is told has been solved.
@@ -9,24 +9,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from uwopt.catalog.catalogue import Catalog
-from uwopt.deadline import Deadline
+from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.errors import UwoptError
-from uwopt.forward.assembly import Generic
-from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
-from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Moved
 from uwopt.solvers.explain.least_change import least_change, rounded_away
-from uwopt.solvers.recommend import Sought, seek
+from uwopt.solvers.explain.relaxed import Relaxer
+from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
 
-ANY = Objective.of("power")  # where any design that fits will do
 FARTHEST_SPEED = 0.1  # of the speed that is asked
-ALTITUDES = (0.6, 1.5, 0.35)  # of the altitude that is asked, in the order in which they are tried
-FARTHEST_CLARITY = 4.0  # times as clear
-TURN = 0.5  # of the time left: what one key may take of it
+ALTITUDES = (0.6, 0.35, 1.5)  # of the altitude that is asked, in the order in which they are tried
+FARTHEST_CLARITY = 40.0  # times as clear
+FARTHEST_TIME = 10.0  # times as long between images, or as short a duty
+SHARE = 0.65  # of the time, for trying all keys far from where they stand
+TURN = 0.6  # of the time left: what one key may take of it
 #: Jerlov types from the clearest on, by their attenuation at 530 nm.
 CLEAREST_FIRST = ("I", "IA", "IB", "II", "1C", "III", "3C", "5C", "7C", "9C")
 
@@ -40,43 +38,89 @@ class Try:
     values: tuple[Value, ...]
 
 
+@dataclass(frozen=True)
+class Far:
+    """A key at a value at which something fits."""
+
+    tried: Try
+    value: Value
+    found: Sought
+
+
 @dataclass
 class Mover:
-    """Searches of one mission with single keys moved; `like` is the problem of the search that found nothing."""
+    """Searches of one mission with single keys moved."""
 
-    mission: Mission
-    catalog: Catalog
-    generic: Generic
+    relaxer: Relaxer
     deadline: Deadline
-    like: Problem
+    far: list[Far] = field(default_factory=list)
+    interrupted: bool = False
     base: VariedMission = field(init=False)
 
     def __post_init__(self) -> None:
         self.base = VariedMission(self.mission, {})
 
+    @property
+    def mission(self) -> Mission:
+        """As it is asked."""
+        return self.relaxer.mission
+
     def all(self) -> list[Moved]:
         """The keys that help when moved alone, each as little as is known to do."""
-        made = []
+        self.try_all()
+        return self.nearest(self.deadline)
+
+    def try_all(self) -> None:
+        """Move each key far, as long as there is time."""
+        phase = self.deadline.at_most(SHARE * self.deadline.left_s)
         for one in self.tries():
-            if self.deadline.passed():
+            try:
+                known = not self.interrupted and not phase.passed() and self._is_known(one, phase)
+            except OutOfTimeError:
+                known = False
+            except KeyboardInterrupt:
+                self.interrupted, known = True, False
+            if not known:
                 self.deadline.left_out.append(f"whether another {one.key.name} would do")
-                continue
-            moved = self.moved(one)
-            made += [] if moved is None else [moved]
+
+    def nearest(self, phase: Deadline) -> list[Moved]:
+        """The keys that help, each as near to what is asked as is known to do."""
+        made = []
+        for one in self.far:
+            turn = phase.at_most(TURN * phase.left_s)
+            try:
+                made.append(self._untried(one) if self.interrupted else self._nearest(one, turn))
+            except OutOfTimeError:
+                made.append(self._untried(one))
+            except KeyboardInterrupt:
+                self.interrupted = True
+                made.append(self._untried(one))
         return made
 
+    # ------------------------------------------------------------ which keys
+
     def tries(self) -> Iterator[Try]:
-        """Speed, water, then heights; a key on which the scenes differ is left alone."""
-        vehicles = [view.vehicle for view in self.mission.views]
-        speeds, altitudes = ({getattr(v, key) for v in vehicles} for key in ("speed_m_s", "altitude_m"))
-        if len(speeds) == 1 and (speed := speeds.pop()) > 0.0:
-            yield self._try("vehicle", "speed_m_s", speed, (rounded_away(FARTHEST_SPEED * speed, speed),))
+        """Heights, water, speed, times; a key on which the scenes differ is left alone."""
+        altitude, speed, duration_h = (self._common(key) for key in ("altitude_m", "speed_m_s", "duration_h"))
+        if altitude:
+            values = tuple(rounded_away(factor * altitude, altitude) for factor in ALTITUDES)
+            yield self._try("vehicle", "altitude_m", altitude, values)
         yield from self._waters()
-        if len(altitudes) == 1:
-            altitude = altitudes.pop()
+        if speed:
+            yield self._try("vehicle", "speed_m_s", speed, (rounded_away(FARTHEST_SPEED * speed, speed),))
+        intervals = {view.asked.frame_interval_s for view in self.mission.views}
+        if len(intervals) == 1 and (interval := intervals.pop()):
             yield self._try(
-                "vehicle", "altitude_m", altitude, tuple(rounded_away(f * altitude, altitude) for f in ALTITUDES)
+                "requirements", "frame_interval_s", interval, (rounded(FARTHEST_TIME * interval),)
             )
+        limits = self.mission.limits
+        if duration_h and not (limits.energy_wh is None and limits.storage_gb is None):
+            yield self._try("vehicle", "duration_h", duration_h, (rounded(duration_h / FARTHEST_TIME),))
+
+    def _common(self, key: str) -> float | None:
+        """A key of the vehicle, where all scenes have the same."""
+        values = {getattr(view.vehicle, key) for view in self.mission.views}
+        return float(one) if len(values) == 1 and (one := values.pop()) else None
 
     def _waters(self) -> Iterator[Try]:
         """Clearer water, by the reading or by the type that the mission names."""
@@ -96,38 +140,52 @@ class Mover:
     def _try(section: str, name: str, asked: Value, values: tuple[Value, ...]) -> Try:
         return Try(Varied(name, section, name, values), asked, values)
 
-    def moved(self, one: Try) -> Moved | None:
-        """How far a key has to move; None where nothing fits at any of the values that are tried."""
-        turn = self.deadline.at_most(TURN * self.deadline.left_s)
+    # ------------------------------------------------------------ far, and back
+
+    def _is_known(self, one: Try, phase: Deadline) -> bool:
+        """Try a key far away; whether it is known then if that helps."""
+        turn = phase.at_most(TURN * phase.left_s)
         for value in one.values:
             found = self._search(one.key, value, turn)
             if found is not None and found.outcome.best:
-                return self._nearest(one, value, found, turn)
+                self.far.append(Far(one, value, found))
+                return True
             if found is not None and not found.outcome.complete:
-                self.deadline.left_out.append(f"whether another {one.key.name} would do")
-                return None
-        return None
+                return False
+        return True
 
-    def _nearest(self, one: Try, value: Value, found: Sought, turn: Deadline) -> Moved:
+    @staticmethod
+    def _untried(one: Far) -> Moved:
+        """A key as far as it was tried."""
+        name = one.tried.key.name
+        return Moved(name, one.tried.asked, one.value, unit_of(name), False)
+
+    def _nearest(self, one: Far, turn: Deadline) -> Moved:
         """The value nearest to what is asked at which something fits."""
-        if isinstance(value, str) or isinstance(one.asked, str):
-            return self._nearest_type(one, turn)
+        tried = one.tried
+        if isinstance(one.value, str) or isinstance(tried.asked, str):
+            return self._nearest_type(tried, turn)
         change = least_change(
-            float(one.asked), float(value), found, relaxed=lambda v: self._at(one.key, v), deadline=turn,
-            search=lambda mission: self._seek(mission, turn), name=one.key.name,
+            float(tried.asked), float(one.value), one.found, relaxed=lambda v: self._at(tried.key, v), deadline=turn,
+            search=lambda mission: self._seek(mission, turn), name=tried.key.name,
         )  # fmt: skip
-        return Moved(one.key.name, float(one.asked), rounded(change.limit), unit_of(one.key.name), not turn.left_out)
+        name = tried.key.name
+        return Moved(name, float(tried.asked), rounded(change.limit), unit_of(name), not turn.left_out)
 
     def _nearest_type(self, one: Try, turn: Deadline) -> Moved:
-        """The type of water nearest to the mission's at which something fits."""
+        """The type of water nearest to the mission's at which something fits: between halves of what is open."""
         place = CLEAREST_FIRST.index(str(one.asked))
-        for water in CLEAREST_FIRST[place - 1 : 0 : -1]:
-            found = self._search(one.key, water, turn)
+        fits, not_known = 0, place  # the first fits, and what is asked does not
+        while not_known - fits > 1:
+            middle = (fits + not_known) // 2
+            found = self._search(one.key, CLEAREST_FIRST[middle], turn)
             if found is not None and found.outcome.best:
-                return Moved(one.key.name, one.asked, water, "", True)
-            if turn.passed() or (found is not None and not found.outcome.complete):
-                return Moved(one.key.name, one.asked, CLEAREST_FIRST[0], "", False)
-        return Moved(one.key.name, one.asked, CLEAREST_FIRST[0], "", True)
+                fits = middle
+            elif turn.passed() or (found is not None and not found.outcome.complete):
+                break
+            else:
+                not_known = middle
+        return Moved(one.key.name, one.asked, CLEAREST_FIRST[fits], "", not_known - fits == 1)
 
     def _at(self, key: Varied, value: Value) -> Mission:
         return self.base.with_values({key: value})
@@ -140,9 +198,10 @@ class Mover:
             return None
 
     def _seek(self, mission: Mission, turn: Deadline) -> Sought:
-        found = seek(
-            mission, self.catalog, ANY, generic=self.generic, top=1, enough=True, deadline=turn, like=self.like
-        )
+        """A search for any design; raises OutOfTimeError where its imagers alone take too long."""
+        found = self.relaxer.any_design(mission, turn)
+        if found is None:
+            raise OutOfTimeError
         if found.outcome.interrupted:
             raise KeyboardInterrupt
         return found
@@ -151,4 +210,3 @@ class Mover:
 def unit_of(name: str) -> str:
     """The unit of a key."""
     return split_unit(name)[1]
-

@@ -21,8 +21,8 @@ from uwopt.results.basis import Price
 from uwopt.results.design import Design
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.infeasible import RELAXABLE, asked_value
 from uwopt.solvers.explain.one_hardware import problem_of
+from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, is_from_above
 from uwopt.solvers.recommend import Sought, same_scenes
 from uwopt.units import split_unit
 
@@ -35,11 +35,11 @@ SNR_RULE = "min_snr["  # how CasADi's rules of SNR begin
 def priced_keys(mission: Mission, winner: Design) -> Iterator[tuple[Varied, float, float]]:
     """Requirements that bind, and the speed: each key with what is asked and a step that asks for more."""
     binding = {margin.requirement for scene in winner.scenes for margin in scene.margins if margin.binding}
-    for section, key, _ in RELAXABLE.values():
+    for name, (section, key, _) in RELAXABLE.items():
         asked = asked_value(mission, section, key) if key in binding else None
         if asked and key not in ("depth_rating_m", "mean_level"):
-            down = key.startswith("max_") or section == "limits" or key == "resolve_mm"
-            yield Varied(key, section, key, (asked,)), asked, -step_of(key, asked) if down else step_of(key, asked)
+            step = step_of(key, asked)
+            yield Varied(key, section, key, (asked,)), asked, -step if is_from_above(name) else step
     speeds = {view.vehicle.speed_m_s for view in mission.views}
     if len(speeds) == 1 and (speed := speeds.pop()) > 0.0:
         yield Varied("speed_m_s", "vehicle", "speed_m_s", (speed,)), speed, step_of("speed_m_s", speed)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Selection
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.assembly import Generic, build_problem, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
@@ -26,6 +26,7 @@ from uwopt.solvers.exact.imagers import (
     FittingPairs,
     Imagers,
     PortBlock,
+    enumerate_imagers,
     fitting_pairs,
     focus_rules,
     focused_behind,
@@ -34,10 +35,11 @@ from uwopt.solvers.exact.imagers import (
     view_rules,
 )
 from uwopt.solvers.exact.search import Search, are_too_many
-from uwopt.solvers.recommend import Sought, seek
+from uwopt.solvers.recommend import Sought, same_scenes, seek
 from uwopt.solvers.warm.tables import asking, imagers_of, of_block
 
 Array = NDArray[Any]
+ANY = Objective.of("power")  # where any design that fits will do: by no other objective takes a search less
 
 #: Rules of imagers that may pass what they fail once a requirement is dropped or weakened. Of requirements that are
 #: not named here anything may change, parts and their prices included.
@@ -129,18 +131,21 @@ class Relaxer:
         return build_problem(self.mission, self.selection) if self.like is None else self.like.problem
 
     @cached_property
+    def are_too_many(self) -> bool:
+        """Whether the catalogue is too large to look at every imager."""
+        return are_too_many(self.problem, fitting_pairs(self.problem))
+
+    @cached_property
     def broken(self) -> Broken | None:
         """What each imager breaks; None of a catalogue too large to look at every imager."""
-        if are_too_many(self.problem, fitting_pairs(self.problem)):
-            return None
-        return Broken.of(self.problem)
+        return None if self.are_too_many else Broken.of(self.problem)
 
     def seek(
         self, mission: Mission, goal: Objective, freed: Collection[str], *, deadline: Deadline = NEVER,
         enough: bool = False, ceiling: float = math.inf,
     ) -> Sought:  # fmt: skip
         """Search for a mission that differs in these requirements, which ask for less. `enough` as in `Search`."""
-        if not set(freed) <= MAY_PASS.keys() or self.broken is None:
+        if not set(freed) <= MAY_PASS.keys() or self.are_too_many:
             return seek(
                 mission, self.catalog, goal, generic=self.generic, top=1, deadline=deadline, like=self.problem,
                 enough=enough, ceiling=ceiling,
@@ -152,13 +157,25 @@ class Relaxer:
         )  # fmt: skip
         return Sought(self.selection, problem, search, search.run())
 
+    def any_design(self, mission: Mission, deadline: Deadline, depth_m: float | None = None) -> Sought | None:
+        """A search for any design of a mission that may be in other scenes; None where imagers alone take too long."""
+        selection = selected(mission, self.catalog, generic=self.generic, depth_m=depth_m)
+        problem = build_problem(mission, selection, scenes=same_scenes(self.problem, mission))
+        try:
+            few = not are_too_many(problem, fitting_pairs(problem))
+            imagers = enumerate_imagers(problem, deadline=deadline) if few else None
+        except OutOfTimeError:
+            return None
+        search = Search(problem, ANY, top=1, deadline=deadline, enough=True, imagers=imagers)
+        return Sought(selection, problem, search, search.run())
+
     def asking(self, mission: Mission) -> Problem:
         """The tables for a mission that asks for less of the same parts in the same scenes."""
         return asking(self.problem, mission, self.selection)
 
     def effort(self, freed: Collection[str]) -> float:
         """How many imagers a search without these requirements looks at, about; inf: all there are."""
-        if not set(freed) <= MAY_PASS.keys() or self.broken is None:
+        if not set(freed) <= MAY_PASS.keys() or self.are_too_many:
             return math.inf
         if OF_LIGHT.issuperset(freed):
             return 0.0

@@ -1,0 +1,208 @@
+"""Requirements of which one alone stands in the way: each dropped in turn, and of those that help the least change.
+
+Several that no imager's rule knows are first dropped at once: where nothing fits even so, none of them helps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import partial
+
+from uwopt.deadline import Deadline
+from uwopt.mission.mission import Mission
+from uwopt.mission.reserves import asked_when_held
+from uwopt.objectives.objective import Objective
+from uwopt.results.design import Design
+from uwopt.solvers.explain.least_change import Change, least_change, rounded_away
+from uwopt.solvers.explain.reached import deepest, judged_by, miss, rated_depth, reached_value
+from uwopt.solvers.explain.relaxed import ANY, OF_LIGHT
+from uwopt.solvers.explain.trials import BRIGHT, Trials
+from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, with_limit, without
+from uwopt.solvers.recommend import Sought
+
+FIRST_SHARE = 0.5  # of the time, for what each loses when dropped
+LONG_TURN = 0.5  # of the time left, for the question whether all would fit at central prices
+ROUNDS = 3  # of the time that is left, as long as nothing helps
+MOST_TIMES = 30.0  # what is asked of an image: beyond, it is another image that would be of no use
+FEW = 3  # requirements that are as well dropped one by one
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """A requirement whose loss alone makes the mission feasible."""
+
+    name: str
+    limit: float | None
+    needed: float | None
+    miss_rel: float
+    design: Design
+    fits_at_central_prices: bool = False
+
+    @property
+    def is_of_use(self) -> bool:
+        """Whether a person could live with it: any limit may give, but not an image many times over."""
+        if RELAXABLE[self.name][0] == "limits" or self.name == "min_snr" or not self.limit or not self.needed:
+            return True
+        return 1.0 / MOST_TIMES <= self.needed / self.limit <= MOST_TIMES
+
+
+@dataclass(frozen=True)
+class Without:
+    """The mission without one requirement, and a design that meets the rest."""
+
+    name: str
+    limit: float  # as asked
+    mission: Mission
+    found: Sought
+    at_central_prices: bool = False  # the limit of cost is kept, but for estimated prices at their high ends
+
+
+@dataclass
+class Singles:
+    """Single requirements; those that help, and those of which that is not known yet."""
+
+    trials: Trials
+    helpful: list[Without] = field(default_factory=list)
+    left: dict[str, float] = field(default_factory=dict)
+
+    def drop_all(self) -> None:
+        """Drop every requirement in turn, those that take least first."""
+        trials, phase = self.trials, self.trials.deadline.at_most(FIRST_SHARE * self.trials.deadline.left_s)
+        self.left = {name: trials.limits[name] for name in trials.limits if name in OF_LIGHT}
+        for name in self._useless([name for name in self.left if name != "min_snr"]):
+            del self.left[name]
+        self._drop_each(phase)
+        late = phase.passed() or trials.interrupted
+        others = trials.limits if late else trials.by_effort()
+        light, self.left = self.left, {name: others[name] for name in others if name not in OF_LIGHT}
+        self._drop_each(phase)
+        self.left = {**light, **self.left}
+
+    def drop_others(self) -> None:
+        """Once more those that took too long, with more time for each."""
+        for _ in range(ROUNDS):
+            if not self.left or self.helpful or self.trials.over:
+                break
+            self._drop_each(self.trials.deadline)
+
+    def tell_open(self) -> None:
+        """Note what is not known."""
+        self.trials.deadline.left_out.extend(f"whether it could be met without {name}" for name in self.left)
+
+    def _useless(self, names: Sequence[str]) -> list[str]:
+        """Those of which none helps, as nothing fits without all of them: by halves where something does."""
+        if len(names) < FEW:
+            return []
+        fits = self.trials.fits_without(names)
+        if fits is None:
+            return []
+        if not fits:
+            return [*names]
+        middle = len(names) // 2
+        return [*self._useless(names[:middle]), *self._useless(names[middle:])]
+
+    def _drop_each(self, phase: Deadline) -> None:
+        """Drop what is left one by one."""
+        known, trials = [], self.trials
+        for number, name in enumerate(self.left):
+            if phase.passed() or trials.interrupted:
+                break
+            trials.say(0.5 * number / len(self.left), f"why nothing fits: without {name}")
+            try:
+                if self._is_known(name, self.left[name], phase):
+                    known.append(name)
+            except KeyboardInterrupt:
+                trials.interrupted = True
+        self.left = {name: limit for name, limit in self.left.items() if name not in known}
+
+    def _is_known(self, name: str, limit: float, phase: Deadline) -> bool:
+        """Drop a requirement and see whether something fits then; whether that is known in the time for one."""
+        trials, (section, key, _) = self.trials, RELAXABLE[name]
+        by_depth = key == "depth_rating_m"
+        relaxed = trials.mission if by_depth else without(trials.mission, section, key)
+        if relaxed is None:
+            return True
+        turn = phase.at_most(trials.turn().left_s)
+        seek_one = partial(
+            trials.relaxer.seek, goal=BRIGHT if name == "min_snr" else ANY, freed={name}, enough=True
+        )
+        if name == "cost" and trials.mission.limits.cost_basis == "high":
+            central = with_central_prices(trials.mission)
+            found = seek_one(central, deadline=trials.deadline.at_most(LONG_TURN * trials.deadline.left_s))
+            if found.outcome.best:
+                self.helpful.append(Without(name, limit, central, found, at_central_prices=True))
+                return True
+        if by_depth:
+            deep = trials.relaxer.any_design(trials.mission, turn, depth_m=0.0)
+            if deep is None:
+                return False
+            found = deep
+        else:
+            found = seek_one(relaxed, deadline=turn)
+        if found.outcome.best:
+            self.helpful.append(Without(name, limit, relaxed, found))
+        if found.outcome.interrupted:
+            raise KeyboardInterrupt
+        return found.outcome.complete or bool(found.outcome.best)
+
+    # ------------------------------------------------------------ the least change
+
+    def relaxations(self) -> list[Relaxation]:
+        """The least change of each that helps, the smallest first."""
+        made = []
+        for number, one in enumerate(self.helpful):
+            self.trials.say(0.5 + 0.4 * number / len(self.helpful), f"the least change of {one.name}")
+            made.append(self._relaxation(one))
+        return sorted(made, key=lambda r: r.miss_rel)
+
+    def _relaxation(self, one: Without) -> Relaxation:
+        """The least change of a requirement that helps, or that of the design at hand."""
+        _, key, best = RELAXABLE[one.name]
+        trials, found, by_depth, turn = self.trials, one.found, key == "depth_rating_m", self.trials.turn()
+        by_figure = best is not None and not one.at_central_prices
+        if by_depth and not trials.interrupted:
+            found = deepest(
+                found, one.mission, trials.catalog, ANY, generic=trials.generic, deadline=trials.deadline
+            )
+        if by_figure and not trials.interrupted:
+            found = self._best_without(one, Objective.of(best or ""), turn)
+        design = judged_by(trials.mission, found, trials.objective)
+        needed = rated_depth(found) if by_depth else reached_value(design, key)
+        if needed is not None:
+            kept = trials.mission.depth_factor
+            needed = needed / kept if by_depth else asked_when_held(trials.mission.reserve, key, needed)
+        if not by_figure and not by_depth and needed is not None and not trials.interrupted:
+            try:
+                change = self._least_change(one, needed, turn)
+                needed, design = change.limit, judged_by(trials.mission, change.found, trials.objective)
+            except KeyboardInterrupt:
+                trials.interrupted = True
+            trials.deadline.left_out.extend(turn.left_out)
+        return Relaxation(one.name, one.limit, needed, miss(one.limit, needed), design, one.at_central_prices)
+
+    def _best_without(self, one: Without, goal: Objective, turn: Deadline) -> Sought:
+        """The design whose figure is best without its limit; the first that was found where there is no time."""
+        first = judged_by(one.mission, one.found, goal).objective_value
+        ceiling = math.inf if first is None else goal.minimised(first)
+        better = self.trials.relaxer.seek(one.mission, goal, {one.name}, deadline=turn, ceiling=ceiling)
+        self.trials.interrupted |= better.outcome.interrupted
+        if not better.outcome.complete:
+            self.trials.deadline.left_out.append(f"whether less than that change of {one.name} would do")
+        return better if better.outcome.best else one.found
+
+    def _least_change(self, one: Without, needed: float, turn: Deadline) -> Change:
+        """The limit nearest to what is asked with which something fits."""
+        section, key, _ = RELAXABLE[one.name]
+
+        def search(wanted: Mission) -> Sought:
+            found = self.trials.relaxer.seek(wanted, ANY, {one.name}, deadline=turn, enough=True)
+            if found.outcome.interrupted:
+                raise KeyboardInterrupt
+            return found
+
+        return least_change(
+            one.limit, rounded_away(needed, one.limit), one.found, search=search, deadline=turn, name=one.name,
+            relaxed=partial(with_limit, self.trials.mission, section, key, one.limit),
+        )  # fmt: skip

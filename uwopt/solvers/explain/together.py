@@ -1,0 +1,228 @@
+"""Changes that help together: each a smaller share of what is asked than any that helps alone.
+
+    limit_i (1 +- s), and where that is not enough speed (1 - s) and altitude (1 - s)
+
+with the least common share s at which something fits: s is halved between what fits and what does not; of the hardware
+that is left each key is drawn back towards what was asked as far as it can be, one after another. Whatever is told has
+been solved with all the others as they are told.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+
+from uwopt.deadline import Deadline
+from uwopt.errors import UwoptError
+from uwopt.mission.mission import Mission
+from uwopt.mission.reserves import asked_when_held
+from uwopt.mission.varying import Varied, VariedMission
+from uwopt.results.basis import Relaxed
+from uwopt.results.design import Design
+from uwopt.solvers.explain.least_change import Change, rounded_away, same_hardware, with_its_hardware
+from uwopt.solvers.explain.reached import UNKNOWN, judged_by, miss, missed_by, reached_value
+from uwopt.solvers.explain.relaxed import ANY, MAY_PASS
+from uwopt.solvers.explain.trials import Trials
+from uwopt.solvers.explain.weakened import RELAXABLE, is_from_above
+from uwopt.solvers.recommend import Sought
+
+KEPT = frozenset({"mean_level", "lens_stop_down"})  # neither more nor less of these is weaker by a share
+TURN = 0.4  # of the time left: what one search may take of it
+SHARES = 4  # by which all together are tried to give
+FARTHEST = (0.4, 0.75)  # shares that are tried where nothing is known to help alone
+NO_MORE = 0.95  # of a limit from below: all of it would ask for nothing
+
+
+@dataclass
+class Together:
+    """One mission's limits, speed and height, which give all at once."""
+
+    trials: Trials
+    phase: Deadline
+    vehicle: dict[str, float] = field(default_factory=dict)  # speed and height, as asked
+    moved: dict[str, float] = field(default_factory=dict)  # those of them that give too
+
+    def __post_init__(self) -> None:
+        self.limits = {
+            name: limit
+            for name, limit in self.trials.limits.items()
+            if name in MAY_PASS and limit and name not in KEPT
+        }
+        views = [view.vehicle for view in self.trials.mission.views]
+        for key in ("speed_m_s", "altitude_m"):
+            values = {getattr(vehicle, key) for vehicle in views}
+            if len(values) == 1 and (value := values.pop()) > 0.0:
+                self.vehicle[key] = value
+        self.base = VariedMission(self.trials.mission, {})
+
+    @property
+    def asked(self) -> dict[str, float]:
+        """What gives: keys of the vehicle, then limits."""
+        return {**self.moved, **self.limits}
+
+    def smaller_than(self, alone: float) -> list[Relaxed]:
+        """Changes each smaller than the one that helps alone; none where no less than that is known to do."""
+        if not math.isfinite(alone) or alone >= UNKNOWN:
+            return []
+        for moved in ({}, self.vehicle):
+            self.moved = moved
+            known = None if len(self.asked) < 2 else self._halved(0.0, min(alone, NO_MORE), None)
+            made = [] if known is None else self._drawn_back(*known)[0]
+            if len(made) > 1 and max(one.miss_rel for one in made) < alone:
+                return made
+        return []
+
+    def of_all(self) -> tuple[list[Relaxed], Design | None]:
+        """Changes that help together where none is known to alone, and the design that they let through."""
+        low = 0.0
+        for share in FARTHEST:
+            for moved in ({}, self.vehicle):
+                self.moved = moved
+                found = self._search(share) if len(self.asked) > 1 else None
+                if found is not None and found.outcome.best:
+                    known = self._halved(low, share, found)
+                    return ([], None) if known is None else self._drawn_back(*known)
+                if found is None and len(self.asked) > 1:
+                    self.trials.deadline.left_out.append("whether changes together would do")
+                    return [], None
+            low = share
+        return [], None
+
+    def _halved(self, low: float, high: float, found: Sought | None) -> tuple[float, Sought] | None:
+        """The least share that is known to do, at most `high`, and a design; None where none smaller is."""
+        for _ in range(SHARES):
+            share = 0.5 * (low + high)
+            others = self._search(share)
+            if others is None:
+                self.trials.deadline.left_out.append("whether smaller changes together would do")
+                break
+            low, high, found = (low, share, others) if others.outcome.best else (share, high, found)
+        return None if found is None or self.trials.interrupted else (high, found)
+
+    # ------------------------------------------------------------ one share
+
+    def weaker_by(self, share: float) -> dict[str, float]:
+        """Everything by a share of itself in the sense that asks for less."""
+        made = {}
+        for name, value in self.asked.items():
+            more = name in self.limits and is_from_above(name)
+            made[name] = rounded_away(value + share * abs(value) * (1.0 if more else -1.0), value)
+        return made
+
+    def mission(self, values: Mapping[str, float | None]) -> Mission:
+        """The mission with other limits, speed and height."""
+        moved = {
+            key: value for key, value in values.items() if key in self.moved and value != self.moved[key]
+        }
+        mission = self.trials.mission
+        if moved:
+            mission = self.base.with_values(
+                {Varied(key, "vehicle", key, ()): value for key, value in moved.items() if value is not None}
+            )
+        return self.trials.with_limits(
+            mission, {name: values[name] for name in values if name in self.limits}
+        )
+
+    def _search(self, share: float) -> Sought | None:
+        """A search with everything weaker by a share; None where it ends before it knows, or is no mission."""
+        trials = self.trials
+        if trials.over or self.phase.passed():
+            return None
+        turn = self.phase.at_most(TURN * self.phase.left_s)
+        try:
+            mission = self.mission(self.weaker_by(share))
+            if self.moved:
+                found = trials.relaxer.any_design(mission, turn)
+            else:
+                found = trials.relaxer.seek(mission, ANY, set(self.limits), deadline=turn, enough=True)
+        except UwoptError:
+            return None
+        if found is None:
+            return None
+        trials.interrupted |= found.outcome.interrupted
+        return found if found.outcome.best or found.outcome.complete else None
+
+    # ------------------------------------------------------------ back towards what was asked
+
+    def _drawn_back(self, share: float, found: Sought) -> tuple[list[Relaxed], Design]:
+        """What a design's hardware needs where all give by a share: of each in turn as little as will do."""
+        asked, weaker = self.asked, self.weaker_by(share)
+        kept: dict[str, float | None] = {**weaker}
+        for name, value in asked.items():
+            kept[name], found = nearest(
+                value, Change(weaker[name], found), self._with_one(kept, name), self.trials
+            )
+        told = [
+            Relaxed(name, asked[name], kept[name], miss(asked[name], kept[name]))
+            for name in asked if kept[name] != asked[name]
+        ]  # fmt: skip
+        return told, judged_by(self.trials.mission, found, self.trials.objective)
+
+    def _with_one(self, kept: Mapping[str, float | None], name: str) -> Callable[[float], Mission]:
+        """The mission with one key at another value."""
+        return lambda value: self.mission({**kept, name: value})
+
+
+def nearest(
+    asked: float, change: Change, wanted: Callable[[float], Mission], trials: Trials
+) -> tuple[float, Sought]:
+    """As little of a change as its hardware needs: none, where it fits as asked."""
+    as_asked = same_hardware(change.found, wanted(asked))
+    if as_asked.outcome.best:
+        return asked, as_asked
+    least = with_its_hardware(asked, change, wanted, trials.deadline)
+    return least.limit, least.found
+
+
+# ---------------------------------------------------------------- all that give
+
+
+def least_set(trials: Trials) -> tuple[list[Relaxed], Design | None]:
+    """Requirements of which all have to give for a system to fit, as far as there is time, and that system."""
+    limits = {name: limit for name, limit in trials.by_effort().items() if name in MAY_PASS}
+    found = first_of_all(trials, limits)
+    if found is None:
+        return [], None
+    given, needed = missed_by(judged_by(trials.mission, found, trials.objective), limits), set[str]()
+    while given - needed:
+        name = min(given - needed, key=list(limits).index)
+        others = trials.seek_without(given - {name})
+        if others is None:
+            trials.deadline.left_out.append("whether fewer changes together would do")
+            break
+        if others.outcome.best:
+            found = others
+            given = missed_by(judged_by(trials.mission, found, trials.objective), limits)
+        else:
+            needed.add(name)
+    return drawn_in(trials, {name: limits[name] for name in limits if name in given}, found)
+
+
+def drawn_in(trials: Trials, asked: dict[str, float], found: Sought) -> tuple[list[Relaxed], Design]:
+    """What a design's hardware can keep of limits that give together: of each in turn as much as can be."""
+    design = judged_by(trials.mission, found, trials.objective)
+    kept: dict[str, float | None] = dict.fromkeys(asked)
+    for name, limit in asked.items():
+        key = RELAXABLE[name][1]
+        reached = reached_value(design, key)
+        if reached is not None:
+            far = rounded_away(asked_when_held(trials.mission.reserve, key, reached), limit)
+
+            def wanted(value: float, name: str = name) -> Mission:
+                return trials.with_limits(trials.mission, {**kept, name: value})
+
+            change = with_its_hardware(limit, Change(far, found), wanted, trials.deadline)
+            kept[name], found = change.limit, change.found
+    told = [Relaxed(name, limit, kept[name], miss(limit, kept[name])) for name, limit in asked.items()]
+    return told, judged_by(trials.mission, found, trials.objective)
+
+
+def first_of_all(trials: Trials, names: Collection[str]) -> Sought | None:
+    """A design that fits where many requirements are dropped: of imagers that fit if there are any, else of all."""
+    few = [name for name in names if not MAY_PASS[name]]
+    for some in (few, [*names]):
+        found = trials.seek_without(set(some)) if some else None
+        if found is not None and found.outcome.best:
+            return found
+    return None

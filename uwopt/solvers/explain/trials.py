@@ -1,0 +1,105 @@
+"""Searches of a mission that nothing meets, with less asked of it: what they share, and how long each may take."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from uwopt.catalog.catalogue import Catalog
+from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.assembly import Generic
+from uwopt.mission.mission import Mission
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.explain.relaxed import ANY, OF_LIGHT, Relaxer
+from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, with_limit, without
+from uwopt.solvers.recommend import Progress, Sought
+
+BRIGHT = Objective.of(
+    "snr_db"
+)  # but without an SNR to ask for, where least power would try what is too dark first
+TURN = 0.25  # of the time left: what one search may take of it
+
+
+@dataclass
+class Trials:
+    """One mission; what is known when time ends, or when a person interrupts, stays.
+
+    `like` is the search that found nothing, whose light is known.
+    """
+
+    mission: Mission
+    catalog: Catalog
+    objective: Objective
+    generic: Generic
+    deadline: Deadline = NEVER
+    progress: Progress | None = None
+    like: Sought | None = None
+    interrupted: bool = False
+
+    @cached_property
+    def relaxer(self) -> Relaxer:
+        """What the searches share."""
+        return Relaxer(self.mission, self.catalog, self.generic, self.like)
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing more is to be tried."""
+        return self.interrupted or self.deadline.passed()
+
+    def say(self, share: float, what: str) -> None:
+        """Tell how far it is."""
+        if self.progress is not None:
+            self.progress(share, what)
+
+    def turn(self) -> Deadline:
+        """The time for one search among others."""
+        return self.deadline.at_most(TURN * self.deadline.left_s)
+
+    @cached_property
+    def limits(self) -> dict[str, float]:
+        """What the mission asks for and can do without, with its limits."""
+        asked = {name: asked_value(self.mission, *RELAXABLE[name][:2]) for name in RELAXABLE}
+        return {name: limit for name, limit in asked.items() if limit is not None}
+
+    def by_effort(self) -> dict[str, float]:
+        """The same: first what takes least to try."""
+        if self.over or OF_LIGHT.issuperset(self.limits):
+            return dict(self.limits)
+        return {
+            name: self.limits[name]
+            for name in sorted(self.limits, key=lambda name: self.relaxer.effort({name}))
+        }
+
+    def without(self, names: Collection[str]) -> Mission:
+        """The mission without all of these, as far as they can be dropped."""
+        mission = self.mission
+        for name in names:
+            mission = without(mission, *RELAXABLE[name][:2]) or mission
+        return mission
+
+    def seek_without(self, names: Collection[str]) -> Sought | None:
+        """A search without all of these; None where it ends before it knows."""
+        if self.over:
+            return None
+        goal = BRIGHT if "min_snr" in names else ANY
+        found = self.relaxer.seek(self.without(names), goal, set(names), deadline=self.turn(), enough=True)
+        if found.outcome.interrupted:
+            self.interrupted = True
+            return None
+        return found if found.outcome.best or found.outcome.complete else None
+
+    def fits_without(self, names: Collection[str]) -> bool | None:
+        """Whether something fits without all of these; None where that is not known."""
+        found = self.seek_without(names)
+        return None if found is None else bool(found.outcome.best)
+
+    def with_limits(self, mission: Mission, limits: Mapping[str, float | None]) -> Mission:
+        """A mission like this one with other limits; None: left out."""
+        for name, limit in limits.items():
+            section, key, _ = RELAXABLE[name]
+            weaker = without(mission, section, key) if limit is None else None
+            if limit is not None:
+                weaker = with_limit(mission, section, key, self.limits[name], limit)
+            mission = weaker or mission
+        return mission

@@ -1,0 +1,120 @@
+"""A mission's requirements as limits that can be dropped or weakened, and the mission that asks for less."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from uwopt.mission.mission import Mission
+from uwopt.mission.reserves import REFUSED
+from uwopt.units import ratio_to_db
+
+LEAST_SNR_DB = 0.0  # below which noise is more than signal, and no image is of use
+# Requirement -> (section, key, objective that makes its figure best, or None when none does)
+RELAXABLE: dict[str, tuple[str, str, str | None]] = {
+    "min_snr": ("requirements", "min_snr_db", "snr_db"),
+    "min_snr_red_db": ("requirements", "min_snr_red_db", None),
+    "max_white_balance": ("requirements", "max_white_balance", None),
+    "max_gsd_mm": ("requirements", "max_gsd_mm", "gsd_mm"),
+    "min_swath_m": ("requirements", "min_swath_m", None),
+    "min_common_swath_m": ("requirements", "min_common_swath_m", None),
+    "max_depth_error_mm": ("requirements", "max_depth_error_mm", None),
+    "min_dof_m": ("requirements", "min_dof_m", None),
+    "max_blur_px": ("requirements", "max_blur_px", None),
+    "max_skew_px": ("requirements", "max_skew_px", None),
+    "max_airy_px": ("requirements", "max_airy_px", None),
+    "max_gain_db": ("requirements", "max_gain_db", None),
+    "lens_stop_down": ("requirements", "lens_stop_down", None),
+    "overlap": ("requirements", "overlap", None),
+    "mean_level": ("requirements", "mean_level", None),
+    "min_contrast": ("requirements", "min_contrast", "contrast"),
+    "min_uniformity": ("requirements", "min_uniformity", None),
+    "min_mtf_half_nyquist": ("requirements", "min_mtf_half_nyquist", None),
+    "resolve_mm": ("requirements", "resolve_mm", None),
+    "cost": ("limits", "cost", "cost"),
+    "power_w": ("limits", "power_w", "power"),
+    "peak_power_w": ("limits", "peak_power_w", None),
+    "mass_kg": ("limits", "mass_kg", "mass"),
+    "data_rate_mb_s": ("limits", "data_rate_mb_s", None),
+    "energy_wh": ("limits", "energy_wh", None),
+    "storage_gb": ("limits", "storage_gb", None),
+    "depth_rating_m": ("limits", "depth_rating_m", None),
+}
+
+
+def asked_value(mission: Mission, section: str, key: str) -> float | None:
+    """What the mission asks for without its reserve, in any scene the first that does; None when none does."""
+    if key == "depth_rating_m":
+        return mission.asked_depth_m or None
+    if section == "limits":
+        value = getattr(mission.limits, key)
+        return None if value is None else float(value)
+    for view in mission.views:
+        if key == "min_snr_db":
+            ratio = view.asked.min_snr
+            value = None if ratio is None else float(ratio_to_db(ratio))
+        else:
+            value = getattr(view.asked, key)
+        if value is not None and (value or key != "lens_stop_down"):
+            return float(value)
+    return None
+
+
+def without(mission: Mission, section: str, key: str) -> Mission | None:
+    """The mission without one requirement, in all scenes; None when it cannot be dropped.
+
+    Of the SNR so much is left that something is seen.
+    """
+    data = mission.to_dict()
+    for own in (data[section], *(scene.get(section) or {} for scene in data["scenes"])):
+        if key == "min_snr_db":
+            leave_little_snr(own)
+        else:
+            own.pop(key, None)
+        if own.get("refuse"):
+            own["refuse"] = [word for word in own["refuse"] if word not in words_of(key)]
+    if key == "overlap" and mission.requirements.frame_interval_s is None and mission.vehicle.speed_m_s == 0:
+        return None
+    return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
+
+
+def leave_little_snr(asked: dict[str, Any]) -> None:
+    """In place of an SNR that is asked for, the least that shows anything; none where no more was asked for."""
+    ratio, value_db = asked.pop("min_snr", None), asked.pop("min_snr_db", None)
+    if ratio is not None and value_db is None:
+        value_db = float(ratio_to_db(ratio))
+    if value_db is not None and value_db > LEAST_SNR_DB:
+        asked["min_snr_db"] = LEAST_SNR_DB
+
+
+def with_central_prices(mission: Mission) -> Mission:
+    """The mission whose limit of cost holds estimated prices at their middle."""
+    return mission.with_changes(limits=mission.to_dict()["limits"] | {"cost_basis": "central"})
+
+
+def words_of(key: str) -> list[str]:
+    """The refusals that stand for a key."""
+    return [word for word, (held, _) in REFUSED.items() if held == key]
+
+
+def is_from_above(name: str) -> bool:
+    """Whether a requirement holds a value down."""
+    section, key, _ = RELAXABLE[name]
+    return section == "limits" or key.startswith("max_") or key == "resolve_mm"
+
+
+def with_limit(mission: Mission, section: str, key: str, asked: float, value: float) -> Mission:
+    """The mission with another limit in all scenes; one that already asks for less stays as it is."""
+    data = mission.to_dict()
+
+    def weaker(old: float) -> float:
+        if key == "mean_level":
+            return value if old == asked else old
+        return max(old, value) if value > asked else min(old, value)
+
+    for place in (data, *data["scenes"]):
+        own = place.get(section) or {}
+        if own.get(key) is not None:
+            own[key] = weaker(float(own[key]))
+        elif set(own.get("refuse") or ()).intersection(words_of(key)):
+            own[key] = weaker(asked)
+    return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
