@@ -18,7 +18,7 @@ from uwopt.solvers.explain import singles
 from uwopt.solvers.explain.infeasible import why_nothing
 from uwopt.solvers.explain.least_change import rounded_away
 from uwopt.solvers.explain.relaxed import Relaxer
-from uwopt.solvers.explain.together import Together
+from uwopt.solvers.explain.together import CommonShare
 from uwopt.solvers.explain.trials import Trials
 from uwopt.solvers.recommend import seek
 
@@ -238,7 +238,7 @@ def test_limits_speed_and_height_told_together_are_enough(parts, catalog):
     asked = dict(max_blur_px=0.1, min_snr_db=30.0)
     wanted = mission(parts, **asked)
     found = seek(wanted, catalog, POWER, generic="never", top=1)
-    both = Together(Trials(wanted, catalog, POWER, "never", like=found), NEVER)
+    both = CommonShare(Trials(wanted, catalog, POWER, "never", like=found), NEVER)
     both.moved = both.vehicle
     known = both._halved(0.0, 0.9, None)
     assert known is not None

@@ -63,7 +63,7 @@ from uwopt.units import format_quantity
 EXPLAIN_S = (
     8.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
 )
-LEAST_EXPLAIN_S = 4.0  # of it for what would help, however long the search took
+LEAST_EXPLAIN_S = 5.0  # of it for what would help, however long the search took
 DOUBTS_S = 6.0  # of the processor, for how firm a proven answer is, likewise
 SEARCH_SHARE = 0.9  # of the time that is given: the rest is for settings that can be set
 SOLVERS = ("exact", "casadi", "nlopt", "bonmin")

@@ -15,7 +15,7 @@ from uwopt.solvers.explain.moves import Mover
 from uwopt.solvers.explain.nearest_fit import nearest_fit
 from uwopt.solvers.explain.relaxed import ANY, MAY_PASS
 from uwopt.solvers.explain.singles import Relaxation, Singles
-from uwopt.solvers.explain.together import Together, least_set
+from uwopt.solvers.explain.together import CommonShare, least_set
 from uwopt.solvers.explain.trials import Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, without
 
@@ -31,14 +31,16 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     ]
     by_size = any(item.rule.startswith("housing") and item.count for item in certificate.discarded)
     singles, mover = Singles(trials), Mover(trials.relaxer, trials.deadline)
-    singles.drop_all()
+    singles.drop_light()
+    if not trials.interrupted:
+        mover.try_all()
+        trials.interrupted |= mover.interrupted
+    singles.drop_rest()
     fit = nearest_fit(trials.relaxer) if by_size and not trials.interrupted else None
-    mover.try_all()
     if not mover.far:
         singles.drop_others()
     singles.tell_open()
     relaxations = [one for one in singles.relaxations() if one.is_of_use]
-    trials.interrupted |= mover.interrupted
     moves = mover.nearest(trials.deadline.at_most(MOVES_SHARE * trials.deadline.left_s))
     together, nearest = changes_together(trials, relaxations, bool(moves))
     clash = clash_of(trials, relaxations)
@@ -87,7 +89,7 @@ def changes_together(
     if trials.over:
         return [], nearest
     trials.say(0.9, "smaller changes together")
-    together = Together(trials, trials.deadline.at_most(TOGETHER_SHARE * trials.deadline.left_s))
+    together = CommonShare(trials, trials.deadline.at_most(TOGETHER_SHARE * trials.deadline.left_s))
     if relaxations:
         return together.smaller_than(relaxations[0].miss_rel), nearest
     made, design = together.of_all()

@@ -20,11 +20,11 @@ from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
 
 FARTHEST_SPEED = 0.1  # of the speed that is asked
-ALTITUDES = (0.6, 0.35, 1.5)  # of the altitude that is asked, in the order in which they are tried
-FARTHEST_CLARITY = 40.0  # times as clear
+ALTITUDES = (0.4, 0.65, 1.5)  # of the altitude that is asked; what is near and fits at all fits soonest
+FARTHEST_CLARITY = (40.0, 8.0)  # times as clear: the first that is no more than water can be
 FARTHEST_TIME = 10.0  # times as long between images, or as short a duty
-SHARE = 0.65  # of the time, for trying all keys far from where they stand
-TURN = 0.6  # of the time left: what one key may take of it
+SHARE = 0.6  # of the time, for trying all keys far from where they stand
+TURN = 0.7  # of the time left: what one key may take of it
 #: Jerlov types from the clearest on, by their attenuation at 530 nm.
 CLEAREST_FIRST = ("I", "IA", "IB", "II", "1C", "III", "3C", "5C", "7C", "9C")
 
@@ -131,8 +131,8 @@ class Mover:
         if reading is not None:
             name, value = reading
             clearer = name in ("visibility_m", "secchi_m")
-            far = value * FARTHEST_CLARITY if clearer else value / FARTHEST_CLARITY
-            yield self._try("scene", name, value, (rounded_away(far, value),))
+            far = tuple(value * times if clearer else value / times for times in FARTHEST_CLARITY)
+            yield self._try("scene", name, value, tuple(rounded_away(one, value) for one in far))
         elif water in CLEAREST_FIRST and water != CLEAREST_FIRST[0]:
             yield self._try("scene", "water", water, (CLEAREST_FIRST[0],))
 
@@ -144,15 +144,14 @@ class Mover:
 
     def _is_known(self, one: Try, phase: Deadline) -> bool:
         """Try a key far away; whether it is known then if that helps."""
-        turn = phase.at_most(TURN * phase.left_s)
+        known = True
         for value in one.values:
-            found = self._search(one.key, value, turn)
+            found = self._search(one.key, value, phase.at_most(TURN * phase.left_s))
             if found is not None and found.outcome.best:
                 self.far.append(Far(one, value, found))
                 return True
-            if found is not None and not found.outcome.complete:
-                return False
-        return True
+            known = known and (found is None or found.outcome.complete)
+        return known
 
     @staticmethod
     def _untried(one: Far) -> Moved:

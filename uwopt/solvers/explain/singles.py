@@ -22,7 +22,7 @@ from uwopt.solvers.explain.trials import BRIGHT, Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, with_limit, without
 from uwopt.solvers.recommend import Sought
 
-FIRST_SHARE = 0.5  # of the time, for what each loses when dropped
+LIGHT_SHARE, REST_SHARE = 0.3, 0.5  # of the time left, for what each loses when dropped
 LONG_TURN = 0.5  # of the time left, for the question whether all would fit at central prices
 ROUNDS = 3  # of the time that is left, as long as nothing helps
 MOST_TIMES = 30.0  # what is asked of an image: beyond, it is another image that would be of no use
@@ -67,17 +67,20 @@ class Singles:
     helpful: list[Without] = field(default_factory=list)
     left: dict[str, float] = field(default_factory=dict)
 
-    def drop_all(self) -> None:
-        """Drop every requirement in turn, those that take least first."""
-        trials, phase = self.trials, self.trials.deadline.at_most(FIRST_SHARE * self.trials.deadline.left_s)
+    def drop_light(self) -> None:
+        """Drop every requirement that no imager's rule knows."""
+        trials = self.trials
         self.left = {name: trials.limits[name] for name in trials.limits if name in OF_LIGHT}
         for name in self._useless([name for name in self.left if name != "min_snr"]):
             del self.left[name]
-        self._drop_each(phase)
-        late = phase.passed() or trials.interrupted
-        others = trials.limits if late else trials.by_effort()
-        light, self.left = self.left, {name: others[name] for name in others if name not in OF_LIGHT}
-        self._drop_each(phase)
+        self._drop_each(trials.deadline.at_most(LIGHT_SHARE * trials.deadline.left_s))
+
+    def drop_rest(self) -> None:
+        """Drop the others, those that take least first."""
+        trials, light = self.trials, self.left
+        others = trials.by_effort()
+        self.left = {name: others[name] for name in others if name not in OF_LIGHT}
+        self._drop_each(trials.deadline.at_most(REST_SHARE * trials.deadline.left_s))
         self.left = {**light, **self.left}
 
     def drop_others(self) -> None:

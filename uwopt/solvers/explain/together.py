@@ -35,7 +35,7 @@ NO_MORE = 0.95  # of a limit from below: all of it would ask for nothing
 
 
 @dataclass
-class Together:
+class CommonShare:
     """One mission's limits, speed and height, which give all at once."""
 
     trials: Trials
