@@ -182,6 +182,32 @@ def test_a_murkier_water_takes_more_power_and_a_brighter_floor_less() -> None:
         assert np.all(np.diff(value[held]) >= 0.0) and value[held][-1] > span * value[held][0]
 
 
+def test_fixed_settings_take_what_the_worst_of_those_that_count_takes() -> None:
+    """Of a lamp whose lumens alone are in doubt: the power that would be set in the 90th hundredth, now in all."""
+    sought = sought_of(one(wanted=FAST, light={"flux_lm": between(1.5e4, 3e4, 4e4)}))
+    sought.problem.mission = sought.problem.mission.with_changes(confidence=0.9)
+    adapted, fixed = counted(sought), counted(sought, KNOWN.model_copy(update={"settings": "fixed"}))
+    best = fixed.best(0.9)
+    assert adapted.held[adapted.best(0.9)] == 1.0 and fixed.held[best] == pytest.approx(0.9, abs=0.006)
+    assert np.nanmax(np.where(np.isfinite(fixed.value), fixed.value - fixed.value[best].min(), np.nan)[best]) < 1e-9
+    assert fixed.quantile(0.5)[best] == pytest.approx(adapted.quantile(0.9)[best], rel=0.01)
+    seen = np.isfinite(fixed.value)
+    assert np.all(fixed.value[seen] >= adapted.value[seen] * (1.0 - 1e-9)) and len(fixed.fixed) == len(fixed.f_numbers)
+
+
+def test_settings_that_were_fixed_are_those_of_scenarios_to_come() -> None:
+    """The same in fresh scenarios, where others would be better; and nothing else holds there."""
+    sought = sought_of(one(wanted=FAST, light={"flux_lm": between(1.5e4, 3e4, 4e4)}), settings="fixed")
+    sought.problem.mission = sought.problem.mission.with_changes(confidence=0.9)
+    certain = most_certain(sought, sought.search.objective, 0.9)
+    assert certain is not None and certain.fresh is not None and certain.best.settings
+    assert certain.fresh.settings == certain.best.settings
+    assert 0.9 <= certain.best.held < 0.92 and certain.fresh.held == pytest.approx(certain.best.held, abs=0.006)
+    record = told(sought.problem, sought.search.objective, certain, sought.outcome.best[0], ends=False)
+    assert [one_.light_level for one_ in record.fixed] == [certain.best.settings[0].level]
+    assert record.held == certain.fresh.held
+
+
 # ---------------------------------------------------------------- choices
 
 

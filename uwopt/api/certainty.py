@@ -18,7 +18,14 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design, Note
 from uwopt.solvers.confidence.counted import Counted, rank
-from uwopt.solvers.confidence.search import Certain, at_its_stop, most_certain, scenarios_of, with_stop
+from uwopt.solvers.confidence.search import (
+    Certain,
+    at_its_stop,
+    check_fixed,
+    most_certain,
+    scenarios_of,
+    with_stop,
+)
 from uwopt.solvers.exact.light_tables import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import Sought, design_of
@@ -109,6 +116,7 @@ def confidence_of(
     from uwopt.solvers.confidence.outcomes import outcomes
     from uwopt.solvers.confidence.summary import counted
 
+    check_fixed(problem, goal)
     scenarios = scenarios_of(problem, asked, problem.mission.seed, OF_A_SYSTEM)
     lighting = Lighting(int(problem.lights.optics_index[hardware.light]), 0, hardware.mount)
     found = Found(

@@ -7,7 +7,16 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
-from uwopt.documents.key_types import WHOLE, Section, Share, number_or_range, one_of, refusal, to_number
+from uwopt.documents.key_types import (
+    CHOICE,
+    WHOLE,
+    Section,
+    Share,
+    number_or_range,
+    one_of,
+    refusal,
+    to_number,
+)
 
 CENTRAL, ENDS = "central", "ends"
 LEAST_CONFIDENCE, MOST_CONFIDENCE = 0.5, 0.99
@@ -73,13 +82,18 @@ class Doubt(Section):
     )
     beyond_band: Share = Field(
         default=BEYOND_BAND,
-        description="how far the vehicle leaves its band of altitudes at most, as a share of altitude_tolerance_m; "
-        "0: never",
+        description="how far a vehicle that moves leaves its band of altitudes at most, as a share of "
+        "altitude_tolerance_m; 0: never",
     )
     focus: Factors = Field(
         default=FOCUS,
         description="[least, most] factor on the distance at which the lens is focused before the port is sealed, "
         "about 1; [1, 1]: it is known",
+    )
+    settings: Annotated[Literal["adapt", "fixed"], CHOICE] = Field(
+        default="adapt",
+        description="adapt: exposure, gain and light level are set once the water is seen; fixed: before, as f-number "
+        "and focus are",
     )
     scenarios: Annotated[int, Field(ge=32, le=4096), WHOLE] = Field(
         default=256, description="number of scenarios that the search draws"

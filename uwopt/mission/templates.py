@@ -125,6 +125,7 @@ requirements:
 #   lamp_output: [0.85, 1.07]  # factor on the lumens that makers state
 #   beyond_band: 0.25          # how far the vehicle leaves its band, as a share of altitude_tolerance_m; 0: never
 #   focus: [0.95, 1.05]        # factor on the distance to which a lens is focused before its port is sealed
+#   settings: adapt            # or fixed: exposure, gain and light level before the water is seen, too
 #   scenarios: 256
 
 # What the system may cost, draw and weigh. A limit that is left out limits nothing.

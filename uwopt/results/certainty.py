@@ -54,6 +54,16 @@ class CertaintyProof(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class FixedSettings(Record):
+    """What is set in one scene before the water is seen, and left so in all scenarios."""
+
+    scene: str = Field(description="name of the scene")
+    light_level: Number = Field(description="of the lamps, a share of full")
+    light_time_ms: Number = Field(description="that collects light: exposure, or pulse")
+    gain_db: Number = Field(description="of the camera")
+
+
+@dataclass(frozen=True, config=RECORD)
 class Confidence(Record):
     """In how many scenarios of what is uncertain a system holds, and with which objective."""
 
@@ -75,6 +85,9 @@ class Confidence(Record):
     central_hardware: list[str] = Field(default_factory=list, description="the hardware that reaches it")
     central_held: Number | None = Field(default=None, description="share of the scenarios in which that holds")
     central_p50: Number | None = Field(default=None, description="objective that it keeps or betters in half of them")
+    fixed: list[FixedSettings] = Field(
+        default_factory=list, description="by scene what is set before the water is seen; none: set once it is seen"
+    )
     counted: Whole = Field(default=1, description="hardware whose outcomes were counted in every scenario")
     fresh: Flag = Field(default=True, description="whether the choice has not seen these scenarios")
     complete: Flag = Field(default=True, description="whether there was time for all of it")

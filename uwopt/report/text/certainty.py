@@ -67,6 +67,10 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
         if known.objective_p90 is not None:
             text += f", {words.objective_text(result, known.objective_p90)} or better in nine of ten"
         yield name, text
+    for one in known.fixed:
+        text = f"light level {100.0 * one.light_level:.3g} %, {one.light_time_ms:.3g} ms of light"
+        text += f", gain {one.gain_db:.3g} dB"
+        yield f"set before, {words.one_line(one.scene)}" if len(known.fixed) > 1 else "set before", text
     if known.lost_to:
         told = [f"{lost_text(one.requirement)} ({percent(one.share)})" for one in known.lost_to]
         yield "else missed first", words.listed(told)

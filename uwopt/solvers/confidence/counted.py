@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from uwopt.forward.problem import Problem
+from uwopt.solvers.confidence.fixed import Settings
 from uwopt.solvers.confidence.outcomes import Outcomes
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.one_hardware import parts_of
@@ -32,6 +33,11 @@ class Counted:
         """Where the iris stands; None where it is moved at sea."""
         number = float(self.outcomes.f_numbers[self.stop])
         return number if np.isfinite(number) else None
+
+    @property
+    def settings(self) -> Settings | None:
+        """What is set in each scene, where that is fixed before the water is seen."""
+        return self.outcomes.fixed[self.stop] if self.outcomes.fixed else None
 
     def quantile(self, share: float) -> float:
         """Minimised objective that it keeps or betters in so many scenarios; inf where it does not hold in as many."""

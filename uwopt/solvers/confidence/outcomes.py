@@ -1,7 +1,8 @@
 """How one hardware does in each scenario: whether settings meet every requirement, and the best objective with them.
 
-Hardware is bought now. Exposure, gain and light level are set once the water is seen; the f-number of a lens behind a
-sealed port is not, so that each stop of its ring is tried in all scenarios. Focus is set to the parts as they come.
+Hardware is bought now. Exposure, gain and light level are set once the water is seen, or fixed before (`fixed`); the
+f-number of a lens behind a sealed port is not, so that each stop of its ring is tried in all scenarios. Focus is set to
+the parts as they come, as well as it can be.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,12 +21,13 @@ from uwopt.forward.part_columns import Lenses
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
+from uwopt.solvers.confidence.fixed import Settings, best_fixed
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.together import Together
 from uwopt.solvers.exact.imagers import Imagers, limit
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.settable.steps import stops
-from uwopt.solvers.settings.best import best_settings
+from uwopt.solvers.settings.best import Best, best_settings
 from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.tolerances import ROUND
 
@@ -47,6 +50,7 @@ class Outcomes:
     value: Array
     lost: dict[str, int]
     short: list[dict[str, int]] = field(default_factory=list)
+    fixed: list[Settings] = field(default_factory=list)  # by stop, where settings are fixed before the water is seen
 
     def missed(self, stop: int) -> dict[str, int]:
         """What is missed first in how many scenarios at one stop, the most frequent first."""
@@ -75,15 +79,15 @@ class Outcomes:
 
 def outcomes(
     base: Problem, found: Found, objective: Objective, scenarios: Scenarios, deadline: Deadline = NEVER, *,
-    f_numbers: Sequence[float] | None = None,
+    f_numbers: Sequence[float] | None = None, given: Settings | None = None,
 ) -> Outcomes:  # fmt: skip
-    """How one hardware does in all scenarios, at the stops of its ring or at these."""
-    return outcomes_of_each(base, [found], objective, scenarios, deadline, f_numbers=f_numbers)[0]
+    """How one hardware does in all scenarios, at the stops of its ring or at these, with settings that are given."""
+    return outcomes_of_each(base, [found], objective, scenarios, deadline, f_numbers=f_numbers, given=given)[0]
 
 
 def outcomes_of_each(
     base: Problem, found: Sequence[Found], objective: Objective, scenarios: Scenarios, deadline: Deadline = NEVER, *,
-    f_numbers: Sequence[float] | None = None, every_stop: bool = False,
+    f_numbers: Sequence[float] | None = None, every_stop: bool = False, given: Settings | None = None,
 ) -> list[Outcomes]:  # fmt: skip
     """How each hardware does in all scenarios.
 
@@ -95,7 +99,7 @@ def outcomes_of_each(
         group = Together.of(base, [found[k] for k in places], scenarios)
         marks = [marks_of(base, group, hardware, f_numbers, every_stop) for hardware in range(len(places))]
         rows = group.rows(objective, deadline) if any(marks) else []
-        made |= zip(places, outcomes_together(group, objective, rows, marks), strict=True)
+        made |= zip(places, outcomes_together(group, objective, rows, marks, given), strict=True)
     return [made[k] for k in range(len(found))]
 
 
@@ -135,16 +139,26 @@ def groups_of(found: Sequence[Found]) -> Iterator[list[int]]:
 
 
 def outcomes_together(
-    group: Together, objective: Objective, rows: list[SceneRows], marks: Sequence[list[float]]
-) -> list[Outcomes]:
-    """How each of a group does with its iris at these marks."""
+    group: Together, objective: Objective, rows: list[SceneRows], marks: Sequence[list[float]],
+    given: Settings | None = None,
+) -> list[Outcomes]:  # fmt: skip
+    """How each of a group does with its iris at these marks; `given`: with these settings, where they are fixed."""
     count = group.scenarios.count
     made = [Outcomes(np.array([np.nan]), np.full((1, count), np.inf), lost) for lost in group.lost]
     if not any(marks):
         return made
     imager = [np.tile(np.flatnonzero(group.hardware == h), len(own)) for h, own in enumerate(marks)]
     stop = [np.repeat(own, len(mine) // max(len(own), 1)) for own, mine in zip(marks, imager, strict=True)]
-    every = values_at(group, objective, rows, np.concatenate(imager), np.concatenate(stop))
+    judge = Judge.of(group, objective, rows, np.concatenate(imager), np.concatenate(stop))
+    adapted = judge.adapted()
+    fixed: list[list[Settings]] = [[] for _ in marks]
+    if group.scenarios.doubt.settings == "fixed" and np.isfinite(np.concatenate(stop)).all():
+        sizes = [len(mine) // max(len(own), 1) for own, mine in zip(marks, imager, strict=True) for _ in own]
+        every, settings = best_fixed(judge, adapted, sizes, count, share_of(group.problem), given)
+        ends = np.cumsum([0, *map(len, marks)])
+        fixed = [settings[first:last] for first, last in pairwise(ends)]
+    else:
+        every = judge.verdict(adapted)
     ends = np.cumsum([0, *map(len, imager)])
     for h, own in enumerate(marks):
         if own:
@@ -153,8 +167,14 @@ def outcomes_together(
             filled = np.full((len(own), count), np.inf)
             filled[:, group.scenario[imager[h][: value.shape[1]]]] = value
             short = [{name: n for name, n in Counter(row.tolist()).items() if name} for row in first]
-            made[h] = Outcomes(np.array(own), filled, group.lost[h], short)
+            made[h] = Outcomes(np.array(own), filled, group.lost[h], short, fixed[h])
     return made
+
+
+def share_of(problem: Problem) -> float:
+    """The share of scenarios that a mission asks for."""
+    asked = problem.mission.confidence
+    return asked if isinstance(asked, float) else 1.0
 
 
 def marks_of(
@@ -165,7 +185,7 @@ def marks_of(
     if len(mine) == 0:
         return []
     lens = base.lenses.take(np.array([group.found[hardware].lens]))
-    if bool(lens.motorised[0]):
+    if bool(lens.motorised[0]) and group.scenarios.doubt.settings != "fixed":
         return [np.nan]
     return [float(n) for n in f_numbers] if f_numbers else wanted_stops(lens, group.imagers, mine, every)
 
@@ -192,36 +212,74 @@ def values_at(
     group: Together, objective: Objective, rows: list[SceneRows], imager: Array, stop: Array
 ) -> tuple[Array, Array]:
     """Minimised objective of these imagers, each with its iris at its own stop; and what is missed first, by name."""
-    problem, imagers = group.problem, group.imagers
-    tried = [at_stop(r.take(imager), stop) for r in rows]
-    light, number = group.light[imager], group.count[imager]
-    to_buy = problem.lamps_to_buy(light, number)
-    cost = imagers.cost[imager] + to_buy * problem.lights.price[light]
-    limit_cost = imagers.limit_cost[imager] + to_buy * problem.lights.limit_price[light]
-    mass = imagers.mass_kg[imager] + number * problem.lights.mass_kg[light]
-    camera_power = imagers.camera_power_w[imager]
-    none = np.zeros(len(imager))
-    best = best_settings(
-        tried, problem.lenses.motorised[imagers.lens[imager]], objective, camera_power, problem.scene_power_limit_w,
-        gap_rel=GAP, constant=objective.constant(Terms(camera_power, cost, mass, none, imagers.gsd_mm[imager])),
-        mean_limit=MeanLimit.of(problem),
-    )  # fmt: skip
-    power = camera_power + np.max([c.light_power_w for c in best.chosen], axis=0)
-    limits = problem.mission.limits
-    misses = {
-        "min_dof_m": ~np.logical_and.reduce([may_stand_at(r.take(imager), stop) for r in rows]),
-        "cost": limit_cost > limit(limits.cost) * ROUND,
-        "mass_kg": mass > limit(limits.mass_kg) * ROUND,
-        "rules": np.logical_or.reduce([r.time_max_s[imager] < 0.0 for r in rows]),
-        "light": ~best.feasible,
-        "power_w": power > problem.scene_power_limit_w * ROUND,
-    }
-    feasible = ~np.logical_or.reduce(list(misses.values()))
-    terms = Terms(power, cost, mass, best.snr_db, imagers.gsd_mm[imager], best.contrast, best.information)
-    with np.errstate(invalid="ignore"):
-        value = objective.cost_to_minimise(terms)
-    first = np.select(list(misses.values()), list(misses), "")
-    return np.where(feasible & np.isfinite(value), value, np.inf), first
+    judge = Judge.of(group, objective, rows, imager, stop)
+    return judge.verdict(judge.adapted())
+
+
+@dataclass(frozen=True)
+class Judge:
+    """Imagers with the iris of each at its own stop, and what they cost and weigh, (n,): judges their settings."""
+
+    group: Together
+    objective: Objective
+    rows: list[SceneRows]
+    imager: Array
+    misplaced: Array  # the iris may not stand there
+    cost: Array
+    limit_cost: Array
+    mass: Array
+
+    @staticmethod
+    def of(group: Together, objective: Objective, rows: list[SceneRows], imager: Array, stop: Array) -> Judge:
+        """Of these imagers of a group."""
+        problem, imagers = group.problem, group.imagers
+        light, number = group.light[imager], group.count[imager]
+        to_buy = problem.lamps_to_buy(light, number)
+        own = [r.take(imager) for r in rows]
+        return Judge(
+            group, objective, [at_stop(r, stop) for r in own], imager,
+            ~np.logical_and.reduce([may_stand_at(r, stop) for r in own]),
+            imagers.cost[imager] + to_buy * problem.lights.price[light],
+            imagers.limit_cost[imager] + to_buy * problem.lights.limit_price[light],
+            imagers.mass_kg[imager] + number * problem.lights.mass_kg[light],
+        )  # fmt: skip
+
+    @property
+    def camera_power_w(self) -> Array:
+        """What cameras draw, (n,)."""
+        return self.group.imagers.camera_power_w[self.imager]
+
+    def adapted(self) -> Best:
+        """The best settings in each scenario, once the water is seen."""
+        problem, imagers, imager = self.group.problem, self.group.imagers, self.imager
+        none = np.zeros(len(imager))
+        terms = Terms(self.camera_power_w, self.cost, self.mass, none, imagers.gsd_mm[imager])
+        return best_settings(
+            self.rows, problem.lenses.motorised[imagers.lens[imager]], self.objective, self.camera_power_w,
+            problem.scene_power_limit_w, gap_rel=GAP, constant=self.objective.constant(terms),
+            mean_limit=MeanLimit.of(problem),
+        )  # fmt: skip
+
+    def verdict(self, best: Best) -> tuple[Array, Array]:
+        """Minimised objective with these settings, inf where they miss something, and what is missed first, by name."""
+        problem = self.group.problem
+        power = self.camera_power_w + np.max([c.light_power_w for c in best.chosen], axis=0)
+        limits = problem.mission.limits
+        misses = {
+            "min_dof_m": self.misplaced,
+            "cost": self.limit_cost > limit(limits.cost) * ROUND,
+            "mass_kg": self.mass > limit(limits.mass_kg) * ROUND,
+            "rules": np.logical_or.reduce([(r.time_max_s < 0.0) & ~self.misplaced for r in self.rows]),
+            "light": ~best.feasible,
+            "power_w": power > problem.scene_power_limit_w * ROUND,
+        }
+        feasible = ~np.logical_or.reduce(list(misses.values()))
+        gsd_mm = self.group.imagers.gsd_mm[self.imager]
+        terms = Terms(power, self.cost, self.mass, best.snr_db, gsd_mm, best.contrast, best.information)
+        with np.errstate(invalid="ignore"):
+            value = self.objective.cost_to_minimise(terms)
+        first = np.select(list(misses.values()), list(misses), "")
+        return np.where(feasible & np.isfinite(value), value, np.inf), first
 
 
 def may_stand_at(rows: SceneRows, f_number: Array) -> Array:

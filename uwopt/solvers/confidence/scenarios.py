@@ -20,7 +20,7 @@ from uwopt.forward.scene import SceneOptics
 from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission
 from uwopt.solvers.confidence.draws import drawn_parts, probabilities, shuffled, triangular
-from uwopt.solvers.confidence.waters import Waters, WaterState, drawn_states
+from uwopt.solvers.confidence.waters import Waters, WaterState, drawn_states, may_leave_band
 from uwopt.solvers.explain.robustness import at_end
 
 Array = NDArray[Any]
@@ -45,7 +45,7 @@ class Scenarios:
     def drawn(mission: Mission, scenes: Sequence[SceneOptics], doubt: Doubt, *, seed: int, count: int) -> Scenarios:
         """Draw them."""
         port = shuffled(seed, "port", count) * PORTS // count
-        states = drawn_states(doubt, seed, count, has_band=any(len(scene.range_m) > 1 for scene in scenes))
+        states = drawn_states(doubt, seed, count, has_band=any(map(may_leave_band, scenes)))
         focus = triangular(probabilities(seed, "focus", count), doubt.focus[0], 1.0, doubt.focus[1])
         return Scenarios(doubt, seed, count, states, Waters.of(mission, scenes), port, focus)
 

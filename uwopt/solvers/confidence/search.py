@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
@@ -85,6 +86,7 @@ def most_certain(
     None where none is feasible with every number at its central value: then neither are its settings to tell.
     """
     problem, mission = sought.problem, sought.problem.mission
+    check_fixed(problem, objective)
     scenarios = scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios)
     share = 1.0 if asked == ENDS else float(asked)
     tried: list[Counted] = []
@@ -110,6 +112,14 @@ def most_certain(
         return None
     certain = Certain(share, scenarios, best, central, tried, complete, proof=proof)
     return certain if asked == ENDS else judged_anew(problem, objective, certain, deadline)
+
+
+def check_fixed(problem: Problem, objective: Objective) -> None:
+    """Settings that are fixed before the water is seen are not counted under the sun, nor for information."""
+    under_sun = any(scene.sunlit for scene in problem.scenes)
+    if problem.mission.doubt.settings == "fixed" and (under_sun or objective.weight("information")):
+        where = "under the sun" if under_sun else "for information"
+        raise MissionError([f"doubt.settings: fixed is not counted {where}; leave it at adapt"])
 
 
 def can_be_proven(problem: Problem, objective: Objective) -> bool:
@@ -179,10 +189,11 @@ def with_stop(
 
 
 def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:
-    """The best in scenarios that the choice has not seen, at the same stop."""
+    """The best in scenarios that the choice has not seen, at the same stop, with its settings where they are fixed."""
     scenarios = scenarios_of(problem, certain.asked, (problem.mission.seed + FRESH_SEED) % 2**32, FRESH)
     stop = None if certain.best.f_number is None else [certain.best.f_number]
-    return Counted(certain.best.found, outcomes(problem, certain.best.found, objective, scenarios, f_numbers=stop), 0)
+    found, given = certain.best.found, certain.best.settings
+    return Counted(found, outcomes(problem, found, objective, scenarios, f_numbers=stop, given=given), 0)
 
 
 def at_its_stop(problem: Problem, objective: Objective, one: Counted, deadline: Deadline = NEVER) -> Found | None:

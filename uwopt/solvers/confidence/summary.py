@@ -11,13 +11,22 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import Doubt
 from uwopt.model.multiple import LOST_FACTORS
 from uwopt.objectives.objective import Objective
-from uwopt.results.certainty import CertaintyPoint, CertaintyProof, Confidence, LostTo, WorthKnowing
+from uwopt.results.certainty import (
+    CertaintyPoint,
+    CertaintyProof,
+    Confidence,
+    FixedSettings,
+    LostTo,
+    WorthKnowing,
+)
 from uwopt.solvers.confidence.counted import Counted, rank
 from uwopt.solvers.confidence.proof import NoneBetter
 from uwopt.solvers.confidence.search import Certain
+from uwopt.solvers.confidence.waters import may_leave_band
 from uwopt.solvers.confidence.worth import worth_of_knowing
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.one_hardware import pieces_of
+from uwopt.units import ratio_to_db
 
 Z95 = 1.959964
 LEVELS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 0.99)
@@ -74,6 +83,10 @@ def counted(
         held_in_choice=chosen.held, scenarios_in_choice=chosen.outcomes.value.shape[1],
         objective_p50=reported(objective, seen.quantile(0.5)), objective_p90=reported(objective, seen.quantile(0.9)),
         f_number=seen.f_number, lost_to=[LostTo(name, number / count) for name, number in missed],
+        fixed=[
+            FixedSettings(scene.name, one.level, 1e3 * one.time_s, ratio_to_db(one.gain))
+            for scene, one in zip(problem.scenes, chosen.settings or [], strict=False)
+        ],
         drawn=list(drawn(problem.mission.doubt, problem)), **more,  # type: ignore[arg-type]
     )  # fmt: skip
 
@@ -113,7 +126,7 @@ def drawn(doubt: Doubt, problem: Problem) -> Iterator[str]:
         if doubt.other_water_table > 0.0:
             share = 100.0 * doubt.other_water_table
             yield f"the other table of the Jerlov types, where it has the water, in {share:g} % of all"
-    if doubt.beyond_band > 0.0 and any(len(scene.range_m) > 1 for scene in problem.scenes):
+    if doubt.beyond_band > 0.0 and any(map(may_leave_band, problem.scenes)):
         yield f"altitude beyond its band, by up to {100.0 * doubt.beyond_band:g} % of the tolerance"
     for name, (low, high), than in (
         ("reflectance of the floor", doubt.floor, "what is stated"),

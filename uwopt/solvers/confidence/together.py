@@ -26,7 +26,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.panels import CLOSED, SHORTER, Anchor, may_close
 from uwopt.solvers.confidence.response import LIT, VEILED, WaterResponse, of_deciding_pixels
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.waters import over_band
+from uwopt.solvers.confidence.waters import may_leave_band, over_band
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import NodeRows
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, PortBlock, imagers_behind, joined
@@ -173,7 +173,11 @@ class Together:
         beyond = np.array([state.beyond for state in self.scenarios.states])[self.scenario]
         if not beyond.any():
             return known
-        made = [over_wider_band(rows, beyond) for rows in known]
+        scenes = self.problem.scenes
+        made = [
+            over_wider_band(rows, beyond) if may_leave_band(scene) else rows
+            for rows, scene in zip(known, scenes, strict=True)
+        ]
         if all(rows.sharp is None for rows in known):
             return made
         sharp: list[list[tuple[Array, Any]]] = [[] for _ in known]

@@ -143,11 +143,17 @@ class KnownWaters:
 
 def over_band(scene: SceneOptics, beyond: float) -> SceneOptics:
     """A scene whose altitudes go beyond their band by a share of the tolerance; never to the floor itself."""
-    if beyond == 0.0 or len(scene.range_m) == 1:
+    if beyond == 0.0 or not may_leave_band(scene):
         return scene
     nominal = float(scene.range_m[scene.nominal])
     most = 0.5 * (1.0 + nominal / (nominal - float(scene.range_m[0])))
     return replace(scene, range_m=nominal + (scene.range_m - nominal) * min(1.0 + beyond, most), cache={})
+
+
+def may_leave_band(scene: SceneOptics) -> bool:
+    """Whether there is a band of altitudes that is kept by steering; else it says where targets are, or none is."""
+    moves = scene.view.vehicle.speed_m_s > 0.0
+    return len(scene.range_m) > 1 and moves and scene.view.scene.target != "mid_water"
 
 
 def own_table(scene: SceneOptics) -> str | None:
