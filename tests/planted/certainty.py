@@ -194,6 +194,20 @@ DEFECTS = (
         test=f"{PROOF}::test_the_best_of_waters_is_no_worse_than_each_in_any_leg",
     ),
     Defect(
+        name="settings that are fixed are those of each scenario",
+        file=f"{ROOM}/fixed.py",
+        old="made = Chosen(best.f_number, level, time_s, gain, x, power, peak)",
+        new="made, x, gain = best, best.light_x, best.gain",
+        test=f"{TESTS}::test_fixed_settings_take_what_the_worst_of_those_that_count_takes",
+    ),
+    Defect(
+        name="fixed settings are fixed anew in scenarios to come",
+        file=f"{ROOM}/search.py",
+        old="f_numbers=stop, given=given), 0)",
+        new="f_numbers=stop), 0)",
+        test=f"{TESTS}::test_settings_that_were_fixed_are_those_of_scenarios_to_come",
+    ),
+    Defect(
         name="a budget counts a price as it is drawn",
         file="uwopt/catalog/parts/doubts.py",
         old="    if name in PRICES:",
