@@ -70,8 +70,8 @@ DEFECTS = (
     Defect(
         name="a budget holds nothing in scenarios",
         file=f"{ROOM}/outcomes.py",
-        old='"cost": limit_cost > limit(limits.cost) * ROUND,',
-        new='"cost": np.zeros(len(imager), bool),',
+        old='"cost": self.limit_cost > limit(limits.cost) * ROUND,',
+        new='"cost": np.zeros(len(self.imager), bool),',
         test=f"{TESTS}::test_what_is_missed_is_told_and_adds_up",
     ),
     Defect(

@@ -40,7 +40,7 @@ class SceneSetting:
 Settings = list[SceneSetting]  # by scene
 
 
-class Judge(Protocol):
+class WithVerdict(Protocol):
     """Rows with the iris of each at its stop, and what settings of theirs are worth."""
 
     @property
@@ -52,7 +52,7 @@ class Judge(Protocol):
 
 
 def best_fixed(
-    judge: Judge, adapted: Best, sizes: Sequence[int], count: int, share: float, given: Settings | None = None
+    judge: WithVerdict, adapted: Best, sizes: Sequence[int], count: int, share: float, given: Settings | None = None
 ) -> tuple[tuple[Array, Array], list[Settings]]:
     """The verdict of the best settings of each block of rows, one hardware at one stop each; and those settings.
 

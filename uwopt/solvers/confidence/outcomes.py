@@ -227,7 +227,7 @@ class Judge:
     misplaced: Array  # the iris may not stand there
     cost: Array
     limit_cost: Array
-    mass: Array
+    mass_kg: Array
 
     @staticmethod
     def of(group: Together, objective: Objective, rows: list[SceneRows], imager: Array, stop: Array) -> Judge:
@@ -253,7 +253,7 @@ class Judge:
         """The best settings in each scenario, once the water is seen."""
         problem, imagers, imager = self.group.problem, self.group.imagers, self.imager
         none = np.zeros(len(imager))
-        terms = Terms(self.camera_power_w, self.cost, self.mass, none, imagers.gsd_mm[imager])
+        terms = Terms(self.camera_power_w, self.cost, self.mass_kg, none, imagers.gsd_mm[imager])
         return best_settings(
             self.rows, problem.lenses.motorised[imagers.lens[imager]], self.objective, self.camera_power_w,
             problem.scene_power_limit_w, gap_rel=GAP, constant=self.objective.constant(terms),
@@ -268,14 +268,14 @@ class Judge:
         misses = {
             "min_dof_m": self.misplaced,
             "cost": self.limit_cost > limit(limits.cost) * ROUND,
-            "mass_kg": self.mass > limit(limits.mass_kg) * ROUND,
+            "mass_kg": self.mass_kg > limit(limits.mass_kg) * ROUND,
             "rules": np.logical_or.reduce([(r.time_max_s < 0.0) & ~self.misplaced for r in self.rows]),
             "light": ~best.feasible,
             "power_w": power > problem.scene_power_limit_w * ROUND,
         }
         feasible = ~np.logical_or.reduce(list(misses.values()))
         gsd_mm = self.group.imagers.gsd_mm[self.imager]
-        terms = Terms(power, self.cost, self.mass, best.snr_db, gsd_mm, best.contrast, best.information)
+        terms = Terms(power, self.cost, self.mass_kg, best.snr_db, gsd_mm, best.contrast, best.information)
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
         first = np.select(list(misses.values()), list(misses), "")
