@@ -147,7 +147,7 @@ BAD = [
     (changed("altitude_m", 1), "altitude_m belongs under vehicle"),
     (changed("limits.physics", "full"), "physics belongs at the top level"),
     (changed("limits.max_gsd", 1), "the key is max_gsd_mm under requirements"),
-    (changed("qwertz", 1), "qwertz is unknown; known here are catalog, confidence, doubt, limits"),
+    (changed("qwertz", 1), "qwertz is unknown; known here are catalog, confidence, doubt, fixed, limits"),
     (changed("requirement", {}), "did you mean requirements?"),
     (changed("requirements.overlap", 60), "it is a share 0..1; did you mean 0.6 for 60?"),
     (changed("requirements.overlap", 100), "it is a share 0..1; did you mean 0.6 for 60 %?"),

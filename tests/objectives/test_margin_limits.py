@@ -35,7 +35,7 @@ MISSION: dict[str, Any] = {
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "light_baseline_m": 0.5, "light_count": [2, 2]},
     "catalog": {"extras": [{"name": "housing", "cost": 50.0, "mass_kg": 3.0, "power_w": 6.0}]},
-    "requirements": {"circle_of_confusion_px": 2.0}, "limits": {}, "reserve": {},
+    "requirements": {"circle_of_confusion_px": 2.0}, "fixed": {}, "limits": {}, "reserve": {},
 }  # fmt: skip
 SYSTEM: dict[str, Any] = {
     "camera": {"resolution_x_px": 2000, "resolution_y_px": 1000, "pixel_pitch_um": 5.0, "read_noise_e": 5.0,
@@ -282,6 +282,10 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("light_level", low("light.dim_min_frac", 0.5, **{"settings.dim_frac": 0.5})),
     ("light_level", lambda over: {
         "light.dim_levels": [0.25, 0.5, 1.0], "settings.dim_frac": 0.5 * (1.0 + max(over, 0.0))}),
+    ("fixed_f_number", lambda over: {"fixed.f_number": 4.0, "settings.f_number": 4.0 * (1.0 + max(over, 0.0))}),
+    ("fixed_exposure_ms", lambda over: {"fixed.exposure_ms": 1.0, "settings.exposure_ms": 1.0 + max(over, 0.0)}),
+    ("fixed_gain", lambda over: {"fixed.gain": 2.0, "settings.gain": 2.0 * (1.0 - max(over, 0.0))}),
+    ("fixed_dim_frac", lambda over: {"fixed.dim_frac": 0.5, "settings.dim_frac": 0.5 * (1.0 - max(over, 0.0))}),
     ("max_pulse_ms", high("light.max_pulse_us", 500.0, **PULSED)),
     ("min_pulse_ms", low("light.min_pulse_us", 500.0, **PULSED)),
     ("min_pulse_ms", lambda over: {

@@ -9,9 +9,9 @@ CAP = "tests/api/test_gain_cap.py"
 DEFECTS = (
     Defect(
         name="a cap of gain is no bound of the settings",
-        file="uwopt/forward/scene.py",
-        old="return of_camera if allowed_db is None else",
-        new="return of_camera if True else",
+        file="uwopt/forward/problem.py",
+        old="high = most if allowed_db is None else",
+        new="high = most if True else",
         test="tests/solvers/test_exact.py::test_planted_cases_equal_enumeration[as shipped-gain that the mission caps]",
     ),
     Defect(

@@ -48,7 +48,7 @@ OF_SETTINGS = (
     "f_number_min", "f_number_max", "gain_min", "gain_max", "max_exposure_ms", "min_exposure_ms", "light_level_max",
     "light_level", "max_pulse_ms", "min_pulse_ms", "light_duty", "light_rate", "shutter_open_ms", "common_f_number",
     "common_focus_m", "nearest_focus_m", "frame_rate", "frame_interval_s", "overlap", "saturation_fraction",
-    "cost", "lens_stop_down", "max_gain_db",
+    "cost", "lens_stop_down", "max_gain_db", "fixed_f_number", "fixed_exposure_ms", "fixed_gain", "fixed_dim_frac",
 )  # fmt: skip
 NOTHING_IN_HAND = 0.02  # of a limit
 #: Ends of the depth of field, and what uses up the little that is in hand there.

@@ -7,7 +7,7 @@ add up to the parts loaded.
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, TypeVar
 
@@ -44,6 +44,7 @@ RULES = (
     "run time",
     "trigger",
     "depth rating",
+    "setting",
     "generic",
 )
 
@@ -133,11 +134,13 @@ def select(
     duration_h: float | None = None,
     camera_count: int = 1,
     cable_m: float | None = None,
+    unsettable: Callable[[Part], str] = lambda part: "",
 ) -> Selection:
     """Apply a mission's choice to a catalogue.
 
     An owned camera, lens, port, housing or complete camera costs nothing if there are `camera_count` of it; owned
     lights keep their price in the record, because only the first `owned[id]` of them are free (`money.cost_of`).
+    `unsettable` says why a part cannot be set as is wanted; "" where it can.
     """
     wish = _as_choice(choice)
     owned = _owned_quantities(wish.owned)
@@ -146,7 +149,9 @@ def select(
     indices: dict[Kind, tuple[int, ...]] = {}
     owned_keys = frozenset(plain_name(name) for name in owned)
     standing = _by_part(catalog.exclusions)
-    filters = _Filters(wish, owned_keys, required_depth_m, colour, shutter, lamp_supply, duration_h, cable_m, standing)
+    filters = _Filters(
+        wish, owned_keys, required_depth_m, colour, shutter, lamp_supply, duration_h, cable_m, standing, unsettable
+    )  # fmt: skip
     for kind in KINDS:
         kept = []
         for index, part in enumerate(catalog.parts(kind)):
@@ -196,6 +201,7 @@ class _Filters:
     duration_h: float | None
     cable_m: float | None  # that the interface of a camera must reach
     standing: Mapping[str, Sequence[Exclusion]]  # by part id, in rule order
+    unsettable: Callable[[Part], str]
 
     def first_verdict(self, kind: Kind, part: Part) -> tuple[str, str] | None:
         """Rule and reason of the first rule that discards a part; None when it may be searched."""
@@ -225,6 +231,7 @@ class _Filters:
             or self._wrong_sensor(part)
             or self._wrong_supply(part, wanted)
             or self._too_shallow(part)
+            or (("setting", why) if (why := self.unsettable(part)) else None)
         )
 
     def _needs_housing(self, part: Part) -> tuple[str, str] | None:

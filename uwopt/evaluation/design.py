@@ -33,7 +33,10 @@ from uwopt.objectives.requirements import MarginRows, common_margins
 from uwopt.results.design import Design, Margin, Note, SceneResult, Totals
 from uwopt.units import ratio_to_db
 
-UNBOUND = ("light_level", "mean_level", "common_f_number", "common_focus_m")  # met or not, never scarce
+UNBOUND = (  # met or not, never scarce
+    "light_level", "mean_level", "common_f_number", "common_focus_m", "fixed_f_number", "fixed_exposure_ms",
+    "fixed_gain", "fixed_dim_frac",
+)  # fmt: skip
 NO_SIGNAL_DB = -200.0  # of an SNR: less than one electron in ten thousand million pixels
 
 

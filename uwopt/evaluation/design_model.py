@@ -50,6 +50,7 @@ from uwopt.model.port import lens_dioptre_per_m
 from uwopt.objectives.requirements import (
     MarginRows,
     duration_margins,
+    fixed_margins,
     scene_margins,
     system_margins,
     trigger_margins,
@@ -61,7 +62,8 @@ DARK_CELLS = 80  # a side of the image, where its unlit share is counted
 
 #: Margins that say nothing where there is no lamp.
 LAMP_MARGINS = (
-    "light_level_max", "light_level", "min_uniformity", "lamp_clear_m", "lamp_beside_port_m", "lamps_apart_m",
+    "light_level_max", "light_level", "fixed_dim_frac", "min_uniformity", "lamp_clear_m", "lamp_beside_port_m",
+    "lamps_apart_m",
 )  # fmt: skip
 
 
@@ -257,8 +259,14 @@ class DesignModel:
             dioptre = self._default_dioptre_per_m(index)
             if given.focus_distance_m is not None:
                 dioptre = float(lens_dioptre_per_m(given.focus_distance_m, focus_map=self.maps[index]))
-        f_number = given.f_number or float(self.lenses.f_number_from(needs.lens_stop_down)[0])
-        level = 1.0 if given.level is None else given.level
+        f_number = (
+            given.f_number
+            or self.problem.f_number
+            or float(self.lenses.f_number_from(needs.lens_stop_down)[0])
+        )
+        level = given.level
+        if level is None:
+            level = self.problem.mission.fixed.dim_frac or 1.0
         cam, lights = self.cameras, self.lights
         offset, readout = float(cam.exposure_offset_s[0]), float(cam.readout_s[0])
         blur = float(blur_time_s(scene, self.shapes[index], rows.view)[0])
@@ -293,9 +301,9 @@ class DesignModel:
         """The gain that gives the wanted mean level, within the camera's range; 1 when none is wanted."""
         f_number, exposure, pulse, level, rate, dioptre = values
         scene, cam = self.problem.scenes[index], self.cameras
-        wanted = scene.view.requirements.mean_level
+        wanted, least = scene.view.requirements.mean_level, self.problem.mission.fixed.gain or 1.0
         if wanted is None:
-            return 1.0
+            return least
         at_unit = figures_of(
             scene, self.rows[index], _setting_rows(f_number, exposure, pulse, 1.0, level, rate, dioptre)
         )
@@ -303,7 +311,7 @@ class DesignModel:
         reached = float(at_unit.mean_level[0, scene.nominal]) * full - black
         if not reached > 0:
             return float(cam.max_gain[0])
-        return float(np.clip((wanted * full - black) / reached, 1.0, cam.max_gain[0]))
+        return float(np.clip((wanted * full - black) / reached, least, max(cam.max_gain[0], least)))
 
     # ------------------------------------------------------------ results
 
@@ -325,6 +333,7 @@ class DesignModel:
             *scene_margins(
                 scene, self.rows[index], settings, figures, limits, level_tolerance_rel=level_tolerance_rel
             ),
+            *fixed_margins(mission.fixed, settings),
             *self.airy_margins(index, figures),
             *self.port_margins(index),
             *self.housing_margins(),

@@ -16,6 +16,7 @@ from uwopt.catalog.records import Port
 from uwopt.errors import CatalogError, MissionError
 from uwopt.forward.designs import Hardware
 from uwopt.forward.enclosures import enclosed
+from uwopt.forward.fixed_settings import cannot_be_set
 from uwopt.forward.focus import default_dioptres_per_m
 from uwopt.forward.lamps import Mount, mount_at
 from uwopt.forward.problem import Parts, Problem
@@ -67,6 +68,7 @@ def selected(
         duration_h=mission.vehicle.duration_h,
         camera_count=mission.vehicle.camera_count,
         cable_m=bare_cable_m(mission),
+        unsettable=lambda part: cannot_be_set(part, mission.fixed),
         **select_problem_mission(mission),
     )
     idle = [text for text in made.warnings if names_nothing(mission, catalog, text)]

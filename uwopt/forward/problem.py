@@ -24,6 +24,7 @@ from uwopt.catalog.rest import DISK_GB, Per, RestItem, RestNeeds, disk_price_per
 from uwopt.catalog.spacers import spacer_mass_g, spacer_price
 from uwopt.forward import switching
 from uwopt.forward.enclosures import camera_with_size, lens_with_size
+from uwopt.forward.fixed_settings import at_exposure, at_level
 from uwopt.forward.lamps import (
     Mount,
     distinct_optics,
@@ -55,6 +56,7 @@ from uwopt.model.beam import Beam
 from uwopt.model.effects import FULL, PAPER, Effects
 from uwopt.model.image_mean import PIXELS_A_SIDE
 from uwopt.model.imaging import PortShape
+from uwopt.units import db_to_ratio
 
 Array = NDArray[Any]
 
@@ -117,7 +119,8 @@ class Problem:
         self.mission, self.parts, self.paper, self.end = mission, estimated(mission, parts), paper, end
         parts = self.parts
         self.known_models: dict[Any, Any] = {}  # by hardware; see `design_model.design_model`
-        self.f_number: float | None = None  # at which every iris stands; None: where it is best
+        fixed = mission.fixed
+        self.f_number = fixed.f_number  # at which every iris stands; None: where it is best
         self.focus_share: Array | None = None  # of the distance meant at which lenses stand, by camera; None: 1
         self.effects = PAPER if paper else effects
         self.owned_lights = owned_lights or {}
@@ -150,6 +153,8 @@ class Problem:
         self.lights: Lights = light_rows(
             parts.lights, money=self.money, optics_index=optics_index, end=end, paper=paper, high_basis=high
         )
+        self.cameras = at_exposure(self.cameras, fixed.exposure_ms)
+        self.lights = at_level(self.lights, fixed.dim_frac)
         if self.rest:
             self._add_rest(high)
         self.fineness = self.scenes[0].fineness
@@ -324,6 +329,13 @@ class Problem:
         if not self.counts_host:
             return 0.0
         return 1.0 if self.beside_camera(camera) else 1.0 / self.mission.vehicle.camera_count
+
+    def gains(self, scene_index: int, most: Array) -> tuple[float, Array]:
+        """Lowest and highest gain, ratios: those of cameras, what a scene allows, or the one that is fixed."""
+        allowed_db = self.scenes[scene_index].view.requirements.max_gain_db
+        high = most if allowed_db is None else np.minimum(most, db_to_ratio(allowed_db))
+        fixed = self.mission.fixed.gain
+        return (1.0, high) if fixed is None else (fixed, np.minimum(high, fixed))
 
     @cached_property
     def duration(self) -> Duration:

@@ -24,7 +24,6 @@ from uwopt.model import fineness as fine
 from uwopt.model import multiple, water
 from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr, share_beyond
 from uwopt.model.spectrum import resample, wavelength_grid_nm
-from uwopt.units import db_to_ratio
 
 Array = NDArray[Any]
 LampLeg = Literal["diffuse", "least", "most"]
@@ -103,11 +102,6 @@ class SceneOptics:
     def altitude_m(self) -> Array:
         """Heights of the port over the target's plane at these ranges."""
         return np.asarray(self.range_m * np.cos(self.pitch_rad))
-
-    def max_gain(self, of_camera: Array) -> Array:
-        """Highest gain, a ratio: the camera's, or what the mission allows."""
-        allowed_db = self.view.requirements.max_gain_db
-        return of_camera if allowed_db is None else np.minimum(of_camera, db_to_ratio(allowed_db))
 
     @property
     def scatters(self) -> bool:

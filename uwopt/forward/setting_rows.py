@@ -101,11 +101,17 @@ class SceneRows(Columns):
     open_max_s: Array | None = None  # longest open shutter under the sun; None: as long as the lamps need
     lead_s: Array | None = None  # that lamps burn beside the time that collects light; inf or None: all the time
     idle_w: Array | None = None  # drawn whatever the light: lamps that are off, cameras beside their least scene
+    min_gain: float = 1.0
     background_e: Array | None = None  # (n, 1), of open water behind the targets; there is no sun with it
     flash_decay_s: Array | None = None  # in which a flash fades to 1/e, inf or None: it does not
     spare_dark_s: Array | None = (
         None  # of bounds: further exposure whose dark current may fill the wanted level
     )
+
+    @property
+    def least_dn_per_e(self) -> Array:
+        """Digital numbers per electron at the lowest gain."""
+        return np.asarray(self.gain_dn_per_e * self.min_gain)
 
     @property
     def total_e(self) -> Array:
@@ -340,6 +346,7 @@ def setting_rows(
     needs, limits = scene.view.requirements, problem.mission.limits
     cam, lamp = problem.cameras.take(camera), problem.lights.take(light)
     flash = lamp.kind == FLASH
+    least_gain, most_gain = problem.gains(scene_index, cam.max_gain)
     time_min, time_max, dark_time = light_times_s(
         cam, lamp, focused, limits.max_exposure_ms * 1e-3, sunlit=sun is not None
     )
@@ -360,6 +367,7 @@ def setting_rows(
     max_level = np.where(np.isnan(max_level), 1.0, max_level)
     allowed = (focused.rate_hz <= lamp.max_rate_hz * (1 + 1e-12)) | (lamp.kind == CONTINUOUS)
     allowed &= cam.fires_lamps | (lamp.kind == CONTINUOUS)
+    allowed &= least_gain <= most_gain * BALANCE_ROUND
     if needs.max_skew_px is not None:
         allowed &= (focused.skew_px <= needs.max_skew_px) | (lamp.kind != CONTINUOUS)
     vehicle = scene.view.vehicle
@@ -397,7 +405,8 @@ def setting_rows(
         gain_dn_per_e=cam.gain_dn_per_e,
         full_scale_dn=2.0**cam.bits - 1.0,
         black_level_dn=cam.black_level_dn,
-        max_gain=scene.max_gain(cam.max_gain),
+        min_gain=least_gain,
+        max_gain=most_gain,
         well_e=cam.saturation_e,
         prnu_frac=cam.prnu_frac,
         dark_current_e_s=cam.dark_current_e_s,

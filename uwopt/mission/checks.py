@@ -48,7 +48,7 @@ def in_one_form(data: Values) -> tuple[dict[str, Any], list[Fault]]:
         scene = plain.pop("scene")
         if scene is not None and plain.get("scenes") is None:
             plain["scenes"] = scene if isinstance(scene, (list, tuple)) else [scene]
-    for section in ("requirements", "reserve", "limits", "catalog"):
+    for section in ("requirements", "reserve", "limits", "fixed", "catalog"):
         if section in plain and plain[section] is None:
             del plain[section]
     plain["vehicle"], twice = _by_usual_names(plain.get("vehicle"), ("vehicle",))

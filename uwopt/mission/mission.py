@@ -21,6 +21,7 @@ from uwopt.documents.whole_file import WholeFile, placed
 from uwopt.mission import checks
 from uwopt.mission.best_image import NAME, BestImageGoal, to_goal
 from uwopt.mission.doubt import Confidence, Doubt
+from uwopt.mission.fixed import Fixed
 from uwopt.mission.keys import OBJECTIVES
 from uwopt.mission.practice import DEFAULT_PRACTICE, Practice, with_practice
 from uwopt.mission.reserves import REFUSED_DEPTH, Reserve, ReserveOrWord, asked_of, held_of, kept_of
@@ -103,6 +104,10 @@ class Mission(WholeFile):
     )
     limits: Limits = Field(
         default_factory=lambda: Limits(), description="section of what the system may cost, draw and weigh"
+    )
+    fixed: Fixed = Field(
+        default_factory=lambda: Fixed(),
+        description="section of settings that stay as given, the rest being chosen",
     )
     catalog: CatalogChoice = Field(
         default_factory=lambda: CatalogChoice(), description="section of which parts may be used"
@@ -252,6 +257,7 @@ def sections() -> dict[str, type[Section]]:
         "reserve": Reserve,
         "doubt": Doubt,
         "limits": Limits,
+        "fixed": Fixed,
         "catalog": CatalogChoice,
         "scene": Scene,
     }

@@ -145,6 +145,13 @@ limits:
   # data_rate_mb_s: 100
   # max_exposure_ms: 1000
 
+# Settings that stay as given in every scene, while the rest is chosen.
+# fixed:
+#   f_number: 4                # as engraved
+#   exposure_ms: 1             # in whole microseconds
+#   gain: 1                    # a ratio
+#   dim_frac: 1                # light level of every lamp, a share of its full light
+
 # Which parts may be used. Patterns fit an id or a maker: a plain part of the name, or a glob.
 catalog:
   cameras: ["*"]

@@ -20,6 +20,7 @@ from uwopt.forward.scene import SceneOptics
 from uwopt.forward.spacers import ring_range_m
 from uwopt.forward.views import heights_m
 from uwopt.mission.duration import Duration
+from uwopt.mission.fixed import Fixed
 from uwopt.mission.sections import Limits
 from uwopt.model.imaging import FARTHEST
 from uwopt.tolerances import BINDING_REL, SATISFIED_REL
@@ -256,6 +257,18 @@ def setting_margins(
     triggered = lights.kind != CONTINUOUS
     if triggered.any():
         yield from pulse_margins(rows, settings, triggered)
+
+
+def fixed_margins(fixed: Fixed, settings: SettingRows) -> Iterator[MarginRows]:
+    """Settings that the mission fixes."""
+    for name, value, wanted, unit in (
+        ("fixed_f_number", settings.f_number, fixed.f_number, ""),
+        ("fixed_exposure_ms", settings.exposure_s * 1e3, fixed.exposure_ms, "ms"),
+        ("fixed_gain", settings.gain, fixed.gain, ""),
+        ("fixed_dim_frac", settings.level, fixed.dim_frac, ""),
+    ):
+        if wanted is not None:
+            yield MarginRows(name, value, np.full(len(value), wanted), "=", unit)
 
 
 def nearest_level(rows: DesignRows, settings: SettingRows) -> tuple[Array, Array]:

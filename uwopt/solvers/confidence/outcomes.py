@@ -187,6 +187,8 @@ def marks_of(
     lens = base.lenses.take(np.array([group.found[hardware].lens]))
     if bool(lens.motorised[0]) and group.scenarios.doubt.settings != "fixed":
         return [np.nan]
+    if base.f_number is not None:
+        return [base.f_number]
     return [float(n) for n in f_numbers] if f_numbers else wanted_stops(lens, group.imagers, mine, every)
 
 

@@ -85,8 +85,8 @@ def panel_of(base: Problem, scenarios: Scenarios, objective: Objective, covered:
     )
     scenes = [scenarios.scenes[int(k)] for k in np.flatnonzero(water)]
     problem = Problem(
-        base.mission, made_parts, paper=base.paper, owned_lights=base.owned_lights, counts=base.count_range,
-        mounts=base.mounts, scenes=best_scenes(scenes), effects=base.effects,
+        base.mission.with_changes(fixed={}), made_parts, paper=base.paper, owned_lights=base.owned_lights,
+        counts=base.count_range, mounts=base.mounts, scenes=best_scenes(scenes), effects=base.effects,
     )  # fmt: skip
     return Panel(problem, least)
 

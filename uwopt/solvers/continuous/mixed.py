@@ -151,7 +151,7 @@ class MixedProgram:
             "f_number": (scene.n_low, max(scene.n_high, scene.n_low)),
             "time_s": (piece.time_low_s, piece.time_high_s),
             "level": (piece.level_low, piece.level_high),
-            "gain": (1.0, max(scene.max_gain, 1.0)),
+            "gain": (scene.min_gain, max(scene.max_gain, scene.min_gain)),
         }
         return {name: (float(np.log(low)), float(np.log(high))) for name, (low, high) in plain.items()}
 

@@ -60,7 +60,7 @@ def _of_scene(scene: SmoothScene, at: SmoothSettings) -> dict[str, float]:
         "f_number_high": _over(at.f_number, scene.n_high),
         "time_low": _over(scene.time_min_s, at.time_s),
         "time_high": _over(at.time_s, scene.time_max_s),
-        "gain_low": _over(1.0, at.gain),
+        "gain_low": _over(scene.min_gain, at.gain),
         "gain_high": _over(at.gain, scene.max_gain),
     }
     if not scene.dims_freely:

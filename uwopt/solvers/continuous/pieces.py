@@ -58,6 +58,7 @@ class SmoothScene:
     gain_dn_per_e: float
     full_scale_dn: float
     black_level_dn: float
+    min_gain: float
     max_gain: float
     well_e: float
     prnu_frac: float
@@ -113,6 +114,7 @@ class SmoothScene:
             max_level=top,
             mean_level=rows.mean_level,
             highlight_ratio=float(rows.highlight_ratio),
+            min_gain=float(rows.min_gain),
             **{name: one(getattr(rows, name)) for name in COPIED},
         )
 
@@ -318,7 +320,7 @@ def ruled_out(scene: SmoothScene, piece: Piece) -> bool:
     longest, shortest = piece.time_high_s, piece.time_low_s
     bright = SmoothSettings(scene.n_low, longest, piece.level_high, scene.max_gain, piece.exposure_s(longest))
     widest = max(scene.n_high, scene.n_low)
-    dim = SmoothSettings(widest, shortest, piece.level_low, 1.0, piece.exposure_s(shortest))
+    dim = SmoothSettings(widest, shortest, piece.level_low, scene.min_gain, piece.exposure_s(shortest))
     nominal, brightest = scene.total_e[scene.nominal], max(scene.total_e)
     wanted, headroom = wanted_dn(scene), headroom_dn(scene)
     if any(scene.snr(signal, bright, total_e=total) < snr * (1.0 - 1e-9) for signal, total, snr in scene.wanted):

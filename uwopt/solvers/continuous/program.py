@@ -75,7 +75,7 @@ class Program:
                 ranges[f"f_number[{index}]"] = (scene.n_low, self._high(scene.n_low, scene.n_high))
             ranges[f"time_s[{index}]"] = (piece.time_low_s, piece.time_high_s)
             ranges[f"level[{index}]"] = (piece.level_low, piece.level_high)
-            ranges[f"gain[{index}]"] = (1.0, max(scene.max_gain, 1.0))
+            ranges[f"gain[{index}]"] = (scene.min_gain, max(scene.max_gain, scene.min_gain))
         ranges = {name: (float(np.log(low)), float(np.log(high))) for name, (low, high) in ranges.items()}
         if self.goal in ("power", "sum") and any(scene.draws for scene in self.scenes):
             ranges["power"] = self._power_range()
@@ -199,7 +199,7 @@ class Program:
                     f_number=float(np.clip(at.f_number, scene.n_low, max(scene.n_high, scene.n_low))),
                     time_s=time_s,
                     level=float(np.clip(at.level, piece.level_low, piece.level_high)),
-                    gain=float(np.clip(at.gain, 1.0, max(scene.max_gain, 1.0))),
+                    gain=float(np.clip(at.gain, scene.min_gain, max(scene.max_gain, scene.min_gain))),
                     exposure_s=scene.exposure_s(time_s),
                 )
             )

@@ -134,9 +134,13 @@ class Spread:
         dimmest = max(light.min_level[0], DIMMEST_IN_SUN if sunlit else DIMMEST)
         levelled = model.problem.scenes[index].view.requirements.mean_level is not None
         widest = lens.f_number_from(model.problem.scenes[index].view.requirements.lens_stop_down)[0]
+        closest = lens.f_number_max[0]
+        if model.problem.f_number is not None:
+            widest = closest = model.problem.f_number
+        least, most = model.problem.gains(index, cam.max_gain)
         return [
-            (widest, max(widest, lens.f_number_max[0])), (shortest, max(longest, shortest)), (dimmest, 1.0),
-            (1.0, np.e if levelled else max(model.problem.scenes[index].max_gain(cam.max_gain)[0], 1.0)),
+            (widest, max(widest, closest)), (shortest, max(longest, shortest)), (dimmest, 1.0),
+            (1.0, np.e) if levelled else (least, max(most[0], least)),
             (shut_s, max(open_s, shut_s) if sunlit else shut_s),
         ]  # fmt: skip
 
@@ -192,8 +196,8 @@ class Spread:
         by_level = at.gain < np.sqrt(np.e)
         low, high = np.exp(self.low[self.places[index]]), np.exp(self.high[self.places[index]])
         wanted = self._times_to_wanted(index, replace(at, gain=np.ones_like(at.gain)))
-        most = self.model.problem.scenes[index].max_gain(self.model.cameras.max_gain)[0]
-        at = replace(at, gain=np.clip(wanted, 1.0, most))
+        least, most = self.model.problem.gains(index, self.model.cameras.max_gain)
+        at = replace(at, gain=np.clip(wanted, least, most[0]))
         own = index == 0 or self.places[index][0] != 0
         for _ in range(LEVEL_STEPS):  # dark current and the sun do not follow the light
             more = self._times_to_wanted(index, at)

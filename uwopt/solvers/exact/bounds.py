@@ -567,7 +567,7 @@ class Bounds:
         if needs.mean_level is None or self.problem.effects.veils:  # veils help to fill the range
             return np.asarray(need), np.zeros(len(rows))
         wanted_dn = needs.mean_level * (2.0**cameras.bits - 1.0) - cameras.black_level_dn
-        by_gain = wanted_dn / (cameras.gain_dn_per_e * scene.max_gain(cameras.max_gain))
+        by_gain = wanted_dn / (cameras.gain_dn_per_e * self.problem.gains(scene_index, cameras.max_gain)[1])
         longest = np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
         return np.asarray(need), np.asarray(by_gain - cameras.dark_current_e_s * longest)
 

@@ -92,8 +92,9 @@ class SettableScene:
         self.kind = int(model.lights.kind[0])
         self.levels = light_levels(model.lights)
         self.needs = model.problem.scenes[index].view.requirements
-        n_gains = int(_db(model.problem.scenes[index].max_gain(model.cameras.max_gain)[0]) / GAIN_STEP_DB + EDGE) + 1
-        self.gains_db = np.arange(n_gains) * GAIN_STEP_DB
+        least, most = model.problem.gains(index, model.cameras.max_gain)
+        n_gains = max(int(_db(most[0] / least) / GAIN_STEP_DB + EDGE), 0) + 1
+        self.gains = least * db_to_ratio(np.arange(n_gains) * GAIN_STEP_DB)
         self.at_exact = self._figures(exact)
         self.models = [self.model, *(few_pixels(lean, index) for lean in leaner)]
         self.rows = self.model.rows[index]
@@ -235,13 +236,13 @@ class SettableScene:
         reached = np.max(seen, axis=(0, 2)) if wanted is None else seen[0][:, scene.nominal]
         target = (full / self.needs.highlight_ratio if wanted is None else wanted * full) - black
         with np.errstate(divide="ignore", invalid="ignore"):
-            steps = np.nan_to_num(_db(target / reached) / GAIN_STEP_DB, nan=0.0)
-        top = len(self.gains_db) - 1
+            steps = np.nan_to_num(_db(target / reached / self.gains[0]) / GAIN_STEP_DB, nan=0.0)
+        top = len(self.gains) - 1
         lower = np.clip(np.floor(steps + EDGE), 0, top)
         nearest = np.clip(np.round(steps), 0, top)
         other = np.where(nearest > lower, lower, np.minimum(lower + 1, top))
         picks = [lower] if wanted is None else [nearest, other]
-        return [db_to_ratio(self.gains_db[pick.astype(int)]) for pick in picks]
+        return [self.gains[pick.astype(int)] for pick in picks]
 
     def _judged(self, settings: SettingRows) -> Tried:
         """Figures and margins; what is dear only of settings where all else holds: each pixel, then sharpness."""

@@ -552,11 +552,11 @@ def window_over(
         high = (((rows.well_e / rows.highlight_ratio - dark_lo)[:, None] - least) / total).min(axis=1)
         low = np.zeros(len(nominal))
         if rows.mean_level is None:
-            full = (headroom_dn / rows.gain_dn_per_e - dark_lo)[:, None]
+            full = (headroom_dn / rows.least_dn_per_e - dark_lo)[:, None]
             high = np.minimum(high, ((full - least) / total).min(axis=1))
         else:
             wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
-            high = np.minimum(high, (wanted_dn / rows.gain_dn_per_e - least_nominal) / nominal)
+            high = np.minimum(high, (wanted_dn / rows.least_dn_per_e - least_nominal) / nominal)
             if not rows.optimistic:
                 low = (wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - most_nominal) / nominal
                 excess = wanted_dn[:, None] * total - (headroom_dn * nominal)[:, None]

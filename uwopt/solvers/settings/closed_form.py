@@ -126,11 +126,11 @@ def window_sides(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | 
         brightest = np.full(len(nominal), np.inf)
         for_level, for_snr = np.zeros(len(nominal)), np.zeros(len(nominal))
         if rows.mean_level is None:
-            scale = (headroom_dn / rows.gain_dn_per_e - dark)[:, None]
+            scale = (headroom_dn / rows.least_dn_per_e - dark)[:, None]
             full = np.minimum(full, ((scale - other) / total).min(axis=1))
         else:
             wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
-            most_e = wanted_dn / rows.gain_dn_per_e - other[:, rows.nominal] - dark
+            most_e = wanted_dn / rows.least_dn_per_e - other[:, rows.nominal] - dark
             full = np.minimum(full, most_e / nominal)
             least_e = wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - other_nominal
             if not rows.optimistic:
@@ -369,7 +369,7 @@ def best_gain(rows: SceneRows, light_x: Array, sun: Sun | None = None) -> Array:
         level_e = every.max(axis=1) + dark
         wanted_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.clip(wanted_dn / (rows.gain_dn_per_e * level_e), 1.0, rows.max_gain)
+        return np.clip(wanted_dn / (rows.gain_dn_per_e * level_e), rows.min_gain, rows.max_gain)
 
 
 def least_power(
