@@ -20,6 +20,7 @@ from uwopt.explore.outcome import SHOWN, shown_figures
 pytestmark = only_with_browser
 PROBLEMS = Path(__file__).parents[2] / "problems"
 OPENING = state.packed(state.OPENING)
+NO_CURVES = '"value":"dof"', '"value":"rig"'  # of the plot that is chosen at first
 #: A mission of which the search is short: two cameras, two lenses, one port, one lamp.
 SMALL: dict[str, Any] = {
     "practice": "bare", "physics": "paper",
@@ -44,30 +45,58 @@ def url() -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def tab(url: str) -> Iterator[tuple[Any, list[str]]]:
-    """One tab for all tests, and what goes wrong in it."""
+def context(url: str) -> Iterator[tuple[Any, list[str]]]:
+    """A browser for all tests, and what goes wrong in its tabs."""
     faults: list[str] = []
-    with started_browser() as browser:
-        context = browser.new_context(viewport={"width": 1300, "height": 900})
-        context.set_default_timeout(PATIENCE_MS)
-        page = context.new_page()
+    own = (url, "data:", "blob:")
+
+    def watch(page: Any) -> None:
         page.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda fault: faults.append(fault.stack or str(fault)))
-        own = (url, "data:", "blob:")
         page.on("request", lambda call: None if call.url.startswith(own) else faults.append(call.url))
-        page.goto(url)
-        yield page, faults
+
+    with started_browser() as browser:
+        made = browser.new_context(viewport={"width": 1300, "height": 900})
+        made.set_default_timeout(PATIENCE_MS)
+        made.on("page", watch)
+        yield made, faults
+
+
+@pytest.fixture(scope="module")
+def tab(context: tuple[Any, list[str]], url: str) -> Any:
+    """One tab for all tests that look at no curves: those are never drawn in it, which takes most of the time."""
+    page = context[0].new_page()
+
+    def without_curves(call: Any) -> None:
+        answer = call.fetch()
+        call.fulfill(response=answer, body=answer.text().replace(*NO_CURVES))
+
+    page.route("**/_dash-layout", without_curves)
+    page.goto(url)
+    return page
+
+
+@pytest.fixture(scope="module")
+def drawn_tab(context: tuple[Any, list[str]], url: str) -> Any:
+    """A second tab, in which curves are drawn."""
+    page = context[0].new_page()
+    page.goto(url)
+    return page
 
 
 @pytest.fixture
-def page(tab: tuple[Any, list[str]], url: str) -> Iterator[Any]:
+def page(tab: Any, context: tuple[Any, list[str]]) -> Iterator[Any]:
     """The page as it opens; at its end no error may stand in the console, and nothing came from elsewhere."""
-    shown, faults = tab
-    shown.evaluate("address => { location.hash = address; }", f"#s={OPENING}")
-    shown.locator("[data-figure='1-fov_x_m']").wait_for(state="detached")
-    says(shown, "fov_x_m", "2.111 m")
-    yield shown
-    assert faults == []
+    yield opened(tab, OPENING)
+    assert context[1] == []
+
+
+def opened(page: Any, address: str) -> Any:
+    """The page with the state of an address, of one system that sees 2.111 m."""
+    page.evaluate("address => { location.hash = address; }", f"#s={address}")
+    page.locator("[data-figure='1-fov_x_m']").wait_for(state="detached")
+    says(page, "fov_x_m", "2.111 m")
+    return page
 
 
 def says(page: Any, name: str, text: str, system: int = 0) -> None:
@@ -132,7 +161,7 @@ def test_values_outside_are_explained_and_the_last_figures_stay(page: Any) -> No
     assert page.inner_text("#faults") == ""
 
 
-def test_systems_stand_side_by_side_and_the_address_brings_them_back(page: Any, url: str) -> None:
+def test_systems_stand_side_by_side_and_the_address_brings_them_back(page: Any, drawn_tab: Any, url: str) -> None:
     page.click("#do-add")
     says(page, "fov_x_m", "2.111 m", system=1)
     page.fill("#c-s-lens-focal_length_mm", "16")
@@ -140,19 +169,14 @@ def test_systems_stand_side_by_side_and_the_address_brings_them_back(page: Any, 
     says(page, "fov_x_m", "2.111 m")
     choose(page, "shown", "0")
     page.wait_for_selector("#c-s-lens-focal_length_mm[value='8']")
-    page.locator(".js-plotly-plot .scatterlayer").nth(3).wait_for(state="attached")  # two plots a system
-    address = page.url
-    assert "#s=" in address
-    other = page.context.new_page()  # a second tab shares nothing but what its address says
-    other.goto(address)
-    says(other, "fov_x_m", "1.056 m", system=1)
-    other.fill("#c-m-vehicle-altitude_m", "3")
-    says(other, "fov_x_m", "3.167 m")
-    other.goto("about:blank")
-    other.goto(url + "#s=broken")
-    other.locator("#told li").wait_for()
-    assert "holds no state" in other.inner_text("#told")
-    other.close()
+    assert "#s=" in page.url
+    drawn_tab.evaluate("address => { location.hash = address; }", page.url.partition("#")[2])
+    says(drawn_tab, "fov_x_m", "1.056 m", system=1)  # a second tab shares nothing but what its address says
+    drawn_tab.locator(".js-plotly-plot .scatterlayer").nth(3).wait_for(state="attached")  # two plots a system
+    drawn_tab.fill("#c-m-vehicle-altitude_m", "3")
+    says(drawn_tab, "fov_x_m", "3.167 m")
+    drawn_tab.evaluate("location.hash = '#s=broken'")
+    drawn_tab.locator("#told li", has_text="holds no state").wait_for()
     says(page, "fov_x_m", "2.111 m")
     page.click("#do-remove")
     says(page, "fov_x_m", "1.056 m")
@@ -178,15 +202,18 @@ def test_what_is_pinned_stays_and_the_rest_is_searched(page: Any) -> None:
     page.fill("#system-text", yaml.safe_dump(state.OPENING["systems"][0] | {"lens": "computar-m1214-mp2"}))
     page.click("#do-apply")
     page.locator("#told", has_text="Taken.").wait_for()
-    page.click("#pin-lens")
-    assert page.get_attribute("#pin-lens", "aria-pressed") == "true"
+    for pin in ("lens", "f_number"):
+        page.click(f"#pin-{pin}")
+        assert page.get_attribute(f"#pin-{pin}", "aria-pressed") == "true"
     page.click("#do-job-optimise")
     page.locator("#job-text", has_text="Done").wait_for(timeout=4 * PATIENCE_MS)
     assert "proven" in page.inner_text("#job-found")
     mission, system = held(page)
     assert system["lens"] == "computar-m1214-mp2"
-    proven = uwopt.solve(SMALL | {"catalog": SMALL["catalog"] | {"lenses": ["computar-m1214-mp2"]}}, quick=True).best
+    only = SMALL["catalog"] | {"lenses": ["computar-m1214-mp2"]}
+    proven = uwopt.solve(SMALL | {"catalog": only, "fixed": {"f_number": 4}}, quick=True).best
     assert proven is not None
+    assert [one["f_number"] for one in system["scenes"].values()] == [4]
     assert [system[kind] for kind in ("camera", "lens", "port", "light")] == [
         proven.hardware.parts[kind].id for kind in ("camera", "lens", "port", "light")
     ]
@@ -194,6 +221,8 @@ def test_what_is_pinned_stays_and_the_rest_is_searched(page: Any) -> None:
     with page.expect_download() as download:
         page.click("#do-get-made")
     assert "Certificate" in Path(download.value.path()).read_text(encoding="utf-8")
+    for pin in ("lens", "f_number"):
+        page.click(f"#pin-{pin}")
 
 
 def test_keyboard_alone_reaches_and_turns_the_controls(page: Any) -> None:
@@ -215,10 +244,44 @@ def test_keyboard_alone_reaches_and_turns_the_controls(page: Any) -> None:
     assert before
 
 
+TWO_LAMPS = state.with_texts(state.OPENING, {"s-light_count": "2", "m-physics": "full"})
+
+
+def test_lamps_are_moved_by_hand_by_keys_and_by_numbers(page: Any) -> None:
+    opened_at = page.evaluate("address => { location.hash = address; }", f"#s={state.packed(TWO_LAMPS)}")
+    assert opened_at is None
+    at = page.locator("[data-lamp='0'][data-view='behind'] circle")
+    page.locator("#lamp-1-y_m").wait_for()
+    assert page.input_value("#lamp-0-y_m") == "0.5"
+    at.scroll_into_view_if_needed()
+    box = at.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 30, y - 12, steps=4)
+    page.mouse.up()
+    assert float(page.input_value("#lamp-0-y_m")) > 0.6
+    assert float(page.input_value("#lamp-0-z_m")) < -0.05
+    page.focus("[data-lamp='1'][data-view='above']")
+    for key in ("ArrowUp", "ArrowUp", "Shift+ArrowLeft", "PageUp"):
+        page.keyboard.press(key)
+    assert [page.input_value(f"#lamp-1-{key}") for key in ("x_m", "y_m", "tilt_y_deg")] == ["0.1", "-0.51", "2.5"]
+    page.fill("#lamp-1-tilt_y_deg", "20")
+    lit = page.locator("#margin-table", has_text="light level")
+    lit.wait_for()
+    places = [{key: float(page.input_value(f"#lamp-{n}-{key}")) for key in state.PLACE_OF_LAMP} for n in (0, 1)]
+    system = state.OPENING["systems"][0] | {"light_count": 2, "light_mounts": places}
+    says_all(page, TWO_LAMPS["mission"], system)
+    assert held(page)[1]["light_mounts"] == places
+
+
 @pytest.mark.parametrize("width", drawn([400], [400, 860, 1300]))
-def test_page_fits_narrow_windows_and_breaks_no_rule_of_access(page: Any, width: int) -> None:
+def test_page_fits_narrow_windows_and_breaks_no_rule_of_access(
+    drawn_tab: Any, context: tuple[Any, list[str]], width: int
+) -> None:
     from axe_playwright_python.sync_playwright import Axe
 
+    page = opened(drawn_tab, OPENING)
     page.set_viewport_size({"width": width, "height": 800})
     page.locator(".js-plotly-plot .scatterlayer").first.wait_for(state="attached")
     page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
@@ -227,6 +290,7 @@ def test_page_fits_narrow_windows_and_breaks_no_rule_of_access(page: Any, width:
     found = [one for one in Axe().run(page).response["violations"] if one["impact"] in ("serious", "critical")]
     page.set_viewport_size({"width": 1300, "height": 900})
     assert [(one["id"], one["nodes"][0]["html"]) for one in found] == []
+    assert context[1] == []
 
 
 def test_every_figure_has_its_cell(page: Any) -> None:

@@ -360,7 +360,7 @@ def test_ten_tabs_at_once_stay_right(explorer: Explorer) -> None:
 
     seen: dict[int, Any] = {}
     tabs = [
-        threading.Thread(target=lambda n=n: seen.update({n: explorer.changed(*of(n), 0, state.OPENING)}))
+        threading.Thread(target=lambda n=n: seen.update({n: explorer.changed(*of(n), None, 0, state.OPENING)}))
         for n in range(10)
     ]
     for tab in tabs:
@@ -417,12 +417,37 @@ def test_what_is_pinned_is_the_only_choice() -> None:
         jobs.pinned(state.OPENING, ["camera", "lens"])
 
 
+def test_settings_are_pinned_as_they_are_set(explorer: Explorer) -> None:
+    design = explorer.outcomes.result(state.OPENING, 0).best
+    made = jobs.pinned(state.OPENING, ["f_number", "exposure_ms", "gain", "dim_frac", "places"], design)
+    assert made["fixed"] == {"f_number": 4.0, "exposure_ms": 0.86, "gain": 1.0, "dim_frac": 1.0}
+    assert made["vehicle"]["light_mounts"] == [dict.fromkeys(state.PLACE_OF_LAMP, 0.0) | {"y_m": 0.5}]
+    uwopt.load_mission(made)
+    two = state.with_mission(state.OPENING, TWO_SCENES)
+    two["systems"][0] = {**two["systems"][0], "scenes": {"bay": {"gain": 2.0}}}
+    with pytest.raises(MissionError, match="pin the gain: scenes have 1 and 2"):
+        jobs.pinned(two, ["gain"], explorer.outcomes.result(two, 0).best)
+
+
+def test_lamps_that_were_moved_stand_there_once(outcomes: KeptResults) -> None:
+    places = [dict.fromkeys(state.PLACE_OF_LAMP, 0.0) | {"y_m": 0.8, "tilt_y_deg": 10.0}]
+    moved = state.with_lamps(state.OPENING, {"places": places, "move": "first"})
+    assert state.shown_system(moved)["light_mounts"] == places
+    design = outcomes.result(moved, 0).best
+    assert design is not None and design.hardware.light_mounts[0].y_m == 0.8
+    more = turned(moved, **{"s-light_count": "2"})  # stands across track again, and the old move is not made anew
+    assert "light_mounts" not in state.shown_system(more)
+    assert state.with_lamps(more, {"places": places, "move": "first"}) == more
+    with pytest.raises(MissionError, match="place and tilt"):
+        state.with_lamps(state.OPENING, {"places": ["x"], "move": "second"})
+
+
 def test_what_was_found_is_handed_over_once(explorer: Explorer) -> None:
     best = {**state.OPENING["systems"][0], "orientation": "landscape"}
     job = jobs.Job("optimise", None, None, done=("done", ["found"], best, "<html>"))
     job.listen = lambda: None  # type: ignore[method-assign]
     explorer.jobs.known["known"] = job
-    *values, made, kick, _told, _bar, is_over, _cancel, no_report, _lines = explorer.polled(
+    *values, made, kick, _told, _bar, is_over, _cancel, no_report, _lines, _map = explorer.polled(
         1, "known", state.OPENING, 4
     )
     assert made["systems"][0] == state.OPENING["systems"][0]
@@ -459,6 +484,39 @@ def test_what_if_that_is_no_key_is_told() -> None:
     jobs.run("whatif", state.OPENING["mission"], state.OPENING["systems"][0], "speed", line)
     assert line.said[-1][0] == "fault"
     assert "no key with values" in line.said[-1][1]
+
+
+def test_map_is_drawn_and_what_is_no_input_is_told() -> None:
+    line, system = Line(), state.OPENING["systems"][0]
+    jobs.run("map", state.OPENING["mission"], system, "snr_db\naltitude_m=1,2\nf_number=2,4", line)
+    word, picture, made, report = line.said[-1]
+    assert (word, made) == ("done", None)
+    assert report.startswith("<!doctype html>")
+    told = uwopt.evaluate(state.OPENING["mission"], system).best
+    assert told is not None
+    assert picture.content["data"][0]["z"][1][1] == pytest.approx(told.scenes[0].figures["snr_db"], rel=1e-4)
+    jobs.run("map", state.OPENING["mission"], system, "snr_db\naltitude_m\nf_number=2,4", line)
+    assert "no input with values" in line.said[-1][1]
+
+
+def test_a_map_that_is_stopped_keeps_its_points() -> None:
+    many = jobs.Jobs()
+    try:
+        name = many.start("map", state.OPENING["mission"], state.OPENING["systems"][0],
+                          "snr_db\naltitude_m=1:4:100\nf_number=2:8:100")  # fmt: skip
+        job = many.get(name)
+        while job is not None and not job.share and job.done is None:
+            job.line.poll(0.1)
+            job = many.get(name)
+        assert job is not None
+        job.stop()
+        while job.done is None:
+            job.line.poll(0.1)
+            many.get(name)
+        assert job.done[0] == "done"
+        assert "stopped before all of the 10000 points" in job.done[1].caption
+    finally:
+        many.close()
 
 
 @pytest.mark.parametrize(

@@ -93,6 +93,27 @@ DEFECTS = (
         test=f"{STATES}::test_what_is_pinned_is_the_only_choice",
     ),
     Defect(
+        name="a pinned setting is free",
+        file="uwopt/explore/jobs.py",
+        old="fixed[name] = float(values[0])",
+        new="pass",
+        test=f"{STATES}::test_settings_are_pinned_as_they_are_set",
+    ),
+    Defect(
+        name="lamps return to where they once were moved",
+        file="uwopt/explore/state.py",
+        old='if not moved or moved.get("move") == state.get("move"):',
+        new="if not moved:",
+        test=f"{STATES}::test_lamps_that_were_moved_stand_there_once",
+    ),
+    Defect(
+        name="a map that is stopped is lost",
+        file="uwopt/api/mapping.py",
+        old="    except KeyboardInterrupt:  # what is there is drawn",
+        new="    except ZeroDivisionError:  # what is there is drawn",
+        test=f"{STATES}::test_a_map_that_is_stopped_keeps_its_points",
+    ),
+    Defect(
         name="what was found is handed over twice",
         file="uwopt/explore/server.py",
         old="job.is_handed_over = True",

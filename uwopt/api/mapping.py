@@ -96,16 +96,19 @@ def figure_map(
     met: list[list[bool | None]] = [[None] * len(x.values) for _ in y.values]
     refused: list[str] = []
     grid = itertools.product(enumerate(y.values), enumerate(x.values))
-    for done, ((row, y_value), (column, x_value)) in enumerate(grid, 1):
-        try:
-            found = at_point(base, built, {x: x_value, y: y_value}, figure, scene)
-            values[row][column], met[row][column] = found
-        except UnknownFigureError:
-            raise
-        except UwoptError as fault:
-            refused.append(str(fault))
-        if progress is not None:
-            progress(done / points, f"map, {done} of {points} points")
+    try:
+        for done, ((row, y_value), (column, x_value)) in enumerate(grid, 1):
+            try:
+                found = at_point(base, built, {x: x_value, y: y_value}, figure, scene)
+                values[row][column], met[row][column] = found
+            except UnknownFigureError:
+                raise
+            except UwoptError as fault:
+                refused.append(str(fault))
+            if progress is not None:
+                progress(done / points, f"map, {done} of {points} points")
+    except KeyboardInterrupt:  # what is there is drawn
+        refused.append(f"stopped before all of the {points} points were evaluated")
     if all(one is None for line in met for one in line):
         raise MissionError(f"map: no point can be evaluated: {refused[0]}")
     return FigureMap(figure, x, y, values, met, tuple(dict.fromkeys(refused)), base.base.scenes[scene].name)

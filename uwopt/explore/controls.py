@@ -44,7 +44,9 @@ class Control:
     @property
     def unit(self) -> str:
         """Of its number, as it is printed."""
-        return symbol(split_unit(self.key)[1]) if not self.choices and not self.is_part else ""
+        if self.choices or self.is_part or self.key.startswith("f_number"):  # its least is no minute
+            return ""
+        return symbol(split_unit(self.key)[1])
 
     @property
     def meaning(self) -> str:

@@ -12,12 +12,15 @@ import secrets
 import signal
 import threading
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from uwopt.errors import MissionError, UwoptError
 from uwopt.explore.state import State, shown_system
+
+if TYPE_CHECKING:
+    from uwopt.results.design import Design
 
 MOST_AT_ONCE = 2
 KEPT_S = 3600.0  # a job that nobody asks after
@@ -25,13 +28,20 @@ GOOD_BYE_S = 20.0  # that a stopped search has for handing over what it found
 PINS = {
     "camera": "the camera", "lens": "the lens", "port": "the port", "light": "the lamps",
     "orientation": "the orientation", "light_count": "the number of lamps", "places": "the places of the lamps",
+    "f_number": "the f-number", "exposure_ms": "the exposure", "gain": "the gain", "dim_frac": "the light level",
 }  # fmt: skip
+PLACE_KEYS = ("light_mounts", "light_baseline_m", "light_tilt_deg")
+OF_SETTINGS = ("f_number", "exposure_ms", "gain", "dim_frac")
+DIGITS = {"exposure_ms": ".3f"}  # cameras are set in microseconds
 #: What a part is called in the catalog section of a mission.
 PATTERNS = {"camera": "cameras", "lens": "lenses", "port": "ports", "light": "lights"}
 
 
-def pinned(state: State, pins: list[str]) -> dict[str, Any]:
-    """The mission in which what is pinned of the shown system is the only choice; raises where that cannot be said."""
+def pinned(state: State, pins: Sequence[str], design: Design | None = None) -> dict[str, Any]:
+    """The mission in which what is pinned of the shown system is the only choice; raises where that cannot be said.
+
+    design : of the system, as `evaluate` has it, where settings or places of lamps are pinned
+    """
     system = shown_system(state)
     mission = dict(state["mission"])
     catalog, vehicle = dict(mission.get("catalog") or {}), dict(mission.get("vehicle") or {})
@@ -44,6 +54,14 @@ def pinned(state: State, pins: list[str]) -> dict[str, Any]:
                 f"pin the {kind}: own numbers are no part of the catalogue; choose one by its name, or load it as a "
                 "file of own parts"
             )
+    fixed = dict(mission.get("fixed") or {})
+    for name in (name for name in OF_SETTINGS if name in pins):
+        values = values_set(design, name)
+        if len(values) == 1:
+            fixed[name] = float(values[0])
+        else:
+            why = f"scenes have {' and '.join(values)}; make it alike in all, then pin it" if values else "none is set"
+            faults.append(f"pin {PINS[name]}: {why}")
     if faults:
         raise MissionError(faults)
     if "orientation" in pins:
@@ -51,12 +69,18 @@ def pinned(state: State, pins: list[str]) -> dict[str, Any]:
     if "light_count" in pins:
         vehicle["light_count"] = system.get("light_count", 1)
     if "places" in pins:
-        if system.get("light_mounts"):
-            vehicle["light_mounts"] = system["light_mounts"]
-        for key in ("light_baseline_m", "light_tilt_deg"):
-            if system.get(key) is not None:
-                vehicle[key] = system[key]
-    return {**mission, **({"catalog": catalog} if catalog else {}), "vehicle": vehicle}
+        stated = {key: system[key] for key in PLACE_KEYS if system.get(key) is not None}
+        if not stated and design is not None:
+            stated = {"light_mounts": [asdict(place) for place in design.hardware.light_mounts]}
+        vehicle = {key: value for key, value in vehicle.items() if key not in PLACE_KEYS} | stated
+    sections = {"catalog": catalog, "fixed": fixed}
+    return {**mission, **{name: one for name, one in sections.items() if one}, "vehicle": vehicle}
+
+
+def values_set(design: Design | None, name: str) -> list[str]:
+    """A setting of all scenes, each value once, as it is typed."""
+    given = [] if design is None else [scene.settings.get(name) for scene in design.scenes]
+    return sorted({format(value, DIGITS.get(name, ".6g")) for value in given if value is not None})
 
 
 # ---------------------------------------------------------------- what runs
@@ -97,11 +121,30 @@ def doubted(mission: Any, system: Any, vary: str, progress: Callable[[float, str
     return {"result": uwopt.evaluate(mission, system, confidence=0.9)}
 
 
+def mapped(mission: Any, system: Any, vary: str, progress: Callable[[float, str], None]) -> dict[str, Any]:
+    """A figure over two inputs: its name, and each input with its values, a line each."""
+    from uwopt.explore.plotting import plot
+
+    figure, *lines = (line.strip() for line in vary.split("\n"))
+    inputs = {}
+    for line in lines:
+        key, sign, values = line.partition("=")
+        if not sign:
+            raise MissionError(
+                f"map: {line[:60]!r} is no input with values; write such as speed_m_s=0.2:2:8 or f_number=2,4,8"
+            )
+        inputs[key.strip()] = values
+    made = plot("map", mission, system, inputs=inputs, figure=figure, progress=progress)
+    return {"picture": made.pictures[0], "report": made.html()}
+
+
+PINNED_JOBS = ("optimise", "trade", "whatif")
 STOPPED = ("fault", "stopped before there was a result", None, "")
 Work = Callable[[Any, Any, str, Callable[[float, str], None]], dict[str, Any]]
 JOBS: Mapping[str, tuple[str, Work]] = {
     "optimise": ("Optimise the rest", optimise), "trade": ("Trade off power and cost", trade),
     "whatif": ("What if", vary_keys), "doubt": ("How certain is this system", doubted),
+    "map": ("Draw the map", mapped),
 }  # fmt: skip
 
 
@@ -118,7 +161,10 @@ def run(kind: str, mission: Any, system: Any, vary: str, line: Any) -> None:
     line.send(("progress", 0.0, "begun"))
     try:
         made = JOBS[kind][1](mission, system, vary, progress)
-        line.send(("done", summary(made["result"]), made.get("system"), report(made["result"])))
+        if "picture" in made:
+            line.send(("done", made["picture"], None, made["report"]))
+        else:
+            line.send(("done", summary(made["result"]), made.get("system"), report(made["result"])))
     except UwoptError as fault:
         line.send(("fault", str(fault), None, ""))
     except KeyboardInterrupt:
@@ -163,7 +209,7 @@ class Job:
     line: Any
     share: float = 0.0
     what: str = "starting"
-    done: tuple[str, Any, Any, str] | None = None
+    done: tuple[str, Any, Any, str] | None = None  # how it ended, what is said or drawn of it, a system, a page
     is_handed_over: bool = False  # its tab has what it found
     is_up: bool = False  # the process has begun to listen to signals
     stopped_at: float | None = None

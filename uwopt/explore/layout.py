@@ -13,6 +13,7 @@ from typing import Any
 from uwopt.explore.controls import CONTROLS, GROUPS, OWN, PARTS, Control
 from uwopt.explore.dash_door import dcc, html
 from uwopt.explore.jobs import JOBS, PINS
+from uwopt.explore.outcome import OF_THE_PAGE, SHOWN
 from uwopt.explore.state import MOST_FILE_BYTES, MOST_SYSTEMS, State, shown_system, text_of, yaml_text
 from uwopt.forward.assembly import load_catalog
 
@@ -30,7 +31,7 @@ def page(state: State, host: str) -> Any:
     return html.Div([
         html.A("Skip to the figures", href="#figures", className="skip"),
         dcc.Store(id="state", data=state), dcc.Store(id="kick", data=0), dcc.Store(id="address"),
-        dcc.Store(id="opened"),
+        dcc.Store(id="opened"), dcc.Store(id="lamps"),
         dcc.Store(id="marked", data=[]), dcc.Store(id="extra", data={}), dcc.Store(id="job"), dcc.Store(id="sync"),
         dcc.Interval(id="clock", interval=500, disabled=True),
         *[dcc.Download(id=f"get-{name}") for name in ("mission", "system", "report", "made")],
@@ -42,7 +43,7 @@ def page(state: State, host: str) -> Any:
         html.Div([
             html.Section([html.H2("Controls"), system_bar(), *[group(name, state) for name in GROUPS]],
                          className="controls", **{"aria-label": "Controls"}),
-            html.Main([outputs(), plots(), decide(), files(state)], id="main"),
+            html.Main([outputs(), plots(), lamps(), decide(), figure_map(), files(state), work()], id="main"),
         ], className="layout"),
     ])  # fmt: skip
 
@@ -172,13 +173,56 @@ def plots() -> Any:
                         className="panel")  # fmt: skip
 
 
+def lamps() -> Any:
+    """Where lamps stand and how they lean: a drawing to move them on, and numbers beside; `lamps.js` fills both in."""
+    return html.Section([
+        html.H2("Lamps on the rig"),
+        html.P("Drag a lamp, or choose it and move it by the arrow keys, 5 cm at a time, 1 cm with Shift; Page Up and "
+               "Page Down lean it outward and inward by 2.5°. Physics paper takes lamps for standing at the camera.",
+               className="dim", id="lamps-how"),
+        html.Div(id="lamp-drawings", className="drawings"),
+        html.Div(id="lamp-numbers", className="scroll", tabIndex="0", role="region",
+                 **{"aria-label": "Places of the lamps"}),
+    ], className="panel")  # fmt: skip
+
+
+MAP_FIELDS = {"figure": "snr_db", "across": "altitude_m=1:4:8", "up": "f_number=2:8:7"}
+
+
+def figure_map() -> Any:
+    """Any figure over any two inputs of the mission or the system."""
+    def text(name: str, label: str, **more: Any) -> Any:
+        return field(label, dcc.Input(id=f"map-{name}", type="text", value=MAP_FIELDS[name], **more))
+
+    return html.Section([
+        html.H2("Map"),
+        html.P("Any figure of the system over any two inputs of mission or system, each a range from:to:how many, or a "
+               "list.", className="dim"),
+        html.Datalist([html.Option(value=name) for name in SHOWN if name not in OF_THE_PAGE], id="figure-names"),
+        html.Div([text("figure", "Figure", list="figure-names"), text("across", "Across: a key and its values"),
+                  text("up", "Up: a key and its values")], className="three"),
+        html.Div([button("job-map", JOBS["map"][0])], className="buttons"),
+        html.Div(id="map-plot"),
+    ], className="panel")  # fmt: skip
+
+
+def work() -> Any:
+    """What runs in the background, at the foot of the window while there is any."""
+    return html.Section([
+        html.P(id="job-text", role="status"),
+        html.Progress(id="job-bar", max="1", value="0", **{"aria-label": "Progress"}),
+        html.Div([button("cancel", "Cancel, and keep what is found", disabled=True),
+                  button("get-made", "Download the report of this work", disabled=True)], className="buttons"),
+    ], className="panel work", **{"aria-label": "Work in the background"})  # fmt: skip
+
+
 def decide() -> Any:
     """From exploring to deciding: pins, jobs in the background, reports."""
     pins = [html.Label([dcc.Input(id=f"c-pin-{name}", type="hidden", value=""),
                         html.Button(f"Pin {text}", id=f"pin-{name}", type="button", className="pin",
                                     **{"aria-pressed": "false", "data-for": f"c-pin-{name}"})], className="pin-label")
             for name, text in PINS.items()]  # fmt: skip
-    jobs = [button(f"job-{name}", text) for name, (text, _) in JOBS.items()]
+    jobs = [button(f"job-{name}", text) for name, (text, _) in JOBS.items() if name != "map"]
     return html.Section([
         html.H2("Decide"),
         html.P("Pin what is to stay as it is; the certified search chooses the rest, settings included, and puts what "
@@ -186,10 +230,7 @@ def decide() -> Any:
         html.Div(pins, className="buttons"),
         field("What if: a key of the mission and its values",
               dcc.Input(id="vary", type="text", value="speed_m_s=0.5:1.5:3")),
-        html.Div([*jobs, button("cancel", "Cancel, and keep what is found", disabled=True)], className="buttons"),
-        html.P(id="job-text", role="status"),
-        html.Progress(id="job-bar", max="1", value="0", **{"aria-label": "Progress"}),
-        html.Div([button("get-made", "Download the report of this work", disabled=True)], className="buttons"),
+        html.Div(jobs, className="buttons"),
         html.Div(id="job-found"),
     ], className="panel")  # fmt: skip
 

@@ -14,7 +14,7 @@ import tempfile
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +41,7 @@ SHOWN: Mapping[str, str] = {
     "floor_illuminance_mean_lx": "Light on the floor, mean", "power_w": "Mean power", "cost": "Cost, central",
     "mass_kg": "Mass",
 }  # fmt: skip
+OF_THE_PAGE = ("fov_x_deg", "fov_y_deg")  # that it makes of the others
 
 
 @dataclass
@@ -143,6 +144,20 @@ def shown_figures(result: Result, scene: int = 0) -> dict[str, str]:
         endless = figures.get(f"{split_unit(name)[0]}_is_infinite")
         made[name] = "infinite" if endless else format_quantity(value, unit, DIGITS)
     return made
+
+
+def shown_rig(result: Result, scene: int = 0) -> dict[str, Any]:
+    """What the drawing that lamps are moved on is made of: lamps, the half-angle of their beams, and the view."""
+    design = result.best
+    assert design is not None  # an evaluation has one
+    figures, own = design.scenes[scene].figures, result.mission["scenes"][scene].get("vehicle") or {}
+    along = "y" if design.hardware.orientation == "landscape" else "x"
+    sides = {side: figures.get(f"fov_{side}_m") or 0.0 for side in ("x", "y")}
+    return {
+        "places": [asdict(place) for place in design.hardware.light_mounts],
+        "altitude_m": own.get("altitude_m") or result.mission["vehicle"]["altitude_m"],
+        "along_m": sides[along], "across_m": sides["xy".replace(along, "")],
+    }  # fmt: skip
 
 
 def shown_margins(result: Result, scene: int = 0) -> list[tuple[str, str, str, str, bool]]:

@@ -17,8 +17,8 @@ from uwopt.explore import showing
 from uwopt.explore import state as states
 from uwopt.explore.controls import CONTROLS, OWN, PARTS
 from uwopt.explore.dash_door import Dash, Input, Output, PreventUpdate, State, ctx, html, no_update
-from uwopt.explore.jobs import JOBS, PINS, Jobs, pinned
-from uwopt.explore.layout import ends, page
+from uwopt.explore.jobs import JOBS, OF_SETTINGS, PINNED_JOBS, PINS, Jobs, pinned
+from uwopt.explore.layout import MAP_FIELDS, ends, page
 from uwopt.explore.outcome import KeptResults
 from uwopt.report.page.style import LIGHT, tokens
 from uwopt.report.text.words import printable
@@ -69,7 +69,7 @@ class Explorer:
             Output("state", "data"), Output("figure-table", "children"), Output("margin-table", "children"),
             Output("faults", "children"), Output("marked", "data"), Output("address", "data"),
             Output("name", "children"), Output("extra", "data"), Output("own-files", "children"),
-            *texts, Input("kick", "data"), State("state", "data"),
+            *texts, Input("lamps", "data"), Input("kick", "data"), State("state", "data"),
         )(self.changed)  # fmt: skip
         on(
             *(Output(f"c-{name}", "value") for name in IDS), Output("state", "data", allow_duplicate=True),
@@ -86,6 +86,7 @@ class Explorer:
         on(
             Output("job", "data"), Output("job-text", "children", allow_duplicate=True), Output("clock", "disabled"),
             *(Input(f"do-job-{name}", "n_clicks") for name in JOBS), State("vary", "value"),
+            *(State(f"map-{name}", "value") for name in MAP_FIELDS),
             *(State(f"c-pin-{name}", "value") for name in PINS), State("job", "data"), State("state", "data"),
             prevent_initial_call=True,
         )(self.started)  # fmt: skip
@@ -95,6 +96,7 @@ class Explorer:
             Output("job-text", "children"), Output("job-bar", "value"),
             Output("clock", "disabled", allow_duplicate=True),
             Output("do-cancel", "disabled"), Output("do-get-made", "disabled"), Output("job-found", "children"),
+            Output("map-plot", "children"),
             Input("clock", "n_intervals"), State("job", "data"), State("state", "data"), State("kick", "data"),
             prevent_initial_call=True,
         )(self.polled)  # fmt: skip
@@ -131,8 +133,8 @@ class Explorer:
 
     def changed(self, *given: Any) -> tuple[Any, ...]:
         """Controls were turned: the next state, its figures and what is wrong with it."""
-        *texts, _, state = given
-        made = states.with_texts(state, dict(zip(IDS, texts, strict=True)))
+        *texts, moved_lamps, _, state = given
+        made = states.with_lamps(states.with_texts(state, dict(zip(IDS, texts, strict=True))), moved_lamps)
         found = showing.results(self.outcomes, made)
         faults = showing.fault_list(made, found)
         marks = showing.marked(made, found)
@@ -141,7 +143,7 @@ class Explorer:
             "systems": showing.system_names(made), "shown": made["shown"],
             "scenes": [str(scene.get("name") or f"scene {n}") for n, scene in enumerate(made["mission"]["scenes"], 1)],
             "scene": made["scene"], "files": [name for name in files if name.casefold().endswith(".csv")],
-            "parts": self.own_parts(made),
+            "parts": self.own_parts(made), "rig": showing.rig(made, found),
         }  # fmt: skip
         shown: tuple[Any, Any] = (showing.figure_table(made, found), showing.margin_table(made, found))
         if all(isinstance(one, UwoptError) for one in found):
@@ -184,6 +186,7 @@ class Explorer:
         except UwoptError as fault:
             said = html.Ul([html.Li(text) for text in showing.fault_texts(fault)])
             return (*(no_update for _ in IDS), no_update, no_update, said, no_update, no_update)
+        made = {**made, "move": state.get("move")}  # of the lamps is done, whatever came instead
         return (
             *(states.text_of(made, one) for one in CONTROLS), made, kick + 1, told,
             states.yaml_text(made["mission"]), states.yaml_text(states.shown_system(made)),
@@ -237,42 +240,57 @@ class Explorer:
 
     def started(self, *given: Any) -> tuple[Any, ...]:
         """Begin work in the background."""
-        vary, *pins, running, state = given[len(JOBS) :]
+        vary, *given_rest = given[len(JOBS) :]
+        figure, *inputs = given_rest[: len(MAP_FIELDS)]
+        *pins, running, state = given_rest[len(MAP_FIELDS) :]
         kind = str(ctx.triggered_id).removeprefix("do-job-")
         before = self.jobs.get(running)
         try:
             if before is not None and before.done is None:
                 raise MissionError("this tab has work running already; wait for it, or cancel it.")
-            wanted = pinned(state, [name for name, on in zip(PINS, pins, strict=True) if on == "on"])
+            wanted = state["mission"]
+            if kind in PINNED_JOBS:
+                wanted = self._pinned(state, [name for name, on in zip(PINS, pins, strict=True) if on == "on"])
             mission = self.outcomes.with_files(state, wanted)
             system = self.outcomes.with_files(state, states.shown_system(state))
-            return self.jobs.start(kind, mission, system, str(vary or "")), "Starting.", False
+            asked = "\n".join(str(text or "") for text in (figure, *inputs)) if kind == "map" else str(vary or "")
+            return self.jobs.start(kind, mission, system, asked), "Starting.", False
         except UwoptError as fault:
             return no_update, html.Ul([html.Li(text) for text in showing.fault_texts(fault)]), no_update
+
+    def _pinned(self, state: states.State, pins: list[str]) -> dict[str, Any]:
+        """The mission with what is pinned of the shown system, as it is set now."""
+        design = None
+        if any(name in (*OF_SETTINGS, "places") for name in pins):
+            design = self.outcomes.result(state, state["shown"]).best
+        return pinned(state, pins, design)
 
     def polled(self, _: Any, name: str | None, state: states.State, kick: int) -> tuple[Any, ...]:
         """What the work says by now; at its end the state with what it found."""
         still = [no_update] * (len(IDS) + 2)
         job = self.jobs.get(name)
         if job is None:
-            return (*still, "", "0", True, True, True, no_update)
+            return (*still, "", "0", True, True, True, no_update, no_update)
         if job.done is None:
             share = f"{100 * job.share:.0f} %" if job.share else ""
-            return (*still, f"{job.what} {share}".strip(), str(job.share), False, job.stopped_at is not None, True, [])
+            told = f"{job.what} {share}".strip()
+            return (*still, told, str(job.share), False, job.stopped_at is not None, True, [], no_update)
         if job.is_handed_over:  # the clock had ticked once more
             raise PreventUpdate
         job.is_handed_over = True
         word, said, system, _text = job.done
         if word == "fault":
-            return (*still, self.outcomes.plain(str(said)), "0", True, True, True, [])
+            return (*still, self.outcomes.plain(str(said)), "0", True, True, True, [], no_update)
+        if job.kind == "map":
+            return (*still, "Done: the map is drawn.", "1", True, True, False, [], showing.figure(said, "", "plot-map"))
         lines = [html.P(self.outcomes.plain(text)) for text in said]
         if system is None:
-            return (*still, "Done.", "1", True, True, False, lines)
+            return (*still, "Done.", "1", True, True, False, lines, no_update)
         made = states.with_copy(state) if len(state["systems"]) < states.MOST_SYSTEMS else state
         made = states.with_system(made, {**system, "name": "recommended"})
         values = [states.text_of(made, one) for one in CONTROLS]
         told = "Done: what is recommended stands beside your system, and the controls act on it."
-        return (*values, made, kick + 1, told, "1", True, True, False, lines)
+        return (*values, made, kick + 1, told, "1", True, True, False, lines, no_update)
 
     def cancelled(self, _: Any, name: str | None) -> str:
         """Ask the work to stop."""

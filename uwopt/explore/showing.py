@@ -9,7 +9,7 @@ from uwopt.api.comparing import apart
 from uwopt.errors import FaultsError, UwoptError
 from uwopt.explore.controls import CONTROLS
 from uwopt.explore.dash_door import dcc, html
-from uwopt.explore.outcome import SHOWN, KeptResults, shown_figures, shown_margins
+from uwopt.explore.outcome import SHOWN, KeptResults, shown_figures, shown_margins, shown_rig
 from uwopt.explore.state import State
 from uwopt.report.notebook import objective_text
 from uwopt.report.pictures.design_pictures import Picture
@@ -104,6 +104,12 @@ def margin_table(state: State, found: list[Result | UwoptError]) -> Any:
             ]))  # fmt: skip
     head = html.Tr([html.Th(text, scope="col") for text in ("Requirement", "Value", "Limit", "In hand", "Verdict")])
     return html.Table([html.Thead(head), html.Tbody(rows)])
+
+
+def rig(state: State, found: list[Result | UwoptError]) -> dict[str, Any]:
+    """What the drawing of the lamps is made of; nothing while the shown system cannot be evaluated."""
+    one = found[state["shown"]]
+    return shown_rig(one, state["scene"]) if isinstance(one, Result) else {}
 
 
 # ---------------------------------------------------------------- plots

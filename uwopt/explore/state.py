@@ -22,8 +22,10 @@ from uwopt.explore.controls import BY_ID, FIRST_RECORDS, OWN, PARTS, Control
 from uwopt.mission.checks import in_one_form
 from uwopt.mission.system import LEVEL_KEYS
 
-State = dict[str, Any]  # {"mission": {...}, "systems": [{...}], "shown": 0, "scene": 0, "files": {name: text}}
+#: {"mission": {...}, "systems": [{...}], "shown": 0, "scene": 0, "files": {name: text}}, and of lamps the last "move".
+State = dict[str, Any]
 MOST_SYSTEMS = 5
+PLACE_OF_LAMP = ("x_m", "y_m", "z_m", "tilt_x_deg", "tilt_y_deg")
 MOST_FILE_BYTES, MOST_FILES, MOST_ADDRESS = 1_000_000, 10, 60_000
 FILE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._ -]{0,63}\.(csv|ies|yaml|yml)\Z", re.IGNORECASE)
 FILE_ENDINGS = (".csv", ".ies", ".yaml", ".yml")
@@ -149,6 +151,20 @@ def set_key(state: State, control: Control, text: str) -> None:
         place[control.key] = typed(text)
     else:
         place.pop(control.key, None)
+
+
+def with_lamps(state: State, moved: Mapping[str, Any] | None) -> State:
+    """The state after lamps were moved on the drawing; a move that it has seen changes nothing."""
+    if not moved or moved.get("move") == state.get("move"):
+        return state
+    made = deepcopy(state)
+    system, places = shown_system(made), moved.get("places")
+    if not isinstance(places, list) or not all(isinstance(place, Mapping) for place in places):
+        raise MissionError("lamps: each needs its place and tilt.")
+    for key in ("light_baseline_m", "light_tilt_deg"):
+        system.pop(key, None)
+    system["light_mounts"] = [{key: place.get(key) for key in PLACE_OF_LAMP} for place in places]
+    return {**made, "move": moved.get("move")}
 
 
 def typed(text: str) -> Any:

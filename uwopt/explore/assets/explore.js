@@ -107,6 +107,7 @@
         field.setAttribute("aria-invalid", "true");
       }
       if (!extra || !extra.systems) return;
+      window.uwoptLamps.follow(extra.rig);
       options(part("s-c-shown"), extra.systems.map((name, n) => [String(n), name]), String(extra.shown));
       options(part("s-c-scene"), extra.scenes.map((name, n) => [String(n), name]), String(extra.scene));
       part("scene-field").hidden = extra.scenes.length < 2;
