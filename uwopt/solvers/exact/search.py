@@ -52,6 +52,7 @@ SAMPLES_A_TIME, MOST_SAMPLES = 64, 1024
 TOO_FEW_TO_BOUND = 8  # nodes: evaluating them is cheaper
 MOST_PAIRS = 500_000  # imagers times lights that are bounded together
 FIRST_SIFTED, LARGEST_SIFTED = 8, 2048  # nodes that are evaluated together once their light is known
+NEXT_BATCH, NEXT_SIFTED = 256, 64  # the first of both where earlier imagers have left designs that are hard to beat
 TAKEN = 1.0 + 1e-12  # of a threshold: outlines are summed in another order
 
 
@@ -256,6 +257,8 @@ class Search(Evaluation):
         cost = self.imagers.cost[rows]
         order = alive[np.lexsort((cost[alive % n], power[alive], value[alive]))]
         position, batch = 0, FIRST_DEAR if self.enough or self.objective.weight("information") else FIRST_BATCH
+        if self._sifts and self.ranking.best:
+            batch = NEXT_BATCH
         rough = np.full(len(value), not few and not self._sifts and self.bounds.can_refine())
         largest = LARGEST_COSTLY if rough.any() else LARGEST_BATCH
         self._patient = not self._sifts and self.bounds.weighs_quality()
@@ -361,7 +364,7 @@ class Search(Evaluation):
         sizes = np.array([len(table.light) for table in tables])
         order = np.argsort(value, kind="stable")
         order = order[np.isfinite(value[order])]
-        position, batch = 0, FIRST_SIFTED
+        position, batch = 0, NEXT_SIFTED if self.ranking.best else FIRST_SIFTED
         while position < len(order):
             ahead = order[position : position + batch]
             useful = ahead[value[ahead] <= self.ranking.threshold() * TAKEN]
