@@ -1,8 +1,9 @@
-"""Write docs/validation/multiple_scattering.csv: light of all orders, by the Monte Carlo in docs/validation/orders.
+"""Write docs/validation/multiple_scattering.csv and daylight.csv: light of all orders, by the Monte Carlo in
+docs/validation/orders.
 
-    PYTHONPATH=. python docs/make_multiple_scattering.py
+    PYTHONPATH=. python docs/make_multiple_scattering.py [lamps | daylight]
 
-About a quarter of an hour of one processor with numba (extra `docs`); without it this would take days.
+About a quarter of an hour of one processor each with numba (extra `docs`); without it this would take days.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from validation.orders import cases, walk
+from validation.orders import cases, daylight, walk
 
 STRIDE = 7
 
@@ -21,6 +22,11 @@ def main() -> None:
     """All cases at all places, thin and thick water mixed: a table that was broken off is a fair sample."""
     if not walk.COMPILED:
         sys.exit("this needs numba: pip install 'uwopt[docs]'")
+    asked = sys.argv[1:] or ["lamps", "daylight"]
+    if "daylight" in asked:
+        daylight.write()
+    if "lamps" not in asked:
+        return
     drawn = cases.drawn_cases()
     mixed = [case for first in range(STRIDE) for case in drawn[first::STRIDE]]
     cases.write(cases.computed(case, place) for case in mixed for place in cases.PLACES)

@@ -121,6 +121,39 @@ def test_held_out_corners_have_the_veil_of_all_orders(orders: Any) -> None:
     assert np.all(np.abs(off[[row.case.lobe_half_deg > 30.0 for row in corners]]) <= 0.17)
 
 
+def test_rows_of_daylight_are_found_again(orders: Any) -> None:
+    daylight = orders("daylight")
+    row = next(r for r in daylight.read() if r.case.number == 11 and r.place == "mean")
+    seen = daylight.computed(row.case, "mean", drawn(2e-4, 0.1))
+    # 40 walks from port and floor each: their share of the light below the surface is known to some 20 %
+    assert seen.at_floor == pytest.approx(row.at_floor, rel=drawn(0.6, 0.02))
+    veil, path = seen.at_floor / seen.at_port * row.at_port / row.at_floor, row.at_port / seen.at_port
+    assert abs(seen.veil / veil - row.veil) < 5 * np.hypot(seen.veil_error / veil, row.veil_error)
+    assert abs(seen.path / path - row.path) < 5 * np.hypot(seen.path_error / path, row.path_error)
+
+
+def test_a_floor_without_water_keeps_the_skys_light(orders: Any) -> None:
+    # water that takes nothing on its way: all light of the cone arrives, and a grey floor sends 1 + 0 touches more
+    daylight, walk = orders("daylight"), orders("walk")
+    water = walk.water_of(1e-6, 0.5, walk.phase_of("hg 0.9"))
+    found = daylight.irradiance(np.random.default_rng(1), water, 1.0, 1.0, 0.4, 1.0, daylight.COS_SKY, 4000)
+    assert found == pytest.approx(1.0, abs=5 * np.sqrt(daylight.COS_SKY**2 / (1 - daylight.COS_SKY**2) / 4000))
+
+
+def test_held_out_daylight_is_that_of_all_orders(orders: Any) -> None:
+    sunlit, daylight = orders("sunlit"), orders("daylight")
+    rows = [r for r in daylight.read() if r.case.use == "held out" and r.case.thickness <= 4.0]
+    off = {place: [sunlit.errors(r) for r in rows if r.place == place] for place in ("mean", "corner")}
+    assert len(off["mean"]) >= 16
+    for tally, tenth in (("veil", 0.9), ("path", 0.7)):
+        means, corners = (np.abs([one[tally] for one in off[place]]) for place in ("mean", "corner"))
+        assert np.mean(means <= 0.10) >= tenth and np.all(means <= 0.15), tally
+        assert np.mean(corners <= 0.15) >= 0.9, tally
+    once = [abs(sunlit.errors(r, multiple_scattering=False)["path"]) for r in rows if r.place == "mean"]
+    assert np.median(once) > 0.25
+
+
 @pytest.mark.skipif(not THOROUGH, reason="a fit takes ten seconds")
-def test_constants_are_those_of_the_fit(orders: Any) -> None:
-    assert orders("forms").fitted() == pytest.approx(orders("forms").USED, rel=0.01)
+@pytest.mark.parametrize("module", ["forms", "sunlit"])
+def test_constants_are_those_of_the_fit(orders: Any, module: str) -> None:
+    assert orders(module).fitted() == pytest.approx(orders(module).USED, rel=0.01)

@@ -127,6 +127,20 @@ def test_an_effect_left_out_has_no_figure_of_its_own() -> None:
     assert figures["lateral_colour_px"] is None and not kept["lateral_colour"]
 
 
+def test_orders_of_daylight_are_kept_where_the_sun_shines() -> None:
+    rng = np.random.default_rng(1)
+    mission, system = random_mission(rng), random_system(rng)
+    mission["scene"].update(water="I", sun_lux=0.0, depth_m=5.0)
+    mission["vehicle"]["altitude_m"], mission["tolerance"] = 0.2, 0.4
+    mission["requirements"], mission["objective"] = {"frame_interval_s": 2.0}, "power"
+    kept = []
+    for sun_lux in (0.0, 100_000.0):
+        mission["scene"]["sun_lux"] = sun_lux
+        effects = evaluate(mission, system, physics="auto").physics["effects"]
+        kept.append(next(e["kept"] for e in effects if e["name"] == "multiple_scattering"))
+    assert kept == [False, True]
+
+
 def test_smallest_bounds_are_left_out_until_the_tolerance_is_spent() -> None:
     bounds = {"forward_veil": 0.003, "backscatter": 0.0015, "window_angle": 0.001, "sunlight": 0.0,
               "image_curvature": float("inf"), "lateral_colour": 0.0}  # fmt: skip

@@ -11,10 +11,13 @@ import pytest
 
 import uwopt
 from uwopt.catalog.records import Curve
+from uwopt.forward.assembly import system_problem
 from uwopt.forward.lamps import LightOptics
 from uwopt.forward.scene import SceneOptics, scatterers_of, scene_optics
 from uwopt.forward.spectra import Contraction
+from uwopt.forward.sun_light import SunField
 from uwopt.mission.mission import load_mission
+from uwopt.mission.system import load_system
 from uwopt.model.beam import cosine_power_beam
 from uwopt.model.multiple import LOST_FACTORS, lamp_angle_rad
 from uwopt.model.path_table import log_mean_transmission
@@ -95,6 +98,34 @@ def test_doubt_of_what_is_lost_covers_the_phase_functions_of_the_sea(half_deg: f
         for ratio in (0.005, 0.0183, 0.03)
     )
     assert LOST_FACTORS[0] * 0.9 <= low / usual and high / usual <= LOST_FACTORS[1]
+
+
+def test_daylight_in_murky_water_is_that_of_all_orders() -> None:
+    # a ray straight down: B E_d / (2 pi mu) (1 - e^(-(a + K) d)) / (a + K), wavelength by wavelength
+    sunny = {"sun_lux": 80_000.0, "depth_m": 6.0}
+    field, plain = sun_field(**sunny), sun_field(**sunny, multiple_scattering=False)
+    many, once = (float(one.path_electrons(np.array([2.0]), np.ones(1))[0]) for one in (field, plain))
+    scene = field.scene
+    a, kd = scene.absorption_per_m(), np.asarray(scene.diffuse_attenuation_per_m)
+    back = sum(one.scattering_per_m * one.share_beyond(np.deg2rad(104.6)) for one in scene.scattering)
+    source = 1.24 * np.maximum(kd / a, 1.0) ** 1.21 * back / (2 * np.pi)
+    mu = np.sqrt(1 - (np.cos(np.deg2rad(60.0)) / scene.n_water) ** 2)
+    at_port = field.surface() * 0.95 * np.exp(-kd * 4.0)
+    expected = field.electrons(source * at_port / mu * -np.expm1(-2.0 * (a + kd)) / (a + kd)).sum()
+    assert many == pytest.approx(expected, rel=1e-9)
+    assert many > 1.2 * once
+
+
+def sun_field(**scene: Any) -> SunField:
+    keys = {"water": "3C", "seafloor": 0.2, "depth_m": 50} | scene
+    mission = load_mission(
+        {
+            "name": "m", "scene": keys, "vehicle": {"altitude_m": 2.0, "speed_m_s": 0},
+            "requirements": {"frame_interval_s": 1.0},
+        },
+    )
+    problem, hardware = system_problem(mission, load_system(system()))
+    return SunField(problem, 0, port_index=hardware.port, efficiency=0)
 
 
 def load_scene(ratio: float) -> Any:

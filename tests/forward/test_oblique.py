@@ -180,7 +180,7 @@ def test_daylight_from_an_oblique_floor_loses_what_its_way_takes() -> None:
         collected = float(model.views[0].collecting_m2[0]) / (1 + a * a + b * b) ** 2
         weight = field.electrons(field.at_floor() * scene.reflectance / math.pi)
         expected = (weight * np.exp(-scene.attenuation_per_m * path)).sum() * collected
-        veiled = (weight * np.exp(-scene.lamp_attenuation_per_m * path)).sum() * collected
+        veiled = (weight * np.exp(-scene.sun_leg_per_m() * path)).sum() * collected
         assert floor == pytest.approx(expected, rel=1e-6)
         assert forward == pytest.approx(veiled - expected, rel=1e-5)
         seen_path = field.path_electrons(np.array([path]), np.array([high / away]))[0] * collected

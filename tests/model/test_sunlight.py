@@ -284,3 +284,28 @@ def test_veil_broadcasts_over_pixels_and_altitudes():
 def test_camera_above_the_surface_is_refused():
     with pytest.raises(RangeError, match="above the surface"):
         veil(depth_m=1.0, path_m=2.0)
+
+
+def test_daylight_of_all_orders_is_the_integral_of_what_is_sent_back():
+    # B = 1.24 (K/a)^1.21 b_back / (2 pi), 30 m deep, 2 m at 0.8: adaptive quadrature along the ray
+    water = {"kd_per_m": 0.09, "absorption_per_m": 0.06, "backward_per_m": 0.004}
+    many = {name: np.full(2, value) for name, value in water.items()}
+    seen = dict(depth_m=30.0, path_m=2.0, cos_field=0.8, elevation_rad=HIGH_RAD, n_water=N_WATER)
+    found = sunlight.diffuse_path_radiance_w_m2_sr_nm(SURFACE, **many, **seen)
+    source = 1.24 * 1.5**1.21 * 0.004 / (2 * math.pi) / sun_in_water(HIGH_RAD)[2]
+
+    def integrand(r):
+        return source * 0.95 * SURFACE[0] * math.exp(-0.09 * (30.0 - (2.0 - r) * 0.8)) * math.exp(-0.06 * r)
+
+    assert found[0] == pytest.approx(quad(integrand, 0, 2.0, epsrel=1e-11)[0], rel=1e-9)
+    assert found[1] / found[0] == pytest.approx(SURFACE[1] / SURFACE[0])
+
+
+def test_daylight_of_all_orders_takes_k_d_for_no_less_than_a():
+    def seen(kd):
+        return sunlight.diffuse_path_radiance_w_m2_sr_nm(
+            SURFACE, kd_per_m=np.full(2, kd), absorption_per_m=np.full(2, 0.06), backward_per_m=np.full(2, 0.004),
+            depth_m=0.0, path_m=0.0 + 1e-6, cos_field=0.0, elevation_rad=HIGH_RAD, n_water=N_WATER,
+        )  # fmt: skip
+
+    assert seen(0.03) == pytest.approx(seen(0.06)) and np.all(seen(0.12) > 2 * seen(0.06))

@@ -155,6 +155,12 @@ def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dic
             sun_bound(problem, group, light, information=information, channel=one) for one, light in lights.items()
         )
         found["sunlight"] = (sun, 0.0)
+        if field().contraction.multiple:  # daylight's veils change too, by no more than either of them
+            other = max(
+                sun_bound(once, group, light, information=information, channel=one) for one, light in lights.items()
+            )
+            bound, saved_s = found["multiple_scattering"]
+            found["multiple_scattering"] = (bound + sun + other, saved_s)
     return found
 
 

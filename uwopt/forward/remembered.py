@@ -130,7 +130,7 @@ class RememberedSunField(SunField):
         make = super().light
         curves = tuple(sorted(self.curves.items()))
         points = self.problem.pixels_a_side(self.scene_index)
-        key = ("sun", self.shape, curves, self.channel, pixels, half_grid, few, points, self.fineness)
+        key = ("sun", self.multiple, self.shape, curves, self.channel, pixels, half_grid, few, points, self.fineness)
 
         def per_area(new: Views) -> Array:
             light = make(new, pixels=pixels, half_grid=half_grid, few=few)

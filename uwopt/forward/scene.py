@@ -130,12 +130,25 @@ class SceneOptics:
         angle = float(np.deg2rad(multiple.VEIL_DEG))
         return self._effective_per_m(lambda one: one.share_beyond(angle))
 
+    def sun_leg_per_m(self) -> Array:
+        """K of daylight that comes from the floor to the camera, by whatever way."""
+        angle = float(np.deg2rad(multiple.SUN_VEIL_DEG))
+        return self._effective_per_m(lambda one: one.share_beyond(angle))
+
+    def absorption_per_m(self) -> Array:
+        """What daylight's path radiance loses on its way: a."""
+        return self._effective_per_m(lambda one: 0.0)
+
+    def sun_backward_per_m(self) -> Array:
+        """What of daylight is scattered back, before it is scattered again."""
+        angle = float(np.deg2rad(multiple.SUN_BACK_DEG))
+        return np.asarray(sum(one.scattering_per_m * one.share_beyond(angle) for one in self.scattering))
+
     def back_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """K of light that the water sends back, from lamps of this lobe and to the camera."""
         share = float(multiple.back_share(half_power_angle_rad))
         k = self._effective_per_m(lambda one: min(share * one.share_beyond(np.pi / 2), 1.0))
-        absorbed = self._effective_per_m(lambda one: 0.0)
-        return np.maximum(k, multiple.LEAST_OF_ABSORPTION * absorbed)
+        return np.maximum(k, multiple.LEAST_OF_ABSORPTION * self.absorption_per_m())
 
     def _effective_per_m(self, lost_share: Callable[[Scattering], float]) -> Array:
         left = self.attenuation_per_m

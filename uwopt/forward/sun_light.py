@@ -49,6 +49,7 @@ class SunField:
         self.fineness = self.scene.fineness.sun
         self.shape = problem.shape(port_index, scene_index)
         self.curves, self.channel = problem.efficiencies[efficiency], channel
+        self.multiple = problem.contractions[scene_index].multiple  # light scattered more than once counts
 
     @cached_property
     def efficiency(self) -> Array:
@@ -102,7 +103,7 @@ class SunField:
     def radial_fit(self, widest: float) -> Array:
         """Polynomials of these logarithms up to a distance, made once a scene: (degree + 1, n_altitudes, 3)."""
         water = tuple(sorted(self.curves.items())), self.channel, self.fineness
-        key = ("sun fit", self.shape, *water, tuple(self.scene.range_m), widest)
+        key = ("sun fit", self.multiple, self.shape, *water, tuple(self.scene.range_m), widest)
         if key not in self.scene.cache:
             knots = chebyshev.chebpts1(scaled(RADIAL_DEGREE, self.fineness) + 1)
             tangent, range_m = 0.5 * (knots + 1.0) * widest, self.scene.range_m[:, None]
@@ -146,7 +147,8 @@ class SunField:
         scene, degree = self.scene, len(knots) - 1
         floor = self.electrons(seafloor.lambertian_radiance(self.at_floor(), reflectance=scene.reflectance))
         image = log_sum(floor, scene.attenuation_per_m * path_m[..., None])
-        every = log_sum(floor, scene.lamp_attenuation_per_m * path_m[..., None])
+        all_light = scene.sun_leg_per_m() if self.multiple else scene.lamp_attenuation_per_m
+        every = log_sum(floor, all_light * path_m[..., None])
         path = np.log(np.maximum(self.path_electrons(path_m, cos_field), TINY))
         logs = np.stack([image, np.maximum(every, image), path], axis=1)  # (n, 3, n_knots)
         fits = chebyshev.chebfit(knots, logs.reshape(-1, len(knots)).T, degree)
@@ -160,13 +162,22 @@ class SunField:
         first, molecules = scene.scattering[0], scene.scattering[1:]
         # The ray's vertical extent is the altitude, behind a dome's round face a little more: kept under water.
         depth_m = np.maximum(scene.view.scene.depth_m, path_m * cos_field)
-        radiance = sunlight.path_radiance_w_m2_sr_nm(
-            self.surface(), kd_per_m=self.kd(), attenuation_per_m=scene.attenuation_per_m,
-            scattering_per_m=first.scattering_per_m, table=scene.scattering[0].table,
-            molecular_scattering_per_m=molecules[0].scattering_per_m if molecules else 0.0, depth_m=depth_m,
-            path_m=path_m, cos_field=cos_field, elevation_rad=self.elevation_rad(), n_water=scene.n_water,
-            n_azimuth=scaled(sunlight.N_AZIMUTH, self.fineness),
+        rays: dict[str, Any] = dict(
+            kd_per_m=self.kd(), depth_m=depth_m, path_m=path_m, cos_field=cos_field,
+            elevation_rad=self.elevation_rad(), n_water=scene.n_water,
         )  # fmt: skip
+        if self.multiple:
+            radiance = sunlight.diffuse_path_radiance_w_m2_sr_nm(
+                self.surface(), absorption_per_m=scene.absorption_per_m(), backward_per_m=scene.sun_backward_per_m(),
+                **rays,
+            )  # fmt: skip
+        else:
+            radiance = sunlight.path_radiance_w_m2_sr_nm(
+                self.surface(), attenuation_per_m=scene.attenuation_per_m, scattering_per_m=first.scattering_per_m,
+                table=scene.scattering[0].table,
+                molecular_scattering_per_m=molecules[0].scattering_per_m if molecules else 0.0,
+                n_azimuth=scaled(sunlight.N_AZIMUTH, self.fineness), **rays,
+            )  # fmt: skip
         return np.asarray(self.electrons(radiance).sum(axis=-1))
 
     def electrons(self, radiance: Array) -> Array:

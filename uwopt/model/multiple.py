@@ -13,6 +13,7 @@ lobe's half angle at half power in water. Only c counts for what forms the image
     floor to camera, near its way  s = S(15.2 deg)
     floor to camera, all           s = S(72.3 deg)
     backscatter, both legs         s = (2.82 - 2.79 beta / rad) S(90 deg)
+    daylight, floor to camera      s = S(59.4 deg)
 
 What the third leg lets through and the second does not comes from elsewhere on the floor: `veil.wide` says from where.
 
@@ -37,6 +38,8 @@ LEAST_OF_ABSORPTION = 0.5  # K of backscatter over a, no less: wide lobes get so
 #: Factor on the share that lamp light loses of what is scattered, where the phase function is not known: that of
 #: Fournier-Forand functions of b_b/b 0.005 to 0.03 and Petzold's over 0.0183's is 0.3 to 1.8 for lobes up to 40 deg.
 LOST_FACTORS = (0.3, 1.8)
+SUN_VEIL_DEG = 59.4
+SUN_BACK, SUN_BACK_DEG, SUN_BACK_POWER = 1.24, 104.6, 1.21  # of `sunlight.diffuse_path_radiance_w_m2_sr_nm`
 TESTED_THICKNESS = 4.0  # c times the altitude up to which the constants were fitted and judged
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from uwopt.errors import RangeError
 from uwopt.model.light import spectral_flux_w_nm
+from uwopt.model.multiple import SUN_BACK, SUN_BACK_POWER
 from uwopt.model.port import fresnel_by_polarisation
 from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr
 from uwopt.model.spectrum import FloatArray
@@ -21,6 +22,7 @@ from uwopt.model.spectrum import FloatArray
 # section 8. Other elevations are relative to it.
 REFERENCE_TRANSMITTANCE = 0.95
 REFERENCE_ELEVATION_RAD = np.deg2rad(60.0)
+LEAST_ABSORPTION_PER_M = 1e-4  # of `diffuse_path_radiance_w_m2_sr_nm`: a tenth of the clearest water's
 N_AZIMUTH = 64  # of a mean over azimuth; trapezoid rule of a periodic function
 
 
@@ -235,6 +237,52 @@ def path_radiance_w_m2_sr_nm(
     loss_per_m = np.asarray(kd_per_m, dtype=float) * path_factor(elevation_rad, n_water=n_water)
     total_per_m = np.asarray(attenuation_per_m, dtype=float) + loss_per_m * cos_ray[..., None]
     return np.asarray(volume * beam * path[..., None] * _mean_exp(total_per_m * path[..., None]), dtype=float)
+
+
+def diffuse_path_radiance_w_m2_sr_nm(
+    surface_w_m2_nm: ArrayLike,
+    *,
+    kd_per_m: ArrayLike,
+    absorption_per_m: ArrayLike,
+    backward_per_m: ArrayLike,
+    depth_m: ArrayLike,
+    path_m: ArrayLike,
+    cos_field: ArrayLike,
+    elevation_rad: float,
+    n_water: float,
+) -> FloatArray:
+    """The same veil with light scattered more than once: of light from all about, lost by absorption alone.
+
+        L = B E_d(z_port) / (2 pi mu_w) * R (1 - exp(-k R)) / (k R),   k = a + K cos a
+        B = 1.24 (K_d / a)^1.21 * b S(104.6 deg)
+
+    Parameters
+    ----------
+    absorption_per_m : (n,) [1/m], a
+    backward_per_m : (n,) [1/m], b S(104.6 deg): what is scattered by more than that
+    surface_w_m2_nm, kd_per_m, depth_m, path_m, cos_field, elevation_rad, n_water : as in `path_radiance_w_m2_sr_nm`
+
+    Returns
+    -------
+    (..., n) [W m^-2 sr^-1 nm^-1], in water, at the port
+
+    Notes
+    -----
+    K_d counts as no less than a. Fitted to a Monte Carlo of all orders under an even sky, c R up to 8 and albedo of 0.3
+    to 0.95, 0.5 to 5 attenuation lengths under the surface: docs/validation.md, section 10. Where the sun stands counts
+    by mu_w alone.
+    """
+    depth, path, cos_ray = (np.asarray(x, dtype=float) for x in (depth_m, path_m, cos_field))
+    kd, absorbed = np.asarray(kd_per_m, dtype=float), np.asarray(absorption_per_m, dtype=float)
+    at_port = downwelling_irradiance_w_m2_nm(
+        surface_w_m2_nm, kd_per_m=kd, depth_m=np.maximum(depth - path * cos_ray, 0.0), elevation_rad=elevation_rad,
+        n_water=n_water,
+    )  # fmt: skip
+    spread = np.maximum(kd / np.maximum(absorbed, LEAST_ABSORPTION_PER_M), 1.0) ** SUN_BACK_POWER
+    source = SUN_BACK * spread * np.asarray(backward_per_m, dtype=float) / (2 * np.pi)
+    beam = at_port / refracted_cos_zenith(elevation_rad, n_water=n_water)
+    total_per_m = absorbed + kd * path_factor(elevation_rad, n_water=n_water) * cos_ray[..., None]
+    return np.asarray(source * beam * path[..., None] * _mean_exp(total_per_m * path[..., None]), dtype=float)
 
 
 def _mean_phase_per_sr(

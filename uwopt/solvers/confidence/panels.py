@@ -175,6 +175,18 @@ class EasiestScene(SceneOptics):
         """No veil from elsewhere."""
         return self.near_leg_per_m()
 
+    def sun_leg_per_m(self) -> Array:
+        """What leaves the least veil of daylight beside the image."""
+        return self.attenuation_per_m - least([one.attenuation_per_m - one.sun_leg_per_m() for one in self.states])
+
+    def absorption_per_m(self) -> Array:
+        """What leaves the least path radiance beside the image: exp(c R - a r) is the less, the more a is."""
+        return np.asarray(np.max([one.absorption_per_m() for one in self.states], axis=0))
+
+    def sun_backward_per_m(self) -> Array:
+        """The least of all states."""
+        return least([one.sun_backward_per_m() for one in self.states])
+
     def back_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """What leaves the least backscatter beside the image, by either leg."""
         back = [one.back_leg_per_m(half_power_angle_rad) for one in self.states]
