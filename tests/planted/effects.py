@@ -45,7 +45,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="daylight of one port is taken for that of another",
         file="uwopt/forward/sun_light.py",
-        old='key = ("sun fit", self.shape, *water,',
+        old='key = ("sun fit", self.multiple, self.shape, *water,',
         new='key = ("sun fit", *water,',
         test="tests/forward/test_remembered.py::test_daylight_of_images_of_all_sizes_is_that_of_each_ray",
     ),
