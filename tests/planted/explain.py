@@ -95,6 +95,20 @@ DEFECTS = (
         test="tests/solvers/test_least_change.py::test_dropped_at_once_no_requirement_is_lost_that_helps",
     ),
     Defect(
+        name="a slope is told of twice the way",
+        file=PRICES,
+        old="(high - low) / (2.0 * small)",
+        new="(high - low) / small",
+        test=f"{PRICED}::test_slopes_are_those_of_the_steps_where_the_objective_is_a_straight_line",
+    ),
+    Defect(
+        name="prices of another system are told over a range",
+        file="uwopt/api/pricing.py",
+        old="    if best is not None and abs(points[0].objective - best) > AS_GOOD * abs(best):\n        return None",
+        new="    if False:\n        return None",
+        test=f"{PRICED}::test_what_is_not_the_central_optimum_keeps_the_prices_of_its_own",
+    ),
+    Defect(
         name="an image of no use is told as a way out",
         file="uwopt/solvers/explain/infeasible.py",
         old=" if one.is_of_use]",

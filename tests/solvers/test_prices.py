@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 import uwopt
-from uwopt.api.pricing import range_price
+from uwopt.api.pricing import range_price, range_prices
 from uwopt.deadline import NEVER
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.varying import VariedMission
-from uwopt.report.text.prices import price_text
+from uwopt.report.text.prices import price_text, short_price_sentence
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
 from uwopt.solvers.explain.prices import priced_keys, step_of
@@ -62,6 +63,12 @@ def test_speed_costs_what_the_lamps_draw_more(solved):
     assert price.change == pytest.approx(light_w * price.step / price.asked, rel=1e-6)
 
 
+def test_slopes_are_those_of_the_steps_where_the_objective_is_a_straight_line(solved):
+    """Light's power is proportional to the speed, so that slope times step is what the step costs."""
+    price = next(price for price in solved.prices if price.name == "speed_m_s")
+    assert price.slope * price.step == pytest.approx(price.change, rel=1e-4)
+
+
 def test_prices_over_a_range_are_those_of_searches_of_their_own(reef, solved):
     base, best = VariedMission(reef, {}), solved.objective.value
     (asked,) = (key for key in priced_keys(reef, solved.recommendation) if key[0].name == "speed_m_s")
@@ -75,8 +82,26 @@ def test_prices_over_a_range_are_those_of_searches_of_their_own(reef, solved):
     assert all(one in told.then for one in beyond.hardware.ids)
 
 
+def test_what_is_not_the_central_optimum_keeps_the_prices_of_its_own(reef, solved):
+    """Certainty may recommend another system: no search over a range is about that."""
+    dearer = replace(solved, objective=replace(solved.objective, value=1.1 * solved.objective.value))
+    assert range_prices(reef, dearer) == solved.prices
+
+
+def test_the_first_page_tells_what_asking_for_more_costs(solved):
+    told = replace(solved, prices=[
+        Price("min_snr_db", "db", 30.0, 1.0, 0.4), Price("speed_m_s", "m_s", 0.5, 0.05, 0.09, until=0.7, then="a + b"),
+        Price("max_gsd_mm", "mm", 1.0, -0.1, 0.0), Price("frame_interval_s", "s", 2.0, -0.2, 0.1, until=1.5),
+    ])  # fmt: skip
+    assert short_price_sentence(told) == (
+        "1 dB more signal to noise: +0.400 W; 0.05 m/s faster: +0.0900 W, beyond 0.700 m/s another system; "
+        "0.2 s shorter between images: +0.100 W, beyond 1.50 s nothing fits."
+    )
+    assert short_price_sentence(replace(told, prices=told.prices[2:3])) == ""
+
+
 def test_a_limit_from_above_gets_less_and_one_from_below_more(reef):
-    names = ("min_snr_db", "max_gsd_mm", "cost", "overlap", "light_level_max")
+    names = ("min_snr_db", "max_gsd_mm", "cost", "overlap", "light_level_max", "frame_interval_s")
     margins = [SimpleNamespace(requirement=name, binding=True) for name in names]
     winner = SimpleNamespace(scenes=[SimpleNamespace(margins=margins)])
     steps = {key.name: step for key, _, step in priced_keys(reef, winner)}

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import itertools
 import time
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
 from uwopt.api.common import Progress, Source
 from uwopt.api.floats import own_float_rules
@@ -20,35 +23,43 @@ from uwopt.solvers.warm.searches import Warm
 from uwopt.units import split_unit
 
 STEPS = 4  # beyond what is asked
+AS_GOOD = 1e-3  # of the objective: the optimum is that of the recommended system
 PRICES_S = 10.0  # of the processor, where no time is given
 
 
 @own_float_rules
 def range_prices(
-    mission: Source | Mission, result: Result, *, seconds: float | None = None, progress: Progress | None = None
-) -> list[Price]:
+    mission: Source | Mission, result: Result, *, changes: Mapping[str, Any] | None = None,
+    seconds: float | None = None, progress: Progress | None = None,
+) -> list[Price]:  # fmt: skip
     """What a step more of each binding requirement and of the speed costs with the best system for it.
 
-    Each value is solved with its certificate; `until` is where the recommended system is no longer the best.
+    Each value is solved by central numbers, with its certificate; `until` is where the recommended system is no longer
+    the best. What the result tells of the system as it is stays; where that is not the best by central numbers, nothing
+    is added. `changes`: other top-level values than the mission's, such as its objective in that call.
     """
     if result.recommendation is None:
         return []
-    base = VariedMission(mission, {})
+    base = VariedMission(mission, {key: value for key, value in (changes or {}).items() if value is not None})
     deadline = Deadline.after(PRICES_S, time.process_time) if seconds is None else Deadline.after(seconds)
-    made = []
+    told = {price.name: price for price in result.prices}
     keys = [*priced_keys(base.base, result.recommendation)]
     for number, (key, asked, step) in enumerate(keys):
         if deadline.passed():
             break
         if progress is not None:
             progress(number / len(keys), f"what {key.name} costs")
-        price = range_price(base, key, asked, step, deadline)
-        made += [] if price is None else [price]
-    return made
+        price = range_price(base, key, asked, step, deadline, best=result.objective.value)
+        if price is not None:
+            known = told.get(key.name, price)
+            told[key.name] = replace(price, slope=known.slope, slope_casadi=known.slope_casadi)
+    return [told[key.name] for key, _, _ in keys if key.name in told]
 
 
-def range_price(base: VariedMission, key: Varied, asked: float, step: float, deadline: Deadline) -> Price | None:
-    """One key from what is asked on; None where there is no time for the first step."""
+def range_price(
+    base: VariedMission, key: Varied, asked: float, step: float, deadline: Deadline, *, best: float | None = None
+) -> Price | None:
+    """One key from what is asked on; None where there is no time for the first step, or another optimum than `best`."""
     goal = goal_of(base.base)
     values = allowed(base, key, [rounded(asked + n * step) for n in range(STEPS + 1)])
     varied = Varied(key.key, key.section, key.name, tuple(values))
@@ -62,6 +73,8 @@ def range_price(base: VariedMission, key: Varied, asked: float, step: float, dea
         points.append(grid.solve((value,)))
     if len(points) < 2 or points[0].objective is None or points[1].status == "stopped":
         return None
+    if best is not None and abs(points[0].objective - best) > AS_GOOD * abs(best):
+        return None  # certainty, or settings that can be set, chose another system
     first, second = points[0].objective, points[1].objective
     price = Price(key.name, split_unit(key.name)[1], asked, step, None if second is None else second - first)
     pair = next(((a, b) for a, b in itertools.pairwise(points) if a.system != b.system), None)

@@ -40,7 +40,9 @@ def explain_command(
             mission, physics=physics and physics.value, confidence="central", seconds=limit_s, quick=True,
             progress=bar.report,
         )  # fmt: skip
-        result = replace(result, prices=range_prices(mission, result, seconds=limit_s, progress=bar.report))
+        changes = {"physics": physics and physics.value}
+        prices = range_prices(mission, result, changes=changes, seconds=limit_s, progress=bar.report)
+        result = replace(result, prices=prices)
     if as_json:
         print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))
     else:

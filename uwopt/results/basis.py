@@ -157,7 +157,7 @@ class Price(Record):
     asked: Number = Field(description="by the mission")
     step: Number = Field(description="that asks for more; negative of a limit from above")
     change: Number | None = Field(description="of the objective, as it is reported; null: the system no longer fits")
-    slope: Number | None = Field(default=None, description="per dB at the limit, by a central difference")
+    slope: Number | None = Field(default=None, description="per unit of what is asked, there, by a central difference")
     slope_casadi: Number | None = Field(default=None, description="the same by the multiplier of CasADi's program")
     until: Number | None = Field(default=None, description="value up to which the system stays the best, if searched")
     then: str = Field(default="", description="the system that takes over there; empty: nothing fits")

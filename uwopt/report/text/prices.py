@@ -8,15 +8,40 @@ from uwopt.report.text import words
 from uwopt.report.text.layout import Block, Line, block, sentence
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
-from uwopt.units import format_quantity
+from uwopt.units import format_quantity, without_zeros
 
 NOTHING_CHANGES = 1e-6  # of the objective: less is rounding
+NOTHING = "nothing"
+MOST_TOLD = 4  # on the first page
+FASTER = {"speed_m_s": "faster", "frame_interval_s": "shorter between images"}  # what asking for more of it is called
 
 
 def price_blocks(result: Result) -> Iterator[Block]:
     """The block, if there are any."""
     if result.prices:
         yield block("What requirements cost", list(price_lines(result, result.prices)))
+
+
+def short_price_sentence(result: Result) -> str:
+    """`1 dB more signal to noise: +0.22 W; 0.05 m/s faster: +0.09 W.`; nothing where no step changes anything."""
+    told = [one for one in result.prices if one.until is not None or change_words(result, one) != NOTHING]
+    if not told:
+        return ""
+    said = "; ".join(short_price(result, price) for price in told[:MOST_TOLD])
+    by = "By central numbers, " if result.confidence is not None else ""
+    return f"{by}{said}."
+
+
+def short_price(result: Result, price: Price) -> str:
+    """`0.05 m/s faster: +0.09 W; beyond 0.7 m/s another system`."""
+    unit = price_unit(result, price)
+    number, _, rest = words.quantity(abs(price.step), unit).partition(" ")
+    step = f"{without_zeros(number)} {rest}".strip()
+    how = FASTER.get(price.name) or f"{'more' if price.step > 0 else 'less'} {words.requirement_name(price.name)}"
+    said = f"{step} {how}: {change_words(result, price)}"
+    if price.until is not None:
+        said += f", beyond {words.quantity(price.until, unit)} {'another system' if price.then else 'nothing fits'}"
+    return said
 
 
 def price_lines(result: Result, prices: Sequence[Price]) -> Iterator[Line]:
@@ -51,6 +76,6 @@ def change_words(result: Result, price: Price) -> str:
     if price.change is None:
         return "this system no longer fits" if price.until is None else "nothing fits"
     if abs(price.change) <= NOTHING_CHANGES * abs(result.objective.value or 1.0):
-        return "nothing"
+        return NOTHING
     sign = "+" if price.change > 0 else "-"
     return f"{sign}{words.objective_text(result, abs(price.change), 3)}"

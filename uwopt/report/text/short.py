@@ -22,6 +22,7 @@ from uwopt.report.text.doubts import (
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import goal_text
 from uwopt.report.text.layout import Block, Joined, Line, Text, block, columns, fact_lines, sentence
+from uwopt.report.text.prices import short_price_sentence
 from uwopt.report.text.tables import (
     hardware_block,
     nearest_miss,
@@ -101,6 +102,8 @@ def rest_of_blocks(result: Result) -> Iterator[Block]:
         yield from nothing_blocks(result)
         return
     yield risk_block(result.risks)
+    if said := short_price_sentence(result):
+        yield block("What asking for more costs", [sentence(said)])
     if asked := [*questions(result, design)][:MOST_QUESTIONS]:
         yield block("Measure or quote first", numbered(asked))
 

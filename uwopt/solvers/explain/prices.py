@@ -3,7 +3,8 @@
     dV / d(20 lg SNR) = lambda ln(10) / 20
 
 lambda is the multiplier of ln(SNR) >= ln(least SNR) in the program of the winner's settings, in the objective's unit.
-The slope is confirmed by a central difference of the search of that hardware, which owes nothing to CasADi.
+The slope is confirmed by a central difference of the search of that hardware, which owes nothing to CasADi. Of other
+keys, which are no constraints of that program of their own, the slope is that difference alone.
 """
 
 from __future__ import annotations
@@ -33,13 +34,17 @@ SNR_RULE = "min_snr["  # how CasADi's rules of SNR begin
 
 
 def priced_keys(mission: Mission, winner: Design) -> Iterator[tuple[Varied, float, float]]:
-    """Requirements that bind, and the speed: each key with what is asked and a step that asks for more."""
+    """What binds of requirements and image interval, and the speed: key, what is asked, a step that asks for more."""
     binding = {margin.requirement for scene in winner.scenes for margin in scene.margins if margin.binding}
     for name, (section, key, _) in RELAXABLE.items():
         asked = asked_value(mission, section, key) if key in binding else None
         if asked and key not in ("depth_rating_m", "mean_level"):
             step = step_of(key, asked)
             yield Varied(key, section, key, (asked,)), asked, -step if is_from_above(name) else step
+    intervals = {view.asked.frame_interval_s for view in mission.views}
+    if "frame_interval_s" in binding and len(intervals) == 1 and (interval := intervals.pop()):
+        name = "frame_interval_s"
+        yield Varied(name, "requirements", name, (interval,)), interval, -step_of(name, interval)
     speeds = {view.vehicle.speed_m_s for view in mission.views}
     if len(speeds) == 1 and (speed := speeds.pop()) > 0.0:
         yield Varied("speed_m_s", "vehicle", "speed_m_s", (speed,)), speed, step_of("speed_m_s", speed)
@@ -69,7 +74,7 @@ def prices(
         here, there = at(0.0), at(step)
         if here is None:
             continue
-        slope = slope_at(at, SMALL * step) if key.name == SNR else None
+        slope = slope_at(at, SMALL * abs(step))
         told = snr_slope(opinions, goal) if key.name == SNR else None
         change = None if there is None else there - here
         made.append(Price(key.name, split_unit(key.name)[1], asked, step, change, slope, told))
