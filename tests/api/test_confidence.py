@@ -7,7 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from thorough import THOROUGH
 
 import uwopt
 from uwopt.api import certainty
@@ -123,3 +125,35 @@ def test_what_is_no_doubt_is_told_in_one_message(doubt: dict[str, Any], mend: st
 )  # fmt: skip
 def test_a_share_is_never_all_where_some_were_lost(share: float, text: str) -> None:
     assert percent(share) == text
+
+
+SAMPLED: dict[str, Any] = {
+    "practice": "bare", "scene": {"water": "II", "seafloor": 0.3, "depth_m": 100}, "objective": "power",
+    "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3}, "requirements": {"overlap": 0.3, "min_snr_db": 23.6},
+    "doubt": {"parts": False, "clarity": False, "lamp_leg": False, "other_water_table": 0, "focus": [1, 1],
+              "floor": [0.7, 1.3], "lamp_output": [0.85, 1.07], "settings": "fixed"},
+}  # fmt: skip
+SYSTEM: dict[str, Any] = {
+    "camera": {"resolution_x_px": 2000, "resolution_y_px": 1500, "pixel_pitch_um": 4.0, "read_noise_e": 4,
+               "saturation_e": 10000, "quantum_efficiency": 0.5, "bit_depth": 12, "power_w": 3},
+    "lens": {"focal_length_mm": 12, "f_number_min": 1.4, "f_number_max": 16, "transmission": 0.9},
+    "port": {"geometry": "dome", "glass": "n_bk7", "outer_radius_mm": 100, "thickness_mm": 10},
+    "light": {"kind": "continuous", "flux_lm": 20000, "power_w": 200, "beam": "cosine-power", "output_factor": 1.0,
+              "beam_half_angle_deg": 45},
+    "light_count": 2, "light_baseline_m": 0.6, "orientation": "landscape",
+    "settings": {"f_number": 4.0, "exposure_ms": 2.0, "gain": 1.0, "dim_frac": 1.0},
+}  # fmt: skip
+
+
+def test_a_share_is_that_of_plain_sampling() -> None:
+    """A system with its settings fixed: floors and lamps by NumPy's triangle, each told by `evaluate` by itself."""
+    count, rng = 300 if THOROUGH else 20, np.random.default_rng(5)
+    known = uwopt.evaluate(SAMPLED, SYSTEM, confidence=0.9).confidence
+    assert known is not None and known.scenarios == 10_000 and 0.3 < known.held < 0.7
+    fits = 0
+    for floor, output in zip(rng.triangular(0.7, 1.0, 1.3, count), rng.triangular(0.85, 1.0, 1.07, count), strict=True):
+        mission = SAMPLED | {"scene": SAMPLED["scene"] | {"seafloor": float(0.3 * floor)}}
+        system = SYSTEM | {"light": SYSTEM["light"] | {"flux_lm": float(20000 * output)}}
+        design = uwopt.evaluate(mission, system).design
+        fits += design is not None and design.feasible
+    assert fits / count == pytest.approx(known.held, abs=3.3 * (known.held * (1.0 - known.held) / count) ** 0.5)

@@ -8,16 +8,20 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import islice
 
+import numpy as np
+
 from uwopt.api.common import Progress
 from uwopt.api.timing import STAGES, timed
 from uwopt.deadline import Deadline
 from uwopt.forward.designs import Hardware
+from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design, Note
 from uwopt.solvers.confidence.counted import Counted, rank
+from uwopt.solvers.confidence.fixed import SceneSetting
 from uwopt.solvers.confidence.search import (
     Certain,
     at_its_stop,
@@ -33,7 +37,7 @@ from uwopt.solvers.recommend import Sought, design_of
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
 CERTAINTY_S = 15.0  # of the processor, where no time is given
 MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
-OF_A_SYSTEM = 2048  # scenarios in which a given system is counted
+OF_A_SYSTEM = 10_000  # scenarios in which a given system is counted
 AS_CENTRAL = "certainty_left_out"  # that there was no time for it
 
 
@@ -110,9 +114,12 @@ def stops_that_hold(certain: Certain) -> Iterator[Counted]:
 
 
 def confidence_of(
-    problem: Problem, hardware: Hardware, goal: Objective, asked: float | str, f_number: float | None
+    problem: Problem, hardware: Hardware, goal: Objective, asked: float | str, f_number: float | None, design: Design
 ) -> Confidence:
-    """In how many scenarios a given system holds, its iris where it stands and all else set once the water is seen."""
+    """In how many scenarios a given system holds, its iris where it stands and all else set once the water is seen.
+
+    With its own settings where the mission has them fixed before.
+    """
     from uwopt.solvers.confidence.outcomes import outcomes
     from uwopt.solvers.confidence.summary import counted
 
@@ -124,9 +131,27 @@ def confidence_of(
         light=hardware.light, count=hardware.count, lighting=lighting, minimised=math.nan, power_w=math.nan,
         cost=math.nan, mass_kg=math.nan, snr_db=math.nan, settings=[], pulse_s=0.0,
     )  # fmt: skip
-    made = outcomes(problem, found, goal, scenarios, f_numbers=None if f_number is None else [f_number])
+    fixed = problem.mission.doubt.settings == "fixed"
+    stops, given = None if f_number is None else [f_number], as_given(problem, hardware, design) if fixed else None
+    made = outcomes(problem, found, goal, scenarios, f_numbers=stops, given=given)
     share = 1.0 if asked == ENDS else float(asked)
     return counted(problem, goal, Counted(found, made, made.best(share)), asked=asked, share=share)
+
+
+def as_given(problem: Problem, hardware: Hardware, design: Design) -> list[SceneSetting]:
+    """What is set in each scene of a system."""
+    light, made = problem.lights.take(np.array([hardware.light])), []
+    offset_s = float(problem.cameras.exposure_offset_s[hardware.camera])
+    for scene in design.scenes:
+        known = {name: math.nan if value is None else float(value) for name, value in scene.settings.items()}
+        lit_s = 1e-3 * known["exposure_ms"] + offset_s
+        if light.kind[0] != CONTINUOUS:
+            lit_s = min(lit_s, 1e-3 * known["pulse_ms"])
+        if light.kind[0] == FLASH:
+            lit_s = float(light.flash.light_s(np.array([lit_s]))[0])
+        level = 1.0 if math.isnan(known["dim_frac"]) else known["dim_frac"]
+        made.append(SceneSetting(level, lit_s, known["gain"]))
+    return made
 
 
 def same_hardware(one: Found, other: Found) -> bool:

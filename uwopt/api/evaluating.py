@@ -101,7 +101,7 @@ def evaluate(
         from uwopt.api.certainty import confidence_of  # brings the search, which nothing else here needs
 
         with timed(timing, "certainty"):
-            counted = confidence_of(problem, hardware, goal, wanted.confidence, given[0].f_number)
+            counted = confidence_of(problem, hardware, goal, wanted.confidence, given[0].f_number, design)
     result = base_result("evaluate", wanted, goal, problem, influences)
     made = replace(
         result,

@@ -191,8 +191,10 @@ def number(
 def column(parts: Sequence[Part], field: Field, end: End = "central") -> Array:
     """One field of all parts as a float column in SI; what is unknown is what its cell says."""
     scale, favoured = in_si(field.name)[1], FAVOURED.get(field.name, 0)
-    numbers = (number(getattr(part, field.name), field.cell.unknown, end, favoured) for part in parts)
-    return np.array([value * scale for value in numbers], float)
+    values = [getattr(part, field.name) for part in parts]
+    if len(parts) > 1 and all(value is values[0] for value in values):  # as of one part many times
+        return np.full(len(parts), number(values[0], field.cell.unknown, end, favoured) * scale)
+    return np.array([number(value, field.cell.unknown, end, favoured) * scale for value in values], float)
 
 
 @cache

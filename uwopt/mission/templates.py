@@ -124,7 +124,7 @@ requirements:
 #   floor: [0.8, 1.25]         # factor on its reflectance; [1, 1]: it is known
 #   lamp_output: [0.85, 1.07]  # factor on the lumens that makers state
 #   beyond_band: 0.25          # how far the vehicle leaves its band, as a share of altitude_tolerance_m; 0: never
-#   focus: [0.95, 1.05]        # factor on the distance to which a lens is focused before its port is sealed
+#   focus: [0.98, 1.02]        # factor on the distance to which a lens is focused before its port is sealed
 #   settings: adapt            # or fixed: exposure, gain and light level before the water is seen, too
 #   scenarios: 256
 

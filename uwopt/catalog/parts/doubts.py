@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
+from typing import Any
 
 from uwopt.catalog.parts.part import Part
 from uwopt.catalog.parts.quantity import Quantity, exact
@@ -29,3 +31,22 @@ def taken_as(name: str, known: Quantity, value: float) -> Quantity:
     if name in PRICES:
         return Quantity(value, value, max(value, known.high), known.status, known.source)
     return exact(value, known.status, known.source)
+
+
+def each_with(part: Any, columns: Mapping[str, Sequence[Any]], count: int) -> list[Any]:
+    """So many times the same part, each with other values of these fields; where there are none, itself.
+
+    Far quicker than `replace`, which asks each field anew; values are those of the same fields, drawn or at an end.
+    """
+    if not columns:
+        return [part] * count
+    rest = [(f.name, getattr(part, f.name)) for f in fields(part) if f.name not in columns]
+    made = []
+    for place in range(count):
+        one = object.__new__(type(part))
+        for name, value in rest:
+            object.__setattr__(one, name, value)
+        for name, values in columns.items():
+            object.__setattr__(one, name, values[place])
+        made.append(one)
+    return made

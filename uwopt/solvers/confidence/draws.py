@@ -8,13 +8,12 @@ order rests on the seed and the number's name alone: a fact of a part is drawn a
 from __future__ import annotations
 
 import zlib
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.catalog.parts.doubts import doubtful, taken_as
+from uwopt.catalog.parts.doubts import doubtful, each_with, taken_as
 from uwopt.catalog.records import Part, Port
 
 Array = NDArray[np.float64]
@@ -79,17 +78,18 @@ def drawn_facts(part: Part, seed: int, states: int) -> dict[str, Array]:
     }
 
 
+def drawn_numbers(part: Part, seed: int, states: int) -> dict[str, list[Any]]:
+    """The same as the part's fields hold them."""
+    known = dict(doubtful(part))
+    return {
+        name: [taken_as(name, known[name], value) for value in values.tolist()]
+        for name, values in drawn_facts(part, seed, states).items()
+    }
+
+
 def drawn_parts(part: Any, seed: int, states: int) -> list[Any]:
     """A part as it is in each state; a port with the housing that it is built into."""
-    facts = {name: (values, getattr(part, name)) for name, values in drawn_facts(part, seed, states).items()}
-    hull = part.housing if isinstance(part, Port) else None
-    housings = [None] * states if hull is None else drawn_parts(hull, seed, states)
-    made = []
-    for state in range(states):
-        changes: dict[str, Any] = {
-            name: taken_as(name, known, float(values[state])) for name, (values, known) in facts.items()
-        }
-        if hull is not None:
-            changes["housing"] = housings[state]
-        made.append(replace(part, **changes) if changes else part)
-    return made
+    columns = drawn_numbers(part, seed, states)
+    if isinstance(part, Port) and part.housing is not None:
+        columns["housing"] = drawn_parts(part.housing, seed, states)
+    return each_with(part, columns, states)

@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.catalog.parts.doubts import doubtful
-from uwopt.catalog.records import Light, Part, exact
+from uwopt.catalog.parts.doubts import doubtful, each_with, taken_as
+from uwopt.catalog.records import Light, Part, Quantity, exact
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission
-from uwopt.solvers.confidence.draws import drawn_parts, probabilities, shuffled, triangular
+from uwopt.solvers.confidence.draws import drawn_numbers, drawn_parts, probabilities, shuffled, triangular
 from uwopt.solvers.confidence.waters import Waters, WaterState, drawn_states, may_leave_band
 from uwopt.solvers.explain.robustness import at_end
 
@@ -92,17 +92,16 @@ class Scenarios:
 
     def lights(self, part: Light) -> list[Light]:
         """A light in each scenario; its beam in one of few states."""
-        made = self.each(part)
+        columns = drawn_numbers(part, self.seed, self.count) if self.doubt.parts else {}
         for name, known in doubtful(part) if self.doubt.parts else ():
             if name in BEAM_FACTS:
                 angle = triangular(self.beam_probability(part, name), known.low, known.value, known.high)
-                made = [
-                    replace(one, **{name: exact(float(value), known.status, known.source)})
-                    for one, value in zip(made, angle, strict=True)
-                ]
+                columns[name] = [taken_as(name, known, value) for value in angle.tolist()]
         low, high = self.doubt.lamp_output
-        output = triangular(probabilities(self.seed, f"{part.id} output", self.count), low, 1.0, high)
-        return [brighter(one, float(factor)) for one, factor in zip(made, output, strict=True)]
+        output = triangular(probabilities(self.seed, f"{part.id} output", self.count), low, 1.0, high).tolist()
+        drawn = columns.get("output_factor") or [part.output_factor] * self.count
+        columns["output_factor"] = [times(known, factor) for known, factor in zip(drawn, output, strict=True)]
+        return each_with(part, columns, self.count)
 
     def beam_probability(self, part: Part, name: str) -> Array:
         """The probability at which a fact of a beam is drawn in each scenario: one of few."""
@@ -112,8 +111,12 @@ class Scenarios:
 
 def brighter(light: Light, factor: float) -> Light:
     """A lamp that gives so many times the light that it is taken for."""
-    known = 1.0 if light.output_factor is None else light.output_factor.value
-    return replace(light, output_factor=exact(known * factor, "estimated", "drawn"))
+    return replace(light, output_factor=times(light.output_factor, factor))
+
+
+def times(output: Quantity | None, factor: float) -> Quantity:
+    """A lamp's output, as a factor on its lumens, where it gives so many times as much."""
+    return exact((1.0 if output is None else output.value) * factor, "estimated", "drawn")
 
 
 def loss(scene: SceneOptics) -> float:
