@@ -119,8 +119,8 @@ DEFECTS = (
     Defect(
         name="the iris of a given system is opened",
         file="uwopt/api/certainty.py",
-        old="f_numbers=None if f_number is None else [f_number])",
-        new="f_numbers=None)",
+        old="stops, given = None if f_number is None else [f_number], ",
+        new="stops, given = None, ",
         test=f"{API}::test_a_given_system_is_counted_with_its_iris_where_it_stands",
     ),
     Defect(
