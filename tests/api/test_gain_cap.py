@@ -8,7 +8,9 @@ from typing import Any
 import pytest
 
 import uwopt
+from uwopt.api import searching
 from uwopt.mission.mission import load_mission
+from uwopt.solvers import recommend
 
 LIGHT = "deepsea-power-light-led-sealite-lsl-flood"
 HARDWARE = {
@@ -18,10 +20,9 @@ HARDWARE = {
 CAP_DB = 20.0
 
 
-@cache
-def solved(cap_db: float | None, *, dark: bool) -> Any:
+def survey(cap_db: float | None, *, dark: bool) -> dict[str, Any]:
     """A survey with one camera, from so near that there is light enough, or from farther and faster."""
-    mission: dict[str, Any] = {
+    return {
         "practice": "bare", "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "physics": "paper",
         "vehicle": {
             "altitude_m": 2.5 if dark else 1.0, "speed_m_s": 0.3 if dark else 0.1, "light_count": [1, 1 if dark else 8],
@@ -29,7 +30,12 @@ def solved(cap_db: float | None, *, dark: bool) -> Any:
         "requirements": {"overlap": 0.3, "max_blur_px": 1.0, "mean_level": 0.3 if dark else 0.15, "min_snr_db": 10},
         "catalog": HARDWARE, "reserve": {} if cap_db is None else {"max_gain_db": cap_db},
     }  # fmt: skip
-    return uwopt.solve(mission, top=1, quick=True)
+
+
+@cache
+def solved(cap_db: float | None, *, dark: bool) -> Any:
+    """What is found for it."""
+    return uwopt.solve(survey(cap_db, dark=dark), top=1, quick=True)
 
 
 def gain_db(result: Any) -> float:
@@ -48,6 +54,27 @@ def test_a_cap_below_which_nothing_fits_is_lifted_with_a_warning() -> None:
     assert gain_db(held) == pytest.approx(gain_db(free))
     told = [note.message for note in held.warnings if note.code == "gain_cap"]
     assert told == [f"gain {gain_db(free):.3g} dB, beyond 20 dB, below which nothing fits: light is out of reach"]
+
+
+@pytest.mark.parametrize("fits", [True, False])
+def test_parts_to_be_made_are_searched_once_where_nothing_fits(fits: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Without its cap the same mission decides for all parts; where it has a design, cap and order hold as ever.
+    asked: list[tuple[bool, str]] = []
+
+    def seek(mission: Any, *args: Any, **named: Any) -> Any:
+        asked.append((mission.reserve.max_gain_db is not None, named["generic"]))
+        return recommend.seek(mission, *args, **named)
+
+    monkeypatch.setattr(searching, "seek", seek)
+    mission = survey(CAP_DB, dark=True)
+    mission["catalog"] = {**HARDWARE, "generic": "fallback", "lights": [LIGHT]}
+    if not fits:
+        mission["requirements"]["min_snr_db"] = 200.0
+    result = uwopt.solve(mission, top=1, quick=True, explain=False)
+    assert (result.recommendation is not None) == fits
+    assert asked[:2] == [(True, "never"), (False, "allow")]
+    assert asked[2:] == ([(True, "allow"), (False, "never"), (False, "allow")] if fits else [(False, "never")])
+    assert result.certificate.adds_up()
 
 
 def test_a_number_of_the_requirements_is_hard() -> None:

@@ -8,6 +8,13 @@ CAP = "tests/api/test_gain_cap.py"
 
 DEFECTS = (
     Defect(
+        name="what fits above the cap of gain alone is taken for nothing",
+        file="uwopt/api/searching.py",
+        old="any_of_all = look(capless,",
+        new="any_of_all = look(mission,",
+        test=f"{CAP}::test_parts_to_be_made_are_searched_once_where_nothing_fits[True]",
+    ),
+    Defect(
         name="a cap of gain is no bound of the settings",
         file="uwopt/forward/problem.py",
         old="high = most if allowed_db is None else",
@@ -16,8 +23,8 @@ DEFECTS = (
     ),
     Defect(
         name="a cap of gain never yields",
-        file="uwopt/api/solving.py",
-        old="and mission.without_gain_cap is not mission:",
+        file="uwopt/api/searching.py",
+        old="and sought.outcome.complete and capless is not mission:",
         new="and False:",
         test=f"{CAP}::test_a_cap_below_which_nothing_fits_is_lifted_with_a_warning",
     ),

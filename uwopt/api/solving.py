@@ -26,6 +26,7 @@ from uwopt.api.common import (
 )
 from uwopt.api.floats import own_float_rules
 from uwopt.api.risks import with_risks
+from uwopt.api.searching import searched
 from uwopt.api.timing import STAGES, timed
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
@@ -42,21 +43,15 @@ from uwopt.results.basis import Knee, Price
 from uwopt.results.design import Design, Note
 from uwopt.results.result import Certificate, Result
 from uwopt.solvers.exact.certificate import certificate
-from uwopt.solvers.exact.imagers import Imagers, fitting_pairs
-from uwopt.solvers.exact.search import are_too_many
-from uwopt.solvers.explain.robustness import SLOW_S
 from uwopt.solvers.recommend import (
     BETTER_UNSETTABLE,
-    GENERIC_GAIN,
     Sought,
     best_settable,
     colour_notes,
     design_of,
     hardware_of,
-    seek,
 )
 from uwopt.solvers.settable.rounding import given_of
-from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import PROVEN_GAP_REL
 from uwopt.units import format_quantity
 
@@ -180,43 +175,6 @@ def solve(
     )
 
 
-def searched(
-    mission: Mission, catalog: Catalog, goal: Objective, top: int, deadline: Deadline,
-    progress: Progress | None, timing: dict[str, float], fineness: Fineness, like: Sought | None = None,
-) -> Searched:  # fmt: skip
-    """The search over parts that are sold, and with parts to be made where they could matter.
-
-    `like` is a search of the same parts in the same scenes that differs in the cap of gain alone.
-    """
-    policy = mission.catalog.generic
-    first: Generic = "allow" if policy == "allow" else "never"
-    with timed(timing, "search"):
-        sought = seek(
-            mission, catalog, goal, generic=first, top=top, deadline=deadline, progress=progress,
-            fineness=fineness, like=None if like is None else like.problem,
-            imagers=None if like is None else every_imager(like),
-        )  # fmt: skip
-    alternative: Sought | None = None
-    if policy == "fallback" and sought.outcome.complete:
-        extra = bool(sought.outcome.best) and scenes_need_cells(sought.problem.scenes, goal)
-        patience = deadline.at_most(SLOW_S) if extra else deadline  # no closed form is slow
-        with timed(timing, "search_generic"):
-            alternative = generic_search(mission, catalog, goal, sought, top, patience, progress)
-        if not sought.outcome.best and alternative is not None and alternative.outcome.best:
-            sought, alternative = alternative, None
-    if not sought.outcome.best and sought.outcome.complete and mission.without_gain_cap is not mission:
-        return searched(  # light is out of reach
-            mission.without_gain_cap, catalog, goal, top, deadline, progress, timing, fineness, sought
-        )
-    return sought, alternative
-
-
-def every_imager(sought: Sought) -> Imagers | None:
-    """The imagers of a search without a ceiling; None of a catalogue too large to look at every imager."""
-    problem = sought.problem
-    return None if are_too_many(problem, fitting_pairs(problem)) else sought.outcome.imagers
-
-
 def gain_warnings(mission: Mission, sought: Sought, winner: Design) -> list[Note]:
     """That nothing fits below the gain that is recommended, where its cap had to yield."""
     cap_db = mission.reserve.max_gain_db
@@ -225,21 +183,6 @@ def gain_warnings(mission: Mission, sought: Sought, winner: Design) -> list[Note
     gain_db = max((scene.settings.get("gain_db") or 0.0) for scene in winner.scenes)
     text = f"{beyond_cap(gain_db, cap_db)}, below which nothing fits: light is out of reach"
     return [Note("gain_cap", "reserve.max_gain_db", text)]
-
-
-def generic_search(
-    mission: Mission, catalog: Catalog, goal: Objective, sought: Sought, top: int, deadline: Deadline,
-    progress: Progress | None,
-) -> Sought | None:  # fmt: skip
-    """Generic parts come second: searched in full when nothing real fits, else only for a gain of 10 %."""
-    best = sought.outcome.best
-    ceiling = math.inf
-    if best:
-        ceiling = best[0].minimised - goal.step(GENERIC_GAIN, best[0].minimised)
-    return seek(
-        mission, catalog, goal, generic="allow", top=1 if best else top, deadline=deadline, progress=progress,
-        ceiling=ceiling, fineness=sought.problem.fineness, like=sought.problem,
-    )  # fmt: skip
 
 
 def found_result(

@@ -1,0 +1,78 @@
+"""The searches of one mission: parts that are sold, parts to be made where they could matter, gain without its cap."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import Any
+
+from uwopt.api.accuracy import Searched
+from uwopt.api.common import Progress
+from uwopt.api.timing import timed
+from uwopt.catalog.catalogue import Catalog
+from uwopt.deadline import Deadline
+from uwopt.forward.assembly import Generic
+from uwopt.mission.mission import Mission
+from uwopt.model.fineness import Fineness
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.imagers import fitting_pairs
+from uwopt.solvers.exact.search import are_too_many
+from uwopt.solvers.explain.robustness import SLOW_S
+from uwopt.solvers.recommend import GENERIC_GAIN, Sought, seek
+from uwopt.solvers.settings.best import scenes_need_cells
+
+
+def searched(
+    mission: Mission, catalog: Catalog, goal: Objective, top: int, deadline: Deadline,
+    progress: Progress | None, timing: dict[str, float], fineness: Fineness, like: Sought | None = None,
+) -> Searched:  # fmt: skip
+    """The search over parts that are sold, and with parts to be made where they could matter.
+
+    Where nothing that is sold fits and the gain has a cap that yields, all parts without it are asked first for any
+    design that fits: where none does, nothing fits with the cap either. `like` is a search
+    of the same parts in the same scenes that differs in the cap of gain alone.
+    """
+    policy, capless = mission.catalog.generic, mission.without_gain_cap
+    first: Generic = "allow" if policy == "allow" else "never"
+    look = partial(
+        seek, catalog=catalog, objective=goal, top=top, deadline=deadline, progress=progress, fineness=fineness
+    )
+    with timed(timing, "search"):
+        sought = look(mission, generic=first, **known_from(like))
+    alternative: Sought | None = None
+    if policy == "fallback" and sought.outcome.complete:
+        with timed(timing, "search_generic"):
+            if not sought.outcome.best and capless is not mission:
+                any_of_all = look(capless, generic="allow", like=sought.problem, enough=True)
+                if any_of_all.outcome.complete and not any_of_all.outcome.best:
+                    return look(capless, generic=first, **known_from(sought)), any_of_all
+            alternative = generic_search(mission, catalog, goal, sought, top, deadline, progress)
+        if not sought.outcome.best and alternative is not None and alternative.outcome.best:
+            sought, alternative = alternative, None
+    if not sought.outcome.best and sought.outcome.complete and capless is not mission:  # light is out of reach
+        return searched(capless, catalog, goal, top, deadline, progress, timing, fineness, sought)
+    return sought, alternative
+
+
+def known_from(like: Sought | None) -> dict[str, Any]:
+    """What a search takes from another of the same parts and scenes: their light and, of a small catalogue, imagers."""
+    if like is None:
+        return {}
+    every = not are_too_many(like.problem, fitting_pairs(like.problem))
+    return {"like": like.problem, "imagers": like.outcome.imagers if every else None}
+
+
+def generic_search(
+    mission: Mission, catalog: Catalog, goal: Objective, sought: Sought, top: int, deadline: Deadline,
+    progress: Progress | None,
+) -> Sought | None:  # fmt: skip
+    """Generic parts come second: searched in full when nothing real fits, else only for a gain of 10 %."""
+    best, ceiling = sought.outcome.best, math.inf
+    if best:
+        ceiling = best[0].minimised - goal.step(GENERIC_GAIN, best[0].minimised)
+        if scenes_need_cells(sought.problem.scenes, goal):  # no closed form is slow
+            deadline = deadline.at_most(SLOW_S)
+    return seek(
+        mission, catalog, goal, generic="allow", top=1 if best else top, deadline=deadline, progress=progress,
+        ceiling=ceiling, fineness=sought.problem.fineness, like=sought.problem,
+    )  # fmt: skip
