@@ -94,6 +94,13 @@ class DesignModel:
             self._known[key] = make()
         return self._known[key]
 
+    def _lit(self, key: Any, make: Callable[[], Any]) -> Any:
+        """The same of light, which missions that ask for more or less in the same scenes share."""
+        known = self.problem.known_light.setdefault(self.hardware, {})
+        if key not in known:
+            known[key] = make()
+        return known[key]
+
     def _rows(self, index: int, *, pixels: Pixels | None) -> DesignRows:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
         return DesignRows(
@@ -130,7 +137,7 @@ class DesignModel:
 
     def light_at_centre(self, index: int) -> ImageLight:
         """Electrons per lm s of nameplate light in the middle of the image; the veils together as one."""
-        light: ImageLight = self._once(("centre", index), lambda: self._light_at_centre(index))
+        light: ImageLight = self._lit(("centre", index), lambda: self._light_at_centre(index))
         return light
 
     def _light_at_centre(self, index: int) -> ImageLight:
@@ -147,7 +154,7 @@ class DesignModel:
     def floor_light(self, index: int) -> tuple[float, float]:
         """Mean and least floor illuminance per lumen over the footprint at the nominal altitude [1/m^2]."""
         hw = self.hardware
-        both: tuple[float, float] = self._once(
+        both: tuple[float, float] = self._lit(
             ("floor", index),
             lambda: footprint_light(
                 self.problem,
@@ -164,7 +171,7 @@ class DesignModel:
 
     def dark_share(self, index: int) -> float:
         """Share of the image that no lamp lights, at the nominal altitude."""
-        return float(self._once(("dark", index), lambda: self._dark_share(index)))
+        return float(self._lit(("dark", index), lambda: self._dark_share(index)))
 
     def lamp_clearance_m(self, index: int) -> float:
         """Least distance of a lamp's middle from any ray of the image, at the lowest altitude."""
@@ -209,7 +216,7 @@ class DesignModel:
     def sun_light(self, index: int, *, pixels: Pixels | None = None, channel: str | None = None) -> SunLight | None:
         """Electrons per second from the sun."""
         key = ("sun", index, pixels, channel)
-        sun: SunLight | None = self._once(key, lambda: self._sun_light(index, pixels, channel))
+        sun: SunLight | None = self._lit(key, lambda: self._sun_light(index, pixels, channel))
         return sun
 
     def _sun_light(self, index: int, pixels: Pixels | None, channel: str | None) -> SunLight | None:
@@ -229,7 +236,7 @@ class DesignModel:
     def image_light(self, index: int, *, pixels: Pixels | None = None, channel: str | None = None) -> ImageLight:
         """Electrons per lm s of nameplate light."""
         key = ("light", index, pixels, channel)
-        light: ImageLight = self._once(key, lambda: self._image_light(index, pixels, channel))
+        light: ImageLight = self._lit(key, lambda: self._image_light(index, pixels, channel))
         return light
 
     def _image_light(self, index: int, pixels: Pixels | None, channel: str | None) -> ImageLight:
@@ -409,7 +416,7 @@ class DesignModel:
         wanted = scene.view.requirements.min_uniformity
         if wanted is None:
             return []
-        reached = self._once(
+        reached = self._lit(
             ("uniformity", index),
             lambda: uniformity(
                 self.problem,

@@ -119,6 +119,7 @@ class Problem:
         self.mission, self.parts, self.paper, self.end = mission, estimated(mission, parts), paper, end
         parts = self.parts
         self.known_models: dict[Any, Any] = {}  # by hardware; see `design_model.design_model`
+        self.known_light: dict[Any, Any] = {}  # of hardware in these scenes, whatever is asked of it there
         fixed = mission.fixed
         self.f_number = fixed.f_number  # at which every iris stands; None: where it is best
         self.focus_share: Array | None = None  # of the distance meant at which lenses stand, by camera; None: 1
@@ -172,6 +173,7 @@ class Problem:
         """The same tables in a model that keeps these effects."""
         changed = copy(self)
         changed.effects, changed.known_models = PAPER if self.paper else effects, {}
+        changed.known_light = {}
         changed.contractions = [one.counting(changed.effects.multiple_scattering) for one in self.contractions]
         return changed
 
@@ -184,14 +186,14 @@ class Problem:
     def in_scenes(self, scenes: list[SceneOptics]) -> Problem:
         """The same parts in other water or over another floor; heights and indices of refraction must be the same."""
         changed = copy(self)
-        changed.scenes, changed.known_models = scenes, {}
+        changed.scenes, changed.known_models, changed.known_light = scenes, {}, {}
         changed.contractions = self.contracted(scenes)
         return changed
 
     def over_bands(self, scenes: list[SceneOptics]) -> Problem:
         """The same parts and light, seen over other bands of altitudes."""
         changed = copy(self)
-        changed.scenes, changed.known_models = scenes, {}
+        changed.scenes, changed.known_models, changed.known_light = scenes, {}, {}
         return changed
 
     def focused_at(self, share: Array) -> Problem:

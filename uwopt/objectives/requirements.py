@@ -67,6 +67,12 @@ class MarginRows:
             return np.asarray((self.margin >= -slack) & ~np.isnan(self.value))
 
     @property
+    def is_clear(self) -> bool:
+        """Whether no design misses it by anything, not even what rounding forgives."""
+        with np.errstate(invalid="ignore"):
+            return bool((self.margin >= 0.0).all())
+
+    @property
     def shortfall(self) -> Array:
         """How far it is missed, as a share of its size; 0 where it holds."""
         with np.errstate(invalid="ignore"):

@@ -205,11 +205,11 @@ class SettableScene:
     ) -> Tried:
         """The best of these rows for each group, at the gains that suit them, and of what was known of it."""
         settings = self._settings(f_number, steps, level, extra_s)
-        parts = [self._judged(replace(settings, gain=gain)) for gain in self._gains(settings)]
-        group = np.concatenate([row] * len(parts))
+        gains = self._gains(settings)
+        every = np.tile(np.arange(len(row)), len(gains))
+        tried, group = self._judged(replace(settings.take(every), gain=np.concatenate(gains))), row[every]
         if known is not None:
-            parts, group = [known, *parts], np.concatenate([np.unique(row), group])
-        tried = Tried.joined(parts)
+            tried, group = Tried.joined([known, tried]), np.concatenate([np.unique(row), group])
         return tried.take(tried.best_of_each(group))
 
     def _settings(self, f_number: Array, steps: Array, level: Array, extra_s: Array) -> SettingRows:
@@ -276,7 +276,7 @@ class SettableScene:
             for margin in model.margins(
                 self.index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL
             ):
-                if margin.requirement != without:
+                if margin.requirement != without and not margin.is_clear:
                     worst = np.maximum(worst, margin.shortfall)
         return worst
 
