@@ -80,7 +80,7 @@ def cell_search(rows: SceneRows, wanted: Any) -> CellSearch:
     """The search over cells of one design, not yet run."""
     return CellSearch(
         [rows], Objective.of(wanted), np.array([np.inf]), own_f_number=False, gap_rel=GAP, constant=np.zeros(1),
-        cutoff=np.array([np.inf]), hardware=None, top=None, most_cells=10_000,
+        cutoff=np.array([np.inf]), hardware=None, top=None,
     )  # fmt: skip
 
 

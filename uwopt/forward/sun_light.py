@@ -82,6 +82,15 @@ class SunField:
         there = np.stack(self.at_points(view, *grid), axis=1)
         return SunLight(signal, forward, path, there[..., 0], there[..., 1] + there[..., 2])
 
+    def most_signal(self, view: Views) -> Array:
+        """No image's mean has more of the floor's daylight [e/s], (n, n_altitudes): that at its centre, above which the
+        path is shortest; of an oblique view the mean itself."""
+        if self.shape.slope:
+            return self.light(view).signal_e_s
+        widest = rounded_up(float(np.hypot(view.tan_along, view.tan_across).max(initial=1e-6)))
+        floor_log = chebyshev.chebval(-1.0, self.radial_fit(widest))[:, 0]
+        return np.asarray(view.collecting_m2[:, None] * np.exp(np.maximum(floor_log, DIMMEST_LOG)))
+
     def at_points(self, view: Views, along: Array, across: Array) -> list[Array]:
         """Floor, forward veil and path (last axis) at field points (n, ...), one array an altitude [e/s]."""
         loss = field_loss(along, across, shape=self.shape)

@@ -88,6 +88,7 @@ class Needs:
     by_pixel_e: Array  # of the pixel that must reach the SNR, at every altitude
     by_red_e: Array | None  # of the red channel, at every altitude; None: nothing is asked of it
     by_gain_e: Array  # electrons, at the nominal altitude
+    sun_e: Array  # electrons of the sun's signal at most, at the farthest altitude and the nominal one, (n, 2)
     square: Array  # of the smallest working f-number
     longest_s: Array
     rate_hz: Array
@@ -378,7 +379,7 @@ class Bounds:
                 np.isfinite(wanted), scene_power, 0.0
             )
             if self.objective.weight("snr_db") or self.objective.weight("information"):
-                electrons = np.full(n, np.inf) if self.is_sunlit(index) else capacity[-1] * most
+                electrons = capacity[-1] * most + need.sun_e[:, -1]
                 reached = self._snr_bound(index, electrons, rows, self._most_contrast(index, [lighting], rows))
                 snr_db = np.minimum(snr_db, reached)
                 if self.objective.weight("information"):
@@ -510,11 +511,12 @@ class Bounds:
         if scene_index not in known:
             focused = self.imagers.scenes[scene_index].focused.take(rows)
             by_snr, by_gain = self._electrons_needed(scene_index, rows)
+            square, longest_s = np.square(focused.n_low * focused.working_factor), self._longest_time_s(focused, rows)
+            sun_e = self._sun_electrons(scene_index, rows, np.maximum(longest_s, 0.0) / square)
+            by_snr = np.maximum(by_snr - sun_e.max(axis=1), 0.0)
             known[scene_index] = Needs(
                 by_snr, by_snr / least_mean_frac(self.problem.scenes[scene_index]),
-                self._red_needed(scene_index, rows),
-                by_gain, np.square(focused.n_low * focused.working_factor),
-                self._longest_time_s(focused, rows), focused.rate_hz,
+                self._red_needed(scene_index, rows), by_gain, sun_e, square, longest_s, focused.rate_hz,
             )  # fmt: skip
         return known[scene_index]
 
@@ -552,24 +554,30 @@ class Bounds:
         return np.stack([far, self.tables.bound(scene_index, lighting, scene.nominal, rows)], axis=1)
 
     def _electrons_needed(self, scene_index: int, rows: Array) -> tuple[Array, Array]:
-        """Fewest electrons for the SNR, wanted at every altitude, and for the mean level at the highest
+        """Fewest electrons of all light for the SNR, wanted at every altitude, and for the mean level at the highest
         gain, wanted at the nominal one; quantisation and dark current are left out."""
         cameras = self.problem.cameras.take(self.imagers.camera[rows])
         scene = self.problem.scenes[scene_index]
         needs = scene.view.requirements
         need = np.zeros(len(rows))
-        if self.is_sunlit(scene_index):  # the sun may bring all of it
-            return need, need
         if needs.min_snr:
             need = least_mean_frac(scene) * sensor.electrons_for_snr(
                 needs.min_snr, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
             )
-        if needs.mean_level is None or self.problem.effects.veils:  # veils help to fill the range
+        if needs.mean_level is None or self.problem.effects.veils or self.is_sunlit(scene_index):
+            # veils and the sun help to fill the range
             return np.asarray(need), np.zeros(len(rows))
         wanted_dn = needs.mean_level * (2.0**cameras.bits - 1.0) - cameras.black_level_dn
         by_gain = wanted_dn / (cameras.gain_dn_per_e * self.problem.gains(scene_index, cameras.max_gain)[1])
         longest = np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
         return np.asarray(need), np.asarray(by_gain - cameras.dark_current_e_s * longest)
+
+    def _sun_electrons(self, scene_index: int, rows: Array, open_over_n2_s: Array) -> Array:
+        """The most electrons of the sun's signal at the farthest and the nominal altitude, (n, 2)."""
+        scene = self.problem.scenes[scene_index]
+        if not self.is_sunlit(scene_index):
+            return np.zeros((len(rows), 2))
+        return np.asarray(self.tables.most_sun(scene_index, rows)[:, [-1, scene.nominal]] * open_over_n2_s[:, None])
 
     def _red_needed(self, scene_index: int, rows: Array) -> Array | None:
         """Fewest electrons of the red channel for the SNR that is asked of it; None where none must be of a lamp."""

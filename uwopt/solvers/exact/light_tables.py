@@ -21,7 +21,7 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.lamp_light import ImageLight, Veils, image_light
 from uwopt.forward.lamps import Mount, on_axis_gain, one_side
 from uwopt.forward.problem import Problem
-from uwopt.forward.remembered import RememberedField
+from uwopt.forward.remembered import RememberedField, RememberedSunField
 from uwopt.forward.scene import Pixels
 from uwopt.forward.spectra import sees_colours
 from uwopt.forward.views import table_reach_m
@@ -35,6 +35,7 @@ from uwopt.solvers.exact.oblique import PlaneReach, crowding, deepest_m, path_an
 Array = NDArray[Any]
 EDGES = 129  # rectangle edges a side in the bound's table
 EDGE_RATIO = 1.04
+SUN_SLACK = 1e-6  # of polynomials in place of the sun's light
 
 
 @dataclass(frozen=True)
@@ -108,6 +109,18 @@ class FieldTables:
         rectangle = rectangles[key]
         light = self._light_table(scene_index, lighting, altitude).most_light(rectangle)
         return np.asarray(collecting * response[back] * light * rectangle.samples_per_m2)
+
+    def most_sun(self, scene_index: int, rows: Array) -> Array:
+        """Upper bound of the sun's electrons a second, image-forming, of these imagers' means, (n, n_altitudes)."""
+        problem, camera = self.problem, self.imagers.camera[rows]
+        windows, curves = problem.like_port[self.imagers.port[rows]], problem.cameras.qe_index[camera]
+        view = self.imagers.scenes[scene_index].view
+        most = np.empty((len(rows), len(problem.scenes[scene_index].range_m)))
+        for window, curve in np.unique(np.stack([windows, curves]), axis=1).T:
+            mine = np.nonzero((windows == window) & (curves == curve))[0]
+            field = RememberedSunField(problem, scene_index, port_index=int(window), efficiency=int(curve))
+            most[mine] = field.most_signal(view.take(rows[mine])) * (1.0 + SUN_SLACK)
+        return most
 
     def set_widest(self, scene_index: int, altitude: int, widest: Rectangles) -> None:
         """Say what rectangle the lights' tables must hold at one altitude."""

@@ -429,6 +429,10 @@ class OutlineTables(FieldTables):
         super().__init__(level.problem, imagers, like=like)
         self.level, self.outline = level, rows
 
+    def most_sun(self, scene_index: int, rows: Array) -> Array:
+        """No bound: ports of a group differ."""
+        return np.full((len(rows), len(self.problem.scenes[scene_index].range_m)), np.inf)
+
     def rectangles(self, scene_index: int, altitude: int, rows: Array) -> Rectangles:
         """The largest rectangle for the light, the smallest for the area it is spread over."""
         scene, some = self.problem.scenes[scene_index], self.outline.take(rows)

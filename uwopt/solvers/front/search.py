@@ -31,7 +31,7 @@ from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs, li
 from uwopt.solvers.exact.large import PairTree
 from uwopt.solvers.exact.light_tables import Lighting
 from uwopt.solvers.exact.search import Search, are_too_many
-from uwopt.solvers.front.large import Undominated, in_layers
+from uwopt.solvers.front.large import WITHOUT_BOUND, Undominated, in_layers
 from uwopt.solvers.front.trade_curves import FINELY, ROUGHLY, Answers, Curves, Hopeful, Trade
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.mean_limit import MeanLimit
@@ -40,7 +40,6 @@ from uwopt.tolerances import ROUND
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
 FIRST_NODES, LARGEST_NODES, GROWTH = 128, 16384, 6  # nodes taken together
-FIRST_SUNLIT, DESIGNS_SUNLIT = 4, 8  # nodes and designs together where settings have no closed form at all
 ROUGH_SEGMENT, FINEST_SEGMENT = 3e-3, 1e-6  # share of the box that a segment may span: at first, and ever
 FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
 WAVE_ROUNDS, REFINEMENTS = 1, 8  # of asking the segments of one wave, and of all that stayed
@@ -197,8 +196,7 @@ class FrontSearch:
     def _layers(self, ideal: Array, lighting: Array, imager: Array, left: Array) -> bool:
         """Evaluate nodes until each is evaluated or beaten by a point; whether that was reached."""
         sizes, total = self._sizes(), max(len(ideal), 1)
-        sunlit = any(scene.sunlit for scene in self.problem.scenes)
-        batch = FIRST_SUNLIT if sunlit else FIRST_NODES
+        batch = FIRST_NODES
         while left.any():
             rows = np.nonzero(left)[0]
             beaten = self.archive.beats(ideal[rows])
@@ -210,36 +208,27 @@ class FrontSearch:
             if self._late():
                 return False
             wave = rows[self._next(ideal[rows], batch)]
-            if not self._take(lighting[wave], imager[wave], DESIGNS_SUNLIT if sunlit else None):
+            if not self._take(lighting[wave], imager[wave]):
                 return False
             left[wave] = False
-            batch = min(GROWTH * batch, FIRST_SUNLIT if sunlit else LARGEST_NODES)
+            batch = min(GROWTH * batch, LARGEST_NODES)
             self.history.append((time.perf_counter() - self.start, self.archive.values))
             self.progress(0.9 * (1.0 - left.sum() / total), f"front: {len(self.archive.values)} points")
         return True
 
-    def _take(self, lighting: Array, imager: Array, designs: int | None) -> bool:
-        """Evaluate these nodes, so many designs at a time; cut short, they count as not reached, and points stay."""
-        before = dict(self.account)
-        done = False
+    def _take(self, lighting: Array, imager: Array) -> bool:
+        """Evaluate these nodes; cut short, they count as not reached, and points stay."""
+        before, done = dict(self.account), False
         try:
             parts = [self._bounded_again(int(k), imager[lighting == k]) for k in np.unique(lighting)]
             some = [part for part in parts if part is not None and len(part)]
-            joined = Hopeful.joined(some) if some else None
-            every = np.arange(0 if joined is None else len(joined))
-            for start in range(0, len(every), designs or max(len(every), 1)):
-                if joined is None or self._late():
-                    return False
-                part = joined if designs is None else joined.take(every[start : start + designs])
-                if not self._solve(part):
-                    return False
-            done = True
+            done = not some or self._solve(Hopeful.joined(some))
         except OutOfTimeError:
             return False
         finally:
             if not done:
                 self.account = before
-        return True
+        return done
 
     def _next(self, ideal: Array, batch: int) -> Array:
         """Places of the nodes to take: ideals that no other dominates, then those next to them."""
@@ -318,22 +307,32 @@ class FrontSearch:
 
     def _unbeaten(self, some: Hopeful) -> Array:
         """Places of the designs that may hold something new; the others are counted."""
-        bounds = self.trade.first_bounds(some)
-        possible, open_ = np.zeros(len(some), bool), np.zeros(len(some), bool)
+        least_w = self.trade.least_power_bound(some)
+        possible = np.nonzero(np.isfinite(least_w))[0]
+        self.account["light"] += len(some) - len(possible)
+        left = some.take(possible)
+        best = self._values(
+            left, least_w[possible], self.trade.bound_within(left, left.full_power_w), np.arange(len(left))
+        )
+        open_ = possible[np.isfinite(best).all(axis=1) & ~self.archive.beats(best)]
+        bounds = self.trade.first_bounds(some.take(open_))
         if bounds is not None:
-            possible[bounds.design] = True
-            curves = Curves(self.trade, some, bounds)
-            if self.quality is None or not self._trades_power():
-                corner = self._values(some, bounds.limit_w, bounds.bound, bounds.design)
-                lower = np.arange(len(bounds.design))
-            else:
-                lower, _ = curves.segments()
-                corner = self._corner_values(curves)
-            matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
-            open_[bounds.design[lower[matters]]] = True
-        self.account["light"] += int((~possible).sum())
-        self.account["dominated"] += int((possible & ~open_).sum())
-        return np.nonzero(open_)[0]
+            open_ = open_[self._are_open(Curves(self.trade, some.take(open_), bounds))]
+        self.account["dominated"] += len(possible) - len(open_)
+        return open_
+
+    def _are_open(self, curves: Curves) -> Array:
+        """Whether each design may hold something new, by the bounds of its curve."""
+        a, open_ = curves.answers, np.zeros(len(curves.some), bool)
+        if self.quality is None or not self._trades_power():
+            lower = np.arange(len(a.design))
+            corner = self._values(curves.some, a.limit_w, a.bound, a.design)
+        else:
+            lower, _ = curves.segments()
+            corner = self._corner_values(curves)
+        matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
+        open_[a.design[lower[matters]]] = True
+        return open_
 
     def _values(self, some: Hopeful, power: Array, quality: Array, design: Array) -> Array:
         """Values (n, n_axes), minimised, at powers and qualities of designs."""
@@ -349,14 +348,17 @@ class FrontSearch:
     def _solve(self, some: Hopeful) -> bool:
         """Ends of the curves, then segments that may still matter, coarsely; False: out of time."""
         self.account["evaluated"] += len(some)
-        curves = Curves.of(self.trade, some)
+        curves = self._tried_first(some) if some.sunlit else Curves.bounded(self.trade, some)
         if curves is None:
             return True
         in_time = True
         if self.quality is not None and not self._trades_power():  # one point a design: its best quality
-            every = np.arange(len(curves.some))
-            answers = self.trade.best_quality(curves.some, every, curves.some.full_power_w)
-            curves = replace(curves, answers=answers)
+            curves = replace(curves, answers=self._best_of_each(curves.some))
+        else:
+            known = curves.with_least_power()
+            if known is None:
+                return True
+            curves = known
         self.curves.append(curves)
         self._add(curves, curves.answers)
         if self.quality is not None and self._trades_power():
@@ -370,6 +372,25 @@ class FrontSearch:
             in_time = self._ask(curves, ROUGH_SEGMENT, WAVE_ROUNDS)
             self._forget()
         return in_time
+
+    def _best_of_each(self, some: Hopeful) -> Answers:
+        """The best quality of each design, as far as it is better than that of points that are found."""
+        every, full_w = np.arange(len(some)), some.full_power_w
+        wanted = self._better_than(self._values(some, full_w, np.full(len(some), WITHOUT_BOUND), every))
+        return self.trade.best_quality(some, every, full_w, wanted=wanted)
+
+    def _tried_first(self, some: Hopeful) -> Curves | None:
+        """Curves of the designs under the sun that may still matter once a few settings of each are tried."""
+        curves = Curves.bounded(self.trade, some)
+        left = None if curves is None else curves.without(~self._are_open(curves))
+        if curves is None or left is None:
+            return None
+        tried = self.trade.tried(left.some, np.arange(len(left.some)))
+        self.curves.append(replace(left, answers=left.answers.take(np.empty(0, int)), tried=tried))
+        for answers in tried:
+            self._add(left, answers)
+        self._forget()
+        return left.without(~self._are_open(left))
 
     def _trades_power(self) -> bool:
         """Whether settings of least power are on the front: power counts, or nothing that settings change does."""
@@ -420,8 +441,12 @@ class FrontSearch:
 
     def _wanted(self, curves: Curves, which: Array) -> Array:
         """The quality that each of these segments must exceed to hold something new."""
+        return self._better_than(self._corner_values(curves)[which])
+
+    def _better_than(self, values: Array) -> Array:
+        """The best quality of the points that are as good as each of these in all else; -inf: there is none."""
         axis = self.axes.names.index(str(self.quality))
-        best = self.archive.best(self._corner_values(curves)[which], axis) * self.axes.signs[axis]
+        best = self.archive.best(values, axis) * self.axes.signs[axis]
         return np.where(np.isfinite(best), best, -np.inf)
 
     def _open_segments(self, curves: Curves, largest: float) -> tuple[Array, Array]:

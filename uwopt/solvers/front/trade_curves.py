@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from itertools import product
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
-from uwopt.forward.part_columns import FLASH
+from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.bounds import bit_per_px_bound
@@ -27,9 +27,13 @@ from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.units import db_to_ratio
 
+if TYPE_CHECKING:
+    from uwopt.solvers.settings.cells import CellResult
+
 Array = NDArray[Any]
 Drawing = tuple[int, "tuple[int, int] | None"]
 ABOVE = 1.0 + 1e-9  # a limit that equals the least power must admit it
+POWER, SNR = Objective({"power": 1.0}), Objective({"snr_db": 1.0})
 CURVE_GAP = 5e-4  # relative, of qualities without a closed form
 DIMMEST = 1e-4  # of the power at the far end: where a curve that begins without light is first asked
 #: Bounds of information, drawn in twice: pieces of the range of f-numbers, and nodes over frequencies (None: the
@@ -59,6 +63,11 @@ class Hopeful(Columns):
 
     def __len__(self) -> int:
         return len(self.imager)
+
+    @property
+    def sunlit(self) -> bool:
+        """Whether settings have no closed form for the sun."""
+        return any(r.sunlit for r in self.rows)
 
     @property
     def full_power_w(self) -> Array:
@@ -138,7 +147,7 @@ class Trade:
 
     def least_power(self, some: Hopeful) -> Answers:
         """Settings of least power within the limit, and the quality that they have."""
-        best = self._best(some, Objective({"power": 1.0}), some.power_limit_w)
+        best = self._best(some, POWER, some.power_limit_w)
         chosen = with_exposures(some.rows, best.chosen)
         quality = np.zeros(len(some)) if self.quality is None else self._quality_of(some, best, chosen)
         return self._answers(some, np.arange(len(some)), best, chosen, quality, None, None)
@@ -210,7 +219,9 @@ class Trade:
     def tried(self, some: Hopeful, design: Array) -> list[Answers]:
         """A few settings of these designs that any solver might try: points to beat, before curves are asked."""
         some = some.take(design)
-        if len(some) == 0 or self.quality != "information" or any(r.sunlit or r.asks_sharpness for r in some.rows):
+        if len(some) and some.sunlit:
+            return self._tried_sunlit(some, design)
+        if len(some) == 0 or self.quality != "information" or any(r.asks_sharpness for r in some.rows):
             return []
         low = np.max([r.n_low for r in some.rows], axis=0)
         high = np.min([r.n_high for r in some.rows], axis=0)
@@ -219,6 +230,19 @@ class Trade:
             for aperture, light, time in product(TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES)
         ]
         return [replace(one, design=design[one.design]) for one in tries]
+
+    def _tried_sunlit(self, some: Hopeful, design: Array) -> list[Answers]:
+        """Points of least power, and of best quality within all of it."""
+        goals = [POWER] if self.quality is None else [POWER, Objective({self.quality: 1.0})]
+        tried = []
+        for goal in goals:
+            found = self._whole(some, goal, some.power_limit_w, points=True)
+            best = Best(
+                found.chosen, found.feasible, found.snr_db, found.contrast, found.information, found.lower_bound
+            )
+            quality = self._quality_of(some, best, found.chosen) if self.quality else np.zeros(len(some))
+            tried.append(self._answers(some, design, best, found.chosen, quality, None, None))
+        return tried
 
     def _one_try(self, some: Hopeful, f_number: Array, light_share: float, time_share: float) -> Answers:
         """The same place in every design's range of light, at one f-number."""
@@ -250,53 +274,64 @@ class Trade:
     # ------------------------------------------------------------ bounds
 
     def first_bounds(self, some: Hopeful) -> Answers | None:
-        """What no settings can beat at some limits of power, from closed forms; None: nothing is impossible.
+        """What no settings can beat at some limits of power; None: nothing is impossible.
 
-        (n * LIMITS) answers, the least power of each design among the limits; under the sun all steps,
-        or the whole range of light that has none.
+        (n * LIMITS) answers, the least power of each design among the limits.
         """
-        n, n_scenes = len(some), len(some.rows)
-        every = np.arange(n)
-        if any(r.sunlit for r in some.rows):
-            start = Answers.unasked(every, some.camera_power_w, np.full(n, -np.inf), n_scenes)
-            limits = first_limits_w(some, np.zeros(n)) + some.camera_power_w[:, None]
-            limits[~some.stepped] = np.nan
-            limits[~some.stepped, 0] = some.full_power_w[~some.stepped]
-            known = np.isfinite(limits)
-            at, _ = np.nonzero(known)
-            rest = Answers.unasked(at, limits[known], self.ceiling(some)[at], n_scenes)
-            return Answers.joined([start, rest])
-        free = replace(some, rows=unhindered(some.rows))
-        chosen, feasible = closed_form.least_power(free.rows, free.motorised)
-        least = np.max([c.light_power_w for c in chosen], axis=0)
-        feasible &= some.camera_power_w + np.where(feasible, least, 0.0) <= some.power_limit_w * ABOVE
-        alive = np.nonzero(feasible)[0]
+        least_w = self.least_power_bound(some)
+        alive = np.nonzero(np.isfinite(least_w))[0]
         if len(alive) == 0:
             return None
-        free, least = free.take(alive), least[alive]
-        start = Answers.unasked(alive, free.camera_power_w + least, np.full(len(alive), -np.inf), n_scenes)
+        some, least_w, n_scenes = some.take(alive), least_w[alive], len(some.rows)
+        start = Answers.unasked(alive, least_w, np.full(len(alive), -np.inf), n_scenes)
         if self.quality is None:
             return replace(start, bound=np.zeros(len(alive)))
         parts = [start]
-        for light in first_limits_w(free, least).T:
+        for light in first_limits_w(some, np.maximum(least_w - some.camera_power_w, 0.0)).T:
             new = np.nonzero(np.isfinite(light))[0]
             if len(new):
-                limit = (free.camera_power_w + light)[new]
-                bound = self.bound_within(free.take(new), limit * ABOVE)
-                parts.append(Answers.unasked(alive[new], limit, bound, n_scenes))
+                limit = (some.camera_power_w + light)[new]
+                parts.append(Answers.unasked(alive[new], limit, self.bound_within(some.take(new), limit), n_scenes))
         return Answers.joined(parts)
 
-    def ceiling(self, some: Hopeful) -> Array:
-        """A finite quality that no settings exceed under any light: SNR is at most the root of the electrons."""
+    def least_power_bound(self, some: Hopeful) -> Array:
+        """No settings of designs draw less, lamps and cameras together; inf: they have none."""
+        if some.sunlit:
+            least_w = self._whole(some, POWER, some.power_limit_w, points=False).lower_bound
+        else:
+            chosen, feasible = closed_form.least_power(unhindered(some.rows), some.motorised)
+            light_w = np.max([c.light_power_w for c in chosen], axis=0)
+            least_w = np.where(feasible, some.camera_power_w + light_w, np.inf)
+        return np.where(least_w <= some.power_limit_w * ABOVE, least_w, np.inf)
+
+    def bound_within(self, some: Hopeful, limit_w: Array) -> Array:
+        """The quality that no settings within a power exceed; -inf: there are none.
+
+        By closed forms without hindrances; under the sun, by all settings of a design as one cell.
+        """
         if self.quality is None:
             return np.zeros(len(some))
-        if self.quality == "contrast":
-            return np.ones(len(some))
-        return self._from_snr(some, 10.0 * np.log10(np.min([r.well_e for r in some.rows], axis=0)))
+        if self.quality == "contrast":  # without the sun no setting changes it
+            return -self._whole(some, Objective({self.quality: 1.0}), limit_w * ABOVE, points=False).lower_bound
+        return self._from_snr(some, self.most_snr_db(some, limit_w * ABOVE))
 
-    def bound_within(self, free: Hopeful, limit_w: Array) -> Array:
-        """What no settings within a power can beat, in closed form, of designs without hindrances."""
-        return self._from_snr(free, most_snr_db(free, limit_w))
+    def most_snr_db(self, some: Hopeful, limit_w: Array) -> Array:
+        """SNR that no settings within a power exceed; -inf: there are none."""
+        if some.sunlit:
+            return -self._whole(some, SNR, limit_w, points=False).lower_bound
+        rows = unhindered(some.rows)
+        _, feasible, snr_db = settings_at_dark(rows, some.motorised, SNR, some.camera_power_w, limit_w)
+        return np.where(feasible, snr_db, -np.inf)
+
+    def _whole(self, some: Hopeful, goal: Objective, limit_w: Array | float, *, points: bool) -> CellResult:
+        """All settings of each design as one cell: what is best of some points in it, and what none can beat."""
+        from uwopt.solvers.settings.cells import best_by_cells
+
+        constant = some.camera_power_w if goal.weight("power") else 0.0
+        return best_by_cells(
+            some.rows, some.motorised, goal, some.camera_power_w, np.minimum(limit_w, some.power_limit_w),
+            constant=constant, mean_limit=some.mean_limit, halve=False, points=points,
+        )  # fmt: skip
 
     def _from_snr(self, some: Hopeful, most: Array) -> Array:
         """The quality that an SNR in dB allows at most."""
@@ -315,52 +350,54 @@ class Trade:
         The range of f-numbers is cut into pieces. In each the SNR is that of its widest aperture, the light's
         wave that of its widest and the defocus that of its smallest, the motion that of the shortest time.
         """
-        if self.quality != "information" or any(r.sunlit for r in some.rows):
+        if self.quality != "information":
             return bounds
         pieces, orders = drawing
         asked = which[np.isfinite(bounds.bound[which]) & (bounds.bound[which] > 0)]
         designs = some.take(bounds.design[asked])
-        free = replace(designs, rows=unhindered(designs.rows))
         low, high = (
-            np.max([r.n_low for r in free.rows], axis=0),
-            np.min([r.n_high for r in free.rows], axis=0),
+            np.max([r.n_low for r in designs.rows], axis=0),
+            np.min([r.n_high for r in designs.rows], axis=0),
         )
         best = np.full(len(asked), -np.inf)
         for piece in range(pieces):
             ends = [low * (np.maximum(high, low) / low) ** (end / pieces) for end in (piece, piece + 1)]
-            best = np.maximum(best, self._piece_bound(free, bounds.limit_w[asked] * ABOVE, ends, orders))
+            best = np.maximum(best, self._piece_bound(designs, bounds.limit_w[asked] * ABOVE, ends, orders))
         bound = bounds.bound.copy()
         slack = RULE_SLACK if orders is None else np.max([quadrature_slack(r) for r in designs.rows], axis=0)
         bound[asked] = np.minimum(bound[asked], best * (1.0 + slack))
         return replace(bounds, bound=bound).drawn_in()
 
-    @staticmethod
     def _piece_bound(
-        free: Hopeful, limit_w: Array, ends: list[Array], orders: tuple[int, int] | None
+        self, some: Hopeful, limit_w: Array, ends: list[Array], orders: tuple[int, int] | None
     ) -> Array:
         """Information [bit/m2] that no settings between two f-numbers exceed, -inf: there are none."""
         first, last = ends
-        cut = replace(
-            free,
-            rows=[
-                replace(r, n_low=np.maximum(r.n_low, first), n_high=np.minimum(r.n_high, last))
-                for r in free.rows
-            ],
-        )
-        snr_db = most_snr_db(cut, limit_w)
+        rows = [
+            replace(r, n_low=np.maximum(r.n_low, first), n_high=np.minimum(r.n_high, last)) for r in some.rows
+        ]
+        snr_db = self.most_snr_db(replace(some, rows=rows), limit_w)
         reached = np.nonzero(np.isfinite(snr_db))[0]
-        out = np.full(len(free), -np.inf)
+        out = np.full(len(some), -np.inf)
         if len(reached):
             bits = []
-            for r in free.rows:
-                some = r.take(reached)
-                assert some.sharp is not None
-                bits.append(some.sharp.information_bit_per_m2(
+            for r in some.rows:
+                part = r.take(reached)
+                assert part.sharp is not None
+                bits.append(part.sharp.information_bit_per_m2(
                     db_to_ratio(snr_db[reached]), f_number=last[reached], orders=orders,
-                    working_f_number=first[reached] * some.working_factor, blur_s=some.blur_s(some.time_min_s),
+                    working_f_number=first[reached] * part.working_factor, blur_s=least_blur_s(part),
                 ))  # fmt: skip
             out[reached] = np.min(bits, axis=0)
         return out
+
+
+def least_blur_s(rows: SceneRows) -> Array:
+    """Steady light that blurs no more than any settings; under the sun for as long as the shutter is open."""
+    if not rows.sunlit:
+        return rows.blur_s(rows.time_min_s)
+    least_s = rows.min_exposure_s + rows.exposure_offset_s
+    return np.where(rows.kind == PULSED, least_s, np.minimum(rows.time_min_s, least_s))
 
 
 def quadrature_slack(rows: SceneRows) -> Array:
@@ -402,13 +439,6 @@ def first_limits_w(some: Hopeful, least_w: Array) -> Array:
 def full_draw_w(rows: SceneRows) -> Array:
     """Power of all lights at full level: while they burn, or of flashes at the frame rate."""
     return np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
-
-
-def most_snr_db(some: Hopeful, limit_w: Array) -> Array:
-    """SNR that no settings within a power exceed: with least dark current, without wanted sharpness; -inf: none."""
-    rows, goal = unhindered(some.rows), Objective({"snr_db": 1.0})
-    _, feasible, snr_db = settings_at_dark(rows, some.motorised, goal, some.camera_power_w, limit_w)
-    return np.where(feasible, snr_db, -np.inf)
 
 
 def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) -> Array:
@@ -495,22 +525,28 @@ class Curves:
         return new
 
     @staticmethod
-    def of(trade: Trade, some: Hopeful) -> Curves | None:
-        """Curves known at their least power, and bounded beyond; None where no design has settings."""
+    def bounded(trade: Trade, some: Hopeful) -> Curves | None:
+        """Curves of which nothing is known but bounds; None where no design has settings."""
         bounds = trade.first_bounds(some)
         if bounds is None:
             return None
-        first = np.nonzero(np.append(True, bounds.design[1:] != bounds.design[:-1]))[0]
-        alive = bounds.design[first]
-        some = some.take(alive)
-        least = trade.least_power(some)
-        least = replace(least, limit_w=np.fmin(least.power_w, bounds.limit_w[first]))
-        place = np.searchsorted(alive, bounds.design)
-        later = np.ones(len(bounds.design), bool)
-        later[first] = False
-        rest = replace(bounds, design=place).take(np.nonzero(later)[0])
-        curves = Curves(trade, some, Answers.joined([least, rest]))
-        return curves.without(np.isnan(least.bound))
+        alive = np.unique(bounds.design)
+        return Curves(trade, some.take(alive), replace(bounds, design=np.searchsorted(alive, bounds.design)))
+
+    @staticmethod
+    def of(trade: Trade, some: Hopeful) -> Curves | None:
+        """Curves known at their least power, and bounded beyond; None where no design has settings."""
+        curves = Curves.bounded(trade, some)
+        return None if curves is None else curves.with_least_power()
+
+    def with_least_power(self) -> Curves | None:
+        """Curves that are bounded alone, known at their least power."""
+        a = self.answers
+        begins = np.append(True, a.design[1:] != a.design[:-1])
+        least = self.trade.least_power(self.some)
+        least = replace(least, limit_w=np.fmin(least.power_w, a.limit_w[begins]))
+        answers = Answers.joined([least, a.take(np.nonzero(~begins)[0])])
+        return replace(self, answers=answers).without(np.isnan(least.bound))
 
     def without(self, gone: Array) -> Curves | None:
         """Without these designs; None when none is left."""

@@ -30,6 +30,7 @@ from uwopt.model.sharpness import (
     sinc_mtf,
 )
 from uwopt.solvers.settings import closed_form
+from uwopt.solvers.settings.cell_sun import Mixture, longest_open_s
 from uwopt.solvers.settings.closed_form import Sun
 from uwopt.solvers.settings.few_pixels import deciding_pixels
 from uwopt.tolerances import SLACK
@@ -291,8 +292,9 @@ class SceneCells:
         if rows.worst_e is None:  # what pixels reach may be more than the mean has
             alive &= snr >= rows.min_snr * (1 - 1e-9)
         if self.sunlit and any(still.bars.veiled for still in self.bars):
-            seen = self._most_contrast(rows, box, top, bottom, x_lo, x_cap, y_lo, y_hi)[:, rows.three]
-            seen = np.minimum(seen, self.most_contrast[d] * (1 + SLACK))
+            mixture = self._mixture(rows, box, (bottom, top), (x_lo, x_cap), (y_lo, y_hi))
+            seen = np.nan_to_num(mixture.most_contrast(rows)[:, rows.three], nan=1.0) * (1 + SLACK)
+            seen = np.minimum(np.minimum(seen, 1.0), self.most_contrast[d] * (1 + SLACK))
             alive &= self.sharp_enough(d, box.n_lo, box.n_hi, box.open_lo, seen, 1e-9)
         return Reach(alive, power, snr, contrast, x_lo, x_cap, high, bottom, top)
 
@@ -326,38 +328,25 @@ class SceneCells:
             snr = closed_form.nominal_snr(dark_rows, x_hi)
             share = np.where(lamp_all > 0, lamp / np.where(lamp_all > 0, lamp_all, 1.0), 0.0)
             return snr, share
-        assert rows.sun_signal_e_s is not None and rows.sun_veil_e_s is not None
-        sun, over = rows.sun_signal_e_s[:, at], rows.sun_veil_e_s[:, at]
-        signal = lamp * x_hi + sun * y_hi
-        veil = (lamp_all - lamp) * x_lo + over * y_lo
-        dark_rows = replace(rows, dark_time_s=self._shortest(rows, box, box.open_lo))
-        gain = rows.gain_dn_per_e * closed_form.best_gain(dark_rows, x_lo, Sun.at(rows, y_lo))
-        snr = sensor.snr(
-            signal, veil_e=veil, read_noise_e=rows.read_noise_e, gain_dn_per_e=gain,
-            dark_e=closed_form.dark_e(dark_rows), prnu_frac=rows.prnu_frac,
-        )  # fmt: skip
-        with np.errstate(divide="ignore", invalid="ignore"):
-            most, least = self.lit_share(rows, box)
-            r_hi = np.minimum(x_hi / y_lo, rows.light_lm * u_hi * most)
-            r_lo = np.maximum(x_lo / y_hi, rows.light_lm * u_lo * least)
-            ends = [(lamp * r + sun) / (lamp_all * r + sun + over) for r in (np.minimum(r_lo, r_hi), r_hi)]
-        best = np.nanmax(np.stack([*ends, np.zeros_like(r_hi)]), axis=0)
-        return np.asarray(snr), np.minimum(best, 1.0)
+        quiet = replace(rows, dark_time_s=self._shortest(rows, box, box.open_lo))
+        mixture = self._mixture(rows, box, (u_lo, u_hi), (x_lo, x_hi), (y_lo, y_hi))
+        best = np.nan_to_num(mixture.most_contrast(rows)[:, at], nan=0.0)
+        return mixture.most_snr(quiet), np.minimum(best, 1.0)
 
-    def _most_contrast(
-        self, rows: SceneRows, box: Box, u_hi: Array, u_lo: Array, x_lo: Array, x_hi: Array, y_lo: Array, y_hi: Array
-    ) -> Array:  # fmt: skip
-        """Highest contrast by altitude: at an end of the lamps' light over the sun's, (m, n_altitudes)."""
-        assert rows.sun_signal_e_s is not None and rows.sun_veil_e_s is not None
-        sun, every = rows.sun_signal_e_s, rows.sun_signal_e_s + rows.sun_veil_e_s
-        with np.errstate(divide="ignore", invalid="ignore"):
-            most, least = self.lit_share(rows, box)
-            r_hi = np.minimum(x_hi / y_lo, rows.light_lm * u_hi * most)
-            r_lo = np.minimum(np.maximum(x_lo / y_hi, rows.light_lm * u_lo * least), r_hi)
-            ends = [
-                (rows.signal_e * r[:, None] + sun) / (rows.total_e * r[:, None] + every) for r in (r_lo, r_hi)
-            ]
-        return np.minimum(np.nan_to_num(np.maximum(*ends), nan=1.0) * (1 + SLACK), 1.0)
+    def _mixture(
+        self, rows: SceneRows, box: Box, level: tuple[Array, Array], x: tuple[Array, Array], y: tuple[Array, Array]
+    ) -> Mixture:
+        """Lamps and sun in boxes, by the ranges of level, X and Y."""
+        return Mixture.of(x, y, level, rows, self.lit_share(rows, box))
+
+    def filled_s(self, d: Array, f_number: Array, time_s: Array, u_lo: Array, u_hi: Array) -> Array:
+        """Longest open shutter at which the sun and the least light of the lamps do not overfill a pixel, (m,)."""
+        rows = self.rows.take(d)
+        square = np.square(f_number * rows.working_factor)
+        least, _ = self.steps(d, u_lo, u_hi)
+        light = np.where(np.isfinite(least), least, 0.0) * rows.light_lm
+        free = self.freely_open(d, time_s)
+        return longest_open_s(rows, square, np.where(free, light * time_s / square, 0.0), np.where(free, 0.0, light))
 
     def lit_share(self, rows: SceneRows, box: Box) -> tuple[Array, Array]:
         """Light-collecting over open time, most and least."""

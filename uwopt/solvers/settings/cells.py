@@ -80,14 +80,14 @@ def best_by_cells(
     rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
     power_limit_w: float | Array, *,
     gap_rel: float = 1e-4, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
-    top: int | None = None, most_cells: int = MOST_CELLS, mean_limit: MeanLimit | None = None,
+    top: int | None = None, mean_limit: MeanLimit | None = None, halve: bool = True, points: bool = True,
 ) -> CellResult:  # fmt: skip
     """Best settings of n designs to a relative gap of the objective, worst scene.
 
     `constant` : (n,) of the minimised objective, what no setting changes, the camera's power too. Designs that
     cannot get below `cutoff`, common or each its own, are dropped;
     with `top`, neither are those that `top` others (of other `hardware`,
-    an index a design) surely beat.
+    an index a design) surely beat. Without `halve` boxes are bounded as a whole, and without `points` none is tried.
     """
     n = len(motorised)
     groups = [np.arange(n)]
@@ -103,9 +103,9 @@ def best_by_cells(
             [r.take(mine) for r in rows], objective, light_limit_w[mine],
             own_f_number=len(rows) > 1 and bool(motorised[mine[0]]), gap_rel=gap_rel, constant=fixed[mine],
             cutoff=ceiling[mine], hardware=None if hardware is None else hardware[mine], top=top,
-            most_cells=most_cells, mean_limit=mean_limit, camera_power_w=camera[mine],
+            mean_limit=mean_limit, camera_power_w=camera[mine],
         )  # fmt: skip
-        results.append(search.run())
+        results.append(search.run(halve=halve, points=points))
     return results[0] if len(results) == 1 else merged(groups, results, n)
 
 
@@ -135,7 +135,7 @@ class CellSearch:
 
     def __init__(
         self, rows: list[SceneRows], objective: Objective, light_limit_w: Array, *, own_f_number: bool,
-        gap_rel: float, constant: Array, cutoff: Array, hardware: Array | None, top: int | None, most_cells: int,
+        gap_rel: float, constant: Array, cutoff: Array, hardware: Array | None, top: int | None,
         mean_limit: MeanLimit | None = None, camera_power_w: Array | float = 0.0,
     ):  # fmt: skip
         self.rows, self.constant, self.cutoff = rows, constant, cutoff
@@ -159,7 +159,6 @@ class CellSearch:
         self.share = (0.0, 0.5, 1.0) if self.mixed else (1.0,) if quality else (0.0,)
         self.objective = objective
         self.gap = gap_rel * (0.3 if self.weight["information"] and not objective.by_ratio else 0.99)
-        self.budget = max(most_cells, FEWEST)
         self.information: list[Information] = []
         if self.weight["information"]:
             assert all(r.sharp is not None for r in rows)
@@ -397,15 +396,17 @@ class CellSearch:
         time = box.t_lo * (box.t_hi / box.t_lo) ** place
         sharp = scene.sharp_time_s(d, f_number, f_number, safe=True)
         open_s = time
-        lit = scene.within_s(d, sharp)
         if not self.sunlit[s]:
+            lit = scene.within_s(d, sharp)
             time = np.where(lit >= box.t_lo, np.minimum(time, lit), time)
         else:
             free = scene.freely_open(d, time)
+            unfilled = np.minimum(sharp, scene.filled_s(d, f_number, time, box.u_lo, box.u_hi))
+            lit = scene.within_s(d, unfilled)
             time = np.where(~free & (lit >= box.t_lo), np.minimum(time, lit), time)
             least, most = scene.open_range_s(d, time, box.t_hi)
             wanted = box.open_lo * (box.open_hi / box.open_lo) ** np.where(share > 0.0, place, 1.0 - place)
-            wanted = np.minimum(np.minimum(np.maximum(wanted, least), sharp), most)
+            wanted = np.minimum(np.minimum(np.maximum(wanted, least), unfilled), most)
             open_s = np.where(free, np.maximum(wanted, least), scene.opened_s(d, time))
         return scene.points(d, f_number, time, open_s, box.u_lo, box.u_hi, share)
 
@@ -521,14 +522,18 @@ class CellSearch:
 
     # ------------------------------------------------------------ search
 
-    def run(self) -> CellResult:
+    def run(self, *, halve: bool = True, points: bool = True) -> CellResult:
         """Halve the cells with the least bounds until none can beat the best by more than the gap."""
         pool, seen = self._bounded(self._roots())
-        open_ = np.nonzero(self._open(pool))[0]
-        self._try_points(pool.take(open_), [(b.take(open_), r) for b, r in seen], list(PATTERNS))
+        if points:
+            open_ = np.nonzero(self._open(pool))[0]
+            self._try_points(pool.take(open_), [(b.take(open_), r) for b, r in seen], list(PATTERNS))
+        if not halve:
+            np.minimum.at(self.closed, pool.design, pool.bound)
+            return self._result()
         pool, spent, turn = self._prune(pool), len(pool.design), 0
         self._polish_open(pool, turn)
-        budget = max(self.budget, FEWEST * min(self.n, 50))
+        budget = max(MOST_CELLS, FEWEST * min(self.n, 50))
         while len(pool.design) and spent < budget:
             if len(pool.design) > BATCH:
                 order = np.argsort(pool.bound - np.where(np.isfinite(self.best), self.best, 0.0)[pool.design])
