@@ -381,10 +381,41 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="cells' sunlight taken at its least",
-        file="uwopt/solvers/settings/cell_bounds.py",
-        old="signal = lamp * x_hi + sun * y_hi",
-        new="signal = lamp * x_hi + sun * y_lo",
+        file="uwopt/solvers/settings/cell_sun.py",
+        old="x_lo, x_hi, y_lo, y_hi = (side[:, None] for side in (self.x_lo, self.x_hi, self.y_lo, self.y_hi))",
+        new="x_lo, x_hi, y_lo, y_hi = (side[:, None] for side in (self.x_lo, self.x_hi, self.y_lo, self.y_lo))",
         test=f"{CELLS}test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[signal under the sun]",
+    ),
+    Defect(
+        name="a pixel under the sun holds half of what it can",
+        file="uwopt/solvers/settings/cell_sun.py",
+        old="held_e = rows.well_e / rows.highlight_ratio\n",
+        new="held_e = 0.5 * rows.well_e / rows.highlight_ratio\n",
+        test="tests/solvers/test_cell_sun.py::"
+        "test_no_mixture_has_a_higher_snr_than_the_bound_and_some_has_it[clear sun]",
+    ),
+    Defect(
+        name="lamps and sun fill a pixel each by itself",
+        file="uwopt/solvers/settings/cell_sun.py",
+        old="x_left = (most_e[:, None] - sun_every[:, None] * ys) / every[:, None]",
+        new="x_left = most_e[:, None] / every[:, None] + 0.0 * ys",
+        test="tests/solvers/test_cell_sun.py::"
+        "test_no_mixture_has_a_higher_snr_than_the_bound_and_some_has_it[clear lamps]",
+    ),
+    Defect(
+        name="the tangent under the sun forgets what lamps add",
+        file="uwopt/solvers/settings/cell_sun.py",
+        old="sun + lamp * self.ratio_hi, np.where(",
+        new="sun + lamp * self.ratio_lo, np.where(",
+        test=f"{CELLS}test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it"
+        "[information of pulses under the sun]",
+    ),
+    Defect(
+        name="the sun gives a node half of its light",
+        file="uwopt/forward/sun_light.py",
+        old="floor_log = chebyshev.chebval(-1.0,",
+        new="floor_log = -0.7 + chebyshev.chebval(-1.0,",
+        test="tests/solvers/test_cell_sun.py::test_no_image_has_more_of_the_sun_than_its_bound",
     ),
     Defect(
         name="cells' information 5 % of SNR too low",
@@ -445,9 +476,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="cells' sunlit signal loosened by a hundredth",
-        file="uwopt/solvers/settings/cell_bounds.py",
-        old="return np.asarray(snr), np.minimum(best, 1.0)",
-        new="return np.asarray(1.01 * snr), np.minimum(best, 1.0)",
+        file="uwopt/solvers/settings/cell_sun.py",
+        old="np.sqrt(np.where(alone > 0, square, 0.0)), np.where(",
+        new="1.01 * np.sqrt(np.where(alone > 0, square, 0.0)), np.where(",
         test=f"{CELLS}test_bounds_of_cells_close_the_gap_soon[signal under the sun]",
     ),
     Defect(

@@ -504,8 +504,6 @@ def why_no_exact(problem: Problem, axes: Axes | None) -> str:
         quality_of(problem, axes)
     except MissionError:
         return "more than one objective depends on the settings, and the exact search knows one beside power"
-    if any(scene.sunlit for scene in problem.scenes):
-        return "under the sun settings have no closed form, and the exact search, --solver exact, takes very long"
     return ""
 
 

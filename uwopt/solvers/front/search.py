@@ -348,10 +348,13 @@ class FrontSearch:
     def _solve(self, some: Hopeful) -> bool:
         """Ends of the curves, then segments that may still matter, coarsely; False: out of time."""
         self.account["evaluated"] += len(some)
-        curves = self._tried_first(some) if some.sunlit else Curves.bounded(self.trade, some)
+        curves = Curves.bounded(self.trade, some)
+        if curves is not None:
+            curves = self._drawn_in(curves)
+        if curves is not None:
+            curves = self._after_tries(curves)
         if curves is None:
             return True
-        in_time = True
         if self.quality is not None and not self._trades_power():  # one point a design: its best quality
             curves = replace(curves, answers=self._best_of_each(curves.some))
         else:
@@ -361,17 +364,21 @@ class FrontSearch:
             curves = known
         self.curves.append(curves)
         self._add(curves, curves.answers)
+        in_time = True
         if self.quality is not None and self._trades_power():
-            for drawing in (ROUGHLY, FINELY):
-                upper = curves.segments()[1][self._open_segments(curves, ROUGH_SEGMENT)[0]]
-                curves.answers = self.trade.drawn_in(curves.some, curves.answers, upper, drawing)
-            upper = curves.segments()[1][self._open_segments(curves, ROUGH_SEGMENT)[0]]
-            curves.tried = self.trade.tried(curves.some, np.unique(curves.answers.design[upper]))
-            for answers in curves.tried:
-                self._add(curves, answers)
             in_time = self._ask(curves, ROUGH_SEGMENT, WAVE_ROUNDS)
             self._forget()
         return in_time
+
+    def _drawn_in(self, curves: Curves) -> Curves | None:
+        """Curves of the designs that may still matter once their bounds are drawn in."""
+        left: Curves | None = curves
+        for drawing in (ROUGHLY, FINELY):
+            if left is not None and self.quality == "information" and self._trades_power():
+                upper = left.segments()[1][self._open_segments(left, ROUGH_SEGMENT)[0]]
+                left.answers = self.trade.drawn_in(left.some, left.answers, upper, drawing)
+            left = None if left is None else left.without(~self._are_open(left))
+        return left
 
     def _best_of_each(self, some: Hopeful) -> Answers:
         """The best quality of each design, as far as it is better than that of points that are found."""
@@ -379,18 +386,16 @@ class FrontSearch:
         wanted = self._better_than(self._values(some, full_w, np.full(len(some), WITHOUT_BOUND), every))
         return self.trade.best_quality(some, every, full_w, wanted=wanted)
 
-    def _tried_first(self, some: Hopeful) -> Curves | None:
-        """Curves of the designs under the sun that may still matter once a few settings of each are tried."""
-        curves = Curves.bounded(self.trade, some)
-        left = None if curves is None else curves.without(~self._are_open(curves))
-        if curves is None or left is None:
-            return None
-        tried = self.trade.tried(left.some, np.arange(len(left.some)))
-        self.curves.append(replace(left, answers=left.answers.take(np.empty(0, int)), tried=tried))
+    def _after_tries(self, curves: Curves) -> Curves | None:
+        """Curves of the designs that may still matter once a few settings of each are tried."""
+        tried = self.trade.tried(curves.some, np.arange(len(curves.some)))
+        if not tried:
+            return curves
+        self.curves.append(replace(curves, answers=curves.answers.take(np.empty(0, int)), tried=tried))
         for answers in tried:
-            self._add(left, answers)
+            self._add(curves, answers)
         self._forget()
-        return left.without(~self._are_open(left))
+        return curves.without(~self._are_open(curves))
 
     def _trades_power(self) -> bool:
         """Whether settings of least power are on the front: power counts, or nothing that settings change does."""

@@ -30,7 +30,7 @@ from uwopt.model.sharpness import (
     sinc_mtf,
 )
 from uwopt.solvers.settings import closed_form
-from uwopt.solvers.settings.cell_sun import Mixture, longest_open_s
+from uwopt.solvers.settings.cell_sun import Brightest, Mixture, longest_open_s
 from uwopt.solvers.settings.closed_form import Sun
 from uwopt.solvers.settings.few_pixels import deciding_pixels
 from uwopt.tolerances import SLACK
@@ -328,10 +328,21 @@ class SceneCells:
             snr = closed_form.nominal_snr(dark_rows, x_hi)
             share = np.where(lamp_all > 0, lamp / np.where(lamp_all > 0, lamp_all, 1.0), 0.0)
             return snr, share
-        quiet = replace(rows, dark_time_s=self._shortest(rows, box, box.open_lo))
         mixture = self._mixture(rows, box, (u_lo, u_hi), (x_lo, x_hi), (y_lo, y_hi))
         best = np.nan_to_num(mixture.most_contrast(rows)[:, at], nan=0.0)
-        return mixture.most_snr(quiet), np.minimum(best, 1.0)
+        return mixture.brightest(self._quiet(rows, box)).snr, np.minimum(best, 1.0)
+
+    def brightest(self, d: Array, box: Box, reach: Reach) -> Brightest:
+        """What bounds the SNR of boxes under the sun."""
+        rows = self.rows.take(d)
+        n_w2 = [np.square(n * rows.working_factor) for n in (box.n_hi, box.n_lo)]
+        y = box.open_lo / n_w2[0], box.open_hi / n_w2[1]
+        mixture = self._mixture(rows, box, (reach.u_lo, reach.u_hi), (reach.x_lo, reach.x_cap), y)
+        return mixture.brightest(self._quiet(rows, box))
+
+    def _quiet(self, rows: SceneRows, box: Box) -> SceneRows:
+        """Rows with the least dark current of boxes under the sun."""
+        return replace(rows, dark_time_s=self._shortest(rows, box, box.open_lo))
 
     def _mixture(
         self, rows: SceneRows, box: Box, level: tuple[Array, Array], x: tuple[Array, Array], y: tuple[Array, Array]

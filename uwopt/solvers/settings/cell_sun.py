@@ -66,28 +66,52 @@ class Mixture:
         inside = every[:, None] * x + sun_every[:, None] * y <= most_e[:, None] * (1 + 1e-9)
         return x, y, inside
 
-    def most_snr(self, rows: SceneRows) -> Array:
-        """Highest SNR, a ratio, at the nominal altitude, (m,); rows have the least dark current of the boxes.
-
-            1 / SNR^2 = (sigma^2 + T) / S^2 + PRNU^2 (T / S)^2,   S, T linear in X and Y
-
-        S^2 / (sigma^2 + T) is convex and T / S lies between its values at vertices: each is best at one of them.
-        """
+    def brightest(self, rows: SceneRows) -> Brightest:
+        """What bounds the SNR at the nominal altitude; rows have the least dark current of the boxes."""
         assert rows.sun_signal_e_s is not None and rows.sun_veil_e_s is not None
         at = rows.nominal
-        lamp, every = rows.signal_e[:, at], rows.total_e[:, at]
-        sun = rows.sun_signal_e_s[:, at]
+        lamp, every, sun = rows.signal_e[:, at], rows.total_e[:, at], rows.sun_signal_e_s[:, at]
         sun_every = sun + rows.sun_veil_e_s[:, at]
         x, y, inside = self.vertices(every, sun_every, most_electrons(rows))
         signal, total = (a[:, None] * x + b[:, None] * y for a, b in ((lamp, sun), (every, sun_every)))
         gain = rows.gain_dn_per_e * closed_form.best_gain(rows, self.x_lo, Sun.at(rows, self.y_lo))
+        floor_e2 = np.square(rows.read_noise_e) + QUANTISATION_VARIANCE_DN2 / np.square(gain)
+        floor_e2 = floor_e2 + closed_form.dark_e(rows)
         with np.errstate(divide="ignore", invalid="ignore"):
-            floor_e2 = np.square(rows.read_noise_e) + QUANTISATION_VARIANCE_DN2 / np.square(gain)
-            floor_e2 = floor_e2 + closed_form.dark_e(rows)
             alone = np.where(inside, np.square(signal) / (floor_e2[:, None] + total), 0.0).max(axis=1)
             clearest = np.where(inside & (signal > 0), total / signal, np.inf).min(axis=1)
-            square = 1.0 / (1.0 / alone + np.square(np.where(rows.prnu_frac > 0, rows.prnu_frac * clearest, 0.0)))
-        return np.asarray(np.sqrt(np.where(alone > 0, square, 0.0)))
+            square = 1.0 / (
+                1.0 / alone + np.square(np.where(rows.prnu_frac > 0, rows.prnu_frac * clearest, 0.0))
+            )
+        return Brightest(
+            np.sqrt(np.where(alone > 0, square, 0.0)), np.where(inside, signal, 0.0).max(axis=1),
+            sun + lamp * self.ratio_hi, np.where(np.isfinite(clearest), clearest, 1.0), floor_e2, rows.prnu_frac,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Brightest:
+    """The highest SNR of boxes, and what bounds it along the shutter; (m,) each.
+
+        1 / SNR^2 = (sigma^2 + T) / S^2 + PRNU^2 (T / S)^2,   S, T linear in X and Y
+
+    S^2 / (sigma^2 + T) is convex and T / S lies between its values at vertices: each is best at one of them.
+    """
+
+    snr: Array
+    signal_e: Array  # S, most
+    per_y_e: Array  # S / Y, most
+    clearest: Array  # T / S, least
+    floor_e2: Array  # sigma^2, least
+    prnu_frac: Array
+
+    def log_snr_and_slope(self, log_signal: Array) -> tuple[Array, Array]:
+        """Ln SNR of a signal with the least noise that it can have, and its slope in ln S: concave."""
+        signal = np.exp(log_signal)
+        total = self.clearest * signal
+        uneven_e2 = np.square(self.prnu_frac * total)
+        variance = self.floor_e2 + total + uneven_e2
+        return log_signal - 0.5 * np.log(variance), 1.0 - 0.5 * (total + 2.0 * uneven_e2) / variance
 
 
 def longest_open_s(rows: SceneRows, square: Array, light_x: Array, light_over_y: Array) -> Array:
@@ -103,7 +127,9 @@ def longest_open_s(rows: SceneRows, square: Array, light_x: Array, light_over_y:
     else:
         share = np.where(np.arange(total.shape[1]) == rows.nominal, rows.mean_level, np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
-        range_e = (share * rows.full_scale_dn[:, None] - rows.black_level_dn[:, None]) / rows.gain_dn_per_e[:, None]
+        range_e = (share * rows.full_scale_dn[:, None] - rows.black_level_dn[:, None]) / rows.gain_dn_per_e[
+            :, None
+        ]
         left_e = np.minimum(held_e, range_e) - total * light_x[:, None]
         by_open = (sun + total * light_over_y[:, None]) / square[:, None] + rows.dark_current_e_s[:, None]
         longest = (left_e / by_open).min(axis=1)

@@ -63,16 +63,7 @@ def quality_bound(
     area = scene.sharp.pixel_area_m2[d] if scene.sharp is not None else np.ones(len(d))
     if scene.sunlit:
         assert information is not None
-        ends = [np.log(e) for e in (box.n_lo, box.n_hi, box.open_lo, box.open_hi)]
-        corners = np.array(list(product((0.0, 1.0), repeat=2)))
-        shift_n = (ends[1] - ends[0])[:, None] * (corners[:, 0] - 0.5)
-        shift_t = (ends[3] - ends[2])[:, None] * (corners[:, 1] - 0.5)
-        log_snr = np.broadcast_to(np.log(np.maximum(reach.snr, 1e-300))[:, None], shift_n.shape)
-        centre = 0.5 * np.stack([ends[0] + ends[1], ends[2] + ends[3]], axis=1)
-        most = _information(
-            scene, information, d, box, log_snr, shift_n, shift_t, centre_log_snr=log_snr[:, 0], centre=centre
-        ).max(axis=1) / area  # fmt: skip
-        return most, np.full(len(d), -np.inf)
+        return sunlit_bits(scene, information, d, box, reach, near) / area, np.full(len(d), -np.inf)
     shift, x, inside, x_centre, centre = vertices(scene, d, box, reach, mixed=mixed, near=near)
     rows = scene.rows.take(d)
     dark_rows = replace(rows, dark_time_s=np.maximum(rows.exposure_s(box.t_lo), 0.0))
@@ -100,6 +91,63 @@ def quality_bound(
         best = np.maximum(best, at_tangent.min(axis=1))
         here = bits[np.arange(len(d)), at_tangent.argmin(axis=1)]
     return most, best
+
+
+def sunlit_bits(
+    scene: SceneCells, information: Information, d: Array, box: Box, reach: Reach, near: Array | None
+) -> Array:
+    """Information [bit per px] at most, (m,), under the sun.
+
+    In the logarithms of f-number and open shutter the signal is at most min(cap, shutter - 2 n + constant), whatever
+    the lamps add: concave as light without sun is.
+    """
+    rows = scene.rows.take(d)
+    light = scene.brightest(d, box, reach)
+    low = np.log(np.stack([box.n_lo, box.open_lo], axis=1))
+    high = np.log(np.stack([box.n_hi, box.open_hi], axis=1))
+    constant = np.log(np.maximum(light.per_y_e, 1e-300)) - 2.0 * np.log(rows.working_factor)
+    by = np.broadcast_to([-2.0, 1.0], low.shape)
+    cap = np.log(np.maximum(light.signal_e, 1e-300))
+    every, x, inside = polygon(low, high, by, constant, cap, None)
+    x, centre = np.minimum(x, cap[:, None]), 0.5 * (low + high)
+    if near is not None:
+        centre = np.where(np.isfinite(near), np.clip(near, low, high), centre)
+    at = np.minimum(constant + (centre * by).sum(axis=1), cap)
+    log_snr, slope = light.log_snr_and_slope(at)
+    rising = np.minimum(log_snr[:, None] + slope[:, None] * (x - at[:, None]), 700.0)
+    shift = every - centre[:, None, :]
+    bits = _information(
+        scene, information, d, box, rising, shift[:, :, 0], shift[:, :, 1], inside, centre_log_snr=log_snr,
+        centre=centre, surely=None if near is None else np.asarray(np.isfinite(near).all(axis=1)),
+    )  # fmt: skip
+    return np.asarray(np.where(inside, bits, -np.inf).max(axis=1))
+
+
+def polygon(
+    low: Array, high: Array, by: Array, constant: Array, cap: Array, least: Array | None
+) -> tuple[Array, Array, Array]:
+    """Corners of boxes (m, n_dims), and where their edges meet light `cap` and `least`, (m, n_vertices, n_dims); the
+    light there, constant + by . place, not capped; and which are no corner told twice."""
+    dims = low.shape[1]
+    corners = np.array(list(product((0.0, 1.0), repeat=dims)))
+    edges = [
+        (i, j)
+        for i, j in product(range(len(corners)), repeat=2)
+        if i < j and np.abs(corners[i] - corners[j]).sum() == 1
+    ]
+    at = low[:, None, :] + (high - low)[:, None, :] * corners
+    x = constant[:, None] + (at * by[:, None, :]).sum(axis=2)
+    first, second = [i for i, _ in edges], [j for _, j in edges]
+    over = x[:, second] - x[:, first]
+    crossings, inner = [], [np.ones(at.shape[:2], bool)]
+    for level in (cap,) if least is None else (cap, least):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.clip(np.where(over != 0, (level[:, None] - x[:, first]) / over, 0.0), 0.0, 1.0)
+        inner.append((share > 0.0) & (share < 1.0))  # the others are corners
+        crossings.append(at[:, first] + share[:, :, None] * (at[:, second] - at[:, first]))
+    every = np.concatenate([at, *crossings], axis=1)
+    light = constant[:, None] + (every * by[:, None, :]).sum(axis=2)
+    return every, light, np.concatenate(inner, axis=1)
 
 
 def log_tangent(value: Array, at: Array) -> Array:
@@ -176,28 +224,13 @@ def vertices(
     by = np.stack([np.full(len(d), -2.0), np.where(capped, 0.0, 1.0), np.ones(len(d))], axis=1)
     cap = np.log(np.maximum(reach.x_cap, 1e-300))
     cap = np.where(np.isposinf(reach.x_cap), 1e9, cap)
-    free_dims = 3 if mixed else 2
-    corners = np.array([(*c, *(0.0,) * (3 - free_dims)) for c in product((0.0, 1.0), repeat=free_dims)])
-    edges = [
-        (i, j)
-        for i, j in product(range(len(corners)), repeat=2)
-        if i < j and np.abs(corners[i] - corners[j]).sum() == 1
-    ]
-    width = (high - low)[:, None, :]
-    at = low[:, None, :] + width * corners
-    x = constant[:, None] + (at * by[:, None, :]).sum(axis=2)
-    first, second = [i for i, _ in edges], [j for _, j in edges]
-    over = x[:, second] - x[:, first]
     least = np.log(np.maximum(reach.x_lo, 1e-300)) - 1e-10
-    crossings, inner = [], [np.ones(at.shape[:2], bool)]
-    for level in (cap, least):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.clip(np.where(over != 0, (level[:, None] - x[:, first]) / over, 0.0), 0.0, 1.0)
-        inner.append((share > 0.0) & (share < 1.0))  # the others are corners
-        crossings.append(at[:, first] + share[:, :, None] * (at[:, second] - at[:, first]))
-    every = np.concatenate([at, *crossings], axis=1)
-    light = constant[:, None] + (every * by[:, None, :]).sum(axis=2)
-    inside = np.concatenate(inner, axis=1) & (light >= least[:, None] - 1e-9)
+    dims = 3 if mixed else 2  # the third has no width else
+    alone = constant + (low * by)[:, dims:].sum(axis=1)
+    every, light, inside = polygon(low[:, :dims], high[:, :dims], by[:, :dims], alone, cap, least)
+    rest = np.broadcast_to(low[:, None, dims:], (*every.shape[:2], 3 - dims))
+    every = np.concatenate([every, rest], axis=2)
+    inside &= light >= least[:, None] - 1e-9
     if mixed:
         inside &= light <= cap[:, None] + 1e-9
     light = np.minimum(light, cap[:, None])

@@ -362,10 +362,12 @@ class CellSearch:
         return replace(pool, bound=np.maximum(pool.bound, bound + self.offset[d])), seen
 
     def _near(self, s: int, design: Array) -> Array:
-        """Ln f-number and ln time of the best settings so far, (m, 2); nan where there are none."""
+        """Ln f-number and ln time, under the sun of the open shutter, of the best settings so far, (m, 2); nan where
+        there are none."""
         kept = self.kept[s]
+        time_s = kept["time_s"] if not self.sunlit[s] else kept["exposure_s"] + self.rows[s].exposure_offset_s
         with np.errstate(divide="ignore"):
-            return np.log(np.stack([kept["f_number"][design], kept["time_s"][design]], axis=1))
+            return np.log(np.stack([kept["f_number"][design], time_s[design]], axis=1))
 
     # ------------------------------------------------------------ points
 
