@@ -88,7 +88,7 @@ class SunField:
         if self.shape.slope:
             return self.light(view).signal_e_s
         widest = rounded_up(float(np.hypot(view.tan_along, view.tan_across).max(initial=1e-6)))
-        floor_log = chebyshev.chebval(-1.0, self.radial_fit(widest))[:, 0]
+        floor_log = chebyshev.chebval(-np.ones(1), self.radial_fit(widest))[:, 0, 0]
         return np.asarray(view.collecting_m2[:, None] * np.exp(np.maximum(floor_log, DIMMEST_LOG)))
 
     def at_points(self, view: Views, along: Array, across: Array) -> list[Array]:

@@ -111,7 +111,7 @@ def sunlit_bits(
     every, x, inside = polygon(low, high, by, constant, cap, None)
     x, centre = np.minimum(x, cap[:, None]), 0.5 * (low + high)
     if near is not None:
-        centre = np.where(np.isfinite(near), np.clip(near, low, high), centre)
+        np.copyto(centre, np.clip(near, low, high), where=np.isfinite(near))
     at = np.minimum(constant + (centre * by).sum(axis=1), cap)
     log_snr, slope = light.log_snr_and_slope(at)
     rising = np.minimum(log_snr[:, None] + slope[:, None] * (x - at[:, None]), 700.0)
