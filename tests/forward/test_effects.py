@@ -28,7 +28,8 @@ SHARP: dict[tuple[int, int], Set[str]] = {
 if THOROUGH:
     SHARP |= {
         (12, 5): {"window_angle"}, (15, 5): {"backscatter"},
-        **dict.fromkeys([(6, 6), (6, 9), (7, 7), (11, 23), (17, 12)], VEILS),
+        **dict.fromkeys([(6, 9), (7, 7), (11, 23), (17, 12)], VEILS),
+        (6, 6): {"backscatter", "forward_veil"},  # the sun shines
         (9, 19): {"backscatter", "sunlight"}, (17, 18): {"backscatter", "forward_veil", "sunlight"},
         (13, 18): VEILS | {"sunlight"},
     }

@@ -6,6 +6,7 @@ from the vertical in water, mu0 = 0.86: between 1 and 2 times a + b_b, as in the
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,6 +65,7 @@ class Legs(NamedTuple):
     veil: float  # and of all; what lies between comes from elsewhere on the floor
     back_lamp: float  # of backscatter: from the lamp to where it is sent back
     back_camera: float  # and from there to the camera
+    spread: tuple[float, float] | None = None  # K of all lamp light, and half angle [deg] of the lobe it spreads to
 
 
 def single(case: Case) -> Legs:
@@ -114,5 +116,11 @@ def uwopt_light(case: Case, place: str, legs: Legs) -> dict[str, float]:
         gains[1] += wide_gain(*at, **wide)[0]
         back = backscatter_gain(*at, scatterers=scatterers, **common)[0]
     shares = (floor, floor, case.c_per_m * case.albedo)
+    if legs.spread is not None:  # what the lamp's leg loses and all light does not falls into a wider lobe
+        every, half_deg = legs.spread
+        wider = legs._replace(lamp=every, spread=None), legs._replace(spread=None)
+        lobe = replace(case, lobe_half_deg=half_deg)
+        more, less = (uwopt_light(lobe, place, one) for one in wider)
+        gains = [gain + (more[name] - less[name]) / floor for gain, name in zip(gains, TALLIES[:2], strict=True)]
     values = (float(gain) * share for gain, share in zip((*gains, back), shares, strict=True))
     return dict(zip(TALLIES, values, strict=True))
