@@ -51,6 +51,7 @@ def test_figures_and_links_exist() -> None:
     assert [name for name in linked if not (DOCS / name).exists()] == []
     figures = {name for name in linked if name.startswith("figures/")}
     others = set(re.findall(r"\]\((figures/explore-[^)#]+)\)", (DOCS / "explore.md").read_text(encoding="utf-8")))
+    others |= set(re.findall(r"\]\(docs/(figures/[^)#]+)\)", (DOCS.parent / "README.md").read_text(encoding="utf-8")))
     assert figures | others == {f"figures/{path.name}" for path in (DOCS / "figures").iterdir()}
     assert [name for name in figures if (DOCS / name).stat().st_size > MOST_BYTES] == []
 
