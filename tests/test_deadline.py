@@ -8,11 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
+from uwopt.api import pricing
 from uwopt.api import solving as api
 from uwopt.api import trading as api_pareto
 from uwopt.api.common import prepared
 from uwopt.api.timing import STAGES
+from uwopt.cli.app import app
 from uwopt.cli.status import result_status
 from uwopt.deadline import Deadline, OutOfTimeError, UntilFound
 from uwopt.results.result import Result
@@ -140,6 +143,15 @@ def test_time_that_ends_with_the_search_leaves_infeasibility_unexplained(ends_wi
     assert result.status == "infeasible" and result_status(result) == 3
     assert result.infeasible["relaxations"] == []
     assert "whether it could be met without power_w" in time_warning(result)
+
+
+def test_what_requirements_cost_has_the_time_that_the_search_leaves(
+    ends_with_search: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given: list[float | None] = []
+    monkeypatch.setattr(pricing, "range_prices", lambda *_, seconds, **more: given.append(seconds) or [])
+    assert CliRunner().invoke(app, ["explain", str(TANK), "--seconds", "5", "--quiet"]).exit_code == 0
+    assert given == [0.0]
 
 
 def test_enough_time_leaves_nothing_out(limited: Callable[[float], Clock]) -> None:

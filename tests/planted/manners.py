@@ -23,6 +23,27 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/test_structure.py::test_import_loads_nothing_heavy[uwopt.api.evaluating]",
     ),
     Defect(
+        name="what requirements cost is given the whole time once more",
+        file="uwopt/cli/explain.py",
+        old="seconds=left_s",
+        new="seconds=limit_s",
+        test=f"{DEADLINE}::test_what_requirements_cost_has_the_time_that_the_search_leaves",
+    ),
+    Defect(
+        name="imagers whose nodes there was no time to bound are not counted",
+        file="uwopt/solvers/exact/search.py",
+        old="before there were bounds\n                    self.account.charge(NOT_REACHED, every",
+        new="before there were bounds\n                    self.account.charge(NOT_REACHED, 0",
+        test=f"{SEARCH_DEADLINE}::test_wherever_time_ends_bound_and_account_hold",
+    ),
+    Defect(
+        name="a catalogue that there was no time to list counts as searched",
+        file="uwopt/solvers/exact/search.py",
+        old="return False, float(self._camera_floor()",
+        new="return True, float(self._camera_floor()",
+        test=f"{SEARCH_DEADLINE}::test_wherever_time_ends_bound_and_account_hold",
+    ),
+    Defect(
         name="a front whose time ends among veils fails",
         file="uwopt/solvers/front/search.py",
         old="        except OutOfTimeError:\n            return False",

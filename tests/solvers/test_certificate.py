@@ -150,7 +150,7 @@ def test_a_search_out_of_time_has_the_bound_of_the_next_unit() -> None:
     """Above the electronics' 3 W, as the unit's light is bounded too, and no more than the best of all."""
     case_ = one(wanted=FAST)
     ticks = iter(range(10_000))
-    late = Deadline(0.0, clock=lambda: float(next(ticks)))
+    late = Deadline(2.0, clock=lambda: float(next(ticks)))  # once imagers are listed and nodes bounded
     grown = with_parts(case_, lenses=[{"focal_length_mm": f} for f in np.linspace(7.0, 9.0, 9)])
     outcome, full = grown.solve(deadline=late)[1], grown.solve()[1]
     assert not outcome.complete and outcome.account.adds_up()

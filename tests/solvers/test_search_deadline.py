@@ -25,6 +25,7 @@ def cut_at(seed: int, readings: int) -> Outcome:
 
 def assert_valid(outcome: Outcome, full: Outcome) -> None:
     assert outcome.account.adds_up()
+    assert outcome.account.total == full.account.total
     assert outcome.complete == (outcome.account.discarded.get("not_reached", 0) == 0)
     optimum = full.best[0].minimised if full.best else math.inf
     slack = 1e-9 * abs(optimum) if math.isfinite(optimum) else 0.0

@@ -22,6 +22,7 @@ from uwopt.bench.contest import (
     sources_of,
 )
 from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite
+from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import UwoptError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
@@ -80,9 +81,9 @@ class WatchedSearch(Search):
         super().__init__(problem, objective, top=1, progress=None)
         self.referee = referee
 
-    def prepare(self) -> Imagers:
+    def prepare(self, deadline: Deadline = NEVER) -> Imagers:
         """As a search does."""
-        imagers = super().prepare()
+        imagers = super().prepare(deadline)
         self.ranking = Watched(self, self.ranking)
         return imagers
 

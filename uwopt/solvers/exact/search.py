@@ -111,10 +111,7 @@ class Search(Evaluation):
         if pairs is not None and are_too_many(self.problem, pairs):
             complete, lowest, imagers_s = self._by_pairs(pairs)
         else:
-            imagers = self.prepare()
-            self._start_account(imagers)
-            imagers_s = time.perf_counter() - start
-            complete, lowest = self._by_floor()
+            complete, lowest, imagers_s = self._by_imagers()
         self.progress(1.0, "done")
         timing = {
             "imagers": imagers_s, "bounds": self.bounds_s,
@@ -126,35 +123,63 @@ class Search(Evaluation):
             self.ranking.best, self.account, lower, complete, self.imagers, self.tables, timing, self.interrupted
         )
 
-    def prepare(self) -> Imagers:
-        """Enumerate imagers and tabulate lights: all that evaluation needs."""
+    def prepare(self, deadline: Deadline = NEVER) -> Imagers:
+        """Enumerate imagers and tabulate lights: all that evaluation needs. Raises OutOfTimeError."""
         imagers = self.given
         if imagers is None:
-            imagers = enumerate_imagers(self.problem, cameras=self._cameras_below_ceiling())
+            imagers = enumerate_imagers(self.problem, cameras=self._cameras_below_ceiling(), deadline=deadline)
         self.take_up(Candidates.of(self.problem, self.objective, imagers, lights=self.only.get("light")))
         return imagers
 
+    def _by_imagers(self) -> tuple[bool, float, float]:
+        """Take the imagers of a small catalogue: as `_by_floor`, and the seconds that it took to list them."""
+        start = time.perf_counter()
+        try:
+            imagers = self.prepare(self.deadline)
+        except OutOfTimeError:
+            none = joined(self.problem, [], {}, {})
+            self.take_up(Candidates.of(self.problem, self.objective, none, lights=self.only.get("light")))
+            self.account.total = self._every_combination()
+            self.account.leave_the_rest()
+            return False, float(self._camera_floor().min(initial=np.inf)), time.perf_counter() - start
+        self._start_account(imagers)
+        imagers_s = time.perf_counter() - start
+        return (*self._by_floor(), imagers_s)
+
     def _cameras_below_ceiling(self) -> Array:
         """Cameras that are not beyond the ceiling by themselves."""
+        return np.asarray(self._camera_floor() <= self.ceiling) & self.only.get("camera", True)
+
+    def _camera_floor(self) -> Array:
+        """What each camera is at best by itself, whatever goes with it."""
         rows, count = self.problem.cameras, self.problem.mission.vehicle.camera_count
         extra_cost, extra_mass, _ = self.problem.extras
-        floor = self.objective.cost_to_minimise(
+        return np.asarray(self.objective.cost_to_minimise(
             Terms(
                 self.problem.least_camera_power_w(rows), count * rows.price + extra_cost,
                 count * rows.mass_kg + extra_mass,
                 np.full(len(rows.price), snr_ceiling(self.objective)), np.zeros(len(rows.price)), 1.0, np.inf,
             )
-        )  # fmt: skip
-        return np.asarray(floor <= self.ceiling) & self.only.get("camera", True)
+        ))  # fmt: skip
 
     def _start_account(self, imagers: Imagers) -> None:
         """Every combination of the parts in the search, and what the imagers' rules discard."""
-        problem = self.problem
-        low, high = problem.count_range
-        illuminators = len(problem.parts.lights) * (high - low + 1) * len(problem.mounts)
         for rule, count in imagers.discarded.items():
-            self.account.charge(rule, count * illuminators)
-        self.account.total = (len(imagers) + sum(imagers.discarded.values())) * illuminators
+            self.account.charge(rule, count * self._illuminators)
+        self.account.total = (len(imagers) + sum(imagers.discarded.values())) * self._illuminators
+
+    @property
+    def _illuminators(self) -> int:
+        """Lights with their numbers and mounts."""
+        low, high = self.problem.count_range
+        return len(self.problem.parts.lights) * (high - low + 1) * len(self.problem.mounts)
+
+    def _every_combination(self) -> int:
+        """All of the parts in the search, or of the imagers that were given."""
+        parts = self.problem.parts
+        pairs = len(parts.cameras) * len(parts.lenses) * len(parts.ports)
+        imagers = pairs * len(landscapes(self.problem)) if self.given is None else len(self.given)
+        return imagers * self._illuminators
 
     # ------------------------------------------------------------ best first
 
@@ -187,7 +212,10 @@ class Search(Evaluation):
     def among(self, candidates: Candidates) -> bool:
         """Search all nodes of these; False when time ran out."""
         self.take_up(candidates)
-        return self._best_first(np.arange(len(candidates.imagers))) is None
+        try:
+            return self._best_first(np.arange(len(candidates.imagers))) is None
+        except OutOfTimeError:  # before there were bounds
+            return False
 
     def _by_floor(self) -> tuple[bool, float]:
         """Take imagers in order of what they cost without any light, until none can beat the best.
@@ -216,6 +244,9 @@ class Search(Evaluation):
                 before = self.account.snapshot()
                 try:
                     finished = self._best_first(useful)
+                except OutOfTimeError:  # before there were bounds
+                    self.account.charge(NOT_REACHED, every * len(useful))
+                    finished = float(floor[useful].min())
                 except KeyboardInterrupt:  # keep what was found; these imagers count as not reached
                     self.interrupted, self._waiting = True, []
                     self.account.restore(before)
@@ -233,14 +264,15 @@ class Search(Evaluation):
     def _best_first(self, rows: Array) -> float | None:
         """Take the nodes of these imagers in order of their bound until none can beat the best.
 
-        Returns the lowest bound not looked at when time ran out, else None.
+        Returns the lowest bound not looked at when time ran out, else None. Raises OutOfTimeError before the first is
+        bounded: then none is accounted for.
         """
         start = time.perf_counter()
         few = len(rows) * len(self.tables.lightings) <= TOO_FEW_TO_BOUND
-        bounds = [
-            NodeBounds.none(len(rows)) if few else self.bounds.of_nodes(k, rows)
-            for k in range(len(self.tables.lightings))
-        ]
+        bounds: list[NodeBounds] = []
+        for k in range(len(self.tables.lightings)):
+            self.deadline.check()
+            bounds.append(NodeBounds.none(len(rows)) if few else self.bounds.of_nodes(k, rows))
         self.bounds_s += time.perf_counter() - start
         if not bounds:
             return None
