@@ -568,8 +568,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="cameras at a ceiling are left out",
         file="uwopt/solvers/exact/search.py",
-        old="np.asarray(floor <= self.ceiling)",
-        new="np.asarray(floor <= 0.5 * self.ceiling)",
+        old="np.asarray(self._camera_floor() <= self.ceiling)",
+        new="np.asarray(self._camera_floor() <= 0.5 * self.ceiling)",
         test=f"{BOUNDS}test_a_camera_that_reaches_a_ceiling_is_looked_at[pulses]",
     ),
     Defect(
