@@ -195,8 +195,8 @@ def marks_of(
 def wanted_stops(lens: Lenses, imagers: Imagers, rows: Array, every: bool) -> list[float]:
     """Stops of the lens's ring, and halfway between them, that any scenario allows, or those that most do.
 
-    What is sharp in few scenarios is not looked at. Of the others the widest, which asks for the least light, some that
-    are closed a little more, and one in the middle.
+    Of those that most allow the widest, which asks for the least light, some that are closed a little more, and one in
+    the middle; the widest that half of them allow, and that any does: where light is short, it decides.
     """
     low = np.max([seen.focused.n_low[rows] for seen in imagers.scenes], axis=0) / ROUND
     high = np.min([seen.focused.n_high[rows] for seen in imagers.scenes], axis=0) * ROUND
@@ -206,7 +206,8 @@ def wanted_stops(lens: Lenses, imagers: Imagers, rows: Array, every: bool) -> li
     if len(useful) > len(STOPS_ON) and not every:
         most = useful[share >= min(float(share.max()), MOST)]
         wanted = most[0] * 2.0 ** (np.array(STOPS_ON) / 2.0)
-        useful = np.unique([*most[np.abs(most[:, None] - wanted).argmin(axis=0)], most[len(most) // 2]])
+        wider = useful[0], useful[share >= 0.5 * float(share.max())][0]
+        useful = np.unique([*wider, *most[np.abs(most[:, None] - wanted).argmin(axis=0)], most[len(most) // 2]])
     return [float(n) for n in useful]
 
 

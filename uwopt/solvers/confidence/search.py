@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.counted import Counted, names, rank
 from uwopt.solvers.confidence.ends import EndScenarios
-from uwopt.solvers.confidence.outcomes import outcomes
+from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
 from uwopt.solvers.confidence.proof import NoneBetter, Prover
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, imagers_behind, joined
@@ -93,11 +94,11 @@ def most_certain(
     complete, report = True, progress or (lambda done, what: None)
     try:
         hold = partial(holding, tried, share)
-        for found in candidates(
+        for some in candidates(
             sought, objective, scenarios, deadline, done=lambda: hold() >= ENOUGH, hopeful=lambda: hold() > 0
         ):
-            made = outcomes(problem, found, objective, scenarios, deadline)
-            tried.append(Counted(found, made, made.best(share)))
+            made = outcomes_of_each(problem, some, objective, scenarios, deadline)
+            tried += [Counted(found, one, one.best(share)) for found, one in zip(some, made, strict=True)]
             report(min(0.5 * len(tried) / A_SEARCH, 0.5), "certainty")
     except OutOfTimeError:
         complete = False
@@ -145,19 +146,19 @@ def holding(tried: Sequence[Counted], share: float) -> int:
 def candidates(
     sought: Sought, objective: Objective, scenarios: Scenarios, deadline: Deadline, *, done: Callable[[], bool],
     hopeful: Callable[[], bool],
-) -> Iterator[Found]:  # fmt: skip
-    """Hardware worth counting: the best of the central search, then of those with room.
+) -> Iterator[list[Found]]:  # fmt: skip
+    """Hardware worth counting, some at a time: the best of the central search, then of those with room.
 
     What is proven besides brings up all other hardware; else worse numbers are tried, and, where none of these holds,
     the brightest.
     """
-    problem, known = sought.problem, set()
+    problem, known = sought.problem, set[Any]()
     rungs = WORSE[:1] if can_be_proven(problem, objective) else WORSE
     wants_light = rungs is WORSE and objective.single != "snr_db"
     wants_light &= any(scene.view.requirements.min_snr for scene in problem.scenes)
-    for found in sought.outcome.best[:OF_CENTRAL]:
-        known.add(names(problem, found))
-        yield found
+    first = list(sought.outcome.best[:OF_CENTRAL])
+    known.update(names(problem, found) for found in first)
+    yield first
     for worse in rungs:
         if done():
             return
@@ -167,11 +168,11 @@ def candidates(
                 break
             searched = Search(changed, goal, top=A_SEARCH, deadline=deadline).run()
             deadline.check()
-            for found in searched.best:
-                here = among(problem, found, changed)
-                if (name := names(problem, here)) not in known:
-                    known.add(name)
-                    yield here
+            here = {names(problem, one): one for one in (among(problem, found, changed) for found in searched.best)}
+            fresh = [one for name, one in here.items() if name not in known]
+            known.update(here)
+            if fresh:
+                yield fresh
 
 
 def judged_anew(problem: Problem, objective: Objective, certain: Certain, deadline: Deadline) -> Certain:

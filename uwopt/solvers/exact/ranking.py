@@ -85,7 +85,8 @@ class Ranking:
         tied = np.flatnonzero(~out & (value >= limit - 3 * TIE * abs(limit)))
         if len(tied):
             own = [told_apart(np.broadcast_to(one, out.shape)[tied] * (1.0 - SLACK)) for one in (power, cost, mass)]
-            out[tied] = ~np.any([self._may_pass(design, value[tied], own) for design in self.best], axis=0)
+            near = [one for one in self.best if one.minimised >= limit - 8 * TIE * abs(limit)]  # none passes others
+            out[tied] = ~np.any([self._may_pass(design, value[tied], own) for design in near], axis=0)
         return out
 
     def _may_pass(self, design: Found, value: Array, own: list[Array]) -> Array:
