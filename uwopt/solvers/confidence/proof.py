@@ -29,7 +29,7 @@ from uwopt.solvers.explain.robustness import among
 from uwopt.tolerances import TIE
 
 Progress = Callable[[float, str], None]
-MOST_LISTED = 400  # hardware that a panel leaves: of more the best by its values
+MOST_LISTED = 800  # hardware that a panel leaves: of more the best by its values
 MOST_VARIANTS = 64  # numbers, mounts and orientations
 A_SCREEN = 160  # hardware that is bounded before what is left of it is counted
 A_BATCH = 48  # hardware that is counted before the best known is asked for again

@@ -35,6 +35,7 @@ from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import TIE
 
 WORSE = (0.75, 0.9)  # than this share of the scenarios: what searches for hardware with room start from
+LESS_WORSE = (0.5, 0.3)  # where nothing fits so
 A_SEARCH = 4  # hardware that each brings up
 OF_CENTRAL = 2  # of the central search
 ENOUGH = 3  # hardware that holds: no further search is made
@@ -150,7 +151,7 @@ def candidates(
     """Hardware worth counting, some at a time: the best of the central search, then of those with room.
 
     What is proven besides brings up all other hardware; else worse numbers are tried, and, where none of these holds,
-    the brightest.
+    the brightest. Where nothing fits with room, less room is asked for.
     """
     problem, known = sought.problem, set[Any]()
     rungs = WORSE[:1] if can_be_proven(problem, objective) else WORSE
@@ -159,8 +160,9 @@ def candidates(
     first = list(sought.outcome.best[:OF_CENTRAL])
     known.update(names(problem, found) for found in first)
     yield first
-    for worse in rungs:
-        if done():
+    fits = False
+    for worse in (*rungs, *LESS_WORSE):
+        if done() or (fits and worse in LESS_WORSE):
             return
         changed = worse_problem(problem, scenarios, worse)
         for goal in (objective, Objective.of("snr_db")):
@@ -168,6 +170,7 @@ def candidates(
                 break
             searched = Search(changed, goal, top=A_SEARCH, deadline=deadline).run()
             deadline.check()
+            fits |= bool(searched.best)
             here = {names(problem, one): one for one in (among(problem, found, changed) for found in searched.best)}
             fresh = [one for name, one in here.items() if name not in known]
             known.update(here)
