@@ -91,8 +91,8 @@ DEFECTS = (
     Defect(
         name="no hardware with room is looked for",
         file=f"{ROOM}/search.py",
-        old="    for worse in rungs:\n",
-        new="    for worse in rungs[:0]:\n",
+        old="    for worse in (*rungs, *LESS_WORSE):\n",
+        new="    for worse in ():\n",
         test=f"{TESTS}::test_a_sure_camera_is_bought_where_the_other_holds_too_seldom",
     ),
     Defect(
