@@ -91,7 +91,7 @@ DEFECTS = (
     Defect(
         name="no hardware with room is looked for",
         file=f"{ROOM}/search.py",
-        old="    for worse in (*rungs, *LESS_WORSE):\n",
+        old="    for worse in (*WORSE, *LESS_WORSE):\n",
         new="    for worse in ():\n",
         test=f"{TESTS}::test_a_sure_camera_is_bought_where_the_other_holds_too_seldom",
     ),

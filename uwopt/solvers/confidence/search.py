@@ -150,27 +150,27 @@ def candidates(
 ) -> Iterator[list[Found]]:  # fmt: skip
     """Hardware worth counting, some at a time: the best of the central search, then of those with room.
 
-    What is proven besides brings up all other hardware; else worse numbers are tried, and, where none of these holds,
-    the brightest. Where nothing fits with room, less room is asked for.
+    What is proven besides brings up all other hardware that holds; else worse numbers are tried. Where none of these
+    holds, the brightest and worse numbers still; where nothing fits with room, less room is asked for.
     """
     problem, known = sought.problem, set[Any]()
     rungs = WORSE[:1] if can_be_proven(problem, objective) else WORSE
-    wants_light = rungs is WORSE and objective.single != "snr_db"
-    wants_light &= any(scene.view.requirements.min_snr for scene in problem.scenes)
+    wants_light = objective.single != "snr_db" and any(scene.view.requirements.min_snr for scene in problem.scenes)
     first = list(sought.outcome.best[:OF_CENTRAL])
     known.update(names(problem, found) for found in first)
     yield first
     fits = False
-    for worse in (*rungs, *LESS_WORSE):
-        if done() or (fits and worse in LESS_WORSE):
+    for worse in (*WORSE, *LESS_WORSE):
+        if done() or (hopeful() and worse not in rungs) or (fits and worse in LESS_WORSE):
             return
         changed = worse_problem(problem, scenarios, worse)
         for goal in (objective, Objective.of("snr_db")):
-            if done() or (goal is not objective and (hopeful() or not wants_light or worse != WORSE[0])):
+            if done() or (goal is not objective and (hopeful() or not wants_light or not fits)):
                 break
             searched = Search(changed, goal, top=A_SEARCH, deadline=deadline).run()
             deadline.check()
             fits |= bool(searched.best)
+            wants_light &= goal is objective
             here = {names(problem, one): one for one in (among(problem, found, changed) for found in searched.best)}
             fresh = [one for name, one in here.items() if name not in known]
             known.update(here)
