@@ -54,6 +54,13 @@ DEFECTS = (
         test=f"{TESTS}::test_a_murkier_water_takes_more_power_and_a_brighter_floor_less",
     ),
     Defect(
+        name="a limit beyond the band of altitudes is lost in all of the same quarter, or in none",
+        file=f"{ROOM}/waters.py",
+        old="BANDS = 16",
+        new="BANDS = 4",
+        test="tests/solvers/test_confidence_draws.py::test_states_of_the_water_keep_to_what_is_in_doubt",
+    ),
+    Defect(
         name="K on the lamps' way is known",
         file=f"{ROOM}/waters.py",
         old='lamp_lost=LOST["least" if state.lamp_leg < 0 else "most"] ** abs(state.lamp_leg),',

@@ -25,7 +25,8 @@ from uwopt.solvers.explain.waters import OTHER
 
 Array = NDArray[Any]
 ENDS: tuple[LampLeg, LampLeg, LampLeg] = ("least", "diffuse", "most")
-BANDS = 4  # states of the band of altitudes, over each of which all that is geometric is worked out
+BANDS = 16  # states of the band of altitudes, over each of which all that is geometric is worked out: a limit that is
+# crossed beyond the band is lost in one scenario of sixteen too many or too few, at most
 
 
 @dataclass(frozen=True)
