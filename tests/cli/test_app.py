@@ -126,6 +126,20 @@ def test_help_imports_nothing_heavy() -> None:
     assert "HEAVY []" in done.stdout
 
 
+@pytest.mark.parametrize(("given", "taken"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "4"}, "4")])
+def test_products_of_matrices_share_no_threads_unless_asked_to(given: dict[str, str], taken: str) -> None:
+    rest = {key: value for key, value in os.environ.items() if key != "OPENBLAS_NUM_THREADS"}
+    code = (
+        "import os, sys\nfrom uwopt.cli.app import main\nassert 'numpy' not in sys.modules\n"
+        "sys.argv = ['uwopt', '--version']\n"
+        "try:\n    main()\nfinally:\n    print('THREADS', os.environ['OPENBLAS_NUM_THREADS'])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True, env=rest | given
+    )
+    assert f"THREADS {taken}\n" in done.stdout
+
+
 def test_module_runs_as_the_command_does() -> None:
     done = program("--version")
     assert (done.returncode, done.stdout) == (0, f"uwopt {uwopt.__version__}, catalogue {EDITION} of {AS_OF}\n")

@@ -16,6 +16,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/test_structure.py::test_import_loads_nothing_heavy[uwopt.report.text.short]",
     ),
     Defect(
+        name="threads that multiply matrices wait for each other, whatever was asked for",
+        file="uwopt/cli/app.py",
+        old='os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")',
+        new='os.environ["OPENBLAS_NUM_THREADS"] = "1"',
+        test="tests/cli/test_app.py::test_products_of_matrices_share_no_threads_unless_asked_to",
+    ),
+    Defect(
         name="who evaluates a given system waits for the search to load",
         file="uwopt/api/accuracy.py",
         old="if TYPE_CHECKING:",

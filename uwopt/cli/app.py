@@ -273,6 +273,8 @@ def options(
 
 def main() -> None:
     """The program `uwopt`."""
+    # Its products of matrices are small: threads would wait for each other, on a busy machine a hundred times as long.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if not sys.warnoptions and os.environ.get("UWOPT_DEBUG") != "1":
         import warnings
 
