@@ -58,6 +58,12 @@ def certainty_block(result: Result) -> Iterator[Block]:
     yield block("How certain", lines)
 
 
+def keeps_reserves(result: Result) -> bool:
+    """Whether a limit is moved by a reserve, so that what misses it may still do what was asked."""
+    design = result.recommendation
+    return design is not None and any(margin.reserve for scene in design.scenes for margin in scene.margins)
+
+
 def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
     """Name and text of each fact."""
     name = words.one_line(result.objective.name.replace("_", " "))
@@ -73,7 +79,8 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
         yield f"set before, {words.one_line(one.scene)}" if len(known.fixed) > 1 else "set before", text
     if known.lost_to:
         told = [f"{lost_text(one.requirement)} ({percent(one.share)})" for one in known.lost_to]
-        yield "else missed first", words.listed(told)
+        kept = "; reserves are held in each scenario, too" if keeps_reserves(result) else ""
+        yield "else missed first", words.listed(told) + kept
     if known.central_objective is not None and known.central_held is not None:
         value = words.objective_text(result, known.central_objective)
         parts = words.listed([words.one_line(part, 60) for part in known.central_hardware])
