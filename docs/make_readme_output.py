@@ -13,6 +13,7 @@ import io
 import re
 import sys
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -120,9 +121,12 @@ def paste(name: str, output: str) -> None:
 
 def main() -> None:
     """Replace both outputs."""
+    from uwopt.api.pricing import range_prices
     from uwopt.api.solving import solve
 
-    result = solve(ROOT / "problems" / "reef-mosaic.yaml", alternatives=True)
+    mission = ROOT / "problems" / "reef-mosaic.yaml"
+    result = solve(mission, alternatives=True)
+    result = replace(result, prices=range_prices(mission, result))  # as with --out
     paste(PAGE, page_of(result))
     paste(FULL, full_of(result))
 
