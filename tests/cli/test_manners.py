@@ -179,3 +179,13 @@ def test_files_of_runs_side_by_side_belong_together(tmp_path: Path, monkeypatch:
         thread.join()
     assert len({path.read_text() for path in tmp_path.iterdir()}) == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bom.csv", "report.html", "result.json"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [("plot", "dofx", "m.yaml"), ("solve", "m.yaml", "--physics", "fulll"), ("catalog", "list", "--kind", "lense")],
+)
+def test_a_word_that_is_no_choice_is_told_without_the_name_of_an_exception(arguments):
+    left = run(*arguments)
+    assert left.exit_code == 2
+    assert "is not one of" in left.output and "Value error" not in left.output

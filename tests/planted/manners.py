@@ -9,6 +9,13 @@ SEARCH_DEADLINE = "tests/solvers/test_search_deadline.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a word that is no choice is told with the name of an exception",
+        file="uwopt/cli/app.py",
+        old="said.removeprefix(PREFIX)",
+        new="said",
+        test="tests/cli/test_manners.py::test_a_word_that_is_no_choice_is_told_without_the_name_of_an_exception",
+    ),
+    Defect(
         name="who solves waits for the records of fronts to load",
         file="uwopt/report/text/words.py",
         old="if TYPE_CHECKING:",

@@ -9,9 +9,10 @@ import os
 import sys
 from dataclasses import replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+import typer.core
 
 from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.cli.bench import bench_command
@@ -45,8 +46,24 @@ from uwopt.version import __version__
 if TYPE_CHECKING:
     from uwopt.results.result import Result
 
+
+class PlainGroup(typer.core.TyperGroup):
+    """Commands whose refusals of an argument say what is wrong, without the name of an exception before it."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that is named; its own arguments are read here."""
+        try:
+            return super().invoke(ctx)
+        except Exception as fault:
+            if isinstance(said := getattr(fault, "message", None), str):
+                fault.message = said.removeprefix(PREFIX)  # type: ignore[attr-defined]
+            raise
+
+
+PREFIX = "Value error, "  # of Pydantic, by which Typer reads words of a choice
 app = typer.Typer(
     name="uwopt",
+    cls=PlainGroup,
     help="From an underwater imaging mission to a camera system that can be bought, with a proof.",
     epilog=EXIT_STATUS,
     rich_markup_mode=None,
