@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -12,6 +13,7 @@ import yaml
 from typer.testing import CliRunner
 
 import uwopt
+from uwopt.api import certain_points
 from uwopt.api import varied as api_varied
 from uwopt.api.solving import searched
 from uwopt.cli.app import app
@@ -23,6 +25,7 @@ from uwopt.mission.varying import VariedMission
 from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
 from uwopt.report.page.whatif import whatif_html
+from uwopt.report.text.whatif_tables import opening
 from uwopt.results.whatif import WhatIf
 from uwopt.solvers.warm.searches import Warm
 
@@ -210,3 +213,51 @@ def test_a_key_without_values_is_refused_by_the_command():
     done = run(PROBLEMS / "reef-mosaic.yaml", "--vary", "speed_m_s")
     assert done.exit_code == 2
     assert "no key with values" in done.output
+
+
+# ---------------------------------------------------------------- with certainty
+
+
+def answers(held: float, enough: bool, status: str = "optimal", codes: tuple[str, ...] = ()) -> Any:
+    """What `solve` tells, as far as a point takes it."""
+    part = SimpleNamespace(id="zz", generic=False)
+    named = dict.fromkeys(("camera", "lens", "port", "light"), part)
+    totals = SimpleNamespace(power_w=3.0, cost=SimpleNamespace(value=900.0), mass_kg=None)
+    return SimpleNamespace(
+        status=status, warnings=[SimpleNamespace(code=code) for code in codes],
+        confidence=SimpleNamespace(enough=enough, held=held, objective_p50=4.5),
+        recommendation=SimpleNamespace(hardware=SimpleNamespace(named=named, light_count=2), totals=totals),
+    )  # fmt: skip
+
+
+def test_with_certainty_the_points_are_what_solve_recommends(monkeypatch):
+    asked = []
+
+    def solve(mission: Mission, **more: Any) -> Any:
+        asked.append((mission.confidence, mission.vehicle.speed_m_s))
+        return answers(0.93, True) if len(asked) == 1 else answers(0.6, False)
+
+    monkeypatch.setattr(certain_points, "solve", solve)
+    table = uwopt.whatif(reef(), {"speed_m_s": [0.3, 0.6]}, confidence=0.9)
+    assert asked == [(0.9, 0.3), (0.9, 0.6)] and table.confidence == 0.9
+    first, second = table.points
+    assert (first.status, first.objective) == ("optimal", 4.5)
+    assert first.figures == {"held": 0.93, "power_w": 3.0, "cost": 900.0}
+    assert (second.status, second.system, second.figures) == ("infeasible", None, {"held": 0.6})
+    assert [(switch.low, switch.high) for switch in table.switches] == [(0.3, 0.6)]
+    assert "Each holds in 90 % of the scenarios" in opening(table)[1]
+
+
+def test_with_certainty_an_interruption_keeps_what_is_known(monkeypatch):
+    told = iter([answers(0.93, True), answers(0.93, True, codes=("interrupted",))])
+    monkeypatch.setattr(certain_points, "solve", lambda mission, **more: next(told))
+    table = uwopt.whatif(reef(), {"speed_m_s": [0.3, 0.6]}, confidence=0.9)
+    assert table.status == "interrupted" and [point.values for point in table.points] == [[0.3]]
+
+
+@pytest.mark.parametrize(
+    ("more", "said"), [({"confidence": 90}, "write 0.9"), ({"confidence": 0.9, "spider": True}, "central")]
+)
+def test_a_confidence_that_cannot_be_is_refused(more, said):
+    with pytest.raises(MissionError, match=said):
+        uwopt.whatif(reef(), {"speed_m_s": [0.3, 0.6]}, **more)

@@ -9,6 +9,20 @@ TESTS = "tests/api/test_whatif.py"
 
 DEFECTS = (
     Defect(
+        name="what does not hold as often as asked wins all the same",
+        file="uwopt/api/certain_points.py",
+        old="    if not counted.enough:",
+        new="    if False:",
+        test="tests/api/test_whatif.py::test_with_certainty_the_points_are_what_solve_recommends",
+    ),
+    Defect(
+        name="an interrupted point is told as known",
+        file="uwopt/api/certain_points.py",
+        old="    if interrupted(result):",
+        new="    if False:",
+        test="tests/api/test_whatif.py::test_with_certainty_an_interruption_keeps_what_is_known",
+    ),
+    Defect(
         name="more speed is always stricter",
         file=STRICTNESS,
         old="return 0  # faster covers more",

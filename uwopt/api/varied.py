@@ -41,8 +41,13 @@ class Systems:
         system = WinningSystem(camera.id, lens.id, port.enclosure_id, light.id, one.count, generic)
         if system not in self.found:
             check_claim(evaluated(answer.sought.problem, one, self.objective), one, self.objective)
-            self.found.append(system)
             self.parts.append(ids_of(answer.sought.problem, one))
+        return self.place_of(system)
+
+    def place_of(self, system: WinningSystem) -> int:
+        """The index of a system, which is remembered."""
+        if system not in self.found:
+            self.found.append(system)
         return self.found.index(system)
 
     def point(self, values: Sequence[Value], answer: WarmAnswer) -> WhatIfPoint:
@@ -72,6 +77,7 @@ class VariedGrid:
     keys: tuple[Varied, ...]
     systems: Systems
     warm: Warm
+    certain: Callable[[At, Mission], WhatIfPoint] | None = None  # in place of the central optimum
     missions: dict[At, Mission] = field(default_factory=dict)
     points: dict[At, WhatIfPoint] = field(default_factory=dict)
 
@@ -107,6 +113,8 @@ class VariedGrid:
 
     def solve(self, at: At) -> WhatIfPoint:
         """The optimum at a point, on the grid or between its points."""
+        if at not in self.points and self.certain is not None:
+            self.points[at] = self.certain(at, self.mission(at))
         if at not in self.points:
             on_grid = all(value in line for value, line in zip(at, self.lines, strict=True))
             ahead = on_grid and any(
@@ -152,7 +160,7 @@ class Switches:
         """Between two solved points, no sharper than they are apart."""
         others = [None if n == k else value for n, value in enumerate(a)]
         first, second = self.grid.points[a], self.grid.points[b]
-        proven = first.status != "stopped" and second.status != "stopped"
+        proven = {first.status, second.status} <= {"optimal", "infeasible"}
         key = self.grid.keys[k].key
         return Switch(key, others, float(a[k]), float(b[k]), first.system, second.system, proven)
 

@@ -15,6 +15,7 @@ from uwopt.api.varied import At, Switches, Systems, VariedGrid
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
 from uwopt.forward.scene_checks import check_physical
+from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Asked, Value, Varied, VariedMission
 from uwopt.objectives.goal import goal_of
@@ -40,6 +41,7 @@ def whatif(
     spider: bool = False,
     objective: str | Mapping[str, float] | None = None,
     physics: str | None = None,
+    confidence: float | str | None = None,
     seconds: float | None = None,
     progress: Progress | None = None,
 ) -> WhatIf:
@@ -50,6 +52,7 @@ def whatif(
     mission : file name, mapping or Mission
     vary : values by key, as a sequence or as text: {"speed_m_s": "0.2:2:40", "water": ["I", "II", "1C"]}
     spider : also vary each number that the mission states alone, by 20 % either way
+    confidence : share of the scenarios in which hardware must hold at every point, or `ends`; central numbers without
     seconds : for all of it; what is solved by then is kept
 
     Raises
@@ -57,14 +60,18 @@ def whatif(
     MissionError : a key does not exist, a range is empty, or values contradict the rest of the mission
     """
     start, timing = time.perf_counter(), dict[str, float]()
-    changes = {key: value for key, value in (("objective", objective), ("physics", physics)) if value is not None}
+    asked = {"objective": objective, "physics": physics, "confidence": confidence}
+    changes = {key: value for key, value in asked.items() if value is not None}
     base = VariedMission(mission, changes)
     check_physical(base.base)
     keys = tuple(base.varied(key, values) for key, values in (vary or {}).items())
     check_keys(keys, spider=spider)
     goal, deadline = goal_of(base.base), Deadline.after(seconds)
     systems = Systems(goal)
-    work = Work(base, goal, systems, deadline, progress)
+    certain = confidence is not None and base.base.confidence != CENTRAL
+    if certain and spider:
+        raise MissionError("whatif: --spider takes central numbers; leave out --confidence")
+    work = Work(base, goal, systems, deadline, progress, certain)
     grid = work.grid_of(keys)
     status, points, switches, lines = "complete", list[WhatIfPoint](), list[Switch](), list[SpiderLine]()
     try:
@@ -103,6 +110,7 @@ def whatif(
         timing_s=timing,
         n_searches=work.n_searches,
         mission_file=base.base.source_file,
+        confidence=base.base.confidence if certain else CENTRAL,
     )
 
 
@@ -115,12 +123,18 @@ class Work:
     systems: Systems
     deadline: Deadline
     progress: Say
+    certain: bool = False  # whether hardware has to hold in the doubt
     n_searches: int = 0
     notes: list[Note] = field(default_factory=list)
 
     def grid_of(self, keys: Sequence[Varied]) -> VariedGrid:
         """A grid over keys, with a sweep of its own."""
-        return VariedGrid(self.base, tuple(keys), self.systems, Warm(self.deadline))
+        made = VariedGrid(self.base, tuple(keys), self.systems, Warm(self.deadline))
+        if self.certain:
+            from uwopt.api.certain_points import certain_point
+
+            made.certain = lambda at, mission: certain_point(at, mission, self.systems, self.deadline)
+        return made
 
     def say(self, share: float, what: str) -> None:
         """Tell how far it is."""
@@ -141,6 +155,8 @@ class Work:
 
     def switches(self, grid: VariedGrid) -> list[Switch]:
         """Where other systems take over."""
+        if self.certain:  # between points another search would have to count
+            return [Switches(grid, self.deadline, self.say).coarse(k, a, b) for k, a, b in grid.changes()]
         by_itself = math.isfinite(self.deadline.end_s)
         patience = self.deadline if by_itself else Deadline.after(SWITCHES_S, time.process_time)
         before = grid.warm.n_searches

@@ -36,6 +36,10 @@ def whatif_command(
         str | None, typer.Option(metavar="NAME|WEIGHTS", help="What is to be best; the mission's unless given.")
     ] = None,
     physics: PhysicsOption = None,
+    confidence: Annotated[
+        str | None,
+        typer.Option(metavar="P", help="Share of scenarios in which each must hold, such as 0.9; else central."),
+    ] = None,
     seconds: Annotated[
         float | None, typer.Option(metavar="S", help="Stop after S seconds; keep what is solved.")
     ] = None,
@@ -61,8 +65,8 @@ def whatif_command(
         from uwopt.api.whatif import whatif
 
         table = whatif(
-            mission, varied, spider=spider, objective=wanted, physics=physics and physics.value, seconds=limit_s,
-            progress=bar.report,
+            mission, varied, spider=spider, objective=wanted, physics=physics and physics.value,
+            confidence=confidence, seconds=limit_s, progress=bar.report,
         )  # fmt: skip
     if as_json:
         print_text(json_text(table, getattr(sys.stdout, "encoding", None) or "utf-8"))

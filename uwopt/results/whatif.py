@@ -57,7 +57,7 @@ class WhatIfPoint(Record):
     """The optimum at one choice of values."""
 
     values: list[KeyValue] = Field(description="of the varied keys, in their order")
-    status: str = Field(description="optimal | infeasible | stopped")
+    status: str = Field(description="optimal | feasible (best that was counted) | infeasible | stopped")
     system: Whole | None = Field(default=None, description="index of the best system; null where nothing fits")
     objective: Number | None = Field(default=None, description="of that system")
     gap_rel: Number | None = Field(default=None, description="no system is better by more than this share")
@@ -104,6 +104,10 @@ class WhatIf(FiledRecord):
     warnings: list[Note] = Field(default_factory=list, description="what to know of this table")
     timing_s: dict[str, Number] = Field(default_factory=dict, description="by part of the run")
     n_searches: Whole = Field(default=0, description="that were run, most of them over listed parts")
+    confidence: Number | str = Field(
+        default="central",
+        description="share of the scenarios in which hardware holds, or ends; the objective is then its median",
+    )
     command: str = Field(default="whatif", description="always whatif")
     mission_file: dict[str, str] | None = Field(default=None, description="name, folder, text as the user wrote it")
     schema: str = Field(default=WHATIF_SCHEMA, description="of this file")

@@ -39,12 +39,16 @@ def opening(table: WhatIf) -> list[str]:
         fits = sum(point.system is not None for point in table.points)
         best = len({point.system for point in table.points} - {None})
         keys = " and ".join(words.one_line(key.key, 60) for key in table.keys)
-        proven = all(point.status != "stopped" for point in table.points)
+        proven = all(point.status in ("optimal", "infeasible") for point in table.points)
         made.append(
             f"{words.counted(len(table.points), 'point')} over {keys}, {goal}: something fits at {fits} of them, "
             f"{words.counted(best, 'system')} win{'s' if best == 1 else ''} somewhere"
             f"{'; each is proven over the whole catalogue' if proven else ''}."
         )
+        if table.confidence != "central":
+            share = table.confidence
+            often = "at every end" if isinstance(share, str) else f"in {100.0 * share:g} % of the scenarios"
+            made.append(f"Each holds {often} of what is uncertain; the objective is its median over them.")
     if table.spider:
         made.append(f"Each number that the mission states, alone, by 20 % either way, {goal}.")
     return made
