@@ -39,15 +39,28 @@ class Scenarios:
     waters: Waters
     port: Array
     focus: Array  # of the distance meant at which lenses stand
-    known: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)  # parts drawn, light in other water
+    known: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)  # parts drawn
+    responses: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)  # of light, by image
 
     @staticmethod
-    def drawn(mission: Mission, scenes: Sequence[SceneOptics], doubt: Doubt, *, seed: int, count: int) -> Scenarios:
-        """Draw them."""
+    def drawn(
+        mission: Mission, scenes: Sequence[SceneOptics], doubt: Doubt, *, seed: int, count: int,
+        like: Scenarios | None = None,
+    ) -> Scenarios:  # fmt: skip
+        """Draw them; `like`: others of the same mission, scenes and doubt, whose waters are known."""
         port = shuffled(seed, "port", count) * PORTS // count
         states = drawn_states(doubt, seed, count, has_band=any(map(may_leave_band, scenes)))
         focus = triangular(probabilities(seed, "focus", count), doubt.focus[0], 1.0, doubt.focus[1])
-        return Scenarios(doubt, seed, count, states, Waters.of(mission, scenes), port, focus)
+        waters = Waters.of(mission, scenes) if like is None else like.waters
+        responses = {} if like is None else like.responses
+        return Scenarios(doubt, seed, count, states, waters, port, focus, responses=responses)
+
+    @cached_property
+    def nodes(self) -> tuple[Any, ...]:
+        """Between which waters the states lie: tables, and whether clarity and K are drawn."""
+        states = self.states
+        tables = frozenset(state.other_table for state in states)
+        return tables, any(state.clarity for state in states), any(state.lamp_leg for state in states)
 
     @property
     def is_drawn(self) -> bool:

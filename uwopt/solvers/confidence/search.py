@@ -71,12 +71,14 @@ class Certain:
         return self.best.held >= self.asked
 
 
-def scenarios_of(problem: Problem, asked: float | str, seed: int, count: int) -> Scenarios:
+def scenarios_of(
+    problem: Problem, asked: float | str, seed: int, count: int, like: Scenarios | None = None
+) -> Scenarios:
     """Scenarios of a problem's mission: so many drawn, or the ends of all that is uncertain."""
     mission = problem.mission
     if asked == ENDS:
         return EndScenarios.of(mission, problem.scenes, mission.doubt)
-    return Scenarios.drawn(mission, problem.scenes, mission.doubt, seed=seed, count=count)
+    return Scenarios.drawn(mission, problem.scenes, mission.doubt, seed=seed, count=count, like=like)
 
 
 def most_certain(
@@ -194,7 +196,8 @@ def with_stop(
 
 def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:
     """The best in scenarios that the choice has not seen, at the same stop, with its settings where they are fixed."""
-    scenarios = scenarios_of(problem, certain.asked, (problem.mission.seed + FRESH_SEED) % 2**32, FRESH)
+    seed = (problem.mission.seed + FRESH_SEED) % 2**32
+    scenarios = scenarios_of(problem, certain.asked, seed, FRESH, certain.scenarios)
     stop = None if certain.best.f_number is None else [certain.best.f_number]
     found, given = certain.best.found, certain.best.settings
     return Counted(found, outcomes(problem, found, objective, scenarios, f_numbers=stop, given=given), 0)

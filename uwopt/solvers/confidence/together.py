@@ -197,7 +197,7 @@ class Together:
 
         The first state of parts stands for all. Those not known yet are worked out together.
         """
-        known = self.scenarios.known
+        known = self.scenarios.responses
         hardware, first = np.unique(self.hardware, return_index=True)
         of: dict[Any, list[int]] = {}
         row_of: dict[Any, int] = {}
@@ -233,7 +233,7 @@ class Together:
             for tangent in (seen.view.tan_along, seen.view.tan_across)
         ]
         camera, port = problem.parts.cameras[self.imagers.camera[row]], problem.parts.ports[self.imagers.port[row]]
-        ends = (port.geometry, found.lighting.mount, found.count, found.lighting.optics)
+        ends = (self.scenarios.nodes, port.geometry, found.lighting.mount, found.count, found.lighting.optics)
         return (*ends, tuple(sorted(camera.qe_curves)), tuple(camera.qe_curves.values()), *fields_seen)
 
 
