@@ -10,6 +10,9 @@ brightest floor. Parts are at the favourable ends of what is uncertain, both end
 what a camera draws, costs or weighs is at a quantile of its own, as adverse as the count of its scenarios allows. A
 light that is brighter than in a scenario must not be too bright: exposures may be as short as is wanted there, the iris
 as far closed or flashes as faint, and colours as unlike.
+
+Lenses stand where they are meant to, and the vehicle keeps within the narrowest band of the scenarios. That no focus
+serves better is argued, not proven: of sharpness at a corner, or of several scenes with a motorised lens, another may.
 """
 
 from __future__ import annotations
