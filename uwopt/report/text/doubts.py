@@ -296,7 +296,7 @@ def tilt_facts(doubt: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 #: Fields of parts whose names say little to who has to ask for them.
-NUMBERS = {"qe_scale": "quantum efficiency (as a factor)", "output_factor": "share of light that leaves",
+NUMBERS = {"qe_scale": "quantum efficiency (as a factor)", "output_factor": "share of its light that leaves the window",
            "flash_duration_at_frac": "level to which the stated flash duration is measured"}  # fmt: skip
 PRICES = ("price", "host price")
 #: What is taken for the loss of light between lamp and floor, by the name in a result.
