@@ -2,8 +2,8 @@
 
     python docs/make_speed.py [--write] [--quick] [--note TEXT]
 
-Numbers are medians. They hold for the machine and the load they were measured under; where two things are
-compared, the ratio is of the same run. No test depends on them.
+Numbers are medians of processor time, which a busy machine lengthens less than the clock's; stages are shares of it by
+the clock. Where two things are compared, the ratio is of the same run. No test depends on them.
 """
 
 from __future__ import annotations
@@ -64,14 +64,21 @@ LONGEST_FRONT_S = 120.0
 
 
 def process_s(*arguments: str) -> float:
-    """Duration of one cold process of the command line."""
+    """Processor time of one cold process of the command line, which may keep its bytecode as an installed one does."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    start = time.perf_counter()
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    start = children_s()
     subprocess.run(
         [sys.executable, "-m", "uwopt", *arguments],
         check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment, cwd=ROOT,
     )  # fmt: skip
-    return time.perf_counter() - start
+    return children_s() - start
+
+
+def children_s() -> float:
+    """Processor time of all processes that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def command_table(repeats: int) -> list[str]:
@@ -110,9 +117,9 @@ def search_table(repeats: int) -> list[str]:
         for path in [*MISSIONS, open_reef(Path(folder))]:
             seconds = {}
             for physics in ("paper", "full"):
-                results = [uwopt.solve(path, physics=physics) for _ in range(repeats)]
-                rows.append(search_row(path.stem, physics, results))
-                seconds[physics] = median(r.timing_s["search"] for r in results)
+                runs = [solved(path, physics) for _ in range(repeats)]
+                rows.append(search_row(path.stem, physics, runs))
+                seconds[physics] = median(timing["search"] for _, timing in runs)
             slower.append(seconds["full"] / seconds["paper"])
     return [
         "## Search, in process",
@@ -131,15 +138,23 @@ def search_table(repeats: int) -> list[str]:
     ]
 
 
-def search_row(name: str, physics: str, results: Sequence[Any]) -> Row:
+def solved(path: Path, physics: str) -> tuple[Any, dict[str, float]]:
+    """A result, and the processor time of its stages: by the clock's shares of the whole."""
+    start = time.process_time()
+    result = uwopt.solve(path, physics=physics)
+    share = (time.process_time() - start) / result.timing_s["total"]
+    return result, {stage: share * seconds for stage, seconds in result.timing_s.items()}
+
+
+def search_row(name: str, physics: str, runs: Sequence[tuple[Any, dict[str, float]]]) -> Row:
     """One mission in one physics; medians over the runs."""
 
     def middle(key: str) -> float | None:
-        values = [r.timing_s[key] for r in results if key in r.timing_s]
+        values = [timing[key] for _, timing in runs if key in timing]
         return median(values) if values else None
 
     search_s, generic_s = middle("search") or 0.0, middle("search_generic")
-    loaded = results[0].certificate.loaded
+    loaded = runs[0][0].certificate.loaded
     return [
         name, physics, f"{search_s:.2f}", "-" if generic_s is None else f"{generic_s:.2f}",
         f"{middle('total'):.2f}", f"{loaded:.2e}", f"{loaded / search_s:.1e}",
@@ -154,17 +169,17 @@ def physics_table(repeats: int) -> list[str]:
         rows.append(
             [
                 name, f"{tolerance:g}", ", ".join(c.kept) or "nothing", f"{c.full_s:.2f}", f"{c.auto_s:.2f}",
-                f"{c.full_s / c.auto_s:.2f}", f"{c.designs_per_s / 1e6:.2f}",
+                f"{c.full_s / c.auto_s:.2f}", f"{c.designs_per_s / 1e6:.2f}", f"{c.paper_per_s / 1e6:.2f}",
             ]
         )  # fmt: skip
     return [
         "## Physics `full` and `auto` in batches",
         "",
         f"{N_DESIGNS} designs drawn from the catalogue, 2 lamps, hardware integrals and figures together; both physics",
-        "in turn in one run. Last column: figures of all requirements in `full` once hardware is tabulated.",
+        "in turn in one run. Last columns: figures of all requirements once hardware is tabulated, settings at random.",
         "",
         *table(
-            ["scene", "tolerance", "kept by auto", "full s", "auto s", "full / auto", "10⁶ designs/s, full"],
+            ["scene", "tolerance", "kept by auto", "full s", "auto s", "full / auto", "10⁶ designs/s, full", "paper"],
             rows,
         ),
     ]
@@ -178,12 +193,14 @@ class Comparison:
     full_s: float
     auto_s: float
     designs_per_s: float  # full, tables built, all requirement figures
+    paper_per_s: float  # the same in paper
 
 
 def compare(mission: Any, *, tolerance: float, repeats: int) -> Comparison:
     """Time both physics over the same designs."""
     loaded = load_mission(mission).with_changes(physics="full", tolerance=tolerance)
-    problem = build_problem(loaded, selected(loaded, load_catalog(loaded), generic="never"))
+    selection = selected(loaded, load_catalog(loaded), generic="never")
+    problem, plain = (build_problem(one, selection) for one in (loaded, loaded.with_changes(physics="paper")))
     designs, settings = drawn(problem, np.random.default_rng(0))
 
     def full() -> None:
@@ -195,18 +212,23 @@ def compare(mission: Any, *, tolerance: float, repeats: int) -> Comparison:
         lean = batch.with_effects(effects_kept(batch.influences(tolerance, [settings])))
         lean.figures(0, lean.rows(0), settings)
 
+    def tabulated(batch: Batch) -> Callable[[], None]:
+        rows = batch.rows(0)
+
+        def figures() -> None:
+            for _ in range(SETTINGS_A_DESIGN):
+                batch.figures(0, rows, settings)
+
+        return figures
+
     batch = Batch(problem, designs)
-    rows = batch.rows(0)
-
-    def tabulated() -> None:
-        for _ in range(SETTINGS_A_DESIGN):
-            batch.figures(0, rows, settings)
-
-    full(), auto(), tabulated()  # path tables are built once a scene, whichever physics
-    times = [(timed_s(full), timed_s(auto), timed_s(tabulated)) for _ in range(repeats)]
-    full_s, auto_s, tabulated_s = (median(each) for each in zip(*times, strict=True))
+    tasks = (full, auto, tabulated(batch), tabulated(Batch(plain, designs)))
+    for task in tasks:  # path tables are built once a scene, whichever physics
+        task()
+    times = [[timed_s(task) for task in tasks] for _ in range(repeats)]
+    full_s, auto_s, *tabulated_s = (median(each) for each in zip(*times, strict=True))
     kept = tuple(i.name for i in batch.influences(tolerance, [settings]) if i.kept)
-    return Comparison(kept, full_s, auto_s, N_DESIGNS * SETTINGS_A_DESIGN / tabulated_s)
+    return Comparison(kept, full_s, auto_s, *(N_DESIGNS * SETTINGS_A_DESIGN / each for each in tabulated_s))
 
 
 def drawn(problem: Any, rng: np.random.Generator) -> tuple[Designs, SettingRows]:
@@ -231,10 +253,10 @@ def drawn(problem: Any, rng: np.random.Generator) -> tuple[Designs, SettingRows]
 
 
 def timed_s(task: Callable[[], Any]) -> float:
-    """Duration of one call."""
-    start = time.perf_counter()
+    """Processor time of one call."""
+    start = time.process_time()
     task()
-    return time.perf_counter() - start
+    return time.process_time() - start
 
 
 def front_table() -> list[str]:
@@ -287,8 +309,10 @@ def front_of(mission: Mission, names: Sequence[str], generic: Generic) -> Front:
 
 def audit_table(count: int) -> list[str]:
     """How long an audit takes."""
+    start = time.process_time()
     result = uwopt.solve(REEF, audit=count)
-    seconds, report = result.timing_s["audit"], result.audit or {}
+    share = (time.process_time() - start) / result.timing_s["total"]
+    seconds, report = share * result.timing_s["audit"], result.audit or {}
     verdict = "passed" if report.get("passed") else "FAILED"
     return [
         "## Audit",
