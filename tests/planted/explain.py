@@ -113,7 +113,7 @@ DEFECTS = (
         file="uwopt/solvers/explain/infeasible.py",
         old=" if one.is_of_use]",
         new="]",
-        test="tests/solvers/test_least_change.py::test_an_image_of_no_use_is_no_way_out[0.0005-False]",
+        test="tests/solvers/test_least_change.py::test_an_image_of_no_use_is_no_way_out[0.001-False]",
     ),
     Defect(
         name="a limit from below is weakened to less than nothing",
