@@ -371,13 +371,19 @@ class FrontSearch:
         return in_time
 
     def _drawn_in(self, curves: Curves) -> Curves | None:
-        """Curves of the designs that may still matter once their bounds are drawn in."""
-        left: Curves | None = curves
-        for drawing in (ROUGHLY, FINELY):
-            if left is not None and self.quality == "information" and self._trades_power():
-                upper = left.segments()[1][self._open_segments(left, ROUGH_SEGMENT)[0]]
-                left.answers = self.trade.drawn_in(left.some, left.answers, upper, drawing)
-            left = None if left is None else left.without(~self._are_open(left))
+        """Curves of the designs that may still matter once their bounds are drawn in: of each the highest first, above
+        which no lower one lies."""
+        left = curves.without(~self._are_open(curves))
+        drawn = self.quality == "information" and self._trades_power()
+        for drawing, highest in ((ROUGHLY, True), (ROUGHLY, False), (FINELY, True), (FINELY, False)) * drawn:
+            if left is None:
+                break
+            upper = left.segments()[1][self._open_segments(left, ROUGH_SEGMENT)[0]]
+            if highest:
+                design = left.answers.design[upper]
+                upper = upper[np.append(design[1:] != design[:-1], True)[: len(upper)]]
+            left.answers = self.trade.drawn_in(left.some, left.answers, upper, drawing)
+            left = left.without(~self._are_open(left))
         return left
 
     def _best_of_each(self, some: Hopeful) -> Answers:
