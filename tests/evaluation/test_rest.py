@@ -14,7 +14,7 @@ from uwopt.errors import MissionError
 from uwopt.forward.assembly import system_problem
 from uwopt.mission.mission import load_mission
 from uwopt.mission.system import load_system
-from uwopt.solvers.exact.imagers import totals
+from uwopt.solvers.exact.imager_rules import totals
 
 # To 1000 m, in USD: a connection 300 (120 to 750), lamp control 150 (50 to 450), spares 100 (40 to 250), test 600
 # (300 to 1200). One camera and two lamps: 3 x 300 + 850 = 1750 (3 x 120 + 390 = 750, 3 x 750 + 1900 = 4150).

@@ -67,7 +67,7 @@ DEFECTS = (
     ),
     Defect(
         name="disks are for nothing in the search",
-        file="uwopt/solvers/exact/imagers.py",
+        file="uwopt/solvers/exact/imager_rules.py",
         old='cost = cost + disks_gb * problem.disk_prices["price"]',
         new="cost = cost + 0.0",
         test=f"{REST}::test_the_search_counts_the_disks_that_the_bill_has",
@@ -95,7 +95,7 @@ DEFECTS = (
     ),
     Defect(
         name="rings weigh nothing in the search",
-        file="uwopt/solvers/exact/imagers.py",
+        file="uwopt/solvers/exact/imager_rules.py",
         old='lenses.mass_kg + ring["mass_kg"]',
         new="lenses.mass_kg",
         test="tests/solvers/test_spacers.py::test_rings_make_designs_that_cost_and_weigh_more_than_their_parts[34]",

@@ -217,7 +217,7 @@ DEFECTS = (
     ),
     Defect(
         name="clear view of a port a fifth too small in the search",
-        file="uwopt/solvers/exact/imagers.py",
+        file="uwopt/solvers/exact/imager_rules.py",
         old="corner * ports.rim_gap_m[port] <= ports.clear_radius_m[port]",
         new="corner * ports.rim_gap_m[port] <= 0.8 * ports.clear_radius_m[port]",
         test="tests/solvers/test_rules.py::test_a_rule_keeps_what_is_a_millionth_inside[view]",

@@ -175,14 +175,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the sun's balance is taken at its most where it harms",
-        file="uwopt/solvers/settings/cell_bounds.py",
+        file="uwopt/solvers/settings/cell_windows.py",
         old="np.where(gains > 0, misses * y_lo / gains, np.inf), 0.0)",
         new="np.where(gains > 0, misses * y_hi / gains, np.inf), 0.0)",
         test=f"{BOUNDED}[power of pulses that balance the sun's colours]",
     ),
     Defect(
         name="the sun's help for red is taken at its least",
-        file="uwopt/solvers/settings/cell_bounds.py",
+        file="uwopt/solvers/settings/cell_windows.py",
         old="at_least.worst_total_e, at_most.colour_e, at_least.red_total_e,",
         new="at_least.worst_total_e, at_least.colour_e, at_most.red_total_e,",
         test=f"{BOUNDED}[power of a red image under the sun]",
@@ -231,7 +231,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="designs that are none have some balance",
-        file="uwopt/solvers/settings/cell_bounds.py",
+        file="uwopt/solvers/settings/cell_windows.py",
         old="return pairs.reshape(n, int(np.prod(pairs.shape[1:])))",
         new="return pairs.reshape(n, -1)",
         test=f"{COLOUR}::test_no_designs_have_no_balance",

@@ -34,7 +34,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a complete camera looks through another port",
-        file="uwopt/solvers/exact/imagers.py",
+        file="uwopt/solvers/exact/imager_rules.py",
         old="np.flatnonzero(of_camera[camera] != of_port[ports[0]])",
         new="np.flatnonzero(np.zeros(len(camera), bool))",
         test=(SAME, SEARCHED + "test_pieces_with_other_parts_are_all_discarded_and_counted"),
@@ -69,14 +69,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a card holds any number of images in the search",
-        file="uwopt/solvers/exact/imagers.py",
+        file="uwopt/solvers/exact/imager_rules.py",
         old="<= problem.duration.mean_rate_into(cameras.storage_gb) * ROUND",
         new="<= np.inf * cameras.price",
         test=SEARCHED + "test_images_of_the_whole_mission_fit_on_the_card",
     ),
     Defect(
         name="a card that just holds all images is too small",
-        file="uwopt/solvers/exact/imagers.py",
+        file="uwopt/solvers/exact/imager_rules.py",
         old="problem.duration.mean_rate_into(cameras.storage_gb) * ROUND",
         new="problem.duration.mean_rate_into(cameras.storage_gb) * 0.9999",
         test=RULES + "test_a_rule_keeps_what_is_a_millionth_inside[card_gb]",

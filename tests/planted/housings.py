@@ -136,7 +136,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the search sees past the rim of a spherical cap",
-        file="uwopt/solvers/exact/imagers.py",
+        file="uwopt/solvers/exact/imager_rules.py",
         old="clears = corner * ports.rim_gap_m[port] <= ports.clear_radius_m[port]",
         new="clears = corner * ports.gap_m[port] <= ports.clear_radius_m[port]",
         test="tests/solvers/test_rules.py::test_the_rim_of_a_spherical_cap_must_be_clear_of_the_corner",

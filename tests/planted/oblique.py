@@ -133,7 +133,7 @@ DEFECTS = (
     ),
     Defect(
         name="a frame may reach the horizon",
-        file="uwopt/solvers/exact/imagers.py",
+        file="uwopt/solvers/exact/imager_rules.py",
         old='yield "horizon", all_of(view.farthest <= FARTHEST * ROUND for view in seen)',
         new='yield "horizon", all_of(view.farthest <= np.inf for view in seen)',
         test=f"{RULES}::test_a_rule_discards_what_is_a_millionth_outside[horizon]",
@@ -182,7 +182,7 @@ DEFECTS = (
     ),
     Defect(
         name="light behind the axis of an oblique image does not count",
-        file="uwopt/solvers/exact/light_tables.py",
+        file="uwopt/solvers/exact/floor_rectangles.py",
         old="if self.behind is not None:\n            light",
         new="if False:\n            light",
         test=f"{SEARCHED}::test_no_oblique_image_gets_more_light_than_its_bounds",

@@ -41,7 +41,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="rings are for nothing in the search",
-        file="uwopt/solvers/exact/imagers.py",
+        file="uwopt/solvers/exact/imager_rules.py",
         old="{name: (spacers_m > 0.0) * each",
         new="{name: (spacers_m < 0.0) * each",
         test=SEARCH + "test_rings_make_designs_that_cost_and_weigh_more_than_their_parts",

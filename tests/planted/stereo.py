@@ -68,7 +68,7 @@ DEFECTS = (
     ),
     Defect(
         name="a search forgets what both cameras see",
-        file="uwopt/solvers/exact/imagers.py",
+        file="uwopt/solvers/exact/imager_rules.py",
         old="view.common_across_m.min(axis=1) * ROUND >=",
         new="view.footprint_across_m.min(axis=1) * ROUND >=",
         test=f"{RULES}test_a_rule_discards_what_is_a_millionth_outside[min_common_swath_m]",

@@ -20,8 +20,9 @@ from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.attack import attack
 from uwopt.solvers.exact.audit import BESIDE, audit
-from uwopt.solvers.exact.bounds import Bounds, NodeBounds
+from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.imagers import FittingPairs
+from uwopt.solvers.exact.node_bounds import NodeBounds
 from uwopt.solvers.exact.search import Search
 
 SUM = {"power": 0.2, "snr_db": 1.0}

@@ -24,10 +24,11 @@ from uwopt.forward.part_columns import Lights
 from uwopt.solvers.exact import large
 from uwopt.solvers.exact.account import Account
 from uwopt.solvers.exact.attack import attack
-from uwopt.solvers.exact.bounds import Bounds, bit_per_px_bound, suffix_min
+from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.imagers import FittingPairs, Imagers
 from uwopt.solvers.exact.large import PairTree
 from uwopt.solvers.exact.light_tables import FieldTables
+from uwopt.solvers.exact.node_bounds import bit_per_px_bound, suffix_min
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables, port_tree
 from uwopt.solvers.exact.screen import level_set, pair_rules
 from uwopt.solvers.exact.search import Cheapest, Search

@@ -21,9 +21,9 @@ from uwopt.forward.effects import ImagerGroup, bounds_of
 from uwopt.model.sensor import white_balance
 from uwopt.objectives.requirements import MarginRows
 from uwopt.solvers.exact.balance import least_ratio
-from uwopt.solvers.exact.bounds import NODE_RULES
+from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.recommend import colour_notes
-from uwopt.solvers.settings.cell_bounds import window_over
+from uwopt.solvers.settings.cell_windows import window_over
 from uwopt.solvers.settings.closed_form import light_for_snr
 
 BURNING = lamp("burning", flux_lm=2e4, power_w=200.0)

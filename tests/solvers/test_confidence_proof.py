@@ -26,7 +26,7 @@ from uwopt.solvers.confidence.screen import bounds_of
 from uwopt.solvers.confidence.search import Certain, can_be_proven, most_certain
 from uwopt.solvers.confidence.together import Together
 from uwopt.solvers.exact.imagers import fitting_pairs
-from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.recommend import Sought

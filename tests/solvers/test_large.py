@@ -19,9 +19,9 @@ from uwopt.solvers.exact import bounds, large, outline
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.audit import audit
-from uwopt.solvers.exact.bounds import Corner
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.imagers import enumerate_imagers
+from uwopt.solvers.exact.node_bounds import Corner
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineScene, port_tree
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.designs import found_of

@@ -19,7 +19,7 @@ from uwopt.model.image_mean import (
     needed_by_most,
     reached_by_most,
 )
-from uwopt.solvers.exact.bounds import least_mean_frac
+from uwopt.solvers.exact.node_bounds import least_mean_frac
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.closed_form import Sun
 

@@ -22,8 +22,9 @@ from uwopt.catalog.records import Housing, exact
 from uwopt.solvers.exact import large
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import RULES
-from uwopt.solvers.exact.bounds import NODE_RULES, Bounds
+from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.imagers import IMAGER_RULES, enumerate_imagers, fitting_pairs
+from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.outline import Level, OutlineRows, port_tree
 from uwopt.solvers.exact.screen import pair_rules
 from uwopt.solvers.exact.search import Search

@@ -11,8 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from uwopt.objectives.axes import Axes
+from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.search import FrontSearch
-from uwopt.solvers.front.trade_curves import Answers, Curves, Hopeful
+from uwopt.solvers.front.trade_curves import Answers, Hopeful
 
 KEYS = (
     "dims", "steps", "on", "pulses", "pulses on", "flash", "flash rolling", "dark", "level",
@@ -28,6 +29,14 @@ def designs_of(key: str, quality: str) -> tuple[FrontSearch, list[Hopeful]]:
         search._bounded_again(k, np.arange(len(imagers))) for k in range(len(search.search.tables.lightings))
     ]
     return search, [part.take(np.array([d])) for part in parts if part is not None for d in range(len(part))]
+
+
+def curves_of(search: FrontSearch, some: Hopeful) -> Curves:
+    """Curves known at their least power."""
+    curves = Curves.bounded(search.trade, some)
+    known = None if curves is None else curves.with_least_power()
+    assert known is not None
+    return known
 
 
 def tried_beside(key: str, quality: str, some: Hopeful):
@@ -58,8 +67,7 @@ def test_curve_of_snr_covers_what_is_tried_however_far_it_is_asked(key):
     assert designs
     for some in designs:
         power, quality = tried_beside(key, "snr_db", some)
-        curves = Curves.of(search.trade, some)
-        assert curves is not None
+        curves = curves_of(search, some)
         assert_covered(curves, power, quality, 1e-6)
         for pieces in (2, 4):
             corner = np.isfinite(curves.corners()[0])
@@ -82,8 +90,7 @@ def test_first_bounds_of_information_cover_what_is_tried(key):
     search, designs = designs_of(key, "information")
     for some in designs:
         power, quality = tried_beside(key, "information", some)
-        curves = Curves.of(search.trade, some)
-        assert curves is not None
+        curves = curves_of(search, some)
         assert_covered(curves, power, quality, 1e-6)
         _, upper = curves.segments()
         curves.answers = search.trade.drawn_in(curves.some, curves.answers, upper)

@@ -30,7 +30,7 @@ from uwopt.solvers.confidence.search import (
     scenarios_of,
     with_stop,
 )
-from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import Sought, design_of
 

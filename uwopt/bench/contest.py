@@ -24,7 +24,7 @@ from uwopt.mission.mission import Mission
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import MAXIMISED, Objective, Terms
 from uwopt.solvers.exact.account import Outcome, snr_ceiling
-from uwopt.solvers.exact.imagers import limit
+from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.coding import CodedHardware, Coding, cost_of, mass_kg_of
 from uwopt.solvers.population.decoding import shortfall

@@ -110,7 +110,7 @@ def light_of(rows: SceneRows, f_number: Array, level: Array, time_s: Array) -> A
 
 def settled(rows: Sequence[SceneRows], adapted: Best, settings: Sequence[Settings], block: Array) -> Best:
     """Settings of each block as all of its rows have them, with their figures, and where they meet what is asked."""
-    from uwopt.solvers.settings.cell_bounds import figures_at  # with adapted settings no closed form needs it
+    from uwopt.solvers.settings.cell_windows import figures_at
 
     chosen, holds = [], np.ones(len(block), bool)
     snr, contrast = np.full(len(block), np.inf), np.full(len(block), np.inf)

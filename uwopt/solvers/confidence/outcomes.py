@@ -24,7 +24,8 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.confidence.fixed import Settings, best_fixed
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.together import Together
-from uwopt.solvers.exact.imagers import Imagers, limit
+from uwopt.solvers.exact.imager_rules import limit
+from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.settable.steps import stops
 from uwopt.solvers.settings.best import Best, best_settings

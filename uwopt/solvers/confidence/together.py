@@ -30,7 +30,7 @@ from uwopt.solvers.confidence.waters import may_leave_band, over_band
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import NodeRows
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, PortBlock, imagers_behind, joined
-from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.one_hardware import parts_of
 

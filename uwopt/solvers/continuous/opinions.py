@@ -13,7 +13,7 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.solve_settings import FEASIBLE, solve_settings
-from uwopt.solvers.exact.imagers import limit
+from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import Sought, scene_rows_of
 from uwopt.solvers.settings.best import scenes_need_cells

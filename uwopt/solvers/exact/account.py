@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.bounds import NODE_RULES
 from uwopt.solvers.exact.imagers import (
     IMAGER_RULES,
     Imagers,
 )
 from uwopt.solvers.exact.light_tables import FieldTables
+from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.ranking import Found
 
 RULES = (*IMAGER_RULES, *(rule for rule in NODE_RULES if rule not in IMAGER_RULES))

@@ -25,7 +25,7 @@ from uwopt.forward.sun_light import sun_light
 from uwopt.model.image_mean import FRAME_MAY_MISS
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.candidates import Candidates
-from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.node_designs import NodeDesigns
 
 Array = NDArray[Any]

@@ -19,11 +19,14 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import NOT_REACHED, Account, snr_ceiling
-from uwopt.solvers.exact.bounds import NODE_RULES, Bounds, LampChoices
+from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import NodeRows
-from uwopt.solvers.exact.imagers import Imagers, joined, limit
-from uwopt.solvers.exact.light_tables import FieldTables, Lighting
+from uwopt.solvers.exact.imager_rules import limit
+from uwopt.solvers.exact.imagers import Imagers, joined
+from uwopt.solvers.exact.light_tables import FieldTables
+from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.node_bounds import NODE_RULES, LampChoices
 from uwopt.solvers.exact.node_designs import FIRST_VEILS, LARGEST_VEILS, NodeDesigns, Waiting
 from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.settings.best import GAP, best_settings

@@ -22,17 +22,23 @@ from uwopt.catalog.compatibility import (
 )
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.columns import Columns
-from uwopt.forward.enclosures import beaten, fits_inside, housing_size_mm, mass_in_water_kg
 from uwopt.forward.focus import Focused, common_dioptre, depth_f_number, working_factor
 from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
 from uwopt.forward.problem import Problem
 from uwopt.forward.spacers import needed_spacer_m
 from uwopt.forward.views import Views, focus_map, views, widest_corner
-from uwopt.model.imaging import FARTHEST
-from uwopt.tolerances import ROUND
+from uwopt.solvers.exact.imager_rules import (
+    Tally,
+    beaten_housings,
+    focus_rules,
+    only_tied,
+    own_rules,
+    some_of,
+    totals,
+    view_rules,
+)
 
 Array = NDArray[Any]
-SAMPLES = 24  # discarded imagers remembered per rule, port and orientation, for an audit
 PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule
 
 IMAGER_RULES = (
@@ -291,217 +297,6 @@ def focused_behind(
     powers = problem.camera_powers_w(cameras, [extra.rate_hz for extra in focused])
     least = np.min(powers, axis=0)
     return [replace(f, beside_w=power - least) for f, power in zip(focused, powers, strict=True)]
-
-
-@dataclass(frozen=True)
-class Tally:
-    """What the rules discard of one orientation, counted, with samples."""
-
-    landscape: bool
-    discarded: dict[str, int]
-    samples: dict[str, list[tuple[int, int, int, bool]]]
-
-    def passing(
-        self, rules: Iterator[tuple[str, Array]], camera: Array, lens: Array, ports: Array
-    ) -> Array:
-        """The places of pairs that pass rules that all ports share; the others counted under the first they miss."""
-        passed, n_port = np.ones(len(camera), bool), len(ports)
-        for rule, passes in rules:
-            lost = np.flatnonzero(passed & ~passes)
-            pair, of = np.divmod(some_of(len(lost) * n_port), n_port)
-            self.count(rule, len(lost) * n_port, camera[lost[pair]], lens[lost[pair]], ports[of])
-            passed &= passes
-        return np.flatnonzero(passed)
-
-    def count(self, rule: str, number: int, camera: Array, lens: Array, port: Array) -> None:
-        """So many imagers that a rule discards, and which some of them are."""
-        self.discarded[rule] += number
-        places = zip(camera.tolist(), lens.tolist(), port.tolist(), strict=True)
-        self.samples.setdefault(rule, []).extend((*place, self.landscape) for place in places)
-
-
-def some_of(count: int) -> Array:
-    """Places among so many, evenly spread, to be remembered."""
-    return np.arange(0, count, max(1, count // SAMPLES))
-
-
-def only_tied(
-    problem: Problem, camera: Array, lens: Array, ports: Array, landscape: bool, discarded: dict[str, int],
-    samples: dict[str, list[tuple[int, int, int, bool]]],
-) -> tuple[Array, Array]:  # fmt: skip
-    """The pairs that go behind these ports: of a complete camera its own, of all others none of those."""
-    of_camera, _, of_port = problem.ties
-    apart = np.flatnonzero(of_camera[camera] != of_port[ports[0]])
-    if len(apart) == 0:
-        return camera, lens
-    discarded["complete"] += len(apart) * len(ports)
-    some = apart[:: max(1, len(apart) // SAMPLES)]
-    samples.setdefault("complete", []).extend((int(camera[i]), int(lens[i]), int(ports[0]), landscape) for i in some)
-    return np.delete(camera, apart), np.delete(lens, apart)
-
-
-def beaten_housings(problem: Problem, ports: Array, alive: Array) -> Array:
-    """Imagers that do as well in another housing, which costs and weighs no more; (n, n_ports).
-
-    What is left out can be built into the other housing with the same image and light, at no greater cost or mass,
-    and stays within every limit that it keeps: no objective that grows with cost and mass is lost.
-    """
-    rows = problem.ports.take(ports)
-    worth = [rows.price, rows.limit_price, rows.mass_kg]
-    if problem.mission.limits.mass_water_kg is not None:
-        worth.append(rows.mass_kg - rows.displaced_kg)
-    housings = [problem.parts.ports[p].housing for p in ports]
-    return beaten(alive, worth, ["" if one is None else one.id for one in housings])
-
-
-def view_rules(
-    problem: Problem, port: int, seen: list[Views], spacers_m: Array
-) -> Iterator[tuple[str, Array]]:
-    """The rules that a view and its focus are enough for, in turn, with the imagers that pass them, (n,)."""
-    every = list(zip(problem.scenes, seen, strict=True))
-    yield "view", all_of(view_clears(problem, port, view) for view in seen)
-    yield "horizon", all_of(view.farthest <= FARTHEST * ROUND for view in seen)
-    yield "focus", np.isfinite(spacers_m)
-    yield (
-        "max_gsd_mm",
-        all_of(
-            view.gsd_m.max(axis=1) * 1e3 <= limit(scene.view.requirements.max_gsd_mm) * ROUND for scene, view in every
-        ),
-    )
-    yield (
-        "min_swath_m",
-        all_of(
-            view.footprint_across_m.min(axis=1) * ROUND >= (scene.view.requirements.min_swath_m or 0.0)
-            for scene, view in every
-        ),
-    )
-    yield (
-        "min_common_swath_m",
-        all_of(
-            view.common_across_m.min(axis=1) * ROUND >= (scene.view.requirements.min_common_swath_m or 0.0)
-            for scene, view in every
-        ),
-    )
-    yield (
-        "max_depth_error_mm",
-        all_of(
-            view.depth_error_m.max(axis=1) * 1e3 <= limit(scene.view.requirements.max_depth_error_mm) * ROUND
-            for scene, view in every
-        ),
-    )
-
-
-def focus_rules(
-    problem: Problem, camera: Array, lens: Array, focused: list[Focused]
-) -> Iterator[tuple[str, Array]]:
-    """Each further rule that ports of the same optics share, in turn, with the imagers that pass it, (n,)."""
-    cameras, limits, count = problem.cameras.take(camera), problem.mission.limits, problem.mission.vehicle.camera_count
-    yield "frame_rate", all_of(extra.rate_hz <= cameras.max_rate_hz * ROUND for extra in focused)
-    rate_limit = limit(limits.data_rate_mb_s)
-    yield (
-        "data_rate_mb_s",
-        all_of(extra.rate_hz * cameras.frame_mb * count <= rate_limit * ROUND for extra in focused),
-    )
-    rates = [extra.rate_hz * cameras.frame_mb * count for extra in focused]
-    yield "storage_gb", problem.duration.mean(rates) <= problem.duration.mean_data_limit_mb_s * ROUND
-    each = [extra.rate_hz * cameras.frame_mb for extra in focused]
-    yield "card_gb", problem.duration.mean(each) <= problem.duration.mean_rate_into(cameras.storage_gb) * ROUND
-    yield "lens_stop_down", stops_down(problem, problem.lenses)[lens]
-    yield "min_dof_m", common_f_number(focused)
-    yield (
-        "max_blur_px",
-        all_of(
-            (extra.blur_time_s > 0) & (cameras.min_exposure_s <= limits.max_exposure_ms * 1e-3)
-            for extra in focused
-        ),
-    )
-
-
-def own_rules(
-    problem: Problem, cameras: Any, lenses: Any, spacers_m: Array, ports: Array, rates: list[Array], tan_corner: Array
-) -> Iterator[tuple[str, Array]]:
-    """Each rule after those, with the imagers that pass it: (n, n_ports) where the housing matters, else (n,).
-
-    spacers_m : of rings behind the lenses, (n,)
-    rates : of the images by scene, (n,) [Hz]
-    tan_corner : of the widest view, (n,)
-    """
-    limits, count = problem.mission.limits, problem.mission.vehicle.camera_count
-    housings = problem.ports.take(ports)
-    yield "housing", fits_inside(cameras, lenses, spacers_m, housings, tan_corner)
-    every_pair = np.ones((len(cameras.price), 1), bool)
-    yield "size_mm", every_pair & (housing_size_mm(housings) <= limit(limits.size_mm) * ROUND)
-    most = limits.mass_water_kg
-    if most is None:
-        yield "mass_water_kg", every_pair
-    else:
-        rings_kg = (spacers_m > 0.0) * problem.spacers["mass_kg"]
-        in_water = mass_in_water_kg(count, cameras, lenses, rings_kg, housings)
-        yield "mass_water_kg", in_water <= most + (ROUND - 1.0) * abs(most)
-    asked = ports if limits.cost is not None or limits.mass_kg is not None else ports[:1]  # one stands for all
-    disks_gb = problem.disks_gb(cameras, rates)
-    _, cost, mass = totals(problem, cameras, lenses, spacers_m, asked[:, None], disks_gb)
-    cost, mass = cost.T, mass.T
-    yield "cost", cost <= limit(limits.cost) * ROUND
-    yield "mass_kg", mass <= limit(limits.mass_kg) * ROUND
-    powers = problem.camera_powers_w(cameras, rates)
-    yield "power_w", np.max(powers, axis=0) <= limit(limits.power_w) * ROUND
-    yield "energy_wh", problem.duration.mean(powers) <= problem.duration.mean_power_limit_w * ROUND
-
-
-def limit(value: float | None) -> float:
-    """A limit that may be absent."""
-    return np.inf if value is None else value
-
-
-def all_of(masks: Iterator[Array]) -> Array:
-    """Where every mask holds."""
-    result = next(masks)
-    for mask in masks:
-        result = result & mask
-    return np.asarray(result)
-
-
-def view_clears(problem: Problem, port: int, view: Views) -> Array:
-    """Whether the corner ray passes the port: its clear aperture, and the rim of a spherical cap, where known."""
-    if problem.paper:
-        return np.ones(len(view.tan_along), bool)
-    corner = np.hypot(view.tan_along, view.tan_across)
-    ports = problem.ports
-    clears = corner * ports.rim_gap_m[port] <= ports.clear_radius_m[port]
-    return np.asarray(clears & np.isfinite(corner)) if ports.is_dome[port] else np.asarray(clears)
-
-
-def stops_down(problem: Problem, lenses: Any) -> Array:
-    """Whether the lens can be closed as far as the mission asks."""
-    most = max(scene.view.requirements.lens_stop_down for scene in problem.scenes)
-    return np.asarray(lenses.f_number_from(most) <= lenses.f_number_max * ROUND)
-
-
-def common_f_number(focused: list[Focused]) -> Array:
-    """Whether an f-number of the lens keeps sharp what must be, the same in all scenes unless motorised."""
-    low = np.max([extra.n_low for extra in focused], axis=0)
-    return np.asarray(np.isfinite(low) & (low <= focused[0].n_high * ROUND))
-
-
-def totals(
-    problem: Problem, cameras: Any, lenses: Any, spacers_m: Array, port: int | Array, disks_gb: Array
-) -> tuple[Array, Array, Array]:
-    """Cost, cost that counts against the budget, and mass of everything but the lights.
-
-    port : of each row, or one for all; (n_ports, 1): all rows behind each, (n_ports, n)
-    """
-    count = problem.mission.vehicle.camera_count
-    extra_cost, extra_mass, _ = problem.extras
-    ports = problem.ports
-    ring = {name: (spacers_m > 0.0) * each for name, each in problem.spacers.items()}
-    cost = count * (cameras.price + lenses.price + ring["price"] + ports.price[port]) + extra_cost
-    cost = cost + disks_gb * problem.disk_prices["price"]
-    limit_cost = (
-        count * (cameras.limit_price + lenses.limit_price + ring["limit_price"] + ports.limit_price[port]) + extra_cost
-    ) + disks_gb * problem.disk_prices["limit_price"]
-    mass = count * (cameras.mass_kg + lenses.mass_kg + ring["mass_kg"] + ports.mass_kg[port]) + extra_mass
-    return cost, limit_cost, mass
 
 
 def joined(

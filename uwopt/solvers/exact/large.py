@@ -20,18 +20,13 @@ from uwopt.forward.views import CORNERS_REACH, edge_m
 from uwopt.model.imaging import FARTHEST
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import Account, snr_ceiling
-from uwopt.solvers.exact.bounds import NODE_RULES, Bounds
+from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.candidates import Candidates
-from uwopt.solvers.exact.imagers import (
-    SAMPLES,
-    FittingPairs,
-    PortBlock,
-    imagers_behind,
-    joined,
-    landscapes,
-    limit,
-)
-from uwopt.solvers.exact.light_tables import FieldTables, Rectangles
+from uwopt.solvers.exact.floor_rectangles import Rectangles
+from uwopt.solvers.exact.imager_rules import SAMPLES, limit
+from uwopt.solvers.exact.imagers import FittingPairs, PortBlock, imagers_behind, joined, landscapes
+from uwopt.solvers.exact.light_tables import FieldTables
+from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.oblique import PlaneReach, deepest_m
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables, port_tree
 from uwopt.tolerances import COARSE_ROUND

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.lamp_light import ImageLight
-from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.exact.lightings import Lighting
 
 Array = NDArray[Any]
 FIRST_VEILS, LARGEST_VEILS = 8, 256  # imagers whose veils are worked out together

@@ -42,8 +42,10 @@ from uwopt.model import lens, port
 from uwopt.model.enclosure import tube_needed_m
 from uwopt.model.imaging import FARTHEST, PortShape, ray_spread
 from uwopt.model.port import normal_port_transmittance
-from uwopt.solvers.exact.imagers import Imagers, SceneImagers, limit, stops_down
-from uwopt.solvers.exact.light_tables import FieldTables, Rectangles, crowding_of
+from uwopt.solvers.exact.floor_rectangles import Rectangles, crowding_of
+from uwopt.solvers.exact.imager_rules import limit, stops_down
+from uwopt.solvers.exact.imagers import Imagers, SceneImagers
+from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.oblique import (
     PlaneReach,
     deepest_m,

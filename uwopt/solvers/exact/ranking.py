@@ -14,7 +14,7 @@ from uwopt.forward.columns import rows_alike
 from uwopt.forward.problem import Parts, Problem
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.imagers import Imagers
-from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.exact.lightings import Lighting
 from uwopt.tolerances import SLACK, TIE
 
 Array = NDArray[Any]

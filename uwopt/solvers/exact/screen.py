@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from uwopt.forward import switching
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lights
 from uwopt.objectives.objective import Terms
-from uwopt.solvers.exact.bounds import NODE_RULES, Bounds, NodeBounds
-from uwopt.solvers.exact.imagers import limit
+from uwopt.solvers.exact.bounds import Bounds
+from uwopt.solvers.exact.imager_rules import limit
+from uwopt.solvers.exact.node_bounds import NODE_RULES, NodeBounds
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]

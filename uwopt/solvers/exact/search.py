@@ -21,7 +21,6 @@ from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import NOT_REACHED, Outcome, Sample, snr_ceiling
-from uwopt.solvers.exact.bounds import NODE_RULES, NodeBounds
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.evaluation import Evaluation
 from uwopt.solvers.exact.imagers import (
@@ -34,6 +33,7 @@ from uwopt.solvers.exact.imagers import (
     landscapes,
 )
 from uwopt.solvers.exact.large import PairTree
+from uwopt.solvers.exact.node_bounds import NODE_RULES, NodeBounds
 from uwopt.solvers.exact.screen import pair_rules
 
 Array = NDArray[Any]

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from uwopt.forward.lamps import one_side
 from uwopt.model import beam as beams
 from uwopt.model.image_mean import field_mean
-from uwopt.solvers.exact.light_tables import FieldTables, Lighting
+from uwopt.solvers.exact.light_tables import FieldTables
+from uwopt.solvers.exact.lightings import Lighting
 
 Array = NDArray[Any]
 MARGIN = 1.0 + 1e-6  # of the integral: tables interpolated elsewhere

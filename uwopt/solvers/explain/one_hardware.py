@@ -13,7 +13,8 @@ from uwopt.forward.problem import Parts, Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.imagers import Imagers, limit
+from uwopt.solvers.exact.imager_rules import limit
+from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search

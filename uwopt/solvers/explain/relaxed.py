@@ -22,17 +22,16 @@ from uwopt.forward.assembly import Generic, build_problem, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.imager_rules import focus_rules, view_rules
 from uwopt.solvers.exact.imagers import (
     FittingPairs,
     Imagers,
     PortBlock,
     enumerate_imagers,
     fitting_pairs,
-    focus_rules,
     focused_behind,
     landscapes,
     seen_behind,
-    view_rules,
 )
 from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.recommend import Sought, same_scenes, seek

@@ -25,14 +25,16 @@ from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
 from uwopt.objectives.dominance import BestPoints, clearly, hypervolume
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.account import NOT_REACHED, RULES, Account
-from uwopt.solvers.exact.bounds import NODE_RULES
 from uwopt.solvers.exact.candidates import Candidates
-from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs, limit
+from uwopt.solvers.exact.imager_rules import limit
+from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs
 from uwopt.solvers.exact.large import PairTree
-from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.search import Search, are_too_many
+from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.large import WITHOUT_BOUND, Undominated, in_layers
-from uwopt.solvers.front.trade_curves import FINELY, ROUGHLY, Answers, Curves, Hopeful, Trade
+from uwopt.solvers.front.trade_curves import FINELY, ROUGHLY, Answers, Hopeful, Trade
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.tolerances import ROUND

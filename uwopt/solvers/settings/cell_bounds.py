@@ -16,12 +16,9 @@ from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
 from uwopt.forward.flash_times import WHOLE_FLASH
-from uwopt.forward.lamp_light import share_of
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import Bars, SharpRows
-from uwopt.model import sensor
-from uwopt.model.image_mean import reached_by_most
 from uwopt.model.lateral import spread_mtf
 from uwopt.model.sharpness import (
     defocus_mtf,
@@ -31,12 +28,12 @@ from uwopt.model.sharpness import (
 )
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.cell_sun import Brightest, Mixture, longest_open_s
+from uwopt.solvers.settings.cell_windows import MEETS, balance_window, bars_contrast, figures_at, window_over
 from uwopt.solvers.settings.closed_form import Sun
 from uwopt.solvers.settings.few_pixels import deciding_pixels
 from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
-MEETS = 1e-9  # relative, by which a point may miss a requirement
 _RATIO = (
     np.sin(np.linspace(0.0, np.pi / 2.0, 20_001)) ** 2
 )  # of a frequency over the first null, dense at both ends
@@ -445,172 +442,3 @@ class SceneCells:
         )  # fmt: skip
 
 
-def bars_contrast(rows: SceneRows, light_x: Array, sun: Sun | None) -> Array:
-    """Image-forming over all light by altitude, (n, n_altitudes): of the mean, or less where pixels count."""
-    signal, total = rows.signal_e * light_x[:, None], rows.total_e * light_x[:, None]
-    if sun is not None:
-        signal, total = signal + sun.signal_e, total + sun.total_e
-    mean = share_of(signal, total)
-    if not rows.veils_pixels:
-        return mean
-    one, veil = at_pixels(rows, light_x, sun)
-    return np.minimum(mean, reached_by_most(share_of(one, one + veil), rows.may_miss))
-
-
-def at_pixels(rows: SceneRows, light_x: Array, sun: Sun | None) -> tuple[Array, Array]:
-    """Signal and veil at the pixels that the SNR is asked of, (n, n_altitudes, n_pixels)."""
-    assert rows.worst_e is not None
-    x = light_x[:, None, None]
-    one = rows.worst_e * x
-    veil: Any = np.zeros_like(one) if rows.worst_veil_e is None else rows.worst_veil_e * x
-    if sun is not None and sun.worst_signal_e is not None and sun.worst_total_e is not None:
-        return one + sun.worst_signal_e, veil + (sun.worst_total_e - sun.worst_signal_e)
-    if sun is not None:
-        return one + sun.signal_e[:, :, None], veil + (sun.total_e - sun.signal_e)[:, :, None]
-    return one, veil
-
-
-def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) -> tuple[Array, Array, Array]:
-    """SNR and contrast at the nominal altitude and whether SNR, level, saturation and contrast hold everywhere."""
-    x = light_x[:, None]
-    signal, total = rows.signal_e * x, rows.total_e * x
-    if sun is not None:
-        signal, total = signal + sun.signal_e, total + sun.total_e
-    dark = closed_form.dark_e(rows)[:, None]
-    noise: dict[str, Any] = dict(
-        read_noise_e=rows.read_noise_e[:, None], gain_dn_per_e=(rows.gain_dn_per_e * gain)[:, None], dark_e=dark,
-        prnu_frac=rows.prnu_frac[:, None],
-    )  # fmt: skip
-    with np.errstate(invalid="ignore", divide="ignore"):
-        snr = sensor.snr(signal, veil_e=total - signal, **noise)
-        share = np.where(total > 0, signal / total, 0.0)
-        lowest = snr.min(axis=1)
-        if rows.worst_e is not None:
-            one, veil = at_pixels(rows, light_x, sun)
-            there = {name: column[:, :, None] for name, column in noise.items()}
-            each = np.asarray(sensor.snr(one, veil_e=veil, **there))
-            lowest = reached_by_most(each, rows.may_miss).min(axis=1)
-        ratio = rows.highlight_ratio
-        brightest = (total + dark).max(axis=1)
-        if rows.background_e is not None:
-            brightest = np.maximum(brightest, (rows.background_e * x + dark)[:, 0])
-        holds = lowest >= rows.min_snr * (1 - MEETS)
-        if rows.colour_e is not None:
-            holds &= colours_hold(rows, light_x, sun, noise)
-        holds &= ratio * brightest <= rows.well_e * (1 + MEETS)
-        level_dn = rows.gain_dn_per_e * gain * brightest + rows.black_level_dn
-        if not (rows.optimistic and rows.mean_level is not None):
-            holds &= ratio * level_dn <= rows.full_scale_dn * (1 + MEETS)
-        if rows.mean_level is not None:
-            nominal_dn = rows.gain_dn_per_e * gain * (total + dark)[:, rows.nominal] + rows.black_level_dn
-            wanted = rows.mean_level * rows.full_scale_dn
-            holds &= nominal_dn <= wanted * (1 + MEETS)
-            if not rows.optimistic:
-                holds &= nominal_dn >= wanted * (1 - MEETS)
-        if rows.min_contrast > 0 and not rows.optimistic:
-            holds &= share.min(axis=1) >= rows.min_contrast * (1 - MEETS)
-    return snr[:, rows.nominal], share[:, rows.nominal], np.asarray(holds)
-
-
-def colours_hold(rows: SceneRows, light_x: Array, sun: Sun | None, noise: dict[str, Any]) -> Array:
-    """Whether the red channel's SNR and the white balance hold at every altitude."""
-    assert rows.colour_e is not None
-    colour = rows.colour_e * light_x[:, None, None]
-    red_veil = 0.0 if rows.red_veil_e is None else rows.red_veil_e * light_x[:, None]
-    if sun is not None and sun.colour_e is not None and sun.red_total_e is not None:
-        colour = colour + sun.colour_e
-        red_veil = red_veil + (sun.red_total_e - sun.colour_e[:, :, 0])
-    holds = np.ones(len(light_x), bool)
-    if rows.min_snr_red > 0.0:
-        snr = sensor.snr(colour[:, :, 0], veil_e=red_veil, **noise)
-        holds &= np.min(snr, axis=1) >= rows.min_snr_red * (1 - MEETS)
-    if np.isfinite(rows.max_white_balance):
-        holds &= np.max(sensor.white_balance(colour), axis=1) <= rows.max_white_balance * (1 + MEETS)
-    return np.asarray(holds)
-
-
-def window_over(
-    rows: SceneRows, y_lo: Any, y_hi: Any, shortest_s: Any, longest_s: Any
-) -> tuple[Array, Array]:
-    """`settings.window` over ranges of open shutter over N_w^2 and of exposures: an X outside fits nowhere."""
-    total, nominal = rows.bright_e, rows.total_e[:, rows.nominal]
-    dark_lo, dark_hi = (np.asarray(rows.dark_current_e_s * s) for s in (shortest_s, longest_s))
-    quiet = replace(rows, dark_time_s=np.broadcast_to(np.asarray(shortest_s, float), nominal.shape))
-    least = np.zeros_like(total)
-    most, helping = least, None
-    if rows.sun_signal_e_s is not None:
-        at_least, at_most = Sun.at(rows, y_lo), Sun.at(rows, y_hi)
-        assert at_least is not None and at_most is not None
-        least, most = at_least.total_e, at_most.total_e
-        helping = Sun(
-            at_most.signal_e, np.minimum(at_least.total_e, at_most.total_e), at_most.worst_signal_e,
-            at_least.worst_total_e, at_most.colour_e, at_least.red_total_e,
-        )  # fmt: skip
-    headroom_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
-    least_nominal, most_nominal = least[:, rows.nominal] + dark_lo, most[:, rows.nominal] + dark_hi
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        high = (((rows.well_e / rows.highlight_ratio - dark_lo)[:, None] - least) / total).min(axis=1)
-        low = np.zeros(len(nominal))
-        if rows.mean_level is None:
-            full = (headroom_dn / rows.least_dn_per_e - dark_lo)[:, None]
-            high = np.minimum(high, ((full - least) / total).min(axis=1))
-        else:
-            wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
-            high = np.minimum(high, (wanted_dn / rows.least_dn_per_e - least_nominal) / nominal)
-            if not rows.optimistic:
-                low = (wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - most_nominal) / nominal
-                excess = wanted_dn[:, None] * total - (headroom_dn * nominal)[:, None]
-                spare = (headroom_dn * most_nominal)[:, None] - wanted_dn[:, None] * (
-                    least + dark_lo[:, None]
-                )
-                steep = np.abs(excess) > SLACK * wanted_dn[:, None] * total
-                high = np.minimum(high, np.where(steep & (excess > 0), spare / excess, np.inf).min(axis=1))
-                low = np.maximum(low, np.where(steep & (excess < 0), spare / excess, 0.0).max(axis=1))
-        for altitude in range(rows.signal_e.shape[1]):
-            never = np.inf if helping is None else 0.0  # with sun of another contrast it rules no X out
-            low = np.maximum(low, closed_form.light_asked_for(quiet, altitude, sun=helping, never=never))
-        if rows.min_contrast > 0.0 and not rows.optimistic:
-            low, high = contrast_window(rows, y_lo, y_hi, low, high)
-        if np.isfinite(rows.max_white_balance):
-            low, high = balance_window(rows, y_lo, y_hi, low, high)
-    low = np.maximum(np.where(np.isnan(low), np.inf, low), 0.0)
-    return low, np.where(np.isnan(high), -np.inf, high)
-
-
-def contrast_window(rows: SceneRows, y_lo: Any, y_hi: Any, low: Array, high: Array) -> tuple[Array, Array]:
-    """The window where the contrast holds at every altitude: (C X + s Y) >= k (A X + a Y)."""
-    wanted = rows.min_contrast * (1 - 1e-10)
-    gains = rows.signal_e - wanted * rows.total_e
-    if rows.sun_signal_e_s is None or rows.sun_veil_e_s is None:
-        return low, np.where((gains < 0).any(axis=1), -np.inf, high)
-    misses = wanted * (rows.sun_signal_e_s + rows.sun_veil_e_s) - rows.sun_signal_e_s
-    return share_window(gains, misses, y_lo, y_hi, low, high)
-
-
-def balance_window(rows: SceneRows, y_lo: Any, y_hi: Any, low: Array, high: Array) -> tuple[Array, Array]:
-    """The window where no channel is more than k times another: k (C_j X + s_j Y) >= C_i X + s_i Y.
-
-    Without sun no X changes it, and rows that miss it have no times.
-    """
-    if rows.colour_e is None or rows.sun_colour_e_s is None:
-        return low, high
-    most, n = rows.max_white_balance * (1 + 1e-10), len(low)
-
-    def over(channels: Array) -> Array:
-        """k c_j - c_i of every pair at every altitude, (n, n_altitudes * 9)."""
-        pairs = np.asarray(most * channels[..., None, :] - channels[..., :, None])
-        return pairs.reshape(n, int(np.prod(pairs.shape[1:])))
-
-    return share_window(over(rows.colour_e), -over(rows.sun_colour_e_s), y_lo, y_hi, low, high)
-
-
-def share_window(
-    gains: Array, misses: Array, y_lo: Any, y_hi: Any, low: Array, high: Array
-) -> tuple[Array, Array]:
-    """The window of X in which gains * X >= misses * Y may hold for some Y in its range, in every column of (n, m)."""
-    y_lo, y_hi = (np.reshape(y, (-1, 1)) for y in (y_lo, y_hi))
-    with np.errstate(divide="ignore", invalid="ignore"):  # a channel that neither lamps nor sun reach asks for nothing
-        need = np.where(misses > 0, np.where(gains > 0, misses * y_lo / gains, np.inf), 0.0)
-        cap = np.where(gains < 0, np.where(misses < 0, misses * y_hi / gains, 0.0), np.inf)
-    need = np.where((misses > 0) & (gains <= 0) & (y_lo <= 0), 0.0, need)
-    return np.maximum(low, need.max(axis=1)), np.minimum(high, cap.min(axis=1))

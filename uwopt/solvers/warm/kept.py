@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from uwopt.catalog.choose import Selection
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
-from uwopt.solvers.exact.bounds import LampChoices
 from uwopt.solvers.exact.evaluation import MOST_ROWS_AT_ONCE
-from uwopt.solvers.exact.imagers import Imagers, PortBlock, limit
-from uwopt.solvers.exact.light_tables import Lighting
+from uwopt.solvers.exact.imager_rules import limit
+from uwopt.solvers.exact.imagers import Imagers, PortBlock
+from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.node_bounds import LampChoices
 from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.warm.tables import imagers_of, of_block
