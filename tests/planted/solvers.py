@@ -448,10 +448,12 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="transfers that end inside the Nyquist square are bounded as if their nodes saw them whole",
         file="uwopt/solvers/settings/cell_information.py",
-        old="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.0, 4.5, 4.0",
-        new="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 250.0, 450.0, 400.0",
-        test="tests/solvers/test_cell_information.py"
-        "::test_discs_that_end_the_transfer_early_are_bounded_node_by_node",
+        old="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.0, 2.4, 2.2",
+        new="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.0, 4.5, 4.0",
+        test=tuple(
+            f"tests/solvers/test_cell_information.py::test_transfers_that_end_early_stay_under_their_bound[{end}]"
+            for end in ("disc", "pupil", "smear")
+        ),
     ),
     Defect(
         name="the tangent goes with the logarithm of another f-number than that of its point",

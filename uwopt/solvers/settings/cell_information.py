@@ -38,7 +38,7 @@ SMEARED_PX, SMEARED_RMS_PX = (
 SHARP_PX = 1.5  # of motion and of defocus: tangents are taken where the image is no worse, for the nodes' sake
 #: Period of the frequency at which pupil or disc end the transfer, and motion, to which the usual nodes and those of
 #: smeared images give the integral to `RULE_ERROR` in its curvature, too; beyond, nodes are told apart.
-KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.0, 4.5, 4.0
+KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.0, 2.4, 2.2
 NULL = 1e-9  # of a transfer: below it a tangent says nothing
 DARK_BIT = 1e-12  # of an integral: below it a tangent says nothing
 LATERAL_FROM, LATERAL_STEP = 0.1, 0.02  # of colour's phase: a bell below it; steps of its logarithm
