@@ -15,7 +15,7 @@ from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.dominance import hypervolume
-from uwopt.solvers.exact import bounds, large, outline
+from uwopt.solvers.exact import large, node_bounds, outline
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.audit import audit
@@ -243,7 +243,7 @@ def test_many_lights_share_places_of_a_table(monkeypatch: pytest.MonkeyPatch) ->
     at, left = np.arange(61).repeat(20), np.tile(np.linspace(-0.1, 1.2, 20), 61)
     least = [value[a:][budget[a:] <= b].min(initial=np.inf) for a, b in zip(at, left, strict=True)]
     assert (Corner.of(value, budget).within(at, left) == least).all()
-    monkeypatch.setattr(bounds, "MOST_PLACES", 7)
+    monkeypatch.setattr(node_bounds, "MOST_PLACES", 7)
     small = Corner.of(value, budget)
     assert small.least.shape == (7, 7) and (small.within(at, left) <= least).all()
 
