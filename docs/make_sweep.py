@@ -245,8 +245,8 @@ number of workers by the rule of the program itself.
 Assumptions: all workers are there from the beginning, are as fast as here and have read the catalogue; none dies; a
 message takes no time on its way (each batch takes many times as long); the scheduler's cost a batch does not grow with
 the number of workers; batches differ as the sum of missions drawn apart; the disk of who asks is as fast as here. Not
-in it: the whole table at the end, which is put together in memory (some 2 kB a mission): for 10^7 missions sweep parts
-of it into folders of their own, or read `rows/` as it is.
+in it: the whole table at the end, which is put together piece by piece, 20 000 rows at a time: of 100 000 rows it took
+3 s of the processor, and the most that the process held rose by 30 MiB.
 """
 
 

@@ -24,8 +24,8 @@ DEFECTS = (
     Defect(
         name="a confidence asked of all is no input",
         file="uwopt/sweeps/job.py",
-        old="self.ways.system, self.system_hash, self.ways.changes()])",
-        new="self.ways.system, self.system_hash])",
+        old="self.system_hash, self.ways.changes(), *traded])",
+        new="self.system_hash, *traded])",
         test=f"{TESTS}::test_a_changed_input_is_noticed[confidence]",
     ),
     Defect(
@@ -59,9 +59,23 @@ DEFECTS = (
     Defect(
         name="rows that stand twice count twice",
         file="uwopt/sweeps/store.py",
-        old="return whole if len(last) == len(whole) else whole.take(sorted(last.values()))",
-        new="return whole",
+        old="last = np.append(key[1:] != key[:-1], True)[: len(key)]",
+        new="last = np.append(True, key[1:] != key[:-1])[: len(key)]",
         test=f"{TESTS}::test_small_files_are_joined_and_rows_that_stand_twice_count_once",
+    ),
+    Defect(
+        name="points of trade-offs lose the objectives they trade",
+        file="uwopt/sweeps/rows.py",
+        old="| {FRONT + name: value for name, value in one.values.items()}",
+        new="| {FRONT + name: 0.0 for name, value in one.values.items()}",
+        test=f"{TESTS}::test_each_point_of_a_trade_off_is_a_row",
+    ),
+    Defect(
+        name="pieces of a table begin their inputs anew",
+        file="uwopt/sweeps/summary.py",
+        old="        passed = upto\n",
+        new="",
+        test=f"{TESTS}::test_a_table_is_the_same_in_pieces_of_any_size[1]",
     ),
     Defect(
         name="a damaged file ends the run",

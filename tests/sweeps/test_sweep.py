@@ -61,6 +61,11 @@ VARIED = {"speed_m_s": [0.3, 0.9, 40.0], "vehicle.altitude_m": [1.5, 1e-9]}
 Stub = Callable[..., list[tuple[Any, ...]]]
 
 
+def stored(store: SweepStore, keys: list[str]) -> list[Row]:
+    """The rows of some keys in their order."""
+    return [row for _, rows in store.pieces(keys) for row in rows.to_pylist()]
+
+
 @pytest.fixture(scope="module")
 def done(tmp_path_factory: pytest.TempPathFactory) -> uwopt.SweepSummary:
     """A sweep with missions that are solved, in which nothing fits, and that contradict themselves."""
@@ -283,11 +288,24 @@ def test_small_files_are_joined_and_rows_that_stand_twice_count_once(
             store.add([{"key": f"k{number}", "status": "optimal", "objective": float(number)}])
         store.add([{"key": "k0", "status": "optimal", "objective": 9.0}])
         assert len(list((tmp_path / "rows").glob("*.parquet"))) == 4  # two joined, two small
-        table = store.table()
-    assert sorted(table.column("key").to_pylist()) == [f"k{number}" for number in range(7)]
-    assert dict(zip(*table.select(["key", "objective"]).to_pydict().values(), strict=True))["k0"] == 9.0
+        rows = stored(store, [f"k{number}" for number in (6, 0, 99, 1, 2, 3, 4, 5)])
+    assert [row["key"] for row in rows] == ["k6", "k0", "k1", "k2", "k3", "k4", "k5"]
+    assert [row["objective"] for row in rows] == [6.0, 9.0, 1.0, 2.0, 3.0, 4.0, 5.0]
     with SweepStore(tmp_path) as store:
-        assert store.table().equals(table)
+        assert stored(store, [row["key"] for row in rows]) == rows
+
+
+@pytest.mark.parametrize("piece", [1, 3, 100])
+def test_a_table_is_the_same_in_pieces_of_any_size(
+    done: uwopt.SweepSummary, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, piece: int
+) -> None:
+    monkeypatch.setattr(store_room, "PIECE", piece)
+    monkeypatch.setattr(store_room, "MOST_OPEN", 1)
+    whole = pq.read_table(Path(done.folder) / "sweep.parquet")
+    with SweepStore(Path(done.folder)) as store:
+        pieces = list(summary_room.table_pieces(job_of([FEW], VARIED), store))
+    assert max(map(len, pieces)) <= piece
+    assert pa.concat_tables(pieces).combine_chunks().equals(whole.combine_chunks())
 
 
 def test_two_runs_do_not_write_into_one_folder(tmp_path: Path):
@@ -337,8 +355,8 @@ def test_only_a_mission_that_ends_each_process_is_given_up(tmp_path: Path):
         run = SweepRun(job, store)
         workers = DyingWorkers(lambda values: values == (3.0,))
         run.all(crew_of(workers))
-        table = store.table().to_pylist()
         keys = [task.key for task in job.tasks()]
+        table = stored(store, keys)
         assert sorted(row["key"] for row in table) == sorted(keys)
         failed = [row for row in table if row["status"] == "failed"]
         assert [keys.index(row["key"]) for row in failed] == [29]
@@ -355,7 +373,7 @@ def test_what_dies_twice_is_worked_out_all_the_same(tmp_path: Path):
 
     with SweepStore(tmp_path) as store:
         SweepRun(job, store).all(crew_of(DyingWorkers(twice)))
-        table = store.table().to_pylist()
+        table = stored(store, [task.key for task in job.tasks()])
     assert len(table) == 40
     assert {row["status"] for row in table} == {"optimal"}
 
@@ -462,3 +480,42 @@ def test_the_command_tells_how_a_given_system_does(tmp_path: Path):
     rows = pd.read_parquet(tmp_path / "sweep.parquet")
     assert rows["blur_px"][1] == pytest.approx(300 * rows["blur_px"][0])
     assert f"requirement of {(rows['status'] == 'feasible').sum()} of them" in done.stdout
+
+
+# ---------------------------------------------------------------- trade-offs
+
+
+def test_each_point_of_a_trade_off_is_a_row(tmp_path: Path) -> None:
+    cameras = [*FEW["catalog"]["cameras"], "flir-bfs-u3-51s5m", "basler-daa1280-54um"]
+    more = {"cameras": cameras, "lenses": ["computar-m1214-mp2", "fujinon-hf9ha-1b", "kowa-lm8jc"]}
+    low = {**FEW, "vehicle": {**FEW["vehicle"], "altitude_m": 1.5}, "catalog": FEW["catalog"] | more}
+    made = sweep(low, {"speed_m_s": [0.3, 40.0]}, out=tmp_path, pareto=["cost", "gsd_mm"])
+    assert (made.what, made.counts) == ("pareto", {"complete": 1, "infeasible": 1})
+    table = pd.read_parquet(tmp_path / "sweep.parquet")
+    alone = {**low, "vehicle": {**low["vehicle"], "speed_m_s": 0.3}}
+    front = uwopt.pareto(alone, objectives=["cost", "gsd_mm"], solver="exact")
+    first = table[table["speed_m_s"] == 0.3]
+    assert len(front.points) > 1
+    assert first["point"].tolist() == [point.id for point in front.points]
+    assert first["front_gsd_mm"].tolist() == [point.values["gsd_mm"] for point in front.points]
+    assert first["camera"].tolist() == [point.design.hardware.camera.id for point in front.points]
+    assert first["power_w"].tolist() == [point.design.totals.power_w for point in front.points]
+    assert set(first["points"]) == {len(front.points)}
+    last = table[table["speed_m_s"] == 40.0]
+    assert last["status"].tolist() == ["infeasible"]
+    assert last["point"].isna().all()
+    assert len((tmp_path / "sweep.csv").read_text(encoding="utf-8").splitlines()) == len(front.points) + 2
+    again = sweep(low, {"speed_m_s": [0.3, 40.0]}, out=tmp_path, pareto=["cost", "gsd_mm"])
+    assert again.kept == 2
+    assert pd.read_parquet(tmp_path / "sweep.parquet").equals(table)
+
+
+@pytest.mark.parametrize(
+    ("more", "why"),
+    [({"objective": "cost"}, "objective is given beside pareto"), ({"system": TANK_SYSTEM}, "a system is given"),
+     ({"confidence": 0.9}, "confidence is given"), ({"pareto": ["power"]}, "two or three"),
+     ({"pareto": ["power", "beauty"]}, "beauty")],
+)  # fmt: skip
+def test_what_is_no_trade_off_is_told(tmp_path: Path, more: dict[str, Any], why: str) -> None:
+    with pytest.raises(MissionError, match=why):
+        sweep(FEW, out=tmp_path, **({"pareto": ["power", "cost"]} | more))

@@ -55,6 +55,13 @@ def sweep_command(
             help="Share of scenarios in which hardware must hold; central, which is quick; or ends.",
         ),
     ] = None,
+    pareto: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A,B[,C]",
+            help="The trade-off of each mission between two or three objectives, a row a point, instead of the best.",
+        ),
+    ] = None,
     workers: Annotated[
         int | None,
         typer.Option(metavar="N", min=1, help="Processes on this machine; one a processor unless given."),
@@ -90,8 +97,8 @@ def sweep_command(
 
         made = sweep(
             missions, varied or None, out=out, system=system, objective=wanted, physics=physics and physics.value,
-            confidence=confidence, workers=workers or processors(), scheduler=scheduler,
-            kits=kits, progress=bar.report,
+            confidence=confidence, pareto=pareto.split(",") if pareto else None, workers=workers or processors(),
+            scheduler=scheduler, kits=kits, progress=bar.report,
         )  # fmt: skip
     if as_json:
         print_text(json_text(made, getattr(sys.stdout, "encoding", None) or "utf-8"))

@@ -11,11 +11,11 @@ import io
 import json
 import os
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from uwopt.errors import OutputError
 from uwopt.report.text.cells import defused, to_pay
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     AnyResult = Result | FrontResult | WhatIf | SweepSummary
 
+Writes = Callable[[BinaryIO], None]
 RESULT_FILE, BOM_FILE, PAGE_FILE = "result.json", "bom.csv", "report.html"
 BOOK_FILE = "bom.xlsx"
 FRONT_FILE, FRONT_TABLE = "front.json", "front.csv"
@@ -164,15 +165,21 @@ def check_folder(folder: str | Path) -> Path:
     return path
 
 
-def write_files(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:
-    """Write all files beside their final places, then move them; either all are new or none is."""
+def write_files(folder: Path, contents: Mapping[str, str | bytes | Writes]) -> list[Path]:
+    """Write all files beside their final places, then move them; either all are new or none is.
+
+    A content that is too large for memory is a function that writes it.
+    """
     made: list[tuple[Path, Path]] = []
     try:
         for name, content in contents.items():
             temporary = folder / f".{name}.{os.getpid()}.{threading.get_ident()}.tmp"
             made.append((temporary, folder / name))
             with temporary.open("wb") as file:
-                file.write(content if isinstance(content, bytes) else content.encode("utf-8"))
+                if callable(content):
+                    content(file)
+                else:
+                    file.write(content if isinstance(content, bytes) else content.encode("utf-8"))
                 file.flush()
                 os.fsync(file.fileno())
         with alone_in(folder):

@@ -80,7 +80,7 @@ class SweepSummary(FiledRecord):
     """What many missions amount to, as it is written to sweep.json."""
 
     status: str = Field(description="complete | interrupted: missions are missing")
-    what: str = Field(description="solve | evaluate")
+    what: str = Field(description="solve | evaluate | pareto")
     missions: Whole = Field(description="that are asked for")
     counts: dict[str, Whole] = Field(description="missions by their status; missing: not worked out yet")
     keys: list[str] = Field(description="that are set in the missions")

@@ -18,6 +18,7 @@ from uwopt.mission.checks import in_one_form
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.system import System, load_system
 from uwopt.mission.varying import Asked, VariedMission, plain_value
+from uwopt.objectives.axes import Axes
 from uwopt.sweeps.files import Files, files_named, held_hash
 from uwopt.sweeps.identity import program_identity
 from uwopt.sweeps.job import LABEL, Cell, GridPoints, SweepBase, SweepJob, SweepWays
@@ -47,6 +48,8 @@ def job_of(
     ways = ways or SweepWays()
     if system is not None:
         ways = replace(ways, command="evaluate", system=load_system(system).to_dict(absolute_paths=True))
+    if ways.pareto:
+        ways = replace(ways, command="pareto", pareto=checked_objectives(ways, system))
     tables = [one for one in named if isinstance(one, (str, Path)) and Path(one).suffix.casefold() in TABLES]
     if len(tables) > 1:
         raise MissionError(f"sweep: {len(tables)} tables are named; a sweep takes one, so join them first")
@@ -79,6 +82,15 @@ def job_of(
         value_hashes={word: held_hash(files) for word, files in of_words.items()}, files=shipped,
         system_hash=held_hash(files_named(ways.system, [None])),
     )  # fmt: skip
+
+
+def checked_objectives(ways: SweepWays, system: Any) -> tuple[str, ...]:
+    """The objectives of a trade-off; raises where something else is asked for beside it."""
+    beside = {"a system": system, "objective": ways.objective, "confidence": ways.confidence}
+    given = [name for name, value in beside.items() if value is not None]
+    if given:
+        raise MissionError(f"sweep: {given[0]} is given beside pareto; a trade-off has its own objectives and systems")
+    return Axes.of(ways.pareto).names
 
 
 def folder_of(base: SweepBase) -> Path | None:

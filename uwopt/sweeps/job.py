@@ -19,7 +19,7 @@ from uwopt.results.sweep import SweepKit
 from uwopt.sweeps.identity import DECIDING
 
 Cell = Value | None  # None: as the mission has it
-Command = Literal["solve", "evaluate"]
+Command = Literal["solve", "evaluate", "pareto"]
 LABEL = "name"  # column of a table that names its missions
 KEY_BYTES = 16
 
@@ -44,6 +44,7 @@ class SweepWays:
     physics: str | None = None
     confidence: float | str | None = None
     system: Mapping[str, Any] | None = None  # that is evaluated, with absolute paths
+    pareto: tuple[str, ...] = ()  # objectives of the trade-off
 
     def changes(self) -> dict[str, Any]:
         """Top-level values that replace those of every mission."""
@@ -111,7 +112,8 @@ class SweepJob:
     def tasks(self) -> Iterator[SweepTask]:
         """All tasks in their order: bases one after the other, each over all points."""
         identity = {name: self.identity[name] for name in DECIDING}
-        ways = hash_of([self.ways.command, self.ways.system, self.system_hash, self.ways.changes()])
+        traded = [self.ways.pareto] if self.ways.pareto else []
+        ways = hash_of([self.ways.command, self.ways.system, self.system_hash, self.ways.changes(), *traded])
         for index, base in enumerate(self.bases):
             head = hash_of([ways, base.data, base.files_hash, base.fault])
             for values in self.points:

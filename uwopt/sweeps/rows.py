@@ -6,13 +6,18 @@ Names carry their unit. Of several scenes the first stands in plain columns, all
 from __future__ import annotations
 
 import json
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 
+if TYPE_CHECKING:
+    from uwopt.results.front import FrontResult
+
 Row = dict[str, Any]
 SETTING, EXACT = "set_", "exact_"  # before settings to type in, and before those of the exact optimum
+FRONT, POINTS = "front_", "front"  # before objectives of a point; a column of all points, until they are rows
 FAILED = "failed"  # status of a mission that could not be worked out
 NOTHING_FITS = "nothing fits"
 DIED = "the process that worked on this mission ended"  # begins the message of such a row
@@ -20,16 +25,17 @@ DIED = "the process that worked on this mission ended"  # begins the message of 
 TEXTS = frozenset({
     "key", "input_hash", "catalogue_hash", "version", "inputs", "mission", "status", "message", "camera", "lens",
     "port", "housing", "complete", "light", "orientation", "lamps", "objective_name", "objective_unit", "currency",
-    "missed", "warnings", "scenes", "confidence_asked", "served",
+    "missed", "warnings", "scenes", "confidence_asked", "served", "point", "curve", "front",
 })  # fmt: skip
-WHOLES = frozenset({"n", "camera_count", "light_count"})
+WHOLES = frozenset({"n", "camera_count", "light_count", "points"})
 FLAGS = frozenset({"generic", "settable", "beyond_gain_cap"})
 #: In this order, before settings and figures.
 FIRST = (
-    "key", "mission", "inputs", "status", "message", "camera", "lens", "port", "housing", "complete", "light",
-    "camera_count", "light_count", "orientation", "spacer_mm", "lamps", "generic", "objective_name", "objective",
-    "objective_as_set", "objective_unit", "lower_bound", "gap_rel", "confidence_asked", "confidence", "settable",
-    "beyond_gain_cap", "missed", "warnings", "cost", "cost_low", "cost_high", "currency", "power_w", "mass_kg",
+    "key", "mission", "inputs", "status", "message", "points", "point", "curve", "camera", "lens", "port",
+    "housing", "complete", "light", "camera_count", "light_count", "orientation", "spacer_mm", "lamps", "generic",
+    "objective_name", "objective", "objective_as_set", "objective_unit", "lower_bound", "gap_rel",
+    "confidence_asked", "confidence", "settable", "beyond_gain_cap", "missed", "warnings", "cost", "cost_low",
+    "cost_high", "currency", "power_w", "mass_kg",
 )  # fmt: skip
 LAST = ("scenes", "time_s", "processor_s", "version", "input_hash", "catalogue_hash")
 #: Columns that a result always has, so that an input of the same name gets its section before it.
@@ -53,6 +59,32 @@ def row_of(result: Result) -> Row:
         "warnings": " ".join(dict.fromkeys(note.code for note in result.warnings)),
     }
     return row if best is None else row | design_columns(best)
+
+
+def row_of_front(front: FrontResult) -> Row:
+    """The row of a trade-off: how it ended, and its points as JSON, each of them a row of the table at the end."""
+    points = [
+        {"point": one.id, "curve": one.curve, **design_columns(one.design)}
+        | {FRONT + name: value for name, value in one.values.items()}
+        for one in front.points
+    ]
+    return {
+        "mission": str(front.mission.get("name") or "mission"), "status": front.status,
+        "message": NOTHING_FITS if front.status == "infeasible" else "",
+        "objective_name": ", ".join(one.name for one in front.objectives),
+        "warnings": " ".join(dict.fromkeys(note.code for note in front.warnings)), "points": len(points),
+        POINTS: json.dumps(points, allow_nan=False) if points else None,
+    }  # fmt: skip
+
+
+def point_rows(rows: Sequence[Row]) -> list[Row]:
+    """Rows of trade-offs with a row a point; those without points as they are."""
+    made = []
+    for row in rows:
+        told = row.get(POINTS)
+        rest = {name: value for name, value in row.items() if name != POINTS}
+        made += [rest | point for point in json.loads(told)] if told else [rest]
+    return made
 
 
 def failed_row(mission: str, message: str) -> Row:

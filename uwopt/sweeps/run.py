@@ -51,6 +51,7 @@ def sweep(
     objective: str | Mapping[str, float] | None = None,
     physics: str | None = None,
     confidence: float | str | None = None,
+    pareto: Sequence[str] | None = None,
     workers: int = 1,
     scheduler: str | None = None,
     kits: int = MOST_KITS,
@@ -65,6 +66,7 @@ def sweep(
     out : folder for the rows, the table, the summary and the page
     system : a system that is evaluated in each mission, instead of looking for the best
     confidence : share of the scenarios in which hardware must hold, `central` or `ends`, instead of the missions'
+    pareto : two or three objectives, as of `pareto`: the trade-off of each mission, a row a point, instead of its best
     kits : how many of the kits that win most often are tried in every mission, for a portfolio; 0 leaves it out
     workers : processes of this machine; with more than 1 call it below `if __name__ == "__main__":`
 
@@ -80,7 +82,7 @@ def sweep(
         raise RangeError(f"sweep: workers = {workers}; at least one is needed")
     start = time.perf_counter()
     several: list[Named] = list(named) if isinstance(named, (list, tuple)) else [named]  # type: ignore[list-item]
-    ways = SweepWays(objective=objective, physics=physics, confidence=confidence)
+    ways = SweepWays(objective=objective, physics=physics, confidence=confidence, pareto=tuple(pareto or ()))
     job = job_of(several, vary, ways=ways, system=system, with_files=scheduler is not None)
     folder = Path(out)
     with (
@@ -160,14 +162,13 @@ class Trial:
 
     def table(self, store: SweepStore) -> tuple[list[str], int]:
         """A sign a kit for each mission that was tried, its own winner served for certain; and how many kits."""
-        rows = store.table().to_pylist()
-        signs = {row["key"]: row["served"] for row in rows if row.get("served")}
-        made = []
-        for task in self.job.tasks():
-            told = signs.get(self.key(task.key)) if task.key in self.solved else None
-            if told is not None:
-                won = self.solved[task.key]
-                made.append(told if won is None or won >= len(told) else told[:won] + YES + told[won + 1 :])
+        made, mine = [], [task.key for task in self.job.tasks() if task.key in self.solved]
+        for found, rows in store.pieces(map(self.key, mine), ["key", "served"]):
+            signs = rows.column("served").to_pylist() if "served" in rows.column_names else [None] * len(rows)
+            for place, told in zip(found.tolist(), signs, strict=True):
+                if told:
+                    won = self.solved[mine[place]]
+                    made.append(told if won is None or won >= len(told) else told[:won] + YES + told[won + 1 :])
         return made, len(self.kits)
 
 

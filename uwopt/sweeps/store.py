@@ -8,12 +8,16 @@ from __future__ import annotations
 
 import contextlib
 import io
+import itertools
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from uwopt.errors import OutputError
 from uwopt.report.write import check_folder, made_folder, reason, write_files
@@ -22,9 +26,12 @@ from uwopt.sweeps.rows import DIED, FLAGS, TEXTS, WHOLES, Row
 if TYPE_CHECKING:
     import pyarrow as pa
 
+Array = NDArray[Any]
 SERVED = "served"  # folder of what kits serve
 ROWS, ENDING, DAMAGED = "rows", ".parquet", ".damaged"
 MOST_SMALL = 128  # files, before they are joined
+PIECE = 20_000  # rows of a table that are held at a time
+MOST_OPEN = 4  # files of which rows are
 LOCK = ".lock"
 
 
@@ -38,6 +45,7 @@ class SweepStore:
     _files: list[str] = field(default_factory=list)  # in the order in which they were written
     _small: dict[str, pa.Table] = field(default_factory=dict)  # those that are not joined yet
     _keys: set[str] = field(default_factory=set)
+    _open: dict[tuple[str, tuple[str, ...] | None], pa.Table] = field(default_factory=dict)  # read last
     _lock: int | None = None
     _next: int = 0
 
@@ -88,20 +96,69 @@ class SweepStore:
         if len(self._small) >= MOST_SMALL:
             self._join()
 
-    def table(self) -> pa.Table:
-        """All rows, each key once: the last of several."""
-        import pyarrow as pa
+    def columns(self) -> list[str]:
+        """Names of all columns of any row."""
         import pyarrow.parquet as pq
 
-        if not self._files:
-            return table_of([])
-        read = [
-            self._small.get(name) or pq.read_table(self.place / name, partitioning=None)
-            for name in self._files
-        ]
-        whole = pa.concat_tables(read, promote_options="permissive").combine_chunks()
-        last = {key: place for place, key in enumerate(whole.column("key").to_pylist())}
-        return whole if len(last) == len(whole) else whole.take(sorted(last.values()))
+        names = [pq.read_schema(self.place / name).names for name in self._files]
+        return list(dict.fromkeys(name for some in names for name in some)) or ["key"]
+
+    def pieces(self, keys: Iterable[str], columns: Sequence[str] | None = None) -> Iterator[tuple[Array, pa.Table]]:
+        """The rows of some keys in their order, some thousand at a time: which of the keys they are, and the rows.
+
+        A key without a row is passed over; of several rows the last counts. However many there are, a piece and its
+        files alone are held in memory, and where each key stands: 50 bytes a row.
+        """
+        import pyarrow as pa
+
+        known, file, row = self._places()
+        first, left = 0, iter(keys)
+        while some := list(itertools.islice(left, PIECE)):
+            wanted = np.array(some, "S")
+            at = np.searchsorted(known, wanted)
+            there = at < len(known)
+            there[there] = known[at[there]] == wanted[there]
+            found, at = np.flatnonzero(there), at[there]
+            parts, order = [], []
+            for number in np.unique(file[at]):
+                mine = np.flatnonzero(file[at] == number)
+                parts.append(self._read(self._files[number], columns).take(pa.array(row[at[mine]])))
+                order.append(mine)
+            if parts:
+                whole = pa.concat_tables(parts, promote_options="permissive")
+                yield first + found, whole.take(pa.array(np.argsort(np.concatenate(order))))
+            first += len(some)
+
+    def _places(self) -> tuple[Array, Array, Array]:
+        """All keys in rising order, with the file and the row where each stands last."""
+        keys, files, rows = [np.empty(0, "S1")], [np.empty(0, int)], [np.empty(0, int)]
+        for number, name in enumerate(self._files):
+            keys.append(np.array(self._read(name, ["key"]).column("key").to_pylist(), "S"))
+            files.append(np.full(len(keys[-1]), number))
+            rows.append(np.arange(len(keys[-1])))
+        key, file, row = (np.concatenate(some) for some in (keys, files, rows))
+        order = np.argsort(key, kind="stable")
+        key = key[order]
+        last = np.append(key[1:] != key[:-1], True)[: len(key)]
+        return key[last], file[order][last], row[order][last]
+
+    def _read(self, name: str, columns: Sequence[str] | None) -> pa.Table:
+        """One file, those columns of it that it has; the last few are kept as they were read."""
+        import pyarrow.parquet as pq
+
+        key = name, None if columns is None else tuple(columns)
+        if key not in self._open:
+            held = self._small.get(name)
+            known = pq.read_schema(self.place / name).names if held is None else held.column_names
+            wanted = known if columns is None else [column for column in columns if column in known] or ["key"]
+            if held is None:
+                made = pq.read_table(self.place / name, columns=wanted, partitioning=None)
+            else:
+                made = held.select(wanted)
+            while len(self._open) >= MOST_OPEN:
+                del self._open[next(iter(self._open))]
+            self._open[key] = made
+        return self._open[key]
 
     def _join(self) -> None:
         """One file in the place of the small ones."""

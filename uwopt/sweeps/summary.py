@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import itertools
+import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from uwopt.report.write import PAGE_FILE, json_text, page_text, rows_csv, write_files
+from uwopt.report.write import PAGE_FILE, Writes, json_text, page_text, rows_csv, write_files
 from uwopt.results.design import Note
 from uwopt.results.sweep import SWEEP_PARQUET, FailedMissions, SweepKit, SweepPortfolio, SweepSummary
 from uwopt.sweeps.job import LABEL, SweepJob
 from uwopt.sweeps.kits import YES
 from uwopt.sweeps.portfolio import portfolios
-from uwopt.sweeps.rows import FAILED, FIRST, LAST, OUTPUTS
-from uwopt.sweeps.store import SweepStore, parquet_bytes
+from uwopt.sweeps.rows import FAILED, FIRST, LAST, OUTPUTS, POINTS, point_rows
+from uwopt.sweeps.store import SweepStore, kind_of
 from uwopt.version import __version__
 
 if TYPE_CHECKING:
@@ -31,45 +33,88 @@ MOST_FAILURES = 20  # reasons that are told
 
 def write_sweep(made: SweepSummary, job: SweepJob, store: SweepStore, folder: Path) -> list[Path]:
     """Write the table as Parquet and CSV, the summary and the page."""
-    table = table_in_order(job, store)
-    files: dict[str, str | bytes] = {SWEEP_PARQUET: parquet_bytes(table)}
-    if len(table) <= MOST_CSV:
-        files[SWEEP_TABLE] = rows_csv(table.to_pylist(), table.column_names)
+    files: dict[str, str | bytes | Writes] = {SWEEP_PARQUET: lambda file: write_table(file, job, store)}
+    if len(job) <= MOST_CSV:
+        rows = [row for piece in table_pieces(job, store) for row in piece.to_pylist()]
+        files[SWEEP_TABLE] = rows_csv(rows, table_schema(job, store).names)
     files |= {SWEEP_FILE: json_text(made) + "\n", PAGE_FILE: page_text(made)}
     return write_files(folder, files)
 
 
-def table_in_order(job: SweepJob, store: SweepStore) -> pa.Table:
-    """The rows of a job's missions in the order of the job, with their inputs as columns.
+def write_table(file: BinaryIO, job: SweepJob, store: SweepStore) -> None:
+    """The table as Parquet, piece by piece."""
+    import pyarrow.parquet as pq
 
-    An input is called as a person names it; with `input.` before where a column of results has that name.
+    with pq.ParquetWriter(file, table_schema(job, store), compression="zstd") as writer:
+        for piece in table_pieces(job, store):
+            writer.write_table(piece)
+
+
+def table_pieces(job: SweepJob, store: SweepStore) -> Iterator[pa.Table]:
+    """The rows of a job's missions in the order of the job, with their inputs as columns, some thousand at a time."""
+    import pyarrow as pa
+
+    schema, inputs = table_schema(job, store), input_names(job, store)
+    tasks, passed = job.tasks(), 0
+    columns = [name for name in store.columns() if name != "inputs"]
+    for found, rows in store.pieces((task.key for task in job.tasks()), columns):
+        wanted, upto = set(found.tolist()), int(found[-1]) + 1
+        mine = [task for n, task in enumerate(itertools.islice(tasks, upto - passed), passed) if n in wanted]
+        passed = upto
+        made = rows.append_column("n", pa.array(found, pa.int64()))
+        for index, name in inputs.items():
+            values = [task.values[index] for task in mine]
+            made = made.append_column(name, input_array(values, schema.field(name).type))
+        if job.ways.command == "pareto":
+            made = pa.Table.from_pylist(point_rows(made.to_pylist()), schema=schema)
+        known = set(made.column_names)
+        yield pa.table(
+            [made.column(one.name) if one.name in known else pa.nulls(len(made), one.type) for one in schema],
+            schema=schema,
+        )
+
+
+def input_names(job: SweepJob, store: SweepStore) -> dict[int, str]:
+    """Inputs by their place among the job's keys, as a person names them.
+
+    With `input.` before where a column of results has that name.
     """
+    known = {*store.columns(), *OUTPUTS}
+    return {n: f"input.{key}" if key in known else key for n, key in enumerate(job.keys) if key != LABEL}
+
+
+def table_schema(job: SweepJob, store: SweepStore) -> pa.Schema:
+    """Columns of the table: the mission's number, its inputs, then what is known of it."""
     import pyarrow as pa
 
-    stored = store.table()
-    places = {key: place for place, key in enumerate(stored.column("key").to_pylist())}
-    tasks = [(n, task) for n, task in enumerate(job.tasks()) if task.key in places]
-    rows = stored.take(pa.array([places[task.key] for _, task in tasks], pa.int64()))
-    known = set(rows.column_names)
-    columns: dict[str, Any] = {"n": pa.array([n for n, _ in tasks], pa.int64())}
-    for index, key in enumerate(job.keys):
-        if key != LABEL:
-            name = f"input.{key}" if key in known | OUTPUTS else key
-            columns[name] = input_array([task.values[index] for _, task in tasks])
-    rest = sorted(known - {*FIRST, *LAST, "inputs"})
-    for name in (*(n for n in FIRST if n != "inputs"), *rest, *LAST):
-        if name in known:
-            columns[name] = rows.column(name)
-    return pa.table(columns)
+    known = set(store.columns()) - {"inputs"}
+    if job.ways.command == "pareto":
+        known = (known - {POINTS}) | point_columns(job, store)
+    given = input_names(job, store)
+    texts = set[int]()
+    for values in job.points:
+        texts |= {n for n in given if not (values[n] is None or isinstance(values[n], (int, float)))}
+    inputs = [(name, pa.string() if n in texts else pa.float64()) for n, name in given.items()]
+    names = [*(n for n in FIRST if n in known), *sorted(known - {*FIRST, *LAST}), *(n for n in LAST if n in known)]
+    return pa.schema([("n", pa.int64()), *inputs, *((name, kind_of(name)) for name in names)])
 
 
-def input_array(values: Sequence[Any]) -> Any:
-    """A column of inputs: of numbers where all are, else of texts."""
+def point_columns(job: SweepJob, store: SweepStore) -> set[str]:
+    """Names of all that is known of points of trade-offs."""
+    found: set[str] = set()
+    for _, rows in store.pieces((task.key for task in job.tasks()), [POINTS]):
+        for told in rows.column(POINTS).to_pylist() if POINTS in rows.column_names else ():
+            found |= {name for point in json.loads(told or "[]") for name in point}
+    return found
+
+
+def input_array(values: Sequence[Any], kind: pa.DataType) -> Any:
+    """A column of inputs, of numbers or of texts."""
     import pyarrow as pa
 
-    if all(value is None or isinstance(value, (int, float)) for value in values):
-        return pa.array(values, pa.float64())
-    return pa.array([None if value is None else str(value) for value in values], pa.string())
+    if kind == pa.float64():
+        return pa.array(values, kind)
+    return pa.array([None if value is None else str(value) for value in values], kind)
 
 
 # ---------------------------------------------------------------- summary
@@ -77,7 +122,7 @@ def input_array(values: Sequence[Any]) -> Any:
 
 def summary_of(job: SweepJob, store: SweepStore, *, interrupted: bool, kept: int) -> SweepSummary:
     """What the rows of a job amount to."""
-    rows = job_rows(job, store)
+    rows = list(job_rows(job, store))
     counts = Counter(str(row["status"]) for row in rows)
     missing = len(job) - len(rows)
     currencies = {row["currency"] for row in rows if row.get("currency")}
@@ -100,13 +145,11 @@ def summary_of(job: SweepJob, store: SweepStore, *, interrupted: bool, kept: int
     )
 
 
-def job_rows(job: SweepJob, store: SweepStore) -> list[Mapping[str, Any]]:
+def job_rows(job: SweepJob, store: SweepStore) -> Iterator[dict[str, Any]]:
     """What is told of each mission of a job that is worked out, in few columns."""
     wanted = ["key", "status", "message", *KIT, "generic", "cost", "currency"]
-    stored = store.table()
-    rows = stored.select([name for name in wanted if name in stored.column_names]).to_pylist()
-    by_key = {row["key"]: row for row in rows}
-    return [by_key[task.key] for task in job.tasks() if task.key in by_key]
+    for _, rows in store.pieces((task.key for task in job.tasks()), wanted):
+        yield from rows.to_pylist()
 
 
 def kits_of(rows: Sequence[Mapping[str, Any]]) -> list[SweepKit]:

@@ -26,7 +26,7 @@ from uwopt.sweeps.identity import differences, program_identity
 from uwopt.sweeps.job import LABEL, SweepBatch, SweepJob, SweepTask
 from uwopt.sweeps.kits import served_by
 from uwopt.sweeps.neighbours import warm_row
-from uwopt.sweeps.rows import Row, failed_row, row_of
+from uwopt.sweeps.rows import Row, failed_row, row_of, row_of_front
 
 MOST_BASES = 64  # missions of files that are kept read
 
@@ -96,6 +96,13 @@ class SweepWorker:
             assert ways.system is not None
             system = ways.system if self._unpacked is None else self._unpacked.at_home(ways.system)
             return row_of(evaluate(mission, system, confidence=ways.confidence))
+        if ways.command == "pareto":
+            from uwopt.api.trading import pareto
+
+            front = pareto(mission, objectives=ways.pareto, solver="exact")
+            if front.status == "interrupted":
+                raise KeyboardInterrupt
+            return row_of_front(front)
         row = warm_row(mission, self._warm)
         if row is not None:
             return row

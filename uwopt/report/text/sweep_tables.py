@@ -10,7 +10,8 @@ from uwopt.results.sweep import SweepKit, SweepSummary
 
 MOST_ROWS = 14  # of kits; the file holds all
 STATUS = {
-    "optimal": "proven best of the catalogue", "feasible": "best of what was counted", "infeasible": "nothing fits",
+    "optimal": "proven best of the catalogue", "feasible": "best of what was counted",
+    "complete": "the whole front", "infeasible": "nothing fits",
     "violated": "a requirement is missed", "stopped": "cut short", "failed": "could not be worked out",
     "missing": "not worked out yet: the same command goes on",
 }  # fmt: skip
@@ -38,6 +39,8 @@ def sweep_opening(made: SweepSummary) -> list[str]:
     if made.what == "evaluate":
         fits = made.counts.get("feasible", 0)
         told.append(f"The system meets every requirement of {fits} of them.")
+    elif made.what == "pareto":
+        told.append(f"The trade-off of {made.counts.get('complete', 0)} of them is whole; each of its points is a row.")
     elif made.kits:
         won = sum(kit.wins for kit in made.kits)
         told.append(
