@@ -61,6 +61,15 @@ def test_beside_it_stands_the_central_optimum_with_its_proof(certain: Result) ->
     assert known.central_p50 is None or known.objective_p50 <= known.central_p50 * 1.02  # of other scenarios
 
 
+def test_estimates_are_those_of_what_is_recommended(certain: Result) -> None:
+    """Not of the central optimum, which has another lens."""
+    known, best = certain.confidence, certain.recommendation
+    assert known is not None and best is not None
+    parts = {getattr(best.hardware, kind).id for kind in ("camera", "lens", "port", "light")}
+    assert not parts.issuperset(known.central_hardware)
+    assert {one.part for one in certain.assumptions if one.part} & set(known.central_hardware) <= parts
+
+
 def test_it_is_told_first_and_survives_its_file(certain: Result) -> None:
     stream = io.StringIO()
     print_blocks(short_text_blocks(certain), stream)

@@ -61,6 +61,13 @@ DEFECTS = (
         test="tests/solvers/test_confidence_draws.py::test_states_of_the_water_keep_to_what_is_in_doubt",
     ),
     Defect(
+        name="estimates of the central optimum are told of what is recommended",
+        file="uwopt/api/solving.py",
+        old="    best = sought.outcome.best[0]\n    cut_short",
+        new="    best = proven_outcome.best[0]\n    cut_short",
+        test="tests/api/test_confidence.py::test_estimates_are_those_of_what_is_recommended",
+    ),
+    Defect(
         name="K on the lamps' way is known",
         file=f"{ROOM}/waters.py",
         old='lamp_lost=LOST["least" if state.lamp_leg < 0 else "most"] ** abs(state.lamp_leg),',

@@ -212,7 +212,6 @@ def found_result(
             others = [design_of(sought, found, goal, with_rounding=False) for found in runners_up]
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
             cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
-    best = sought.outcome.best[0]
     certain, surely_best, proven_outcome = None, True, sought.outcome  # of central numbers
     if not cut and sought.outcome.best and sought.problem.mission.confidence != CENTRAL:
         from uwopt.api.certainty import with_confidence
@@ -221,6 +220,7 @@ def found_result(
             sought, winner, certain, surely_best = with_confidence(sought, winner, goal, deadline, progress, timing)
         except KeyboardInterrupt:
             cut = True
+    best = sought.outcome.best[0]
     cut_short = cut_short or cut
     generic = None
     if alternative is not None and alternative.outcome.best:
