@@ -11,6 +11,7 @@ import copy
 import json
 import math
 import os
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
@@ -73,8 +74,8 @@ def numbers(metadata: Any, *, whole: bool, name: str) -> st.SearchStrategy[Any]:
                 low = max(low, found.ge)
             elif isinstance(found, annotated_types.Gt):
                 low = max(low, found.gt + 1e-9)
-            elif isinstance(found, AfterValidator):  # `at_least`
-                low = max(low, found.func.keywords["low"])  # type: ignore[attr-defined]
+            elif isinstance(found, AfterValidator) and isinstance(found.func, partial):  # `at_least`
+                low = max(low, found.func.keywords["low"])
             elif isinstance(found, annotated_types.Le):
                 high = min(high, found.le)
             elif isinstance(found, annotated_types.Lt):

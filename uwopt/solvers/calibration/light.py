@@ -27,6 +27,7 @@ MURKIEST = 4.0  # times the mission's attenuation, and as much clearer
 NODES = np.exp(np.linspace(-np.log(MURKIEST), np.log(MURKIEST), 9))
 PATCH_PX = 32  # a side of the patch in the middle of an image
 TINY = 1e-300
+LEAST_SEEN = 0.01  # of the veil: with less of an image the floor that is seen is dark, and a level tells nothing of it
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,8 @@ def shot_light(
         for k, model in enumerate(made[id(problem)]):
             settings = settings_of(model, shot, given)
             figures, at = model.figures(0, settings), model.problem.scenes[0].nominal
-            signal[k, n] = figures.electrons_signal[0, at] + part(figures.electrons_forward, at)
+            image, veil = float(figures.electrons_signal[0, at]), part(figures.electrons_forward, at)
+            signal[k, n] = image + veil if image >= LEAST_SEEN * veil else 0.0
             back[k, n] = part(figures.electrons_backscatter, at)
             if k == len(nodes) // 2:  # the sun through the water as the mission has it
                 sun[n] = part(figures.electrons_sun, at)
