@@ -12,12 +12,13 @@ from typing import Any
 
 import pytest
 from thorough import drawn
+from turned_controls import FULL, other, turned
 
 import uwopt
 from uwopt.cli.app import app
 from uwopt.errors import MissionError, OutputError, UwoptError
 from uwopt.explore import jobs, serve, showing, state
-from uwopt.explore.controls import BY_ID, CONTROLS, OWN, Control
+from uwopt.explore.controls import BY_ID, CONTROLS, Control
 from uwopt.explore.dash_door import PreventUpdate
 from uwopt.explore.outcome import SHOWN, KeptResults, shown_figures, shown_margins
 from uwopt.explore.server import IDS, Explorer, with_upload
@@ -45,10 +46,6 @@ def explorer() -> Iterator[Explorer]:
     made = Explorer(state.OPENING, serve.HERE, serve.OWN_NAMES)
     yield made
     made.close()
-
-
-def turned(of: state.State, **texts: str) -> state.State:
-    return state.with_texts(of, {name.replace("__", "-"): text for name, text in texts.items()})
 
 
 # ---------------------------------------------------------------- controls and figures
@@ -86,31 +83,6 @@ def test_figures_are_those_of_evaluate_to_all_digits_shown(outcomes: KeptResults
             if value < 1000 and not by_page[name].startswith("once"):
                 assert float(number) == pytest.approx(value, rel=6e-4, abs=0), name
                 assert value == 0 or len(number.replace(".", "").lstrip("0")) >= 4
-
-
-#: A state in which everything matters: own parts, sun, veils.
-FULL = turned(
-    state.OPENING, **{"s-camera": OWN, "m-physics": "full", "m-scene-sun_lux": "20000", "m-scene-depth_m": "10"},
-    **{"s-light_count": "2", "m-requirements-min_snr_db": "10", "s-settings-f_number": "2"},
-)  # fmt: skip
-OTHER = {
-    "s-light": "sofirn-sd05", "s-camera": "flir-bfs-u3-51s5m", "s-lens": "kowa-lm8jc", "s-port": "",
-    "s-light_count": "3", "m-limits-cost": "900", "s-light-spectrum": "CIE FL2", "m-scene-water": "III",
-    "m-scene-seafloor": "sand", "s-orientation": "landscape",
-    "m-scene-water_table": "measured", "s-light-beam": "cosine-power", "s-port-geometry": "flat", "m-physics": "paper",
-    "m-practice": "recommended", "m-objective": "cost", "m-scene-sun_elevation_deg": "20", "s-port-thickness_mm": "20",
-    "s-settings-focus_distance_m": "1.2", "s-settings-frame_rate_hz": "7",
-}  # fmt: skip
-
-
-def other(control: Control, text: str) -> str:
-    """Another value of a control."""
-    if control.id in OTHER:
-        return OTHER[control.id]
-    if not text:
-        assert control.low is not None and control.high is not None
-        return f"{0.6 * control.low + 0.4 * control.high:.3g}"
-    return f"{0.8 * float(text):.6g}" if "." in text else str(int(0.8 * float(text)))
 
 
 PLAIN = turned(FULL, **{"m-physics": "paper"})  # a quarter of the time; most controls move something there
