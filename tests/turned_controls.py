@@ -16,7 +16,8 @@ FULL = turned(
     **{"s-light_count": "2", "m-requirements-min_snr_db": "10", "s-settings-f_number": "2"},
 )  # fmt: skip
 OTHER = {
-    "s-light": "sofirn-sd05", "s-camera": "flir-bfs-u3-51s5m", "s-lens": "kowa-lm8jc", "s-port": "",
+    "s-light": "sofirn-sd05", "s-camera": "flir-bfs-u3-51s5m", "s-lens": "computar-m1214-mp2",
+    "s-port": "blue-robotics-4-in-dome-plastic-ring-2026",
     "s-light_count": "3", "m-limits-cost": "900", "s-light-spectrum": "CIE FL2", "m-scene-water": "III",
     "m-scene-seafloor": "sand", "s-orientation": "landscape",
     "m-scene-water_table": "measured", "s-light-beam": "cosine-power", "s-port-geometry": "flat", "m-physics": "paper",
