@@ -43,8 +43,8 @@ def between(low: float, value: float, high: float) -> Quantity:
 
 
 def rivals() -> Case:
-    """Two cameras, lenses and lamps in one to two numbers; a camera of 3 W that draws 2.5 to 9, one of 4 W for sure."""
-    unsure = {"power_w": between(2.5, 3.0, 9.0), "read_noise_e": between(1.0, 2.0, 8.0)}
+    """Two cameras, lenses and lamps in one to two numbers; one camera draws 2.5 to 12 W, most likely 3, one 4 W."""
+    unsure = {"power_w": between(2.5, 3.0, 12.0), "read_noise_e": between(1.0, 2.0, 8.0)}
     return with_parts(
         one(scenes=({"visibility_m": 12.0, "water": None},), wanted={"max_blur_px": 1.0, "min_snr_db": 25.0},
             camera=unsure, light={"flux_lm": between(1.5e4, 3e4, 4e4)},
@@ -105,7 +105,7 @@ def test_what_is_proven_best_is_the_best_of_every_hardware() -> None:
     assert best is not None and certain.best.quantile(0.5) == pytest.approx(best.quantile(0.5), rel=1e-9)
     first = sought.outcome.best[0]
     assert certain.best.found.camera != first.camera
-    assert certain.best.quantile(0.5) < 0.999 * certain.tried[0].quantile(0.5)
+    assert certain.best.quantile(0.5) < 0.995 * certain.tried[0].quantile(0.5)
 
 
 def test_no_bound_is_above_what_is_counted() -> None:
