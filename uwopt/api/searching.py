@@ -29,8 +29,8 @@ def searched(
     """The search over parts that are sold, and with parts to be made where they could matter.
 
     Where nothing that is sold fits and the gain has a cap that yields, all parts without it are asked first for any
-    design that fits: where none does, nothing fits with the cap either. `like` is a search
-    of the same parts in the same scenes that differs in the cap of gain alone.
+    design that fits: where none does, nothing fits with the cap either. `like` is a search of the same parts in the
+    same scenes that differs in the cap of gain alone.
     """
     policy, capless = mission.catalog.generic, mission.without_gain_cap
     first: Generic = "allow" if policy == "allow" else "never"

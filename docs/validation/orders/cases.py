@@ -37,8 +37,26 @@ HEAD = """\
 """
 
 
+class OverFloor:
+    """What follows for any case from its water, its altitude and its field."""
+
+    c_per_m: float
+    altitude_m: float
+    field_deg: float
+
+    @property
+    def thickness(self) -> float:
+        """c d."""
+        return self.c_per_m * self.altitude_m
+
+    @property
+    def tangent(self) -> float:
+        """Half width of the image."""
+        return float(np.tan(np.deg2rad(self.field_deg / 2)))
+
+
 @dataclass(frozen=True)
-class Case:
+class Case(OverFloor):
     """One lamp over one floor in one water."""
 
     number: int
@@ -52,16 +70,6 @@ class Case:
     lobe_half_deg: float  # at half power
     field_deg: float  # full angle across a side of the image
     reflectance: float
-
-    @property
-    def thickness(self) -> float:
-        """c d."""
-        return self.c_per_m * self.altitude_m
-
-    @property
-    def tangent(self) -> float:
-        """Half width of the image."""
-        return float(np.tan(np.deg2rad(self.field_deg / 2)))
 
     @property
     def exponent(self) -> float:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from .camera import BATCHES, LEAST, STEP_U, STEP_V
-from .cases import PHASES
+from .cases import PHASES, OverFloor
 from .lamps import MOST_STEPS
 from .walk import Water, compiled, drawn_angle, phase_of, survivor, turned, water_of
 
@@ -39,7 +39,7 @@ HEAD = """\
 
 
 @dataclass(frozen=True)
-class Case:
+class Case(OverFloor):
     """One water over one floor; lengths in m, angles in degrees."""
 
     number: int
@@ -51,16 +51,6 @@ class Case:
     depth_m: float  # of the camera
     field_deg: float
     reflectance: float
-
-    @property
-    def thickness(self) -> float:
-        """c d."""
-        return self.c_per_m * self.altitude_m
-
-    @property
-    def tangent(self) -> float:
-        """Half width of the image."""
-        return float(np.tan(np.deg2rad(self.field_deg / 2)))
 
 
 @dataclass(frozen=True)
