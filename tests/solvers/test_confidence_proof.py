@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from functools import cache
 from itertools import product
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covere
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.screen import bounds_of
 from uwopt.solvers.confidence.search import Certain, can_be_proven, most_certain
+from uwopt.solvers.confidence.summary import counted, wilson
 from uwopt.solvers.confidence.together import Together
 from uwopt.solvers.exact.imagers import fitting_pairs
 from uwopt.solvers.exact.lightings import Lighting
@@ -106,6 +108,19 @@ def test_what_is_proven_best_is_the_best_of_every_hardware() -> None:
     first = sought.outcome.best[0]
     assert certain.best.found.camera != first.camera
     assert certain.best.quantile(0.5) < 0.995 * certain.tried[0].quantile(0.5)
+
+
+def test_what_fresh_scenarios_refute_is_not_certain_enough() -> None:
+    """All of the scenarios of a choice flatter it: with 95 % confidence fresh ones tell less than was asked."""
+    sought, certain = known()
+    first, objective = certain.tried[0], sought.search.objective
+    flattering = SimpleNamespace(held=1.0, outcomes=certain.best.outcomes, settings=None)
+    stops = [Counted(first.found, first.outcomes, k) for k in range(len(first.outcomes.f_numbers))]
+    seen = min(stops, key=lambda one: one.held)
+    assert wilson(seen.held, 48)[1] < 1.0
+    for asked, enough in ((0.5 * (1.0 + wilson(seen.held, 48)[1]), False), (seen.held, True)):
+        told = counted(sought.problem, objective, seen, asked=asked, share=asked, in_choice=flattering)  # type: ignore[arg-type]
+        assert told.enough is enough
 
 
 def test_no_bound_is_above_what_is_counted() -> None:

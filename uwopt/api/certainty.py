@@ -67,14 +67,14 @@ def with_confidence(
         certain, design = as_settable(sought, certain, goal, deadline)
         counted = told(problem, goal, certain, first, ends=asked == ENDS)
     found = certain.central
-    if not certain.enough:
+    if not counted.enough:
         share = "every end" if asked == ENDS else f"{100.0 * certain.asked:g} % of the scenarios"
         none = "nothing in the catalogue" if certain.proven else "nothing that was counted"
-        text = f"{none} holds in {share}; this does in {100.0 * counted.held_in_choice:.0f} %"
+        text = f"{none} holds in {share}; this does in {100.0 * min(counted.held, counted.held_in_choice):.0f} %"
         design = replace(design, warnings=[Note(NOT_CERTAIN, "confidence", text), *design.warnings])
     others = [one for one in sought.outcome.best if not same_hardware(one, found)]
     outcome = replace(sought.outcome, best=[found, *others])
-    return replace(sought, outcome=outcome), design, counted, certain.enough and certain.proven
+    return replace(sought, outcome=outcome), design, counted, counted.enough and certain.proven
 
 
 def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Deadline) -> tuple[Certain, Design]:

@@ -79,7 +79,8 @@ def counted(
     chosen = in_choice or seen
     missed = list(seen.outcomes.missed(seen.stop).items())[:MOST_LOST]
     return Confidence(
-        asked=asked, enough=chosen.held >= share, held=seen.held, held_low=low, held_high=high, scenarios=count,
+        asked=asked, enough=bool(chosen.held >= share <= max(seen.held, high)), held=seen.held, held_low=low,
+        held_high=high, scenarios=count,
         held_in_choice=chosen.held, scenarios_in_choice=chosen.outcomes.value.shape[1],
         objective_p50=reported(objective, seen.quantile(0.5)), objective_p90=reported(objective, seen.quantile(0.9)),
         f_number=seen.f_number, lost_to=[LostTo(name, number / count) for name, number in missed],
