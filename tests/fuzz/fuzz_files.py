@@ -29,7 +29,7 @@ from uwopt.documents.key_types import keys_of
 from uwopt.mission.checks import HARDWARE_KEYS
 from uwopt.mission.keys import JERLOV_TYPES, OBJECTIVES, SEAFLOORS
 from uwopt.mission.mission import sections as mission_sections
-from uwopt.mission.sections import LightMount
+from uwopt.mission.sections.vehicle import LightMount
 from uwopt.mission.system import sections as system_sections
 
 MISSION, SYSTEM = mission_sections(), system_sections()

@@ -15,7 +15,7 @@ from thorough import drawn
 
 from uwopt.errors import MissionError
 from uwopt.mission.mission import Mission, load_mission
-from uwopt.mission.sections import grid
+from uwopt.mission.sections.vehicle import grid
 from uwopt.mission.templates import mission_json_schema, mission_template
 
 EXAMPLE = Path(__file__).parents[1] / "reference" / "example_mission.yaml"

@@ -30,7 +30,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="darkest pixel taken for the mean where pixels count",
-        file="uwopt/evaluation/design_model.py",
+        file="uwopt/evaluation/design_light.py",
         old="return means.with_pixels(light)",
         new="return light",
         test="tests/evaluation/test_light_in_parts.py::test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once",

@@ -413,7 +413,7 @@ DEFECTS = (
     ),
     Defect(
         name="measured lumens of a lamp are ignored in a design",
-        file="uwopt/evaluation/design_model.py",
+        file="uwopt/evaluation/design_light.py",
         old="        ).scaled(self.lights.output_factor)  # fmt: skip",
         new="        )  # fmt: skip",
         test="tests/evaluation/test_design_model.py::test_light_that_stays_behind_the_window_reaches_no_pixel",
@@ -616,7 +616,7 @@ DEFECTS = (
     ),
     Defect(
         name="the word in place of a margin's value is not shown",
-        file="uwopt/report/text/words.py",
+        file="uwopt/report/text/formats.py",
         old="one_line(margin.word) if margin.value is None and margin.word else value, limit",
         new="value, limit",
         test="tests/report/test_tables.py::test_margin_without_a_signal_says_so_in_text_and_page",
@@ -638,7 +638,7 @@ DEFECTS = (
     ),
     Defect(
         name="a limit of cost holds the middle unless asked",
-        file="uwopt/mission/sections.py",
+        file="uwopt/mission/sections/limits.py",
         old='        default="high",\n        description="end of estimated prices',
         new='        default="central",\n        description="end of estimated prices',
         test="tests/mission/test_mission.py::test_defaults_are_those_of_the_format",

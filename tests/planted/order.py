@@ -107,8 +107,8 @@ DEFECTS = (
     Defect(
         name="a missed requirement counts as met",
         file="uwopt/report/compare/rows.py",
-        old="words.margin_ends(margin)[0], margin.satisfied)",
-        new="words.margin_ends(margin)[0], margin.value is not None)",
+        old="formats.margin_ends(margin)[0], margin.satisfied)",
+        new="formats.margin_ends(margin)[0], margin.value is not None)",
         test=f"{COMPARE}::test_each_requirement_is_told_of_every_system",
     ),
     Defect(

@@ -14,21 +14,21 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a difference of rates is told as an interval",
-        file="uwopt/report/text/words.py",
+        file="uwopt/report/text/formats.py",
         old="+ format_difference(value, unit, digits)",
         new="+ format_quantity(value, unit, digits)",
         test="tests/report/test_words.py::test_what_is_left_of_a_rate_is_no_interval",
     ),
     Defect(
         name="a rounded cost looks as if it met its limit",
-        file="uwopt/report/text/words.py",
+        file="uwopt/report/text/formats.py",
         old="if told != most and (told < most) == (spent < most)), None)",
         new="), None)",
         test="tests/report/test_words.py::test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves",
     ),
     Defect(
         name="what is left of a cost is not the difference of the numbers beside it",
-        file="uwopt/report/text/words.py",
+        file="uwopt/report/text/formats.py",
         old="return money(margin.limit - told, margin.unit)",
         new="return money(margin.margin, margin.unit)",
         test="tests/report/test_words.py::test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves",
@@ -98,14 +98,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="microseconds are printed with the digits of milliseconds",
-        file="uwopt/report/text/words.py",
+        file="uwopt/report/text/formats.py",
         old="digits_of(value * 1e3)",
         new="digits_of(value)",
         test="tests/report/test_words.py::test_settings_keep_the_digits_that_are_set",
     ),
     Defect(
         name="a level in per cent is a share",
-        file="uwopt/report/text/words.py",
+        file="uwopt/report/text/formats.py",
         old='f"{digits_of(100.0 * value)} %"',
         new='f"{digits_of(value)} %"',
         test="tests/report/test_words.py::test_settings_keep_the_digits_that_are_set",
@@ -126,7 +126,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="owned pieces are paid in the printed bill",
-        file="uwopt/report/text/words.py",
+        file="uwopt/report/text/formats.py",
         old="price(ends[0] * row.to_buy, ends[1] * row.to_buy, row.currency)",
         new="price(ends[0] * row.count, ends[1] * row.count, row.currency)",
         test="tests/report/test_tables.py::test_estimates_are_marked_with_a_legend",
@@ -140,7 +140,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the price's status is ignored in the bill",
-        file="uwopt/report/text/words.py",
+        file="uwopt/report/text/formats.py",
         old="    if row.estimated:\n        return",
         new="    if False:\n        return",
         test="tests/report/test_tables.py::test_estimates_are_marked_with_a_legend",
@@ -175,7 +175,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="control signs reach the terminal",
-        file="uwopt/report/text/words.py",
+        file="uwopt/report/text/formats.py",
         old='not unicodedata.category(c).startswith("C") else "?"',
         new='not unicodedata.category(c).startswith("Z") else "?"',
         test="tests/report/test_tables.py::test_control_signs_of_files_do_not_reach_the_terminal",
@@ -422,7 +422,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a margin just missed looks met",
-        file="uwopt/report/text/words.py",
+        file="uwopt/report/text/formats.py",
         old="value, limit = quantities_apart(margin.value, margin.limit, unit=margin.unit, digits=4)",
         new="value, limit = (quantity(end, margin.unit, 4) for end in (margin.value, margin.limit))",
         test="tests/report/test_tables.py::test_a_margin_just_missed_is_told_apart_from_its_limit",
@@ -437,8 +437,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="what is possible looks like what is asked",
         file="uwopt/report/text/doubts.py",
-        old="asked, possible = words.quantities_apart(item.limit, item.needed, unit=unit, digits=4)",
-        new="asked, possible = (words.quantity(end, unit, 4) for end in (item.limit, item.needed))",
+        old="asked, possible = formats.quantities_apart(item.limit, item.needed, unit=unit, digits=4)",
+        new="asked, possible = (formats.quantity(end, unit, 4) for end in (item.limit, item.needed))",
         test="tests/report/test_tables.py::test_what_is_possible_is_told_apart_from_what_is_asked",
     ),
     Defect(

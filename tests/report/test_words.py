@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from uwopt.report.text import words
+from uwopt.report.text import formats, vocabulary, words
 from uwopt.results.design import BillRow, Cost, Design, LampPlace
 
 
@@ -28,11 +28,11 @@ from uwopt.results.design import BillRow, Cost, Design, LampPlace
     ],
 )
 def test_settings_keep_the_digits_that_are_set(name: str, value: float | None, text: str) -> None:
-    assert words.setting_text(name, value) == text
+    assert formats.setting_text(name, value) == text
 
 
 def test_what_is_left_of_a_rate_is_no_interval() -> None:
-    assert words.change(0.05, "Hz", 1.0) == "+0.0500 Hz"
+    assert formats.change(0.05, "Hz", 1.0) == "+0.0500 Hz"
 
 
 @pytest.mark.parametrize(
@@ -40,12 +40,12 @@ def test_what_is_left_of_a_rate_is_no_interval() -> None:
     [(4210.4, "4 210 USD"), (0.0, "0 USD"), (97.5, "97.5 USD"), (9.5, "9.50 USD"), (None, "unknown USD")],
 )
 def test_money_is_in_whole_units(amount: float | None, text: str) -> None:
-    assert words.money(amount, "USD") == ("unknown" if amount is None else text)
+    assert formats.money(amount, "USD") == ("unknown" if amount is None else text)
 
 
 def test_difference_that_is_rounding_only_is_zero() -> None:
-    assert words.change(1e-13, "W", 40.0) == "0 W"
-    assert words.change(0.25, "W", 40.0) == "+0.250 W"
+    assert formats.change(1e-13, "W", 40.0) == "0 W"
+    assert formats.change(0.25, "W", 40.0) == "+0.250 W"
 
 
 def with_cost(design: Design, value: float, currency: str, bom: list[BillRow]) -> Design:
@@ -72,20 +72,20 @@ def test_unknown_prices_are_not_passed_over(make_design: Callable[..., Design]) 
     [(2_507_416.0, "2.51 Mbit/m²"), (9_400.0, "9.40 kbit/m²"), (12.0, "12.0 bit/m²"), (None, "–")],
 )
 def test_information_is_read_with_a_prefix(value: float | None, text: str) -> None:
-    assert words.quantity(value, "bit/m2") == text
-    assert words.quantity(2e6, "lm") == "2 000 000 lm"
+    assert formats.quantity(value, "bit/m2") == text
+    assert formats.quantity(2e6, "lm") == "2 000 000 lm"
 
 
 def test_small_shares_are_not_printed_as_powers_of_ten() -> None:
-    assert words.share(9.7e-9) == "below 0.001 %"
-    assert words.share(0.1) == "10.0 %"
+    assert formats.share(9.7e-9) == "below 0.001 %"
+    assert formats.share(0.1) == "10.0 %"
 
 
 def test_rules_of_the_search_and_of_the_choice_have_words() -> None:
     from uwopt.catalog.choose import RULES as CHOICE_RULES
     from uwopt.solvers.exact.account import RULES as SEARCH_RULES
 
-    assert not {*CHOICE_RULES, *SEARCH_RULES} - set(words.RULES)
+    assert not {*CHOICE_RULES, *SEARCH_RULES} - set(vocabulary.RULES)
 
 
 def test_kind_of_part_stays_before_its_rule() -> None:
@@ -93,20 +93,20 @@ def test_kind_of_part_stays_before_its_rule() -> None:
 
 
 def test_margin_that_is_rounding_only_is_zero(make_margin: Callable[..., Any]) -> None:
-    assert words.margin_text(make_margin("overlap", 0.6 + 1e-16, 0.6, ">=", "")) == "0"
+    assert formats.margin_text(make_margin("overlap", 0.6 + 1e-16, 0.6, ">=", "")) == "0"
 
 
 def test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves(make_margin: Callable[..., Any]) -> None:
     cost = Cost(13233.0, 8470.0, 27244.0, "USD", 13233.0, 8470.0, 27244.0)
     margin = make_margin("cost", 27244.0, 30000.0, "<=", "USD")
-    assert words.margin_ends(margin, cost) == ("27 000 USD", "30 000 USD")
-    assert words.margin_text(margin, cost) == "3 000 USD"  # 30 000 less 27 000, as both are told
+    assert formats.margin_ends(margin, cost) == ("27 000 USD", "30 000 USD")
+    assert formats.margin_text(margin, cost) == "3 000 USD"  # 30 000 less 27 000, as both are told
     missed = make_margin("cost", 27244.0, 27000.0, "<=", "USD")
-    assert words.margin_ends(missed, cost) == ("27 200 USD", "27 000 USD")  # else it would look met
-    assert words.margin_text(missed, cost) == "-200 USD"
+    assert formats.margin_ends(missed, cost) == ("27 200 USD", "27 000 USD")  # else it would look met
+    assert formats.margin_text(missed, cost) == "-200 USD"
     near = make_margin("cost", 27244.0, 27240.0, "<=", "USD")
-    assert words.margin_ends(near, cost)[0] == "27 244 USD"  # 27 000 is below the limit that it misses
-    assert words.margin_text(near, cost) == "-4.00 USD"
+    assert formats.margin_ends(near, cost)[0] == "27 244 USD"  # 27 000 is below the limit that it misses
+    assert formats.margin_text(near, cost) == "-4.00 USD"
 
 
 def test_a_proven_cost_has_the_digits_that_its_range_leaves() -> None:
@@ -129,8 +129,8 @@ def test_a_tilt_says_its_way(tilt_deg: float, said: str) -> None:
 
 
 def test_plain_signs_replace_what_ascii_lacks() -> None:
-    assert words.in_encoding("3 µm – 5°", "ascii") == "3 um - 5 deg"
-    assert words.in_encoding("3 µm", "utf-8") == "3 µm"
+    assert formats.in_encoding("3 µm – 5°", "ascii") == "3 um - 5 deg"
+    assert formats.in_encoding("3 µm", "utf-8") == "3 µm"
 
 
 def test_run_time_lists_steps_but_not_their_parts() -> None:

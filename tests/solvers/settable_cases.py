@@ -25,7 +25,7 @@ from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.report.text import words
+from uwopt.report.text import formats, vocabulary
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 from uwopt.solvers.settable.rounding import rounded_design
@@ -135,8 +135,8 @@ def as_read(key: str, settings: dict[str, float | None]) -> float | None:
     value = printed(settings)[name]
     if value is None or (name == "frame_rate_hz" and value == 0.0):  # no rate is asked for
         return None
-    text = words.setting_text(name, value)
-    has_unit = bool(words.SETTINGS[name][1]) or name == "dim_frac"
+    text = formats.setting_text(name, value)
+    has_unit = bool(vocabulary.SETTINGS[name][1]) or name == "dim_frac"
     number, _, unit = text.rpartition(" ") if has_unit else (text, "", "")
     read = float(number.replace(" ", ""))
     read *= {"µs": 1e-3, "%": 1e-2}.get(unit, 1.0)

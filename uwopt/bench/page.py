@@ -13,7 +13,7 @@ from uwopt.bench.charts import charts
 from uwopt.bench.run import MODULES, Bench
 from uwopt.bench.suite import COLUMNS, BenchTable, Suite
 from uwopt.report.page.html_file import compact_json, packed, rendered
-from uwopt.report.text import words
+from uwopt.report.text import formats
 from uwopt.report.text.cells import defused
 from uwopt.report.text.layout import Block, Grid, Text, block, columns, sentence
 from uwopt.report.write import check_folder, made_folder, write_files
@@ -59,7 +59,7 @@ def table_grid(table: BenchTable) -> Grid:
     ]
     grid = columns(*zip(table.head, sides, strict=True))
     for row in table.rows:
-        grid.add_row(*(Text(words.one_line(cell, 200)) for cell in row))
+        grid.add_row(*(Text(formats.one_line(cell, 200)) for cell in row))
     return grid
 
 
@@ -130,7 +130,7 @@ def bench_html(bench: Bench) -> str:
         sections.append({
             "id": suite.name, "title": suite.title, "text": suite.text, "pictures": pictures,
             "took": f"{len(bench.of(suite))} measurements in {bench.seconds[suite.name]:.0f} s",
-            "fault": words.one_line(bench.faults.get(suite.name, "")),
+            "fault": formats.one_line(bench.faults.get(suite.name, "")),
             "tables": [
                 {"title": table.title, "text": table.text, "grid": table_grid(table)}
                 for table in suite_tables(bench, suite)

@@ -61,7 +61,7 @@ def status_of(work: Callable[[], int | None]) -> int:
 def told(message: str, status: int, fault: BaseException | None = None) -> int:
     """Print a message on the error stream, and the traceback if it is asked for; returns the status."""
     from uwopt.report.text.console import discard_rest
-    from uwopt.report.text.words import in_encoding, printable
+    from uwopt.report.text.formats import in_encoding, printable
 
     stream = sys.stderr
     if stream is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from typing import Any
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.records import Housing, Light, Port
+from uwopt.evaluation.design_light import DesignLight
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.enclosures import bodies_of, housing_size_mm, mass_in_water_kg, room_needed_m
 from uwopt.forward.figures import (
@@ -22,29 +23,24 @@ from uwopt.forward.figures import (
     figures_of,
     levers_m,
 )
-from uwopt.forward.floor_light import footprint_light, uniformity
+from uwopt.forward.floor_light import uniformity
 from uwopt.forward.focus import Focus, default_dioptres_per_m, place_focus
-from uwopt.forward.lamp_light import ImageLight, LampField, SunLight, image_light
 from uwopt.forward.lamp_views import (
     bodies_refused,
     from_port_axis_m,
-    lamp_clearance_m,
     lamps_apart_m,
     least_clearance_m,
     port_radius_m,
     views_refused,
 )
 from uwopt.forward.motion import blur_time_s, required_rate_hz
-from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras, Lenses, Lights, number
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, number
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
 from uwopt.forward.sharpness import SharpRows, airy_wavelength_nm, sharpness_of
 from uwopt.forward.spacers import ring_behind_m
-from uwopt.forward.sun_light import sun_light
 from uwopt.forward.switching import camera_power_w
-from uwopt.forward.views import focus_map, table_reach_m, views, widest_corner
-from uwopt.model.image_mean import cells
-from uwopt.model.imaging import floor_point, lamp_light
+from uwopt.forward.views import focus_map, widest_corner
 from uwopt.model.lens import airy_diameter_m
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.objectives.requirements import (
@@ -58,8 +54,6 @@ from uwopt.objectives.requirements import (
 
 Array = NDArray[Any]
 
-DARK_CELLS = 80  # a side of the image, where its unlit share is counted
-
 #: Margins that say nothing where there is no lamp.
 LAMP_MARGINS = (
     "light_level_max", "light_level", "fixed_dim_frac", "min_uniformity", "lamp_clear_m", "lamp_beside_port_m",
@@ -67,39 +61,15 @@ LAMP_MARGINS = (
 )  # fmt: skip
 
 
-class DesignModel:
+class DesignModel(DesignLight):
     """One hardware choice of a problem, ready to be asked for figures in every scene."""
 
     def __init__(self, problem: Problem, hardware: Hardware):
-        self.problem, self.hardware = problem, hardware
-        one = np.array([0])
-        self.cameras: Cameras = problem.cameras.take(one + hardware.camera)
-        self.lenses: Lenses = problem.lenses.take(one + hardware.lens)
-        self.lights: Lights = problem.lights.take(one + hardware.light)
-        self.shapes = [problem.shape(hardware.port, i) for i in range(len(problem.scenes))]
+        super().__init__(problem, hardware)
         self.maps = [focus_map(s, shape) for s, shape in zip(problem.scenes, self.shapes, strict=True)]
-        self.views = [
-            views(scene, self.cameras, self.lenses, shape, landscape=hardware.landscape)
-            for scene, shape in zip(problem.scenes, self.shapes, strict=True)
-        ]
-        self.problem = problem.reaching([table_reach_m(view) for view in self.views])
         self.rates_hz: tuple[float, ...] = ()  # of images by scene, where they are set
-        self._known: dict[Any, Any] = {}  # what no setting changes, worked out once
         self.spacer_m = self._ring_m() if hardware.spacer_m is None else hardware.spacer_m  # behind each lens
         self.rows = [self._rows(i, pixels=scene.pixels) for i, scene in enumerate(problem.scenes)]
-
-    def _once(self, key: Any, make: Callable[[], Any]) -> Any:
-        """What `make` gives, kept: settings come and go, the light's integrals stay."""
-        if key not in self._known:
-            self._known[key] = make()
-        return self._known[key]
-
-    def _lit(self, key: Any, make: Callable[[], Any]) -> Any:
-        """The same of light, which missions that ask for more or less in the same scenes share."""
-        known = self.problem.known_light.setdefault(self.hardware, {})
-        if key not in known:
-            known[key] = make()
-        return known[key]
 
     def _rows(self, index: int, *, pixels: Pixels | None) -> DesignRows:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
@@ -135,66 +105,6 @@ class DesignModel:
         reached = figures_of(scene, rows, settings).snr_pixels
         return None if reached is None else float(reached[0, scene.nominal])
 
-    def light_at_centre(self, index: int) -> ImageLight:
-        """Electrons per lm s of nameplate light in the middle of the image; the veils together as one."""
-        light: ImageLight = self._lit(("centre", index), lambda: self._light_at_centre(index))
-        return light
-
-    def _light_at_centre(self, index: int) -> ImageLight:
-        hw, problem = self.hardware, self.problem
-        field = LampField(
-            problem, index, port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
-            count=hw.count, efficiency=int(self.cameras.qe_index[0]),
-        )  # fmt: skip
-        middle = np.zeros((1, 1))
-        signal, veil = field.at_pixels(self.views[index], middle, middle, veils=True)
-        light = ImageLight(signal[:, :, 0], None if veil is None else veil[:, :, 0])
-        return light.scaled(self.lights.output_factor)
-
-    def floor_light(self, index: int) -> tuple[float, float]:
-        """Mean and least floor illuminance per lumen over the footprint at the nominal altitude [1/m^2]."""
-        hw = self.hardware
-        both: tuple[float, float] = self._lit(
-            ("floor", index),
-            lambda: footprint_light(
-                self.problem,
-                index,
-                self.views[index],
-                port_index=hw.port,
-                optics=int(self.lights.optics_index[0]),
-                mount=hw.mount,
-                count=hw.count,
-                altitude=self.problem.scenes[index].nominal,
-            ),
-        )
-        return both
-
-    def dark_share(self, index: int) -> float:
-        """Share of the image that no lamp lights, at the nominal altitude."""
-        return float(self._lit(("dark", index), lambda: self._dark_share(index)))
-
-    def lamp_clearance_m(self, index: int) -> float:
-        """Least distance of a lamp's middle from any ray of the image, at the lowest altitude."""
-        return float(self._once(("clearance", index), lambda: lamp_clearance_m(
-            self.problem, index, self.views[index], port=np.array([self.hardware.port]), mount=self.hardware.mount,
-            count=self.hardware.count,
-        )[0]))  # fmt: skip
-
-    def _dark_share(self, index: int) -> float:
-        scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
-        beam = self.problem.beam(index, int(self.lights.optics_index[0]))
-        lamps, range_m = hw.mount.lamps(hw.count), float(scene.range_m[scene.nominal])
-        middles, _ = cells(DARK_CELLS)
-        along, across = np.meshgrid(view.tan_along[0] * middles, view.tan_across[0] * middles)
-        x_m, y_m, _ = floor_point(along, across, shape=self.shapes[index], range_m=range_m)
-        lit = np.zeros(x_m.shape, bool)
-        for n in range(len(lamps.share)):
-            light, _, _ = lamp_light(
-                x_m, y_m, lamps=lamps, index=n, beam=beam, range_m=range_m, slope=scene.slope
-            )
-            lit |= light > 0.0
-        return float(1.0 - lit.mean())
-
     def sharp_rows(self, index: int, dioptre_per_m: float) -> SharpRows:
         """What sharpness depends on at this focus."""
         hw = self.hardware
@@ -212,44 +122,6 @@ class DesignModel:
             ),
         )
         return sharp
-
-    def sun_light(self, index: int, *, pixels: Pixels | None = None, channel: str | None = None) -> SunLight | None:
-        """Electrons per second from the sun."""
-        key = ("sun", index, pixels, channel)
-        sun: SunLight | None = self._lit(key, lambda: self._sun_light(index, pixels, channel))
-        return sun
-
-    def _sun_light(self, index: int, pixels: Pixels | None, channel: str | None) -> SunLight | None:
-        hw = self.hardware
-        return sun_light(
-            self.problem,
-            index,
-            self.views[index],
-            np.array([hw.camera]),
-            port_index=np.array([hw.port]),
-            mount=hw.mount,
-            count=hw.count,
-            channel=channel,
-            pixels=pixels,
-        )
-
-    def image_light(self, index: int, *, pixels: Pixels | None = None, channel: str | None = None) -> ImageLight:
-        """Electrons per lm s of nameplate light."""
-        key = ("light", index, pixels, channel)
-        light: ImageLight = self._lit(key, lambda: self._image_light(index, pixels, channel))
-        return light
-
-    def _image_light(self, index: int, pixels: Pixels | None, channel: str | None) -> ImageLight:
-        hw, split = self.hardware, pixels is not None and not self.problem.paper
-        light = image_light(
-            self.problem, index, self.views[index], np.array([hw.camera]), port_index=hw.port,
-            optics=int(self.lights.optics_index[0]), mount=hw.mount, count=hw.count, pixels=pixels, channel=channel,
-            means=not split,
-        ).scaled(self.lights.output_factor)  # fmt: skip
-        if not split:
-            return light
-        means = self.image_light(index, channel=channel)  # the costly integrals, often known already
-        return means.with_pixels(light)
 
     # ------------------------------------------------------------ settings
 

@@ -17,7 +17,7 @@ from uwopt.forward.designs import Hardware
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.lamps import LAMP_FRONT_M, Mount
 from uwopt.forward.views import pair_of
-from uwopt.mission.sections import LightMount
+from uwopt.mission.sections.vehicle import LightMount
 from uwopt.objectives.requirements import MarginRows
 from uwopt.results.design import Note
 from uwopt.units import ratio_to_db

@@ -24,7 +24,7 @@ from uwopt.forward.figures import Figures, SettingRows
 from uwopt.forward.lamps import Mount, mission_mounts
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission, load_mission
-from uwopt.mission.sections import LightMount
+from uwopt.mission.sections.vehicle import LightMount
 from uwopt.mission.system import load_system
 from uwopt.model.effects import Effects
 from uwopt.model.fineness import Fineness

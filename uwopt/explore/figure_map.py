@@ -9,7 +9,7 @@ from uwopt.quantities import BY_NAME
 from uwopt.report.pictures.design_pictures import Picture
 from uwopt.report.pictures.plots import Plot, axis, heat, layout, numbers
 from uwopt.report.pictures.whatif_plots import markup_free
-from uwopt.report.text import words
+from uwopt.report.text import formats
 from uwopt.units import symbol
 
 
@@ -19,12 +19,12 @@ def map_picture(made: FigureMap) -> Picture:
     missed = sum(one is False for line in made.met for one in line)
     gaps = sum(one is None for line in made.met for one in line)
     name = titled(made.figure, made.unit)
-    caption = f"Scene {words.one_line(made.scene, 60)}, each point as evaluate has it, everything else as given."
+    caption = f"Scene {formats.one_line(made.scene, 60)}, each point as evaluate has it, everything else as given."
     if missed:
         points = len(made.x.values) * len(made.y.values)
         caption += f" At {missed} of {points} points a requirement is missed: marked x."
     if gaps:
-        caption += f" Gaps, {gaps}: {words.one_line('; '.join(made.refused), 300)}"
+        caption += f" Gaps, {gaps}: {formats.one_line('; '.join(made.refused), 300)}"
     span = f"from {min(known):.4g} to {max(known):.4g}" if known else "not known anywhere"
     return Picture(
         "map", "image", f"{name} over {made.x.key} and {made.y.key}", caption,
@@ -70,5 +70,5 @@ def words_of(value: float | str) -> Any:
 def titled(name: str, unit: str) -> str:
     """A key or figure with its unit; in words where it has them."""
     known = BY_NAME.get(name)
-    stem = known.words if known else words.one_line(name, 60)
+    stem = known.words if known else formats.one_line(name, 60)
     return markup_free(stem + (f" [{symbol(unit)}]" if unit else ""))

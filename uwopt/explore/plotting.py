@@ -16,7 +16,7 @@ from uwopt.errors import MissionError, OutputError, RangeError
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System
 from uwopt.report.pictures.design_pictures import Picture
-from uwopt.report.text import words
+from uwopt.report.text import formats
 from uwopt.results.result import Result
 from uwopt.version import __version__
 
@@ -78,7 +78,7 @@ class DesignPlot:
         figures = {one.id: slim(one.content) for one in self.pictures}
         return rendered(
             "plot.html", ("page.js",), {"figures": figures, "front": None}, title="Plot",
-            name=words.one_line(self.mission, 120), version=__version__, pictures=self.pictures,
+            name=formats.one_line(self.mission, 120), version=__version__, pictures=self.pictures,
         )  # fmt: skip
 
 

@@ -21,7 +21,7 @@ from uwopt.explore.jobs import JOBS, OF_SETTINGS, PINNED_JOBS, PINS, Jobs, pinne
 from uwopt.explore.layout import MAP_FIELDS, ends, page
 from uwopt.explore.outcome import KeptResults
 from uwopt.report.page.style import LIGHT, tokens
-from uwopt.report.text.words import printable
+from uwopt.report.text.formats import printable
 
 MOST_REQUEST_BYTES = 20_000_000
 IDS = [one.id for one in CONTROLS]

@@ -23,7 +23,7 @@ from uwopt.forward.problem import Parts, Problem
 from uwopt.forward.spacers import ring_behind_m
 from uwopt.forward.views import focus_map, views
 from uwopt.mission.mission import Mission
-from uwopt.mission.sections import Requirements
+from uwopt.mission.sections.requirements import Requirements
 from uwopt.mission.system import System
 from uwopt.model.port import lens_dioptre_per_m
 

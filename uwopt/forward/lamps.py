@@ -19,7 +19,7 @@ from uwopt.forward.part_columns import (
 )
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
-from uwopt.mission.sections import LightMount
+from uwopt.mission.sections.vehicle import LightMount
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps
 from uwopt.model.spectrum import resample_power, trapezoid_weights_nm

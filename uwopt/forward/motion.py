@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.views import Views, altitudes_m
-from uwopt.mission.sections import Requirements
+from uwopt.mission.sections.requirements import Requirements
 from uwopt.model import operation
 from uwopt.model.imaging import PortShape
 

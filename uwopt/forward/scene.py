@@ -19,7 +19,7 @@ from uwopt.catalog.curves import phase_functions, spectra
 from uwopt.catalog.curves.clarity import Clarity, ClarityEnd, clarity
 from uwopt.errors import RangeError
 from uwopt.mission.mission import SceneView
-from uwopt.mission.sections import Scene
+from uwopt.mission.sections.scene import Scene
 from uwopt.model import fineness as fine
 from uwopt.model import multiple, water
 from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr, share_beyond

@@ -22,7 +22,7 @@ from uwopt.forward.part_columns import (
 )
 from uwopt.forward.problem import Problem
 from uwopt.forward.sharpness import Bars, SharpRows, airy_f_number
-from uwopt.mission.sections import Requirements
+from uwopt.mission.sections.requirements import Requirements
 from uwopt.model import sensor
 from uwopt.model.image_mean import reached_by_most
 from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, RESOLVED_CONTRAST

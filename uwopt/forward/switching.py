@@ -18,7 +18,7 @@ from uwopt.catalog.estimates import required_class
 from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.parts.light import Light
 from uwopt.forward.part_columns import CONTINUOUS, Cameras, Lights
-from uwopt.mission.sections import Vehicle
+from uwopt.mission.sections.vehicle import Vehicle
 from uwopt.model.light import duty_frac
 
 Array = NDArray[Any]

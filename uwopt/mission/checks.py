@@ -13,7 +13,8 @@ from pydantic import BaseModel, ValidationError
 from uwopt.documents.faults import KeyPath
 from uwopt.documents.key_types import given_values, keys_of
 from uwopt.mission.keys import CLARITY_KEYS, JERLOV_TYPES, OTHER_NAMES, TARGET_WORDS
-from uwopt.mission.sections import Requirements, Vehicle
+from uwopt.mission.sections.requirements import Requirements
+from uwopt.mission.sections.vehicle import Vehicle
 
 HARDWARE_KEYS = (
     "light_count",

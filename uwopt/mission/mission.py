@@ -25,15 +25,11 @@ from uwopt.mission.fixed import Fixed
 from uwopt.mission.keys import OBJECTIVES
 from uwopt.mission.practice import DEFAULT_PRACTICE, Practice, with_practice
 from uwopt.mission.reserves import REFUSED_DEPTH, Reserve, ReserveOrWord, asked_of, held_of, kept_of
-from uwopt.mission.sections import (
-    CatalogChoice,
-    Limits,
-    Requirements,
-    RequirementsOverride,
-    Scene,
-    Vehicle,
-    VehicleOverride,
-)
+from uwopt.mission.sections.catalog_choice import CatalogChoice
+from uwopt.mission.sections.limits import Limits
+from uwopt.mission.sections.requirements import Requirements
+from uwopt.mission.sections.scene import RequirementsOverride, Scene, VehicleOverride
+from uwopt.mission.sections.vehicle import Vehicle
 
 PIXELS_PER_CIRCLE = 2.0  # default circle of confusion outside physics `paper`
 

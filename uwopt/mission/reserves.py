@@ -13,7 +13,8 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 
 from uwopt.documents.key_types import NUMBER, Section, one_of
-from uwopt.mission.sections import Requirements, Vehicle
+from uwopt.mission.sections.requirements import Requirements
+from uwopt.mission.sections.vehicle import Vehicle
 from uwopt.units import S_PER_H, db_to_ratio, ratio_to_db
 
 RECOMMENDED = "recommended"

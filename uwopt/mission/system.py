@@ -43,7 +43,7 @@ from uwopt.documents.whole_file import WholeFile, placed
 from uwopt.errors import MissionError
 from uwopt.mission.checks import Fault, valid_values
 from uwopt.mission.mission import Mission
-from uwopt.mission.sections import MAX_LIGHTS, LightMount
+from uwopt.mission.sections.vehicle import MAX_LIGHTS, LightMount
 
 PART_KINDS = ("camera", "lens", "port", "light", "housing")  # the last may be left out
 PIECES = ("camera", "lens", "port", "housing")  # what a complete camera stands for

@@ -21,7 +21,7 @@ from uwopt.forward.spacers import ring_range_m
 from uwopt.forward.views import heights_m
 from uwopt.mission.duration import Duration
 from uwopt.mission.fixed import Fixed
-from uwopt.mission.sections import Limits
+from uwopt.mission.sections.limits import Limits
 from uwopt.model.imaging import FARTHEST
 from uwopt.tolerances import BINDING_REL, SATISFIED_REL
 from uwopt.units import ratio_to_db

@@ -23,10 +23,10 @@ FRONT = "front"
 
 def short_text(result: AnyResult) -> str:
     """`<Result solve 'Reef': optimal, power 3.05 W, camera + lens + port + 2 × light>`."""
-    from uwopt.report.text import words
+    from uwopt.report.text import formats
     from uwopt.report.text.verdict import axis_name
 
-    name = words.one_line(result.mission.get("name") or "mission", 40)
+    name = formats.one_line(result.mission.get("name") or "mission", 40)
     if isinstance(result, FrontResult):
         axes = ", ".join(axis_name(one) for one in result.objectives)
         return f"<FrontResult {name!r}: {result.status}, {len(result.points)} points of {axes}>"
@@ -38,10 +38,10 @@ def short_text(result: AnyResult) -> str:
 
 def objective_text(result: Result) -> str:
     """Name and value of the objective, with its unit."""
-    from uwopt.report.text import words
+    from uwopt.report.text import formats
 
     goal = result.objective
-    return f"{words.one_line(goal.name)} {words.quantity(goal.value, goal.unit)}"
+    return f"{formats.one_line(goal.name)} {formats.quantity(goal.value, goal.unit)}"
 
 
 def parts_text(design: Design) -> str:

@@ -19,7 +19,7 @@ from uwopt.evaluation.setting_limits import BOTH_TIMES, LEVEL, SettingEnd, Setti
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.report.card.water import water_block
-from uwopt.report.text import words
+from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.layout import Block, Facts, Grid, Line, Text, block, columns, fact_lines, sentence
 from uwopt.results.design import Design, SceneResult
 from uwopt.results.result import Result
@@ -29,7 +29,7 @@ WATER_S = 5.0  # for worse waters
 AS_SET = "as set"  # nothing to spare
 DECIBELS = Decimal("0.1")  # as finely as a gain is set
 NARROW = 5e-4  # share of a setting: what is nearer to it than this, nobody sets
-NAMES = {name: text for name, (text, _) in words.SETTINGS.items()} | {BOTH_TIMES: "exposure and pulse together"}
+NAMES = {name: text for name, (text, _) in vocabulary.SETTINGS.items()} | {BOTH_TIMES: "exposure and pulse together"}
 SHOWN = ("f_number", "focus_distance_m", "exposure_ms", "pulse_ms", BOTH_TIMES, "gain_db", "dim_frac", "frame_rate_hz")
 
 
@@ -48,7 +48,7 @@ def settings_card(result: Result) -> SettingsCard | None:
     design = result.best
     if design is None:
         return None
-    name = words.one_line(result.mission.get("name") or "Mission", 100)
+    name = formats.one_line(result.mission.get("name") or "Mission", 100)
     parts = " + ".join(words.part_name(part) for part in design.hardware.named.values())
     verdict = words.as_sentence(words.status_sentence(result))
     return SettingsCard(name, parts, verdict, tuple(card_blocks(result, design)))
@@ -58,7 +58,7 @@ def card_blocks(result: Result, design: Design) -> Iterator[Block]:
     """Settings with their limits, trigger, worse water, and the day's work."""
     made, fault = recomputed(result, design)
     for index, scene in enumerate(design.scenes):
-        title = f"Set: {words.one_line(scene.name, 60)}" if len(design.scenes) > 1 else "Set"
+        title = f"Set: {formats.one_line(scene.name, 60)}" if len(design.scenes) > 1 else "Set"
         limits = limits_of(made, index, scene) if made is not None else {}
         lines: list[Line] = [settings_grid(made, index, scene, limits)]
         if made is not None:
@@ -116,7 +116,7 @@ def settings_grid(made: Replay | None, index: int, scene: SceneResult, limits: d
         cells = [NAMES[name], told, *limit_texts(name, value, limits.get(name))]
         table.add_row(*(Text(cell) for cell in cells))
         if name == "focus_distance_m" and settings.get("focus_scale_m") is not None:
-            scale = words.setting_text("focus_scale_m", settings["focus_scale_m"])
+            scale = formats.setting_text("focus_scale_m", settings["focus_scale_m"])
             ends = scale_ends(made, index, value, limits.get(name)) if made is not None else ("", "")
             table.add_row(*map(Text, (NAMES["focus_scale_m"], scale, ends[0], "", ends[1], "", "")))
     return table
@@ -132,7 +132,7 @@ def scale_ends(made: Replay, index: int, focus_m: float, limit: SettingLimit | N
         if end.factor is not None and text != AS_SET:
             dioptre = lens_dioptre_per_m(focus_m * end.factor, focus_map=made.model.maps[index])
             scale_m = on_scale_m(made.model, replace(rows, dioptre_per_m=np.array([float(dioptre)])))
-            text = "the far end" if scale_m is None else words.setting_text("focus_scale_m", scale_m)
+            text = "the far end" if scale_m is None else formats.setting_text("focus_scale_m", scale_m)
         told.append(text)
     return told[0], told[1]
 
@@ -172,7 +172,7 @@ def end_text(name: str, value: float, end: SettingEnd, rounding: str) -> str:
 
 def short_text(name: str, value: float) -> str:
     """A setting as it is typed in; of a slow rate the time between images alone, where that is told."""
-    return words.setting_text(name, value).rpartition(", once ")[2]
+    return formats.setting_text(name, value).rpartition(", once ")[2]
 
 
 def trigger_sentences(model: DesignModel, scene: SceneResult, limits: dict[str, SettingLimit]) -> Iterator[str]:
@@ -188,19 +188,19 @@ def trigger_sentences(model: DesignModel, scene: SceneResult, limits: dict[str, 
     light_ms = settings.get("pulse_ms") or 1e3 * float(model.lights.flash_duration_s[0])
     begin = "with the exposure"
     if readout_ms:
-        begin = f"{words.setting_text('pulse_ms', readout_ms)} after the exposure begins, when all rows are open"
+        begin = f"{formats.setting_text('pulse_ms', readout_ms)} after the exposure begins, when all rows are open"
     slack_ms = max(0.0, exposure_ms - readout_ms - light_ms)
     what = "flash" if kind == FLASH else "pulse"
     said = f"Trigger: the {what} begins {begin}"
     if slack_ms > NARROW * light_ms:
-        yield f"{said}, or up to {words.quantity(slack_ms, 'ms', 2)} later without any loss."
+        yield f"{said}, or up to {formats.quantity(slack_ms, 'ms', 2)} later without any loss."
     else:
         limit = limits.get("pulse_ms")
         factor = None if limit is None else limit.low_dark.factor
         spare_ms = 0.0 if factor is None else (1.0 - factor) * light_ms
         late = "nothing may be lost by delay"
         if limit is not None and spare_ms > NARROW * light_ms:
-            late = f"{words.quantity(spare_ms, 'ms', 2)} late, {breaks(limit.low_dark)} breaks"
+            late = f"{formats.quantity(spare_ms, 'ms', 2)} late, {breaks(limit.low_dark)} breaks"
         yield f"{said}; all of the exposure is lit, so delay costs light: {late}."
     yield "Ask the lamp's maker for its own delay, and allow for it in the strobe delay of the camera."
 
@@ -222,7 +222,7 @@ def stands(design: Design) -> Facts:
 
 def work_grid(result: Result, design: Design) -> Grid:
     """Lines, area, data and energy of each scene."""
-    table = columns(("", "left"), *((words.one_line(s.name, 30), "right") for s in design.scenes),
+    table = columns(("", "left"), *((formats.one_line(s.name, 30), "right") for s in design.scenes),
                     header=len(design.scenes) > 1)  # fmt: skip
     for name, texts in work_rows(result, design):
         if any(texts):
@@ -235,7 +235,7 @@ def work_rows(result: Result, design: Design) -> Iterator[tuple[str, list[str]]]
 
     def row(figure: str, unit: str, scale: float = 1.0) -> list[str]:
         values = [scene.figures.get(figure) for scene in design.scenes]
-        return ["" if value is None else words.quantity(scale * float(value), unit) for value in values]
+        return ["" if value is None else formats.quantity(scale * float(value), unit) for value in values]
 
     yield "distance between lines", row("line_spacing_m", "m")
     yield "swath", row("swath_m", "m")
@@ -248,8 +248,8 @@ def work_rows(result: Result, design: Design) -> Iterator[tuple[str, list[str]]]
     yield "data in an hour", row("data_rate_mb_s", "GB", 3.6)
     yield "energy in an hour", row("power_w", "Wh")
     hours = design.totals.endurance_h if design.totals.endurance_h is not None else design.totals.run_time_h
-    lasts = [words.quantity(hours, "h") if hours is not None else ""] * len(design.scenes)
+    lasts = [formats.quantity(hours, "h") if hours is not None else ""] * len(design.scenes)
     yield "a battery lasts", lasts
     if hours is None:
         drawn_w = [scene.figures.get("power_w") for scene in design.scenes]
-        yield "hours from 100 Wh", [words.quantity(100.0 / float(one_w), "h") if one_w else "" for one_w in drawn_w]
+        yield "hours from 100 Wh", [formats.quantity(100.0 / float(one_w), "h") if one_w else "" for one_w in drawn_w]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from uwopt.deadline import Deadline
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import SceneSettings
-from uwopt.report.text import words
+from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.layout import Block, Text, block, columns, sentence
 from uwopt.results.design import Design
 from uwopt.solvers.explain.worse_water import InWorseWater, in_worse_water
@@ -24,7 +24,7 @@ def water_block(model: DesignModel, given: list[SceneSettings], planned: Design,
         return block("If the water is worse than planned", [sentence(said)])
     table = columns(("water", "left"), ("if nothing is changed", "left"), ("what to change", "left"))
     for item in found:
-        cells = (words.one_line(item.water, 40), missed_text(item.as_planned), change_text(item, planned))
+        cells = (formats.one_line(item.water, 40), missed_text(item.as_planned), change_text(item, planned))
         table.add_row(*map(Text, cells))
     return block("If the water is worse than planned", [table])
 
@@ -34,7 +34,7 @@ def missed_text(design: Design) -> str:
     missed = {m.requirement: m for scene in design.scenes for m in scene.margins if not m.satisfied}
     said = []
     for margin in missed.values():
-        value, limit = words.margin_ends(margin)
+        value, limit = formats.margin_ends(margin)
         said.append(f"{words.requirement_name(margin.requirement)} {value}, not {limit}")
     return "; ".join(said) or "all holds"
 
@@ -50,10 +50,10 @@ def change_text(item: InWorseWater, planned: Design) -> str:
     parts = [f"fly at {100 * item.altitude_frac:.0f} % of the altitude"] if item.altitude_frac < 1.0 else []
     for ours, theirs in zip(planned.scenes, item.design.scenes, strict=True):
         changes = changed_settings(ours.settings_to_set or ours.settings, theirs.settings)
-        place = f"{words.one_line(ours.name, 30)}: " if len(planned.scenes) > 1 else ""
+        place = f"{formats.one_line(ours.name, 30)}: " if len(planned.scenes) > 1 else ""
         if changes:
             parts.append(place + ", ".join(changes))
-    power = words.quantity(item.design.totals.power_w, "W")
+    power = formats.quantity(item.design.totals.power_w, "W")
     return "; ".join(parts) + f" ({power})" if parts else "nothing"
 
 
@@ -64,7 +64,7 @@ def changed_settings(before: dict[str, float | None], after: dict[str, float | N
         old, new = before.get(name), after.get(name)
         if new is None or (old is not None and abs(new - old) <= SAME_REL * max(abs(old), abs(new))):
             continue
-        label = {"focus_distance_m": "focus in water", "pulse_ms": "pulse"}.get(name, words.SETTINGS[name][0])
+        label = {"focus_distance_m": "focus in water", "pulse_ms": "pulse"}.get(name, vocabulary.SETTINGS[name][0])
         shown = round(new, 1) + 0.0 if name == "gain_db" else float(f"{new:.3g}")
-        told.append(f"{label} {words.setting_text(name, shown)}")
+        told.append(f"{label} {formats.setting_text(name, shown)}")
     return told

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 
 from uwopt.report.compare.rows import ComparedRow, facts, figure_rows, requirement_rows, sentences
 from uwopt.report.page.html_file import rendered
-from uwopt.report.text import words
+from uwopt.report.text import formats
 from uwopt.report.text.cells import defused
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
 from uwopt.report.text.looked_at import in_page, wording
@@ -19,7 +19,7 @@ PAGE, TABLE = "compare.html", "compare.csv"
 
 def comparison_blocks(comparison: Comparison) -> list[Block]:
     """Systems, requirements, what it means, figures."""
-    names = [words.one_line(one.name, 40) for one in comparison.systems]
+    names = [formats.one_line(one.name, 40) for one in comparison.systems]
     scenes = len(comparison.systems[0].design.scenes)
     made = [block("Systems", [grid(names, facts(comparison))])]
     rows = [*requirement_rows(comparison)]
@@ -34,7 +34,7 @@ def by_scene(title: str, names: Sequence[str], rows: Sequence[ComparedRow], scen
     told = list(dict.fromkeys(row.scene for row in rows))
     return [
         block(
-            f"{title}: {words.one_line(scene, 60)}" if scenes > 1 else title,
+            f"{title}: {formats.one_line(scene, 60)}" if scenes > 1 else title,
             [grid(names, [row for row in rows if row.scene == scene])],
         )
         for scene in told
@@ -60,11 +60,11 @@ def mark(text: str, met: bool | None) -> str:
 def comparison_html(comparison: Comparison) -> str:
     """The comparison as a page."""
     first = comparison.systems[0].result
-    name = words.one_line(first.mission.get("name") or "Mission", 120)
+    name = formats.one_line(first.mission.get("name") or "Mission", 120)
     page = rendered(
         "sheet.html", (), {"figures": {}}, title="Comparison", name=name, version=first.uwopt_version,
         blocks=comparison_blocks(comparison),
-        lead=" | ".join(words.one_line(one.name, 60) for one in comparison.systems),
+        lead=" | ".join(formats.one_line(one.name, 60) for one in comparison.systems),
         said="Each system evaluated by the same rules; worst over the altitudes. What is missed stands in red.",
         foot="comparison",
     )  # fmt: skip

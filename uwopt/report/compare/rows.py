@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from uwopt.quantities import QUANTITIES
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.results.comparison import Comparison, SideBySide
 from uwopt.results.design import Design, Margin
 
@@ -50,14 +50,14 @@ def facts(comparison: Comparison) -> Iterator[ComparedRow]:
     """What each system is, costs, draws and weighs."""
     designs = [one.design for one in comparison.systems]
     goal = comparison.systems[0].result.objective
-    values = tuple(Reached(d.objective_value, words.quantity(d.objective_value, goal.unit, 4)) for d in designs)
+    values = tuple(Reached(d.objective_value, formats.quantity(d.objective_value, goal.unit, 4)) for d in designs)
     yield ComparedRow("", "objective", f"goal: {goal.name.replace('_', ' ')}", goal.direction, goal.unit, values)
     missed = [sorted({m.requirement for s in d.scenes for m in s.margins if not m.satisfied}) for d in designs]
     verdicts = tuple(Reached(float(len(m)), f"{len(m)} missed" if m else "all met", not m) for m in missed)
     yield ComparedRow("", "requirements", "requirements", "all met", "", verdicts)
     prices = tuple(Reached(d.totals.cost.value, price_text(d)) for d in designs)
     yield ComparedRow("", "price", "price", "", designs[0].totals.cost.currency, prices)
-    masses = tuple(Reached(d.totals.mass_kg, words.quantity(d.totals.mass_kg, "kg")) for d in designs)
+    masses = tuple(Reached(d.totals.mass_kg, formats.quantity(d.totals.mass_kg, "kg")) for d in designs)
     yield ComparedRow("", "mass_kg", "mass of what is known", "", "kg", masses)
     for kind in ("camera", "lens", "port", "light"):
         yield ComparedRow("", kind, kind, "", "", tuple(Reached(None, part_text(d, kind)) for d in designs))
@@ -68,7 +68,7 @@ def price_text(design: Design) -> str:
     unknown = words.n_unpriced(design.bom)
     if unknown and unknown == sum(row.to_buy for row in design.bom):
         return "unknown"
-    return words.cost_text(design.totals.cost) + (f" without {words.counted(unknown, 'part')}" if unknown else "")
+    return formats.cost_text(design.totals.cost) + (f" without {words.counted(unknown, 'part')}" if unknown else "")
 
 
 def part_text(design: Design, kind: str) -> str:
@@ -120,14 +120,14 @@ def in_hand(margin: Margin) -> tuple[bool, float]:
 def limit_text(margin: Margin) -> str:
     """What is asked, with its sense."""
     sense = {"<=": "at most ", ">=": "at least ", "=": ""}[margin.sense]
-    return sense + words.quantity(margin.limit, margin.unit, 4)
+    return sense + formats.quantity(margin.limit, margin.unit, 4)
 
 
 def cell_of(margin: Margin | None) -> Reached:
     """What a system reaches of a requirement."""
     if margin is None:
         return Reached(None, "–")
-    return Reached(margin.value, words.margin_ends(margin)[0], margin.satisfied)
+    return Reached(margin.value, formats.margin_ends(margin)[0], margin.satisfied)
 
 
 def figure_rows(comparison: Comparison) -> Iterator[ComparedRow]:
@@ -140,7 +140,7 @@ def figure_rows(comparison: Comparison) -> Iterator[ComparedRow]:
             if not any(isinstance(value, (int, float)) for value in values):
                 continue
             known, one = [None if value is None else float(value) for value in values], KNOWN[key]
-            cells = tuple(Reached(value, words.quantity(value, one.unit)) for value in known)
+            cells = tuple(Reached(value, formats.quantity(value, one.unit)) for value in known)
             yield ComparedRow(first.name, key, one.words, "", one.unit, cells)
 
 
@@ -153,7 +153,7 @@ def sentences(comparison: Comparison) -> Iterator[str]:
     for one in comparison.systems:
         if one is best:
             continue
-        name = words.one_line(one.name, 80)
+        name = formats.one_line(one.name, 80)
         missed = list(dict.fromkeys(
             words.requirement_name(m.requirement) for s in one.design.scenes for m in s.margins if not m.satisfied
         ))  # fmt: skip
@@ -170,12 +170,12 @@ def against(one: SideBySide, best: SideBySide, missed: bool) -> Iterator[str]:
     goal, ours, theirs = best.result.objective, one.design.objective_value, best.design.objective_value
     sign = 1.0 if goal.direction == "minimise" else -1.0
     if ours is not None and theirs is not None and sign * (ours - theirs) < -1e-6 * abs(theirs):
-        values = words.quantities_apart(ours, theirs, unit=goal.unit)
+        values = formats.quantities_apart(ours, theirs, unit=goal.unit)
         reasons = [*(["it does not do what is asked"] if missed else []), *outside_reasons(one)]
         why = "; ".join(reasons) or "the search of the catalogue does not hold it"
         yield f"By the goal it is better, {values[0]} against {values[1]}: {why}."
     elif ours is not None and theirs is not None:
-        values = words.quantities_apart(ours, theirs, unit=goal.unit)
+        values = formats.quantities_apart(ours, theirs, unit=goal.unit)
         yield f"By the goal the recommended one is better or as good: {values[1]} against {values[0]}."
     gains = [*better_figures(one.design, best.design, goal.name)]
     if gains:
@@ -185,7 +185,7 @@ def against(one: SideBySide, best: SideBySide, missed: bool) -> Iterator[str]:
 def outside_reasons(one: SideBySide) -> list[str]:
     """Why a system is none of those that were searched."""
     own = [*one.result.warnings, *one.design.warnings]
-    return list(dict.fromkeys(words.one_line(note.message, 200) for note in own if note.code == "outside_search"))
+    return list(dict.fromkeys(formats.one_line(note.message, 200) for note in own if note.code == "outside_search"))
 
 
 def better_figures(one: Design, best: Design, goal: str) -> Iterator[str]:
@@ -198,5 +198,5 @@ def better_figures(one: Design, best: Design, goal: str) -> Iterator[str]:
             continue
         shares = [(a - b) / max(abs(b), 1e-12) for a, b in pairs]
         if all((share if known.better == "more" else -share) >= 0.05 for share in shares):
-            ours, theirs = words.quantities_apart(*pairs[0], unit=known.unit)
+            ours, theirs = formats.quantities_apart(*pairs[0], unit=known.unit)
             yield f"{known.words} ({ours}, not {theirs})"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from uwopt.catalog.offers import Offer
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
 from uwopt.results.design import Design
 from uwopt.results.result import Result
@@ -31,11 +31,11 @@ def offers_grid(made: QuotedAgain) -> Grid:
     table = columns(("part", "left"), ("offered", "left"), ("price of one", "right"), ("held until", "left"),
                     ("lead time", "right"), ("counts", "left"))  # fmt: skip
     for offer in made.offers:
-        name = words.one_line(f"{offer.cells.get('manufacturer', '')} {offer.cells.get('model', '')}", 60)
+        name = formats.one_line(f"{offer.cells.get('manufacturer', '')} {offer.cells.get('model', '')}", 60)
         price = offer.cells.get("price", "")
-        paid = words.one_line(f"{price} {offer.cells.get('currency', '')}", 30) if price else "not told"
-        weeks = f"{words.one_line(offer.lead_time_weeks, 10)} weeks" if offer.lead_time_weeks else "not told"
-        what = words.one_line(offer.part_id if offer.named else name or offer.part_id or "no name", 60)
+        paid = formats.one_line(f"{price} {offer.cells.get('currency', '')}", 30) if price else "not told"
+        weeks = f"{formats.one_line(offer.lead_time_weeks, 10)} weeks" if offer.lead_time_weeks else "not told"
+        what = formats.one_line(offer.part_id if offer.named else name or offer.part_id or "no name", 60)
         cells = (offer.kind, what, paid, offer.valid_until or "not told", weeks, "yes" if offer.usable else "no")
         table.add_row(*(Text(cell, "red" if cell == "no" else "") for cell in cells))
     return table
@@ -43,7 +43,7 @@ def offers_grid(made: QuotedAgain) -> Grid:
 
 def place(offer: Offer) -> str:
     """Where an offer stands."""
-    return words.one_line(offer.where, 100)
+    return formats.one_line(offer.where, 100)
 
 
 def fault_lines(made: QuotedAgain) -> Iterator[Line]:
@@ -64,7 +64,7 @@ def missing_lines(made: QuotedAgain) -> Iterator[Line]:
     """What was asked and is not answered."""
     for offer in made.offers:
         if offer.missing:
-            names = words.listed([words.one_line(name, 40) for name in offer.missing])
+            names = words.listed([formats.one_line(name, 40) for name in offer.missing])
             yield sentence(f"- {place(offer)}: {names}.")
 
 
@@ -86,7 +86,7 @@ def again_sentences(made: SolvedAgain, why: Callable[[str, str], str]) -> Iterat
         yield f"Before: {verdict(made.before)}. Now: {verdict(made.after)}."
         return
     replaced = [*made.replaced()]
-    values = words.quantities_apart(before.objective_value, after.objective_value, unit=made.after.objective.unit)
+    values = formats.quantities_apart(before.objective_value, after.objective_value, unit=made.after.objective.unit)
     goal = made.after.objective.name.replace("_", " ")
     if not replaced:
         yield "The recommendation stands."
@@ -95,8 +95,8 @@ def again_sentences(made: SolvedAgain, why: Callable[[str, str], str]) -> Iterat
     told = f"{values[1]}, before {values[0]}" if values[0] != values[1] else f"{values[1]} as before"
     yield f"{words.capital(goal)}: {told}."
     yield (
-        f"Price: {words.cost_text(after.totals.cost)}, {words.quoted_share(after.totals.cost)}; before "
-        f"{words.cost_text(before.totals.cost)}, {words.quoted_share(before.totals.cost)}."
+        f"Price: {formats.cost_text(after.totals.cost)}, {words.quoted_share(after.totals.cost)}; before "
+        f"{formats.cost_text(before.totals.cost)}, {words.quoted_share(before.totals.cost)}."
     )
     if replaced:
         yield former(made, goal)
@@ -123,10 +123,11 @@ def because(made: QuotedAgain, was: str, now: str) -> str:
 
 def told_of(offer: Offer) -> str:
     """What an answer said, in short."""
-    facts = [f"{name} {words.one_line(offer.cells[name], 30)}" for name in sorted(offer.cells) if name not in NO_FACTS]
+    cells = offer.cells
+    facts = [f"{name} {formats.one_line(cells[name], 30)}" for name in sorted(cells) if name not in NO_FACTS]
     price = f"{offer.cells['price']} {offer.cells['currency']}" if offer.cells.get("price") else ""
     said = [text for text in (price, *facts[:6]) if text]
-    return f" ({words.one_line(', '.join(said), 300)})" if said else ""
+    return f" ({formats.one_line(', '.join(said), 300)})" if said else ""
 
 
 NO_FACTS = ("part", "id", "manufacturer", "model", "price", "currency", "price_date", "source_url", "availability",
@@ -138,7 +139,7 @@ def former(made: SolvedAgain, goal: str) -> str:
     now = made.former_now()
     if now is None:
         return "The former recommendation is no longer among the best systems found, or misses a requirement now."
-    value = words.quantity(now.objective_value, made.after.objective.unit, 4)
+    value = formats.quantity(now.objective_value, made.after.objective.unit, 4)
     return f"The former recommendation now reaches {value} of {goal}."
 
 

@@ -8,7 +8,7 @@ from uwopt.catalog.catalogue import plain_name
 from uwopt.report.order.book import MONEY, PERCENT, WHOLE, Page, book_bytes, new_book
 from uwopt.report.order.not_counted import NotCounted, not_counted
 from uwopt.report.order.other_parts import OtherSystem, instead_of, other_systems, why_this
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
 
@@ -26,7 +26,7 @@ LEAD_UNKNOWN = "not known, ask"
 
 def bom_book(result: Result) -> bytes:
     """The workbook of a result's bill; without a design it holds the heads only."""
-    book = new_book(f"Order: {words.one_line(result.mission.get('name') or 'mission', 100)}")
+    book = new_book(f"Order: {formats.one_line(result.mission.get('name') or 'mission', 100)}")
     best = result.best
     order_page(book, result, best)
     if best is not None:
@@ -38,7 +38,7 @@ def bom_book(result: Result) -> bytes:
 def order_page(book: Any, result: Result, best: Design | None) -> None:
     """Lines to order with live totals, and below what is not in the sum."""
     page = Page(book, ORDER, WIDTHS)
-    page.line(words.one_line(result.mission.get("name") or "Mission", 120), bold=True)
+    page.line(formats.one_line(result.mission.get("name") or "Mission", 120), bold=True)
     page.line(words.as_sentence(words.status_sentence(result)))
     page.text(1, "number of systems", bold=True)
     page.check(page.entry(3, 1, WHOLE), "whole", 1, MOST_SYSTEMS, f"a whole number from 1 to {MOST_SYSTEMS}")
@@ -71,7 +71,7 @@ def bill_line(page: Page, result: Result, row: BillRow, number: int) -> None:
         page.number(column, price, MONEY)
     page.check(page.entry(12, None, MONEY), "decimal", 0, 1e9, "a price of 0 or above, in the currency beside it")
     page.text(13, row.currency)
-    page.text(14, words.known_price(row).split(",")[0] if row.unit_price is not None else "unknown")
+    page.text(14, formats.known_price(row).split(",")[0] if row.unit_price is not None else "unknown")
     page.text(15, row.price_date or "no date")
     for column, each in ((16, "I"), (17, "J"), (18, "K")):
         page.formula(column, f'=IF(L{n}<>"",H{n}*L{n},IF({each}{n}<>"",H{n}*{each}{n},""))', MONEY)

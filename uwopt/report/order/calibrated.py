@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from uwopt.report.order.answers import again_sentences
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
 from uwopt.solvers.calibration.fit import Fitted
 from uwopt.solvers.calibration.summary import Calibrated
@@ -19,12 +19,12 @@ MOST_ROWS = 60  # of a table of shots
 def calibration_blocks(made: Calibrated) -> list[Block]:
     """Factors, shots, what was left out, and what it changes."""
     blocks = [
-        block(f"What {words.counted(len(made.shots), 'shot')} tell of {words.one_line(made.scene, 60)}",
+        block(f"What {words.counted(len(made.shots), 'shot')} tell of {formats.one_line(made.scene, 60)}",
               [factor_grid(made), *map(sentence, fit_sentences(made))]),
         block("Shots against the fit", [shot_grid(made)]),
     ]  # fmt: skip
     lines: list[Line] = [
-        sentence(f"- {words.one_line(name, 60)}: left out, {why}.", "yellow") for name, why in made.left_out.items()
+        sentence(f"- {formats.one_line(name, 60)}: left out, {why}.", "yellow") for name, why in made.left_out.items()
     ]
     lines += [sentence(f"- {text}.", "yellow") for text in outlier_texts(made)]
     lines += [sentence(f"- {words.capital(text)}.", "yellow") for text in made.notes]
@@ -86,7 +86,7 @@ def outlier_texts(made: Calibrated) -> Iterator[str]:
         if is_out:
             way = "brighter" if off > 0 else "darker"
             yield (
-                f"{words.one_line(shot.name, 60)}: {format_number(100.0 * abs(off), 2)} % {way} than the others say, "
+                f"{formats.one_line(shot.name, 60)}: {format_number(100.0 * abs(off), 2)} % {way} than the others say, "
                 "not taken; look at it again"
             )
 
@@ -98,8 +98,8 @@ def shot_grid(made: Calibrated) -> Grid:
     rows = zip(made.shots, made.net_dn, made.fit.predicted_dn, made.fit.residual_frac, made.fit.outlier, strict=True)
     for shot, net, told, off, is_out in list(rows)[:MOST_ROWS]:
         cells = (
-            words.one_line(shot.name, 24), words.quantity(shot.distance_m, "m"),
-            words.quantity(1e3 * shot.exposure_s, "ms"), format_number(shot.gain, 3), f"{format_number(net, 4)} DN",
+            formats.one_line(shot.name, 24), formats.quantity(shot.distance_m, "m"),
+            formats.quantity(1e3 * shot.exposure_s, "ms"), format_number(shot.gain, 3), f"{format_number(net, 4)} DN",
             f"{format_number(float(told), 4)} DN", f"{100.0 * off:+.1f} %",
         )  # fmt: skip
         table.add_row(*(Text(cell, "yellow" if is_out else "") for cell in cells))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 
@@ -26,7 +26,7 @@ def not_counted(result: Result, best: Design) -> list[NotCounted]:
 def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
     ids = {row.id for row in best.bom}
     hardware, totals = best.hardware, best.totals
-    depth = words.quantity(depth_m(result), "m")
+    depth = formats.quantity(depth_m(result), "m")
     cameras = words.counted(hardware.camera_count, "camera")
     if hardware.housing is None and hardware.complete is None:
         yield NotCounted(
@@ -41,11 +41,12 @@ def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
         rate = max((float(s.figures.get("data_rate_mb_s") or 0.0) for s in best.scenes), default=0.0)
         yield NotCounted(
             "computer with storage",
-            f"takes {words.quantity(rate, 'mb_s')}, {words.quantity(3.6 * rate, 'gb')} in an hour, as images are taken",
+            f"takes {formats.quantity(rate, 'mb_s')}, {formats.quantity(3.6 * rate, 'gb')} in an hour, "
+            "as images are taken",
         )
     if "rest-battery" not in ids:
-        energy = "" if totals.energy_wh is None else f"; {words.quantity(totals.energy_wh, 'wh')} over the mission"
-        mean, peak = words.quantity(totals.power_w, "w"), words.quantity(totals.light_peak_power_w, "w")
+        energy = "" if totals.energy_wh is None else f"; {formats.quantity(totals.energy_wh, 'wh')} over the mission"
+        mean, peak = formats.quantity(totals.power_w, "w"), formats.quantity(totals.light_peak_power_w, "w")
         drawn = f"{mean} on average, lamps {peak} while they burn{energy}"
         yield NotCounted("batteries", f"{drawn}; none where the vehicle feeds the system")
     yield NotCounted("spares", "O-rings and fuses are a line above" if "rest-spares" in ids else "none is counted")

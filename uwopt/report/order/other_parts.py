@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
 from uwopt.units import db_to_ratio, format_number
@@ -43,7 +43,7 @@ def other_systems(result: Result) -> list[OtherSystem]:
             continue
         own = {kind: part.id for kind, part in best.hardware.parts.items()}
         differs = ", ".join(f"{kind} {part_id}" for kind, part_id in ids.items() if own.get(kind) != part_id)
-        place = f"best with a {other.kind} of {words.one_line(other.maker, 60)}"
+        place = f"best with a {other.kind} of {formats.one_line(other.maker, 60)}"
         found.append(OtherSystem(place, differs, ids, None, value, worse_frac(result, value), None))
     return sorted(found, key=lambda one: math.inf if one.worse_frac is None else one.worse_frac)
 

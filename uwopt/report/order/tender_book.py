@@ -10,7 +10,7 @@ from uwopt.catalog.offers import FORM, KEYS, MAKERS
 from uwopt.catalog.parts.part import Kind
 from uwopt.report.order.book import Page, book_bytes, new_book
 from uwopt.report.order.tender_lines import COMMERCIAL, AskedFact, TenderLine
-from uwopt.report.text import words
+from uwopt.report.text import formats
 from uwopt.results.result import Result
 
 BOOK_FILE, LETTER_FILE = "tender.xlsx", "letter.txt"
@@ -22,7 +22,7 @@ FIRST_ANSWER = len(HEADS) + 1
 
 def tender_book(result: Result, lines: Sequence[TenderLine]) -> bytes:
     """The workbook: how to fill it in, and a sheet a line."""
-    book = new_book(f"Tender: {words.one_line(result.mission.get('name') or 'mission', 100)}")
+    book = new_book(f"Tender: {formats.one_line(result.mission.get('name') or 'mission', 100)}")
     read_me(book, result, lines)
     for line in lines:
         line_page(book, line)
@@ -32,7 +32,7 @@ def tender_book(result: Result, lines: Sequence[TenderLine]) -> bytes:
 def read_me(book: Any, result: Result, lines: Sequence[TenderLine]) -> None:
     """What is tendered, and how to answer."""
     page = Page(book, "Read me", (30, 90))
-    page.line(words.one_line(result.mission.get("name") or "Mission", 120), bold=True)
+    page.line(formats.one_line(result.mission.get("name") or "Mission", 120), bold=True)
     page.row += 1
     for text in HOW:
         page.line("", text, wrap=True)
@@ -103,9 +103,9 @@ def answers(page: Page, key: str, kind: Kind) -> None:
 
 def letter(result: Result, lines: Sequence[TenderLine]) -> str:
     """A letter to makers, as text to be sent with the workbook."""
-    name = words.one_line(result.mission.get("name") or "our mission", 120)
+    name = formats.one_line(result.mission.get("name") or "our mission", 120)
     wanted = "\n".join(
-        f"- {line.count} x {line.kind}" + ("" if line.generic else f", such as {words.one_line(line.name, 80)}")
+        f"- {line.count} x {line.kind}" + ("" if line.generic else f", such as {formats.one_line(line.name, 80)}")
         for line in lines
     )
     hard = [

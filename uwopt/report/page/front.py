@@ -12,7 +12,7 @@ from typing import Any
 from uwopt.quantities import BY_NAME
 from uwopt.report.page.sections import Card, bar, cards, scene_value
 from uwopt.report.page.style import SCALE_DARK, SCALE_LIGHT
-from uwopt.report.text import words
+from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.front_tables import pick_names
 from uwopt.report.text.tables import has_no_limit, kinds_by_id, scenes_to_set, shown_settings
 from uwopt.report.text.verdict import axis_name, best_and_worst
@@ -79,13 +79,17 @@ def front_data(front: FrontResult) -> dict[str, Any]:
             for index, point in enumerate(front.points)
         ],
         "picks": [
-            {"name": words.one_line(pick.name, 40), "point": pick.point, "definition": words.one_line(pick.definition)}
+            {
+                "name": formats.one_line(pick.name, 40),
+                "point": pick.point,
+                "definition": formats.one_line(pick.definition),
+            }
             for pick in front.picks
         ],
         "peers": [
-            {"method": words.one_line(peer.method, 30), "values": values,
-             "shown": texts.row(*(words.quantity(v, c.unit, 4) for v, c in zip(values, columns, strict=False))),
-             "hardware": texts.number(words.one_line(" + ".join(peer.hardware), 200))}
+            {"method": formats.one_line(peer.method, 30), "values": values,
+             "shown": texts.row(*(formats.quantity(v, c.unit, 4) for v, c in zip(values, columns, strict=False))),
+             "hardware": texts.number(formats.one_line(" + ".join(peer.hardware), 200))}
             for peer, values in zip(front.peers, peer_values(front, columns), strict=True)
         ],
         "texts": texts.all,
@@ -118,7 +122,7 @@ def front_columns(front: FrontResult) -> list[PointColumn]:
 
 def column(key: str, title: str, unit: str, values: Sequence[float | None]) -> PointColumn:
     """Numbers in the unit that their largest is read in."""
-    per, unit = words.prefixed(unit, max((abs(v) for v in values if v is not None), default=0.0))
+    per, unit = formats.prefixed(unit, max((abs(v) for v in values if v is not None), default=0.0))
     return PointColumn(key, title, unit, per, [None if value is None else value / per for value in values])
 
 
@@ -159,7 +163,7 @@ def beside(design: Design, name: str) -> float | None:
 
 def currency(front: FrontResult) -> str:
     """The currency of the mission's limits."""
-    return words.one_line((front.mission.get("limits") or {}).get("currency") or "", 8)
+    return formats.one_line((front.mission.get("limits") or {}).get("currency") or "", 8)
 
 
 def point_data(
@@ -171,8 +175,8 @@ def point_data(
     kinds, cost = kinds_by_id(design), design.totals.cost
     parts, many = hardware.parts.values(), hardware.camera_count
     return {
-        "id": words.one_line(point.id, 20), "pick": pick, "curve": words.one_line(point.curve, 20),
-        "method": words.one_line(point.method, 20), "values": [value for *_, value in numbers],
+        "id": formats.one_line(point.id, 20), "pick": pick, "curve": formats.one_line(point.curve, 20),
+        "method": formats.one_line(point.method, 20), "values": [value for *_, value in numbers],
         "shown": texts.row(*(shown_text(design, key, unit, value) for key, unit, value in numbers)),
         "parts": texts.row(*(words.part_id(part) for part in parts)),
         "short": texts.row(*(short[words.part_id(part)] for part in parts)),
@@ -182,7 +186,7 @@ def point_data(
         "cards": [texts.row(*card_texts(card)) for card in cards(design)],
         "scenes": [
             {
-                "name": texts.number(words.one_line(scene.name, 60) if len(design.scenes) > 1 else ""),
+                "name": texts.number(formats.one_line(scene.name, 60) if len(design.scenes) > 1 else ""),
                 "title": texts.number(settings_title(scene)),
                 "settings": [texts.row(name, value) for name, value in setting_pairs(scene)],
                 "margins": [
@@ -197,7 +201,7 @@ def point_data(
 
 def shown_text(design: Design, key: str, unit: str, value: float | None) -> str:
     """A number of a point in words; its cost as a range where prices are estimated."""
-    return words.cost_text(design.totals.cost) if key == "cost" else words.quantity(value, unit, 4)
+    return formats.cost_text(design.totals.cost) if key == "cost" else formats.quantity(value, unit, 4)
 
 
 def card_texts(card: Card) -> tuple[str, str, str]:
@@ -214,7 +218,7 @@ def setting_pairs(scene: SceneResult) -> list[tuple[str, str]]:
     """The settings to type in, in words."""
     chosen = scene.settings_to_set or scene.settings
     return [
-        (words.SETTINGS[name][0], words.setting_text(name, chosen.get(name)))
+        (vocabulary.SETTINGS[name][0], formats.setting_text(name, chosen.get(name)))
         for name in shown_settings([scene])
     ]
 
@@ -222,7 +226,7 @@ def setting_pairs(scene: SceneResult) -> list[tuple[str, str]]:
 def stand_text(hardware: UsedHardware) -> str:
     """How camera and lights stand."""
     mounts = words.mounts_text(hardware.light_mounts)
-    return f"{words.one_line(hardware.orientation, 20)}" + (f", lights {mounts}" if mounts else "")
+    return f"{formats.one_line(hardware.orientation, 20)}" + (f", lights {mounts}" if mounts else "")
 
 
 def front_cards(front: FrontResult) -> list[Card]:
@@ -231,7 +235,7 @@ def front_cards(front: FrontResult) -> list[Card]:
     made = [
         Card(
             "Systems",
-            words.count_text(len(front.points)),
+            formats.count_text(len(front.points)),
             f"of {words.counted(curves, 'choice')} of hardware",
         )
     ]
@@ -247,7 +251,7 @@ def history_figure(front: FrontResult) -> dict[str, Any] | None:
     if not kept:
         return None
     lines: list[dict[str, Any]] = [
-        {"type": "scatter", "mode": "lines+markers", "name": words.one_line(method.name, 30), "marker": {"size": 5},
+        {"type": "scatter", "mode": "lines+markers", "name": formats.one_line(method.name, 30), "marker": {"size": 5},
          "x": [row[0] for row in method.history], "y": [row[1] for row in method.history]}
         for method in kept
     ]  # fmt: skip

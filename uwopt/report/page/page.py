@@ -16,7 +16,7 @@ from uwopt.report.page.front import front_cards, front_data, history_figure
 from uwopt.report.page.html_file import compact_json, packed, rendered, safe_id, slim
 from uwopt.report.page.sections import DesignPart
 from uwopt.report.page.svg import clean_svg
-from uwopt.report.text import doubts, exactness, tables, words
+from uwopt.report.text import doubts, exactness, formats, tables, words
 from uwopt.report.text.certainty import percent
 from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
 from uwopt.report.text.in_hand import fails_first
@@ -85,8 +85,8 @@ def report_html(result: Result | FrontResult) -> str:
     data["figures"] = in_figure(data["figures"], said)
     page = rendered(
         "page.html", scripts, data, result=result, front=front, version=result.uwopt_version, table=table,
-        quantity=words.quantity, title=TITLES.get(result.command, "Result"),
-        name=words.one_line(result.mission.get("name") or "Mission", 120), first=first, second=second,
+        quantity=formats.quantity, title=TITLES.get(result.command, "Result"),
+        name=formats.one_line(result.mission.get("name") or "Mission", 120), first=first, second=second,
         parts=parts, pictures=pictures, groups=GROUPS, facts=facts,
         short=list(short_blocks(result)) if isinstance(result, Result) else [],
         alternatives=page_parts.alternatives(result), why=why_block(result), trust=list(trust_blocks(result)),
@@ -118,7 +118,7 @@ def design_parts(result: Result | FrontResult, pictures: Pictures) -> Iterator[D
         width_mm = common_width_mm([result.point(point_id).design for point_id in names])
         for number, (point_id, name) in enumerate(names.items()):
             definition = " ".join(
-                words.as_sentence(words.one_line(pick.definition)) for pick in result.picks if pick.point == point_id
+                words.as_sentence(formats.one_line(pick.definition)) for pick in result.picks if pick.point == point_id
             )  # fmt: skip
             design = result.point(point_id).design
             part = page_parts.design_part(result, design, name, part_id=point_id, definition=definition)
@@ -245,7 +245,7 @@ def status_words(result: Result | FrontResult) -> tuple[str, str]:
     if isinstance(result, Result) and result.confidence is not None:
         known = result.confidence
         return f"holds in {percent(known.held)}", "good" if known.enough else "bad"
-    text = "best of the catalogue" if result.status == "optimal" else words.one_line(result.status, 30)
+    text = "best of the catalogue" if result.status == "optimal" else formats.one_line(result.status, 30)
     return text, mark.get(result.status, "bad")
 
 
@@ -253,7 +253,7 @@ def mission_text(result: Result | FrontResult) -> str:
     """The mission as the user wrote it, or as it was understood."""
     text = (result.mission_file or {}).get("text")
     if text:
-        return words.printable(str(text))
+        return formats.printable(str(text))
     import yaml
 
     return str(yaml.safe_dump(plain(result.mission), sort_keys=False, allow_unicode=True))

@@ -8,7 +8,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from uwopt.quantities import BY_NAME
-from uwopt.report.text import words
+from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.doubts import plain_fact
 from uwopt.report.text.frame import frame_facts
 from uwopt.report.text.layout import Block
@@ -127,7 +127,7 @@ def design_part(
         legend=ESTIMATED_LEGEND if doubtful else "",
         total=words.as_sentence(words.cost_sentence(design)),
         scenes=list(scene_bars(design)), figures=figure_rows(design),
-        scene_names=[words.one_line(scene.name, 60) for scene in design.scenes],
+        scene_names=[formats.one_line(scene.name, 60) for scene in design.scenes],
     )  # fmt: skip
 
 
@@ -141,8 +141,8 @@ def cards(design: Design) -> list[Card]:
     if unpriced := words.n_unpriced(design.bom):
         notes.append(f"without {words.counted(unpriced, 'part')} of unknown price")
     shown = [
-        Card("Cost", words.cost_text(cost), ", ".join(notes)),
-        Card("Power", words.quantity(design.power_as_set_w, "W"), words.burning_text(design)),
+        Card("Cost", formats.cost_text(cost), ", ".join(notes)),
+        Card("Power", formats.quantity(design.power_as_set_w, "W"), words.burning_text(design)),
     ]
     for name in FIGURES:
         values = [scene_value(scene.figures, scene.settings, name) for scene in design.scenes]
@@ -154,14 +154,14 @@ def cards(design: Design) -> list[Card]:
                 Card(BY_NAME[name].words.capitalize(), text, "over all scenes" if " to " in text else "")
             )
     if totals.mass_kg is not None:
-        shown.append(Card("Mass", words.quantity(totals.mass_kg, "kg")))
+        shown.append(Card("Mass", formats.quantity(totals.mass_kg, "kg")))
     for name, value, unit in (
         ("Energy", totals.energy_wh, "Wh"), ("Storage", totals.storage_gb, "GB"),
         ("Battery lasts", totals.endurance_h, "h"), ("Cameras' own batteries last", totals.run_time_h, "h"),
     ):  # fmt: skip
         if value is not None:
             shown.append(
-                Card(name, words.quantity(value, unit), "over the whole mission" if unit != "h" else "")
+                Card(name, formats.quantity(value, unit), "over the whole mission" if unit != "h" else "")
             )
     return shown
 
@@ -177,7 +177,7 @@ def span_text(values: Sequence[float | None], unit: str, digits: int = 3) -> str
     known = [value for value in values if value is not None]
     if not known:
         return ""
-    low, high = (words.quantity(end, unit, digits) for end in (min(known), max(known)))
+    low, high = (formats.quantity(end, unit, digits) for end in (min(known), max(known)))
     return low if low == high else f"{low} to {high}"
 
 
@@ -190,7 +190,7 @@ def figure_rows(design: Design) -> list[tuple[str, list[str]]]:
         if all(value is None for value in values):
             continue
         unit = next((suffix for suffix in UNIT_SUFFIXES if name.endswith(suffix)), "")
-        rows.append((words.one_line(name, 60), [figure_text(value, unit) for value in values]))
+        rows.append((formats.one_line(name, 60), [figure_text(value, unit) for value in values]))
     return rows
 
 
@@ -199,8 +199,8 @@ def figure_text(value: Any, unit: str) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, (int, float)):
-        return words.quantity(float(value), unit, 4)
-    return words.quantity(None) if value is None else words.one_line(value, 80)
+        return formats.quantity(float(value), unit, 4)
+    return formats.quantity(None) if value is None else formats.one_line(value, 80)
 
 
 # ---------------------------------------------------------------- margins
@@ -218,15 +218,15 @@ def scene_bars(design: Design) -> Iterator[SceneBars]:
         said = [
             f"{head}: {'; '.join(own)}." for head, own in (("Missed", missed), ("At its limit", names)) if own
         ]
-        yield SceneBars(words.one_line(scene.name, 60), bars, " ".join(said), frame_facts([scene]))
+        yield SceneBars(formats.one_line(scene.name, 60), bars, " ".join(said), frame_facts([scene]))
 
 
 def bar(margin: Margin, kinds: Mapping[str, str], cost: Cost | None = None) -> Bar:
     """One margin as a bar; without a limit other than 0, or met exactly by rule, there is no bar."""
     name, value, limit, left, at = margin_texts(margin, kinds, cost)
-    limit += f" ({words.reserve_text(margin)})" if margin.reserve else ""
+    limit += f" ({formats.reserve_text(margin)})" if margin.reserve else ""
     room = relative_room(margin)
-    text = "" if room is None else words.share(0.0 if abs(room) < 1e-6 and margin.satisfied else room)
+    text = "" if room is None else formats.share(0.0 if abs(room) < 1e-6 and margin.satisfied else room)
     if room is not None and room > 99.5:
         text = f"{format_number(1 + room, 2)} times"
     return Bar(name, value, limit, left, at, margin_state(margin), room, text)
@@ -251,15 +251,15 @@ def track(room: float) -> float:
 def bom_row(row: BillRow) -> BomRow:
     """One part to buy, with its source as a link where it is a page."""
     line = bom_line(row)
-    name = words.one_line(f"{row.manufacturer} {row.model}".strip() or line.id, 80)
+    name = formats.one_line(f"{row.manufacturer} {row.model}".strip() or line.id, 80)
     mark = "bad" if row.unit_price is None else "warn" if line.estimated else "good"
-    texts = [text.strip() for text in words.one_line(row.source, 2000).split(" | ") if text.strip()]
+    texts = [text.strip() for text in formats.one_line(row.source, 2000).split(" | ") if text.strip()]
     sources = [(link_text(link) if (link := web_link(text)) else text, link) for text in texts]
     return BomRow(
         line.number, line.kind, name, "" if line.id == name else line.id, line.each, line.due, line.known, mark,
-        words.one_line(row.price_basis, 300), sources, words.one_line(row.purpose, 60),
-        words.one_line("; ".join(text for text in (row.note, STILL_SOLD.get(row.availability, "")) if text), 600),
-        words.one_line(row.checked, 10),
+        formats.one_line(row.price_basis, 300), sources, formats.one_line(row.purpose, 60),
+        formats.one_line("; ".join(text for text in (row.note, STILL_SOLD.get(row.availability, "")) if text), 600),
+        formats.one_line(row.checked, 10),
     )  # fmt: skip
 
 
@@ -330,7 +330,7 @@ def alternatives(result: Result | FrontResult) -> tuple[list[str], list[tuple[st
     tried = [row for row in rows if row.outcome != KEPT_OUT]
     kept_out = [row for row in rows if row.outcome == KEPT_OUT]
     parts = (("The best of other makers", tried), ("Makers that were not in the choice", kept_out))
-    return [words.one_line(name.replace("_", " "), 24) for name in names], [p for p in parts if p[1]]
+    return [formats.one_line(name.replace("_", " "), 24) for name in names], [p for p in parts if p[1]]
 
 
 def alternative(
@@ -343,11 +343,11 @@ def alternative(
         else {result.objective.name: result.objective.unit}
     )
     item = items[0]
-    outcome, kind = words.one_line(item.outcome, 30), words.one_line(item.kind, 20)
+    outcome, kind = formats.one_line(item.outcome, 30), formats.one_line(item.kind, 20)
     return Alternative(
-        ", ".join(words.one_line(item.maker, 60) for item in items), kind + "s" * (len(items) > 1),
-        [words.one_line(part, 80) for part in (item.hardware or {}).values()],
-        [words.quantity(item.values.get(name), units.get(name, ""), 4) for name in names],
+        ", ".join(formats.one_line(item.maker, 60) for item in items), kind + "s" * (len(items) > 1),
+        [formats.one_line(part, 80) for part in (item.hardware or {}).values()],
+        [formats.quantity(item.values.get(name), units.get(name, ""), 4) for name in names],
         outcome, OUTCOMES.get(outcome, "warn"), reason_text(item),
     )  # fmt: skip
 
@@ -355,7 +355,7 @@ def alternative(
 def reason_text(item: OtherMaker) -> str:
     """Why one maker's system was not chosen; where nothing fits, what stands in its way last."""
     if item.text:
-        return words.one_line(item.text, 500)
+        return formats.one_line(item.text, 500)
     return f"no combination fits; the last obstacle: {words.rule_name(item.rule)}" if item.rule else ""
 
 
@@ -373,12 +373,12 @@ class Stage:
 
 def stages(timing_s: Mapping[str, float]) -> list[Stage]:
     """Time by stage, in the order in which they ran."""
-    steps = {k: v for k, v in timing_s.items() if k not in ("total", *words.PARTS_OF_THE_SEARCH)}
+    steps = {k: v for k, v in timing_s.items() if k not in ("total", *vocabulary.PARTS_OF_THE_SEARCH)}
     longest = max(steps.values(), default=0.0) or 1.0
     return [
         Stage(
-            words.one_line(name.replace("_", " "), 40),
-            words.quantity(value, "s", 2),
+            formats.one_line(name.replace("_", " "), 40),
+            formats.quantity(value, "s", 2),
             round(100 * value / longest, 1),
         )
         for name, value in steps.items()
@@ -389,7 +389,7 @@ def flat_facts(values: Mapping[str, Any], prefix: str = "") -> list[tuple[str, s
     """Names and values of a dictionary of figures, inner ones with their path."""
     facts: list[tuple[str, str]] = []
     for name, value in values.items():
-        title = f"{prefix}{words.one_line(str(name).replace('_', ' '), 60)}"
+        title = f"{prefix}{formats.one_line(str(name).replace('_', ' '), 60)}"
         if isinstance(value, Mapping):
             facts += flat_facts(value, f"{title}: ")
         elif isinstance(value, list):

@@ -6,7 +6,7 @@ from typing import Any
 
 from uwopt.report.page.html_file import compact_json, packed, rendered, slim
 from uwopt.report.pictures.whatif_plots import whatif_figures
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block
 from uwopt.report.text.looked_at import in_figure, in_page, wording
 from uwopt.report.text.whatif_tables import opening, whatif_blocks
@@ -33,7 +33,7 @@ def whatif_html(table: WhatIf) -> str:
     blocks = [one for one in whatif_blocks(table) if isinstance(one, Block)][1:]
     page = rendered(
         "whatif.html", ("page.js",), {"figures": in_figure(figures, said), "front": None}, title="What if",
-        name=words.one_line(table.mission.get("name") or "Mission", 120), version=table.uwopt_version,
+        name=formats.one_line(table.mission.get("name") or "Mission", 120), version=table.uwopt_version,
         opening=opening(table), status=(table.status, MARKS.get(table.status, "bad")), pictures=pictures,
         blocks=blocks, run_time=words.run_time_sentence(table.timing_s), raw=packed(compact_json(table.to_dict())),
         raw_name="whatif.json", made_by="uwopt whatif",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from uwopt.report.pictures.plots import BLUE, VERMILLION, Plot, axis, layout
 from uwopt.report.pictures.whatif_plots import markup_free
-from uwopt.report.text import words
+from uwopt.report.text import formats
 from uwopt.results.sweep import SweepSummary
 
 MOST_BARS = 14
@@ -22,7 +22,7 @@ def wins_plot(made: SweepSummary) -> Plot:
     """Bars of wins, the most at the top, beside what each kit serves."""
     kits = made.kits[:MOST_BARS][::-1]
     numbers = [f"no. {made.kits.index(kit) + 1}" for kit in kits]
-    texts = [markup_free(words.one_line(kit.parts, 200)) for kit in kits]
+    texts = [markup_free(formats.one_line(kit.parts, 200)) for kit in kits]
     bar = {"type": "bar", "orientation": "h", "y": numbers, "text": texts, "textposition": "none"}
     data = [
         bar
@@ -52,7 +52,7 @@ def portfolio_plot(made: SweepSummary) -> Plot:
     texts = []
     for one in made.portfolio:
         which = ", ".join(f"no. {index + 1}" for index in one.kits)
-        texts.append(which if one.price is None else f"{words.money(one.price, made.currency)}: {which}")
+        texts.append(which if one.price is None else f"{formats.money(one.price, made.currency)}: {which}")
     line = {
         "type": "scatter",
         "mode": "lines+markers",

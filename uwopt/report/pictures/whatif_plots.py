@@ -21,7 +21,7 @@ from uwopt.report.pictures.plots import (
     layout,
     numbers,
 )
-from uwopt.report.text import words
+from uwopt.report.text import formats
 from uwopt.report.text.whatif_tables import change_text, short_system, spread, value_text
 from uwopt.results.whatif import KeyValue, Switch, WhatIf, WhatIfPoint
 from uwopt.units import symbol
@@ -49,13 +49,13 @@ def whatif_figures(table: WhatIf) -> dict[str, Plot]:
 def titled(table: WhatIf, index: int) -> str:
     """A key with its unit."""
     key = table.keys[index]
-    return words.one_line(key.key, 40) + (f" [{symbol(key.unit)}]" if key.unit else "")
+    return formats.one_line(key.key, 40) + (f" [{symbol(key.unit)}]" if key.unit else "")
 
 
 def goal_title(table: WhatIf) -> str:
     """The objective with its unit."""
     unit = f" [{symbol(table.objective.unit)}]" if table.objective.unit else ""
-    return words.one_line(table.objective.name, 60) + unit
+    return formats.one_line(table.objective.name, 60) + unit
 
 
 def colour_of(system: int | None) -> str:
@@ -67,7 +67,7 @@ def hover(table: WhatIf, point: WhatIfPoint) -> str:
     """What a point says of itself."""
     if point.system is None:
         return "nothing fits" if point.status == "infeasible" else "not known"
-    parts = words.one_line(table.systems[point.system].parts, 200)
+    parts = formats.one_line(table.systems[point.system].parts, 200)
     return f"{point.system + 1}: {markup_free(parts)}"
 
 
@@ -90,7 +90,7 @@ def line_plot(table: WhatIf) -> Plot:
         if not isinstance(table.keys[along].values[0], str):
             own.sort(key=lambda p: float(p.values[along]))
         name = "optimum" if value is None or other is None else (
-            f"{words.one_line(table.keys[other].key, 30)} {value_text(value, table.keys[other].unit)}"
+            f"{formats.one_line(table.keys[other].key, 30)} {value_text(value, table.keys[other].unit)}"
         )  # fmt: skip
         data.append({
             "type": "scatter", "mode": "lines+markers", "name": markup_free(name),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.doubts import number_name
 from uwopt.report.text.layout import Block, Line, block, columns, fact_lines
 from uwopt.report.text.layout import Text as Cell
@@ -35,7 +35,7 @@ def held_text(known: Confidence) -> str:
         return f"holds {share}"
     between = f"{percent(known.held_low)} to {percent(known.held_high)}"
     return (
-        f"holds in {percent(known.held)} of {words.count_text(known.scenarios)} scenarios of what is uncertain "
+        f"holds in {percent(known.held)} of {formats.count_text(known.scenarios)} scenarios of what is uncertain "
         f"({between}); {percent(float(known.asked))} asked"
     )
 
@@ -66,7 +66,7 @@ def keeps_reserves(result: Result) -> bool:
 
 def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
     """Name and text of each fact."""
-    name = words.one_line(result.objective.name.replace("_", " "))
+    name = formats.one_line(result.objective.name.replace("_", " "))
     yield "holds", words.capital(held_text(known)).removeprefix("Holds ")
     if known.objective_p50 is not None:
         text = f"{words.objective_text(result, known.objective_p50)} or better in half of them"
@@ -76,14 +76,14 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
     for one in known.fixed:
         text = f"light level {100.0 * one.light_level:.3g} %, {one.light_time_ms:.3g} ms of light"
         text += f", gain {one.gain_db:.3g} dB"
-        yield f"set before, {words.one_line(one.scene)}" if len(known.fixed) > 1 else "set before", text
+        yield f"set before, {formats.one_line(one.scene)}" if len(known.fixed) > 1 else "set before", text
     if known.lost_to:
         told = [f"{lost_text(one.requirement)} ({percent(one.share)})" for one in known.lost_to]
         kept = "; reserves are held in each scenario, too" if keeps_reserves(result) else ""
         yield "else missed first", words.listed(told) + kept
     if known.central_objective is not None and known.central_held is not None:
         value = words.objective_text(result, known.central_objective)
-        parts = words.listed([words.one_line(part, 60) for part in known.central_hardware])
+        parts = words.listed([formats.one_line(part, 60) for part in known.central_hardware])
         text = f"{value} with {parts}, which holds in {percent(known.central_held)} of the scenarios"
         if known.central_p50 is not None:
             text += f", in half of them with {words.objective_text(result, known.central_p50)}"
@@ -98,7 +98,7 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
         yield "set at sea", (
             f"exposure, gain and light level, once the water is seen; the iris stays at f/{known.f_number:.3g}"
         )
-    yield "drawn", "; ".join(map(words.one_line, known.drawn)) or "nothing"
+    yield "drawn", "; ".join(map(formats.one_line, known.drawn)) or "nothing"
 
 
 def proof_text(result: Result, proof: CertaintyProof) -> str:
@@ -107,11 +107,11 @@ def proof_text(result: Result, proof: CertaintyProof) -> str:
     if proof.best_possible is not None:
         best = words.objective_text(result, proof.best_possible)
         what = f"no hardware that holds so often does better than {best} in half of the scenarios"
-    gone = [f"{words.count_text(proof.by_panel)} fail or are no better where nothing is worse than in most of them"]
-    gone += [f"{words.count_text(proof.by_bounds)} by bounds in groups of them"] if proof.by_bounds else []
-    gone += [f"{words.count_text(proof.counted)} counted in all of them"]
-    gone += [f"{words.count_text(proof.left)} not looked at further"] if proof.left else []
-    return f"{what}; of {words.count_text(proof.combinations)} combinations " + ", ".join(gone)
+    gone = [f"{formats.count_text(proof.by_panel)} fail or are no better where nothing is worse than in most of them"]
+    gone += [f"{formats.count_text(proof.by_bounds)} by bounds in groups of them"] if proof.by_bounds else []
+    gone += [f"{formats.count_text(proof.counted)} counted in all of them"]
+    gone += [f"{formats.count_text(proof.left)} not looked at further"] if proof.left else []
+    return f"{what}; of {formats.count_text(proof.combinations)} combinations " + ", ".join(gone)
 
 
 def lost_text(requirement: str) -> str:
@@ -121,12 +121,12 @@ def lost_text(requirement: str) -> str:
 
 def curve_table(result: Result, known: Confidence) -> Line:
     """What confidence costs: one row a hardware, at the most that it holds in."""
-    name = words.one_line(result.objective.name)
+    name = formats.one_line(result.objective.name)
     table = columns(("held in", "right"), (f"{name}, median", "right"), ("with", "left"))
     for point, after in zip(known.curve, [*known.curve[1:], None], strict=True):
         if after is not None and after.hardware == point.hardware:
             continue
-        parts = ", ".join(words.one_line(part, 40) for part in point.hardware)
+        parts = ", ".join(formats.one_line(part, 40) for part in point.hardware)
         table.add_row(*map(Cell, (percent(point.confidence), words.objective_text(result, point.objective_p50), parts)))
     return table
 
@@ -141,9 +141,9 @@ def ask_first(result: Result) -> Iterator[str]:
 def asked_text(one: WorthKnowing) -> str:
     """`Ask for light.power_w of acme-1`, `Measure the clarity of the water`."""
     if one.part:
-        field = words.one_line(number_name(one.what.partition(".")[2]))
-        return f"Ask for {field} of {words.one_line(one.part, 60)}"
+        field = formats.one_line(number_name(one.what.partition(".")[2]))
+        return f"Ask for {field} of {formats.one_line(one.part, 60)}"
     verb = "Find out" if one.what.startswith("which") else "Measure"
-    return f"{verb} {words.one_line(one.what)}"
+    return f"{verb} {formats.one_line(one.what)}"
 
 

@@ -16,7 +16,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, TextIO
 
 from uwopt.errors import OutputError
-from uwopt.report.text import words
+from uwopt.report.text import formats
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -60,7 +60,7 @@ def print_text(text: str, stream: TextIO | None = None) -> None:
     if out is None:  # closed before we started
         raise OutputError("standard output is closed; give --out, or redirect it to a file.")
     try:
-        out.write(words.in_encoding(text, out.encoding or "utf-8") + "\n")
+        out.write(formats.in_encoding(text, out.encoding or "utf-8") + "\n")
         out.flush()
     except OSError as fault:
         discard_rest(out)

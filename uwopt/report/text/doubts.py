@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from uwopt.mission.reserves import REFUSED
-from uwopt.report.text import words
+from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.helps import contradiction_lines, move_lines
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
 from uwopt.results.basis import Assumption, Excluded, Relaxed
@@ -36,9 +36,9 @@ def certificate_block(result: Result, certificate: Certificate) -> Block:
 
 def claim_facts(result: Result, certificate: Certificate) -> list[tuple[str, str]]:
     """What is claimed, and how far the claim reaches."""
-    gap = words.quantity(certificate.gap_abs, result.objective.unit)
+    gap = formats.quantity(certificate.gap_abs, result.objective.unit)
     if certificate.gap_rel is not None:
-        gap += f" ({words.share(certificate.gap_rel)} of the best value)"
+        gap += f" ({formats.share(certificate.gap_rel)} of the best value)"
     maximised = result.objective.direction == "maximise"
     return [
         (
@@ -56,16 +56,16 @@ def account_lines(certificate: Certificate) -> list[Line]:
     """Where every combination went, and whether that adds up."""
     account = columns(("", "right"), ("", "left"), header=False)
     account.add_row(
-        Text(words.count_text(certificate.loaded)), Text("combinations loaded: all parts of the catalogue")
+        Text(formats.count_text(certificate.loaded)), Text("combinations loaded: all parts of the catalogue")
     )
     account.add_row(
-        Text(words.count_text(certificate.selected)), Text("of them of parts that the mission allows")
+        Text(formats.count_text(certificate.selected)), Text("of them of parts that the mission allows")
     )
-    account.add_row(Text(words.count_text(certificate.evaluated)), Text("evaluated"))
+    account.add_row(Text(formats.count_text(certificate.evaluated)), Text("evaluated"))
     account.add_row(Text(""), Text("discarded, each by the first rule that applies:"))
     for item in certificate.discarded:
         if item.count:
-            account.add_row(Text(words.count_text(item.count)), Text("  " + words.rule_name(item.rule)))
+            account.add_row(Text(formats.count_text(item.count)), Text("  " + words.rule_name(item.rule)))
     return [account, sentence(words.account_sentence(certificate))]
 
 
@@ -83,8 +83,8 @@ def infeasible_block(result: Result | FrontResult) -> Block:
         if ": " in item.name:  # a part that the mission does not allow; the certificate counts those
             continue
         bounded |= item.n_is_bound
-        count = words.count_text(item.n_excluded) + ("*" if item.n_is_bound else " ")
-        table.add_row(Text(count), Text(f"{words.rule_name(item.name)} ({words.one_line(item.name)})"))
+        count = formats.count_text(item.n_excluded) + ("*" if item.n_is_bound else " ")
+        table.add_row(Text(count), Text(f"{words.rule_name(item.name)} ({formats.one_line(item.name)})"))
     if table.row_count:
         lines += [Text(""), table]
     if bounded:
@@ -123,7 +123,7 @@ def excluding_most(result: Result) -> Text | None:
     by_refusal = {key: (word, value) for word, (key, value) in REFUSED.items() if key not in given}
 
     def told(rule: Excluded) -> str:
-        key = words.one_line(rule.name)
+        key = formats.one_line(rule.name)
         word, value = by_refusal.get(key, ("", 0.0))
         return f"{words.rule_name(rule.name)} ({key}" + (f" {value:g}, by refuse: {word})" if word else ")")
 
@@ -135,7 +135,7 @@ def fit_sentence(result: Result | FrontResult) -> Text | None:
     fit = None if result.infeasible is None else result.infeasible.nearest_fit
     if fit is None:
         return None
-    parts = {kind: words.one_line(name, 60) for kind, name in fit.hardware.items()}
+    parts = {kind: formats.one_line(name, 60) for kind, name in fit.hardware.items()}
     if not parts:
         return sentence("None of the housings is made for any of the ports.")
     said, nearest = "No port goes on any housing", f"{parts['port']} on {parts['housing']}"
@@ -143,8 +143,9 @@ def fit_sentence(result: Result | FrontResult) -> Text | None:
         said = "No camera with its lens that meets the rest so far fits into any housing"
         nearest = f"{parts['camera']} with {parts['lens']} behind {parts['port']} in {parts['housing']}"
     lacking = words.listed([
-        f"{words.quantity(one.needed_mm - one.room_mm, 'mm')} of {words.SIZES.get(one.name, words.one_line(one.name))} "
-        f"({words.quantity(one.needed_mm, 'mm', 4)} needed, {words.quantity(one.room_mm, 'mm', 4)} there)"
+        f"{formats.quantity(one.needed_mm - one.room_mm, 'mm')} of "
+        f"{vocabulary.SIZES.get(one.name, formats.one_line(one.name))} "
+        f"({formats.quantity(one.needed_mm, 'mm', 4)} needed, {formats.quantity(one.room_mm, 'mm', 4)} there)"
         for one in fit.lacking
     ])  # fmt: skip
     return sentence(f"{said}. What comes nearest, {nearest}, lacks {lacking}.")
@@ -193,9 +194,9 @@ def relaxation_texts(result: Result | FrontResult, item: Relaxed) -> tuple[str, 
     """Requirement, what is asked, what could be had."""
     currency = str((result.mission.get("limits") or {}).get("currency") or "")
     unit = {"cost": currency, "min_snr": "dB"}.get(item.name, split_unit(item.name)[1])
-    asked, possible = words.quantities_apart(item.limit, item.needed, unit=unit, digits=4)
+    asked, possible = formats.quantities_apart(item.limit, item.needed, unit=unit, digits=4)
     return (
-        f"{words.requirement_name(item.name)} ({words.one_line(item.name)})",
+        f"{words.requirement_name(item.name)} ({formats.one_line(item.name)})",
         asked,
         "left out" if item.needed is None else possible,
     )
@@ -213,7 +214,7 @@ def robustness_block(result: Result) -> Block:
     facts.append(("at the bad ends", bad_ends_text(doubt)))
     facts += [("other water", water_text(other, result)) for other in doubt.get("waters") or []]
     advice = dict.fromkeys(water.advice for water in result.physics.waters)
-    facts += [("the water", words.one_line(text)) for text in advice]
+    facts += [("the water", formats.one_line(text)) for text in advice]
     facts += tilt_facts(doubt)
     quotes = doubt.get("quotes_that_matter") or []
     facts.append(("to ask for first", "" if quotes else f"nothing: {NO_QUOTE_MATTERS}"))
@@ -261,7 +262,7 @@ def effect_lines(result: Result | FrontResult) -> list[str]:
         else:
             size = f"changes a requirement by up to {100 * item.bound:.2g} %"
         saved = f", about {item.time_saved_s:.2g} s saved" if item.time_saved_s else ""
-        name = words.one_line(item.name).replace("_", " ")
+        name = formats.one_line(item.name).replace("_", " ")
         shown.append(f"- {name}: {size}; {'kept' if item.kept else 'left out'}{saved}")
     return ["effects:", *shown] if shown else []
 
@@ -311,9 +312,9 @@ def water_text(other: Mapping[str, Any], result: Result) -> str:
     """What becomes of the recommendation when another water table, or another K, is believed."""
     case = other.get("case") or {}
     lost = str(case.get("lamp_attenuation", ""))
-    table = f"{words.one_line(case.get('water_table', ''))} table, {LAMP_LOSSES.get(lost, words.one_line(lost))}"
+    table = f"{formats.one_line(case.get('water_table', ''))} table, {LAMP_LOSSES.get(lost, formats.one_line(lost))}"
     if reading := case.get("reading"):
-        table = words.one_line(reading)
+        table = formats.one_line(reading)
     value = other.get("objective_value")
     if value is None:
         held = f"{table}: this system misses a requirement"
@@ -330,10 +331,10 @@ def rival_text(rival: Any) -> str:
     if rival is None:
         return "none"
     if not isinstance(rival, Mapping):
-        return words.one_line(rival)
+        return formats.one_line(rival)
     hardware = rival.get("hardware", rival)
     parts = [hardware[kind] for kind in ("camera", "lens", "port", "light") if hardware.get(kind)]
-    named = [words.one_line(part) for part in words.as_bought(parts)]
+    named = [formats.one_line(part) for part in words.as_bought(parts)]
     count = hardware.get("light_count")
     return " + ".join(named) + (f", {words.counted(count, 'light')}" if count else "")
 
@@ -341,12 +342,12 @@ def rival_text(rival: Any) -> str:
 def quote_text(item: Any, result: Result) -> str:
     """One number worth asking for: whose, how it stands, and who wins otherwise."""
     if not isinstance(item, Mapping):
-        return words.one_line(item)
+        return formats.one_line(item)
     rival = str(item.get("then_better") or "")
     own = result.best.hardware.ids if result.best is not None else []
     different = words.as_bought([name for name in rival.split(" + ") if name not in own])
     other = f"; then better with {' + '.join(different) or 'another number of lights'}" if rival else ""
-    return words.one_line(quoted_number(item) + other)
+    return formats.one_line(quoted_number(item) + other)
 
 
 def number_name(field: str) -> str:
@@ -357,14 +358,14 @@ def number_name(field: str) -> str:
 def quoted_number(item: Any) -> str:
     """`price of acme-lamp (1 700 to 3 400 USD)`, `output of acme-lamp ~0.7 (0.5 to 0.9)`."""
     if not isinstance(item, Mapping):
-        return words.one_line(item)
+        return formats.one_line(item)
     number = number_name(str(item.get("field") or ""))
     unit = str(item.get("unit") or "")
     whose = item.get("part") or item.get("id") or item.get("path")
     if number in PRICES and is_number(item.get("low")) and is_number(item.get("high")):
-        return f"{number} of {whose} ({words.price(item['low'], item['high'], unit)})"
+        return f"{number} of {whose} ({formats.price(item['low'], item['high'], unit)})"
     span = range_text(item.get("low"), item.get("high"), unit)
-    standing = f" ~{words.quantity(item.get('value'), unit)}" + (f" ({span})" if span else "")
+    standing = f" ~{formats.quantity(item.get('value'), unit)}" + (f" ({span})" if span else "")
     return f"{number} of {whose}{standing}"
 
 
@@ -382,16 +383,16 @@ def second_opinion_block(result: Result) -> Block:
         for item in result.solvers:
             off = item.get("difference_rel")
             table.add_row(
-                Text(words.one_line(item.get("method") or item.get("solver") or "")),
+                Text(formats.one_line(item.get("method") or item.get("solver") or "")),
                 Text(whose(result, [str(name) for name in item.get("hardware") or []])),
                 Text(words.objective_text(result, item.get("objective_value"))),
-                Text(words.quantity(None) if off is None else words.share(off)),
-                Text("agrees" if item.get("agrees") else words.one_line(item.get("status") or "differs"),
+                Text(formats.quantity(None) if off is None else formats.share(off)),
+                Text("agrees" if item.get("agrees") else formats.one_line(item.get("status") or "differs"),
                      "" if item.get("agrees") else "yellow"),
             )  # fmt: skip
         lines += [sentence("The settings solved again by other means:"), table]
         mixed = [item for item in result.solvers if item.get("method") == "bonmin"]
-        lines += [sentence(words.one_line(item.get("message") or "")) for item in mixed]
+        lines += [sentence(formats.one_line(item.get("message") or "")) for item in mixed]
     if result.audit:
         lines.append(audit_sentence(result.audit))
     return block("Second opinions", lines)
@@ -404,7 +405,7 @@ def whose(result: Result, hardware: list[str]) -> str:
     for number, design in enumerate(result.runners_up, start=2):
         if design.hardware.ids == hardware:
             return f"runner-up {number}"
-    return words.one_line(" + ".join(hardware), 120)
+    return formats.one_line(" + ".join(hardware), 120)
 
 
 def audit_sentence(audit: Mapping[str, Any]) -> Text:
@@ -422,7 +423,7 @@ def audit_sentence(audit: Mapping[str, Any]) -> Text:
 def plain_facts(facts: Mapping[str, Any]) -> str:
     """`name value` pairs with units; long lists and inner tables are left to the result file."""
     return ", ".join(
-        f"{words.one_line(name.replace('_', ' '))} {fact}"
+        f"{formats.one_line(name.replace('_', ' '))} {fact}"
         for name, value in facts.items()
         if (fact := plain_fact(name, value))
     )
@@ -434,11 +435,11 @@ def plain_fact(name: str, value: Any) -> str:
         return "yes" if value else "no"
     if isinstance(value, (int, float)):
         return (
-            words.count_text(value)
+            formats.count_text(value)
             if isinstance(value, int)
-            else words.quantity(value, split_unit(name)[1], 4)
+            else formats.quantity(value, split_unit(name)[1], 4)
         )
-    return words.one_line(value, 120) if isinstance(value, str) else ""
+    return formats.one_line(value, 120) if isinstance(value, str) else ""
 
 
 def assumption_blocks(result: Result | FrontResult) -> Iterator[Block]:
@@ -450,11 +451,11 @@ def assumption_blocks(result: Result | FrontResult) -> Iterator[Block]:
 
 def model_block(result: Result | FrontResult) -> Block:
     """Which physics, what it leaves out here, and what it never has."""
-    physics = [f"physics {words.one_line(result.physics.name)}"]
+    physics = [f"physics {formats.one_line(result.physics.name)}"]
     left = [effect for effect in result.physics.effects if not effect.kept]
     if left:
         bound, names = sum(effect.bound or 0.0 for effect in left), ", ".join(effect.name for effect in left)
-        physics.append(f"left out as too small here (together at most {words.share(bound)}): {names}")
+        physics.append(f"left out as too small here (together at most {formats.share(bound)}): {names}")
     lines: list[Line] = [sentence("; ".join(physics))]
     if result.physics.not_modelled:
         lines.append(sentence("not modelled: " + "; ".join(result.physics.not_modelled)))
@@ -469,9 +470,9 @@ def assumption_lines(result: Result | FrontResult, *, whole: bool = False) -> li
     table = columns(("what", "left"), ("value", "right"), ("range", "right"), ("why", "left"))
     for item in ranked[:most]:
         table.add_row(
-            Text(words.one_line(item.path, longest // 2)),
+            Text(formats.one_line(item.path, longest // 2)),
             *map(Text, assumed_texts(item)),
-            Text(words.one_line(item.source, longest)),
+            Text(formats.one_line(item.source, longest)),
         )
     rest = len(ranked) - most
     return [
@@ -484,7 +485,7 @@ def assumed_texts(item: Assumption) -> tuple[str, str]:
     """What is taken, and its range; of a price no more digits than the range leaves."""
     low, high = item.low, item.high
     if item.path.endswith("price") and is_number(item.value) and low is not None and high is not None:
-        return "~" + format_within(item.value, low, high, item.unit), words.price(low, high, item.unit)
+        return "~" + format_within(item.value, low, high, item.unit), formats.price(low, high, item.unit)
     return assumed(item.value, item.unit), range_text(low, high, item.unit)
 
 
@@ -496,12 +497,12 @@ def is_number(value: Any) -> bool:
 def assumed(value: Any, unit: str) -> str:
     """An assumed value, estimated numbers with their mark."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return words.one_line(value if value is not None else "", 30)
-    return "~" + words.quantity(float(value), unit)
+        return formats.one_line(value if value is not None else "", 30)
+    return "~" + formats.quantity(float(value), unit)
 
 
 def range_text(low: Any, high: Any, unit: str) -> str:
     """The range of an estimate."""
     if not isinstance(low, (int, float)) or not isinstance(high, (int, float)) or low == high:
         return ""
-    return f"{words.quantity(float(low))} to {words.quantity(float(high), unit)}"
+    return f"{formats.quantity(float(low))} to {formats.quantity(float(high), unit)}"

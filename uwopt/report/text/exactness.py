@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from uwopt.report.text import words
+from uwopt.report.text import formats
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
 from uwopt.results.result import Result
 
@@ -39,7 +39,7 @@ def exactness_block(result: Result) -> Block:
         facts.append(("tolerance", tolerance_text(result)))
     lines: list[Line] = [fact_lines(facts), Text(""), parts_table(result)]
     lines.append(
-        sentence(f"Relative errors, estimated: {words.one_line(accuracy.get('method') or '')}.", "dim")
+        sentence(f"Relative errors, estimated: {formats.one_line(accuracy.get('method') or '')}.", "dim")
     )
     return block("How exact the numbers are", lines)
 
@@ -50,7 +50,7 @@ def parts_table(result: Result) -> Grid:
     for name, made in (result.accuracy.get("by_part") or {}).items():
         factor = result.physics.fineness.get(name)
         table.add_row(
-            Text(PARTS.get(name, words.one_line(name))),
+            Text(PARTS.get(name, formats.one_line(name))),
             Text(nodes_text(factor)),
             Text(error_text(made.get("error_rel"))),
             Text(figure_text(made)),
@@ -84,4 +84,4 @@ def error_text(error: float | None) -> str:
 
 def figure_text(made: Mapping[str, Any]) -> str:
     """Which figure an error is of."""
-    return words.one_line(made.get("figure") or "") if made.get("error_rel") else "no figure"
+    return formats.one_line(made.get("figure") or "") if made.get("error_rel") else "no figure"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.doubts import infeasible_block, miss_sentence
 from uwopt.report.text.layout import Block, Text, block, sentence
 from uwopt.report.text.prices import price_blocks
@@ -14,10 +14,10 @@ from uwopt.results.result import Result
 
 def explanation_blocks(result: Result) -> Iterator[Block | Text]:
     """The explanation block by block."""
-    name = words.one_line(result.mission.get("name") or "mission", 80)
+    name = formats.one_line(result.mission.get("name") or "mission", 80)
     if result.best is not None:
         parts = ", ".join(words.as_bought([part.id for part in result.best.hardware.named.values()]))
-        said = f"Something fits: {words.one_line(parts, 300)}. uwopt solve says how sure that is, and how to set it."
+        said = f"Something fits: {formats.one_line(parts, 300)}. uwopt solve says how sure that is, and how to set it."
         yield block(name, [sentence(said)])
         yield from price_blocks(result)
     else:

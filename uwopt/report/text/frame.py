@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from uwopt.report.text import words
+from uwopt.report.text import formats
 from uwopt.results.design import SceneResult
 
 SPOT_BELOW = 0.3  # least over mean light on the floor
@@ -20,7 +20,7 @@ def frame_facts(scenes: Sequence[SceneResult]) -> list[tuple[str, str]]:
     """What is to be said of the images of some scenes, as names and values; nothing in physics without a field."""
     found = []
     for scene in scenes:
-        place = f" in {words.one_line(scene.name, 40)}" if len(scenes) > 1 else ""
+        place = f" in {formats.one_line(scene.name, 40)}" if len(scenes) > 1 else ""
         found += [(name + place, text) for name, text in facts_of(scene.figures)]
     return found
 
@@ -34,10 +34,10 @@ def facts_of(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
     facts.append(("signal to noise", ", ".join(f"{name} {snr_text(figures.get(key))}" for name, key in OF_SNR)))
     if even is not None:
         spot = ": a spot, the rest is dark" if even < SPOT_BELOW else ""
-        facts.append(("evenness of the light", f"the darkest floor has {words.share(even)} of the mean{spot}"))
+        facts.append(("evenness of the light", f"the darkest floor has {formats.share(even)} of the mean{spot}"))
     if soft is not None:
         blurred = ": soft corners" if soft > SOFT_ABOVE_PX else ""
-        facts.append(("blur of the corners", f"{words.quantity(soft, 'px')}{blurred}"))
+        facts.append(("blur of the corners", f"{formats.quantity(soft, 'px')}{blurred}"))
     return facts
 
 
@@ -49,7 +49,7 @@ def oblique_facts(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [
         (
             f"{place} of the view",
-            ", ".join(f"{words.quantity(figures[f'{key}_{end}_{unit}'], unit)} {what}" for what, key, unit in rows),
+            ", ".join(f"{formats.quantity(figures[f'{key}_{end}_{unit}'], unit)} {what}" for what, key, unit in rows),
         )
         for place, end in (("near edge", "near"), ("middle", "centre"), ("far edge", "far"))
     ]
@@ -57,4 +57,4 @@ def oblique_facts(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 def snr_text(value: float | None) -> str:
     """Decibels; a pixel without any light has none."""
-    return "no light" if value is None else words.quantity(value, "dB")
+    return "no light" if value is None else formats.quantity(value, "dB")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.doubts import infeasible_block
 from uwopt.report.text.layout import Block, Text, block, columns, sentence
 from uwopt.report.text.verdict import axis_name, verdict
@@ -17,7 +17,7 @@ MOST_ROWS = 12  # of points; the files and the page hold all
 def front_blocks(front: FrontResult) -> Iterator[Block | Text]:
     """The front block by block, each ending with an empty line."""
     first, second = verdict(front)
-    name = words.one_line(front.mission.get("name") or "mission", 80)
+    name = formats.one_line(front.mission.get("name") or "mission", 80)
     yield block(f"{name}: {front.status}", [sentence(words.as_sentence(text)) for text in (first, second)])
     if front.points:
         yield picks_block(front)
@@ -106,7 +106,7 @@ def pick_names(front: FrontResult) -> dict[str, str]:
     """The names of a point's picks, by the point's id."""
     names: dict[str, list[str]] = {}
     for pick in front.picks:
-        names.setdefault(pick.point, []).append(words.one_line(pick.name, 40))
+        names.setdefault(pick.point, []).append(formats.one_line(pick.name, 40))
     return {point: ", ".join(own) for point, own in names.items()}
 
 
@@ -126,8 +126,9 @@ def method_texts(method: FrontMethod) -> list[str]:
     most = "" if bound is None else f" (at most {format_number(bound, 5)})"
     ratio = method.hypervolume_ratio
     return [
-        words.one_line(method.name, 30), words.one_line(method.status, 30), words.quantity(method.seconds, "s", 2),
-        words.count_text(method.n_points), words.count_text(method.evaluations),
+        formats.one_line(method.name, 30), formats.one_line(method.status, 30),
+        formats.quantity(method.seconds, "s", 2),
+        formats.count_text(method.n_points), formats.count_text(method.evaluations),
         format_number(method.hypervolume, 5) + most,
-        words.quantity(None) if ratio is None else words.share(ratio), words.quantity(method.igd_plus, "", 2),
+        formats.quantity(None) if ratio is None else formats.share(ratio), formats.quantity(method.igd_plus, "", 2),
     ]  # fmt: skip

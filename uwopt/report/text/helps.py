@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Line, sentence
 from uwopt.results.basis import Moved
 from uwopt.results.result import Result
@@ -25,11 +25,11 @@ def move_lines(result: Result | FrontResult) -> list[Line]:
 
 def move_text(move: Moved) -> str:
     """`altitude_m 5.00 -> 3.15 m`, and whether less is known not to do."""
-    name = words.one_line(move.name, 40)
+    name = formats.one_line(move.name, 40)
     if isinstance(move.asked, str) or isinstance(move.needed, str):
-        text = f"{name} {words.one_line(move.asked, 20)} -> {words.one_line(move.needed, 20)}"
+        text = f"{name} {formats.one_line(move.asked, 20)} -> {formats.one_line(move.needed, 20)}"
     else:
-        asked, needed = words.quantities_apart(move.asked, move.needed, unit=move.unit, digits=4)
+        asked, needed = formats.quantities_apart(move.asked, move.needed, unit=move.unit, digits=4)
         text = f"{name} {asked} -> {needed}"
     return text if move.nearest else f"{text} (less may do)"
 
@@ -39,7 +39,7 @@ def contradiction_lines(result: Result | FrontResult) -> list[Line]:
     names = result.infeasible.contradiction if result.infeasible is not None else []
     if not names:
         return []
-    told = words.listed([f"{words.requirement_name(name)} ({words.one_line(name)})" for name in names])
+    told = words.listed([f"{words.requirement_name(name)} ({formats.one_line(name)})" for name in names])
     if len(names) == 1:
         return [sentence(f"No parts meet this alone, whatever else is asked: {told}.")]
     assert result.infeasible is not None

@@ -6,7 +6,7 @@ gain, highlights, light level) is passed over, and so are budgets: they break no
 
 from __future__ import annotations
 
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.results.design import Design, Margin
 from uwopt.units import db_to_ratio
 
@@ -45,7 +45,7 @@ def fails_first(design: Design) -> str:
     for share, _, scene, margin in found:
         if share <= least + ALIKE:
             name = words.requirement_name(margin.requirement)
-            place = f" in {words.one_line(scene, 40)}" if len(design.scenes) > 1 else ""
-            kept = f" ({words.kept_text(margin)} reserve kept)" if margin.reserve else ""
-            named.setdefault(name, f"{name}{place}, {words.margin_text(margin, design.totals.cost)} in hand{kept}")
+            place = f" in {formats.one_line(scene, 40)}" if len(design.scenes) > 1 else ""
+            kept = f" ({formats.kept_text(margin)} reserve kept)" if margin.reserve else ""
+            named.setdefault(name, f"{name}{place}, {formats.margin_text(margin, design.totals.cost)} in hand{kept}")
     return f"fails first: {'; '.join(list(named.values())[:MOST_NAMED])}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from uwopt.mission.best_image import NAME
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, block, fact_lines
 from uwopt.results.basis import Bought, Knee
 from uwopt.results.result import Result
@@ -30,8 +30,8 @@ def goal_text(result: Result) -> str:
 def quality_text(knee: Knee) -> str:
     """`information 2.51 Mbit/m²`, or the signal to noise in decibels."""
     if knee.quality == "snr":
-        return f"{QUALITIES['snr']} {words.quantity(float(ratio_to_db(knee.value)), 'dB')}"
-    return f"{QUALITIES[knee.quality]} {words.quantity(knee.value, knee.unit)}"
+        return f"{QUALITIES['snr']} {formats.quantity(float(ratio_to_db(knee.value)), 'dB')}"
+    return f"{QUALITIES[knee.quality]} {formats.quantity(knee.value, knee.unit)}"
 
 
 def asked_text(knee: Knee) -> str:
@@ -48,7 +48,7 @@ def gain_text(knee: Knee, gain: float) -> str:
 
 def bought_text(knee: Knee, item: Bought) -> str:
     """`one more watt buys 0.3 % more information`."""
-    step = "one more watt" if item.name == "power_w" else f"{words.money(item.more, item.unit)} more"
+    step = "one more watt" if item.name == "power_w" else f"{formats.money(item.more, item.unit)} more"
     beyond = " beyond your limit" if item.beyond_limit else ""
     if item.gain < LEAST_TOLD:
         return f"{step}{beyond} buys nothing"

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias, cast
 
-from uwopt.report.text import words
+from uwopt.report.text import formats
 
 if TYPE_CHECKING:
     from rich import table, text
@@ -116,7 +116,7 @@ def block(title: str, lines: Sequence[Line]) -> Block:
 
 def sentence(text: str, style: str = "") -> Text:
     """Running text that wraps at words."""
-    return Text(words.one_line(text, 2000), style)
+    return Text(formats.one_line(text, 2000), style)
 
 
 def columns(*heads: tuple[str, str], header: bool = True) -> Grid:
@@ -126,4 +126,4 @@ def columns(*heads: tuple[str, str], header: bool = True) -> Grid:
 
 def fact_lines(facts: Iterable[tuple[str, str]]) -> Facts:
     """Names and values below each other; what is empty is left out."""
-    return Facts(tuple((name, words.one_line(value, 2000)) for name, value in facts if value))
+    return Facts(tuple((name, formats.one_line(value, 2000)) for name, value in facts if value))

@@ -11,7 +11,7 @@ from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.catalog.listing import FieldLine, PartLine
 from uwopt.catalog.records import KINDS, Quantity
 from uwopt.catalog.stale import StaleRow
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Line, Text, block, columns, sentence
 from uwopt.units import format_number
 
@@ -33,12 +33,12 @@ def part_list_blocks(lines: Sequence[PartLine]) -> Iterator[Block | Text]:
         table = columns(("id", "left"), ("what it is", "left"), ("price", "right"))
         for line in own:
             doubtful |= price_is_estimated(line.price) or "~" in line.summary
-            what = words.one_line(f"{line.summary}{'; to be made' if line.generic else ''}")
+            what = formats.one_line(f"{line.summary}{'; to be made' if line.generic else ''}")
             table.add_row(
-                Text(words.one_line(line.id, 60)), Text(what), Text(price_text(line.price, line.currency))
+                Text(formats.one_line(line.id, 60)), Text(what), Text(price_text(line.price, line.currency))
             )
             for reason in line.reasons:
-                table.add_row(Text(""), Text("left out: " + words.one_line(reason), "dim"), Text(""))
+                table.add_row(Text(""), Text("left out: " + formats.one_line(reason), "dim"), Text(""))
         yield block(f"{PLURALS[kind]} ({len(own)})", [table])
     if doubtful:
         yield sentence(LEGEND, "dim")
@@ -50,7 +50,7 @@ def stale_blocks(rows: Sequence[StaleRow], legend: str = "") -> Iterator[Block |
     table = columns(("part", "left"), *([("used", "right")] if counted else []), ("what to ask for", "left"))
     for row in rows:
         uses = [Text(str(row.uses))] if counted else []
-        table.add_row(Text(words.one_line(row.id, 60)), *uses, Text("; ".join(row.reasons)))
+        table.add_row(Text(formats.one_line(row.id, 60)), *uses, Text("; ".join(row.reasons)))
     yield block(f"Old or missing ({len(rows)}), catalogue {EDITION} of {AS_OF}", [table])
     if counted and legend:
         yield sentence(legend, "dim")
@@ -60,7 +60,7 @@ def change_blocks(changes: Sequence[CellChange], written_to: str) -> Iterator[Bl
     """Cells that an update changes, and where the record of it is."""
     table = columns(("part", "left"), ("cell", "left"), ("old", "left"), ("new", "left"))
     for change in changes:
-        cells = (words.one_line(text, 60) for text in (change.id, change.cell, change.old, change.new))
+        cells = (formats.one_line(text, 60) for text in (change.id, change.cell, change.old, change.new))
         table.add_row(*(Text(cell) for cell in cells))
     n_parts = len({change.id for change in changes})
     yield block(f"Changes ({len(changes)} cells of {n_parts} parts)", [table])
@@ -76,7 +76,7 @@ def price_text(price: Quantity | None, currency: str) -> str:
     """A price with its mark."""
     if price is None:
         return "unknown"
-    return words.price(price.low, price.high, currency) + (", no quote" if price_is_estimated(price) else "")
+    return formats.price(price.low, price.high, currency) + (", no quote" if price_is_estimated(price) else "")
 
 
 def part_blocks(part_id: str, lines: Sequence[FieldLine], exclusions: Sequence[Exclusion]) -> Iterator[Block]:
@@ -91,20 +91,20 @@ def part_blocks(part_id: str, lines: Sequence[FieldLine], exclusions: Sequence[E
         spread = line.low is not None and line.high is not None and line.low != line.high
         span = f"{format_number(line.low or 0.0)} to {format_number(line.high or 0.0)}" if spread else ""
         mark = "~" if line.status == "estimated" else ""
-        source = "" if line.source == texts.get("source_url") else words.one_line(line.source)
+        source = "" if line.source == texts.get("source_url") else formats.one_line(line.source)
         table.add_row(
             Text(line.name),
-            Text(mark + words.one_line(line.value)),
+            Text(mark + formats.one_line(line.value)),
             Text(span),
             Text(line.status),
             Text(source),
         )
     notes: list[Line] = [
-        Text(f"{LONG_FIELDS[name]}: {words.one_line(text, 2000)}") for name, text in texts.items()
+        Text(f"{LONG_FIELDS[name]}: {formats.one_line(text, 2000)}") for name, text in texts.items()
     ]
     notes += [sentence(f"Not searched, {item.rule}: {item.reason}.", "yellow") for item in exclusions]
     legend = [sentence(LEGEND, "dim")] if any(line.status == "estimated" for line in lines) else []
-    yield block(words.one_line(part_id), [table, *legend, *notes])
+    yield block(formats.one_line(part_id), [table, *legend, *notes])
 
 
 def check_blocks(report: FileReport) -> Iterator[Block]:
@@ -114,4 +114,4 @@ def check_blocks(report: FileReport) -> Iterator[Block]:
     verdict = "in order" if report.ok else f"{words.counted(n_faults, 'fault')}"
     lines: list[Line] = [sentence(fault, "red") for fault in report.faults]
     lines += [sentence(note) for note in report.notes]
-    yield block(f"{words.one_line(report.path)}: {report.content}, {rows}: {verdict}", lines)
+    yield block(f"{formats.one_line(report.path)}: {report.content}, {rows}: {verdict}", lines)

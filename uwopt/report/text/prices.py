@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Line, block, sentence
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
@@ -35,12 +35,12 @@ def short_price_sentence(result: Result) -> str:
 def short_price(result: Result, price: Price) -> str:
     """`0.05 m/s faster: +0.09 W; beyond 0.7 m/s another system`."""
     unit = price_unit(result, price)
-    number, _, rest = words.quantity(abs(price.step), unit).partition(" ")
+    number, _, rest = formats.quantity(abs(price.step), unit).partition(" ")
     step = f"{without_zeros(number)} {rest}".strip()
     how = FASTER.get(price.name) or f"{'more' if price.step > 0 else 'less'} {words.requirement_name(price.name)}"
     said = f"{step} {how}: {change_words(result, price)}"
     if price.until is not None:
-        said += f", beyond {words.quantity(price.until, unit)} {'another system' if price.then else 'nothing fits'}"
+        said += f", beyond {formats.quantity(price.until, unit)} {'another system' if price.then else 'nothing fits'}"
     return said
 
 
@@ -55,13 +55,13 @@ def price_text(result: Result, price: Price) -> str:
     name = "speed" if price.name == "speed_m_s" else words.requirement_name(price.name)
     unit = price_unit(result, price)
     word = "more" if price.step > 0 else "less"
-    said = f"{format_quantity(abs(price.step), unit)} {word} {name} ({words.one_line(price.name)}, "
+    said = f"{format_quantity(abs(price.step), unit)} {word} {name} ({formats.one_line(price.name)}, "
     said += f"now {format_quantity(price.asked, unit)}): {change_words(result, price)}"
     if price.slope_casadi is not None and price.slope is not None:
         ours, theirs = (words.objective_text(result, value, 3) for value in (price.slope, price.slope_casadi))
         said += f"; at the limit {ours} per dB by difference, {theirs} by CasADi's multiplier"
     if price.until is not None:
-        then = f"another system: {words.one_line(price.then, 300)}" if price.then else "nothing fits"
+        then = f"another system: {formats.one_line(price.then, 300)}" if price.then else "nothing fits"
         said += f"; beyond {format_quantity(price.until, unit)} {then}"
     return said
 

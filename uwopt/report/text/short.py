@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from uwopt.quantities import BY_NAME, TERMS
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.certainty import ask_first, certainty_block, status_text
 from uwopt.report.text.doubts import (
     excluding_most,
@@ -113,7 +113,7 @@ def rest_of_blocks(result: Result) -> Iterator[Block]:
 
 def title_line(result: Result) -> Joined:
     """The mission's name, and how far the answer may be believed."""
-    name = words.one_line(result.mission.get("name") or "mission", 80)
+    name = formats.one_line(result.mission.get("name") or "mission", 80)
     return Joined((Text(name, "bold"), Text(": "), Text(how_far(result), status_style(result))))
 
 
@@ -143,8 +143,8 @@ def subject_sentences(result: Result, design: Design) -> Iterator[str]:
         speed = given.get(scene.name, {}).get("subject_speed_m_s")
         if not speed or not any(m.requirement == "max_blur_px" and m.binding for m in scene.margins):
             continue
-        place = f" in {words.one_line(scene.name, 40)}" if len(design.scenes) > 1 else ""
-        yield f"What moves there by itself at {words.quantity(speed, 'm/s')} decides the exposure{place}."
+        place = f" in {formats.one_line(scene.name, 40)}" if len(design.scenes) > 1 else ""
+        yield f"What moves there by itself at {formats.quantity(speed, 'm/s')} decides the exposure{place}."
 
 
 def goal_sentence(result: Result, design: Design) -> str:
@@ -152,7 +152,7 @@ def goal_sentence(result: Result, design: Design) -> str:
     if of_image := goal_text(result):
         return of_image
     goal, rounded = result.objective, design.rounded
-    name = TERMS[goal.name].words if goal.name in TERMS else words.one_line(goal.name.replace("_", " "))
+    name = TERMS[goal.name].words if goal.name in TERMS else formats.one_line(goal.name.replace("_", " "))
     as_set = rounded is not None and design.is_settable and rounded.objective_value is not None
     value = rounded.objective_value if rounded is not None and as_set else design.objective_value
     most = "most" if goal.direction == "maximise" else "least"
@@ -166,7 +166,7 @@ def image_sentence(design: Design) -> str:
         values = [scene.figures.get(name, scene.settings.get(name)) for scene in design.scenes]
         known = [float(v) for v in values if isinstance(v, (int, float))]
         if known:
-            low, high = (words.quantity(end, BY_NAME[name].unit) for end in (min(known), max(known)))
+            low, high = (formats.quantity(end, BY_NAME[name].unit) for end in (min(known), max(known)))
             shown.append(f"{BY_NAME[name].words} {low}" + (f" to {high}" if low != high else ""))
     return f"Images: {', '.join(shown)}." if shown else ""
 
@@ -179,8 +179,8 @@ def buy_block(design: Design, title: str) -> Block:
     heads = (("", "right"), ("part", "left"), ("name", "left"), ("to pay", "right"), ("price", "left"))
     table = columns(*heads)
     for row in design.bom:
-        kind = words.one_line(row.kind, 12)
-        texts = (f"{row.count} x", kind, bought_name(row), words.due_text(row), words.known_price(row))
+        kind = formats.one_line(row.kind, 12)
+        texts = (f"{row.count} x", kind, bought_name(row), formats.due_text(row), formats.known_price(row))
         table.add_row(*map(Text, texts))
     if not design.bom:
         table = hardware_block(design, "").lines[0]  # type: ignore[assignment]
@@ -190,8 +190,8 @@ def buy_block(design: Design, title: str) -> Block:
 def bought_name(row: BillRow) -> str:
     """Maker and model; of a class of parts its name and that it is to be made."""
     if row.generic:
-        return f"{words.one_line(row.model or row.id, 50)} (to be made)"
-    return words.one_line(f"{row.manufacturer} {row.model}".strip() or row.id, 60)
+        return f"{formats.one_line(row.model or row.id, 50)} (to be made)"
+    return formats.one_line(f"{row.manufacturer} {row.model}".strip() or row.id, 60)
 
 
 def set_block(result: Result, design: Design) -> Block:
@@ -213,8 +213,8 @@ def set_block(result: Result, design: Design) -> Block:
 def cost_block(result: Result, design: Design) -> Block:
     """Money as a range, and against the limit; power and mass."""
     cost, totals = design.totals.cost, design.totals
-    text = words.cost_text(cost)
-    if words.money(cost.low) != words.money(cost.high):
+    text = formats.cost_text(cost)
+    if formats.money(cost.low) != formats.money(cost.high):
         text += f", most likely about {format_within(cost.value, cost.low, cost.high)}"
     if cost.value:
         text += f"; {words.quoted_share(cost)}"
@@ -227,16 +227,16 @@ def cost_block(result: Result, design: Design) -> Block:
     limit = (result.mission.get("limits") or {}).get("cost")
     if isinstance(limit, (int, float)) and cost.high > limit:
         end = "Its high end" if cost.value <= limit else "It"
-        facts.append(("", f"{end} is above your limit of {words.money(float(limit), cost.currency)}."))
+        facts.append(("", f"{end} is above your limit of {formats.money(float(limit), cost.currency)}."))
     facts.append(("power", power_text(design)))
     if totals.mass_kg:
-        facts.append(("mass", words.quantity(totals.mass_kg, "kg")))
+        facts.append(("mass", formats.quantity(totals.mass_kg, "kg")))
     return block("What it costs", [fact_lines(facts)])
 
 
 def power_text(design: Design) -> str:
     """`3.05 W on average, the lamps 638 W while they burn`, at the settings to type in where there are any."""
-    text = f"{words.quantity(design.power_as_set_w, 'W')} on average"
+    text = f"{formats.quantity(design.power_as_set_w, 'W')} on average"
     if burning := words.burning_text(design):
         text += f", the {burning}"
     return text
@@ -254,9 +254,9 @@ def risk_block(risks: Sequence[Risk]) -> Block:
 
 def risk_text(risk: Risk) -> str:
     """`It may cost more than allowed (up to 900 USD): the price is estimated.`"""
-    figure = f" ({words.one_line(risk.figure)})" if risk.figure else ""
-    reason = f": {words.one_line(risk.because)}" if risk.because else ""
-    return words.as_sentence(words.one_line(risk.what) + figure + reason)
+    figure = f" ({formats.one_line(risk.figure)})" if risk.figure else ""
+    reason = f": {formats.one_line(risk.because)}" if risk.because else ""
+    return words.as_sentence(formats.one_line(risk.what) + figure + reason)
 
 
 def questions(result: Result, design: Design) -> Iterator[str]:
@@ -288,7 +288,7 @@ def quotes(design: Design) -> Iterator[str]:
     for row in sorted(design.bom, key=width, reverse=True):
         unknown = row.to_buy > 0 and row.unit_price is None
         if unknown or (total > 0.0 and width(row) >= DEAR * total):
-            yield f"Ask for a quote: {row.to_buy} x {bought_name(row)}, {words.due_text(row)}."
+            yield f"Ask for a quote: {row.to_buy} x {bought_name(row)}, {formats.due_text(row)}."
 
 
 def width(row: BillRow) -> float:
@@ -313,7 +313,7 @@ def estimated_facts(result: Result) -> list[str]:
     facts = []
     for path, name in LIGHT_FACTS.items():
         if (item := known.get(path)) is not None and item.low is not None and item.high is not None:
-            low, high = words.quantity(item.low), words.quantity(item.high, item.unit)
+            low, high = formats.quantity(item.low), formats.quantity(item.high, item.unit)
             facts.append(f"{name} ({low} to {high})")
     return facts
 

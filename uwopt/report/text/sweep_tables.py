@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Text, block, columns, sentence
 from uwopt.results.sweep import SweepKit, SweepSummary
 
@@ -34,7 +34,7 @@ def sweep_blocks(made: SweepSummary) -> Iterator[Block | Text]:
 
 def sweep_opening(made: SweepSummary) -> list[str]:
     """What was asked for, and what came of it."""
-    over = f" over {words.listed([words.one_line(key, 60) for key in made.keys])}" if made.keys else ""
+    over = f" over {words.listed([formats.one_line(key, 60) for key in made.keys])}" if made.keys else ""
     told = [f"{words.counted(made.missions, 'mission')}{over}{done_text(made)}."]
     if made.what == "evaluate":
         fits = made.counts.get("feasible", 0)
@@ -63,7 +63,7 @@ def counts_block(made: SweepSummary) -> Block:
     """Missions by how they ended."""
     grid = columns(("missions", "right"), ("status", "left"), ("", "left"))
     for status, count in made.counts.items():
-        grid.add_row(Text(words.count_text(count)), Text(status), Text(STATUS.get(status, "")))
+        grid.add_row(Text(formats.count_text(count)), Text(status), Text(STATUS.get(status, "")))
     return block("How they ended", [grid])
 
 
@@ -73,10 +73,10 @@ def kits_block(made: SweepSummary) -> Block:
     heads = [("no.", "right"), ("wins", "right")]
     grid = columns(*heads, *([("serves", "right")] if served else []), ("price", "right"), ("kit", "left"))
     for number, kit in enumerate(made.kits[:MOST_ROWS], 1):
-        serves = [Text("" if kit.serves is None else words.count_text(kit.serves))] if served else []
+        serves = [Text("" if kit.serves is None else formats.count_text(kit.serves))] if served else []
         grid.add_row(
             Text(str(number)),
-            Text(words.count_text(kit.wins)),
+            Text(formats.count_text(kit.wins)),
             *serves,
             Text(price_text(made, kit.price)),
             Text(kit_text(kit)),
@@ -88,12 +88,12 @@ def kits_block(made: SweepSummary) -> Block:
 
 def kit_text(kit: SweepKit) -> str:
     """A kit in one line."""
-    return words.one_line(kit.parts, 300) + (" (with a part to be made)" if kit.generic else "")
+    return formats.one_line(kit.parts, 300) + (" (with a part to be made)" if kit.generic else "")
 
 
 def price_text(made: SweepSummary, price: float | None) -> str:
     """A price where all are in one currency."""
-    return words.quantity(None) if price is None else words.money(price, made.currency)
+    return formats.quantity(None) if price is None else formats.money(price, made.currency)
 
 
 def portfolio_block(made: SweepSummary) -> Block:
@@ -124,7 +124,7 @@ def failed_block(made: SweepSummary) -> Block:
     """Why missions could not be worked out."""
     grid = columns(("missions", "right"), ("why", "left"))
     for one in made.failed:
-        grid.add_row(Text(words.count_text(one.count)), Text(words.one_line(one.message, 300)))
+        grid.add_row(Text(formats.count_text(one.count)), Text(formats.one_line(one.message, 300)))
     return block("Could not be worked out", [grid])
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from uwopt.report.text import words
+from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.doubts import (
     assumption_blocks,
     certificate_block,
@@ -70,13 +70,13 @@ def nearest_miss(result: Result | FrontResult) -> Design | None:
 
 def headline(result: Result) -> Block:
     """Name of the mission, verdict and value of the objective."""
-    name = words.one_line(result.mission.get("name") or "mission", 80)
+    name = formats.one_line(result.mission.get("name") or "mission", 80)
     title = Joined((Text(name, "bold"), Text(": "), Text(result.status, status_style(result))))
     lines: list[Line] = [title, Text(words.as_sentence(words.status_sentence(result)))]
     value = result.best.objective_value if result.best is not None else None
     if value is not None and result.best is not None:
-        goal = words.one_line(result.objective.name)
-        direction = words.one_line(result.objective.direction)
+        goal = formats.one_line(result.objective.name)
+        direction = formats.one_line(result.objective.direction)
         lines.append(Text(f"Objective: {goal} {words.value_text(result, result.best, value)} ({direction}d)."))
     if result.best is not None and (first := fails_first(result.best)):
         lines.append(sentence(words.as_sentence(first)))
@@ -148,34 +148,34 @@ def shown_settings(scenes: Sequence[SceneResult]) -> list[str]:
     }
     if "flash_energy_j" in present:
         present.discard("pulse_ms")
-    return [name for name in words.SETTINGS if name in present]
+    return [name for name in vocabulary.SETTINGS if name in present]
 
 
 def settings_by_column(scenes: Sequence[SceneResult], *, exact: bool) -> Grid:
     """One row a setting; one column a scene, and the exact value of a single scene."""
     exact_too = exact and len(scenes) == 1 and scenes[0].settings_to_set is not None
     heads = [("setting", "left")] + [
-        (words.one_line(scene.name, 24) if len(scenes) > 1 else "set", "right") for scene in scenes
+        (formats.one_line(scene.name, 24) if len(scenes) > 1 else "set", "right") for scene in scenes
     ]
     table = columns(
         *heads, *([("exact optimum", "right")] if exact_too else []), header=len(scenes) > 1 or exact_too
     )
     for name in shown_settings(scenes):
-        cells = [words.setting_text(name, (s.settings_to_set or s.settings).get(name)) for s in scenes]
+        cells = [formats.setting_text(name, (s.settings_to_set or s.settings).get(name)) for s in scenes]
         if exact_too:
-            cells.append(words.setting_text(name, scenes[0].settings.get(name)))
-        table.add_row(Text(words.SETTINGS[name][0]), *map(Text, cells))
+            cells.append(formats.setting_text(name, scenes[0].settings.get(name)))
+        table.add_row(Text(vocabulary.SETTINGS[name][0]), *map(Text, cells))
     return table
 
 
 def settings_by_row(scenes: Sequence[SceneResult]) -> Grid:
     """One row a scene."""
     names = shown_settings(scenes)
-    table = columns(("scene", "left"), *((words.SETTINGS[name][0].split(",")[0], "right") for name in names))
+    table = columns(("scene", "left"), *((vocabulary.SETTINGS[name][0].split(",")[0], "right") for name in names))
     for scene in scenes:
         chosen = scene.settings_to_set or scene.settings
         table.add_row(
-            Text(words.one_line(scene.name, 24)), *(Text(words.setting_text(n, chosen.get(n))) for n in names)
+            Text(formats.one_line(scene.name, 24)), *(Text(formats.setting_text(n, chosen.get(n))) for n in names)
         )
     return table
 
@@ -199,7 +199,7 @@ def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
     if value is None or exact is None or not isinstance(result, Result):
         return [sentence("Rounded as shown and checked again: every requirement still holds.")]
     unit = result.objective.unit
-    moved = words.change(value - exact, unit, exact)
+    moved = formats.change(value - exact, unit, exact)
     return [
         sentence(
             f"Rounded as shown and checked again: every requirement still holds; the objective becomes "
@@ -216,7 +216,7 @@ def margin_blocks(design: Design) -> Iterator[Block]:
     common = common_margins(design.scenes)
     for scene in design.scenes:
         own = [margin for margin in scene.margins if margin not in common]
-        yield block(f"Margins in scene {words.one_line(scene.name, 60)}", margin_lines(own, design))
+        yield block(f"Margins in scene {formats.one_line(scene.name, 60)}", margin_lines(own, design))
     if common:
         yield block("Margins in every scene", margin_lines(common, design))
 
@@ -231,7 +231,7 @@ def margin_lines(margins: Sequence[Margin], design: Design) -> list[Line]:
     """The table, and how much of its limits is kept in reserve."""
     kinds = kinds_by_id(design)
     kept = [
-        f"{words.requirement_name(m.requirement, kinds)} {words.reserve_text(m)}" for m in margins if m.reserve
+        f"{words.requirement_name(m.requirement, kinds)} {formats.reserve_text(m)}" for m in margins if m.reserve
     ]
     return [margin_table(margins, design), *([sentence(f"In these limits: {'; '.join(kept)}.")] if kept else [])]
 
@@ -270,13 +270,13 @@ def margin_state(margin: Margin) -> str:
 def margin_texts(margin: Margin, kinds: Mapping[str, str], cost: Cost | None = None) -> tuple[str, str, str, str, str]:
     """Requirement, value, limit, what is left, and the altitude where it is worst."""
     sign = {"<=": "at most ", ">=": "at least "}.get(margin.sense, "exactly ")
-    value, limit = words.margin_ends(margin, cost)
+    value, limit = formats.margin_ends(margin, cost)
     return (
         words.requirement_name(margin.requirement, kinds),
         value,
         "no limit" if margin.limit is None else sign + limit,
-        words.margin_text(margin, cost),
-        "" if margin.at_altitude_m is None else words.quantity(margin.at_altitude_m, "m"),
+        formats.margin_text(margin, cost),
+        "" if margin.at_altitude_m is None else formats.quantity(margin.at_altitude_m, "m"),
     )
 
 
@@ -312,8 +312,8 @@ def bom_block(design: Design) -> Block:
             Text(line.known),
         )
     noted = [row for row in design.bom if row.note]
-    notes = [sentence(f"{words.one_line(row.id, 60)}: {words.one_line(row.note, 600)}") for row in noted]
-    if unsure := [words.one_line(row.id, 60) for row in design.bom if row.availability == "unknown"]:
+    notes = [sentence(f"{formats.one_line(row.id, 60)}: {formats.one_line(row.note, 600)}") for row in noted]
+    if unsure := [formats.one_line(row.id, 60) for row in design.bom if row.availability == "unknown"]:
         notes.append(sentence(f"Ask whether it is still sold, nobody says so: {', '.join(unsure)}."))
     legend = [sentence(ESTIMATED_LEGEND, "dim")] if any(row.estimated for row in design.bom) else []
     return block("Bill of materials", [table, *legend, *notes])
@@ -337,15 +337,15 @@ class BomLine:
 
 def bom_line(row: BillRow) -> BomLine:
     """What to order, its price and how that is known."""
-    ends = words.ends_of(row)
-    known = [words.known_price(row), f"{row.owned} owned" if row.owned else ""]
+    ends = formats.ends_of(row)
+    known = [formats.known_price(row), f"{row.owned} owned" if row.owned else ""]
     return BomLine(
         str(row.count),
-        words.one_line(row.kind, 12),
-        words.one_line(row.id, 60),
-        "unknown" if ends is None else words.price(*ends, row.currency),
-        words.due_text(row),
-        words.one_line(", ".join(word for word in known if word), 60),
+        formats.one_line(row.kind, 12),
+        formats.one_line(row.id, 60),
+        "unknown" if ends is None else formats.price(*ends, row.currency),
+        formats.due_text(row),
+        formats.one_line(", ".join(word for word in known if word), 60),
         row.estimated,
     )
 
@@ -372,14 +372,14 @@ def runner_up_blocks(result: Result) -> Iterator[Block]:
 
 def runner_up_table(result: Result, best: Design, designs: Sequence[Design]) -> Grid:
     """One row a design."""
-    objective = words.one_line(result.objective.name, 24)
+    objective = formats.one_line(result.objective.name, 24)
     heads = [("", "right"), ("has instead", "left"), (objective, "right"), ("difference", "right")]
     shown = [name for name in ("cost", "power") if name != objective]
     table = columns(*heads, *((name, "right") for name in shown))
     for number, design in enumerate(designs, start=2):
         figures = {
-            "cost": words.cost_text(design.totals.cost),
-            "power": words.quantity(design.totals.power_w, "W"),
+            "cost": formats.cost_text(design.totals.cost),
+            "power": formats.quantity(design.totals.power_w, "W"),
         }
         table.add_row(
             Text(str(number)),
@@ -394,11 +394,11 @@ def runner_up_table(result: Result, best: Design, designs: Sequence[Design]) -> 
 def difference_text(result: Result, design: Design, best: Design) -> str:
     """How much the objective differs from the best design's."""
     if design.objective_value is None or best.objective_value is None:
-        return words.quantity(None)
+        return formats.quantity(None)
     difference = design.objective_value - best.objective_value
-    text = words.change(difference, result.objective.unit, best.objective_value)
+    text = formats.change(difference, result.objective.unit, best.objective_value)
     if best.objective_value and abs(difference) > 1e-9 * abs(best.objective_value):
-        text += f" ({words.signed_share(difference / abs(best.objective_value))})"
+        text += f" ({formats.signed_share(difference / abs(best.objective_value))})"
     return text
 
 

@@ -6,7 +6,7 @@ Every word is taken from the result; nothing is judged here.
 from __future__ import annotations
 
 from uwopt.quantities import TERMS
-from uwopt.report.text import words
+from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.doubts import (
     NO_QUOTE_MATTERS,
     bad_ends_text,
@@ -53,7 +53,7 @@ def system_text(design: Design) -> str:
 
 def best_sentence(result: Result, design: Design) -> str:
     """What to buy, what it costs and draws; of a given system, whether it does what is asked."""
-    figures = f"{words.cost_sentence(design)}; power {words.quantity(design.power_as_set_w, 'W')}"
+    figures = f"{words.cost_sentence(design)}; power {formats.quantity(design.power_as_set_w, 'W')}"
     if result.command == "evaluate":
         return f"{words.status_sentence(result)} by {system_text(design)}: {figures}".replace(
             "is met by", "is met with"
@@ -74,7 +74,7 @@ def best_trust(result: Result, design: Design) -> str:
         )
         estimated = sum(1 for item in result.assumptions if item.low is not None)
         said = [f"missed: {', '.join(missed)}"] if missed else [text for text in (fails_first(design),) if text]
-        said.append(f"computed with physics {words.one_line(result.physics.name)}")
+        said.append(f"computed with physics {formats.one_line(result.physics.name)}")
         if estimated:
             said.append(f"{words.counted(estimated, 'number')} of it estimated, listed under assumptions")
         return "; ".join(said)
@@ -94,7 +94,7 @@ def nothing(result: Result | FrontResult) -> tuple[str, str]:
     if isinstance(result, Result):
         first = words.status_sentence(result)
     else:
-        first = words.STATUS_SENTENCES.get(result.status, f"the search was {result.status}")
+        first = vocabulary.STATUS_SENTENCES.get(result.status, f"the search was {result.status}")
         if result.status != "infeasible":
             first = f"{first} and no system was found"
     miss = nearest_miss(result)
@@ -118,7 +118,7 @@ def nothing(result: Result | FrontResult) -> tuple[str, str]:
 
 def axis_name(objective: FrontObjective) -> str:
     """An objective in words."""
-    return words.one_line(OBJECTIVE_NAMES.get(objective.name, objective.name.replace("_", " ")), 40)
+    return formats.one_line(OBJECTIVE_NAMES.get(objective.name, objective.name.replace("_", " ")), 40)
 
 
 def front_sentence(front: FrontResult) -> str:
@@ -151,7 +151,7 @@ def picked_points(front: FrontResult) -> list[tuple[str, FrontPoint]]:
     named: dict[str, list[str]] = {}
     for pick in sorted(front.picks, key=lambda pick: pick.name != "cheapest"):
         if pick.name != "knee":
-            named.setdefault(pick.point, []).append(words.one_line(pick.name, 40))
+            named.setdefault(pick.point, []).append(formats.one_line(pick.name, 40))
     return [(words.listed(names), front.point(point)) for point, names in named.items()]
 
 
@@ -198,7 +198,7 @@ def gain_text(front: FrontResult, point: FrontPoint, lead: FrontPoint) -> str:
             name = "" if objective.name in ("cost", "power") else f"{axis_name(objective)} "
             gains.append(f"{name}{words.axis_text(objective, point, 3)}")
         elif objective.name.endswith("_db") or other <= 0:
-            prices.append(f"{words.quantity(abs(own - other), objective.unit)} worse {axis_name(objective)}")
+            prices.append(f"{formats.quantity(abs(own - other), objective.unit)} worse {axis_name(objective)}")
         else:
             prices.append(ratio_text(own / other, axis_name(objective)))
     return (words.listed(gains) or "the same") + (f" for {words.listed(prices)}" if prices else "")
@@ -216,20 +216,20 @@ def front_trust(front: FrontResult) -> str:
     said = []
     proof = front.certificate or {}
     for method in front.methods:
-        name = words.one_line(method.name, 20)
+        name = formats.one_line(method.name, 20)
         if method.name == "exact" and method.status == "complete":
             loaded, gap = proof.get("loaded"), proof.get("gap_rel")
-            every = f": each of {words.count_text(loaded)} combinations is accounted for" if loaded else ""
+            every = f": each of {formats.count_text(loaded)} combinations is accounted for" if loaded else ""
             left = (
-                f", and no other system can add more than {words.share(gap)} to the trade-off" if gap else ""
+                f", and no other system can add more than {formats.share(gap)} to the trade-off" if gap else ""
             )
             said.append(f"the list is proven complete{every}{left}")
         elif method.name == "exact":
             said.append(
-                f"the exact search was {words.one_line(method.status, 20)}, so the list is not complete"
+                f"the exact search was {formats.one_line(method.status, 20)}, so the list is not complete"
             )
         elif method.hypervolume_ratio is not None:
-            ratio = words.share(method.hypervolume_ratio)
+            ratio = formats.share(method.hypervolume_ratio)
             said.append(
                 f"a second method, {name}, searched on its own and reached {ratio} of the exact hypervolume"
             )

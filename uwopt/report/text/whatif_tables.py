@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Text, block, columns, sentence
 from uwopt.results.whatif import KeyValue, SpiderLine, Switch, WhatIf, WhatIfPoint, WinningSystem
 from uwopt.units import format_quantity
@@ -16,7 +16,7 @@ KINDS = ("camera", "lens", "port", "light")
 
 def whatif_blocks(table: WhatIf) -> Iterator[Block | Text]:
     """The table block by block, each ending with an empty line."""
-    name = words.one_line(table.mission.get("name") or "mission", 80)
+    name = formats.one_line(table.mission.get("name") or "mission", 80)
     yield block(f"{name}: what if", [sentence(text) for text in opening(table)])
     if table.switches:
         yield block("Where another system takes over", switch_lines(table))
@@ -33,12 +33,12 @@ def whatif_blocks(table: WhatIf) -> Iterator[Block | Text]:
 
 def opening(table: WhatIf) -> list[str]:
     """What was varied, and how many systems are best somewhere."""
-    goal = f"{table.objective.direction} {words.one_line(table.objective.name, 60)}"
+    goal = f"{table.objective.direction} {formats.one_line(table.objective.name, 60)}"
     made = []
     if table.points:
         fits = sum(point.system is not None for point in table.points)
         best = len({point.system for point in table.points} - {None})
-        keys = " and ".join(words.one_line(key.key, 60) for key in table.keys)
+        keys = " and ".join(formats.one_line(key.key, 60) for key in table.keys)
         proven = all(point.status in ("optimal", "infeasible") for point in table.points)
         made.append(
             f"{words.counted(len(table.points), 'point')} over {keys}, {goal}: something fits at {fits} of them, "
@@ -74,7 +74,7 @@ def switch_lines(table: WhatIf) -> list[Text]:
 def others_text(table: WhatIf, switch: Switch) -> str:
     """`water II`; empty where only one key is varied."""
     return ", ".join(
-        f"{words.one_line(key.key, 40)} {value_text(value, key.unit)}"
+        f"{formats.one_line(key.key, 40)} {value_text(value, key.unit)}"
         for key, value in zip(table.keys, switch.others, strict=True)
         if value is not None
     )
@@ -83,15 +83,15 @@ def others_text(table: WhatIf, switch: Switch) -> str:
 def switch_text(table: WhatIf, switch: Switch) -> str:
     """`beyond speed_m_s 0.71 m/s another camera: avt-...`."""
     unit = next(key.unit for key in table.keys if key.key == switch.key)
-    low, high = words.quantities_apart(switch.low, switch.high, unit=unit)
-    key = words.one_line(switch.key, 40)
+    low, high = formats.quantities_apart(switch.low, switch.high, unit=unit)
+    key = formats.one_line(switch.key, 40)
     where = f"beyond {key} {low}"
     if switch.high - switch.low > 0.02 * max(abs(switch.low), abs(switch.high)):
         where = f"between {key} {low} and {high}"
     if switch.second is None:
         return f"{where} nothing fits"
     if switch.first is None:
-        return f"{where} something fits: {words.one_line(table.systems[switch.second].parts, 300)}"
+        return f"{where} something fits: {formats.one_line(table.systems[switch.second].parts, 300)}"
     said = f"{where} {change_text(table.systems[switch.first], table.systems[switch.second])}"
     return said if switch.proven else f"{said} (of these two systems)"
 
@@ -99,7 +99,7 @@ def switch_text(table: WhatIf, switch: Switch) -> str:
 def change_text(first: WinningSystem, second: WinningSystem) -> str:
     """What is different in the second of two systems."""
     other = [kind for kind in KINDS if first[kind] != second[kind]]
-    told = [f"another {kind}, {words.one_line(second[kind], 90)}" for kind in other]
+    told = [f"another {kind}, {formats.one_line(second[kind], 90)}" for kind in other]
     if first.light_count != second.light_count:
         told.append(f"{words.counted(second.light_count, 'light')} instead of {first.light_count}")
     made = " (a part to be made)" if second.generic and not first.generic else ""
@@ -115,7 +115,7 @@ def systems_block(table: WhatIf) -> Block:
     for index, system in enumerate(table.systems):
         wins = sum(point.system == index for point in all_points(table))
         made = " (with a part to be made)" if system.generic else ""
-        grid.add_row(Text(str(index + 1)), Text(str(wins)), Text(words.one_line(system.parts, 300) + made))
+        grid.add_row(Text(str(index + 1)), Text(str(wins)), Text(formats.one_line(system.parts, 300) + made))
     return block("Systems", [grid])
 
 
@@ -128,15 +128,15 @@ def points_block(table: WhatIf) -> Block:
     """Points evenly over the table."""
     shown = evenly(table.points)
     unit = table.objective.unit
-    heads = [(words.one_line(key.key, 40), "right") for key in table.keys]
-    goal = words.one_line(table.objective.name, 40)
+    heads = [(formats.one_line(key.key, 40), "right") for key in table.keys]
+    goal = formats.one_line(table.objective.name, 40)
     beside = [name for name in ("power", "cost") if name != table.objective.name]
     grid = columns(*heads, (goal, "right"), *((name, "right") for name in beside), ("no.", "right"))
     currency = table.mission.get("limits", {}).get("currency", "")
     for point in shown:
         figures = point.figures
-        cost = words.money(figures["cost"], currency) if "cost" in figures else words.quantity(None)
-        texts = {"power": words.quantity(figures.get("power_w"), "W"), "cost": cost}
+        cost = formats.money(figures["cost"], currency) if "cost" in figures else formats.quantity(None)
+        texts = {"power": formats.quantity(figures.get("power_w"), "W"), "cost": cost}
         best = "nothing fits" if point.system is None else format_quantity(point.objective, unit, 4)
         grid.add_row(
             *(Text(value_text(value, key.unit)) for key, value in zip(table.keys, point.values, strict=True)),
@@ -158,7 +158,7 @@ def evenly(points: Sequence[WhatIfPoint]) -> list[WhatIfPoint]:
 
 def value_text(value: KeyValue, unit: str) -> str:
     """A value with its unit."""
-    return words.one_line(value, 40) if isinstance(value, str) else format_quantity(value, unit, 4)
+    return formats.one_line(value, 40) if isinstance(value, str) else format_quantity(value, unit, 4)
 
 
 def spider_block(table: WhatIf) -> Block:
@@ -168,7 +168,7 @@ def spider_block(table: WhatIf) -> Block:
         ends = [next((p for p in line.points if p.values[0] == factor), None) for factor in (0.8, 1.2)]
         texts = [end_text(table, line, point) for point in ends]
         grid.add_row(Text(line.key), Text(format_quantity(line.base, line.unit)), *(Text(text) for text in texts))
-    return block(f"{words.capital(words.one_line(table.objective.name, 40))} by each quantity alone", [grid])
+    return block(f"{words.capital(formats.one_line(table.objective.name, 40))} by each quantity alone", [grid])
 
 
 def end_text(table: WhatIf, line: SpiderLine, point: WhatIfPoint | None) -> str:
@@ -191,5 +191,5 @@ def spread(line: SpiderLine) -> float:
 
 def short_system(system: WinningSystem, index: int) -> str:
     """A system's name in a legend."""
-    camera, light = (words.one_line(name, 40) for name in (system.camera, system.light))
+    camera, light = (formats.one_line(name, 40) for name in (system.camera, system.light))
     return f"{index + 1}: {camera}, {system.light_count} × {light}"
