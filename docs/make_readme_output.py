@@ -13,7 +13,6 @@ import io
 import re
 import sys
 from collections.abc import Iterable
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -121,12 +120,10 @@ def paste(name: str, output: str) -> None:
 
 def main() -> None:
     """Replace both outputs."""
-    from uwopt.api.pricing import range_prices
     from uwopt.api.solving import solve
 
     mission = ROOT / "problems" / "reef-mosaic.yaml"
-    result = solve(mission, alternatives=True)
-    result = replace(result, prices=range_prices(mission, result))  # as with --out
+    result = solve(mission, alternatives=True, ranges=True)  # as with --out
     paste(PAGE, page_of(result))
     paste(FULL, full_of(result))
 

@@ -10,13 +10,19 @@ import pytest
 
 import uwopt
 from uwopt.api.pricing import range_price, range_prices
+from uwopt.api.searching import searched
+from uwopt.api.varied import Systems
 from uwopt.deadline import NEVER
+from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.varying import VariedMission
+from uwopt.model.fineness import DEFAULT
+from uwopt.objectives.goal import goal_of
 from uwopt.report.text.prices import price_text, short_price_sentence
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
 from uwopt.solvers.explain.prices import priced_keys, step_of
+from uwopt.solvers.warm.searches import Warm
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 FEW = {
@@ -72,7 +78,7 @@ def test_slopes_are_those_of_the_steps_where_the_objective_is_a_straight_line(so
 def test_prices_over_a_range_are_those_of_searches_of_their_own(reef, solved):
     base, best = VariedMission(reef, {}), solved.objective.value
     (asked,) = (key for key in priced_keys(reef, solved.recommendation) if key[0].name == "speed_m_s")
-    told = range_price(base, asked[0], 0.5, 0.2, NEVER)
+    told = range_price(base, asked[0], 0.5, 0.2, Systems(goal_of(reef)), Warm())
     assert told is not None and told.until is not None
     assert changed(reef, 0.7) - best == pytest.approx(told.change, rel=1e-4)
     assert 0.5 < told.until < 1.3
@@ -80,6 +86,21 @@ def test_prices_over_a_range_are_those_of_searches_of_their_own(reef, solved):
     before = uwopt.solve(with_speed(reef, told.until - 0.005), quick=True).recommendation
     assert before.hardware.ids == solved.recommendation.hardware.ids != beyond.hardware.ids
     assert all(one in told.then for one in beyond.hardware.ids)
+
+
+def test_a_search_that_is_known_changes_no_price_and_spares_its_own(reef, solved):
+    goal = goal_of(reef)
+    sought, _ = searched(reef, load_catalog(reef), goal, 5, NEVER, None, {}, DEFAULT)
+    anew, known = Warm(), Warm()
+    known.take(sought)
+    assert known.families and not anew.families
+    told = [warm.best(with_speed(reef, 0.6)) for warm in (anew, known)]
+    assert [one.kept for one in told] == [False, True]
+    assert told[0].found.minimised == pytest.approx(told[1].found.minimised, rel=1e-6)
+    plain = range_prices(reef, solved)
+    for ours, theirs in zip(range_prices(reef, solved, sought=sought), plain, strict=True):
+        assert (ours.name, ours.until, ours.then) == (theirs.name, theirs.until, theirs.then)
+        assert ours.change == pytest.approx(theirs.change, rel=1e-4)
 
 
 def test_what_is_not_the_central_optimum_keeps_the_prices_of_its_own(reef, solved):

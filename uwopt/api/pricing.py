@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import itertools
+import math
 import time
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 from uwopt.api.common import Progress, Source
 from uwopt.api.floats import own_float_rules
+from uwopt.api.timing import STAGES
 from uwopt.api.varied import SHARP, Switches, Systems, VariedGrid
-from uwopt.deadline import Deadline
+from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import MissionError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Varied, VariedMission, rounded
 from uwopt.objectives.goal import goal_of
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
+from uwopt.results.whatif import WhatIfPoint
 from uwopt.solvers.explain.prices import priced_keys
+from uwopt.solvers.recommend import Sought
 from uwopt.solvers.warm.searches import Warm
 from uwopt.units import split_unit
 
@@ -29,27 +30,32 @@ PRICES_S = 10.0  # of the processor, where no time is given
 
 @own_float_rules
 def range_prices(
-    mission: Source | Mission, result: Result, *, changes: Mapping[str, Any] | None = None,
-    seconds: float | None = None, progress: Progress | None = None,
+    mission: Source | Mission, result: Result, *, deadline: Deadline = NEVER, progress: Progress | None = None,
+    sought: Sought | None = None,
 ) -> list[Price]:  # fmt: skip
     """What a step more of each binding requirement and of the speed costs with the best system for it.
 
     Each value is solved by central numbers, with its certificate; `until` is where the recommended system is no longer
     the best. What the result tells of the system as it is stays; where that is not the best by central numbers, nothing
-    is added. `changes`: other top-level values than the mission's, such as its objective in that call.
+    is added. `sought`: the search that the result tells of, so that what it has worked out is not worked out again.
     """
     if result.recommendation is None:
         return []
-    base = VariedMission(mission, {key: value for key, value in (changes or {}).items() if value is not None})
-    deadline = Deadline.after(PRICES_S, time.process_time) if seconds is None else Deadline.after(seconds)
+    base = VariedMission(mission, {})
+    if math.isinf(deadline.end_s):
+        deadline = Deadline.after(PRICES_S, time.process_time)
+    systems, warm = Systems(goal_of(base.base)), Warm(deadline)
+    if sought is not None:
+        warm.take(sought)
     told = {price.name: price for price in result.prices}
     keys = [*priced_keys(base.base, result.recommendation)]
     for number, (key, asked, step) in enumerate(keys):
         if deadline.passed():
+            deadline.left_out.append(STAGES["ranges"])
             break
         if progress is not None:
             progress(number / len(keys), f"what {key.name} costs")
-        price = range_price(base, key, asked, step, deadline, best=result.objective.value)
+        price = range_price(base, key, asked, step, systems, warm, best=result.objective.value)
         if price is not None:
             known = told.get(key.name, price)
             told[key.name] = replace(price, slope=known.slope, slope_casadi=known.slope_casadi)
@@ -57,33 +63,33 @@ def range_prices(
 
 
 def range_price(
-    base: VariedMission, key: Varied, asked: float, step: float, deadline: Deadline, *, best: float | None = None
-) -> Price | None:
+    base: VariedMission, key: Varied, asked: float, step: float, systems: Systems, warm: Warm, *,
+    best: float | None = None,
+) -> Price | None:  # fmt: skip
     """One key from what is asked on; None where there is no time for the first step, or another optimum than `best`."""
-    goal = goal_of(base.base)
     values = allowed(base, key, [rounded(asked + n * step) for n in range(STEPS + 1)])
     varied = Varied(key.key, key.section, key.name, tuple(values))
     if len(values) < 2:
         return None
-    grid = VariedGrid(base, (varied,), Systems(goal), Warm(deadline))
-    points = []
+    grid = VariedGrid(base, (varied,), systems, warm)
+    points = list[WhatIfPoint]()
     for value in values:
-        if deadline.passed():
+        if warm.deadline.passed():
             break
         points.append(grid.solve((value,)))
+        if points[-1].system != points[0].system:
+            break
     if len(points) < 2 or points[0].objective is None or points[1].status == "stopped":
         return None
     if best is not None and abs(points[0].objective - best) > AS_GOOD * abs(best):
         return None  # certainty, or settings that can be set, chose another system
     first, second = points[0].objective, points[1].objective
     price = Price(key.name, split_unit(key.name)[1], asked, step, None if second is None else second - first)
-    pair = next(((a, b) for a, b in itertools.pairwise(points) if a.system != b.system), None)
-    if pair is None:
+    if points[-1].system == points[0].system:
         return price
-    low, high = sorted((tuple(one.values) for one in pair), key=lambda at: float(at[0]))
-    found = Switches(grid, deadline, lambda share, what: None).between(0, low, high, SHARP * abs(step))
-    ends = found[0] if step > 0 else found[-1]  # the first on the way from what is asked
-    until, then = (ends.low, ends.second) if step > 0 else (ends.high, ends.first)
+    last, other = (tuple(one.values) for one in points[-2:])
+    found = Switches(grid, warm.deadline, lambda share, what: None).first(0, last, other, SHARP * abs(step))
+    until, then = (found.low, found.second) if step > 0 else (found.high, found.first)
     return Price(
         price.name, price.unit, asked, step, price.change, until=rounded(until),
         then="" if then is None else grid.systems.found[then].parts,

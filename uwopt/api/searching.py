@@ -15,8 +15,6 @@ from uwopt.forward.assembly import Generic
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import Fineness
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.imagers import fitting_pairs
-from uwopt.solvers.exact.search import are_too_many
 from uwopt.solvers.explain.robustness import SLOW_S
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, seek
 from uwopt.solvers.settings.best import scenes_need_cells
@@ -58,8 +56,7 @@ def known_from(like: Sought | None) -> dict[str, Any]:
     """What a search takes from another of the same parts and scenes: their light and, of a small catalogue, imagers."""
     if like is None:
         return {}
-    every = not are_too_many(like.problem, fitting_pairs(like.problem))
-    return {"like": like.problem, "imagers": like.outcome.imagers if every else None}
+    return {"like": like.problem, "imagers": like.search.every_imager}
 
 
 def generic_search(

@@ -75,6 +75,7 @@ def solve(
     audit: int = 0,
     seconds: float | None = None,
     alternatives: bool = False,
+    ranges: bool = False,
     accuracy: bool = False,
     tolerance: float | None = None,
     progress: Progress | None = None,
@@ -95,6 +96,7 @@ def solve(
     seconds : for all of it: what is proven by then is reported with the gap that is left, and what is told of
         a result beyond its proof is left out where there is no time for it
     alternatives : also say what systems of other makers lack
+    ranges : also say up to where the system stays the best as each binding requirement becomes stricter
     accuracy : estimate the numerical error of every figure, in `result.accuracy`
     tolerance : largest error of a figure, a share: integrals are taken as coarsely as it allows
     quick : leave out how firm the answer is, and second opinions
@@ -130,10 +132,13 @@ def solve(
             explain=explain, since_s=since_s,
         )  # fmt: skip
     else:
+        central = sought
         result, sought = found_result(
             result, goal, sought, alternative, timing, deadline, progress, solver=solver, quick=quick, first=first
         )
         assert result.recommendation is not None
+        if ranges and central.outcome.complete and not interrupted(result):
+            result = with_ranges(result, central, timing, deadline, progress)
         yielded = gain_warnings(wanted, sought, result.recommendation)
         result = replace(result, warnings=[*result.warnings, *yielded])
         if measured is None and accuracy and not interrupted(result):
@@ -160,7 +165,7 @@ def solve(
 
         try:
             with timed(timing, "alternatives", progress):
-                told = beside_best(sought.selection, sought.problem, goal, result.recommendation, deadline)
+                told = beside_best(sought.selection, sought.search, goal, result.recommendation, deadline)
             result = replace(result, alternatives=told)
         except KeyboardInterrupt:  # what is proven is not lost
             result = replace(result, warnings=[*result.warnings, *cut_warnings()])
@@ -260,6 +265,20 @@ def found_result(
     if first is not None:
         first(with_risks(made))
     return (made if quick else doubted(made, sought, goal, timing, deadline, progress, solver)), sought
+
+
+def with_ranges(
+    made: Result, sought: Sought, timing: dict[str, float], deadline: Deadline, progress: Progress | None
+) -> Result:
+    """A result with the systems that take over where a binding requirement becomes stricter, in time."""
+    from uwopt.api.pricing import range_prices
+
+    try:
+        with timed(timing, "ranges", progress):
+            prices = range_prices(sought.problem.mission, made, deadline=deadline, progress=progress, sought=sought)
+        return replace(made, prices=prices)
+    except KeyboardInterrupt:  # what is proven is not lost
+        return replace(made, warnings=[*made.warnings, *cut_warnings()])
 
 
 def status_of(*, proven: bool, exact: bool) -> str:

@@ -11,7 +11,7 @@ STAGES = {
     "certainty": "in how many scenarios hardware holds",
     "knee": "what more power and money would buy",
     "robustness": "how firm the answer is", "second_opinion": "second opinions",
-    "prices": "what requirements cost",
+    "prices": "what requirements cost", "ranges": "where other systems take over",
     "alternatives": "what other makers offer", "accuracy": "errors of figures",
 }  # fmt: skip
 

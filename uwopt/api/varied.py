@@ -167,10 +167,7 @@ class Switches:
     def between(self, k: int, a: At, b: At, sharp: float, depth: int = DEEPEST) -> list[Switch]:
         """The switches between two solved points: found between their two systems, then proven on both sides."""
         grid = self.grid
-        if float(b[k]) - float(a[k]) <= sharp or depth == 0:
-            return [self.coarse(k, a, b)]
-        if self.deadline.passed():
-            self.deadline.left_out.append("how sharp all switches are")
+        if self._is_sharp(k, a, b, sharp, depth):
             return [self.coarse(k, a, b)]
         low, high = self._bisected(k, a, b, sharp)
         if not grid.signs[k] and any(n != k and key.is_numeric for n, key in enumerate(grid.keys)):
@@ -181,6 +178,28 @@ class Switches:
             if grid.solve(left).system != grid.solve(right).system:
                 made += self.between(k, left, right, sharp, depth - 1)
         return made
+
+    def first(self, k: int, near: At, far: At, sharp: float, depth: int = DEEPEST) -> Switch:
+        """The switch next to the first of two solved points; what lies beyond it is not searched."""
+        a, b = sorted((near, far), key=lambda at: float(at[k]))
+        if self._is_sharp(k, a, b, sharp, depth):
+            return self.coarse(k, a, b)
+        way = [near, *self._bisected(k, a, b, sharp), far]
+        if near == b:
+            way[1:3] = way[2:0:-1]
+        for left, right in itertools.pairwise(dict.fromkeys(way)):
+            if self.grid.solve(left).system != self.grid.solve(right).system:
+                return self.first(k, left, right, sharp, depth - 1)
+        raise AssertionError("two points have the same system")
+
+    def _is_sharp(self, k: int, a: At, b: At, sharp: float, depth: int) -> bool:
+        """Whether two solved points are close enough, or nothing closer is looked for."""
+        if float(b[k]) - float(a[k]) <= sharp or depth == 0:
+            return True
+        if self.deadline.passed():
+            self.deadline.left_out.append("how sharp all switches are")
+            return True
+        return False
 
     def _bisected(self, k: int, a: At, b: At, sharp: float) -> tuple[At, At]:
         """Where the first of two systems is no longer the better one."""

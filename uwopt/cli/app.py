@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 import sys
-from dataclasses import replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -165,18 +164,13 @@ def solve_command(
             audit=audit,
             seconds=limit_s,
             alternatives=out is not None,
+            ranges=out is not None,
             accuracy=accuracy,
             tolerance=tolerance,
             progress=bar.report,
             quick=quick,
             first=None if as_json or full else first,
         )
-        if out is not None and result.prices and limit_s is None:  # the report takes its time
-            from uwopt.api.pricing import range_prices
-
-            changes = {"objective": wanted, "physics": physics and physics.value}
-            prices = range_prices(mission, result, changes=changes, progress=bar.report)
-            result = replace(result, prices=prices)
     hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet, begun=bool(begun))
     return result_status(result)
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from typing import Annotated
 
 import typer
 
 from uwopt.cli.options import JsonOption, MissionArgument, PhysicsOption, QuietOption, checked_seconds
 from uwopt.cli.status import command, result_status
-from uwopt.deadline import Deadline
 
 
 @command
@@ -33,19 +31,13 @@ def explain_command(
     from uwopt.report.write import json_text
 
     limit_s = checked_seconds(seconds)
-    deadline = Deadline.after(limit_s)
     with ProgressBar(quiet=quiet) as bar:
-        from uwopt.api.pricing import range_prices
         from uwopt.api.solving import solve
 
         result = solve(
             mission, physics=physics and physics.value, confidence="central", seconds=limit_s, quick=True,
-            progress=bar.report,
+            ranges=True, progress=bar.report,
         )  # fmt: skip
-        left_s = None if limit_s is None else deadline.left_s
-        changes = {"physics": physics and physics.value}
-        prices = range_prices(mission, result, changes=changes, seconds=left_s, progress=bar.report)
-        result = replace(result, prices=prices)
     if as_json:
         print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))
     else:

@@ -96,6 +96,7 @@ class Search(Evaluation):
             problem, objective, top=top, deadline=deadline, ceiling=ceiling, only=only, enough=enough
         )
         self.given = imagers
+        self.every_imager: Imagers | None = None  # of all parts, once they are listed
         self.progress = progress or (lambda share, what: None)
         self.bounds_s = 0.0
         self.interrupted = False
@@ -127,7 +128,10 @@ class Search(Evaluation):
         """Enumerate imagers and tabulate lights: all that evaluation needs. Raises OutOfTimeError."""
         imagers = self.given
         if imagers is None:
-            imagers = enumerate_imagers(self.problem, cameras=self._cameras_below_ceiling(), deadline=deadline)
+            cameras = self._cameras_below_ceiling()
+            imagers = enumerate_imagers(self.problem, cameras=cameras, deadline=deadline)
+            if cameras.all():
+                self.every_imager = imagers
         self.take_up(Candidates.of(self.problem, self.objective, imagers, lights=self.only.get("light")))
         return imagers
 

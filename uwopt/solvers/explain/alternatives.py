@@ -35,7 +35,7 @@ LONGEST_S = 5.0  # for all of them: what is not reached by then is left out
 
 
 def beside_best(
-    selection: Selection, problem: Problem, goal: Objective, best: Design, deadline: Deadline = NEVER
+    selection: Selection, search: Search, goal: Objective, best: Design, deadline: Deadline = NEVER
 ) -> list[OtherMaker]:
     """Other makers' best systems beside a recommendation."""
 
@@ -53,7 +53,7 @@ def beside_best(
         return replace(item, values=values, outcome="worse", text=text)
 
     shown = {kind: {best.hardware.parts[kind].id} for kind in KINDS}
-    return told(selection, problem, goal, shown, judged, deadline)
+    return told(selection, search, goal, shown, judged, deadline)
 
 
 def beside_front(
@@ -74,14 +74,15 @@ def beside_front(
 
     shown = {kind: {p.design.hardware.parts[kind].id for p in front.points} for kind in KINDS}
     goal = Objective({axes.names[0]: 1.0})
-    return told(selection, search.problem, goal, shown, judged, deadline)
+    return told(selection, search, goal, shown, judged, deadline)
 
 
 def told(
-    selection: Selection, problem: Problem, goal: Objective, shown: dict[str, set[str]],
+    selection: Selection, first: Search, goal: Objective, shown: dict[str, set[str]],
     judged: Callable[[OtherMaker, Design], OtherMaker], deadline: Deadline,
 ) -> list[OtherMaker]:  # fmt: skip
-    """One entry a maker whose parts are not shown."""
+    """One entry a maker whose parts are not shown; `first`: the search of all, which may have listed imagers."""
+    problem, every = first.problem, first.every_imager
     patience, out = deadline.at_most(LONGEST_S), []
     for kind, maker, mask in other_makers(selection, problem, shown):
         item = OtherMaker(kind, maker)
@@ -90,7 +91,12 @@ def told(
             continue
         if patience.passed():
             break
-        search = Search(problem, goal, top=1, deadline=patience, only={kind: mask})
+        known = every
+        if every is not None and kind == "camera":
+            known = every.take(np.flatnonzero(mask[every.camera]))
+        if not known:  # not listed, or none is left: then the rules count what each discards
+            known = None
+        search = Search(problem, goal, top=1, deadline=patience, only={kind: mask}, imagers=known)
         outcome = search.run()
         if not outcome.best:
             if outcome.complete:

@@ -22,6 +22,7 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
 from uwopt.mission.strictness import Asking
+from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs
@@ -178,6 +179,24 @@ class Warm:
         elif complete:
             family.missed.append(asks)
         return stage.answer(sought, kept=kept)
+
+    def take(self, sought: Sought) -> None:
+        """What a search over all parts of a mission has worked out, as if it had been the first of these."""
+        problem, outcome, mission = sought.problem, sought.outcome, sought.problem.mission
+        if problem.fineness != DEFAULT or not outcome.best:
+            return
+        self._remember(sought)
+        asks, search = Asking.of(mission), sought.search
+        if not outcome.complete or search.every_imager is None or search.only:
+            return
+        policies: tuple[Generic, ...] = ("never", "allow")
+        for generic in policies:
+            selection = self._selected(mission, asks, generic)
+            if selection.indices == sought.selection.indices:
+                family = self._family(WarmStage(mission, asks, generic, True, selection))
+                family.waiting = asks, sought
+                family.met.append(Met(asks, mission, reached_by(sought)))
+                self.asked.setdefault(asks.family, []).append((asks, mission))
 
     # ------------------------------------------------------------ with what is known
 
