@@ -695,6 +695,20 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{RELAXED}::test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it",
     ),
     Defect(
+        name="a maker's best system has any maker's camera",
+        file="uwopt/solvers/explain/alternatives.py",
+        old="every.take(np.flatnonzero(mask[every.camera]))",
+        new="every",
+        test="tests/solvers/test_alternatives.py::test_listed_imagers_change_no_makers_best_system",
+    ),
+    Defect(
+        name="a search that is known is searched again",
+        file="uwopt/solvers/warm/searches.py",
+        old="family.waiting = asks, sought\n                family.met",
+        new="family.met",
+        test="tests/solvers/test_prices.py::test_a_search_that_is_known_changes_no_price_and_spares_its_own",
+    ),
+    Defect(
         name="of housings the dearest stands for all",
         file="uwopt/solvers/explain/relaxed.py",
         old="order = np.lexsort((worth, block.lens, block.camera))",

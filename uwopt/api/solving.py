@@ -137,10 +137,10 @@ def solve(
             result, goal, sought, alternative, timing, deadline, progress, solver=solver, quick=quick, first=first
         )
         assert result.recommendation is not None
-        if ranges and central.outcome.complete and not interrupted(result):
-            result = with_ranges(result, central, timing, deadline, progress)
         yielded = gain_warnings(wanted, sought, result.recommendation)
         result = replace(result, warnings=[*result.warnings, *yielded])
+        if ranges and central.outcome.complete and not interrupted(result):
+            result = with_ranges(result, central, timing, deadline, progress)
         if measured is None and accuracy and not interrupted(result):
             try:
                 estimator = estimator_of_search(sought, goal, deadline)
