@@ -34,8 +34,8 @@ DEFECTS = (
     Defect(
         name="what takes over is the system that is left",
         file="uwopt/api/pricing.py",
-        old="until, then = (ends.low, ends.second) if step > 0",
-        new="until, then = (ends.low, ends.first) if step > 0",
+        old="until, then = (found.low, found.second) if step > 0",
+        new="until, then = (found.low, found.first) if step > 0",
         test=f"{PRICED}::test_prices_over_a_range_are_those_of_searches_of_their_own",
     ),
     Defect(

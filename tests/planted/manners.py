@@ -38,9 +38,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="what requirements cost is given the whole time once more",
-        file="uwopt/cli/explain.py",
-        old="seconds=left_s",
-        new="seconds=limit_s",
+        file="uwopt/api/solving.py",
+        old="made, deadline=deadline, progress=progress, sought=sought",
+        new="made, progress=progress, sought=sought",
         test=f"{DEADLINE}::test_what_requirements_cost_has_the_time_that_the_search_leaves",
     ),
     Defect(

@@ -93,7 +93,8 @@ def test_a_search_that_is_known_changes_no_price_and_spares_its_own(reef, solved
     sought, _ = searched(reef, load_catalog(reef), goal, 5, NEVER, None, {}, DEFAULT)
     anew, known = Warm(), Warm()
     known.take(sought)
-    assert known.families and not anew.families
+    (family,) = known.families.values()
+    assert family.waiting is not None and family.waiting[1] is sought
     told = [warm.best(with_speed(reef, 0.6)) for warm in (anew, known)]
     assert [one.kept for one in told] == [False, True]
     assert told[0].found.minimised == pytest.approx(told[1].found.minimised, rel=1e-6)
