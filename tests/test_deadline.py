@@ -14,6 +14,7 @@ from uwopt.api import pricing
 from uwopt.api import solving as api
 from uwopt.api import trading as api_pareto
 from uwopt.api.common import prepared
+from uwopt.api.evaluating import evaluate
 from uwopt.api.timing import STAGES
 from uwopt.cli.app import app
 from uwopt.cli.status import result_status
@@ -159,6 +160,19 @@ def test_enough_time_leaves_nothing_out(limited: Callable[[float], Clock]) -> No
     result = api.solve(mission(catalog={**FEW_PARTS, "generic": "never"}), seconds=1.0)
     assert result.robustness and result.solvers
     assert not [item for item in result.warnings if item["code"] == "time"]
+
+
+@pytest.mark.parametrize("step_s", [0.0, 1.0])
+def test_evaluation_leaves_out_what_time_does_not_reach(step_s: float, limited: Callable[[float], Clock]) -> None:
+    limited(step_s)
+    system = TANK.with_suffix(".system.yaml")
+    result = evaluate(TANK, system, physics="paper", accuracy=True, confidence=0.5, seconds=0.5)
+    assert result.design is not None and result.objective["value"] > 0.0
+    assert (result.confidence is None) == (step_s > 0.0)
+    told = [item for item in result.warnings if item["code"] == "time"]
+    assert bool(told) == (step_s > 0.0)
+    if told:
+        assert "errors of figures" in time_warning(result) and STAGES["certainty"] in time_warning(result)
 
 
 @pytest.mark.parametrize("readings", [1, 2, 3, 5, 8, 20, 40])

@@ -46,6 +46,11 @@ class Deadline:
         if self.passed():
             raise OutOfTimeError
 
+    def in_time(self, work: Callable[[], Made]) -> Made:
+        """What a step makes. Raises OutOfTimeError where it has passed before."""
+        self.check()
+        return work()
+
     def at_most(self, seconds: float) -> Deadline:
         """This deadline, or one in so many seconds if that is sooner; what is left out is told to neither's caller."""
         return Deadline(min(self.end_s, self.clock() + seconds), self.clock)
@@ -53,8 +58,7 @@ class Deadline:
     def within(self, what: str, work: Callable[[], Made], otherwise: Made) -> Made:
         """What a step makes; where the time does not reach, something else instead, and a note of what is missing."""
         try:
-            self.check()
-            return work()
+            return self.in_time(work)
         except OutOfTimeError:
             self.left_out.append(what)
             return otherwise

@@ -37,6 +37,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/test_structure.py::test_import_loads_nothing_heavy[uwopt.api.evaluating]",
     ),
     Defect(
+        name="evaluation has no end of time",
+        file="uwopt/api/evaluating.py",
+        old="start, deadline = time.perf_counter(), Deadline.after(seconds)",
+        new="start, deadline = time.perf_counter(), Deadline()",
+        test=f"{DEADLINE}::test_evaluation_leaves_out_what_time_does_not_reach",
+    ),
+    Defect(
         name="what requirements cost is given the whole time once more",
         file="uwopt/api/solving.py",
         old="made, deadline=deadline, progress=progress, sought=sought",

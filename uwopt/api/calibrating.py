@@ -43,7 +43,7 @@ Keep = Callable[[Mapping[str, str]], object]  # writes files where they stay
 def calibrate(
     mission: Source | Mission, system: Source | System, shots: str | Path, *, card: float | None = None,
     at: str | None = None, scene: str = "", today: str = "", keep: Keep | None = None, name: str = MISSION_FILE,
-    again: bool = True, physics: str | None = None, progress: Progress | None = None,
+    again: bool = True, physics: str | None = None, seconds: float | None = None, progress: Progress | None = None,
 ) -> Calibrated:  # fmt: skip
     """Fit test shots of a system, and solve the mission before and with what they tell.
 
@@ -56,6 +56,7 @@ def calibrate(
     today : YYYY-MM-DD, of the log in which a lamp of the catalogue is changed; today unless given
     keep : writes the new mission and the files beside it where they stay; else they last as long as the call
     again : solve the mission before and after
+    seconds : for each of both
     """
     wanted = prepared(mission, physics, None)
     built = load_system(system)
@@ -87,7 +88,7 @@ def calibrate(
         "lamp" if card is not None else "floor", at_530(optics), float(np.median(optics.reflectance)),
     )  # fmt: skip
     made = written(made, place, optics, standing[0][0], Path(name).stem, today or date.today().isoformat())
-    return solved(made, keep, name, again=again, progress=progress)
+    return solved(made, keep, name, again=again, seconds=seconds, progress=progress)
 
 
 def refuse_few(name: str, count: int, left_out: Mapping[str, str]) -> None:
@@ -287,7 +288,9 @@ def lamp_written(
     return []
 
 
-def solved(made: Calibrated, keep: Keep | None, name: str, *, again: bool, progress: Progress | None) -> Calibrated:
+def solved(
+    made: Calibrated, keep: Keep | None, name: str, *, again: bool, seconds: float | None, progress: Progress | None
+) -> Calibrated:
     """The mission solved before and after; its new files are tried aside before they are written where they stay."""
     with tempfile.TemporaryDirectory() as scratch:
         for file, text in made.files.items():
@@ -297,5 +300,7 @@ def solved(made: Calibrated, keep: Keep | None, name: str, *, again: bool, progr
             keep(made.files)
         if not (again and made.searched):
             return made
-        before = solve(made.mission, quick=True, progress=progress)
-        return replace(made, before=before, after=solve(after, quick=True, progress=progress))
+        before, then = (
+            solve(mission, quick=True, seconds=seconds, progress=progress) for mission in (made.mission, after)
+        )
+        return replace(made, before=before, after=then)

@@ -12,7 +12,7 @@ import numpy as np
 
 from uwopt.api.common import Progress
 from uwopt.api.timing import STAGES, timed
-from uwopt.deadline import Deadline
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.designs import Hardware
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
@@ -114,8 +114,9 @@ def stops_that_hold(certain: Certain) -> Iterator[Counted]:
 
 
 def confidence_of(
-    problem: Problem, hardware: Hardware, goal: Objective, asked: float | str, f_number: float | None, design: Design
-) -> Confidence:
+    problem: Problem, hardware: Hardware, goal: Objective, asked: float | str, f_number: float | None, design: Design,
+    deadline: Deadline = NEVER,
+) -> Confidence:  # fmt: skip
     """In how many scenarios a given system holds, its iris where it stands and all else set once the water is seen.
 
     With its own settings where the mission has them fixed before.
@@ -133,7 +134,7 @@ def confidence_of(
     )  # fmt: skip
     fixed = problem.mission.doubt.settings == "fixed"
     stops, given = None if f_number is None else [f_number], as_given(problem, hardware, design) if fixed else None
-    made = outcomes(problem, found, goal, scenarios, f_numbers=stops, given=given)
+    made = outcomes(problem, found, goal, scenarios, deadline, f_numbers=stops, given=given)
     share = 1.0 if asked == ENDS else float(asked)
     return counted(problem, goal, Counted(found, made, made.best(share)), asked=asked, share=share)
 

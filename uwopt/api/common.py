@@ -13,6 +13,7 @@ from typing import Any
 from uwopt.catalog.choose import Selection
 from uwopt.catalog.curves.clarity import Clarity
 from uwopt.catalog.edition import EDITION
+from uwopt.deadline import Deadline
 from uwopt.forward.effects import Influence
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene_checks import check_physical
@@ -112,3 +113,11 @@ def installed_versions() -> dict[str, str]:
         except metadata.PackageNotFoundError:
             continue
     return out
+
+
+def time_warnings(deadline: Deadline) -> list[Note]:
+    """What there was no time for."""
+    if not deadline.left_out:
+        return []
+    text = "the time that was given is over; not worked out: " + "; ".join(dict.fromkeys(deadline.left_out))
+    return [Note("time", "", text)]

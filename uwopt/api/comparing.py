@@ -18,7 +18,7 @@ RECOMMENDED = "recommended"
 
 def compare(
     mission: Source | Mission, systems: Sequence[Source | System], *, recommended: bool = False,
-    physics: str | None = None, progress: Progress | None = None,
+    physics: str | None = None, seconds: float | None = None, progress: Progress | None = None,
 ) -> Comparison:  # fmt: skip
     """Systems side by side in a mission, requirement by requirement.
 
@@ -28,6 +28,7 @@ def compare(
     systems : file names or mappings, each as `evaluate` takes them
     recommended : also what `solve` recommends
     physics : another than the mission's
+    seconds : for the search of what `solve` recommends; what it has found by then stands beside the systems
     """
     if not systems:
         raise MissionError("compare: no system is named; give one system file or more behind the mission.")
@@ -41,9 +42,9 @@ def compare(
         return Comparison(tuple(found))
     from uwopt.api.solving import solve
 
-    best = solve(wanted, quick=True, progress=progress)
+    best = solve(wanted, quick=True, explain=False, seconds=seconds, progress=progress)
     if best.best is None:
-        return Comparison(tuple(found), nothing_fits=True)
+        return Comparison(tuple(found), nothing_fits=best.status == "infeasible", cut_short=best.status == "stopped")
     return Comparison((*found, SideBySide(RECOMMENDED, best)))
 
 

@@ -14,11 +14,12 @@ from uwopt.api.accuracy import (
     of_integrals,
     plain_accuracy,
 )
-from uwopt.api.common import Source, base_result, beyond_cap, prepared
+from uwopt.api.common import Source, base_result, beyond_cap, prepared, time_warnings
 from uwopt.api.floats import own_float_rules
 from uwopt.api.risks import with_risks
-from uwopt.api.timing import timed
+from uwopt.api.timing import STAGES, timed
 from uwopt.catalog.compatibility import explain_pair
+from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
 from uwopt.evaluation.accuracy import coarsest
 from uwopt.evaluation.design import evaluate_design
@@ -43,7 +44,7 @@ from uwopt.tolerances import SATISFIED_REL
 @own_float_rules
 def evaluate(
     mission: Source | Mission, system: Source | System, *, physics: str | None = None, accuracy: bool = False,
-    tolerance: float | None = None, confidence: float | str | None = None,
+    tolerance: float | None = None, confidence: float | str | None = None, seconds: float | None = None,
 ) -> Result:  # fmt: skip
     """What a given system would do in a mission: figures and margins of every scene.
 
@@ -51,8 +52,10 @@ def evaluate(
 
     `accuracy`: with estimated numerical errors of every figure. `tolerance`: largest error of a figure, a
     share; integrals are then taken as coarsely as it allows.
+
+    `seconds`: for errors and scenarios, which are left out where there is no time for them.
     """
-    start = time.perf_counter()
+    start, deadline = time.perf_counter(), Deadline.after(seconds)
     timing: dict[str, float] = {}
     as_written = prepared(mission, physics, None, confidence)
     wanted = as_written.without_gain_cap  # what is given is not refused for it
@@ -87,10 +90,11 @@ def evaluate(
     measured = None
     if accuracy or tolerance is not None:
         with timed(timing, "accuracy"):
-            estimator = estimator_of(problem, evaluated)
             if tolerance is None:
-                measured = estimator.errors(problem.fineness)
+                in_time = estimator_of(problem, lambda at: deadline.in_time(lambda: evaluated(at)))
+                measured = deadline.within("errors of figures", lambda: in_time.errors(problem.fineness), None)
             else:
+                estimator = estimator_of(problem, evaluated)
                 measured = estimator.cheapest(allowed, coarsest(estimator.parts))
                 problem = problem.with_fineness(measured.fineness)
     with timed(timing, "evaluation"):
@@ -101,7 +105,13 @@ def evaluate(
         from uwopt.api.certainty import confidence_of  # brings the search, which nothing else here needs
 
         with timed(timing, "certainty"):
-            counted = confidence_of(problem, hardware, goal, wanted.confidence, given[0].f_number, design)
+            counted = deadline.within(
+                STAGES["certainty"],
+                lambda: confidence_of(
+                    problem, hardware, goal, wanted.confidence, given[0].f_number, design, deadline
+                ),
+                None,
+            )
     result = base_result("evaluate", wanted, goal, problem, influences)
     made = replace(
         result,
@@ -116,6 +126,7 @@ def evaluate(
             *tilt_notes(problem, hardware, given),
             *gain_notes(as_written, design),
             *accuracy_warnings(measured, allowed),
+            *time_warnings(deadline),
         ],
         accuracy=plain_accuracy(measured, allowed, None, []),
         timing_s={**timing, "total": time.perf_counter() - start},

@@ -23,6 +23,7 @@ from uwopt.api.common import (
     beyond_cap,
     prepared,
     selection_warnings,
+    time_warnings,
 )
 from uwopt.api.floats import own_float_rules
 from uwopt.api.risks import with_risks
@@ -451,14 +452,6 @@ def cut_warnings(
 ) -> list[Note]:
     """That what follows the proof was interrupted."""
     return [Note("interrupted", "", f"interrupted: {what}")]
-
-
-def time_warnings(deadline: Deadline) -> list[Note]:
-    """What there was no time for."""
-    if not deadline.left_out:
-        return []
-    text = "the time that was given is over; not worked out: " + "; ".join(dict.fromkeys(deadline.left_out))
-    return [Note("time", "", text)]
 
 
 def patience_warnings(patience: Deadline, seconds: float) -> list[Note]:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.api import solving as api
-from uwopt.api.common import Source, base_result, prepared, selection_warnings
+from uwopt.api.common import Source, base_result, prepared, selection_warnings, time_warnings
 from uwopt.api.floats import own_float_rules
-from uwopt.api.solving import proven_in_full, time_warnings
+from uwopt.api.solving import proven_in_full
 from uwopt.api.timing import timed
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline

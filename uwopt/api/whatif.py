@@ -7,9 +7,9 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from uwopt.api.common import Progress, Source
+from uwopt.api.common import Progress, Source, time_warnings
 from uwopt.api.floats import own_float_rules
-from uwopt.api.solving import patience_warnings, time_warnings
+from uwopt.api.solving import patience_warnings
 from uwopt.api.timing import timed
 from uwopt.api.varied import At, Switches, Systems, VariedGrid
 from uwopt.deadline import Deadline

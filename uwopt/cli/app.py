@@ -28,6 +28,7 @@ from uwopt.cli.options import (
     MissionArgument,
     PhysicsOption,
     QuietOption,
+    SecondsOption,
     ToleranceOption,
     checked_seconds,
     parsed_objective,
@@ -124,10 +125,7 @@ def solve_command(
             metavar="N", min=0, max=1_000_000, help="Try N other combinations, half of them discarded."
         ),
     ] = 0,
-    seconds: Annotated[
-        float | None,
-        typer.Option(metavar="S", help="Stop after S seconds; the gap and what is left out are told."),
-    ] = None,
+    seconds: SecondsOption = None,
     accuracy: AccuracyOption = False,
     tolerance: ToleranceOption = None,
     quick: Annotated[
@@ -191,6 +189,10 @@ def evaluate_command(
     confidence: Annotated[
         str | None, typer.Option(metavar="P", help="Count in how many scenarios it holds, against this share; or ends.")
     ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(metavar="S", help="Time for --accuracy and --confidence: what it does not reach is left out."),
+    ] = None,
     full: FullOption = False,
     as_json: JsonOption = False,
     out: OutOption = None,
@@ -199,13 +201,14 @@ def evaluate_command(
     """Say what a given system would do in a mission: figures and margins."""
     from uwopt.report.write import check_folder
 
+    limit_s = checked_seconds(seconds)
     if out is not None:
         check_folder(out)
     from uwopt.api.evaluating import evaluate
 
     result = evaluate(
         mission, system, physics=physics and physics.value, accuracy=accuracy, tolerance=tolerance,
-        confidence=confidence,
+        confidence=confidence, seconds=limit_s,
     )  # fmt: skip
     hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet)
     return result_status(result, check=check)

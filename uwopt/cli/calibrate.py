@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption
+from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, checked_seconds
 from uwopt.cli.output import print_made
 from uwopt.cli.status import DONE, command
 from uwopt.errors import OutputError
@@ -49,6 +49,9 @@ def calibrate_command(
     fit_only: Annotated[bool, typer.Option("--fit-only", help="Do not solve the mission before and after.")] = False,
     date: Annotated[str, typer.Option(help="Day of the shots, YYYY-MM-DD; today unless given.")] = "",
     physics: PhysicsOption = None,
+    seconds: Annotated[
+        float | None, typer.Option(metavar="S", help="Time for each search, before and after; gaps are told.")
+    ] = None,
     quiet: QuietOption = False,
 ) -> int:
     """Fit test shots of a system: light, floor and water as they are, and what that changes."""
@@ -56,6 +59,7 @@ def calibrate_command(
     from uwopt.report.text.console import ProgressBar
     from uwopt.report.write import check_file, made_folder, write_files
 
+    limit_s = checked_seconds(seconds)
     target = None if out is None else check_file(out)
     if target is not None and target.absolute() in (Path(mission).absolute(), Path(system).absolute()):
         raise OutputError(f"{out}: is what is calibrated, with your comments in it; name another file for --out.")
@@ -71,7 +75,7 @@ def calibrate_command(
             mission, system, shots, card=card, at=None if at is None else at.value, scene=scene,
             today=date, keep=None if target is None else keep,
             name=MISSION_FILE if target is None else target.name, again=not fit_only,
-            physics=physics and physics.value, progress=bar.report,
+            physics=physics and physics.value, seconds=limit_s, progress=bar.report,
         )  # fmt: skip
     print_made(calibration_blocks(made), written, mission=made.mission.to_dict(), quiet=quiet)
     return DONE

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption
+from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, checked_seconds
 from uwopt.cli.output import print_made
 from uwopt.cli.status import DONE, command
 
@@ -19,6 +19,9 @@ def compare_command(
         bool, typer.Option("--recommended", help="Beside them what solve recommends.")
     ] = False,
     physics: PhysicsOption = None,
+    seconds: Annotated[
+        float | None, typer.Option(metavar="S", help="Time for the search of what solve recommends.")
+    ] = None,
     out: Annotated[
         str | None, typer.Option("--out", metavar="DIR", help="Write compare.html and compare.csv into DIR.")
     ] = None,
@@ -29,13 +32,15 @@ def compare_command(
     from uwopt.report.text.console import ProgressBar
     from uwopt.report.write import check_folder, made_folder, write_files
 
+    limit_s = checked_seconds(seconds)
     folder = None if out is None else check_folder(out)
     with ProgressBar(quiet=quiet) as bar:
         from uwopt.api.comparing import compare
 
         made = compare(
-            mission, systems, recommended=recommended, physics=physics and physics.value, progress=bar.report
-        )
+            mission, systems, recommended=recommended, physics=physics and physics.value, seconds=limit_s,
+            progress=bar.report,
+        )  # fmt: skip
     written = []
     if folder is not None:
         files = {PAGE: comparison_html(made), TABLE: comparison_csv(made)}

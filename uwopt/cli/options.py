@@ -37,6 +37,10 @@ FullOption = Annotated[
     bool,
     typer.Option("--full", help="Print all there is: proof, every requirement, other choices, assumptions."),
 ]
+SecondsOption = Annotated[
+    float | None,
+    typer.Option(metavar="S", help="Stop after S seconds; the gap and what is left out are told."),
+]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")]
 
 

@@ -29,7 +29,11 @@ class SideBySide:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Systems in one mission; `nothing_fits` where a recommendation was asked for and there is none."""
+    """Systems in one mission; `nothing_fits` where a recommendation was asked for and there is none.
+
+    `cut_short`: the search ended before it had found one.
+    """
 
     systems: tuple[SideBySide, ...]
     nothing_fits: bool = False
+    cut_short: bool = False

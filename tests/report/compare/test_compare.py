@@ -136,6 +136,17 @@ def test_recommended_stands_behind_what_is_given(monkeypatch: pytest.MonkeyPatch
     assert compare(MISSION, [SHELF], recommended=True).nothing_fits
 
 
+@pytest.mark.parametrize("found", [True, False])
+def test_a_search_that_time_ends_is_told(found: bool, monkeypatch: pytest.MonkeyPatch, make_result: Make) -> None:
+    answer = make_result(status="stopped", **({} if found else {"recommendation": None}))
+    given: list[float] = []
+    monkeypatch.setattr("uwopt.api.solving.solve", lambda *_, seconds, **__: given.append(seconds) or answer)
+    made = compare(MISSION, [SHELF], recommended=True, seconds=2.5)
+    assert given == [2.5]
+    assert (made.cut_short, made.nothing_fits) == (not found, False)
+    assert ("best that was found in time" if found else "time was over") in " ".join(sentences(made))
+
+
 def test_gallery_tells_of_every_rig_whose_hardware_is_known() -> None:
     import make_gallery
 

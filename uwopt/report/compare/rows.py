@@ -163,6 +163,10 @@ def sentences(comparison: Comparison) -> Iterator[str]:
             yield from against(one, best, bool(missed))
     if comparison.nothing_fits:
         yield "Nothing is recommended: no system of the catalogue meets every requirement; solve tells what would help."
+    if comparison.cut_short:
+        yield "Nothing is recommended: the time was over before a system was found."
+    elif best is not None and best.result.status == "stopped":
+        yield "What is recommended is the best that was found in time; others may be better."
 
 
 def against(one: SideBySide, best: SideBySide, missed: bool) -> Iterator[str]:
