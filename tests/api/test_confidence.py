@@ -166,3 +166,16 @@ def test_a_share_is_that_of_plain_sampling() -> None:
         design = uwopt.evaluate(mission, system).design
         fits += design is not None and design.feasible
     assert fits / count == pytest.approx(known.held, abs=3.3 * (known.held * (1.0 - known.held) / count) ** 0.5)
+
+
+def test_a_given_focus_counts() -> None:
+    """At f/4 a lens focused in water on 2 m holds as before; focused on half a metre, the floor is not sharp."""
+    settings = SYSTEM["settings"]
+    known = {}
+    for focus_m in (None, 2.0, 0.5):
+        own = settings if focus_m is None else settings | {"focus_distance_m": focus_m}
+        result = uwopt.evaluate(SAMPLED, SYSTEM | {"settings": own}, confidence=0.9)
+        assert result.confidence is not None
+        known[focus_m] = result.confidence
+    assert known[2.0].held == pytest.approx(known[None].held, abs=0.01)
+    assert known[0.5].held == 0.0 and known[0.5].lost_to[0].requirement == "min_dof_m"

@@ -133,8 +133,8 @@ DEFECTS = (
     Defect(
         name="the iris of a given system is opened",
         file="uwopt/api/certainty.py",
-        old="stops, given = None if f_number is None else [f_number], ",
-        new="stops, given = None, ",
+        old="stops = None if given.f_number is None else [given.f_number]",
+        new="stops = None",
         test=f"{API}::test_a_given_system_is_counted_with_its_iris_where_it_stands",
     ),
     Defect(
@@ -189,9 +189,37 @@ DEFECTS = (
     Defect(
         name="a lens stands where it is meant to",
         file="uwopt/solvers/exact/imagers.py",
-        old="dioptre / problem.focus_share[camera]",
-        new="dioptre",
+        old="dioptre_per_m / problem.focus_shares[:, camera] - dioptre_per_m",
+        new="0.0 * problem.focus_shares[:, camera]",
         test=f"{TESTS}::test_it_holds_as_often_as_its_iris_forgives_the_focus",
+    ),
+    Defect(
+        name="a given system is counted as if it were focused best",
+        file="uwopt/api/certainty.py",
+        old="problem = problem.focused_on(given.focus_distance_m)",
+        new="problem = problem.focused_on(None)",
+        test="tests/api/test_confidence.py::test_a_given_focus_counts",
+    ),
+    Defect(
+        name="beyond its band the swath keeps its reserve",
+        file=f"{ROOM}/waters.py",
+        old='asked = without_reserve(scene, "min_swath_m", "min_common_swath_m")',
+        new="asked = without_reserve(scene)",
+        test="tests/solvers/test_confidence_draws.py::test_beyond_its_band_the_swath_is_as_asked_for",
+    ),
+    Defect(
+        name="nobody sees that the lens is out of focus",
+        file="uwopt/solvers/exact/imagers.py",
+        old="nearer = np.minimum(seen / (1.0 + open_m) / near, 1.0)",
+        new="nearer = np.ones_like(near)",
+        test=f"{TESTS}::test_a_lens_stands_no_farther_off_than_the_eye_sees",
+    ),
+    Defect(
+        name="hardware with room is looked for with lenses in focus",
+        file=f"{ROOM}/candidates.py",
+        old="worse if np.ptp(foci) == 0.0 else worse.focused_at(shares)",
+        new="worse",
+        test=f"{TESTS}::test_hardware_with_room_is_sharp_wherever_the_lens_may_stand",
     ),
     Defect(
         name="beyond its band it is as bright as at its ends",

@@ -17,6 +17,7 @@ from uwopt.catalog.parts.quantity import Quantity
 from uwopt.deadline import Deadline
 from uwopt.mission.doubt import Doubt
 from uwopt.solvers.confidence import search as search_module
+from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import Certain, Counted, at_its_stop, imagers_of, most_certain, rank
@@ -28,7 +29,7 @@ from uwopt.solvers.recommend import Sought
 
 NOTHING: dict[str, Any] = {
     "clarity": False, "lamp_leg": False, "other_water_table": 0.0, "floor": [1, 1], "lamp_output": [1, 1],
-    "beyond_band": 0, "focus": [1, 1],
+    "beyond_band": 0, "focus": [1, 1], "focus_px": 1e6,
 }  # fmt: skip
 KNOWN = Doubt.model_validate(NOTHING)
 FAST = {"max_blur_px": 1.0, "min_snr_db": 20.0}
@@ -102,6 +103,37 @@ def test_it_holds_as_often_as_its_iris_forgives_the_focus() -> None:
     made = counted(sought, Doubt.model_validate(NOTHING | {"focus": [0.5, 1.5]}))
     assert made.held.max() == pytest.approx(share, abs=0.011)
     assert made.lost["min_dof_m"] == pytest.approx(200 * (1.0 - share), abs=2.2)
+
+
+def test_a_lens_stands_no_farther_off_than_the_eye_sees() -> None:
+    """Focused with the iris at 4 until blur is half a pixel, which is as far as the ends 0.5 and 1.5 then go.
+
+    A share s of the distance is 1 / s - 1 of the dioptre off, 1 at the near end and 1/3 at the far one; as large a part
+    q of that as the blur that is allowed is of half a pixel lies between the shares 1 / (1 + q) and 1 / (1 - q / 3).
+    """
+    doubt = {"focus": [0.5, 1.5], "focus_px": 0.5}
+    for coc_px in (0.51, 0.4, 0.25):
+        case_ = one(wanted=FAST | {"circle_of_confusion_px": coc_px}, lens={"f_number_min": 4.0, "f_number_max": 4.0})
+        made = counted(sought_of(case_, **doubt), Doubt.model_validate(NOTHING | doubt))
+        q = min(coc_px / 0.5, 1.0)
+        beyond = 2.0 * (1.0 / (1.0 + q) - 0.5) ** 2 + 2.0 * (1.5 - 1.0 / (1.0 - q / 3.0)) ** 2
+        assert made.held.max() == pytest.approx(1.0 - beyond, abs=0.011)
+
+
+def test_hardware_with_room_is_sharp_wherever_the_lens_may_stand() -> None:
+    """The stop of a search in doubt: N >= f^2 / c |D_set - D| / (1 - f D_set) at both ends of where lenses stand."""
+    wanted = FAST | {"circle_of_confusion_px": 1.0}
+    sought = sought_of(one(wanted=wanted, lens={"f_number_min": 2.0, "f_number_max": 16.0}), focus=[0.9, 1.1])
+    mission, scenes = sought.problem.mission, sought.problem.scenes
+    scenarios = Scenarios.drawn(mission, scenes, mission.doubt, seed=1, count=256)
+    focal_m, coc_m = 1e-3 * sought.problem.parts.lenses[0].focal_length_mm, 1e-6 * CAMERA.pixel_pitch_um
+    meant = sought.outcome.best[0].settings[0]["dioptre_per_m"]
+    for share in (0.5, 0.9):
+        made = Search(worse_problem(sought.problem, scenarios, share), sought.search.objective, top=1).run().best[0]
+        ends = [1.0 - 0.1 * (1.0 - np.sqrt(1.0 - share)), 1.0 + 0.1 * (1.0 - np.sqrt(1.0 - share))]
+        asked = max(focal_m**2 / coc_m * abs(meant / x - meant) / (1.0 - focal_m * meant / x) for x in ends)
+        assert made.settings[0]["f_number"] == pytest.approx(asked, rel=0.02)
+        assert made.settings[0]["dioptre_per_m"] == pytest.approx(meant)
 
 
 def test_what_is_missed_is_told_and_adds_up() -> None:

@@ -17,7 +17,7 @@ from uwopt.solvers.confidence.draws import drawn_parts, even_points, probabiliti
 from uwopt.solvers.confidence.panels import panel_of
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.summary import wilson
-from uwopt.solvers.confidence.waters import drawn_states
+from uwopt.solvers.confidence.waters import drawn_states, over_band
 
 
 @pytest.mark.parametrize(
@@ -109,3 +109,13 @@ def test_the_interval_of_a_share_is_that_of_wilson(hits: int, count: int) -> Non
 
     expected = binomtest(hits, count).proportion_ci(0.95, method="wilson")
     assert wilson(hits / count, count) == pytest.approx((expected.low, expected.high), abs=1e-6)
+
+
+def test_beyond_its_band_the_swath_is_as_asked_for() -> None:
+    """What is kept of it in hand is kept for that: 1.5 m asked, 1.8 m held in the band."""
+    case_ = one(wanted={"min_swath_m": 1.5}, vehicle={"altitude_tolerance_m": 0.2})
+    mission = case_.mission.with_changes(reserve={"swath": 0.2})
+    scene = replace(case_, mission=mission).problem().scenes[0]
+    assert scene.view.requirements.min_swath_m == pytest.approx(1.8)
+    assert over_band(scene, 0.0).view.requirements.min_swath_m == pytest.approx(1.8)
+    assert over_band(scene, 0.25).view.requirements.min_swath_m == pytest.approx(1.5)

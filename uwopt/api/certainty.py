@@ -13,7 +13,7 @@ import numpy as np
 from uwopt.api.common import Progress
 from uwopt.api.timing import STAGES, timed
 from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.designs import Hardware
+from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
@@ -114,12 +114,13 @@ def stops_that_hold(certain: Certain) -> Iterator[Counted]:
 
 
 def confidence_of(
-    problem: Problem, hardware: Hardware, goal: Objective, asked: float | str, f_number: float | None, design: Design,
+    problem: Problem, hardware: Hardware, goal: Objective, asked: float | str, given: SceneSettings, design: Design,
     deadline: Deadline = NEVER,
 ) -> Confidence:  # fmt: skip
     """In how many scenarios a given system holds, its iris where it stands and all else set once the water is seen.
 
-    With its own settings where the mission has them fixed before.
+    given : of the first scene; its lens is focused where that says. With the design's own settings where the mission
+        has them fixed before.
     """
     from uwopt.solvers.confidence.outcomes import outcomes
     from uwopt.solvers.confidence.summary import counted
@@ -133,8 +134,10 @@ def confidence_of(
         cost=math.nan, mass_kg=math.nan, snr_db=math.nan, settings=[], pulse_s=0.0,
     )  # fmt: skip
     fixed = problem.mission.doubt.settings == "fixed"
-    stops, given = None if f_number is None else [f_number], as_given(problem, hardware, design) if fixed else None
-    made = outcomes(problem, found, goal, scenarios, deadline, f_numbers=stops, given=given)
+    problem = problem.focused_on(given.focus_distance_m)
+    stops = None if given.f_number is None else [given.f_number]
+    own = as_given(problem, hardware, design) if fixed else None
+    made = outcomes(problem, found, goal, scenarios, deadline, f_numbers=stops, given=own)
     share = 1.0 if asked == ENDS else float(asked)
     return counted(problem, goal, Counted(found, made, made.best(share)), asked=asked, share=share)
 

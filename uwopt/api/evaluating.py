@@ -107,9 +107,7 @@ def evaluate(
         with timed(timing, "certainty"):
             counted = deadline.within(
                 STAGES["certainty"],
-                lambda: confidence_of(
-                    problem, hardware, goal, wanted.confidence, given[0].f_number, design, deadline
-                ),
+                lambda: confidence_of(problem, hardware, goal, wanted.confidence, given[0], design, deadline),
                 None,
             )
     result = base_result("evaluate", wanted, goal, problem, influences)

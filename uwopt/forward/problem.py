@@ -122,7 +122,8 @@ class Problem:
         self.known_light: dict[Any, Any] = {}  # of hardware in these scenes, whatever is asked of it there
         fixed = mission.fixed
         self.f_number = fixed.f_number  # at which every iris stands; None: where it is best
-        self.focus_share: Array | None = None  # of the distance meant at which lenses stand, by camera; None: 1
+        self.focus_shares: Array | None = None  # of the distance meant at which lenses stand; see `focused_at`
+        self.focus_distance_m: float | None = None  # in water, that lenses are meant to be at; None: where it is best
         self.effects = PAPER if paper else effects
         self.owned_lights = owned_lights or {}
         self.count_range = counts or light_counts(mission)
@@ -196,10 +197,19 @@ class Problem:
         changed.scenes, changed.known_models, changed.known_light = scenes, {}, {}
         return changed
 
-    def focused_at(self, share: Array) -> Problem:
-        """The same problem with lenses that stand at so much of the distance meant, by camera."""
+    def focused_at(self, shares: Array) -> Problem:
+        """The same problem with lenses that stand at so much of the distance meant, by camera (n,), as far as doubted.
+
+        Of shares (k, n) the first is where they stand; what must be sharp is so at each of the k.
+        """
         changed = copy(self)
-        changed.focus_share, changed.known_models = share, {}
+        changed.focus_shares, changed.known_models = np.atleast_2d(shares), {}
+        return changed
+
+    def focused_on(self, distance_m: float | None) -> Problem:
+        """The same problem with lenses meant to be focused at a distance in the first scene's water; None: at best."""
+        changed = copy(self)
+        changed.focus_distance_m, changed.known_models = distance_m, {}
         return changed
 
     def at_f_number(self, f_number: float) -> Problem:

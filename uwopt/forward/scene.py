@@ -291,6 +291,15 @@ def seen_anew(known: SceneOptics, view: SceneView) -> SceneOptics | None:
     return replace(known, view=view) if same else None
 
 
+def without_reserve(known: SceneOptics, *keys: str) -> SceneOptics:
+    """The same scene in which these requirements hold as they are asked for, with nothing kept in hand."""
+    view = known.view
+    asked = {key: getattr(view.asked, key) for key in keys}
+    if all(getattr(view.requirements, key) == value for key, value in asked.items()):
+        return known
+    return replace(known, view=replace(view, requirements=view.requirements.model_copy(update=asked)))
+
+
 def table_of(scene: Scene, *, paper: bool) -> str | None:
     """The table of Jerlov types that a scene's water is from; None: measured where that has the type."""
     return scene.water_table or ("solonenko-mobley" if paper else None)

@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 from uwopt.documents.key_types import (
     CHOICE,
     WHOLE,
+    Positive,
     Section,
     Share,
     number_or_range,
@@ -23,7 +24,8 @@ LEAST_CONFIDENCE, MOST_CONFIDENCE = 0.5, 0.99
 OUTPUT = (0.85, 1.07)  # makers of LEDs state 7 % either way; warm and used they give less
 FLOOR = (0.8, 1.25)
 BEYOND_BAND = 0.25
-FOCUS = (0.98, 1.02)  # on a target at that distance, by what is seen on a screen; marks of a ring err more
+FOCUS = (0.98, 1.02)  # what a tape and the target's place leave open; marks of a ring err more
+FOCUS_PX = 1.0  # a blur disc that is seen on a screen beside none, pixel by pixel
 
 
 def to_confidence(value: Any) -> Any:
@@ -89,6 +91,11 @@ class Doubt(Section):
         default=FOCUS,
         description="[least, most] factor on the distance at which the lens is focused before the port is sealed, "
         "about 1; [1, 1]: it is known",
+    )
+    focus_px: Positive = Field(
+        default=FOCUS_PX,
+        description="blur disc in pixels, at the lens's widest opening, that is seen when the lens is focused on a "
+        "target: it stands no farther off than that at the ends of focus, where they allow more",
     )
     settings: Annotated[Literal["adapt", "fixed"], CHOICE] = Field(
         default="adapt",

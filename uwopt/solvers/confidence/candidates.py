@@ -35,7 +35,10 @@ def worse_part(part: Any, share: float, *, drawn: bool = True) -> Any:
 
 
 def worse_problem(base: Problem, scenarios: Scenarios, share: float) -> Problem:
-    """The same parts, all worse than in a share of the scenarios, in water that is murkier than in as many."""
+    """The same parts, all worse than in a share of the scenarios, in water that is murkier than in as many.
+
+    What must be sharp is so wherever lenses stand in as many.
+    """
     parts, doubt = base.parts, scenarios.doubt
     drawn = doubt.parts
     low, high = doubt.lamp_output
@@ -46,7 +49,10 @@ def worse_problem(base: Problem, scenarios: Scenarios, share: float) -> Problem:
         tuple(worse_part(p, share, drawn=drawn) for p in parts.ports),
         tuple(brighter(worse_part(p, share, drawn=drawn), output) for p in parts.lights),
     )
-    return Problem(
+    worse = Problem(
         base.mission, made, paper=base.paper, owned_lights=base.owned_lights, counts=base.count_range,
         mounts=base.mounts, scenes=scenarios.scenes_at(share), effects=base.effects,
     )  # fmt: skip
+    foci = np.array([1.0, *np.quantile(scenarios.focus, [0.5 * (1.0 - share), 0.5 * (1.0 + share)])])
+    shares = np.repeat(foci[:, None], len(parts.cameras), axis=1)
+    return worse if np.ptp(foci) == 0.0 else worse.focused_at(shares)

@@ -129,10 +129,11 @@ def drawn(doubt: Doubt, problem: Problem) -> Iterator[str]:
             yield f"the other table of the Jerlov types, where it has the water, in {share:g} % of all"
     if doubt.beyond_band > 0.0 and any(map(may_leave_band, problem.scenes)):
         yield f"altitude beyond its band, by up to {100.0 * doubt.beyond_band:g} % of the tolerance"
+    seen_px = f", but no farther off than a blur disc of {doubt.focus_px:g} px at the widest opening tells"
     for name, (low, high), than in (
         ("reflectance of the floor", doubt.floor, "what is stated"),
         ("lumens of the lamps", doubt.lamp_output, "what is stated"),
-        ("distance at which the lens is focused before its port is sealed", doubt.focus, "what is meant"),
+        ("distance at which the lens is focused before its port is sealed", doubt.focus, f"what is meant{seen_px}"),
     ):
         if high > low:
             yield f"{name}, {low:g} to {high:g} times {than}"

@@ -91,7 +91,9 @@ class Together:
             base.mission, Parts(tuple(cameras.parts), tuple(lenses.parts), tuple(ports.parts), tuple(lights.parts)),
             paper=base.paper, owned_lights=base.owned_lights, counts=(int(counts.min()), int(counts.max())),
             mounts=mounts, scenes=base.scenes, effects=base.effects,
-        ).focused_at(np.tile(scenarios.focus, len(cameras.parts) // scenarios.count))  # fmt: skip
+        )  # fmt: skip
+        shares = np.tile(scenarios.focus, len(cameras.parts) // scenarios.count)
+        problem = problem.focused_on(base.focus_distance_m).focused_at(shares)
         landscape = np.array([one.landscape for one in found], int)
         views, view_of = np.unique(
             np.stack([landscape, ports.begin, cameras.begin, lenses.begin], axis=1), axis=0, return_inverse=True

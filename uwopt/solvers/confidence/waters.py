@@ -17,7 +17,15 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.curves.clarity import ClarityEnd
 from uwopt.catalog.curves.spectra import water_types
-from uwopt.forward.scene import LOST, LampLeg, Scattering, SceneOptics, geometric, scene_optics
+from uwopt.forward.scene import (
+    LOST,
+    LampLeg,
+    Scattering,
+    SceneOptics,
+    geometric,
+    scene_optics,
+    without_reserve,
+)
 from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission, SceneView
 from uwopt.solvers.confidence.draws import even_points, probabilities, shuffled, triangular
@@ -143,12 +151,16 @@ class KnownWaters:
 
 
 def over_band(scene: SceneOptics, beyond: float) -> SceneOptics:
-    """A scene whose altitudes go beyond their band by a share of the tolerance; never to the floor itself."""
+    """A scene whose altitudes go beyond their band by a share of the tolerance; never to the floor itself.
+
+    The swath is there as asked for: what is kept of it in hand is kept for such altitudes.
+    """
     if beyond == 0.0 or not may_leave_band(scene):
         return scene
     nominal = float(scene.range_m[scene.nominal])
     most = 0.5 * (1.0 + nominal / (nominal - float(scene.range_m[0])))
-    return replace(scene, range_m=nominal + (scene.range_m - nominal) * min(1.0 + beyond, most), cache={})
+    asked = without_reserve(scene, "min_swath_m", "min_common_swath_m")
+    return replace(asked, range_m=nominal + (scene.range_m - nominal) * min(1.0 + beyond, most), cache={})
 
 
 def may_leave_band(scene: SceneOptics) -> bool:

@@ -27,6 +27,7 @@ from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
 from uwopt.forward.problem import Problem
 from uwopt.forward.spacers import needed_spacer_m
 from uwopt.forward.views import Views, focus_map, views, widest_corner
+from uwopt.model.port import lens_dioptre_per_m
 from uwopt.solvers.exact.imager_rules import (
     Tally,
     beaten_housings,
@@ -225,8 +226,7 @@ def imagers_behind(
     if len(left) < len(camera):
         camera, lens, dioptre, spacers_m = camera[left], lens[left], dioptre[left], spacers_m[left]
         seen = [view.take(left) for view in seen]
-    set_at = dioptre if problem.focus_share is None else dioptre / problem.focus_share[camera]
-    focused = focused_behind(problem, camera, lens, port, seen, set_at, spacers_m)
+    focused = focused_behind(problem, camera, lens, port, seen, stands(problem, camera, lens, dioptre), spacers_m)
     left = tally.passing(focus_rules(problem, camera, lens, focused), camera, lens, ports)
     if len(left) == 0:
         return
@@ -265,21 +265,51 @@ def seen_behind(
         for scene, shape in zip(problem.scenes, shapes, strict=True)
     ]
     maps = [focus_map(scene, shape) for scene, shape in zip(problem.scenes, shapes, strict=True)]
-    dioptre = common_dioptre(problem.scenes, maps, seen)
+    if problem.focus_distance_m is None:
+        dioptre = common_dioptre(problem.scenes, maps, seen)
+    else:
+        dioptre = np.full(len(camera), float(lens_dioptre_per_m(problem.focus_distance_m, focus_map=maps[0])))
     return seen, dioptre, needed_spacer_m(problem.lenses, dioptre, rows=lens)
 
 
+def stands(problem: Problem, camera: Array, lens: Array, dioptre_per_m: Array) -> Array:
+    """Where lenses may stand that are meant to be focused at a dioptre D, (k, n) [1/m]: there, if nothing is in doubt.
+
+    At a share s of the distance meant the lens stands at D' = D / s. Who focuses looks at a target with the iris open,
+    and stops where it is sharp: at the ends of what is in doubt no farther off than a blur disc c of so many pixels at
+    the widest opening tells, f^2 |D' - D| / (1 - f D') <= N_open c (Conrad 2006, eq. 16 in dioptres).
+    """
+    if problem.focus_shares is None:
+        return dioptre_per_m[None, :]
+    doubt = problem.mission.doubt
+    cameras, lenses = problem.cameras.take(camera), problem.lenses.take(lens)
+    focal_m = lenses.focal_length_m
+    open_m = lenses.f_number_min * doubt.focus_px * cameras.pixel_pitch_m / focal_m
+    seen = open_m * (1.0 / focal_m - dioptre_per_m)
+    near, far = (np.abs(dioptre_per_m / share - dioptre_per_m) for share in doubt.focus)
+    with np.errstate(divide="ignore"):
+        nearer = np.minimum(seen / (1.0 + open_m) / near, 1.0)
+        farther = np.minimum(seen / np.maximum(1.0 - open_m, 1e-9) / far, 1.0)
+    off = dioptre_per_m / problem.focus_shares[:, camera] - dioptre_per_m
+    return np.asarray(dioptre_per_m + np.where(off > 0.0, nearer, farther) * off)
+
+
 def focused_behind(
-    problem: Problem, camera: Array, lens: Array, port: int, seen: list[Views], dioptre_per_m: Array, spacers_m: Array
+    problem: Problem, camera: Array, lens: Array, port: int, seen: list[Views], stands_per_m: Array, spacers_m: Array
 ) -> list[Focused]:  # fmt: skip
-    """What focus and motion ask of these pairs in every scene."""
+    """What focus and motion ask of these pairs in every scene.
+
+    stands_per_m : where lenses stand, and where else they may, (k, n): what must be sharp is so at each
+    """
+    dioptre_per_m = stands_per_m[0]
     cameras, focused = problem.cameras.take(camera), []
     for index, (scene, view) in enumerate(zip(problem.scenes, seen, strict=True)):
         requirements, shape = scene.view.requirements, problem.shape(port, index)
         with np.errstate(divide="ignore", invalid="ignore"):
             factor = working_factor(scene, view.focal_length_m, dioptre_per_m)
         closed = problem.lenses.f_number_from(requirements.lens_stop_down)[lens]
-        n_depth = depth_f_number(scene, focus_map(scene, shape), view, dioptre_per_m)
+        at = focus_map(scene, shape)
+        n_depth = np.max([depth_f_number(scene, at, view, one) for one in stands_per_m], axis=0)
         rate = required_rate_hz(requirements, scene.view.vehicle.speed_m_s, view.footprint_along_m)
         focused.append(
             Focused(
