@@ -14,13 +14,18 @@ from thorough import THOROUGH
 import uwopt
 from uwopt.api import certainty
 from uwopt.cli.status import result_status
+from uwopt.deadline import NEVER
 from uwopt.errors import MissionError
+from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
+from uwopt.objectives.goal import goal_of
 from uwopt.report.text.certainty import percent
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import short_text_blocks
+from uwopt.results.certainty import Confidence
 from uwopt.results.result import Result
 from uwopt.solvers.confidence import search
+from uwopt.solvers.recommend import seek
 
 ROOT = Path(__file__).parents[2]
 TANK = ROOT / "problems" / "paper-tank.yaml"
@@ -179,3 +184,55 @@ def test_a_given_focus_counts() -> None:
         known[focus_m] = result.confidence
     assert known[2.0].held == pytest.approx(known[None].held, abs=0.01)
     assert known[0.5].held == 0.0 and known[0.5].lost_to[0].requirement == "min_dof_m"
+
+
+STROBED: dict[str, Any] = {
+    "practice": "recommended", "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "objective": "power",
+    "vehicle": {"altitude_m": 2.0, "altitude_tolerance_m": 0.3, "speed_m_s": 0.3, "light_count": 2,
+                "orientation": "landscape"},
+    "requirements": {"overlap": 0.6, "min_snr_db": 22, "max_gsd_mm": 1.5, "max_blur_px": 1.5},
+    "doubt": {"scenarios": 32},
+}  # fmt: skip
+ONE_OF_EACH: dict[str, Any] = {
+    "cameras": ["avt-alvium-1800-c-234m"], "lenses": ["raspberry-pi-16-mm-telephoto*"],
+    "lights": ["arctic-rays-dragonfish-mini-strobe-65deg"],
+}  # fmt: skip
+
+
+@pytest.mark.skipif(not THOROUGH, reason="15 CPU s")
+def test_parts_to_be_made_are_taken_where_they_alone_are_sure_enough() -> None:
+    """Behind the sold dome the corners are too dark in most waters; behind a larger one, to be made, in few."""
+    held = {}
+    for generic in ("never", "fallback"):
+        mission = STROBED | {"catalog": ONE_OF_EACH | {"generic": generic}}
+        result = uwopt.solve(mission, quick=True)
+        assert result.confidence is not None and result.recommendation is not None and result.certificate is not None
+        assert result.certificate.adds_up()
+        held[generic] = result.confidence.held
+        codes = [note["code"] for note in result.warnings]
+        assert (certainty.MADE_IS_SURER in codes) == (generic == "fallback") == result.confidence.enough
+    assert held["never"] < 0.5 < 0.85 < held["fallback"]
+
+
+def test_parts_to_be_made_are_asked_only_where_they_may_be_surer() -> None:
+    """Not where what is sold is sure enough, nor where the mission wants none, nor where it is of all parts already."""
+    wanted = load_mission(STROBED | {"catalog": ONE_OF_EACH})
+    goal, catalog = goal_of(wanted), load_catalog(wanted)
+    sold = Confidence(
+        asked=0.9, enough=False, held=0.3, held_low=0.2, held_high=0.4, scenarios=64, held_in_choice=0.3,
+        scenarios_in_choice=64, objective_p50=None, objective_p90=None, f_number=None, lost_to=[],
+    )  # fmt: skip
+
+    def asked(generic: str, policy: str, known: Confidence) -> bool:
+        mission = wanted.with_changes(catalog=wanted.to_dict()["catalog"] | {"generic": policy})
+        sought = seek(mission, catalog, goal, generic=generic, top=1)  # type: ignore[arg-type]
+        with pytest.MonkeyPatch.context() as patch:
+            tried: list[float] = []
+            patch.setattr(certainty, "has_room", lambda *_: tried.append(1.0))
+            assert certainty.surer_of_all_parts(sought, goal, known, NEVER, None, {}) is None
+        return bool(tried)
+
+    assert asked("never", "fallback", sold)
+    assert not asked("never", "fallback", replace(sold, enough=True))
+    assert not asked("never", "never", sold)
+    assert not asked("allow", "fallback", sold)

@@ -208,6 +208,13 @@ DEFECTS = (
         test="tests/solvers/test_confidence_draws.py::test_beyond_its_band_the_swath_is_as_asked_for",
     ),
     Defect(
+        name="parts to be made are asked though they were in the search",
+        file="uwopt/api/searching.py",
+        old='return fallback and any(rules.get("generic")',
+        new='return fallback or any(rules.get("generic")',
+        test="tests/api/test_confidence.py::test_parts_to_be_made_are_asked_only_where_they_may_be_surer",
+    ),
+    Defect(
         name="nobody sees that the lens is out of focus",
         file="uwopt/solvers/exact/imagers.py",
         old="nearer = np.minimum(seen / (1.0 + open_m) / near, 1.0)",

@@ -11,8 +11,9 @@ from itertools import islice
 import numpy as np
 
 from uwopt.api.common import Progress
+from uwopt.api.searching import leaves_out_generic, of_all_parts
 from uwopt.api.timing import STAGES, timed
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
@@ -26,14 +27,18 @@ from uwopt.solvers.confidence.search import (
     Certain,
     at_its_stop,
     check_fixed,
+    has_room,
     most_certain,
     scenarios_of,
     with_stop,
 )
+from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.recommend import Sought, design_of
+from uwopt.solvers.recommend import Sought, best_settable, design_of
 
+MADE_IS_SURER = "made_is_surer"  # code of the warning that parts to be made hold as often as asked, sold ones not
+ALL_PARTS = "parts to be made that may hold more often"  # where there is no time for them
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
 CERTAINTY_S = 15.0  # of the processor, where no time is given
 MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
@@ -75,6 +80,40 @@ def with_confidence(
     others = [one for one in sought.outcome.best if not same_hardware(one, found)]
     outcome = replace(sought.outcome, best=[found, *others])
     return replace(sought, outcome=outcome), design, counted, counted.enough and certain.proven
+
+
+def surer_of_all_parts(
+    sought: Sought, goal: Objective, sold: Confidence | None, deadline: Deadline, progress: Progress | None,
+    timing: dict[str, float],
+) -> tuple[Sought, Outcome, Design, Confidence, bool] | None:  # fmt: skip
+    """The same with parts to be made, and what is proven of them by central numbers: where only they are sure enough.
+
+    None where what is sold holds as often as asked, no other parts do, none were left out, or time is out.
+    """
+    if sold is None or sold.enough or not leaves_out_generic(sought):
+        return None
+
+    def found() -> tuple[Sought, Design] | None:
+        with timed(timing, "search_generic"):
+            every = of_all_parts(sought, goal, deadline, progress)
+            if not every.outcome.complete:
+                raise OutOfTimeError
+            room = has_room(every.problem, goal, sold.asked, deadline)
+            return best_settable(every, goal, deadline) if room else None
+
+    made = deadline.within(ALL_PARTS, found, None)
+    if made is None:
+        return None
+    every, winner, counted, surely_best = with_confidence(*made, goal, deadline, progress, timing)
+    if counted is None or not counted.enough:
+        return None
+    asked = "at every end" if sold.asked == ENDS else f"in {100.0 * float(sold.asked):g} % of the scenarios"
+    text = (
+        f"nothing sold that was counted holds {asked}: the best of it does in {100.0 * sold.held:.0f} %; with parts to "
+        f"be made this does in {100.0 * counted.held:.0f} %"
+    )
+    winner = replace(winner, warnings=[Note(MADE_IS_SURER, "catalog.generic", text), *winner.warnings])
+    return every, made[0].outcome, winner, counted, surely_best
 
 
 def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Deadline) -> tuple[Certain, Design]:

@@ -59,6 +59,21 @@ def known_from(like: Sought | None) -> dict[str, Any]:
     return {"like": like.problem, "imagers": like.search.every_imager}
 
 
+def leaves_out_generic(sought: Sought) -> bool:
+    """Whether parts to be made, which the mission takes where those that are sold do not do, were left out."""
+    fallback = sought.problem.mission.catalog.generic == "fallback"
+    return fallback and any(rules.get("generic") for rules in sought.selection.counts.values())
+
+
+def of_all_parts(sought: Sought, goal: Objective, deadline: Deadline, progress: Progress | None) -> Sought:
+    """The same search with parts to be made."""
+    problem = sought.problem
+    return seek(
+        problem.mission, sought.selection.catalog, goal, generic="allow", top=sought.search.top, deadline=deadline,
+        progress=progress, fineness=problem.fineness, like=problem,
+    )  # fmt: skip
+
+
 def generic_search(
     mission: Mission, catalog: Catalog, goal: Objective, sought: Sought, top: int, deadline: Deadline,
     progress: Progress | None,

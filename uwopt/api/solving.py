@@ -220,10 +220,14 @@ def found_result(
             cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
     certain, surely_best, proven_outcome = None, True, sought.outcome  # of central numbers
     if not cut and sought.outcome.best and sought.problem.mission.confidence != CENTRAL:
-        from uwopt.api.certainty import with_confidence
+        from uwopt.api.certainty import surer_of_all_parts, with_confidence
 
         try:
             sought, winner, certain, surely_best = with_confidence(sought, winner, goal, deadline, progress, timing)
+            surer = surer_of_all_parts(sought, goal, certain, deadline, progress, timing)
+            if surer is not None:
+                alternative, others = None, []
+                sought, proven_outcome, winner, certain, surely_best = surer
         except KeyboardInterrupt:
             cut = True
     best = sought.outcome.best[0]

@@ -118,6 +118,13 @@ def most_certain(
     return certain if asked == ENDS else judged_anew(problem, objective, certain, deadline)
 
 
+def has_room(problem: Problem, objective: Objective, asked: float | str, deadline: Deadline) -> bool:
+    """Whether anything fits where parts and water are worse than in most scenarios; else hardly any holds in most."""
+    scenarios = scenarios_of(problem, asked, problem.mission.seed, problem.mission.doubt.scenarios)
+    worse = worse_problem(problem, scenarios, WORSE[0])
+    return bool(Search(worse, objective, top=1, deadline=deadline, enough=True).run().best)
+
+
 def check_fixed(problem: Problem, objective: Objective) -> None:
     """Settings that are fixed before the water is seen are not counted under the sun, nor for information."""
     under_sun = any(scene.sunlit for scene in problem.scenes)
