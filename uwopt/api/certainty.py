@@ -41,6 +41,7 @@ MADE_IS_SURER = "made_is_surer"  # code of the warning that parts to be made hol
 ALL_PARTS = "parts to be made that may hold more often"  # where there is no time for them
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
 CERTAINTY_S = 15.0  # of the processor, where no time is given
+EASED_S = 8.0  # of the processor, likewise, for what asked less would make certain enough
 MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
 OF_A_SYSTEM = 10_000  # scenarios in which a given system is counted
 AS_CENTRAL = "certainty_left_out"  # that there was no time for it
@@ -161,6 +162,7 @@ def confidence_of(
     given : of the first scene; its lens is focused where that says. With the design's own settings where the mission
         has them fixed before.
     """
+    from uwopt.solvers.confidence.deciding import decided_by
     from uwopt.solvers.confidence.outcomes import outcomes
     from uwopt.solvers.confidence.summary import counted
 
@@ -178,7 +180,25 @@ def confidence_of(
     own = as_given(problem, hardware, design) if fixed else None
     made = outcomes(problem, found, goal, scenarios, deadline, f_numbers=stops, given=own)
     share = 1.0 if asked == ENDS else float(asked)
-    return counted(problem, goal, Counted(found, made, made.best(share)), asked=asked, share=share)
+    seen = Counted(found, made, made.best(share))
+    by = [] if asked == ENDS else decided_by(problem, goal, seen, scenarios)
+    known = counted(problem, goal, seen, asked=asked, share=share, decided_by=by)
+    return eased(problem, found, goal, known, deadline)
+
+
+def eased(problem: Problem, found: Found, goal: Objective, known: Confidence, deadline: Deadline) -> Confidence:
+    """What was counted, and where that is not enough, with what asked less it would be."""
+    from uwopt.solvers.confidence.deciding import would_hold
+    from uwopt.solvers.confidence.outcomes import outcomes
+
+    if known.enough or known.asked == ENDS:
+        return known
+    timed = math.isfinite(deadline.end_s)
+    deadline = deadline.at_most(EASED_S) if timed else Deadline.after(EASED_S, time.process_time)
+    share, stops = float(known.asked), None if known.f_number is None else [known.f_number]
+    scenarios = scenarios_of(problem, share, problem.mission.seed, problem.mission.doubt.scenarios)
+    seen = Counted(found, outcomes(problem, found, goal, scenarios, f_numbers=stops), 0)
+    return replace(known, would_hold=would_hold(problem, goal, seen, scenarios, share, deadline))
 
 
 def as_given(problem: Problem, hardware: Hardware, design: Design) -> list[SceneSetting]:

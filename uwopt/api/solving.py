@@ -308,7 +308,13 @@ def doubted(
     opinions: list[dict[str, Any]] = []
     bought: Knee | None = None
     costs: list[Price] = []
+    counted = made.confidence
     try:
+        if counted is not None and not counted.enough:
+            from uwopt.api.certainty import eased
+
+            with timed(timing, "eased", progress):
+                counted = eased(sought.problem, sought.outcome.best[0], goal, counted, deadline)
         with timed(timing, "robustness", progress):
             doubt = doubts(sought, goal, winner, patience)
         if goal.quality:
@@ -324,8 +330,10 @@ def doubted(
     notes = cut_warnings() if cut else []
     if patience is not deadline:
         notes += patience_warnings(patience, DOUBTS_S)
-    told = [*made.warnings, *notes]
-    return replace(made, robustness=doubt, knee=bought, solvers=opinions, prices=costs, warnings=told)
+    return replace(
+        made, confidence=counted, robustness=doubt, knee=bought, solvers=opinions, prices=costs,
+        warnings=[*made.warnings, *notes],
+    )  # fmt: skip
 
 
 def proven_line(winner: Design, goal: Objective, currency: str) -> str:

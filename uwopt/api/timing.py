@@ -9,6 +9,7 @@ from typing import Any
 #: What a person reads while a stage lasts that does not tell how far it is.
 STAGES = {
     "certainty": "in how many scenarios hardware holds",
+    "eased": "what asked less would make certain enough",
     "knee": "what more power and money would buy",
     "robustness": "how firm the answer is", "second_opinion": "second opinions",
     "prices": "what requirements cost", "ranges": "where other systems take over",

@@ -26,9 +26,10 @@ practice: recommended          # the default
 
 # Where it works. Several places that one system must serve: write `scenes:` and a list.
 scene:
-  water: II                    # Jerlov type I IA IB II III 1C 3C 5C 7C 9C, or a CSV profile
-  # c_per_m: 0.4               # recommended instead of water: what was measured, the beam attenuation at 530 nm;
-                               # or visibility_m (a black disc seen horizontally), secchi_m or turbidity_ntu
+  c_per_m: 0.25                # beam attenuation at 530 nm, measured where it will work; or visibility_m (a black disc
+                               # seen horizontally), secchi_m or turbidity_ntu: ranges come with these
+  # water: II                  # instead: Jerlov type I IA IB II III 1C 3C 5C 7C 9C, or a CSV profile; of a type two
+                               # published tables differ so much that few systems serve both
   # water_table: measured      # measured | solonenko-mobley
   seafloor: coral              # sand | hard | coral | organic | benthic-average | 0..1 | a CSV spectrum
   # target: floor              # wall | mid_water: looked at level; mid_water has open water behind its targets

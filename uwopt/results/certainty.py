@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from uwopt.results.basis import Moved
 from uwopt.results.record import RECORD, Flag, Number, Record, Whole
 
 
@@ -32,6 +33,16 @@ class WorthKnowing(Record):
     what: str = Field(description="field of the part, or what of the water")
     part: str = Field(description="id of the part; empty where it is of none")
     worth: Number = Field(description="fall of the median of the objective, on average")
+
+
+@dataclass(frozen=True, config=RECORD)
+class Decides(Record):
+    """An uncertain number on which it depends whether a system holds."""
+
+    what: str = Field(description="field of the part, or what of the water")
+    part: str = Field(description="id of the part; empty where it is of none")
+    held_low: Number = Field(description="share of the scenarios that holds where it is low; of a choice, by the first")
+    held_high: Number = Field(description="the same where it is high; by the other")
 
 
 @dataclass(frozen=True, config=RECORD)
@@ -97,5 +108,11 @@ class Confidence(Record):
     curve: list[CertaintyPoint] = Field(default_factory=list, description="what confidence costs, from 0.5 to 0.99")
     ask_first: list[WorthKnowing] = Field(
         default_factory=list, description="what would be worth knowing before buying, the most first"
+    )
+    decided_by: list[Decides] = Field(
+        default_factory=list, description="on what it depends most whether it holds; none where luck does as well"
+    )
+    would_hold: list[Moved] = Field(
+        default_factory=list, description="keys of which less would let it hold as often as asked, each moved alone"
     )
     drawn: list[str] = Field(default_factory=list, description="what the scenarios draw, in words")

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 from uwopt.report.text import formats, words
 from uwopt.report.text.doubts import number_name
-from uwopt.report.text.layout import Block, Line, block, columns, fact_lines
+from uwopt.report.text.helps import move_text
+from uwopt.report.text.layout import Block, Line, block, columns, fact_lines, sentence
 from uwopt.report.text.layout import Text as Cell
-from uwopt.results.certainty import CertaintyProof, Confidence, WorthKnowing
+from uwopt.results.certainty import CertaintyProof, Confidence, Decides, WorthKnowing
 from uwopt.results.result import Result
 
 LOST_TO = {
@@ -147,3 +148,29 @@ def asked_text(one: WorthKnowing) -> str:
     return f"{verb} {formats.one_line(one.what)}"
 
 
+
+
+def surer_block(result: Result) -> Iterator[Block]:
+    """On what it depends whether a system that is not certain enough holds, and with what asked less it would."""
+    known = result.confidence
+    if known is None or known.enough:
+        return
+    lines: list[Line] = [sentence(decides_text(one)) for one in known.decided_by]
+    if known.would_hold:
+        told = words.listed([move_text(move) for move in known.would_hold])
+        one_of = "with any one of these asked instead" if len(known.would_hold) > 1 else "with this asked instead"
+        lines.append(sentence(f"This system holds in {percent(float(known.asked))} {one_of}: {told}."))
+    if lines:
+        yield block("What would make it certain", lines)
+
+
+def decides_text(one: Decides) -> str:
+    """`It depends on the clarity of the water: holds in 12 % where that is low, in 97 % where it is high.`"""
+    if one.what.startswith("which"):
+        both = f"in {percent(one.held_low)} by the one taken here, in {percent(one.held_high)} by the other"
+        return f"It depends on {formats.one_line(one.what)}: holds {both}. Measure the water (scene.c_per_m)."
+    what = formats.one_line(one.what)
+    if one.part:
+        what = f"{formats.one_line(number_name(one.what.partition('.')[2]))} of {formats.one_line(one.part, 60)}"
+    both = f"in {percent(one.held_low)} where it is low, in {percent(one.held_high)} where it is high"
+    return f"It depends on {what}: holds {both}."

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import formats, words
-from uwopt.report.text.certainty import ask_first, certainty_block, status_text
+from uwopt.report.text.certainty import ask_first, certainty_block, status_text, surer_block
 from uwopt.report.text.doubts import (
     excluding_most,
     fit_sentence,
@@ -101,6 +101,7 @@ def rest_of_blocks(result: Result) -> Iterator[Block]:
     if design is None:
         yield from nothing_blocks(result)
         return
+    yield from surer_block(result)
     yield risk_block(result.risks)
     if said := short_price_sentence(result):
         yield block("What asking for more costs", [sentence(said)])

@@ -20,6 +20,7 @@ from uwopt.results.certainty import (
     WorthKnowing,
 )
 from uwopt.solvers.confidence.counted import Counted, rank
+from uwopt.solvers.confidence.deciding import decided_by
 from uwopt.solvers.confidence.proof import NoneBetter
 from uwopt.solvers.confidence.search import Certain
 from uwopt.solvers.confidence.waters import may_leave_band
@@ -54,6 +55,7 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
         counted=len(certain.tried), complete=certain.complete, fresh=ends or certain.fresh is not None,
         proof=None if certain.proof is None else proof_told(objective, certain.proof),
         curve=[] if ends else list(curve(problem, objective, certain)),
+        decided_by=[] if ends else decided_by(problem, objective, certain.best, certain.scenarios),
         ask_first=[] if ends else [
             WorthKnowing(one.what, one.part, objective.amount(one.worth, certain.best.quantile(0.5)))
             for one in worth_of_knowing(problem, objective, certain)[:MOST_ASKED]

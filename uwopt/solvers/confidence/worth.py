@@ -20,6 +20,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.draws import probabilities
 from uwopt.solvers.confidence.scenarios import BEAM_FACTS, PORTS, Scenarios
 from uwopt.solvers.confidence.search import Certain
+from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.one_hardware import pieces_of
 from uwopt.solvers.explain.robustness import matters
 
@@ -51,7 +52,8 @@ def worth_of_knowing(problem: Problem, objective: Objective, certain: Certain) -
 
     luck = np.random.default_rng(certain.scenarios.seed).random((OF_LUCK, values.shape[1]))
     least = max(LEAST_REL * abs(plain), *(worth_of(number) for number in luck))
-    told = [(what, part, worth_of(number)) for what, part, number in numbers_of(problem, objective, certain)]
+    of_best = problem, objective, certain.scenarios, certain.best.found
+    told = [(what, part, worth_of(number)) for what, part, number in numbers_of(*of_best)]
     found = [Worth(*one) for one in told if one[2] > least]
     return sorted(found, key=lambda one: -one.worth)
 
@@ -75,9 +77,10 @@ def middle(values: Array) -> Array:
     return np.asarray(np.sort(values, axis=1)[:, (values.shape[1] - 1) // 2])
 
 
-def numbers_of(problem: Problem, objective: Objective, certain: Certain) -> Iterator[tuple[str, str, Array]]:
+def numbers_of(
+    problem: Problem, objective: Objective, scenarios: Scenarios, found: Found
+) -> Iterator[tuple[str, str, Array]]:
     """Each uncertain number as it is in every scenario: name, part, a number that grows with it."""
-    scenarios = certain.scenarios
     states = scenarios.states
     for name, text in (
         ("clarity", "clarity of the water"), ("lamp_leg", "K of the lamps' way"), ("floor", "reflectance of the floor"),
@@ -90,7 +93,7 @@ def numbers_of(problem: Problem, objective: Objective, certain: Certain) -> Iter
         yield "distance at which the lens stands", "", np.abs(scenarios.focus - 1.0)
     if not scenarios.doubt.parts:
         return
-    for kind, part in pieces_of(problem, certain.best.found):
+    for kind, part in pieces_of(problem, found):
         for name in (name for name, _ in doubtful(part) if matters(name, problem, objective)):
             yield f"{kind}.{name}", part.id, drawn(scenarios, part, name)
 

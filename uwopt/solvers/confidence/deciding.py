@@ -1,0 +1,163 @@
+"""What decides whether hardware holds: the uncertain number on which it depends most, and what asked less would do.
+
+Scenarios are sorted by a number; where its low third holds far more often than its high third, or the other way round,
+to know that number is to know whether the hardware will do.
+
+What asked less would do is found by moving one requirement at a time, and counted in the same scenarios.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.deadline import Deadline, OutOfTimeError
+from uwopt.errors import MissionError
+from uwopt.forward.problem import Problem
+from uwopt.mission.mission import Mission
+from uwopt.mission.varying import Varied, VariedMission
+from uwopt.objectives.objective import Objective
+from uwopt.results.basis import Moved
+from uwopt.results.certainty import Decides
+from uwopt.solvers.confidence.counted import Counted
+from uwopt.solvers.confidence.outcomes import outcomes
+from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.waters import Waters
+from uwopt.solvers.confidence.worth import OF_LUCK, numbers_of
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.explain.least_change import rounded_away
+from uwopt.solvers.explain.one_hardware import problem_of
+from uwopt.solvers.explain.weakened import LEAST_SNR_DB, RELAXABLE, asked_value, is_from_above, with_limit
+from uwopt.solvers.recommend import same_scenes
+from uwopt.units import split_unit
+
+Array = NDArray[np.float64]
+PART = 3  # of the scenarios, sorted by a number: its first and its last such share are set against each other
+LEAST = 0.2  # by which these shares differ at least, to be told
+MOST_TOLD = 2  # numbers
+#: What gives a lamp's light room, where too little or too much of it is what is missed first.
+FOR_LIGHT = ("min_snr_db", "min_snr_red_db", "min_contrast", "max_gain_db", "max_blur_px")
+ALTITUDE = "altitude_m"
+FARTHEST = 4.0  # times as much, or as little
+FARTHEST_DB = 20.0
+NEAREST = 0.75  # of the altitude that is asked
+CLOSE = 0.05  # of a change: no nearer is looked for
+HALVINGS = 6
+
+
+def decided_by(problem: Problem, objective: Objective, seen: Counted, scenarios: Scenarios) -> list[Decides]:
+    """The numbers on which it depends most whether hardware holds, the first most; none where luck does as well."""
+    held = np.isfinite(seen.outcomes.value[seen.stop])
+    if held.all() or not held.any():
+        return []
+    luck = np.random.default_rng(scenarios.seed).random((OF_LUCK, len(held)))
+    least = max(LEAST, *(abs(np.subtract(*shares(held, number))) for number in luck))
+    every = [
+        Decides(what, part, *shares(held, number))
+        for what, part, number in numbers_of(problem, objective, scenarios, seen.found)
+    ]
+    told = [one for one in every if apart(one) > least]
+    return sorted(told, key=apart, reverse=True)[:MOST_TOLD]
+
+
+def apart(one: Decides) -> float:
+    """How far the shares at both sides of a number differ."""
+    return abs(one.held_high - one.held_low)
+
+
+def shares(held: NDArray[np.bool_], number: Array) -> tuple[float, float]:
+    """Share that holds where a number is low, and where it is high; of two values, by value."""
+    values = np.unique(number)
+    if len(values) == 2:
+        return tuple(float(held[number == value].mean()) for value in values)  # type: ignore[return-value]
+    order = np.argsort(number, kind="stable")
+    count = max(len(order) // PART, 1)
+    return float(held[order[:count]].mean()), float(held[order[-count:]].mean())
+
+
+def would_hold(
+    problem: Problem, objective: Objective, seen: Counted, scenarios: Scenarios, share: float, deadline: Deadline
+) -> list[Moved]:
+    """Requirements of which less would let the hardware hold as often as asked, each moved alone, as far as time goes.
+
+    What is told was counted; its lens may stand at another stop then.
+    """
+    made, missed = [], seen.outcomes.missed(seen.stop)
+    for key, unit, asked, far, mission_at in moves(problem.mission, missed):
+
+        def holds(value: float, key: str = key, mission_at: Any = mission_at) -> bool:
+            deadline.check()
+            try:
+                mission = mission_at(value)
+            except MissionError:
+                return False
+            moved = key == ALTITUDE
+            return held_with(problem, objective, seen.found, scenarios, mission, moved=moved) >= share
+
+        try:
+            if holds(far):
+                made.append(Moved(key, asked, nearest(asked, far, holds), unit, True))
+        except OutOfTimeError:
+            break
+    return made
+
+
+def nearest(asked: float, far: float, holds: Any) -> float:
+    """The value nearest to what is asked with which it holds, to a few hundredths of the change."""
+    near = asked
+    for _ in range(HALVINGS):
+        step = rounded_away(0.5 * (near + far), asked)
+        if abs(far - near) <= CLOSE * abs(asked - near) or not min(near, far) < step < max(near, far):
+            break
+        if holds(step):
+            far = step
+        else:
+            near = step
+    return far
+
+
+def moves(mission: Mission, missed: Iterable[str]) -> Iterator[tuple[str, str, float, float, Any]]:
+    """Key, unit, what is asked, a value far from it that asks for less, and the mission with a value.
+
+    Of requirements those that are missed; at last the altitude, which eases most of them.
+    """
+    wanted = {key for name in missed for key in (FOR_LIGHT if name == "light" else (name,))}
+    for name, (section, key, _) in RELAXABLE.items():
+        asked = asked_value(mission, section, key) if wanted.intersection((name, key)) else None
+        if not asked:
+            continue
+        unit, above = split_unit(key)[1], is_from_above(name)
+        if unit == "db":
+            far = asked + FARTHEST_DB if above else max(asked - FARTHEST_DB, LEAST_SNR_DB)
+        else:
+            far = asked * FARTHEST if above else asked / FARTHEST
+
+        def with_value(value: float, section: str = section, key: str = key, asked: float = asked) -> Mission:
+            return with_limit(mission, section, key, asked, value)
+
+        yield key, unit, asked, far, with_value
+    values = {view.vehicle.altitude_m for view in mission.views}
+    if len(values) == 1 and (altitude := values.pop()):
+        varied, there = VariedMission(mission, {}), Varied(ALTITUDE, "vehicle", ALTITUDE, ())
+
+        def lowered(value: float) -> Mission:
+            return varied.with_values({there: value})
+
+        yield ALTITUDE, split_unit(ALTITUDE)[1], altitude, rounded_away(NEAREST * altitude, altitude), lowered
+
+
+def held_with(
+    problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission, *, moved: bool = False
+) -> float:
+    """Share of the same scenarios in which one hardware holds in another mission; `moved`: at another altitude."""
+    alone = problem_of(problem, found, mission=mission, scenes=same_scenes(problem, mission))
+    waters = Waters.of(mission, alone.scenes)
+    for own, known in zip(waters.nodes_of, scenarios.waters.nodes_of, strict=True):
+        own.known = known.known  # spectra, which no requirement changes
+    here = replace(scenarios, waters=waters, responses={} if moved else scenarios.responses)
+    made = outcomes(alone, replace(found, camera=0, lens=0, port=0, light=0), objective, here)
+    return float(made.held.max())
